@@ -1,0 +1,35 @@
+/// What a rig puts on the bus in one period, in SI: the other side of control::Sensors.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/control/types.hpp"
+
+namespace antiskid::can {
+
+/// One toothed encoder as its own electronics see it, and the speed that a sensor of the other kind would report.
+struct SpeedSample {
+    std::uint32_t edge_count = 0;  ///< rolls over
+    control::Time edge_time{};     ///< sensor's clock
+    float speed_radps = 0.0F;      ///< for layouts whose sensor reports speed
+};
+
+struct ManeuverSample {
+    control::Law law = control::Law::wheel_slip;
+    bool arm = false;
+    bool weight_on_wheels = false;
+    float demand_Pa = 0.0F;
+    float slip_reference = 0.0F;
+    float deceleration_mps2 = 0.0F;
+    float current_mA = 0.0F;
+};
+
+struct RigSample {
+    SpeedSample wheel;
+    SpeedSample flywheel;
+    float pressure_Pa = 0.0F;
+    ManeuverSample maneuver;
+    bool emergency_stop = false;
+};
+
+}  // namespace antiskid::can
