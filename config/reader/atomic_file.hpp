@@ -1,0 +1,18 @@
+/// Result files that are whole or not there.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "config/reader/error.hpp"
+
+namespace settings {
+
+/// Writes `bytes` to a temporary file beside `path`, fsyncs it, renames it to `path` and fsyncs the
+/// directory: after a crash, a full disk or a kill, `path` holds all of the old bytes or all of the new.
+/// Missing parent directories are created. A symbolic link is followed. Error naming `path` when anything
+/// fails, and when `path` is there but is no regular file (a rename would replace a device or a pipe); the
+/// temporary file is then removed. Permissions are 0666 less the umask.
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace settings
