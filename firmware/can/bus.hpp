@@ -1,6 +1,7 @@
 /// The bus as the programs see it: a real SocketCAN interface or the in-process loopback.
 ///
-/// Nothing here allocates, locks, throws or logs after construction: both ends may be used from a real-time thread.
+/// Nothing here allocates, locks, throws or logs after construction: both ends may be used from a real-time
+/// thread.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +13,14 @@ namespace antiskid::can {
 
 /// What the link itself reports; every count is since construction and rolls over.
 struct LinkStatus {
-    bool up = true;                      ///< false: interface down, gone, or bus-off
-    bool bus_off = false;                ///< the controller chip left the bus
-    std::uint32_t error_frames = 0;      ///< error frames of any class
+    bool up = true;                  ///< false: interface down, gone, or bus-off
+    bool bus_off = false;            ///< the controller chip left the bus
+    std::uint32_t error_frames = 0;  ///< error frames of any class
     std::uint32_t bus_off_events = 0;
-    std::uint32_t receive_dropped = 0;   ///< frames the kernel dropped since our queue was full
-    std::uint32_t transmit_dropped = 0;  ///< frames given up: queue full, a newer one of the same id took its place
-    std::uint32_t malformed = 0;         ///< remote, extended, FD or over-long frames, ignored
+    std::uint32_t receive_dropped = 0;  ///< frames the kernel dropped since our queue was full
+    std::uint32_t transmit_dropped =
+        0;                        ///< frames given up: queue full, a newer one of the same id took its place
+    std::uint32_t malformed = 0;  ///< remote, extended, FD or over-long frames, ignored
 };
 
 class Bus {
@@ -31,7 +33,8 @@ class Bus {
     /// Sends now or not at all: false when the queue is full or the link is down. Never waits, never retries.
     virtual bool send(const Frame& frame) = 0;
 
-    /// Waits until a frame can be received or `timeout` has passed; false on time-out. For the lockstep clock and tests only.
+    /// Waits until a frame can be received or `timeout` has passed; false on time-out. For the lockstep clock
+    /// and tests only.
     virtual bool wait(Time timeout) = 0;
 
     [[nodiscard]] virtual LinkStatus status() const = 0;

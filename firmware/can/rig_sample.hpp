@@ -7,7 +7,8 @@
 
 namespace antiskid::can {
 
-/// One toothed encoder as its own electronics see it, and the speed that a sensor of the other kind would report.
+/// One toothed encoder as its own electronics see it, and the speed that a sensor of the other kind would
+/// report.
 struct SpeedSample {
     std::uint32_t edge_count = 0;  ///< rolls over
     control::Time edge_time{};     ///< sensor's clock
@@ -24,11 +25,19 @@ struct ManeuverSample {
     float current_mA = 0.0F;
 };
 
+/// Telemetry of the rig; no input of the controller.
+struct LoadCellSample {
+    float vertical_N = 0.0F;
+    float longitudinal_N = 0.0F;
+    float brake_torque_Nm = 0.0F;
+};
+
 struct RigSample {
     SpeedSample wheel;
     SpeedSample flywheel;
     float pressure_Pa = 0.0F;
     ManeuverSample maneuver;
+    LoadCellSample load_cells;
     bool emergency_stop = false;
 };
 

@@ -1,0 +1,27 @@
+/// How full the bus is, from the layout alone.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/can/layout.hpp"
+
+namespace antiskid::can {
+
+/// Longest classic frame with an 11-bit identifier and `length` data bytes, in bit times: 44 + 8 n of frame,
+/// one stuff bit after every four bits of the 34 + 8 n that are stuffed, the first needing five, and 3 of
+/// interframe space (ISO 11898-1; Davis, Burns, Bril and Lukkien, 2007, eq. 1: 55 + 10 n).
+[[nodiscard]] constexpr std::uint32_t worst_case_bits(std::uint32_t length) {
+    const std::uint32_t stuffed = 34U + 8U * length;
+    return 44U + 8U * length + (stuffed - 1U) / 4U + 3U;
+}
+
+struct BusLoad {
+    double mean = 0.0;  ///< share of the bus in the long run, 0 to 1, every frame stuffed to the worst
+    double peak = 0.0;  ///< share of the fullest control period, both programs stepping together
+};
+
+/// Every cyclic message of `layout` with rig and controller at `step`, one SYNC a step if `with_sync`.
+[[nodiscard]] BusLoad bus_load(const Layout& layout, control::Time step, std::uint32_t bitrate_bps,
+                               bool with_sync);
+
+}  // namespace antiskid::can

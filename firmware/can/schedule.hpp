@@ -1,0 +1,35 @@
+/// Which cyclic messages are due at which step: the same rule for the bytes and for the short cut without
+/// bytes. Freestanding.
+///
+/// A message of period T is sent every floor(T / step) steps, at least every step. Slow messages start at
+/// different steps, so that they do not all fall into one control period; the maneuver command starts at step
+/// 0.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "firmware/can/layout.hpp"
+
+namespace antiskid::can {
+
+class Schedule {
+  public:
+    /// `step` > 0: the period of the program that asks.
+    Schedule(const Layout& layout, control::Time step);
+
+    /// Whether the message is cyclic, bound and due at step `index`, counted from 0.
+    [[nodiscard]] bool due(Role role, std::uint64_t index) const {
+        const Slot& slot = slots_[static_cast<std::size_t>(role)];
+        return slot.every == 1 || (slot.every != 0 && index % slot.every == slot.phase);
+    }
+
+  private:
+    struct Slot {
+        std::uint32_t every = 0;  ///< 0: never
+        std::uint32_t phase = 0;
+    };
+    std::array<Slot, kRoleCount> slots_{};
+};
+
+}  // namespace antiskid::can

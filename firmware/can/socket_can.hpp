@@ -1,0 +1,66 @@
+/// A real CAN interface (or vcan) through Linux SocketCAN's raw sockets.
+///
+/// Received: classic data frames with the wanted 11-bit identifiers (filtered in the kernel) and every error
+/// frame. Remote frames of a wanted identifier are counted as malformed; extended and FD frames do not get
+/// in.
+///
+/// Time stamps: the kernel's at reception (SO_TIMESTAMPNS), taken to CLOCK_MONOTONIC with an offset that is
+/// measured at construction, every 1024 batches, and whenever stamps go back or leap by more than 2 ms: a
+/// step or slew of the wall clock shifts stamps by at most 2 ms, for at most 1024 batches. They may lie some
+/// microseconds off the true instant, in either direction. Stamps of CAN hardware are not used: their clocks
+/// are foreign ones, and all that the controller takes from the stamp is the age of an input.
+///
+/// Link: interface down (ENETDOWN) -> `up` false until a frame arrives or one can be sent again. Interface
+/// gone (ENODEV) -> `up` false for good: open a new one. Bus-off error frame -> `bus_off` and not `up`, until
+/// the chip says that it restarted (CAN_ERR_RESTARTED) or a data frame arrives; let the kernel restart the
+/// chip: `ip link set can0 type can restart-ms 100`.
+///
+/// Transmit queue: the socket's own send buffer is made as small as the kernel allows, so that only a few
+/// frames can wait ahead; a frame that finds it full is given up and counted, and the caller's next, newer
+/// one is tried on its own: a jam is never followed by a burst of old commands.
+///
+/// System calls: receive() makes one for up to kBatch frames, send() one, status() none.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "firmware/can/bus.hpp"
+#include "firmware/can/layout.hpp"
+
+namespace antiskid::can {
+
+struct SocketCanOptions {
+    int receive_buffer_bytes = 1 << 20;  ///< asked of the kernel, which may give less (net.core.rmem_max)
+};
+
+class SocketCan final : public Bus {
+  public:
+    static constexpr std::size_t kBatch = 32;
+
+    /// `ids`: the identifiers to receive; none: error frames only. Throws std::runtime_error naming the
+    /// interface and the command that mends it when the interface is absent, down or no CAN, or the kernel
+    /// has no CAN.
+    SocketCan(const std::string& interface, std::span<const std::uint16_t> ids,
+              const SocketCanOptions& options = {});
+    ~SocketCan() override;
+    SocketCan(const SocketCan&) = delete;
+    SocketCan& operator=(const SocketCan&) = delete;
+
+    std::size_t receive(std::span<Frame> frames) override;
+    bool send(const Frame& frame) override;
+    bool wait(Time timeout) override;
+    [[nodiscard]] LinkStatus status() const override;
+
+    /// For poll() beside other descriptors.
+    [[nodiscard]] int descriptor() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace antiskid::can
