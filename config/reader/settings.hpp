@@ -13,7 +13,7 @@
 /// a near miss:
 ///     config/plant.toml:12: wheel.inertia_kgm2: 900 is out of range 0.01 to 100
 ///     config/plant.toml:14: wheel.mass_lb: unit: expected mass_kg, got mass_lb
-///     config/plant.toml:9: wheeel: unknown table 'wheeel'; did you mean 'wheel'?
+///     config/plant.toml:9: wheeel: unknown table; did you mean 'wheel'?
 ///
 /// Units stand in key names (`_kg`, `_mps`, `_ms`), so a value in another unit is an unknown key, never a
 /// silent factor. A Table shares ownership of its document. Asking marks a key as known, even through a const
@@ -148,7 +148,7 @@ class Table {
 
     /// Throws the Error of a check that the caller made, at the line of `key` (of this table when there is no
     /// such key).
-    [[noreturn]] void fail(std::string_view key, std::string message) const;
+    [[noreturn]] void fail(std::string_view key, const std::string& message) const;
 
   private:
     friend class Document;

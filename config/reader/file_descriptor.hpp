@@ -1,0 +1,32 @@
+/// A POSIX file descriptor with an owner.
+#pragma once
+
+#include <unistd.h>
+
+namespace settings {
+
+class FileDescriptor {
+  public:
+    /// Takes what open() returned, -1 included.
+    explicit FileDescriptor(int descriptor) : descriptor_(descriptor) {}
+    ~FileDescriptor() {
+        if (is_open()) ::close(descriptor_);
+    }
+    FileDescriptor(const FileDescriptor&) = delete;
+    FileDescriptor& operator=(const FileDescriptor&) = delete;
+
+    [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+    [[nodiscard]] int get() const { return descriptor_; }
+
+    /// Closes now; false when the last of the data could not be stored (errno tells why).
+    [[nodiscard]] bool close() {
+        const int descriptor = descriptor_;
+        descriptor_ = -1;
+        return ::close(descriptor) == 0;
+    }
+
+  private:
+    int descriptor_;
+};
+
+}  // namespace settings
