@@ -1,0 +1,80 @@
+#include "firmware/control/estimator.hpp"
+
+#include "firmware/control/arithmetic.hpp"
+
+namespace antiskid::control {
+
+namespace {
+constexpr float kSlowest_mps = 0.5F;            // slip divides by the speed
+constexpr float kCalibrationSpeed_mps = 15.0F;  // free rolling below it is too short to average
+constexpr float kFreePressure_Pa = 2e5F;
+constexpr float kFreeAcceleration_radps2 = 60.0F;
+constexpr float kRadiusMemory_s = 0.05F;
+}  // namespace
+
+Estimator::Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, const ValveConfig& valve,
+                     const EstimatorConfig& estimator, float period_s)
+    : wheel_(wheel),
+      valve_(valve),
+      flywheel_radius_m_(flywheel.radius_m),
+      period_s_(period_s),
+      brake_gain_(wheel.brake_gain_m3 / wheel.inertia_kgm2),
+      lift_per_stiffness_(wheel.lift_Ns2pm2 / wheel.stiffness_Npm),
+      wheel_speed_(wheel.encoder.teeth),
+      flywheel_speed_(flywheel.encoder.teeth),
+      wheel_tracker_(estimator.wheel_bandwidth_radps),
+      flywheel_tracker_(estimator.aircraft_bandwidth_radps),
+      valve_model_(valve, period_s, estimator.pressure_bandwidth_radps),
+      standing_radius_m_(wheel.nominal_radius_m) {}
+
+/// A wheel that rolls freely shows its radius: v / omega. Brake torque would show as slip, spin-up as acceleration: both are waited out.
+void Estimator::calibrate_radius() {
+    const Estimate& e = estimate_;
+    const bool free = e.pressure.pressure_Pa < kFreePressure_Pa && e.v_mps > kCalibrationSpeed_mps && wheel_reading_.fresh &&
+                      magnitude(wheel_tracker_.acceleration()) < kFreeAcceleration_radps2;
+    if (!free) return;
+    const float measured = e.v_mps / e.omega_radps - lift_per_stiffness_ * e.v_mps * e.v_mps;
+    const float low = wheel_.nominal_radius_m * (1.0F - wheel_.radius_tolerance);
+    const float high = wheel_.nominal_radius_m * (1.0F + wheel_.radius_tolerance);
+    if (measured < low || measured > high) return;
+    standing_radius_m_ += (measured - standing_radius_m_) * period_s_ / (kRadiusMemory_s + period_s_);
+}
+
+const Estimate& Estimator::update(const Sensors& sensors, Time now, float last_current_mA) {
+    const PressureState before = valve_model_.now();
+    valve_model_.update(valve_pressure_Pa(valve_, last_current_mA), sensors.pressure.pressure_Pa,
+                        sensors.pressure.received != pressure_received_);
+    pressure_received_ = sensors.pressure.received;
+    const PressureState pressure = valve_model_.now();
+
+    flywheel_reading_ = flywheel_speed_.update(sensors.flywheel, now);
+    wheel_reading_ = wheel_speed_.update(sensors.wheel, now);
+    flywheel_tracker_.update(flywheel_reading_, period_s_, 0.0F, 0.0F);
+    const float braking = -brake_gain_ * 0.5F * (before.pressure_Pa + pressure.pressure_Pa);
+    wheel_tracker_.update(wheel_reading_, period_s_, braking * period_s_, -brake_gain_ * pressure.pressure_Pa);
+
+    Estimate& e = estimate_;
+    e.brake_gain = brake_gain_;
+    e.v_mps = flywheel_tracker_.speed() * flywheel_radius_m_;
+    e.v_dot_mps2 = flywheel_tracker_.acceleration() * flywheel_radius_m_;
+    e.omega_radps = wheel_tracker_.speed();
+    e.omega_dot_radps2 = wheel_tracker_.acceleration() - brake_gain_ * pressure.pressure_Pa;
+    e.pressure = pressure;
+    calibrate_radius();
+
+    const float v = larger(e.v_mps, kSlowest_mps);
+    e.radius_m = standing_radius_m_ + lift_per_stiffness_ * v * v;
+    e.slip = limited(1.0F - e.omega_radps * e.radius_m / v, -1.0F, 1.0F);
+    // A constant slip needs omega_dot = omega v_dot / v; what the road gives beyond it, the brake must take.
+    e.balance_Pa = larger(wheel_tracker_.acceleration() - e.omega_radps * e.v_dot_mps2 / v, 0.0F) / brake_gain_;
+
+    const ValveModel::Outlook outlook = valve_model_.outlook();
+    const float ahead = valve_model_.delay_s();
+    e.late_pressure = outlook.end;
+    e.late_v_mps = larger(v + e.v_dot_mps2 * ahead, kSlowest_mps);
+    const float late_omega = larger(e.omega_radps + wheel_tracker_.acceleration() * ahead - brake_gain_ * outlook.impulse_Pas, 0.0F);
+    e.late_slip = limited(1.0F - late_omega * e.radius_m / e.late_v_mps, -1.0F, 1.0F);
+    return e;
+}
+
+}  // namespace antiskid::control

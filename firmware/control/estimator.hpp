@@ -1,0 +1,46 @@
+/// From checked sensor values to an Estimate: speeds by the M/T method, rolling radius, road torque, valve state, outlook over the delay.
+#pragma once
+
+#include "firmware/control/config.hpp"
+#include "firmware/control/estimate.hpp"
+#include "firmware/control/speed_tracker.hpp"
+#include "firmware/control/types.hpp"
+
+namespace antiskid::control {
+
+class Estimator {
+  public:
+    Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, const ValveConfig& valve, const EstimatorConfig& estimator,
+              float period_s);
+
+    /// One period; `last_current_mA` is what the valve was commanded since the step before.
+    const Estimate& update(const Sensors& sensors, Time now, float last_current_mA);
+
+    [[nodiscard]] const Estimate& estimate() const { return estimate_; }
+    [[nodiscard]] const SpeedReading& wheel_reading() const { return wheel_reading_; }
+    [[nodiscard]] const SpeedReading& flywheel_reading() const { return flywheel_reading_; }
+    [[nodiscard]] float pressure_innovation_Pa() const { return valve_model_.innovation_Pa(); }
+    [[nodiscard]] const WheelConfig& wheel() const { return wheel_; }
+
+  private:
+    void calibrate_radius();
+
+    WheelConfig wheel_;
+    ValveConfig valve_;
+    float flywheel_radius_m_;
+    float period_s_;
+    float brake_gain_;  // k_b / J_w
+    float lift_per_stiffness_;
+    SpeedEstimator wheel_speed_;
+    SpeedEstimator flywheel_speed_;
+    SpeedTracker wheel_tracker_;
+    SpeedTracker flywheel_tracker_;
+    ValveModel valve_model_;
+    Time pressure_received_ = kNever;
+    float standing_radius_m_;  // r at v = 0: r(v) = standing radius + lift v^2 / k_r
+    SpeedReading wheel_reading_;
+    SpeedReading flywheel_reading_;
+    Estimate estimate_;
+};
+
+}  // namespace antiskid::control

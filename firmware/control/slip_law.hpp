@@ -1,0 +1,32 @@
+/// The wheel-slip law of Section V: PID on slip, predicted over the valve's delay, on top of the pressure that balances the road.
+#pragma once
+
+#include "firmware/control/config.hpp"
+#include "firmware/control/estimate.hpp"
+
+namespace antiskid::control {
+
+class SlipLaw {
+  public:
+    SlipLaw(const SlipConfig& config, float period_s);
+
+    /// Starts from rest at the present slip, so that taking over changes nothing by itself.
+    void start(const Estimate& estimate);
+
+    /// Pressure to ask of the valve, 0 to `ceiling_Pa`.
+    [[nodiscard]] float pressure_Pa(const Estimate& estimate, float slip_reference, float ceiling_Pa);
+
+    /// The reference in force: scheduled with speed and rate-limited.
+    [[nodiscard]] float reference() const { return reference_; }
+
+  private:
+    [[nodiscard]] float scheduled(float slip_reference, float speed_mps) const;
+
+    SlipConfig config_;
+    float period_s_;
+    float reference_ = 0.0F;
+    float integral_ = 0.0F;  // of the slip error times k_i, 1/s
+    bool building_up_ = false;
+};
+
+}  // namespace antiskid::control

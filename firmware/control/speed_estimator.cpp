@@ -1,0 +1,62 @@
+#include "firmware/control/speed_estimator.hpp"
+
+#include "firmware/control/arithmetic.hpp"
+
+namespace antiskid::control {
+
+namespace {
+constexpr float kTwoPi = 6.28318531F;
+constexpr Time kStandstill{100'000'000};
+}  // namespace
+
+SpeedEstimator::SpeedEstimator(float teeth) : radians_per_edge_(kTwoPi / teeth) {}
+
+SpeedReading SpeedEstimator::update(const SpeedInput& input, Time now) {
+    SpeedReading reading;
+    if (input.received == kNever) return reading;
+    const bool new_frame = input.received != last_received_;
+    last_received_ = input.received;
+
+    if (input.source == SpeedSource::speed) {
+        reading.speed_radps = input.speed_radps;
+        reading.fresh = new_frame;
+        reading.valid = true;
+        return reading;
+    }
+
+    if (!started_) {
+        started_ = true;
+        edge_count_ = input.edge_count;
+        edge_time_ = input.edge_time;
+        newest_edge_seen_ = now;
+    }
+    const std::uint32_t edges = input.edge_count - edge_count_;
+    const Time took = input.edge_time - edge_time_;
+    if (edges != 0 && took.count() > 0) {
+        // The first edge after a standstill only starts the clock: it says nothing about the time since the one before.
+        if (running_) {
+            reading.interval_s = seconds(took);
+            speed_radps_ = radians_per_edge_ * static_cast<float>(edges) / reading.interval_s;
+            reading.fresh = true;
+        }
+        running_ = true;
+        edge_count_ = input.edge_count;
+        edge_time_ = input.edge_time;
+        newest_edge_seen_ = now;
+    } else if (now - newest_edge_seen_ >= kStandstill) {
+        running_ = false;
+        speed_radps_ = 0.0F;
+        reading.fresh = new_frame;
+    } else if (running_ && now > newest_edge_seen_) {
+        const float bound = radians_per_edge_ / seconds(now - newest_edge_seen_);
+        if (bound < speed_radps_) {
+            speed_radps_ = bound;
+            reading.bounded = true;
+        }
+    }
+    reading.speed_radps = speed_radps_;
+    reading.valid = running_ || speed_radps_ == 0.0F;
+    return reading;
+}
+
+}  // namespace antiskid::control

@@ -1,0 +1,37 @@
+/// Speed of a toothed wheel by the M/T method: whole edges counted, divided by the exact time that they took.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/control/types.hpp"
+
+namespace antiskid::control {
+
+/// What one period's frame says about speed.
+struct SpeedReading {
+    float speed_radps = 0.0F;  ///< mean speed over the interval, or an upper bound where no edge came
+    float interval_s = 0.0F;   ///< time the edges took; the reading belongs to its middle
+    bool fresh = false;        ///< edges came (or a speed frame): a measurement
+    bool bounded = false;      ///< no edge came for longer than the last speed explains: `speed_radps` is an upper bound
+    bool valid = false;        ///< false until two edges have been seen
+};
+
+class SpeedEstimator {
+  public:
+    explicit SpeedEstimator(float teeth);
+
+    /// One period. A shaft without an edge for 100 ms counts as standing: a valid zero.
+    SpeedReading update(const SpeedInput& input, Time now);
+
+  private:
+    float radians_per_edge_;
+    bool started_ = false;
+    bool running_ = false;  // two edges seen since the last standstill
+    std::uint32_t edge_count_ = 0;
+    Time edge_time_{};
+    Time newest_edge_seen_{};  // controller's clock
+    Time last_received_ = kNever;
+    float speed_radps_ = 0.0F;
+};
+
+}  // namespace antiskid::control

@@ -1,0 +1,42 @@
+#include "firmware/control/speed_tracker.hpp"
+
+#include "firmware/control/arithmetic.hpp"
+
+namespace antiskid::control {
+
+SpeedTracker::SpeedTracker(float bandwidth_radps) : bandwidth_radps_(bandwidth_radps) {}
+
+void SpeedTracker::reset(float speed, float acceleration) {
+    speed_ = speed;
+    acceleration_ = acceleration;
+    started_ = true;
+}
+
+void SpeedTracker::update(const SpeedReading& reading, float period_s, float impulse, float known_rate) {
+    if (!reading.valid) {
+        reset(0.0F, 0.0F);
+        started_ = false;
+        return;
+    }
+    if (!started_) {
+        reset(reading.speed_radps, 0.0F);
+        return;
+    }
+    speed_ = larger(speed_ + acceleration_ * period_s + impulse, 0.0F);
+    if (reading.speed_radps == 0.0F && reading.fresh) {
+        reset(0.0F, 0.0F);
+        return;
+    }
+    if (!reading.fresh && !(reading.bounded && reading.speed_radps < speed_)) return;
+
+    // The reading is the mean over its interval: compare it with the speed at the interval's middle. The last edge came on average half
+    // a period, or half an interval where that is shorter, before the sample.
+    const float age = 0.5F * (reading.interval_s + smaller(reading.interval_s, period_s));
+    const float innovation = reading.speed_radps - (speed_ - (acceleration_ + known_rate) * age);
+    const float since = larger(reading.interval_s, period_s);
+    const float memory = 1.0F / (1.0F + bandwidth_radps_ * since);
+    speed_ = larger(speed_ + (1.0F - memory * memory) * innovation, 0.0F);
+    acceleration_ += (1.0F - memory) * (1.0F - memory) * innovation / since;
+}
+
+}  // namespace antiskid::control

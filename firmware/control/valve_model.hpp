@@ -1,0 +1,59 @@
+/// The controller's picture of the valve: its static map both ways, the pressure now and the pressure that is already on its way.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "firmware/control/config.hpp"
+
+namespace antiskid::control {
+
+/// Inverse of the static map, linear between points: the current for a pressure. No pressure asks for no current: the dead zone is jumped.
+[[nodiscard]] float valve_current_mA(const ValveConfig& valve, float pressure_Pa);
+/// The static map.
+[[nodiscard]] float valve_pressure_Pa(const ValveConfig& valve, float current_mA);
+
+struct PressureState {
+    float pressure_Pa = 0.0F;
+    float rate_Paps = 0.0F;
+};
+
+/// Observer of eq. (6): second-order lag behind a transport delay, corrected by the measured pressure.
+class ValveModel {
+  public:
+    static constexpr std::size_t kMostDelay = 16;  ///< periods
+
+    ValveModel(const ValveConfig& valve, float period_s, float bandwidth_radps);
+
+    /// One period has passed, in which the valve held `command_Pa` (static pressure of the last current); `measured_Pa` is the newest
+    /// reading, used where `fresh`.
+    void update(float command_Pa, float measured_Pa, bool fresh);
+
+    [[nodiscard]] const PressureState& now() const { return state_; }
+    /// Difference between the last fresh reading and the model before its correction.
+    [[nodiscard]] float innovation_Pa() const { return innovation_; }
+
+    /// What will have happened after the delay, from commands that are already in the pipe.
+    struct Outlook {
+        PressureState end;       ///< state one delay from now
+        float impulse_Pas = 0.0F;  ///< integral of pressure until then
+    };
+    [[nodiscard]] Outlook outlook() const;
+    [[nodiscard]] float delay_s() const { return delay_s_; }
+
+  private:
+    void propagate(PressureState& state, float input) const;
+    [[nodiscard]] float input(std::size_t periods_ahead) const;
+
+    std::array<float, kMostDelay + 2> commands_{};  // [0] newest
+    std::size_t whole_ = 0;                         // whole periods of delay
+    float part_ = 0.0F;                             // and the rest, in periods
+    float delay_s_ = 0.0F;
+    float period_s_;
+    float a11_ = 0.0F, a12_ = 0.0F, b1_ = 0.0F, a21_ = 0.0F, a22_ = 0.0F, b2_ = 0.0F;
+    float correct_pressure_, correct_rate_;
+    PressureState state_;
+    float innovation_ = 0.0F;
+};
+
+}  // namespace antiskid::control

@@ -1,0 +1,32 @@
+#include "plant_sim/model/encoder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace plant {
+
+Encoder::Encoder(const EncoderParameters& parameters)
+    : parameters_(parameters), edges_per_rad_(parameters.teeth / (2.0 * std::numbers::pi)), next_edge_(1.0) {}
+
+void Encoder::advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s,
+                      Random& random) {
+    const double edges = angle_rad * edges_per_rad_;
+    if (edges < next_edge_) return;
+    const double last = std::floor(edges);
+    const auto passed = static_cast<std::uint32_t>(last - next_edge_ + 1.0);
+    next_edge_ = last + 1.0;
+    if (after_radps * edges_per_rad_ < parameters_.slowest_edges_hz)
+        return;  // too slow for the pick-up: these edges are lost
+
+    // Time since the edge at constant acceleration over the step: solve omega t - a t^2 / 2 = angle, the
+    // stable way.
+    const double angle = (edges - last) / edges_per_rad_;
+    const double acceleration = (after_radps - before_radps) / step_s;
+    const double root = std::sqrt(std::max(after_radps * after_radps - 2.0 * acceleration * angle, 0.0));
+    const double since = std::min(2.0 * angle / (after_radps + root), step_s);
+    count_ += passed;
+    edge_time_s_ = std::max(now_s - since + parameters_.jitter_s * random.noise(), edge_time_s_);
+}
+
+}  // namespace plant

@@ -1,0 +1,38 @@
+/// A toothed magnetic encoder: counts edges, stamps the last one, goes blind when the wheel turns too slowly.
+#pragma once
+
+#include <cstdint>
+
+#include "plant_sim/model/random.hpp"
+
+namespace plant {
+
+struct EncoderParameters {
+    double teeth = 60.0;
+    double jitter_s = 0.0;         ///< standard deviation of an edge's time stamp
+    double slowest_edges_hz = 10;  ///< a magnetic pick-up gives nothing below this rate
+};
+
+class Encoder {
+  public:
+    explicit Encoder(const EncoderParameters& parameters);
+
+    /// The shaft has turned to `angle_rad` at time `now_s`, at speed `before_radps` a `step_s` ago and
+    /// `after_radps` now. Angles must not fall.
+    void advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s,
+                 Random& random);
+
+    [[nodiscard]] std::uint32_t edge_count() const { return count_; }  ///< rolls over
+    [[nodiscard]] double edge_time_s() const {
+        return edge_time_s_;
+    }  ///< stamp of the last edge, jitter included
+
+  private:
+    EncoderParameters parameters_;
+    double edges_per_rad_;
+    double next_edge_;  // angle in edges at which the next one comes
+    std::uint32_t count_ = 0;
+    double edge_time_s_ = 0.0;
+};
+
+}  // namespace plant

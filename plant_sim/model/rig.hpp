@@ -1,0 +1,96 @@
+/// The plant as one object: valve, brake, wheel, load and sensors on one fixed time step. A landing gear or a
+/// flywheel rig, by parameters.
+///
+/// In the air the wheel carries no load and the speed stays; `touch_down` puts the wheel on the runway or the
+/// flywheel, at rest, and the spin-up follows from the same equations. Everything random is drawn from the
+/// seed given at construction.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "plant_sim/model/brake.hpp"
+#include "plant_sim/model/encoder.hpp"
+#include "plant_sim/model/pressure_transducer.hpp"
+#include "plant_sim/model/random.hpp"
+#include "plant_sim/model/tyre.hpp"
+#include "plant_sim/model/valve.hpp"
+#include "plant_sim/model/wheel.hpp"
+
+namespace plant {
+
+/// How the vertical load comes about.
+struct LoadParameters {
+    double base_N = 0.0;       ///< m g of eq. (2), or the set-point of the loading device
+    double lift_Ns2pm2 = 0.0;  ///< rho S C_l / 2 of eq. (2)
+    double lag_s =
+        0.0;  ///< first-order lag of the loading device behind the law above; 0: the aircraft itself
+};
+
+struct RigParameters {
+    WheelParameters wheel;
+    LoadParameters load;
+    BrakeGeometry brake;
+    FrictionCurve friction_curve{};
+    double mean_friction = 0.0;  ///< mean mu_b of the maneuver
+    ValveParameters valve;
+    PressureMap pressure_map;
+    EncoderParameters wheel_encoder;
+    EncoderParameters flywheel_encoder;
+    double flywheel_radius_m = 0.0;  ///< R_f of the wheel that measures v
+    TransducerParameters transducer;
+    Surface surface;
+    double brake_on_mps = 0.0;  ///< initial speed of the maneuver
+};
+
+class Rig {
+  public:
+    /// `step_s`: 1e-4 to 5e-3.
+    Rig(const RigParameters& parameters, double step_s, std::uint64_t seed);
+
+    void touch_down() { contact_ = true; }
+    /// Takes the load off again: a bounce, or the sledge retracting.
+    void lift_off() { contact_ = false; }
+
+    /// One step with a valve current that is held.
+    void advance_current(double current_mA) { advance_current(current_mA, current_mA); }
+    /// One step with a valve current that is linear in time.
+    void advance_current(double start_mA, double end_mA);
+    /// One step with a prescribed brake pressure, linear in time: the valve is bypassed (feed-forward
+    /// validation, Section III.C).
+    void advance_pressure(double start_Pa, double end_Pa);
+
+    [[nodiscard]] double time_s() const { return static_cast<double>(steps_) * step_s_; }
+    [[nodiscard]] const WheelState& wheel() const { return state_; }
+    [[nodiscard]] double pressure_Pa() const { return pressure_Pa_; }  ///< true pressure at the brake
+    [[nodiscard]] Forces forces() const;
+    [[nodiscard]] bool standstill() const { return state_.v_mps <= Wheel::kSlowest_mps; }
+    [[nodiscard]] double kinetic_energy_J() const { return dynamics_.kinetic_energy_J(state_); }
+    [[nodiscard]] const RigParameters& parameters() const { return parameters_; }
+
+    // What the sensors say now.
+    [[nodiscard]] const Encoder& wheel_encoder() const { return wheel_encoder_; }
+    [[nodiscard]] const Encoder& flywheel_encoder() const { return flywheel_encoder_; }
+    [[nodiscard]] double measured_pressure_Pa() const { return measured_pressure_Pa_; }
+
+  private:
+    [[nodiscard]] LoadArc load_arc(double h);
+    void move(const PressureArc& pressure, double h);
+    void sense(double wheel_before, double flywheel_before);
+
+    RigParameters parameters_;
+    Wheel dynamics_;
+    Valve valve_;
+    Encoder wheel_encoder_;
+    Encoder flywheel_encoder_;
+    Random random_;
+    double step_s_;
+    std::uint64_t steps_ = 0;
+    WheelState state_;
+    bool contact_ = false;
+    double device_load_N_ = 0.0;  // of a lagged loading device
+    double pressure_Pa_ = 0.0;
+    double measured_pressure_Pa_ = 0.0;
+};
+
+}  // namespace plant

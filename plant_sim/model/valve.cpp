@@ -1,0 +1,101 @@
+#include "plant_sim/model/valve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace plant {
+
+PressureMap::PressureMap(std::vector<Point> points) : points_(std::move(points)) {
+    if (points_.size() < 2) throw std::invalid_argument("a pressure map needs two points at least");
+    for (std::size_t i = 1; i < points_.size(); ++i) {
+        if (!(points_[i].current_mA > points_[i - 1].current_mA))
+            throw std::invalid_argument("currents of a pressure map must increase");
+        if (points_[i].pressure_Pa < points_[i - 1].pressure_Pa)
+            throw std::invalid_argument("pressures of a pressure map must not fall");
+    }
+}
+
+double PressureMap::pressure_Pa(double current_mA) const {
+    if (current_mA <= points_.front().current_mA) return points_.front().pressure_Pa;
+    if (current_mA >= points_.back().current_mA) return points_.back().pressure_Pa;
+    std::size_t i = 1;
+    while (points_[i].current_mA < current_mA) ++i;
+    const Point& a = points_[i - 1];
+    const Point& b = points_[i];
+    return a.pressure_Pa +
+           (b.pressure_Pa - a.pressure_Pa) * (current_mA - a.current_mA) / (b.current_mA - a.current_mA);
+}
+
+Valve::Transition Valve::transition(const ValveParameters& parameters, double h) {
+    // Underdamped second order: homogeneous part by the matrix exponential, the ramp u0 + (u1 - u0) t / h by
+    // its particular solution p = u(t) - (2 xi / omega_n) u', rate = u'.
+    const double w = parameters.natural_frequency_radps;
+    const double decay = parameters.damping * w;
+    const double wd = w * std::sqrt(1.0 - parameters.damping * parameters.damping);
+    const double e = std::exp(-decay * h);
+    const double c = e * std::cos(wd * h);
+    const double s = e * std::sin(wd * h) / wd;
+    const double f_pp = c + decay * s, f_pr = s, f_rp = -w * w * s, f_rr = c - decay * s;
+    const double lag = 2.0 * parameters.damping / w / h;  // times (u1 - u0)
+    // x(h) = F (x(0) - xp(0)) + xp(h), with xp(0) = (u0 - lag du, du / h), xp(h) = (u1 - lag du, du / h).
+    Transition t{};
+    t.pp = f_pp;
+    t.pr = f_pr;
+    t.pu0 = -f_pp * (1.0 + lag) + f_pr / h + lag;
+    t.pu1 = f_pp * lag - f_pr / h + 1.0 - lag;
+    t.rp = f_rp;
+    t.rr = f_rr;
+    t.ru0 = -f_rp * (1.0 + lag) + f_rr / h - 1.0 / h;
+    t.ru1 = f_rp * lag - f_rr / h + 1.0 / h;
+    return t;
+}
+
+Valve::Valve(const ValveParameters& parameters, double step_s) : step_s_(step_s) {
+    if (!(parameters.damping > 0.0 && parameters.damping < 1.0))
+        throw std::invalid_argument("valve damping must lie between 0 and 1");
+    // The delay in whole steps and a rest: a command given at a step's start acts `first_s_` into a later
+    // step.
+    constexpr double kRounding = 1e-9;
+    const double steps = parameters.delay_s / step_s;
+    double whole = std::floor(steps + kRounding);
+    double rest = steps - whole;
+    if (rest < kRounding) rest = 0.0;
+    first_s_ = rest * step_s;
+    second_s_ = step_s - first_s_;
+    if (first_s_ > 0.0)
+        first_ = transition(parameters, first_s_);
+    else
+        first_ = {};
+    second_ = transition(parameters, second_s_);
+    delay_line_.assign(static_cast<std::size_t>(whole) + 2, {0.0, 0.0});
+}
+
+PressureArc Valve::segment(const Transition& t, double u0, double u1, double h) {
+    const double p = t.pp * pressure_ + t.pr * rate_ + t.pu0 * u0 + t.pu1 * u1;
+    const double r = t.rp * pressure_ + t.rr * rate_ + t.ru0 * u0 + t.ru1 * u1;
+    const PressureArc arc = PressureArc::hermite(pressure_, rate_, p, r, h);
+    pressure_ = p;
+    rate_ = r;
+    return arc;
+}
+
+Valve::Arcs Valve::advance(double start_Pa, double end_Pa) {
+    const std::size_t size = delay_line_.size();
+    delay_line_[next_] = {start_Pa, end_Pa};
+    // With n whole steps of delay the newest entry acts n calls later; the one before it fills the cut-off
+    // start of the step.
+    const Ramp& acting = delay_line_[(next_ + 2) % size];
+    const Ramp& before = delay_line_[(next_ + 1) % size];
+    next_ = (next_ + 1) % size;
+    Arcs arcs{};
+    if (first_s_ > 0.0) {
+        const double cut = before.start_Pa + (before.end_Pa - before.start_Pa) * second_s_ / step_s_;
+        arcs.first = segment(first_, cut, before.end_Pa, first_s_);
+    }
+    const double cut = acting.start_Pa + (acting.end_Pa - acting.start_Pa) * second_s_ / step_s_;
+    arcs.second = segment(second_, acting.start_Pa, cut, second_s_);
+    return arcs;
+}
+
+}  // namespace plant

@@ -1,0 +1,76 @@
+/// The pressure valve, eq. (6): static current-to-pressure map, transport delay, second-order dynamics.
+#pragma once
+
+#include <vector>
+
+#include "plant_sim/model/wheel.hpp"
+
+namespace plant {
+
+/// The static map: monotone, linear between its points, held beyond them.
+class PressureMap {
+  public:
+    struct Point {
+        double current_mA;
+        double pressure_Pa;
+    };
+    /// Needs two points at least, currents strictly increasing, pressures not falling; throws
+    /// std::invalid_argument.
+    explicit PressureMap(std::vector<Point> points);
+
+    [[nodiscard]] double pressure_Pa(double current_mA) const;
+    [[nodiscard]] const std::vector<Point>& points() const { return points_; }
+
+  private:
+    std::vector<Point> points_;
+};
+
+struct ValveParameters {
+    double natural_frequency_radps = 0.0;  ///< omega_n
+    double damping = 0.0;                  ///< xi, in (0, 1)
+    double delay_s = 0.0;                  ///< tau
+};
+
+/// Integrates eq. (6) exactly for a static pressure that is linear in time between two calls.
+class Valve {
+  public:
+    /// `step_s`: the fixed time between calls of `advance`.
+    Valve(const ValveParameters& parameters, double step_s);
+
+    /// One step in which the static pressure before the delay goes linearly from `start_Pa` to `end_Pa`
+    /// (equal for a held command). The delay cuts the step in two where it is no multiple of it: `first`
+    /// lasts `first_s()`, `second` the rest; `first` is unused when `first_s()` is 0.
+    struct Arcs {
+        PressureArc first;
+        PressureArc second;
+    };
+    Arcs advance(double start_Pa, double end_Pa);
+
+    [[nodiscard]] double first_s() const { return first_s_; }
+    [[nodiscard]] double second_s() const { return second_s_; }
+
+    /// What a gauge at the brake reads: never below zero.
+    [[nodiscard]] double pressure_Pa() const { return pressure_ > 0.0 ? pressure_ : 0.0; }
+
+  private:
+    /// Exact transition over one segment: state and a linear input from u0 to u1.
+    struct Transition {
+        double pp, pr, pu0, pu1;  // new pressure from pressure, rate, u0, u1
+        double rp, rr, ru0, ru1;  // new rate
+    };
+    [[nodiscard]] static Transition transition(const ValveParameters& parameters, double h);
+    PressureArc segment(const Transition& transition, double u0, double u1, double h);
+
+    struct Ramp {
+        double start_Pa, end_Pa;
+    };
+
+    double step_s_, first_s_, second_s_;
+    Transition first_, second_;
+    std::vector<Ramp> delay_line_;  // ring; oldest at next_
+    std::size_t next_ = 0;
+    double pressure_ = 0.0;
+    double rate_ = 0.0;
+};
+
+}  // namespace plant
