@@ -5,16 +5,28 @@
 
 namespace antiskid::control {
 
-[[nodiscard]] constexpr float seconds(Time time) { return static_cast<float>(time.count()) * 1e-9F; }
+[[nodiscard]] constexpr float seconds(Time time) {
+    return static_cast<float>(time.count()) * 1e-9F;
+}
 
-[[nodiscard]] constexpr float smaller(float a, float b) { return a < b ? a : b; }
-[[nodiscard]] constexpr float larger(float a, float b) { return a > b ? a : b; }
-[[nodiscard]] constexpr float magnitude(float a) { return a < 0.0F ? -a : a; }
+[[nodiscard]] constexpr float smaller(float a, float b) {
+    return a < b ? a : b;
+}
+[[nodiscard]] constexpr float larger(float a, float b) {
+    return a > b ? a : b;
+}
+[[nodiscard]] constexpr float magnitude(float a) {
+    return a < 0.0F ? -a : a;
+}
 
 /// `a` limited to [low, high]; NaN becomes low, so that no output is ever NaN.
-[[nodiscard]] constexpr float limited(float a, float low, float high) { return a >= low ? (a <= high ? a : high) : low; }
+[[nodiscard]] constexpr float limited(float a, float low, float high) {
+    return a >= low ? (a <= high ? a : high) : low;
+}
 
 /// `from` moved towards `to` by at most `step` >= 0.
-[[nodiscard]] constexpr float towards(float from, float to, float step) { return from + limited(to - from, -step, step); }
+[[nodiscard]] constexpr float towards(float from, float to, float step) {
+    return from + limited(to - from, -step, step);
+}
 
 }  // namespace antiskid::control

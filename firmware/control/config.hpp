@@ -1,8 +1,10 @@
-/// Every number of the controller. Loaded and range-checked from config/controller.toml by the programs; a microcontroller compiles it in.
-/// The controller trusts these values: whoever fills the struct validates it. Ranges and sources stand in config/controller.toml.
+/// Every number of the controller. Loaded and range-checked from config/controller.toml by the programs; a
+/// microcontroller compiles it in. The controller trusts these values: whoever fills the struct validates it.
+/// Ranges and sources stand in config/controller.toml.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace antiskid::control {
@@ -14,15 +16,16 @@ struct EncoderConfig {
     float max_acceleration_radps2 = 0.0F;  ///< above this between two frames the reading is implausible
 };
 
-/// Rolling radius r(F_z) = r_0 - F_z / k_r with eq. (2): a free-rolling wheel before brake-on calibrates it, lift carries it on.
+/// Rolling radius r(F_z) = r_0 - F_z / k_r with eq. (2): a free-rolling wheel before brake-on calibrates it,
+/// lift carries it on.
 struct WheelConfig {
     EncoderConfig encoder;
-    float inertia_kgm2 = 0.0F;            ///< J_w
-    float nominal_radius_m = 0.0F;        ///< used until the wheel has rolled freely
-    float radius_tolerance = 0.0F;        ///< calibrated radius stays within this fraction of the nominal one
-    float stiffness_Npm = 0.0F;           ///< k_r
-    float lift_Ns2pm2 = 0.0F;             ///< rho S C_l / 2 of eq. (2)
-    float brake_gain_m3 = 0.0F;           ///< nominal k_b
+    float inertia_kgm2 = 0.0F;      ///< J_w
+    float nominal_radius_m = 0.0F;  ///< used until the wheel has rolled freely
+    float radius_tolerance = 0.0F;  ///< calibrated radius stays within this fraction of the nominal one
+    float stiffness_Npm = 0.0F;     ///< k_r
+    float lift_Ns2pm2 = 0.0F;       ///< rho S C_l / 2 of eq. (2)
+    float brake_gain_m3 = 0.0F;     ///< nominal k_b
 };
 
 struct FlywheelConfig {
@@ -32,7 +35,7 @@ struct FlywheelConfig {
 
 struct ValveConfig {
     static constexpr std::size_t kMostPoints = 16;
-    std::uint8_t points = 0;  ///< points in use, 2 to 16
+    std::uint8_t points = 0;                       ///< points in use, 2 to 16
     std::array<float, kMostPoints> current_mA{};   ///< strictly increasing
     std::array<float, kMostPoints> pressure_Pa{};  ///< strictly increasing
     float natural_frequency_radps = 0.0F;          ///< omega_n, eq. (6)
@@ -49,19 +52,95 @@ struct EstimatorConfig {
     float pressure_bandwidth_radps = 0.0F;  ///< correction of the valve model by the transducer
 };
 
-/// PID on predicted slip. Gains act on slip rate (1/s): the law multiplies by J v / (r k_b), which is the schedule with speed.
+/// PID on predicted slip. Gains act on slip rate (1/s): the law multiplies by J v / (r k_b), which is the
+/// schedule with speed.
 struct SlipConfig {
     float k_p_per_s = 0.0F;
     float k_i_per_s2 = 0.0F;
-    float k_d = 0.0F;        ///< on the slip rate
-    float k_dd_s = 0.0F;     ///< on the rate of the slip rate, which the valve model gives without differentiation
+    float k_d = 0.0F;  ///< on the slip rate
+    float k_dd_s =
+        0.0F;  ///< on the rate of the slip rate, which the valve model gives without differentiation
     float road_torque_share = 0.0F;  ///< feed-forward of the observed road torque, 0 (off) to 1
-    float build_up_slip = 0.0F;      ///< the valve is overdriven at brake-on until the predicted slip passes this share of the reference
+    float build_up_slip = 0.0F;  ///< the valve is overdriven at brake-on until the predicted slip passes this
+                                 ///< share of the reference
     float build_up_pressure_Pa = 0.0F;  ///< added to the pressure that balances the road while building up
     float reference_rate_per_s = 0.0F;  ///< the reference in force follows a change at this rate
-    float low_speed_mps = 0.0F;      ///< below it the reference falls with speed; 0: the paper's exact law
-    float low_speed_floor_mps = 0.0F;  ///< at and below it the reference is `low_speed_slip` at the most
+    float low_speed_mps = 0.0F;         ///< below it the reference falls with speed; 0: the paper's exact law
+    float low_speed_floor_mps = 0.0F;   ///< at and below it the reference is `low_speed_slip` at the most
     float low_speed_slip = 0.0F;
+};
+
+/// Wheel deceleration law: PI on the wheel's rim deceleration; the slip law with `slip_limit` is its
+/// anti-skid ceiling.
+struct DecelerationConfig {
+    float k_p_Pa_per_mps2 = 0.0F;
+    float k_i_Pa_per_m_per_s = 0.0F;  ///< Pa per (m/s2 s)
+    float filter_radps = 0.0F;        ///< of the measured deceleration
+    float onset_mps3 = 0.0F;          ///< the reference rises at this rate
+    float slip_limit = 0.0F;
+    float drop_out_mps = 0.0F;  ///< below it the last pressure is held to standstill
+};
+
+/// The switching baseline: INCREASE, HOLD and DECREASE on slip and wheel deceleration.
+struct ThresholdConfig {
+    float first_rise_Paps = 0.0F;         ///< INCREASE until the first skid
+    float rise_Paps = 0.0F;               ///< INCREASE after it
+    float fall_Paps = 0.0F;               ///< DECREASE
+    float slip_high = 0.0F;               ///< above: DECREASE
+    float deceleration_high_mps2 = 0.0F;  ///< wheel rim deceleration beyond which a skid begins: DECREASE
+    float acceleration_high_mps2 =
+        0.0F;               ///< wheel rim acceleration at which the wheel recovers: DECREASE ends in HOLD
+    float slip_low = 0.0F;  ///< below: HOLD ends in INCREASE
+    float restore_share =
+        0.0F;  ///< INCREASE starts at this share of the pressure at which the last skid began
+};
+
+/// States and their thresholds.
+struct SupervisorConfig {
+    float self_test_s = 0.0F;           ///< every input good and the wheel at rest for this long
+    float residual_pressure_Pa = 0.0F;  ///< largest reading that counts as no pressure
+    float spin_up_mps = 0.0F;           ///< touchdown protection ends at this rim speed of the wheel
+    float touchdown_timeout_s = 0.0F;   ///< or after this time on the wheels
+    float demand_threshold_Pa = 0.0F;   ///< a smaller demand is none
+    float lock_share = 0.0F;            ///< rim speed below this share of the aircraft's: locked, dump
+    float unlock_share = 0.0F;          ///< above it: restore
+    float lock_persists_s = 0.0F;       ///< a lock that lasts is a fault
+    float drop_out_mps = 0.0F;          ///< below it the demand passes through
+    float drop_out_hysteresis_mps = 0.0F;
+    float pass_through_rate_Paps = 0.0F;  ///< at most
+};
+
+/// Limits of the input checks. Each fault's condition is in monitor.hpp.
+struct MonitorConfig {
+    float sensor_max_age_s = 0.0F;
+    float maneuver_max_age_s = 0.0F;
+    float heartbeat_max_age_s = 0.0F;
+    float implausible_s =
+        0.0F;  ///< range, rate and plausibility conditions last this long before they are a fault
+    float stuck_s = 0.0F;
+    float pressure_range_Pa = 0.0F;
+    float pressure_rate_Paps = 0.0F;
+    float pressure_moves_Pa = 0.0F;  ///< a modelled change by this much must show in the reading
+    float overspeed_share = 0.0F;    ///< rim speed of the wheel above the aircraft's by this share
+    float free_slip = 0.0F;          ///< slip of a wheel that rolls without pressure
+    float off_command_Pa = 0.0F;
+    float off_command_s = 0.0F;
+    float plausible_above_mps = 0.0F;     ///< speeds are compared above it
+    std::uint16_t overruns = 0;           ///< missed periods in quick succession: each one counts ten periods
+    float most_deceleration_mps2 = 0.0F;  ///< largest reference that is accepted
+};
+
+struct Config {
+    float period_s = 0.0F;  ///< 1e-3 to 5e-3
+    WheelConfig wheel;
+    FlywheelConfig flywheel;
+    ValveConfig valve;
+    EstimatorConfig estimator;
+    SlipConfig slip;
+    DecelerationConfig deceleration;
+    ThresholdConfig threshold;
+    SupervisorConfig supervisor;
+    MonitorConfig monitor;
 };
 
 }  // namespace antiskid::control

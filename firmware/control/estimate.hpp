@@ -1,4 +1,5 @@
-/// What the controller believes about the wheel, the aircraft and the brake, and where they will be when a command takes effect.
+/// What the controller believes about the wheel, the aircraft and the brake, and where they will be when a
+/// command takes effect.
 #pragma once
 
 #include "firmware/control/valve_model.hpp"
@@ -6,17 +7,17 @@
 namespace antiskid::control {
 
 struct Estimate {
-    float v_mps = 0.0F;          ///< aircraft (rim) speed
+    float v_mps = 0.0F;  ///< aircraft (rim) speed
     float v_dot_mps2 = 0.0F;
-    float omega_radps = 0.0F;    ///< wheel speed
+    float omega_radps = 0.0F;  ///< wheel speed
     float omega_dot_radps2 = 0.0F;
-    float radius_m = 0.0F;       ///< rolling radius now
-    float slip = 0.0F;           ///< eq. (3), now
-    PressureState pressure;      ///< now
+    float radius_m = 0.0F;   ///< rolling radius now
+    float slip = 0.0F;       ///< eq. (3), now
+    PressureState pressure;  ///< now
 
-    float brake_gain = 0.0F;     ///< k_b / J_w: wheel deceleration per pressure
-    float balance_Pa = 0.0F;     ///< pressure at which the wheel would keep its slip: road torque / k_b
-    float late_v_mps = 0.0F;     ///< the same after the valve's delay, from commands already given
+    float brake_gain = 0.0F;  ///< k_b / J_w: wheel deceleration per pressure
+    float balance_Pa = 0.0F;  ///< pressure at which the wheel would keep its slip: road torque / k_b
+    float late_v_mps = 0.0F;  ///< the same after the valve's delay, from commands already given
     float late_slip = 0.0F;
     PressureState late_pressure;
 };

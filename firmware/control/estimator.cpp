@@ -27,10 +27,12 @@ Estimator::Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, c
       valve_model_(valve, period_s, estimator.pressure_bandwidth_radps),
       standing_radius_m_(wheel.nominal_radius_m) {}
 
-/// A wheel that rolls freely shows its radius: v / omega. Brake torque would show as slip, spin-up as acceleration: both are waited out.
+/// A wheel that rolls freely shows its radius: v / omega. Brake torque would show as slip, spin-up as
+/// acceleration: both are waited out.
 void Estimator::calibrate_radius() {
     const Estimate& e = estimate_;
-    const bool free = e.pressure.pressure_Pa < kFreePressure_Pa && e.v_mps > kCalibrationSpeed_mps && wheel_reading_.fresh &&
+    const bool free = e.pressure.pressure_Pa < kFreePressure_Pa && e.v_mps > kCalibrationSpeed_mps &&
+                      wheel_reading_.fresh &&
                       magnitude(wheel_tracker_.acceleration()) < kFreeAcceleration_radps2;
     if (!free) return;
     const float measured = e.v_mps / e.omega_radps - lift_per_stiffness_ * e.v_mps * e.v_mps;
@@ -51,7 +53,8 @@ const Estimate& Estimator::update(const Sensors& sensors, Time now, float last_c
     wheel_reading_ = wheel_speed_.update(sensors.wheel, now);
     flywheel_tracker_.update(flywheel_reading_, period_s_, 0.0F, 0.0F);
     const float braking = -brake_gain_ * 0.5F * (before.pressure_Pa + pressure.pressure_Pa);
-    wheel_tracker_.update(wheel_reading_, period_s_, braking * period_s_, -brake_gain_ * pressure.pressure_Pa);
+    wheel_tracker_.update(wheel_reading_, period_s_, braking * period_s_,
+                          -brake_gain_ * pressure.pressure_Pa);
 
     Estimate& e = estimate_;
     e.brake_gain = brake_gain_;
@@ -66,13 +69,15 @@ const Estimate& Estimator::update(const Sensors& sensors, Time now, float last_c
     e.radius_m = standing_radius_m_ + lift_per_stiffness_ * v * v;
     e.slip = limited(1.0F - e.omega_radps * e.radius_m / v, -1.0F, 1.0F);
     // A constant slip needs omega_dot = omega v_dot / v; what the road gives beyond it, the brake must take.
-    e.balance_Pa = larger(wheel_tracker_.acceleration() - e.omega_radps * e.v_dot_mps2 / v, 0.0F) / brake_gain_;
+    e.balance_Pa =
+        larger(wheel_tracker_.acceleration() - e.omega_radps * e.v_dot_mps2 / v, 0.0F) / brake_gain_;
 
     const ValveModel::Outlook outlook = valve_model_.outlook();
     const float ahead = valve_model_.delay_s();
     e.late_pressure = outlook.end;
     e.late_v_mps = larger(v + e.v_dot_mps2 * ahead, kSlowest_mps);
-    const float late_omega = larger(e.omega_radps + wheel_tracker_.acceleration() * ahead - brake_gain_ * outlook.impulse_Pas, 0.0F);
+    const float late_omega = larger(
+        e.omega_radps + wheel_tracker_.acceleration() * ahead - brake_gain_ * outlook.impulse_Pas, 0.0F);
     e.late_slip = limited(1.0F - late_omega * e.radius_m / e.late_v_mps, -1.0F, 1.0F);
     return e;
 }

@@ -1,4 +1,5 @@
-/// From checked sensor values to an Estimate: speeds by the M/T method, rolling radius, road torque, valve state, outlook over the delay.
+/// From checked sensor values to an Estimate: speeds by the M/T method, rolling radius, road torque, valve
+/// state, outlook over the delay.
 #pragma once
 
 #include "firmware/control/config.hpp"
@@ -10,8 +11,8 @@ namespace antiskid::control {
 
 class Estimator {
   public:
-    Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, const ValveConfig& valve, const EstimatorConfig& estimator,
-              float period_s);
+    Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, const ValveConfig& valve,
+              const EstimatorConfig& estimator, float period_s);
 
     /// One period; `last_current_mA` is what the valve was commanded since the step before.
     const Estimate& update(const Sensors& sensors, Time now, float last_current_mA);
@@ -19,8 +20,7 @@ class Estimator {
     [[nodiscard]] const Estimate& estimate() const { return estimate_; }
     [[nodiscard]] const SpeedReading& wheel_reading() const { return wheel_reading_; }
     [[nodiscard]] const SpeedReading& flywheel_reading() const { return flywheel_reading_; }
-    [[nodiscard]] float pressure_innovation_Pa() const { return valve_model_.innovation_Pa(); }
-    [[nodiscard]] const WheelConfig& wheel() const { return wheel_; }
+    [[nodiscard]] float uncorrected_pressure_Pa() const { return valve_model_.uncorrected_Pa(); }
 
   private:
     void calibrate_radius();

@@ -15,19 +15,24 @@ void SlipLaw::start(const Estimate& estimate) {
 float SlipLaw::scheduled(float slip_reference, float speed_mps) const {
     if (speed_mps >= config_.low_speed_mps) return slip_reference;
     const float low = smaller(slip_reference, config_.low_speed_slip);
-    const float share = limited((speed_mps - config_.low_speed_floor_mps) / (config_.low_speed_mps - config_.low_speed_floor_mps), 0.0F, 1.0F);
+    const float share = limited(
+        (speed_mps - config_.low_speed_floor_mps) / (config_.low_speed_mps - config_.low_speed_floor_mps),
+        0.0F, 1.0F);
     return low + share * (slip_reference - low);
 }
 
 float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
-    reference_ = towards(reference_, scheduled(slip_reference, e.late_v_mps), config_.reference_rate_per_s * period_s_);
+    reference_ = towards(reference_, scheduled(slip_reference, e.late_v_mps),
+                         config_.reference_rate_per_s * period_s_);
 
-    // lambda_dot = (r k_b / (J v)) (P - P_balance), from eq. (1b) and (3): slip rate and pressure differ by this factor.
+    // lambda_dot = (r k_b / (J v)) (P - P_balance), from eq. (1b) and (3): slip rate and pressure differ by
+    // this factor.
     const float rate_per_Pa = e.radius_m * e.brake_gain / e.late_v_mps;
     const float error = reference_ - e.late_slip;
     const float rate = rate_per_Pa * (e.late_pressure.pressure_Pa - e.balance_Pa);
     const float rate_rate = rate_per_Pa * e.late_pressure.rate_Paps;
-    const float wanted_rate = config_.k_p_per_s * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate;
+    const float wanted_rate =
+        config_.k_p_per_s * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate;
     float wanted_Pa = config_.road_torque_share * e.balance_Pa + wanted_rate / rate_per_Pa;
 
     if (building_up_) {
@@ -36,8 +41,10 @@ float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceilin
     }
 
     const float given_Pa = limited(wanted_Pa, 0.0F, ceiling_Pa);
-    // The integral rests while the valve is at a limit and the error would drive it further in, and while pressure builds up.
-    const bool winds_up = (wanted_Pa > given_Pa && error > 0.0F) || (wanted_Pa < given_Pa && error < 0.0F) || building_up_;
+    // The integral rests while the valve is at a limit and the error would drive it further in, and while
+    // pressure builds up.
+    const bool winds_up =
+        (wanted_Pa > given_Pa && error > 0.0F) || (wanted_Pa < given_Pa && error < 0.0F) || building_up_;
     if (!winds_up) integral_ += config_.k_i_per_s2 * error * period_s_;
     return given_Pa;
 }

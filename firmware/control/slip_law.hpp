@@ -1,4 +1,5 @@
-/// The wheel-slip law of Section V: PID on slip, predicted over the valve's delay, on top of the pressure that balances the road.
+/// The wheel-slip law of Section V: PID on slip, predicted over the valve's delay, on top of the pressure
+/// that balances the road.
 #pragma once
 
 #include "firmware/control/config.hpp"

@@ -33,7 +33,8 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input, Time now) {
     const std::uint32_t edges = input.edge_count - edge_count_;
     const Time took = input.edge_time - edge_time_;
     if (edges != 0 && took.count() > 0) {
-        // The first edge after a standstill only starts the clock: it says nothing about the time since the one before.
+        // The first edge after a standstill only starts the clock: it says nothing about the time since the
+        // one before.
         if (running_) {
             reading.interval_s = seconds(took);
             speed_radps_ = radians_per_edge_ * static_cast<float>(edges) / reading.interval_s;

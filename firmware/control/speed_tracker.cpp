@@ -29,8 +29,8 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s, float imp
     }
     if (!reading.fresh && !(reading.bounded && reading.speed_radps < speed_)) return;
 
-    // The reading is the mean over its interval: compare it with the speed at the interval's middle. The last edge came on average half
-    // a period, or half an interval where that is shorter, before the sample.
+    // The reading is the mean over its interval: compare it with the speed at the interval's middle. The last
+    // edge came on average half a period, or half an interval where that is shorter, before the sample.
     const float age = 0.5F * (reading.interval_s + smaller(reading.interval_s, period_s));
     const float innovation = reading.speed_radps - (speed_ - (acceleration_ + known_rate) * age);
     const float since = larger(reading.interval_s, period_s);

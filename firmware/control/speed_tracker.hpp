@@ -1,4 +1,5 @@
-/// Speed and acceleration from speed readings that come late and irregularly: a critically damped second-order tracker.
+/// Speed and acceleration from speed readings that come late and irregularly: a critically damped
+/// second-order tracker.
 #pragma once
 
 #include "firmware/control/speed_estimator.hpp"
@@ -9,8 +10,9 @@ class SpeedTracker {
   public:
     explicit SpeedTracker(float bandwidth_radps);
 
-    /// One period of `period_s` has passed, in which a known cause changed the speed by `impulse` (0: none known). `known_rate` is that cause's
-    /// acceleration now. What is left is tracked as a slowly changing acceleration.
+    /// One period of `period_s` has passed, in which a known cause changed the speed by `impulse` (0: none
+    /// known). `known_rate` is that cause's acceleration now. What is left is tracked as a slowly changing
+    /// acceleration.
     void update(const SpeedReading& reading, float period_s, float impulse, float known_rate);
     void reset(float speed, float acceleration);
 

@@ -1,4 +1,5 @@
-/// What goes into the controller and what comes out of it: plain SI values with their age. No bus, no clock, no operating system.
+/// What goes into the controller and what comes out of it: plain SI values with their age. No bus, no clock,
+/// no operating system.
 ///
 /// Units are SI base units unless a name says otherwise (`_Pa`, `_mA`, `_radps`, `_mps`, `_mps2`).
 /// Slip is dimensionless, eq. (3): 0 free rolling, 1 locked.
@@ -24,12 +25,14 @@ enum class SpeedSource : std::uint8_t {
 
 /// One rotational speed sensor.
 struct SpeedInput {
-    Time received = kNever;       ///< when the newest accepted frame arrived
-    std::uint32_t rejected = 0;   ///< frames refused since start (check value, alive counter, length); rolls over
+    Time received = kNever;  ///< when the newest accepted frame arrived
+    std::uint32_t rejected =
+        0;  ///< frames refused since start (check value, alive counter, length); rolls over
     SpeedSource source = SpeedSource::edges;
-    std::uint32_t edge_count = 0;  ///< edges since an arbitrary start; rolls over at 2^32; only differences count
-    Time edge_time{};              ///< time of the last counted edge in the sensor's own clock; only differences count
-    float speed_radps = 0.0F;      ///< used when source is `speed`
+    std::uint32_t edge_count =
+        0;             ///< edges since an arbitrary start; rolls over at 2^32; only differences count
+    Time edge_time{};  ///< time of the last counted edge in the sensor's own clock; only differences count
+    float speed_radps = 0.0F;  ///< used when source is `speed`
 };
 
 struct PressureInput {
@@ -51,15 +54,16 @@ struct ManeuverInput {
     Time received = kNever;
     std::uint32_t rejected = 0;
     Law law = Law::wheel_slip;
-    bool arm = false;               ///< false to true earns permission (and re-arms after a latched fault); false ends it
-    bool weight_on_wheels = false;  ///< squat switch, or the sledge holding the wheel on the flywheel
-    float demand_Pa = 0.0F;         ///< the pilot's demand: the ceiling of brake pressure, always
-    float slip_reference = 0.0F;         ///< lambda bar, 0 to 0.5
-    float deceleration_mps2 = 0.0F;      ///< wheel deceleration reference, as rim deceleration
-    float current_mA = 0.0F;             ///< open loop valve current
+    bool arm = false;  ///< false to true earns permission (and re-arms after a latched fault); false ends it
+    bool weight_on_wheels = false;   ///< squat switch, or the sledge holding the wheel on the flywheel
+    float demand_Pa = 0.0F;          ///< the pilot's demand: the ceiling of brake pressure, always
+    float slip_reference = 0.0F;     ///< lambda bar, 0 to 0.5
+    float deceleration_mps2 = 0.0F;  ///< wheel deceleration reference, as rim deceleration
+    float current_mA = 0.0F;         ///< open loop valve current
 };
 
-/// Everything the controller may know at a step. A member keeps its last accepted value until a newer one comes.
+/// Everything the controller may know at a step. A member keeps its last accepted value until a newer one
+/// comes.
 struct Sensors {
     SpeedInput wheel;
     SpeedInput flywheel;  ///< the reference speed: rim speed of the flywheel is the speed of the aircraft
@@ -83,7 +87,8 @@ enum class State : std::uint8_t {
 };
 inline constexpr std::uint8_t kStateCount = 8;
 
-/// Named faults. The number is the bit in the status frame; docs/faults.md has condition, reaction and time of each.
+/// Named faults. The number is the bit in the status frame; docs/faults.md has condition, reaction and time
+/// of each.
 enum class Fault : std::uint8_t {
     wheel_lost = 0,
     wheel_corrupt = 1,
@@ -131,7 +136,9 @@ class FaultSet {
     }
 
   private:
-    [[nodiscard]] static constexpr std::uint32_t bit(Fault fault) { return 1U << static_cast<std::uint8_t>(fault); }
+    [[nodiscard]] static constexpr std::uint32_t bit(Fault fault) {
+        return 1U << static_cast<std::uint8_t>(fault);
+    }
     std::uint32_t bits_ = 0;
 };
 
@@ -139,10 +146,10 @@ class FaultSet {
 struct Command {
     float current_mA = 0.0F;  ///< valve current to apply until the next command
     State state = State::self_test;
-    FaultSet faults;             ///< latched faults
-    float slip = 0.0F;           ///< measured slip, eq. (3); 0 where it cannot be known
-    float slip_reference = 0.0F; ///< the reference in force after scheduling and rate limit
-    float speed_mps = 0.0F;      ///< measured aircraft (flywheel rim) speed
+    FaultSet faults;              ///< latched faults
+    float slip = 0.0F;            ///< measured slip, eq. (3); 0 where it cannot be known
+    float slip_reference = 0.0F;  ///< the reference in force after scheduling and rate limit
+    float speed_mps = 0.0F;       ///< measured aircraft (flywheel rim) speed
     float wheel_speed_radps = 0.0F;
     float pressure_request_Pa = 0.0F;  ///< what the law asks of the valve, never above the demand
 };

@@ -7,8 +7,8 @@ namespace antiskid::control {
 namespace {
 
 /// y at x on the polyline (xs, ys), held beyond its ends.
-float interpolate(const std::array<float, ValveConfig::kMostPoints>& xs, const std::array<float, ValveConfig::kMostPoints>& ys,
-                  std::size_t points, float x) {
+float interpolate(const std::array<float, ValveConfig::kMostPoints>& xs,
+                  const std::array<float, ValveConfig::kMostPoints>& ys, std::size_t points, float x) {
     if (!(x > xs[0])) return ys[0];
     for (std::size_t i = 1; i < points; ++i) {
         if (x <= xs[i]) return ys[i - 1] + (ys[i] - ys[i - 1]) * (x - xs[i - 1]) / (xs[i] - xs[i - 1]);
@@ -27,14 +27,16 @@ float valve_pressure_Pa(const ValveConfig& valve, float current_mA) {
     return interpolate(valve.current_mA, valve.pressure_Pa, valve.points, current_mA);
 }
 
-ValveModel::ValveModel(const ValveConfig& valve, float period_s, float bandwidth_radps) : period_s_(period_s) {
+ValveModel::ValveModel(const ValveConfig& valve, float period_s, float bandwidth_radps)
+    : period_s_(period_s) {
     const float delay = valve.delay_s / period_s;
     while (whole_ < kMostDelay && static_cast<float>(whole_ + 1) <= delay + 1e-3F) ++whole_;
     part_ = limited(delay - static_cast<float>(whole_), 0.0F, 1.0F);
     if (part_ < 1e-3F) part_ = 0.0F;
     delay_s_ = static_cast<float>(whole_) * period_s;
 
-    // exp(A h) by its Taylor series over h / 32 and five squarings: plain arithmetic, the same bits on every machine.
+    // exp(A h) by its Taylor series over h / 32 and five squarings: plain arithmetic, the same bits on every
+    // machine.
     const float w = valve.natural_frequency_radps;
     const float h = period_s / 32.0F;
     const float m21 = -w * w * h, m22 = -2.0F * valve.damping * w * h, m12 = h;
@@ -68,7 +70,8 @@ void ValveModel::propagate(PressureState& state, float input) const {
     state.pressure_Pa = p;
 }
 
-/// The static pressure that drives the lag `periods_ahead` periods from the newest command on its way out of the pipe.
+/// The static pressure that drives the lag `periods_ahead` periods from the newest command on its way out of
+/// the pipe.
 float ValveModel::input(std::size_t periods_ahead) const {
     const std::size_t age = whole_ - periods_ahead;
     return part_ > 0.0F ? (1.0F - part_) * commands_[age] + part_ * commands_[age + 1] : commands_[age];
@@ -77,11 +80,13 @@ float ValveModel::input(std::size_t periods_ahead) const {
 void ValveModel::update(float command_Pa, float measured_Pa, bool fresh) {
     for (std::size_t i = whole_ + 1; i > 0; --i) commands_[i] = commands_[i - 1];
     commands_[0] = command_Pa;
-    propagate(state_, input(0));
+    const float acting = input(0);
+    propagate(uncorrected_, acting);
+    propagate(state_, acting);
     if (!fresh) return;
-    innovation_ = measured_Pa - state_.pressure_Pa;
-    state_.pressure_Pa += correct_pressure_ * innovation_;
-    state_.rate_Paps += correct_rate_ * innovation_;
+    const float innovation = measured_Pa - state_.pressure_Pa;
+    state_.pressure_Pa += correct_pressure_ * innovation;
+    state_.rate_Paps += correct_rate_ * innovation;
 }
 
 ValveModel::Outlook ValveModel::outlook() const {

@@ -1,4 +1,5 @@
-/// The controller's picture of the valve: its static map both ways, the pressure now and the pressure that is already on its way.
+/// The controller's picture of the valve: its static map both ways, the pressure now and the pressure that is
+/// already on its way.
 #pragma once
 
 #include <array>
@@ -8,7 +9,8 @@
 
 namespace antiskid::control {
 
-/// Inverse of the static map, linear between points: the current for a pressure. No pressure asks for no current: the dead zone is jumped.
+/// Inverse of the static map, linear between points: the current for a pressure. No pressure asks for no
+/// current: the dead zone is jumped.
 [[nodiscard]] float valve_current_mA(const ValveConfig& valve, float pressure_Pa);
 /// The static map.
 [[nodiscard]] float valve_pressure_Pa(const ValveConfig& valve, float current_mA);
@@ -25,17 +27,17 @@ class ValveModel {
 
     ValveModel(const ValveConfig& valve, float period_s, float bandwidth_radps);
 
-    /// One period has passed, in which the valve held `command_Pa` (static pressure of the last current); `measured_Pa` is the newest
-    /// reading, used where `fresh`.
+    /// One period has passed, in which the valve held `command_Pa` (static pressure of the last current);
+    /// `measured_Pa` is the newest reading, used where `fresh`.
     void update(float command_Pa, float measured_Pa, bool fresh);
 
     [[nodiscard]] const PressureState& now() const { return state_; }
-    /// Difference between the last fresh reading and the model before its correction.
-    [[nodiscard]] float innovation_Pa() const { return innovation_; }
+    /// The pressure that the commands alone explain, never corrected: what a healthy valve would show.
+    [[nodiscard]] float uncorrected_Pa() const { return uncorrected_.pressure_Pa; }
 
     /// What will have happened after the delay, from commands that are already in the pipe.
     struct Outlook {
-        PressureState end;       ///< state one delay from now
+        PressureState end;         ///< state one delay from now
         float impulse_Pas = 0.0F;  ///< integral of pressure until then
     };
     [[nodiscard]] Outlook outlook() const;
@@ -53,7 +55,7 @@ class ValveModel {
     float a11_ = 0.0F, a12_ = 0.0F, b1_ = 0.0F, a21_ = 0.0F, a22_ = 0.0F, b2_ = 0.0F;
     float correct_pressure_, correct_rate_;
     PressureState state_;
-    float innovation_ = 0.0F;
+    PressureState uncorrected_;
 };
 
 }  // namespace antiskid::control

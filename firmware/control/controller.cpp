@@ -1,0 +1,80 @@
+#include "firmware/control/controller.hpp"
+
+#include "firmware/control/arithmetic.hpp"
+
+namespace antiskid::control {
+
+Controller::Controller(const Config& config)
+    : valve_(config.valve),
+      period_s_(config.period_s),
+      pass_through_rate_Paps_(config.supervisor.pass_through_rate_Paps),
+      estimator_(config.wheel, config.flywheel, config.valve, config.estimator, config.period_s),
+      monitor_(config),
+      supervisor_(config.supervisor, config.period_s),
+      slip_law_(config.slip, config.period_s),
+      deceleration_law_(config.deceleration, config.slip, config.period_s),
+      threshold_law_(config.threshold, config.period_s),
+      current_mA_(config.valve.safe_current_mA) {}
+
+void Controller::start_law(Law law, const Estimate& estimate) {
+    law_ = law;
+    slip_law_.start(estimate);
+    deceleration_law_.start(estimate);
+    threshold_law_.start(estimate);
+}
+
+float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estimate& estimate, State before) {
+    // Every change of law and every return from another state starts the law at the present slip and
+    // pressure: bumpless.
+    if (before != State::braking || maneuver.law != law_) start_law(maneuver.law, estimate);
+    const float ceiling_Pa = smaller(maneuver.demand_Pa, valve_.full_pressure_Pa);
+    switch (maneuver.law) {
+        case Law::wheel_slip:
+            return slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa);
+        case Law::deceleration:
+            return deceleration_law_.pressure_Pa(estimate, maneuver.deceleration_mps2, ceiling_Pa);
+        case Law::threshold:
+            return threshold_law_.pressure_Pa(estimate, ceiling_Pa);
+        case Law::open_loop:
+            return limited(valve_pressure_Pa(valve_, maneuver.current_mA), 0.0F, ceiling_Pa);
+    }
+    return 0.0F;
+}
+
+/// Below drop-out the demand passes through, approached from the present pressure at a limited rate.
+float Controller::pass_through_Pa(float ceiling_Pa, const Estimate& estimate, State before) {
+    if (before != State::drop_out) passed_Pa_ = estimate.pressure.pressure_Pa;
+    passed_Pa_ =
+        limited(towards(passed_Pa_, ceiling_Pa, pass_through_rate_Paps_ * period_s_), 0.0F, ceiling_Pa);
+    return passed_Pa_;
+}
+
+Command Controller::step(const Sensors& sensors, Time now) {
+    const Estimate& estimate = estimator_.update(sensors, now, current_mA_);
+    const FaultSet present = monitor_.check(sensors, estimator_, supervisor_.rolling(), now);
+    const State before = supervisor_.state();
+    const State state = supervisor_.update(sensors, estimate, present, now);
+
+    Command command;
+    command.state = state;
+    command.faults = supervisor_.latched();
+    command.slip = estimate.slip;
+    command.speed_mps = estimate.v_mps;
+    command.wheel_speed_radps = estimate.omega_radps;
+
+    // Permission is earned here, every period: in every other state the valve gets the safe current.
+    const bool permitted = state == State::braking || state == State::drop_out;
+    if (permitted) {
+        const float ceiling_Pa = smaller(sensors.maneuver.demand_Pa, valve_.full_pressure_Pa);
+        command.pressure_request_Pa = state == State::braking
+                                          ? braking_pressure_Pa(sensors.maneuver, estimate, before)
+                                          : pass_through_Pa(ceiling_Pa, estimate, before);
+        if (state == State::braking && sensors.maneuver.law == Law::wheel_slip)
+            command.slip_reference = slip_law_.reference();
+    }
+    current_mA_ = permitted ? valve_current_mA(valve_, command.pressure_request_Pa) : valve_.safe_current_mA;
+    command.current_mA = current_mA_;
+    return command;
+}
+
+}  // namespace antiskid::control

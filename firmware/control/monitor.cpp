@@ -1,0 +1,145 @@
+#include "firmware/control/monitor.hpp"
+
+#include "firmware/control/arithmetic.hpp"
+
+namespace antiskid::control {
+
+Monitor::Monitor(const Config& config)
+    : config_(config.monitor),
+      wheel_encoder_(config.wheel.encoder),
+      flywheel_encoder_(config.flywheel.encoder),
+      full_pressure_Pa_(config.valve.full_pressure_Pa),
+      released_Pa_(config.supervisor.residual_pressure_Pa),
+      period_s_(config.period_s) {}
+
+Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now,
+                                                  float max_age_s) {
+    if (newest != received) {
+        received = newest;
+        rejected = rejected_now;
+    }
+    if (newest != kNever && seconds(now - newest) <= max_age_s) return Verdict::good;
+    return rejected_now != rejected ? Verdict::corrupt : Verdict::lost;
+}
+
+void Monitor::check_arrivals(FaultSet& faults, const Sensors& sensors, Time now) {
+    const auto name = [&faults](Arrival::Verdict verdict, Fault lost, Fault corrupt) {
+        if (verdict == Arrival::Verdict::lost) faults.insert(lost);
+        if (verdict == Arrival::Verdict::corrupt) faults.insert(corrupt);
+    };
+    const float age = config_.sensor_max_age_s;
+    name(wheel_.judge(sensors.wheel.received, sensors.wheel.rejected, now, age), Fault::wheel_lost,
+         Fault::wheel_corrupt);
+    name(flywheel_.judge(sensors.flywheel.received, sensors.flywheel.rejected, now, age),
+         Fault::flywheel_lost, Fault::flywheel_corrupt);
+    name(pressure_.judge(sensors.pressure.received, sensors.pressure.rejected, now, age),
+         Fault::pressure_lost, Fault::pressure_corrupt);
+    name(maneuver_.judge(sensors.maneuver.received, sensors.maneuver.rejected, now,
+                         config_.maneuver_max_age_s),
+         Fault::maneuver_lost, Fault::maneuver_corrupt);
+    const Time heartbeat = sensors.rig_heartbeat_received;
+    if (heartbeat == kNever || seconds(now - heartbeat) > config_.heartbeat_max_age_s)
+        faults.insert(Fault::heartbeat_lost);
+}
+
+void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReading& reading,
+                          const EncoderConfig& encoder, Fault range, Fault rate) const {
+    const float speed = reading.speed_radps;
+    const bool sensible = speed >= 0.0F && speed <= encoder.max_speed_radps;  // false for NaN
+    if (check.range.holds(!sensible, config_.implausible_s, period_s_)) faults.insert(range);
+
+    // A reading is a mean over its interval: two of them in a row cannot differ by more than the acceleration
+    // times that.
+    const float span = larger(reading.interval_s, period_s_);
+    const bool jumps = check.known && reading.fresh &&
+                       magnitude(speed - check.last_radps) > encoder.max_acceleration_radps2 * span;
+    if (check.rate.holds(jumps, config_.implausible_s, period_s_)) faults.insert(rate);
+    if (reading.fresh) check.last_radps = speed;
+    check.known = reading.valid;
+}
+
+void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator) {
+    const float reading = sensors.pressure.pressure_Pa;
+    const bool sensible = reading >= -released_Pa_ && reading <= config_.pressure_range_Pa;
+    if (pressure_range_.holds(!sensible, config_.implausible_s, period_s_))
+        faults.insert(Fault::pressure_range);
+
+    const Time at = sensors.pressure.received;
+    const bool fresh = at != last_reading_at_;
+    bool jumps = false;
+    if (fresh) {
+        const float span =
+            last_reading_at_ == kNever ? 0.0F : larger(seconds(at - last_reading_at_), period_s_);
+        jumps = span > 0.0F && magnitude(reading - last_reading_Pa_) > config_.pressure_rate_Paps * span;
+        last_reading_at_ = at;
+    }
+    if (pressure_rate_.holds(jumps, config_.implausible_s, period_s_)) faults.insert(Fault::pressure_rate);
+
+    const float model = estimator.uncorrected_pressure_Pa();
+    if (fresh && reading != last_reading_Pa_) {
+        last_reading_Pa_ = reading;
+        model_at_change_Pa_ = model;
+    }
+    const bool frozen = magnitude(model - model_at_change_Pa_) > config_.pressure_moves_Pa;
+    if (pressure_stuck_.holds(frozen, config_.stuck_s, period_s_)) faults.insert(Fault::pressure_stuck);
+
+    const bool off = magnitude(reading - model) > config_.off_command_Pa;
+    if (pressure_off_.holds(off, config_.off_command_s, period_s_))
+        faults.insert(Fault::pressure_off_command);
+}
+
+void Monitor::check_plausibility(FaultSet& faults, const Estimator& estimator, bool rolling) {
+    const Estimate& e = estimator.estimate();
+    const float rim = e.omega_radps * e.radius_m;
+    const bool moving = e.v_mps > config_.plausible_above_mps;
+    const bool released = e.pressure.pressure_Pa < released_Pa_;
+
+    const bool wheel_stands = rolling && moving && released && estimator.wheel_reading().speed_radps == 0.0F;
+    if (wheel_stuck_.holds(wheel_stands, config_.stuck_s, period_s_)) faults.insert(Fault::wheel_stuck);
+    const bool flywheel_stands =
+        estimator.flywheel_reading().speed_radps == 0.0F && rim > config_.plausible_above_mps;
+    if (flywheel_stuck_.holds(flywheel_stands, config_.stuck_s, period_s_))
+        faults.insert(Fault::flywheel_stuck);
+
+    const bool overspeed =
+        rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
+    const bool overspeeds = overspeed_.holds(overspeed, config_.stuck_s, period_s_);
+    const bool slips_freely = rolling && moving && released && e.slip > config_.free_slip;
+    const bool disagrees = free_slip_.holds(slips_freely, config_.stuck_s, period_s_);
+    if (overspeeds || disagrees) faults.insert(Fault::speeds_disagree);
+}
+
+void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
+    if (m.received == kNever) return;
+    const bool sensible = m.demand_Pa >= 0.0F && m.demand_Pa <= config_.pressure_range_Pa &&
+                          m.slip_reference >= 0.0F && m.slip_reference <= 0.5F &&
+                          m.deceleration_mps2 >= 0.0F &&
+                          m.deceleration_mps2 <= config_.most_deceleration_mps2 && m.current_mA >= 0.0F &&
+                          m.current_mA <= 100.0F && m.law <= Law::threshold;
+    if (!sensible) faults.insert(Fault::maneuver_range);
+}
+
+FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, bool rolling, Time now) {
+    FaultSet faults;
+    check_arrivals(faults, sensors, now);
+    check_speed(faults, wheel_speed_, estimator.wheel_reading(), wheel_encoder_, Fault::wheel_range,
+                Fault::wheel_rate);
+    check_speed(faults, flywheel_speed_, estimator.flywheel_reading(), flywheel_encoder_,
+                Fault::flywheel_range, Fault::flywheel_rate);
+    check_pressure(faults, sensors, estimator);
+    check_plausibility(faults, estimator, rolling);
+    check_maneuver(faults, sensors.maneuver);
+    if (sensors.emergency_stop) faults.insert(Fault::emergency_stop);
+    if (sensors.bus_off) faults.insert(Fault::bus_off);
+
+    constexpr std::uint32_t kPeriodsPerOverrun = 10;
+    if (overrun_score_ > 0) --overrun_score_;
+    if (sensors.overrun) overrun_score_ += kPeriodsPerOverrun;
+    if (overrun_score_ > kPeriodsPerOverrun * config_.overruns) {
+        faults.insert(Fault::overrun);
+        overrun_score_ = kPeriodsPerOverrun * config_.overruns;
+    }
+    return faults;
+}
+
+}  // namespace antiskid::control

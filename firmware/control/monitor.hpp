@@ -1,0 +1,86 @@
+/// Checks every input in every period and names what is wrong. Permission to brake is the absence of faults.
+///
+/// | fault | condition |
+/// |---|---|
+/// | *_lost | no accepted frame for the input's maximum age |
+/// | *_corrupt | the same, while frames came and were refused |
+/// | *_range | outside what the sensor can mean (or not a number), for `implausible_s` |
+/// | *_rate | changes faster than the machine can, for `implausible_s` |
+/// | wheel_stuck | no edge although the brake is released and the aircraft moves, for `stuck_s` |
+/// | flywheel_stuck | no edge although the wheel turns, for `stuck_s` |
+/// | pressure_stuck | the same reading to the last bit while the model moved by `pressure_moves_Pa`, for
+/// `stuck_s` | | speeds_disagree | wheel faster than the aircraft by `overspeed_share`, or slip of a free
+/// wheel above `free_slip`, for `stuck_s` | | pressure_off_command | reading against uncorrected valve model
+/// differs by `off_command_Pa` for `off_command_s` | | maneuver_range | a commanded value outside its range,
+/// at once | | heartbeat_lost, emergency_stop, bus_off | at once after the age or event | | overrun | more
+/// than `overruns` missed periods in quick succession |
+#pragma once
+
+#include "firmware/control/config.hpp"
+#include "firmware/control/estimator.hpp"
+#include "firmware/control/types.hpp"
+
+namespace antiskid::control {
+
+/// True once a condition has held for a time without a break.
+class Persistence {
+  public:
+    /// One period; true while `condition` has held for `limit_s` or longer.
+    bool holds(bool condition, float limit_s, float period_s) {
+        held_s_ = condition ? held_s_ + period_s : 0.0F;
+        if (held_s_ > limit_s + 1.0F) held_s_ = limit_s + 1.0F;
+        return condition && held_s_ >= limit_s;
+    }
+
+  private:
+    float held_s_ = 0.0F;
+};
+
+class Monitor {
+  public:
+    explicit Monitor(const Config& config);
+
+    /// Faults present in this period. `estimator` has already seen the same inputs; `rolling`: on the wheels
+    /// and spun up since touchdown.
+    [[nodiscard]] FaultSet check(const Sensors& sensors, const Estimator& estimator, bool rolling, Time now);
+
+  private:
+    /// Age and refusals of one input.
+    struct Arrival {
+        Time received = kNever;
+        std::uint32_t rejected = 0;
+        enum class Verdict : std::uint8_t { good, lost, corrupt };
+        Verdict judge(Time newest, std::uint32_t rejected_now, Time now, float max_age_s);
+    };
+    /// Range and rate of one speed.
+    struct SpeedCheck {
+        Persistence range;
+        Persistence rate;
+        float last_radps = 0.0F;
+        bool known = false;
+    };
+
+    void check_arrivals(FaultSet& faults, const Sensors& sensors, Time now);
+    void check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReading& reading,
+                     const EncoderConfig& encoder, Fault range, Fault rate) const;
+    void check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator);
+    void check_plausibility(FaultSet& faults, const Estimator& estimator, bool rolling);
+    void check_maneuver(FaultSet& faults, const ManeuverInput& maneuver) const;
+
+    MonitorConfig config_;
+    EncoderConfig wheel_encoder_;
+    EncoderConfig flywheel_encoder_;
+    float full_pressure_Pa_;
+    float released_Pa_;
+    float period_s_;
+    Arrival wheel_, flywheel_, pressure_, maneuver_;
+    SpeedCheck wheel_speed_, flywheel_speed_;
+    Persistence pressure_range_, pressure_rate_, pressure_stuck_, pressure_off_, wheel_stuck_,
+        flywheel_stuck_, overspeed_, free_slip_;
+    float last_reading_Pa_ = 0.0F;
+    Time last_reading_at_ = kNever;
+    float model_at_change_Pa_ = 0.0F;
+    std::uint32_t overrun_score_ = 0;
+};
+
+}  // namespace antiskid::control

@@ -1,0 +1,90 @@
+#include "firmware/control/supervisor.hpp"
+
+#include "firmware/control/arithmetic.hpp"
+
+namespace antiskid::control {
+
+namespace {
+constexpr float kSelfTestPatience_s = 2.0F;  // residual pressure for this long fails the self-test
+constexpr float kAtRest_radps = 0.1F;
+}  // namespace
+
+Supervisor::Supervisor(const SupervisorConfig& config, float period_s)
+    : config_(config), period_s_(period_s) {}
+
+/// A bounce takes the wheel off the ground and stops it: protection starts again, which is no fault.
+void Supervisor::watch_touchdown(bool on_wheels, const Estimate& e) {
+    const float rim = e.omega_radps * e.radius_m;
+    if (!on_wheels) {
+        spun_up_ = false;
+        protected_ = true;
+    }
+    const bool long_enough = on_wheels_.holds(on_wheels, config_.touchdown_timeout_s, period_s_);
+    if (on_wheels && rim > config_.spin_up_mps) {
+        spun_up_ = true;
+        protected_ = false;
+    }
+    if (long_enough) protected_ = false;
+}
+
+State Supervisor::braking_state(const Sensors& sensors, const Estimate& e) {
+    if (!sensors.maneuver.weight_on_wheels || protected_) {
+        return sensors.maneuver.weight_on_wheels ? State::touchdown_protection : State::armed;
+    }
+    if (sensors.maneuver.demand_Pa < config_.demand_threshold_Pa) return State::armed;
+    if (sensors.maneuver.law == Law::open_loop) return State::braking;
+
+    const bool slip_needed = sensors.maneuver.law != Law::deceleration;
+    const float drop_out =
+        config_.drop_out_mps + (state_ == State::drop_out ? config_.drop_out_hysteresis_mps : 0.0F);
+    if (slip_needed && e.v_mps < drop_out) return State::drop_out;
+    if (e.v_mps < config_.drop_out_mps) return State::braking;
+
+    const float rim = e.omega_radps * e.radius_m;
+    const float share = state_ == State::locked_wheel ? config_.unlock_share : config_.lock_share;
+    return rim < share * e.v_mps ? State::locked_wheel : State::braking;
+}
+
+State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet present) {
+    const bool arm = sensors.maneuver.arm;
+    const bool arms = arm && !arm_before_;
+    switch (state_) {
+        case State::self_test: {
+            const bool at_rest = e.omega_radps < kAtRest_radps;
+            const bool released = sensors.pressure.pressure_Pa < config_.residual_pressure_Pa;
+            if (residual_pressure_.holds(at_rest && present.empty() && !released, kSelfTestPatience_s,
+                                         period_s_)) {
+                latched_.insert(Fault::self_test_failed);
+                return State::safe;
+            }
+            return self_test_.holds(present.empty() && at_rest && released, config_.self_test_s, period_s_)
+                       ? State::standby
+                       : State::self_test;
+        }
+        case State::standby:
+            if (arms) latched_ = FaultSet{};
+            return arms ? State::armed : State::standby;
+        case State::safe:
+            return !arm && present.empty() ? State::standby : State::safe;
+        default:
+            return arm ? braking_state(sensors, e) : State::standby;
+    }
+}
+
+State Supervisor::update(const Sensors& sensors, const Estimate& e, FaultSet present, Time /*now*/) {
+    watch_touchdown(sensors.maneuver.weight_on_wheels, e);
+    State wanted = next(sensors, e, present);
+    if (locked_.holds(wanted == State::locked_wheel, config_.lock_persists_s, period_s_))
+        present.insert(Fault::lock_persists);
+    // Before the self-test has passed nothing may be there yet: absence is no fault then, and there is no
+    // permission either.
+    if (wanted != State::self_test && !present.empty()) {
+        latched_.insert(present);
+        wanted = State::safe;
+    }
+    arm_before_ = sensors.maneuver.received != kNever && sensors.maneuver.arm;
+    state_ = wanted;
+    return state_;
+}
+
+}  // namespace antiskid::control
