@@ -16,8 +16,8 @@
 #include <span>
 
 #include "firmware/can/bus.hpp"
+#include "firmware/can/frame_gate.hpp"
 #include "firmware/can/layout.hpp"
-#include "firmware/can/message_stats.hpp"
 #include "firmware/can/schedule.hpp"
 #include "firmware/can/sensor_decoder.hpp"
 #include "firmware/control/types.hpp"
@@ -62,26 +62,23 @@ class ControllerPort {
     [[nodiscard]] Frame faults(control::FaultSet faults);
     [[nodiscard]] Frame heartbeat();
 
-    [[nodiscard]] const MessageStats& stats(Role role) const {
-        return stats_[static_cast<std::size_t>(role)];
-    }
+    [[nodiscard]] const MessageStats& stats(Role role) const { return gate_.stats(role); }
     /// Frames that the controller has no use for, its own messages sent by somebody else among them.
-    [[nodiscard]] std::uint32_t unknown_ids() const { return unknown_ids_; }
+    [[nodiscard]] std::uint32_t unknown_ids() const { return gate_.unknown_ids(); }
 
   private:
-    void decode(Role role, const Payload& payload, control::Time received);
+    /// False when a value has no meaning.
+    [[nodiscard]] bool decode(Role role, const Payload& payload, control::Time received);
     void count_rejected(Role role);
+    [[nodiscard]] Frame protect(Role role, const Payload& payload);
 
     const Layout& layout_;
     Schedule schedule_;
-    std::array<std::uint8_t, 2048> role_of_;
+    FrameGate gate_;
     control::Sensors sensors_;
     SpeedDecoder wheel_;
     SpeedDecoder flywheel_;
-    std::array<E2eChecker, kRoleCount> checkers_{};
     std::array<E2eSender, kRoleCount> senders_{};
-    std::array<MessageStats, kRoleCount> stats_{};
-    std::uint32_t unknown_ids_ = 0;
     std::uint32_t sync_number_ = 0;
     std::uint32_t bus_off_events_ = 0;
     std::uint64_t step_index_ = 0;

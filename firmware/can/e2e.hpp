@@ -28,7 +28,8 @@ struct E2e {
     std::uint8_t crc_byte = 0;
     std::uint16_t data_id = 0;
     std::uint16_t counter_modulo = 15;  ///< values 0 to counter_modulo - 1 are valid
-    std::uint8_t max_delta = 1;         ///< 1 to counter_modulo - 2
+    std::uint8_t max_delta =
+        1;  ///< 1 to counter_modulo / 2, so that a step back is never taken for a step on
     bool ordered =
         true;  ///< false: the counter is not checked (a stop that comes late or twice must still stop)
 };

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include "firmware/can/frame_gate.hpp"
 #include "firmware/can/layout.hpp"
-#include "firmware/can/message_stats.hpp"
 #include "firmware/can/rig_sample.hpp"
 #include "firmware/can/schedule.hpp"
 
@@ -55,24 +55,21 @@ class RigPort {
     void accept(const Frame& frame);
 
     [[nodiscard]] const ControllerView& controller() const { return view_; }
-    [[nodiscard]] const MessageStats& stats(Role role) const {
-        return stats_[static_cast<std::size_t>(role)];
-    }
-    [[nodiscard]] std::uint32_t unknown_ids() const { return unknown_ids_; }
+    [[nodiscard]] const MessageStats& stats(Role role) const { return gate_.stats(role); }
+    [[nodiscard]] std::uint32_t unknown_ids() const { return gate_.unknown_ids(); }
 
   private:
     [[nodiscard]] Frame speed(Role role, const SpeedSignals& signals, const SpeedSample& sample);
-    [[nodiscard]] Frame finish(Role role, const Payload& payload);
+    [[nodiscard]] Frame protect(Role role, const Payload& payload);
+    /// False when a value has no meaning.
+    [[nodiscard]] bool decode(Role role, const Payload& payload, control::Time received);
 
     const Layout& layout_;
     Schedule schedule_;
-    std::array<std::uint8_t, 2048> role_of_;
-    std::array<E2eChecker, kRoleCount> checkers_{};
-    std::array<E2eSender, kRoleCount> senders_{};
-    std::array<MessageStats, kRoleCount> stats_{};
-    std::uint32_t unknown_ids_ = 0;
-    std::uint64_t step_index_ = 0;
+    FrameGate gate_;
     ControllerView view_;
+    std::array<E2eSender, kRoleCount> senders_{};
+    std::uint64_t step_index_ = 0;
 };
 
 }  // namespace antiskid::can

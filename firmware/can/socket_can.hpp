@@ -22,7 +22,6 @@
 /// System calls: receive() makes one for up to kBatch frames, send() one, status() none.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -52,15 +51,22 @@ class SocketCan final : public Bus {
 
     std::size_t receive(std::span<Frame> frames) override;
     bool send(const Frame& frame) override;
+    /// True also when the link's state changed; receive() then takes note of it.
     bool wait(Time timeout) override;
-    [[nodiscard]] LinkStatus status() const override;
+    [[nodiscard]] LinkStatus status() const override { return status_; }
 
     /// For poll() beside other descriptors.
-    [[nodiscard]] int descriptor() const;
+    [[nodiscard]] int descriptor() const { return socket_; }
 
   private:
-    struct State;
-    std::unique_ptr<State> state_;
+    struct Batch;
+    void note_error(int error);
+    void note_error_frame(std::uint32_t classes);
+
+    int socket_ = -1;
+    std::uint32_t kernel_drops_ = 0;
+    LinkStatus status_;
+    std::unique_ptr<Batch> batch_;  // the kernel's structures, made once
 };
 
 }  // namespace antiskid::can

@@ -1,0 +1,52 @@
+/// A place in the text of a DBC file, and the small things that are read from there.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace antiskid::can {
+
+/// Every read skips blanks first and throws settings::Error with file and line when something else is there.
+class DbcCursor {
+  public:
+    DbcCursor(std::string_view text, std::string file);
+
+    /// Blanks within the line, or line ends too.
+    void skip_blanks();
+    void skip_space();
+    [[nodiscard]] bool at_end() const { return position_ == text_.size(); }
+    /// At a line end or the end of the text, after skip_blanks().
+    [[nodiscard]] bool at_line_end();
+    /// The next character after white space and line ends, NUL at the end.
+    [[nodiscard]] char peek();
+    [[nodiscard]] std::uint32_t line() const { return line_; }
+
+    /// To the start of the next line, past strings that hold line ends.
+    void skip_line();
+    /// Past the next semicolon outside a string.
+    void skip_statement();
+
+    /// Up to white space or one of : ; , " ( ) [ ] | @
+    [[nodiscard]] std::string_view word(std::string_view what);
+    [[nodiscard]] std::uint64_t natural(std::string_view what, std::uint64_t most);
+    [[nodiscard]] double number(std::string_view what);
+    /// Between double quotes, over line ends; \" stands for a quote.
+    [[nodiscard]] std::string quoted(std::string_view what);
+    void expect(char wanted, std::string_view where);
+    /// '+' or '-' right here.
+    [[nodiscard]] char sign(std::string_view what);
+
+    [[noreturn]] void fail(std::string message) const;
+
+  private:
+    void advance();
+    [[nodiscard]] std::string found() const;
+
+    std::string_view text_;
+    std::string file_;
+    std::size_t position_ = 0;
+    std::uint32_t line_ = 1;
+};
+
+}  // namespace antiskid::can

@@ -1,0 +1,150 @@
+#include "firmware/can/load_layout.hpp"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/reader/settings.hpp"
+#include "firmware/can/message_binder.hpp"
+#include "firmware/can/value_names.hpp"
+
+namespace antiskid::can {
+
+namespace {
+
+class Loader {
+  public:
+    Loader(const Dbc& dbc, const settings::Table& root) : dbc_(dbc), root_(root) {}
+
+    Layout run() {
+        sensors();
+        maneuver();
+        rest_of_the_rig();
+        controller();
+        return layout_;
+    }
+
+  private:
+    void sensors() {
+        MessageBinder wheel = bind(Role::wheel, {});
+        layout_.wheel = speed(wheel);
+        MessageBinder flywheel = bind(Role::flywheel, {});
+        layout_.flywheel = speed(flywheel);
+        MessageBinder pressure = bind(Role::pressure, {});
+        layout_.pressure_Pa = pressure.physical("pressure", Quantity::pressure);
+    }
+
+    void maneuver() {
+        MessageBinder binder = bind(Role::maneuver, {.crc_required = true});
+        ManeuverSignals& maneuver = layout_.maneuver;
+        maneuver.law = binder.code("law", {.least = 2, .most = 8}, kLawNames);
+        maneuver.arm = binder.whole("arm", kFlag);
+        maneuver.weight_on_wheels = binder.whole("weight_on_wheels", kFlag);
+        maneuver.demand_Pa = binder.physical("demand", Quantity::pressure);
+        maneuver.slip_reference = binder.physical("slip_reference", Quantity::ratio);
+        maneuver.deceleration_mps2 = binder.physical("deceleration", Quantity::acceleration);
+        maneuver.current_mA = binder.physical("current", Quantity::current);
+    }
+
+    void rest_of_the_rig() {
+        static_cast<void>(bind(Role::rig_heartbeat, {}));
+        static_cast<void>(bind(Role::emergency_stop, {.cyclic = false, .ordered = false}));
+        if (root_.has(name(Role::sync))) {
+            MessageBinder sync = bind(Role::sync, {.cyclic = false});
+            if (sync.table().has("number"))
+                layout_.sync_counter = sync.whole("number", {.least = 1, .most = 32});
+        }
+        if (root_.has(name(Role::load_cells))) {
+            MessageBinder cells = bind(Role::load_cells, {});
+            layout_.load_cells.vertical_N = cells.physical("vertical", Quantity::force);
+            layout_.load_cells.longitudinal_N = cells.physical("longitudinal", Quantity::force);
+            layout_.load_cells.brake_torque_Nm = cells.physical("brake_torque", Quantity::torque);
+        }
+    }
+
+    void controller() {
+        MessageBinder valve = bind(Role::valve, {.crc_required = true});
+        layout_.valve_current_mA = valve.physical("current", Quantity::current);
+
+        MessageBinder status = bind(Role::status, {});
+        layout_.status.state = status.code("state", {.least = 3, .most = 8}, kStateNames);
+        layout_.status.slip = status.physical("slip", Quantity::ratio);
+        layout_.status.slip_reference = status.physical("slip_reference", Quantity::ratio);
+        layout_.status.speed_mps = status.physical("speed", Quantity::speed);
+
+        MessageBinder faults = bind(Role::faults, {});
+        const settings::Table bits = faults.table().table("bits");
+        for (std::size_t i = 0; i < kFaultNames.size(); ++i) {
+            layout_.faults[i] = faults.whole(bits, kFaultNames[i], kFlag);
+        }
+        static_cast<void>(bind(Role::controller_heartbeat, {}));
+    }
+
+    struct Rule {
+        bool cyclic = true;
+        bool crc_required = false;
+        bool ordered = true;
+    };
+
+    MessageBinder bind(Role role, const Rule& rule) {
+        MessageBinder binder(dbc_, root_.table(name(role)));
+        Message message = binder.message(rule.cyclic);
+        message.protection = binder.protection(rule.crc_required, rule.ordered);
+        for (const Role other : roles_) {
+            const Message& taken = layout_[other];
+            if (taken.id == message.id) {
+                binder.table().fail("message", "has the identifier that [" + std::string(name(other)) +
+                                                   "] uses; every role needs a message of its own");
+            }
+            if (taken.protection.protection == Protection::counter_crc &&
+                message.protection.protection == Protection::counter_crc &&
+                taken.protection.data_id == message.protection.data_id) {
+                binder.table().fail("data_id", "is that of [" + std::string(name(other)) +
+                                                   "]; it must tell this message from every other");
+            }
+        }
+        roles_.push_back(role);
+        layout_[role] = message;
+        return binder;
+    }
+
+    static SpeedSignals speed(MessageBinder& binder) {
+        SpeedSignals signals;
+        const bool edges = binder.table().has("edge_count") || binder.table().has("edge_time");
+        const bool reported = binder.table().has("speed");
+        if (edges == reported) {
+            binder.table().fail(reported ? "speed" : "message",
+                                "give either edge_count and edge_time, or speed");
+        }
+        if (reported) {
+            signals.source = control::SpeedSource::speed;
+            signals.speed_radps = binder.rotation("speed");
+        } else {
+            signals.source = control::SpeedSource::edges;
+            signals.edge_count = binder.whole("edge_count", {.least = 8, .most = 32});
+            signals.edge_time = binder.clock("edge_time");
+        }
+        return signals;
+    }
+
+    static constexpr Widths kFlag{.least = 1, .most = 1};
+
+    const Dbc& dbc_;
+    const settings::Table& root_;
+    Layout layout_;
+    std::vector<Role> roles_;
+};
+
+}  // namespace
+
+Layout load_layout(const std::filesystem::path& dbc, const std::filesystem::path& binding) {
+    const Dbc messages = load_dbc(dbc);
+    const settings::Document document = settings::Document::load(binding);
+    const settings::Table root = document.root();
+    const Layout layout = Loader(messages, root).run();
+    document.finish();
+    return layout;
+}
+
+}  // namespace antiskid::can

@@ -1,0 +1,77 @@
+/// One role's table of the binding against the DBC: finds the message and its signals, checks them, turns
+/// them into Signals.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/reader/settings.hpp"
+#include "firmware/can/dbc.hpp"
+#include "firmware/can/layout.hpp"
+#include "firmware/can/units.hpp"
+
+namespace antiskid::can {
+
+/// Widths that a whole-number signal may have.
+struct Widths {
+    std::uint32_t least = 1;
+    std::uint32_t most = 32;
+};
+
+/// Every function throws settings::Error at the key of the binding that is to blame. Meant to live while its
+/// table is read.
+class MessageBinder {
+  public:
+    /// `table`: the role's table. Finds its `message` in `dbc`.
+    MessageBinder(const Dbc& dbc, settings::Table table);
+
+    /// Identifier, length, and `period_ms` for a cyclic message.
+    [[nodiscard]] Message message(bool cyclic);
+    /// `protection` and the keys that belong to it.
+    [[nodiscard]] E2e protection(bool crc_required, bool ordered);
+
+    /// `key = "SignalName"`: a code, count or flag, without unit, factor and offset.
+    [[nodiscard]] Signal whole(std::string_view key, const Widths& widths);
+    [[nodiscard]] Signal whole(const settings::Table& table, std::string_view key, const Widths& widths);
+    /// As whole(); where the DBC has a value table it must not give the name of one code to another.
+    [[nodiscard]] Signal code(std::string_view key, const Widths& widths,
+                              std::span<const std::string_view> names);
+    /// `key = { signal = "SignalName", unit = "bar" }`.
+    [[nodiscard]] Signal physical(std::string_view key, Quantity quantity);
+    /// An angular speed in a unit of angular speed, or in one of rim speed and then with the rim's
+    /// `radius_m`.
+    [[nodiscard]] Signal rotation(std::string_view key);
+    /// The time of an edge: unsigned, rolls over, no offset.
+    [[nodiscard]] Signal clock(std::string_view key);
+
+    [[nodiscard]] const settings::Table& table() const { return table_; }
+    [[nodiscard]] const DbcMessage& dbc_message() const { return *message_; }
+
+  private:
+    struct Source {
+        settings::Table table;
+        std::string key;
+        const DbcSignal* signal;
+        Unit unit;
+    };
+    const DbcSignal& take(const settings::Table& table, std::string_view key, const std::string& name);
+    [[nodiscard]] Source take_physical(std::string_view key);
+    [[nodiscard]] Signal scaled(const Source& source, double size) const;
+    [[nodiscard]] std::string at(const DbcSignal& signal) const;
+
+    const Dbc& dbc_;
+    settings::Table table_;
+    const DbcMessage* message_ = nullptr;
+    /// Bits of the payload that bound signals already use, in Intel numbering, and by whom.
+    struct Taken {
+        std::uint64_t bits;
+        std::string key;
+    };
+    std::vector<Taken> taken_;
+};
+
+}  // namespace antiskid::can

@@ -1,0 +1,273 @@
+#include "firmware/can/socket_can.hpp"
+
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <net/if_arp.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "firmware/can/wall_clock_offset.hpp"
+
+namespace antiskid::can {
+
+namespace {
+
+constexpr std::int64_t kNanoseconds = 1'000'000'000;
+
+Time time_of(const timespec& t) {
+    return Time{std::int64_t{t.tv_sec} * kNanoseconds + t.tv_nsec};
+}
+
+struct WallMinusMonotonic {
+    Time operator()() const {
+        timespec monotonic{};
+        timespec wall{};
+        clock_gettime(CLOCK_MONOTONIC, &monotonic);
+        clock_gettime(CLOCK_REALTIME, &wall);
+        return time_of(wall) - time_of(monotonic);
+    }
+};
+
+bool is_virtual(const std::string& interface) {
+    return interface.starts_with("v");
+}
+
+std::string bring_up(const std::string& interface) {
+    return is_virtual(interface) ? "`ip link set " + interface + " up`"
+                                 : "`ip link set " + interface + " up type can bitrate 1000000`";
+}
+
+std::string make(const std::string& interface) {
+    return is_virtual(interface)
+               ? "make it with `ip link add dev " + interface + " type vcan` and " + bring_up(interface)
+               : "plug the adapter in, then " + bring_up(interface) +
+                     " (`ip -br link show type can` lists what is there)";
+}
+
+[[noreturn]] void refuse(const std::string& interface, const std::string& why) {
+    throw std::runtime_error("CAN interface '" + interface + "' " + why);
+}
+
+[[noreturn]] void refuse_system(const std::string& interface, const std::string& what, int error) {
+    refuse(interface, what + ": " + std::generic_category().message(error));
+}
+
+/// Closes on the way out unless released.
+class Descriptor {
+  public:
+    explicit Descriptor(int fd) : fd_(fd) {}
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    ~Descriptor() {
+        if (fd_ >= 0) close(fd_);
+    }
+    [[nodiscard]] int get() const { return fd_; }
+    [[nodiscard]] int release() { return std::exchange(fd_, -1); }
+
+  private:
+    int fd_;
+};
+
+int open_socket(const std::string& interface) {
+    if (interface.empty() || interface.size() >= IFNAMSIZ) {
+        refuse(interface, "is no interface name: expected 1 to 15 characters, like can0");
+    }
+    const int fd = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
+    if (fd >= 0) return fd;
+    if (errno == EAFNOSUPPORT || errno == EPROTONOSUPPORT) {
+        refuse(interface,
+               "cannot be used: this kernel has no CAN (`modprobe can_raw`, or run under `./rig vcan -- "
+               "COMMAND`)");
+    }
+    refuse_system(interface, "cannot be opened", errno);
+}
+
+int index_of(int fd, const std::string& interface) {
+    ifreq request{};
+    interface.copy(request.ifr_name, IFNAMSIZ - 1);
+    if (ioctl(fd, SIOCGIFINDEX, &request) != 0) {
+        if (errno == ENODEV) refuse(interface, "does not exist: " + make(interface));
+        refuse_system(interface, "cannot be looked up", errno);
+    }
+    const int index = request.ifr_ifindex;
+    if (ioctl(fd, SIOCGIFHWADDR, &request) == 0 && request.ifr_hwaddr.sa_family != ARPHRD_CAN) {
+        refuse(interface, "is no CAN interface (`ip -br link show type can` and `... type vcan` list them)");
+    }
+    if (ioctl(fd, SIOCGIFFLAGS, &request) != 0) refuse_system(interface, "has no flags", errno);
+    if ((static_cast<unsigned>(request.ifr_flags) & IFF_UP) == 0)
+        refuse(interface, "is down: " + bring_up(interface));
+    return index;
+}
+
+template <typename T>
+void set_option(int fd, const std::string& interface, int level, int option, const T& value,
+                const char* name) {
+    if (setsockopt(fd, level, option, &value, sizeof value) != 0) {
+        refuse_system(interface, std::string("refused ") + name, errno);
+    }
+}
+
+}  // namespace
+
+struct SocketCan::Batch {
+    static constexpr std::size_t kControl = CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t));
+
+    Batch() : offset(WallMinusMonotonic{}) {
+        for (std::size_t i = 0; i < kBatch; ++i) {
+            vectors[i] = {.iov_base = &frames[i], .iov_len = sizeof frames[i]};
+            headers[i].msg_hdr.msg_iov = &vectors[i];
+            headers[i].msg_hdr.msg_iovlen = 1;
+            headers[i].msg_hdr.msg_control = &control[i];
+        }
+    }
+
+    struct alignas(cmsghdr) Control {
+        std::array<unsigned char, kControl> bytes;
+    };
+
+    WallClockOffset<WallMinusMonotonic> offset;
+    std::array<can_frame, kBatch> frames{};
+    std::array<iovec, kBatch> vectors{};
+    std::array<Control, kBatch> control{};
+    std::array<mmsghdr, kBatch> headers{};
+};
+
+SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t> ids,
+                     const SocketCanOptions& options)
+    : batch_(std::make_unique<Batch>()) {
+    Descriptor fd(open_socket(interface));
+    const int index = index_of(fd.get(), interface);
+
+    // Remote frames of a wanted identifier pass, to be counted.
+    std::vector<can_filter> filters;
+    for (const std::uint16_t id : ids)
+        filters.push_back({.can_id = id, .can_mask = CAN_EFF_FLAG | CAN_SFF_MASK});
+    if (setsockopt(fd.get(), SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
+                   static_cast<socklen_t>(filters.size() * sizeof(can_filter))) != 0) {
+        refuse_system(interface, "refused the filters", errno);
+    }
+    const can_err_mask_t every_error = CAN_ERR_MASK;
+    set_option(fd.get(), interface, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, every_error, "error frames");
+    const int on = 1;
+    set_option(fd.get(), interface, SOL_SOCKET, SO_TIMESTAMPNS, on, "time stamps");
+    set_option(fd.get(), interface, SOL_SOCKET, SO_RXQ_OVFL, on, "the drop counter");
+    set_option(fd.get(), interface, SOL_SOCKET, SO_RCVBUF, options.receive_buffer_bytes,
+               "the receive buffer");
+    // The kernel raises this to its least value, room for a handful of frames.
+    const int smallest = 1;
+    set_option(fd.get(), interface, SOL_SOCKET, SO_SNDBUF, smallest, "the send buffer");
+
+    sockaddr_can address{};
+    address.can_family = AF_CAN;
+    address.can_ifindex = index;
+    if (bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+        refuse_system(interface, "cannot be bound", errno);
+    }
+    socket_ = fd.release();
+}
+
+SocketCan::~SocketCan() {
+    close(socket_);
+}
+
+std::size_t SocketCan::receive(std::span<Frame> frames) {
+    const std::size_t wanted = std::min(frames.size(), kBatch);
+    for (std::size_t i = 0; i < wanted; ++i) {
+        batch_->headers[i].msg_hdr.msg_controllen = Batch::kControl;
+    }
+    const int received =
+        recvmmsg(socket_, batch_->headers.data(), static_cast<unsigned>(wanted), MSG_DONTWAIT, nullptr);
+    if (received < 0) {
+        note_error(errno);
+        return 0;
+    }
+
+    batch_->offset.next_batch();
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(received); ++i) {
+        msghdr& header = batch_->headers[i].msg_hdr;
+        timespec stamp{};
+        for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
+            if (c->cmsg_level != SOL_SOCKET) continue;
+            if (c->cmsg_type == SCM_TIMESTAMPNS) std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
+            if (c->cmsg_type == SO_RXQ_OVFL) {
+                std::uint32_t drops = 0;
+                std::memcpy(&drops, CMSG_DATA(c), sizeof drops);
+                status_.receive_dropped += drops - kernel_drops_;
+                kernel_drops_ = drops;
+            }
+        }
+        const can_frame& raw = batch_->frames[i];
+        if ((raw.can_id & CAN_ERR_FLAG) != 0) {
+            note_error_frame(raw.can_id & CAN_ERR_MASK);
+            continue;
+        }
+        status_.bus_off = false;
+        status_.up = true;
+        if (batch_->headers[i].msg_len != sizeof raw || (raw.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) != 0 ||
+            raw.can_dlc > CAN_MAX_DLEN) {
+            ++status_.malformed;
+            continue;
+        }
+        Frame& frame = frames[count++];
+        frame.id = raw.can_id & CAN_SFF_MASK;
+        frame.length = raw.can_dlc;
+        std::memcpy(frame.data.data(), raw.data, sizeof raw.data);
+        frame.received = batch_->offset.monotonic(time_of(stamp));
+    }
+    return count;
+}
+
+bool SocketCan::send(const Frame& frame) {
+    can_frame raw{};
+    raw.can_id = frame.id & CAN_SFF_MASK;
+    raw.can_dlc = std::min<std::uint8_t>(frame.length, CAN_MAX_DLEN);
+    std::memcpy(raw.data, frame.data.data(), sizeof raw.data);
+    if (::send(socket_, &raw, sizeof raw, MSG_DONTWAIT) == static_cast<ssize_t>(sizeof raw)) {
+        if (!status_.bus_off) status_.up = true;
+        return true;
+    }
+    ++status_.transmit_dropped;
+    note_error(errno);
+    return false;
+}
+
+bool SocketCan::wait(Time timeout) {
+    const std::int64_t left = std::max<std::int64_t>(timeout.count(), 0);
+    const timespec limit{.tv_sec = left / kNanoseconds, .tv_nsec = left % kNanoseconds};
+    pollfd descriptor{.fd = socket_, .events = POLLIN, .revents = 0};
+    return ppoll(&descriptor, 1, &limit, nullptr) > 0;
+}
+
+void SocketCan::note_error(int error) {
+    if (error == ENETDOWN || error == ENODEV || error == ENXIO) status_.up = false;
+}
+
+void SocketCan::note_error_frame(std::uint32_t classes) {
+    ++status_.error_frames;
+    if ((classes & CAN_ERR_BUSOFF) != 0) {
+        ++status_.bus_off_events;
+        status_.bus_off = true;
+        status_.up = false;
+    }
+    if ((classes & CAN_ERR_RESTARTED) != 0) {
+        status_.bus_off = false;
+        status_.up = true;
+    }
+}
+
+}  // namespace antiskid::can
