@@ -1,13 +1,13 @@
 #include "config/reader/atomic_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include <sys/stat.h>
 #include <cerrno>
 #include <cstring>
+#include <deque>
 #include <string>
-#include <vector>
 
 #include "config/reader/file_descriptor.hpp"
 
@@ -80,14 +80,14 @@ void sync_directory(const fs::path& directory, const Refusal& refusal) {
     if (::fsync(handle.get()) != 0 && errno != EINVAL) refusal.of_system("directory cannot be stored", errno);
 }
 
-/// `directory` and every parent that had to be created, each to be synced in its own parent.
+/// Creates `directory` and its missing parents, each synced in its own parent.
 void create_directories(const fs::path& directory, const Refusal& refusal) {
-    std::vector<fs::path> missing;
-    for (auto path = directory; !fs::exists(path); path = path.parent_path()) missing.push_back(path);
-    for (auto path = missing.rbegin(); path != missing.rend(); ++path) {
-        if (::mkdir(path->c_str(), 0777) != 0 && errno != EEXIST)
-            refusal.of_system("directory " + path->string() + " cannot be created", errno);
-        sync_directory(path->parent_path(), refusal);
+    std::deque<fs::path> missing;
+    for (auto path = directory; !fs::exists(path); path = path.parent_path()) missing.push_front(path);
+    for (const auto& path : missing) {
+        if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST)
+            refusal.of_system("directory " + path.string() + " cannot be created", errno);
+        sync_directory(path.parent_path(), refusal);
     }
 }
 

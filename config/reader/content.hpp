@@ -38,8 +38,8 @@ struct Table::Scope {
     [[nodiscard]] const toml::node& get(std::string_view key) const;
     /// Keys that nobody knows so far.
     [[nodiscard]] std::vector<std::string_view> unknown_keys() const;
-    /// The same of this table and every table below it.
-    void collect_unknown(std::vector<Unknown>& found) const;
+    /// Adds the keys of this table that nobody knows, and its tables under the keys that somebody knows.
+    void inspect(std::vector<Unknown>& unknown, std::vector<Table>& known_tables) const;
     /// The table `node` of this one.
     [[nodiscard]] Table below(const toml::table& node, std::string_view key) const;
     /// Element `index` of the array of tables `key`.

@@ -12,7 +12,7 @@ namespace {
 /// The parser builds one table inside another for every dot of a dotted key and takes them down recursively,
 /// so the length of a line bounds the stack it needs.
 void refuse_long_lines(std::string_view text, const std::string& name) {
-    constexpr std::size_t kLongestLine = 8192;
+    constexpr std::size_t kLongestLine = 4096;
     std::uint32_t line = 1;
     while (!text.empty()) {
         const auto length = std::min(text.find('\n'), text.size());
@@ -51,11 +51,15 @@ const std::string& Document::bytes() const {
 }
 
 void Document::finish() const {
-    std::vector<Table::Scope::Unknown> found;
-    root().scope_->collect_unknown(found);
-    const auto first = std::min_element(found.begin(), found.end(),
+    std::vector<Table::Scope::Unknown> unknown;
+    for (std::vector<Table> pending{root()}; !pending.empty();) {
+        const auto table = std::move(pending.back());
+        pending.pop_back();
+        table.scope_->inspect(unknown, pending);
+    }
+    const auto first = std::min_element(unknown.begin(), unknown.end(),
                                         [](const auto& a, const auto& b) { return a.place < b.place; });
-    if (first != found.end()) first->scope.refuse_unknown(first->key);
+    if (first != unknown.end()) first->scope.refuse_unknown(first->key);
 }
 
 }  // namespace settings

@@ -75,17 +75,17 @@ const toml::node& Table::Scope::get(std::string_view key) const {
     refuse(line(), key, "missing");
 }
 
-void Table::Scope::collect_unknown(std::vector<Unknown>& found) const {
+void Table::Scope::inspect(std::vector<Unknown>& unknown, std::vector<Table>& known_tables) const {
     const auto& known = content->asked[table];
     for (const auto& [key, node] : *table) {
         if (!known.contains(key.str())) {
-            found.push_back({key.source().begin, *this, std::string(key.str())});
+            unknown.push_back({key.source().begin, *this, std::string(key.str())});
         } else if (const auto* one = node.as_table()) {
-            below(*one, key.str()).scope_->collect_unknown(found);
+            known_tables.push_back(below(*one, key.str()));
         } else if (const auto* many = node.as_array()) {
             for (std::size_t index = 0; index < many->size(); ++index) {
                 if (const auto* element = many->get(index)->as_table())
-                    below(*element, key.str(), index).scope_->collect_unknown(found);
+                    known_tables.push_back(below(*element, key.str(), index));
             }
         }
     }

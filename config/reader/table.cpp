@@ -143,6 +143,7 @@ std::vector<Table> Table::tables(const Count& count) const {
     }
     std::sort(placed.begin(), placed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<Table> found;
+    found.reserve(placed.size());
     for (auto& [position, table] : placed) found.push_back(std::move(table));
     if (const auto reason = out_of(found.size(), count, "tables"); !reason.empty()) fail("", reason);
     return found;
