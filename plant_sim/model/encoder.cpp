@@ -26,7 +26,9 @@ void Encoder::advance(double angle_rad, double before_radps, double after_radps,
     const double root = std::sqrt(std::max(after_radps * after_radps - 2.0 * acceleration * angle, 0.0));
     const double since = std::min(2.0 * angle / (after_radps + root), step_s);
     count_ += passed;
-    edge_time_s_ = std::max(now_s - since + parameters_.jitter_s * random.noise(), edge_time_s_);
+    const double stamp = std::max(now_s - since + parameters_.jitter_s * random.noise(), edge_time_s_);
+    if (stamp > edge_time_s_) speed_radps_ = passed / (stamp - edge_time_s_) / edges_per_rad_;
+    edge_time_s_ = stamp;
 }
 
 }  // namespace plant

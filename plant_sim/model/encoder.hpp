@@ -26,6 +26,11 @@ class Encoder {
     [[nodiscard]] double edge_time_s() const {
         return edge_time_s_;
     }  ///< stamp of the last edge, jitter included
+    /// What electronics that report speed instead would say: edges over the time they took, and zero 100 ms
+    /// after the last one.
+    [[nodiscard]] double speed_radps(double now_s) const {
+        return now_s - edge_time_s_ < 0.1 ? speed_radps_ : 0.0;
+    }
 
   private:
     EncoderParameters parameters_;
@@ -33,6 +38,7 @@ class Encoder {
     double next_edge_;  // angle in edges at which the next one comes
     std::uint32_t count_ = 0;
     double edge_time_s_ = 0.0;
+    double speed_radps_ = 0.0;
 };
 
 }  // namespace plant

@@ -1,0 +1,173 @@
+#include "firmware/linux/controller_config.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "config/reader/settings.hpp"
+#include "firmware/control/valve_model.hpp"
+
+namespace antiskid {
+
+namespace {
+
+using control::Config;
+
+float number(const settings::Table& table, std::string_view key, double min, double max) {
+    return static_cast<float>(table.number(key, {.min = min, .max = max}));
+}
+
+/// Milliseconds in the file, seconds in the controller.
+float milliseconds(const settings::Table& table, std::string_view key, double min, double max) {
+    return static_cast<float>(table.number(key, {.min = min, .max = max}) * 1e-3);
+}
+
+control::EncoderConfig encoder(const settings::Table& t) {
+    return {.teeth = static_cast<float>(t.integer<int>("teeth", {.min = 1, .max = 1000})),
+            .max_speed_radps = number(t, "max_speed_radps", 1.0, 1e4),
+            .max_acceleration_radps2 = number(t, "max_acceleration_radps2", 1.0, 1e6)};
+}
+
+control::WheelConfig wheel(const settings::Table& t) {
+    const double rho = t.number("air_density_kgpm3", {.min = 0.0, .max = 2.0});
+    const double lift_area = t.number("lift_area_m2", {.min = 0.0, .max = 100.0});
+    return {.encoder = encoder(t.table("encoder")),
+            .inertia_kgm2 = number(t, "inertia_kgm2", 0.01, 100.0),
+            .nominal_radius_m = number(t, "nominal_radius_m", 0.05, 2.0),
+            .radius_tolerance = number(t, "radius_tolerance", 0.0, 0.2),
+            .stiffness_Npm = number(t, "stiffness_Npm", 1e4, 1e9),
+            .lift_Ns2pm2 = static_cast<float>(0.5 * rho * lift_area),
+            .brake_gain_m3 = number(t, "brake_gain_m3", 1e-6, 1.0)};
+}
+
+control::ValveConfig valve(const settings::Table& t, float period_s) {
+    using control::ValveConfig;
+    ValveConfig v;
+    const settings::Count count{.min = 2, .max = ValveConfig::kMostPoints};
+    const auto current = t.numbers(
+        "current_mA", {.range = {.min = 0.0, .max = 1000.0}, .count = count, .strictly_increasing = true});
+    const auto pressure = t.numbers(
+        "pressure_Pa", {.range = {.min = 0.0, .max = 1e8}, .count = count, .strictly_increasing = true});
+    if (current.size() != pressure.size()) {
+        t.fail("pressure_Pa", "has " + std::to_string(pressure.size()) + " points, current_mA has " +
+                                  std::to_string(current.size()) + "; both need the same number");
+    }
+    v.points = static_cast<std::uint8_t>(current.size());
+    for (std::size_t i = 0; i < current.size(); ++i) {
+        v.current_mA[i] = static_cast<float>(current[i]);
+        v.pressure_Pa[i] = static_cast<float>(pressure[i]);
+    }
+    v.natural_frequency_radps = static_cast<float>(
+        2.0 * std::numbers::pi * t.number("natural_frequency_Hz", {.min = 1.0, .max = 200.0}));
+    v.damping = number(t, "damping", 0.1, 2.0);
+    const double most_delay =
+        static_cast<double>(period_s) * static_cast<double>(control::ValveModel::kMostDelay);
+    v.delay_s = milliseconds(t, "delay_ms", 0.0, most_delay * 1e3);
+    v.safe_current_mA = number(t, "safe_current_mA", 0.0, current.front());
+    v.full_pressure_Pa = number(t, "full_pressure_Pa", 1e5, pressure.back());
+    return v;
+}
+
+control::EstimatorConfig estimator(const settings::Table& t) {
+    return {.aircraft_bandwidth_radps = number(t, "aircraft_bandwidth_radps", 1.0, 1000.0),
+            .wheel_bandwidth_radps = number(t, "wheel_bandwidth_radps", 1.0, 5000.0),
+            .pressure_bandwidth_radps = number(t, "pressure_bandwidth_radps", 1.0, 5000.0)};
+}
+
+control::SlipConfig slip(const settings::Table& t) {
+    const float low_speed = number(t, "low_speed_mps", 0.0, 100.0);
+    control::SlipConfig s{.k_p_per_s = number(t, "k_p_per_s", 0.0, 1e4),
+                          .k_i_per_s2 = number(t, "k_i_per_s2", 0.0, 1e5),
+                          .k_d = number(t, "k_d", -1.0, 100.0),
+                          .k_dd_s = number(t, "k_dd_s", 0.0, 1.0),
+                          .road_torque_share = number(t, "road_torque_share", 0.0, 1.0),
+                          .build_up_slip = number(t, "build_up_slip", 0.0, 1.0),
+                          .build_up_pressure_Pa = number(t, "build_up_pressure_Pa", 0.0, 1e8),
+                          .reference_rate_per_s = number(t, "reference_rate_per_s", 0.01, 1e4),
+                          .low_speed_mps = low_speed,
+                          .low_speed_floor_mps = number(t, "low_speed_floor_mps", 0.0, 100.0),
+                          .low_speed_slip = number(t, "low_speed_slip", 0.0, 0.5)};
+    if (low_speed > 0.0F && s.low_speed_floor_mps >= low_speed) {
+        t.fail("low_speed_floor_mps", "must be below low_speed_mps");
+    }
+    return s;
+}
+
+control::DecelerationConfig deceleration(const settings::Table& t) {
+    return {.k_p_Pa_per_mps2 = number(t, "k_p_Pa_per_mps2", 0.0, 1e9),
+            .k_i_Pa_per_m_per_s = number(t, "k_i_Pa_per_m_per_s", 0.0, 1e9),
+            .filter_radps = number(t, "filter_radps", 1.0, 1000.0),
+            .onset_mps3 = number(t, "onset_mps3", 0.1, 1e4),
+            .slip_limit = number(t, "slip_limit", 0.01, 0.5),
+            .drop_out_mps = number(t, "drop_out_mps", 0.5, 10.0)};
+}
+
+control::ThresholdConfig threshold(const settings::Table& t) {
+    return {.first_rise_Paps = number(t, "first_rise_Paps", 1e5, 1e10),
+            .rise_Paps = number(t, "rise_Paps", 1e5, 1e10),
+            .fall_Paps = number(t, "fall_Paps", 1e5, 1e10),
+            .slip_high = number(t, "slip_high", 0.01, 0.95),
+            .deceleration_high_mps2 = number(t, "deceleration_high_mps2", 1.0, 1e4),
+            .acceleration_high_mps2 = number(t, "acceleration_high_mps2", 0.0, 1e4),
+            .slip_low = number(t, "slip_low", 0.005, 0.9),
+            .restore_share = number(t, "restore_share", 0.0, 1.0)};
+}
+
+control::SupervisorConfig supervisor(const settings::Table& t) {
+    return {.self_test_s = milliseconds(t, "self_test_ms", 10.0, 10000.0),
+            .residual_pressure_Pa = number(t, "residual_pressure_Pa", 1e4, 1e7),
+            .spin_up_mps = number(t, "spin_up_mps", 1.0, 100.0),
+            .touchdown_timeout_s = number(t, "touchdown_timeout_s", 0.1, 30.0),
+            .demand_threshold_Pa = number(t, "demand_threshold_Pa", 0.0, 1e7),
+            .lock_share = number(t, "lock_share", 0.01, 0.7),
+            .unlock_share = number(t, "unlock_share", 0.05, 0.95),
+            .lock_persists_s = number(t, "lock_persists_s", 0.05, 10.0),
+            .drop_out_mps = number(t, "drop_out_mps", 1.0, 20.0),
+            .drop_out_hysteresis_mps = number(t, "drop_out_hysteresis_mps", 0.0, 10.0),
+            .pass_through_rate_Paps = number(t, "pass_through_rate_Paps", 1e5, 1e10)};
+}
+
+control::MonitorConfig monitor(const settings::Table& t, float period_s) {
+    const double period_ms = static_cast<double>(period_s) * 1e3;
+    return {.sensor_max_age_s = milliseconds(t, "sensor_max_age_ms", 2.0 * period_ms, 1000.0),
+            .maneuver_max_age_s = milliseconds(t, "maneuver_max_age_ms", 2.0 * period_ms, 5000.0),
+            .heartbeat_max_age_s = milliseconds(t, "heartbeat_max_age_ms", 2.0 * period_ms, 10000.0),
+            .implausible_s = milliseconds(t, "implausible_ms", 0.0, 1000.0),
+            .stuck_s = milliseconds(t, "stuck_ms", 10.0, 5000.0),
+            .pressure_range_Pa = number(t, "pressure_range_Pa", 1e5, 1e9),
+            .pressure_rate_Paps = number(t, "pressure_rate_Paps", 1e6, 1e12),
+            .pressure_moves_Pa = number(t, "pressure_moves_Pa", 1e4, 1e8),
+            .overspeed_share = number(t, "overspeed_share", 0.01, 1.0),
+            .free_slip = number(t, "free_slip", 0.02, 1.0),
+            .off_command_Pa = number(t, "off_command_Pa", 1e4, 1e8),
+            .off_command_s = milliseconds(t, "off_command_ms", 10.0, 5000.0),
+            .plausible_above_mps = number(t, "plausible_above_mps", 1.0, 50.0),
+            .overruns = t.integer<std::uint16_t>("overruns", {.min = 1, .max = 1000}),
+            .most_deceleration_mps2 = number(t, "most_deceleration_mps2", 0.1, 100.0)};
+}
+
+}  // namespace
+
+control::Config load_controller_config(const std::filesystem::path& path) {
+    const auto doc = settings::Document::load(path);
+    const settings::Table root = doc.root();
+    Config c;
+    c.period_s = milliseconds(root, "period_ms", 1.0, 5.0);
+    c.wheel = wheel(root.table("wheel"));
+    const settings::Table flywheel = root.table("flywheel");
+    c.flywheel = {.encoder = encoder(flywheel.table("encoder")),
+                  .radius_m = number(flywheel, "radius_m", 0.05, 10.0)};
+    c.valve = valve(root.table("valve"), c.period_s);
+    c.estimator = estimator(root.table("estimator"));
+    c.slip = slip(root.table("slip"));
+    c.deceleration = deceleration(root.table("deceleration"));
+    c.threshold = threshold(root.table("threshold"));
+    const settings::Table states = root.table("supervisor");
+    c.supervisor = supervisor(states);
+    if (c.supervisor.unlock_share <= c.supervisor.lock_share)
+        states.fail("unlock_share", "must be above lock_share");
+    c.monitor = monitor(root.table("monitor"), c.period_s);
+    doc.finish();
+    return c;
+}
+
+}  // namespace antiskid

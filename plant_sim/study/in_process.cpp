@@ -1,0 +1,101 @@
+#include "plant_sim/study/in_process.hpp"
+
+#include <array>
+
+#include "firmware/can/controller_port.hpp"
+#include "firmware/can/rig_port.hpp"
+#include "firmware/can/rounded_link.hpp"
+#include "firmware/control/controller.hpp"
+
+namespace study {
+
+namespace {
+
+using antiskid::can::ControllerPort;
+using antiskid::can::Frame;
+using antiskid::can::Layout;
+using antiskid::can::RigPort;
+using antiskid::control::Command;
+using antiskid::control::Controller;
+using antiskid::control::Time;
+
+Time period(const antiskid::control::Config& controller) {
+    return Time(static_cast<std::int64_t>(static_cast<double>(controller.period_s) * 1e6 + 0.5) * 1000);
+}
+
+/// Both ends of the bus, frame by frame, in the order of the lockstep protocol: sensors, SYNC, the
+/// controller's answer.
+class FrameLink {
+  public:
+    FrameLink(const Layout& layout, Time step)
+        : rig_(layout, step), controller_(layout, step), layout_(layout) {}
+
+    Command cycle(const RigSession& session, Controller& controller, std::uint64_t step, Time now,
+                  RunResult& result, const FrameObserver& observe) {
+        antiskid::can::RigSample sample = session.sample();
+        sample.load_cells = session.load_cells();
+        std::array<Frame, RigPort::kMostFrames + 1> sent{};
+        std::size_t count = rig_.due_frames(sample, sent);
+        if (layout_[antiskid::can::Role::sync].bound)
+            sent[count++] = rig_.sync(static_cast<std::uint32_t>(step));
+        for (std::size_t i = 0; i < count; ++i) {
+            sent[i].received = now;
+            if (observe) observe(sent[i]);
+            controller_.accept(sent[i]);
+        }
+        const Command command = controller.step(controller_.sensors(), now);
+        controller_.clear_one_shots();
+        std::array<Frame, ControllerPort::kMostFrames> answer{};
+        const std::size_t answers = controller_.due_frames(command, answer);
+        for (std::size_t i = 0; i < answers; ++i) {
+            answer[i].received = now;
+            if (observe) observe(answer[i]);
+            rig_.accept(answer[i]);
+        }
+        result.frames += count + answers;
+        return command;
+    }
+
+    [[nodiscard]] double current_mA() const { return static_cast<double>(rig_.controller().current_mA); }
+
+  private:
+    RigPort rig_;
+    ControllerPort controller_;
+    const Layout& layout_;
+};
+
+}  // namespace
+
+RunResult run_in_process(const antiskid::control::Config& config, const Layout& layout,
+                         const plant::RigParameters& rig, const SessionOptions& options, Link link,
+                         const StepObserver& on_step, const FrameObserver& on_frame) {
+    RunResult result;
+    RigSession session(rig, options);
+    Controller controller(config);
+    const Time step = period(config);
+    antiskid::can::RoundedLink rounded(layout, step);
+    FrameLink frames(layout, step);
+    antiskid::control::FaultSet faults;
+    while (!session.done()) {
+        const Time now = step * static_cast<std::int64_t>(result.steps);
+        Command command;
+        double current_mA = 0.0;
+        if (link == Link::rounded) {
+            command = controller.step(rounded.sense(session.sample(), now), now);
+            current_mA = static_cast<double>(rounded.current_mA(command));
+        } else {
+            command = frames.cycle(session, controller, result.steps, now, result, on_frame);
+            current_mA = frames.current_mA();
+        }
+        faults.insert(command.faults);
+        session.advance(current_mA);
+        ++result.steps;
+        if (on_step) on_step(session, command);
+    }
+    result.figures = session.figures();
+    result.faults = faults;
+    result.timed_out = session.timed_out();
+    return result;
+}
+
+}  // namespace study

@@ -1,0 +1,56 @@
+/// The one who flies a maneuver: approach, touchdown, brake-on with a step of full demand, standstill,
+/// release.
+#pragma once
+
+#include <vector>
+
+#include "firmware/can/rig_sample.hpp"
+
+namespace study {
+
+/// What is asked of the controller, and when. Times are from the start of the run.
+struct ManeuverPlan {
+    antiskid::control::Law law = antiskid::control::Law::wheel_slip;
+    double slip_reference = 0.24;
+    double deceleration_mps2 = 0.0;  ///< reference of the deceleration law
+    double demand_Pa = 0.0;          ///< the demand steps from zero to this at brake-on
+
+    /// Valve current of the open-loop law over time since brake-on: linear between points, held beyond them.
+    struct CurrentPoint {
+        double time_s;
+        double current_mA;
+    };
+    std::vector<CurrentPoint> current;
+
+    double arm_s = 0.2;  ///< the controller has tested itself by then
+    double touchdown_s = 0.5;
+    double settle_s = 1.0;            ///< from touchdown to brake-on: the wheel spins up and rolls freely
+    double after_standstill_s = 0.1;  ///< pressure held before the release
+    double release_s = 0.1;           ///< disarmed, before the run ends
+};
+
+enum class Phase { approach, rolling, braking, standstill, released, done };
+[[nodiscard]] const char* name(Phase phase);
+
+class Pilot {
+  public:
+    explicit Pilot(ManeuverPlan plan);
+
+    /// Call once a period with the time and whether the aircraft stands; phases only go forward.
+    void update(double time_s, bool standstill);
+
+    [[nodiscard]] Phase phase() const { return phase_; }
+    [[nodiscard]] double brake_on_s() const { return plan_.touchdown_s + plan_.settle_s; }
+    [[nodiscard]] antiskid::can::ManeuverSample command() const;
+    [[nodiscard]] const ManeuverPlan& plan() const { return plan_; }
+
+  private:
+    [[nodiscard]] double open_loop_mA() const;
+
+    ManeuverPlan plan_;
+    Phase phase_ = Phase::approach;
+    double time_s_ = 0.0;
+    double stood_at_s_ = 0.0;
+};
+
+}  // namespace study

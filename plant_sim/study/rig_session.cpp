@@ -1,0 +1,69 @@
+#include "plant_sim/study/rig_session.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace study {
+
+namespace {
+
+constexpr double kPlantStep_s = 1e-3;
+
+antiskid::can::SpeedSample speed_sample(const plant::Encoder& encoder, double now_s) {
+    return {.edge_count = encoder.edge_count(),
+            .edge_time = antiskid::control::Time(std::llround(encoder.edge_time_s() * 1e9)),
+            .speed_radps = static_cast<float>(encoder.speed_radps(now_s))};
+}
+
+int plant_steps(double period_s) {
+    const double steps = period_s / kPlantStep_s;
+    if (steps < 0.999 || std::abs(steps - std::round(steps)) > 1e-6) {
+        throw std::invalid_argument("the control period must be a whole number of milliseconds");
+    }
+    return static_cast<int>(std::lround(steps));
+}
+
+}  // namespace
+
+RigSession::RigSession(const plant::RigParameters& rig, const SessionOptions& options)
+    : options_(options),
+      plant_steps_(plant_steps(options.period_s)),
+      rig_(rig, kPlantStep_s, options.seed),
+      pilot_(options.plan),
+      meter_(options.plan.slip_reference, options.drop_out_mps) {
+    sense();
+}
+
+void RigSession::sense() {
+    const double now = rig_.time_s();
+    sample_.wheel = speed_sample(rig_.wheel_encoder(), now);
+    sample_.flywheel = speed_sample(rig_.flywheel_encoder(), now);
+    sample_.pressure_Pa = static_cast<float>(rig_.measured_pressure_Pa());
+    sample_.maneuver = pilot_.command();
+}
+
+antiskid::can::LoadCellSample RigSession::load_cells() const {
+    const plant::Forces f = rig_.forces();
+    return {.vertical_N = static_cast<float>(f.F_z_N),
+            .longitudinal_N = static_cast<float>(f.F_x_N),
+            .brake_torque_Nm = static_cast<float>(f.brake_torque_Nm)};
+}
+
+void RigSession::advance(double current_mA) {
+    for (int i = 0; i < plant_steps_; ++i) {
+        rig_.advance_current(current_mA);
+        if (meter_.started() && pilot_.phase() == Phase::braking) {
+            meter_.update(rig_, kPlantStep_s);
+            result_ = rig_.standstill() ? meter_.figures(rig_) : result_;
+            if (rig_.standstill()) break;
+        }
+    }
+    const Phase before = pilot_.phase();
+    pilot_.update(rig_.time_s(), rig_.standstill());
+    if (pilot_.phase() != Phase::approach && before == Phase::approach) rig_.touch_down();
+    if (pilot_.phase() == Phase::braking && before != Phase::braking) meter_.start(rig_);
+    if (timed_out()) result_ = meter_.figures(rig_);
+    sense();
+}
+
+}  // namespace study

@@ -1,0 +1,56 @@
+/// The rig's side of a maneuver, whatever carries the frames: plant, pilot and meter on one period.
+///
+///     while (!session.done()) {
+///         send(session.sample());              // over CAN, or in process
+///         session.advance(received_current);   // held for one period
+///     }
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/can/rig_sample.hpp"
+#include "plant_sim/model/rig.hpp"
+#include "plant_sim/study/pilot.hpp"
+#include "plant_sim/study/stop_meter.hpp"
+
+namespace study {
+
+struct SessionOptions {
+    ManeuverPlan plan;
+    double period_s = 1e-3;     ///< control period, a whole multiple of 1 ms
+    double drop_out_mps = 5.0;  ///< end of eq. (16)
+    double longest_s = 600.0;   ///< a run that does not come to rest ends here
+    std::uint64_t seed = 1;
+};
+
+class RigSession {
+  public:
+    RigSession(const plant::RigParameters& rig, const SessionOptions& options);
+
+    /// What sensors and pilot say at this period.
+    [[nodiscard]] const antiskid::can::RigSample& sample() const { return sample_; }
+    [[nodiscard]] antiskid::can::LoadCellSample load_cells() const;
+
+    /// One period with the valve current held.
+    void advance(double current_mA);
+
+    [[nodiscard]] bool done() const { return pilot_.phase() == Phase::done || timed_out(); }
+    [[nodiscard]] bool timed_out() const { return rig_.time_s() >= options_.longest_s; }
+    [[nodiscard]] const plant::Rig& rig() const { return rig_; }
+    [[nodiscard]] const Pilot& pilot() const { return pilot_; }
+    [[nodiscard]] StopFigures figures() const { return result_; }
+    [[nodiscard]] double distance_m() const { return meter_.started() ? meter_.distance_m(rig_) : 0.0; }
+
+  private:
+    void sense();
+
+    SessionOptions options_;
+    int plant_steps_;
+    plant::Rig rig_;
+    Pilot pilot_;
+    StopMeter meter_;
+    StopFigures result_;
+    antiskid::can::RigSample sample_;
+};
+
+}  // namespace study

@@ -1,0 +1,66 @@
+#include "plant_sim/study/stop_meter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace study {
+
+StopMeter::StopMeter(double slip_reference, double drop_out_mps)
+    : slip_reference_(slip_reference), drop_out_mps_(drop_out_mps) {}
+
+void StopMeter::start(const plant::Rig& rig) {
+    started_ = true;
+    start_ = last_ = drop_out_ = rig.wheel();
+    start_s_ = rig.time_s();
+    start_energy_J_ = rig.kinetic_energy_J();
+}
+
+void StopMeter::update(const plant::Rig& rig, double step_s) {
+    const plant::WheelState& now = rig.wheel();
+    const plant::Forces forces = rig.forces();
+    const double metres = now.distance_m - last_.distance_m;
+    torque_Nms_ += forces.brake_torque_Nm * step_s;
+    pressure_Pas_ += rig.pressure_Pa() * step_s;
+    load_Ns_ += forces.F_z_N * step_s;
+    if (!dropped_out_) {
+        drop_out_ = now;
+        dropped_out_ = now.v_mps <= drop_out_mps_;
+        peak_slip_ = std::max(peak_slip_, forces.slip);
+        lock_s_ = forces.slip > kLockSlip ? lock_s_ + step_s : 0.0;
+        longest_lock_s_ = std::max(longest_lock_s_, lock_s_);
+        if (rig.time_s() - start_s_ > kTrackingStarts_s && now.v_mps > kTrackingEnds_mps) {
+            tracking_m_ += metres;
+            if (std::abs(forces.slip - slip_reference_) <= kTrackingBand) tracked_m_ += metres;
+        }
+    }
+    last_ = now;
+}
+
+StopFigures StopMeter::figures(const plant::Rig& rig) const {
+    const plant::WheelState& now = rig.wheel();
+    const double mu_max = plant::peak(rig.parameters().surface).mu;
+    const double to_drop_out = drop_out_.distance_m - start_.distance_m;
+    StopFigures f;
+    f.stop_distance_m = now.distance_m - start_.distance_m;
+    f.duration_s = rig.time_s() - start_s_;
+    f.drop_out_distance_m = to_drop_out;
+    f.j_mu = to_drop_out > 0.0
+                 ? (drop_out_.friction_distance_m - start_.friction_distance_m) / (mu_max * to_drop_out)
+                 : 0.0;
+    f.energy_brake_J = now.energy_brake_J - start_.energy_brake_J;
+    f.energy_tyre_J = now.energy_tyre_J - start_.energy_tyre_J;
+    const double work = start_energy_J_ - rig.kinetic_energy_J();
+    f.energy_residual = work > 0.0 ? (work - f.energy_brake_J - f.energy_tyre_J) / work : 0.0;
+    f.peak_slip = peak_slip_;
+    f.longest_lock_s = longest_lock_s_;
+    f.tracked_share = tracking_m_ > 0.0 ? tracked_m_ / tracking_m_ : 1.0;
+    if (pressure_Pas_ > 0.0) f.mean_friction = torque_Nms_ / pressure_Pas_ / rig.parameters().brake.gain_m3();
+    if (f.duration_s > 0.0) {
+        f.mean_torque_Nm = torque_Nms_ / f.duration_s;
+        f.mean_load_N = load_Ns_ / f.duration_s;
+    }
+    f.standstill = rig.standstill();
+    return f;
+}
+
+}  // namespace study

@@ -1,0 +1,68 @@
+/// Measures one braking maneuver from the plant's true state: distance, J_mu, energies, slip, locks.
+#pragma once
+
+#include "plant_sim/model/rig.hpp"
+
+namespace study {
+
+/// One stop. Distances, times and energies count from brake-on; J_mu (eq. 16) ends at drop-out, the rest at
+/// standstill.
+struct StopFigures {
+    double stop_distance_m = 0.0;
+    double duration_s = 0.0;
+    double drop_out_distance_m = 0.0;  ///< distance at which the speed fell below drop-out
+    double j_mu = 0.0;                 ///< eq. (16), pressure build-up included
+    double energy_brake_J = 0.0;       ///< integral of T_b omega, eq. (9)
+    double energy_tyre_J = 0.0;        ///< integral of F_x lambda v, eq. (9)
+    double energy_residual = 0.0;      ///< (eq. 8 - eq. 9) / eq. 8
+    double peak_slip = 0.0;            ///< above drop-out speed
+    double longest_lock_s = 0.0;       ///< longest time with slip above 0.95, above drop-out speed
+    double tracked_share = 0.0;  ///< share of the distance with slip within 0.05 of the reference, see below
+    double mean_friction = 0.0;  ///< eq. (7): mean torque over mean pressure and geometry
+    double mean_torque_Nm = 0.0;
+    double mean_load_N = 0.0;
+    bool standstill = false;
+};
+
+class StopMeter {
+  public:
+    /// `tracked_share` counts from 0.5 s after brake-on down to 20 m/s.
+    static constexpr double kTrackingStarts_s = 0.5;
+    static constexpr double kTrackingEnds_mps = 20.0;
+    static constexpr double kTrackingBand = 0.05;
+    static constexpr double kLockSlip = 0.95;
+
+    StopMeter(double slip_reference, double drop_out_mps);
+
+    /// Brake-on: everything counts from here.
+    void start(const plant::Rig& rig);
+    /// After every plant step of `step_s`, once started.
+    void update(const plant::Rig& rig, double step_s);
+
+    [[nodiscard]] bool started() const { return started_; }
+    [[nodiscard]] double distance_m(const plant::Rig& rig) const {
+        return rig.wheel().distance_m - start_.distance_m;
+    }
+    [[nodiscard]] StopFigures figures(const plant::Rig& rig) const;
+
+  private:
+    double slip_reference_;
+    double drop_out_mps_;
+    bool started_ = false;
+    bool dropped_out_ = false;
+    plant::WheelState start_;
+    plant::WheelState drop_out_;
+    plant::WheelState last_;
+    double start_s_ = 0.0;
+    double start_energy_J_ = 0.0;
+    double peak_slip_ = 0.0;
+    double lock_s_ = 0.0;
+    double longest_lock_s_ = 0.0;
+    double tracking_m_ = 0.0;
+    double tracked_m_ = 0.0;
+    double torque_Nms_ = 0.0;
+    double pressure_Pas_ = 0.0;
+    double load_Ns_ = 0.0;
+};
+
+}  // namespace study
