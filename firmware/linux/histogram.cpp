@@ -32,7 +32,9 @@ void Histogram::add(const control::Time duration) {
     sum_ += static_cast<double>(duration.count());
 }
 
-double Histogram::mean_ns() const { return count_ == 0 ? 0.0 : sum_ / static_cast<double>(count_); }
+double Histogram::mean_ns() const {
+    return count_ == 0 ? 0.0 : sum_ / static_cast<double>(count_);
+}
 
 control::Time Histogram::percentile(const double fraction) const {
     if (count_ == 0) return control::Time{0};

@@ -1,4 +1,5 @@
-/// Histogram of durations with a fixed relative resolution, after HdrHistogram: exact below 64 ns, better than 1.6 % above.
+/// Histogram of durations with a fixed relative resolution, after HdrHistogram: exact below 64 ns, better
+/// than 1.6 % above.
 #pragma once
 
 #include <array>
@@ -12,8 +13,8 @@ namespace antiskid::rt {
 /// No allocation, constant work per `add`. One writer; readers only while nobody writes. About 18 KiB.
 class Histogram {
   public:
-    /// Counts one duration. Negative ones count as 0, those above `kLargest` into the last bucket; minimum, maximum and mean
-    /// stay exact in both cases.
+    /// Counts one duration. Negative ones count as 0, those above `kLargest` into the last bucket; minimum,
+    /// maximum and mean stay exact in both cases.
     void add(control::Time duration);
 
     [[nodiscard]] std::uint64_t count() const { return count_; }
@@ -21,8 +22,8 @@ class Histogram {
     [[nodiscard]] control::Time minimum() const { return control::Time{count_ == 0 ? 0 : minimum_}; }
     [[nodiscard]] control::Time maximum() const { return control::Time{count_ == 0 ? 0 : maximum_}; }
     [[nodiscard]] double mean_ns() const;
-    /// Smallest bucket bound that at least the share `fraction` (0 to 1) of the durations does not exceed: never below the exact
-    /// percentile (nearest rank), at most 1/64 above it.
+    /// Smallest bucket bound that at least the share `fraction` (0 to 1) of the durations does not exceed:
+    /// never below the exact percentile (nearest rank), at most 1/64 above it.
     [[nodiscard]] control::Time percentile(double fraction) const;
 
     static constexpr control::Time kLargest{(std::int64_t{1} << 40) - 1};  ///< 18 minutes

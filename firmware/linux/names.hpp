@@ -1,7 +1,6 @@
-/// The names that logs and reports give to states and faults; the same words as in the enumerations and the DBC's value tables.
+/// States and faults by name, for logs and reports: the words of the DBC's value tables.
 #pragma once
 
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -9,7 +8,6 @@
 
 namespace antiskid::rt {
 
-/// "unknown" for a number outside the enumeration.
 [[nodiscard]] std::string_view name(control::State state);
 [[nodiscard]] std::string_view name(control::Fault fault);
 

@@ -3,7 +3,8 @@
 namespace antiskid::rt {
 
 PeriodicTimer::Tick PeriodicTimer::wait() {
-    // The clock is read once only, after the sleep: in a virtual machine each reading costs as much as the control step.
+    // The clock is read once only, after the sleep: in a virtual machine each reading costs as much as the
+    // control step.
     clock_.sleep_until(next_);
     const Time woke = clock_.now();
     const std::int64_t late_periods = woke > next_ ? (woke - next_) / period_ : 0;

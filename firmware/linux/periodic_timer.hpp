@@ -10,16 +10,17 @@ namespace antiskid::rt {
 class PeriodicTimer {
   public:
     struct Tick {
-        Time deadline{};            ///< newest grid point that has passed
-        Time woke{};                ///< clock when the wait ended; the latency is woke - deadline
-        std::uint64_t skipped = 0;  ///< grid points before `deadline` that got no tick of their own: missed periods
+        Time deadline{};  ///< newest grid point that has passed
+        Time woke{};      ///< clock when the wait ended; the latency is woke - deadline
+        std::uint64_t skipped =
+            0;  ///< grid points before `deadline` that got no tick of their own: missed periods
     };
 
     /// The first deadline is one `period` from now. `clock` must outlive the timer.
     PeriodicTimer(Clock& clock, Time period) : clock_(clock), period_(period), next_(clock.now() + period) {}
 
-    /// Returns at the next grid point, or at once if that has passed. A caller who is late by whole periods, or a clock that jumps
-    /// ahead, gets one tick that says how many it skipped, never a burst to catch up.
+    /// Returns at the next grid point, or at once if that has passed. A caller who is late by whole periods,
+    /// or a clock that jumps ahead, gets one tick that says how many it skipped, never a burst to catch up.
     [[nodiscard]] Tick wait();
 
   private:

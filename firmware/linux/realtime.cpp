@@ -14,7 +14,9 @@ namespace antiskid::rt {
 
 namespace {
 
-std::string reason(const int error) { return std::generic_category().message(error); }
+std::string reason(const int error) {
+    return std::generic_category().message(error);
+}
 
 // noinline: the frame must really lie below the caller's, and be gone before the loop uses the same pages.
 [[gnu::noinline]] void touch_stack() {
@@ -26,7 +28,8 @@ std::string reason(const int error) { return std::generic_category().message(err
 
 std::optional<std::string> pin(const int cpu) {
     if (cpu < 0 || cpu >= CPU_SETSIZE)
-        return "processor " + std::to_string(cpu) + " does not exist: the loop is not pinned; give --cpu 0 to " +
+        return "processor " + std::to_string(cpu) +
+               " does not exist: the loop is not pinned; give --cpu 0 to " +
                std::to_string(sysconf(_SC_NPROCESSORS_ONLN) - 1);
     cpu_set_t set;
     CPU_ZERO(&set);
@@ -34,8 +37,8 @@ std::optional<std::string> pin(const int cpu) {
     const int error = pthread_setaffinity_np(pthread_self(), sizeof set, &set);
     if (error == 0) return std::nullopt;
     return "cannot pin the loop to processor " + std::to_string(cpu) + " (" + reason(error) +
-           "): it may move between processors; this process may use those of `taskset -cp " + std::to_string(getpid()) +
-           "`, give one of them with --cpu";
+           "): it may move between processors; this process may use those of `taskset -cp " +
+           std::to_string(getpid()) + "`, give one of them with --cpu";
 }
 
 std::optional<std::string> raise_priority(const int priority) {
@@ -43,8 +46,10 @@ std::optional<std::string> raise_priority(const int priority) {
     const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
     if (error == 0) return std::nullopt;
     return "no SCHED_FIFO priority " + std::to_string(priority) + " (" + reason(error) +
-           "): other programs can delay the loop; run as root, or give the program the right with `setcap cap_sys_nice,"
-           "cap_ipc_lock+ep antiskid-controller`, or raise RLIMIT_RTPRIO (rtprio in /etc/security/limits.conf, LimitRTPRIO= in "
+           "): other programs can delay the loop; run as root, or give the program the right with `setcap "
+           "cap_sys_nice,"
+           "cap_ipc_lock+ep antiskid-controller`, or raise RLIMIT_RTPRIO (rtprio in "
+           "/etc/security/limits.conf, LimitRTPRIO= in "
            "a systemd unit) to at least " +
            std::to_string(priority);
 }
@@ -54,7 +59,8 @@ std::optional<std::string> raise_priority(const int priority) {
 std::optional<std::string> lock_memory() {
     if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return std::nullopt;
     return "memory not locked (" + reason(errno) +
-           "): a page fault can delay the loop; run as root, or give the program the right with `setcap cap_sys_nice,"
+           "): a page fault can delay the loop; run as root, or give the program the right with `setcap "
+           "cap_sys_nice,"
            "cap_ipc_lock+ep antiskid-controller`, or raise RLIMIT_MEMLOCK (`ulimit -l unlimited`, memlock in "
            "/etc/security/limits.conf, LimitMEMLOCK=infinity in a systemd unit)";
 }

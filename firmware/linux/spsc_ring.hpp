@@ -1,4 +1,5 @@
-/// Lock-free ring between exactly one writing and one reading thread. The writer never waits: what does not fit is counted.
+/// Lock-free ring between exactly one writing and one reading thread. The writer never waits: what does not
+/// fit is counted.
 #pragma once
 
 #include <array>

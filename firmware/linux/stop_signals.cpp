@@ -1,6 +1,6 @@
 #include "firmware/linux/stop_signals.hpp"
 
-#include <ctime>
+#include <pthread.h>
 
 namespace antiskid::rt {
 
@@ -9,15 +9,17 @@ StopSignals::StopSignals() {
     for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set_, number);
     pthread_sigmask(SIG_BLOCK, &set_, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
+    waiter_ = std::thread([this] {
+        int number = 0;
+        sigwait(&set_, &number);
+        number_.store(number);
+        stop_.store(true);
+    });
 }
 
-std::optional<int> StopSignals::wait(const control::Time timeout) const {
-    constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-    const timespec t{.tv_sec = timeout.count() / kNanosecondsPerSecond,
-                     .tv_nsec = timeout.count() % kNanosecondsPerSecond};
-    const int number = sigtimedwait(&set_, nullptr, &t);
-    if (number < 0) return std::nullopt;
-    return number;
+StopSignals::~StopSignals() {
+    pthread_kill(waiter_.native_handle(), SIGTERM);  // ends the wait; without effect where it has ended
+    waiter_.join();
 }
 
 }  // namespace antiskid::rt

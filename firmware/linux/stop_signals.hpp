@@ -1,24 +1,33 @@
-/// SIGINT, SIGTERM and SIGHUP as something to wait for, rather than something that interrupts the loop.
+/// SIGINT, SIGTERM and SIGHUP as a flag that the loop reads, rather than something that interrupts it.
 #pragma once
 
+#include <atomic>
 #include <csignal>
-#include <optional>
-
-#include "firmware/control/types.hpp"
+#include <thread>
 
 namespace antiskid::rt {
 
 class StopSignals {
   public:
-    /// Blocks the three signals in the calling thread and all that it starts later: construct before the first thread. SIGPIPE is
-    /// ignored: a log reader that went away must not end the program with the valve open.
+    /// Blocks the three signals in the calling thread and all that it starts later: construct before any
+    /// other thread. A thread of its own waits for them, so that they are obeyed also while everybody else is
+    /// held up, e.g. by a log that nobody reads. SIGPIPE is ignored: a log reader that went away must not end
+    /// the program with the valve open.
     StopSignals();
+    ~StopSignals();
+    StopSignals(const StopSignals&) = delete;
+    StopSignals& operator=(const StopSignals&) = delete;
 
-    /// Waits up to `timeout` for one of them; its number, or nothing on time-out.
-    [[nodiscard]] std::optional<int> wait(control::Time timeout) const;
+    /// Set by the first signal; others may set it, too.
+    [[nodiscard]] std::atomic<bool>& stop() { return stop_; }
+    /// The signal that came; 0: none has.
+    [[nodiscard]] int number() const { return number_.load(); }
 
   private:
     sigset_t set_{};
+    std::atomic<bool> stop_{false};
+    std::atomic<int> number_{0};
+    std::thread waiter_;
 };
 
 }  // namespace antiskid::rt

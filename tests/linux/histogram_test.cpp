@@ -57,8 +57,12 @@ TEST_CASE("percentiles are never below the exact ones and at most 1/64 above", "
         for (auto& sample : samples) sample = static_cast<std::int64_t>(std::pow(10.0, exponent(generator)));
         agrees_with_exact(samples);
     }
-    SECTION("one sample") { agrees_with_exact({1'234'567}); }
-    SECTION("all equal") { agrees_with_exact(std::vector<std::int64_t>(1000, 1'000'000)); }
+    SECTION("one sample") {
+        agrees_with_exact({1'234'567});
+    }
+    SECTION("all equal") {
+        agrees_with_exact(std::vector<std::int64_t>(1000, 1'000'000));
+    }
     SECTION("every small value") {
         std::vector<std::int64_t> samples(5000);
         for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = static_cast<std::int64_t>(i);

@@ -1,4 +1,5 @@
-// The clock is a fake that the test sets: what the timer reports must follow from arithmetic on the grid alone.
+// The clock is a fake that the test sets: what the timer reports must follow from arithmetic on the grid
+// alone.
 #include "firmware/linux/periodic_timer.hpp"
 
 #include <chrono>
@@ -46,7 +47,8 @@ TEST_CASE("deadlines lie on a fixed grid whatever the wake-up latency and the wo
     REQUIRE(clock.slept_to.back() == 5s + 1000ms);
 }
 
-TEST_CASE("work longer than a period: missed periods are counted once and left out, without a burst", "[RT-002]") {
+TEST_CASE("work longer than a period: missed periods are counted once and left out, without a burst",
+          "[RT-002]") {
     FakeClock clock;
     PeriodicTimer timer(clock, 1ms);
     REQUIRE(timer.wait().deadline == 5001ms);
@@ -87,7 +89,8 @@ TEST_CASE("a wake-up that comes periods late counts like late work", "[RT-002]")
     FakeClock clock;
     PeriodicTimer timer(clock, 2ms);
     clock.wake_latency = 9ms;
-    const auto tick = timer.wait();  // asked for 5002, woke at 5011: 5004, 5006, 5008 lost, 5010 is this one's
+    const auto tick =
+        timer.wait();  // asked for 5002, woke at 5011: 5004, 5006, 5008 lost, 5010 is this one's
     CHECK(tick.deadline == 5010ms);
     CHECK(tick.skipped == 4);
     clock.wake_latency = 0ms;

@@ -40,8 +40,10 @@ TEST_CASE("a full ring keeps what it holds and counts what it loses", "[RT-011]"
     REQUIRE(value == 10);
 }
 
-// Under the thread sanitizer this is the proof that an item is seen whole: it holds three words that must agree.
-TEST_CASE("two threads: every item arrives whole and in order, or is counted as dropped", "[RT-010][RT-011]") {
+// Under the thread sanitizer this is the proof that an item is seen whole: it holds three words that must
+// agree.
+TEST_CASE("two threads: every item arrives whole and in order, or is counted as dropped",
+          "[RT-010][RT-011]") {
     struct Item {
         std::uint64_t number;
         std::uint64_t twice;

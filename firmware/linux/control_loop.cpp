@@ -1,0 +1,62 @@
+#include "firmware/linux/control_loop.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+namespace antiskid::rt {
+
+void ControlLoop::run(const std::atomic<bool>& stop) {
+    while (const auto wake = doors_.pacer.next(stop)) cycle(*wake);
+    send_safe_current();
+}
+
+void ControlLoop::cycle(const Wake& wake) {
+    const can::LinkStatus link = doors_.bus.status();
+    doors_.port.note_link(link);
+    if (wake.skipped > 0) doors_.port.note_overrun();
+    const control::Command command = doors_.controller.step(doors_.port.sensors(), wake.now);
+    doors_.port.clear_one_shots();
+    const std::uint32_t unsent = send_due(command);
+
+    if (statistics_.steps > 0) statistics_.period.add(wake.woke - last_woke_);
+    last_woke_ = wake.woke;
+    if (wake.taken.full) ++statistics_.full_drains;
+    const CycleRecord record{.step = statistics_.steps + 1,
+                             .now = wake.now,
+                             .latency = wake.latency,
+                             .work = doors_.clock.now() - wake.woke,
+                             .skipped = wake.skipped,
+                             .received = static_cast<std::uint32_t>(wake.taken.frames),
+                             .unsent = unsent,
+                             .synchronised = wake.synchronised,
+                             .link = link,
+                             .command = command};
+    statistics_.add(record, settings_.period);
+    doors_.ring.push(record);
+}
+
+std::uint32_t ControlLoop::send_due(const control::Command& command) {
+    std::array<can::Frame, can::ControllerPort::kMostFrames> frames;
+    const std::size_t count = doors_.port.due_frames(command, frames);
+    if (settings_.valve_last)
+        std::reverse(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(count));
+    std::uint32_t unsent = 0;
+    for (const can::Frame& frame : std::span(frames).first(count))
+        if (!doors_.bus.send(frame)) ++unsent;
+    statistics_.frames_sent += count - unsent;
+    return unsent;
+}
+
+void ControlLoop::send_safe_current() {
+    Time next = doors_.clock.now();
+    for (std::uint32_t attempt = 0; attempt < kSafeAttempts && statistics_.safe_commands_sent < kSafeCommands;
+         ++attempt) {
+        if (doors_.bus.send(doors_.port.valve_command(settings_.safe_current_mA)))
+            ++statistics_.safe_commands_sent;
+        next += settings_.period;
+        doors_.clock.sleep_until(next);
+    }
+}
+
+}  // namespace antiskid::rt

@@ -1,0 +1,28 @@
+/// What the loop tells the rest of the program about one period: copied through the ring, fixed size.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/can/bus.hpp"
+#include "firmware/control/types.hpp"
+#include "firmware/linux/spsc_ring.hpp"
+
+namespace antiskid::rt {
+
+struct CycleRecord {
+    std::uint64_t step = 0;     ///< number of the step, from 1
+    control::Time now{};        ///< time handed to the controller
+    control::Time latency{};    ///< from deadline (timer) or reception of SYNC (lockstep) to the loop running
+    control::Time work{};       ///< from there to the last frame handed to the bus
+    std::uint64_t skipped = 0;  ///< periods missed just before this one
+    std::uint32_t received = 0;  ///< frames taken from the bus
+    std::uint32_t unsent = 0;    ///< frames that the bus did not take
+    bool synchronised = true;    ///< false: lockstep, and SYNC failed to come
+    can::LinkStatus link;
+    control::Command command;
+};
+
+/// Four seconds at 1 kHz: the reader may be held up that long before records are lost.
+using CycleRing = SpscRing<CycleRecord, 4096>;
+
+}  // namespace antiskid::rt

@@ -1,0 +1,41 @@
+#include "firmware/linux/frame_intake.hpp"
+
+#include <algorithm>
+
+namespace antiskid::rt {
+
+bool FrameIntake::refill() {
+    if (next_ < end_) return true;
+    next_ = 0;
+    end_ = bus_.receive(batch_);
+    return end_ > 0;
+}
+
+FrameIntake::Taken FrameIntake::drain(const control::Time now) {
+    Taken taken;
+    while (taken.frames < kMost && refill()) {
+        can::Frame& frame = batch_[next_++];
+        frame.received = std::min(frame.received, now);
+        port_.accept(frame);
+        ++taken.frames;
+    }
+    taken.full = taken.frames == kMost;
+    return taken;
+}
+
+FrameIntake::Taken FrameIntake::take_until_sync(const control::Time now) {
+    Taken taken;
+    const std::uint32_t syncs = port_.sync_count();
+    while (taken.frames < kMost && !taken.sync && refill()) {
+        can::Frame& frame = batch_[next_++];
+        taken.sync_received = frame.received;
+        frame.received = now;
+        port_.accept(frame);
+        ++taken.frames;
+        taken.sync = port_.sync_count() != syncs;
+    }
+    taken.full = taken.frames == kMost;
+    return taken;
+}
+
+}  // namespace antiskid::rt

@@ -1,0 +1,72 @@
+#include "firmware/linux/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace antiskid::rt {
+
+namespace {
+
+constexpr auto kFooter = R"(Examples:
+  antiskid-controller --can can0 --cpu 1                  on a rig, by its own timer, alone on processor 1
+  antiskid-controller --can vcan0 --clock sync            in lockstep with virtual-rig
+  antiskid-controller --can can0 --dbc config/foreign.dbc --binding config/foreign_binding.toml
+                                                          on a rig with other encoders and another valve driver
+Paths are relative to the working directory. The program runs until SIGINT (Ctrl-C), SIGTERM or SIGHUP; the valve's
+safe current is then the last command on the bus.
+Exit status: 0 ended by a signal, 1 failed while running (no such interface, safe current not delivered, report not
+written), 2 mistake on the command line or in a configuration file.)";
+
+}  // namespace
+
+std::variant<Options, int> parse_options(const int argc, const char* const* argv) {
+    Options options;
+    CLI::App app{
+        "Anti-skid controller: reads the rig's sensors from a CAN interface and commands the brake valve.",
+        "antiskid-controller"};
+    app.footer(kFooter);
+    app.set_version_flag("--version", ANTISKID_VERSION);
+    app.add_option("--can", options.interface, "CAN interface, e.g. can0")->required()->type_name("IF");
+    std::string clock = "timer";
+    app.add_option("--clock", clock,
+                   "the machine's clock, for a rig, or one step for each SYNC frame, for lockstep")
+        ->check(CLI::IsMember({"timer", "sync"}))
+        ->capture_default_str();
+    app.add_option("--sync-timeout", options.sync_timeout_ms,
+                   "--clock sync: a rig silent for so long is a fault")
+        ->check(CLI::Range(1, 3'600'000))
+        ->type_name("MS")
+        ->capture_default_str();
+    app.add_option("--config", options.config, "the controller's numbers")
+        ->type_name("FILE")
+        ->capture_default_str();
+    app.add_option("--dbc", options.dbc, "messages and signals on the bus")
+        ->type_name("FILE")
+        ->capture_default_str();
+    app.add_option("--binding", options.binding, "which of them is what")
+        ->type_name("FILE")
+        ->capture_default_str();
+    app.add_option("--report", options.report, "write statistics as JSON at exit")->type_name("FILE");
+    app.add_option("--cpu", options.realtime.cpu, "pin the loop to this processor")
+        ->check(CLI::NonNegativeNumber)
+        ->type_name("N");
+    app.add_option("--priority", options.realtime.priority,
+                   "SCHED_FIFO priority of the loop, 1 to 99; 0: ordinary scheduling")
+        ->check(CLI::Range(0, 99))
+        ->type_name("N")
+        ->capture_default_str();
+    std::string level = "info";
+    app.add_option("--log-level", level, "least severe messages to show")
+        ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
+        ->capture_default_str();
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    options.clock = clock == "sync" ? ClockSource::sync : ClockSource::timer;
+    options.log_level = spdlog::level::from_str(level);
+    return options;
+}
+
+}  // namespace antiskid::rt

@@ -1,0 +1,41 @@
+/// The loop's records as log lines: changes of state, faults by name, link and synchronisation as they
+/// happen, and a summary on request. For the thread that is allowed to wait.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "firmware/linux/cycle_record.hpp"
+
+namespace spdlog {
+class logger;
+}
+
+namespace antiskid::rt {
+
+class Telemetry {
+  public:
+    /// `interface` is the name in messages; `logger` must outlive this.
+    Telemetry(spdlog::logger& logger, std::string interface);
+
+    /// Empties the ring and logs what has changed since the last record.
+    void drain(CycleRing& ring);
+
+    /// One line on the records since the last summary; says so when there were none.
+    void summarise(const CycleRing& ring);
+
+  private:
+    void on_record(const CycleRecord& record);
+    void report_faults(const CycleRecord& record);
+    void report_link(const CycleRecord& record);
+
+    spdlog::logger& logger_;
+    std::string interface_;
+    CycleRecord last_;
+    std::uint64_t steps_ = 0;
+    std::uint64_t missed_ = 0;
+    control::Time worst_latency_{};
+    std::uint64_t dropped_ = 0;
+};
+
+}  // namespace antiskid::rt
