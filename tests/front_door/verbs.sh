@@ -1,0 +1,26 @@
+#!/bin/bash
+# Help texts, and what wrong verbs and options get.
+source "$(dirname "$0")/harness.bash"
+
+for verb in setup build demo test bench lab vcan; do
+    text=$("$rig" "$verb" --help)
+    expect "$verb --help succeeds" $? 0
+    check "$verb --help has an example" grep -q "^  ./rig $verb" <<<"$text"
+    check "the overview names $verb" grep -q "./rig $verb" <<<"$("$rig")"
+done
+
+refused() { # STATUS TEXT ARGS...
+    local status=$1 text=$2 out
+    shift 2
+    out=$("$rig" "$@" 2>&1 >/dev/null)
+    expect "status of: rig $*" $? "$status"
+    check "its message names the cause" grep -qF -- "$text" <<<"$out"
+}
+refused 2 "there is no 'frobnicate'" frobnicate
+refused 2 "'now'" setup now
+refused 2 "'debug'" build debug
+refused 2 "--colour" demo --colour red
+refused 2 "--slip needs a value" demo --slip
+refused 2 "a command is missing" vcan
+refused 2 "a command is missing" vcan --timeout 3 --
+refused 2 "--timeout" vcan --timeout soon -- true
