@@ -7,7 +7,8 @@
 namespace antiskid::control {
 
 struct Estimate {
-    float v_mps = 0.0F;  ///< aircraft (rim) speed
+    bool speeds_known = false;  ///< both encoders have shown a speed or a standstill
+    float v_mps = 0.0F;         ///< aircraft (rim) speed
     float v_dot_mps2 = 0.0F;
     float omega_radps = 0.0F;  ///< wheel speed
     float omega_dot_radps2 = 0.0F;

@@ -57,6 +57,7 @@ const Estimate& Estimator::update(const Sensors& sensors, Time now, float last_c
                           -brake_gain_ * pressure.pressure_Pa);
 
     Estimate& e = estimate_;
+    e.speeds_known = wheel_reading_.valid && flywheel_reading_.valid;
     e.brake_gain = brake_gain_;
     e.v_mps = flywheel_tracker_.speed() * flywheel_radius_m_;
     e.v_dot_mps2 = flywheel_tracker_.acceleration() * flywheel_radius_m_;

@@ -92,7 +92,11 @@ void Monitor::check_plausibility(FaultSet& faults, const Estimator& estimator, b
     const Estimate& e = estimator.estimate();
     const float rim = e.omega_radps * e.radius_m;
     const bool moving = e.v_mps > config_.plausible_above_mps;
-    const bool released = e.pressure.pressure_Pa < released_Pa_;
+    // By the command, not by the reading: on ice the braking pressure itself is within the transducer's
+    // error.
+    constexpr float kReleased_Pa = 2e4F;
+    constexpr float kSteady_mps2 = 15.0F;  // a wheel that spins up again slips legitimately
+    const bool released = estimator.uncorrected_pressure_Pa() < kReleased_Pa;
 
     const bool wheel_stands = rolling && moving && released && estimator.wheel_reading().speed_radps == 0.0F;
     if (wheel_stuck_.holds(wheel_stands, config_.stuck_s, period_s_)) faults.insert(Fault::wheel_stuck);
@@ -104,7 +108,8 @@ void Monitor::check_plausibility(FaultSet& faults, const Estimator& estimator, b
     const bool overspeed =
         rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
     const bool overspeeds = overspeed_.holds(overspeed, config_.stuck_s, period_s_);
-    const bool slips_freely = rolling && moving && released && e.slip > config_.free_slip;
+    const bool steady = magnitude(e.omega_dot_radps2) * e.radius_m < kSteady_mps2;
+    const bool slips_freely = rolling && moving && released && steady && e.slip > config_.free_slip;
     const bool disagrees = free_slip_.holds(slips_freely, config_.stuck_s, period_s_);
     if (overspeeds || disagrees) faults.insert(Fault::speeds_disagree);
 }

@@ -39,6 +39,7 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input, Time now) {
             reading.interval_s = seconds(took);
             speed_radps_ = radians_per_edge_ * static_cast<float>(edges) / reading.interval_s;
             reading.fresh = true;
+            measured_ = true;
         }
         running_ = true;
         edge_count_ = input.edge_count;
@@ -46,6 +47,7 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input, Time now) {
         newest_edge_seen_ = now;
     } else if (now - newest_edge_seen_ >= kStandstill) {
         running_ = false;
+        measured_ = true;
         speed_radps_ = 0.0F;
         reading.fresh = new_frame;
     } else if (running_ && now > newest_edge_seen_) {
@@ -56,7 +58,7 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input, Time now) {
         }
     }
     reading.speed_radps = speed_radps_;
-    reading.valid = running_ || speed_radps_ == 0.0F;
+    reading.valid = measured_;
     return reading;
 }
 

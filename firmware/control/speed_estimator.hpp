@@ -14,7 +14,7 @@ struct SpeedReading {
     bool fresh = false;        ///< edges came (or a speed frame): a measurement
     bool bounded =
         false;  ///< no edge came for longer than the last speed explains: `speed_radps` is an upper bound
-    bool valid = false;  ///< false until two edges have been seen
+    bool valid = false;  ///< false until two edges, or no edge for 100 ms, have been seen
 };
 
 class SpeedEstimator {
@@ -27,7 +27,8 @@ class SpeedEstimator {
   private:
     float radians_per_edge_;
     bool started_ = false;
-    bool running_ = false;  // two edges seen since the last standstill
+    bool running_ = false;   // an edge seen since the last standstill
+    bool measured_ = false;  // speed_radps_ is known: two edges, or a standstill
     std::uint32_t edge_count_ = 0;
     Time edge_time_{};
     Time newest_edge_seen_{};  // controller's clock

@@ -50,7 +50,7 @@ State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet prese
     const bool arms = arm && !arm_before_;
     switch (state_) {
         case State::self_test: {
-            const bool at_rest = e.omega_radps < kAtRest_radps;
+            const bool at_rest = e.speeds_known && e.omega_radps < kAtRest_radps;
             const bool released = sensors.pressure.pressure_Pa < config_.residual_pressure_Pa;
             if (residual_pressure_.holds(at_rest && present.empty() && !released, kSelfTestPatience_s,
                                          period_s_)) {

@@ -172,6 +172,7 @@ void Wheel::advance(WheelState& state, const PressureArc& pressure, const LoadAr
     // finite.
     constexpr int kMostChanges = 8;
     constexpr double kNoTime = 1e-9;
+    if (state.v_mps <= kSlowest_mps) return;
     double x = 0.0;
     for (int change = 0; change < kMostChanges && 1.0 - x > kNoTime; ++change) {
         const PressureArc arc = pressure.part(x, 1.0);

@@ -82,7 +82,7 @@ struct Forces {
 /// step.
 class Wheel {
   public:
-    /// Slip divides by max(v, kSlowest_mps): below it a maneuver counts as at standstill.
+    /// Slip divides by max(v, kSlowest_mps): at and below it the maneuver is at standstill and nothing moves any more.
     static constexpr double kSlowest_mps = 0.05;
 
     Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface);

@@ -20,9 +20,10 @@ void StopMeter::update(const plant::Rig& rig, double step_s) {
     const plant::Forces forces = rig.forces();
     const double metres = now.distance_m - last_.distance_m;
     torque_Nms_ += forces.brake_torque_Nm * step_s;
-    pressure_Pas_ += rig.pressure_Pa() * step_s;
     load_Ns_ += forces.F_z_N * step_s;
     if (!dropped_out_) {
+        sliding_torque_Nms_ += forces.brake_torque_Nm * step_s;
+        pressure_Pas_ += rig.pressure_Pa() * step_s;
         drop_out_ = now;
         dropped_out_ = now.v_mps <= drop_out_mps_;
         peak_slip_ = std::max(peak_slip_, forces.slip);
@@ -54,7 +55,7 @@ StopFigures StopMeter::figures(const plant::Rig& rig) const {
     f.peak_slip = peak_slip_;
     f.longest_lock_s = longest_lock_s_;
     f.tracked_share = tracking_m_ > 0.0 ? tracked_m_ / tracking_m_ : 1.0;
-    if (pressure_Pas_ > 0.0) f.mean_friction = torque_Nms_ / pressure_Pas_ / rig.parameters().brake.gain_m3();
+    if (pressure_Pas_ > 0.0) f.mean_friction = sliding_torque_Nms_ / pressure_Pas_ / rig.parameters().brake.gain_m3();
     if (f.duration_s > 0.0) {
         f.mean_torque_Nm = torque_Nms_ / f.duration_s;
         f.mean_load_N = load_Ns_ / f.duration_s;

@@ -18,7 +18,7 @@ struct StopFigures {
     double peak_slip = 0.0;            ///< above drop-out speed
     double longest_lock_s = 0.0;       ///< longest time with slip above 0.95, above drop-out speed
     double tracked_share = 0.0;  ///< share of the distance with slip within 0.05 of the reference, see below
-    double mean_friction = 0.0;  ///< eq. (7): mean torque over mean pressure and geometry
+    double mean_friction = 0.0;  ///< eq. (7) down to drop-out: mean torque over mean pressure and geometry
     double mean_torque_Nm = 0.0;
     double mean_load_N = 0.0;
     bool standstill = false;
@@ -61,6 +61,7 @@ class StopMeter {
     double tracking_m_ = 0.0;
     double tracked_m_ = 0.0;
     double torque_Nms_ = 0.0;
+    double sliding_torque_Nms_ = 0.0;  // down to drop-out, as the pressure: a held wheel shows no friction
     double pressure_Pas_ = 0.0;
     double load_Ns_ = 0.0;
 };
