@@ -64,6 +64,7 @@ struct SlipConfig {
     float build_up_slip = 0.0F;  ///< the valve is overdriven at brake-on until the predicted slip passes this
                                  ///< share of the reference
     float build_up_pressure_Pa = 0.0F;  ///< added to the pressure that balances the road while building up
+    float build_up_rate_Paps = 0.0F;  ///< approached at this rate: a slippery surface shows itself on the way
     float reference_rate_per_s = 0.0F;  ///< the reference in force follows a change at this rate
     float low_speed_mps = 0.0F;         ///< below it the reference falls with speed; 0: the paper's exact law
     float low_speed_floor_mps = 0.0F;   ///< at and below it the reference is `low_speed_slip` at the most

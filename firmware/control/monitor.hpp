@@ -1,19 +1,18 @@
 /// Checks every input in every period and names what is wrong. Permission to brake is the absence of faults.
 ///
-/// | fault | condition |
-/// |---|---|
-/// | *_lost | no accepted frame for the input's maximum age |
-/// | *_corrupt | the same, while frames came and were refused |
-/// | *_range | outside what the sensor can mean (or not a number), for `implausible_s` |
-/// | *_rate | changes faster than the machine can, for `implausible_s` |
-/// | wheel_stuck | no edge although the brake is released and the aircraft moves, for `stuck_s` |
-/// | flywheel_stuck | no edge although the wheel turns, for `stuck_s` |
-/// | pressure_stuck | the same reading to the last bit while the model moved by `pressure_moves_Pa`, for
-/// `stuck_s` | | speeds_disagree | wheel faster than the aircraft by `overspeed_share`, or slip of a free
-/// wheel above `free_slip`, for `stuck_s` | | pressure_off_command | reading against uncorrected valve model
-/// differs by `off_command_Pa` for `off_command_s` | | maneuver_range | a commanded value outside its range,
-/// at once | | heartbeat_lost, emergency_stop, bus_off | at once after the age or event | | overrun | more
-/// than `overruns` missed periods in quick succession |
+/// - *_lost: no accepted frame for the input's maximum age
+/// - *_corrupt: the same, while frames came and were refused
+/// - *_range: outside what the sensor can mean (or not a number), for `implausible_s`
+/// - *_rate: changes faster than the machine can, for `implausible_s`
+/// - wheel_stuck: no edge although the brake is released and the aircraft moves, for `stuck_s`
+/// - flywheel_stuck: no edge although the wheel turns, for `stuck_s`
+/// - pressure_stuck: the same reading to the last bit while the model moved by `pressure_moves_Pa`, for `stuck_s`
+/// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`, or steady slip of a free wheel above
+///   `free_slip`, for `stuck_s`
+/// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa` for `off_command_s`
+/// - maneuver_range: a commanded value outside its range, at once
+/// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
+/// - overrun: more than `overruns` missed periods in quick succession
 #pragma once
 
 #include "firmware/control/config.hpp"

@@ -10,6 +10,7 @@ void SlipLaw::start(const Estimate& estimate) {
     reference_ = larger(estimate.slip, 0.0F);
     integral_ = 0.0F;
     building_up_ = true;
+    build_up_Pa_ = 0.0F;
 }
 
 float SlipLaw::scheduled(float slip_reference, float speed_mps) const {
@@ -37,7 +38,8 @@ float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceilin
 
     if (building_up_) {
         building_up_ = e.late_slip < config_.build_up_slip * reference_;
-        if (building_up_) wanted_Pa = larger(wanted_Pa, e.balance_Pa + config_.build_up_pressure_Pa);
+        build_up_Pa_ = smaller(build_up_Pa_ + config_.build_up_rate_Paps * period_s_, config_.build_up_pressure_Pa);
+        if (building_up_) wanted_Pa = larger(wanted_Pa, e.balance_Pa + build_up_Pa_);
     }
 
     const float given_Pa = limited(wanted_Pa, 0.0F, ceiling_Pa);

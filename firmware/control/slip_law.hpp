@@ -28,6 +28,7 @@ class SlipLaw {
     float reference_ = 0.0F;
     float integral_ = 0.0F;  // of the slip error times k_i, 1/s
     bool building_up_ = false;
+    float build_up_Pa_ = 0.0F;
 };
 
 }  // namespace antiskid::control

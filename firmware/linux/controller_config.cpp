@@ -82,6 +82,7 @@ control::SlipConfig slip(const settings::Table& t) {
                           .road_torque_share = number(t, "road_torque_share", 0.0, 1.0),
                           .build_up_slip = number(t, "build_up_slip", 0.0, 1.0),
                           .build_up_pressure_Pa = number(t, "build_up_pressure_Pa", 0.0, 1e8),
+                          .build_up_rate_Paps = number(t, "build_up_rate_Paps", 1e6, 1e12),
                           .reference_rate_per_s = number(t, "reference_rate_per_s", 0.01, 1e4),
                           .low_speed_mps = low_speed,
                           .low_speed_floor_mps = number(t, "low_speed_floor_mps", 0.0, 100.0),
