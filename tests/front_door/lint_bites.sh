@@ -1,0 +1,59 @@
+#!/bin/bash
+# Each static check refuses a seeded violation and accepts the same tree without it.
+source "$(dirname "$0")/harness.bash"
+
+tree=$scratch/tree
+mkdir -p "$tree"/{firmware/control,tests/front_door,config,plant_sim,docs,.ci,build}
+cp "$here"/{lint_*,harness.bash,vcan_*.sh,verbs.sh} "$tree/tests/front_door"
+cp "$rig" "$tree/rig"
+cp "$here"/../../.clang-{format,tidy} "$tree"
+source=$tree/firmware/control/seeded.cpp
+lints=$tree/tests/front_door
+
+clean() {
+    printf 'int twice(int x) {\n    return 2 * x;\n}\n' >"$source"
+    cat >"$tree/build/compile_commands.json" <<END
+[{"directory": "$tree/build", "file": "$source", "command": "c++ -std=c++20 -I$tree -o seeded.o -c $source"}]
+END
+}
+
+refuses() { # TEXT COMMAND...
+    local text=$1
+    shift
+    ! "$@" >"$scratch/out" 2>&1 && grep -qF -- "$text" "$scratch/out"
+}
+
+clean
+check "format: clean tree" "$lints/lint_format.sh"
+printf 'int twice(int x) {\n    return 2*x;\n}\n' >"$source"
+check "format: spaces" refuses "code should be clang-formatted" "$lints/lint_format.sh"
+
+clean
+check "shell: clean tree" "$lints/lint_shell.sh"
+# shellcheck disable=SC2016
+printf '#!/bin/bash\nrm $1\n' >"$tree/config/seeded"
+check "shell: unquoted variable" refuses SC2086 "$lints/lint_shell.sh"
+
+clean
+check "tidy: clean tree" "$lints/lint_tidy.py" "$tree/build"
+check "tidy: clean files are remembered" grep -q "1 files: 1 unchanged" <<<"$("$lints/lint_tidy.py" "$tree/build")"
+cat >"$tree/firmware/control/header.hpp" <<'END'
+#pragma once
+inline int third(const int* x) { return x == 0 ? 0 : *x / 3; }
+END
+printf '#include "firmware/control/header.hpp"\nint twice(int x) { return 2 * third(&x); }\n' >"$source"
+check "tidy: violation in a header" refuses modernize-use-nullptr "$lints/lint_tidy.py" "$tree/build"
+sed -i 's/x == 0/x == nullptr/' "$tree/firmware/control/header.hpp"
+check "tidy: the header put right" "$lints/lint_tidy.py" "$tree/build"
+sed -i 's/x == nullptr/x == 0/' "$tree/firmware/control/header.hpp"
+check "tidy: a change in a header alone is seen" refuses modernize-use-nullptr "$lints/lint_tidy.py" "$tree/build"
+
+clean
+check "target: clean tree" "$lints/lint_cortex_m7.sh" "$scratch/objects"
+seeds=('float f(float x) { return std::sin(x); }' 'int* f() { return new int(3); }' 'int* f() { return (int*)std::malloc(3); }'
+    'double f(float x) { return x; }' 'int f() { throw 3; }')
+texts=(sinf 'operator new' malloc double-promotion 'exception handling disabled')
+for i in "${!seeds[@]}"; do
+    printf '#include <cmath>\n#include <cstdlib>\n%s\n' "${seeds[i]}" >"$source"
+    check "target: ${seeds[i]}" refuses "${texts[i]}" "$lints/lint_cortex_m7.sh" "$scratch/objects"
+done

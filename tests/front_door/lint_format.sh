@@ -1,0 +1,10 @@
+#!/bin/bash
+# Every C++ file of the project is as clang-format wants it.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+mapfile -d '' -t files < <(find firmware plant_sim config tests rig_bridge -name '*.[ch]pp' -print0 2>/dev/null)
+[[ ${#files[@]} -gt 0 ]] || { echo "no C++ file found" >&2; exit 1; }
+clang-format --version
+clang-format --dry-run --Werror "${files[@]}"
+echo "${#files[@]} files are clean"
