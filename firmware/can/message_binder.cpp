@@ -11,6 +11,7 @@ namespace antiskid::can {
 
 namespace {
 
+constexpr std::string_view kSignalKey = "signal";
 constexpr std::uint32_t kWidestPhysical = 32;
 constexpr std::uint32_t kWidestClock = 48;
 constexpr std::uint16_t kProfileCounterModulo = 15;
@@ -173,10 +174,9 @@ const DbcSignal& MessageBinder::take(const settings::Table& table, std::string_v
     }
     const std::uint64_t own = occupied(field(*found, *shift));
     for (const Taken& other : taken_) {
-        if ((other.bits & own) != 0)
-            table.fail(key, at(*found) + " overlaps the signal of '" + other.key + "'");
+        if ((other.bits & own) != 0) table.fail(key, at(*found) + " overlaps that of " + other.key);
     }
-    taken_.push_back({own, std::string(key)});
+    taken_.push_back({own, key == kSignalKey ? table.path() : table.path() + '.' + std::string(key)});
     return *found;
 }
 
@@ -217,7 +217,7 @@ Signal MessageBinder::code(std::string_view key, const Widths& widths,
 
 MessageBinder::Source MessageBinder::take_physical(std::string_view key) {
     const settings::Table inner = table_.table(key);
-    const DbcSignal& signal = take(inner, "signal", inner.text("signal"));
+    const DbcSignal& signal = take(inner, kSignalKey, inner.text(kSignalKey));
     const std::string spelling = inner.text("unit");
     const std::optional<Unit> unit = find_unit(spelling);
     if (!unit) inner.fail("unit", "unknown unit '" + settings::printable(spelling) + "'");
@@ -231,8 +231,8 @@ MessageBinder::Source MessageBinder::take_physical(std::string_view key) {
 Signal MessageBinder::scaled(const Source& source, double size) const {
     const DbcSignal& dbc = *source.signal;
     if (dbc.bits > kWidestPhysical) {
-        source.table.fail("signal", at(dbc) + " has " + bits(dbc.bits) + "; at most " +
-                                        bits(kWidestPhysical) + " can be used");
+        source.table.fail(kSignalKey, at(dbc) + " has " + bits(dbc.bits) + "; at most " +
+                                          bits(kWidestPhysical) + " can be used");
     }
     Signal signal = field(dbc, *shift_of(dbc, message_->length));
     if (dbc.min < dbc.max) {
@@ -243,7 +243,7 @@ Signal MessageBinder::scaled(const Source& source, double size) const {
         const double high = std::floor(std::max(a, b) + 1e-6);
         if (low > static_cast<double>(signal.raw_max) || high < static_cast<double>(signal.raw_min) ||
             low > high) {
-            source.table.fail("signal", at(dbc) + " cannot hold any value of its own range");
+            source.table.fail(kSignalKey, at(dbc) + " cannot hold any value of its own range");
         }
         if (low > static_cast<double>(signal.raw_min)) signal.raw_min = static_cast<std::int64_t>(low);
         if (high < static_cast<double>(signal.raw_max)) signal.raw_max = static_cast<std::int64_t>(high);
@@ -277,13 +277,13 @@ Signal MessageBinder::clock(std::string_view key) {
     if (source.unit.quantity != Quantity::time)
         source.table.fail("unit", "expected one of " + units_of(Quantity::time));
     if (dbc.is_signed || dbc.factor < 0.0 || dbc.offset != 0.0) {
-        source.table.fail("signal", at(dbc) + " must be unsigned, with a positive factor and no offset");
+        source.table.fail(kSignalKey, at(dbc) + " must be unsigned, with a positive factor and no offset");
     }
     Signal signal = field(dbc, *shift_of(dbc, message_->length));
     signal.scale = dbc.factor * source.unit.factor;
     signal.per_scale = 1.0 / signal.scale;
     if (signal.scale * static_cast<double>(signal.raw_max) < kLeastRollOver_ns) {
-        source.table.fail("signal",
+        source.table.fail(kSignalKey,
                           at(dbc) + " rolls over within 200 ms: too narrow to tell the time of an edge");
     }
     return signal;

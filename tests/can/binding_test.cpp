@@ -1,0 +1,263 @@
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "config/reader/error.hpp"
+#include "firmware/can/controller_port.hpp"
+#include "firmware/can/load_layout.hpp"
+#include "firmware/can/rig_port.hpp"
+#include "firmware/can/roles.hpp"
+#include "tests/can/layouts.hpp"
+#include "tests/catch.hpp"
+
+using namespace antiskid;
+using namespace antiskid::can;
+using can_test::contents;
+using can_test::replaced;
+
+namespace {
+
+struct Key {
+    std::size_t begin;  ///< of its line
+    std::size_t end;    ///< past its line end
+    std::string table;
+    std::string name;
+};
+
+std::vector<Key> keys(const std::string& toml) {
+    std::vector<Key> found;
+    std::string table;
+    for (std::size_t begin = 0; begin < toml.size();) {
+        const std::size_t end = toml.find('\n', begin) + 1;
+        const std::string line = toml.substr(begin, end - begin);
+        if (line[0] == '[') table = line.substr(1, line.find(']') - 1);
+        if (line[0] >= 'a' && line[0] <= 'z')
+            found.push_back({begin, end, table, line.substr(0, line.find(' '))});
+        begin = end;
+    }
+    return found;
+}
+
+/// The message of the refusal, "" when the layout was accepted.
+std::string refusal(const std::string& dbc, const std::string& toml) {
+    const can_test::TempDir dir;
+    const auto dbc_path = dir.write("a.dbc", dbc);
+    const auto toml_path = dir.write("a.toml", toml);
+    try {
+        static_cast<void>(load_layout(dbc_path, toml_path));
+    } catch (const settings::Error& error) {
+        return error.what();
+    }
+    return "";
+}
+
+/// Appending, since gcc 12 warns falsely (-Wrestrict, bug 105329) of "[" + role.
+std::string header(std::string_view table) {
+    return std::string("[").append(table).append("]");
+}
+
+const std::string kOurDbc = contents("config/antiskid.dbc");
+const std::string kOurs = contents("config/antiskid_binding.toml");
+const std::string kForeignDbc = contents("config/foreign.dbc");
+const std::string kForeign = contents("config/foreign_binding.toml");
+
+/// A valve message that a microcontroller could have compiled in.
+constexpr Layout compiled_in() {
+    Layout layout;
+    Message& valve = layout[Role::valve];
+    valve = {.id = 0x100, .length = 4, .bound = true, .period = control::Time{1'000'000}, .protection = {}};
+    layout.valve_current_mA = {.shift = 16,
+                               .bits = 16,
+                               .big_endian = false,
+                               .is_signed = false,
+                               .raw_min = 0,
+                               .raw_max = 65535,
+                               .scale = 0.001,
+                               .per_scale = 1000.0,
+                               .offset = 0.0};
+    return layout;
+}
+constexpr Layout kCompiledIn = compiled_in();
+static_assert(kCompiledIn.valve_current_mA.raw(12.345) == 12345);
+static_assert(std::is_trivially_copyable_v<Layout>);
+
+}  // namespace
+
+TEST_CASE("both layouts are accepted and hold what the files say", "[CAN-045]") {
+    const Layout& ours = can_test::ours();
+    CHECK(ours[Role::valve].id == 0x100);
+    CHECK(ours[Role::wheel].period == std::chrono::milliseconds(1));
+    CHECK(ours[Role::maneuver].protection.data_id == 0x120);
+    CHECK(ours[Role::emergency_stop].period.count() == 0);
+    CHECK(ours.wheel.source == control::SpeedSource::edges);
+    CHECK(ids(ours, kToController).span().size() == 7);
+    const Layout& foreign = can_test::foreign();
+    CHECK(foreign[Role::pressure].period == std::chrono::milliseconds(5));
+    CHECK_FALSE(foreign[Role::load_cells].bound);
+    CHECK(foreign.wheel.source == control::SpeedSource::speed);
+    CHECK(ids(foreign, kToRig).span().size() == 4);
+}
+
+TEST_CASE("without any one key the binding is refused, and the key named", "[CAN-040]") {
+    for (const auto& [dbc, toml] : {std::pair(kOurDbc, kOurs), std::pair(kForeignDbc, kForeign)}) {
+        for (const Key& key : keys(toml)) {
+            if (key.table == "sync" && key.name == "number") continue;  // SYNC may carry nothing
+            const std::string what = refusal(dbc, std::string(toml).erase(key.begin, key.end - key.begin));
+            INFO(key.table << "." << key.name << " gone: " << what);
+            CHECK_THAT(what, ContainsSubstring("a.toml") && ContainsSubstring(key.table));
+            const bool named = what.find(key.name) != std::string::npos;
+            CHECK(named);
+        }
+    }
+}
+
+TEST_CASE("a misspelt key is refused, with its line", "[CAN-041]") {
+    for (const auto& [dbc, toml] : {std::pair(kOurDbc, kOurs), std::pair(kForeignDbc, kForeign)}) {
+        for (const Key& key : keys(toml)) {
+            const std::string what = refusal(dbc, std::string(toml).insert(key.begin + 1, 1, 'q'));
+            INFO(key.table << "." << key.name << " misspelt: " << what);
+            CHECK_THAT(what, ContainsSubstring("a.toml:") && ContainsSubstring(key.name.substr(1)));
+        }
+    }
+}
+
+TEST_CASE("a missing, misspelt or additional table is refused", "[CAN-041]") {
+    for (std::size_t i = 0; i < kRoleCount; ++i) {
+        const std::string role(name(static_cast<Role>(i)));
+        const std::string what =
+            refusal(kOurDbc, replaced(kOurs, header(role), header(std::string("x").append(role))));
+        INFO(role << ": " << what);
+        CHECK_THAT(what, ContainsSubstring("a.toml") && ContainsSubstring(role));
+    }
+    CHECK_THAT(refusal(kOurDbc, kOurs + "[brake_temperature]\nmessage = \"X\"\n"),
+               ContainsSubstring("brake_temperature"));
+}
+
+TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-042]") {
+    struct Case {
+        std::string from, to, expected;
+        bool in_dbc = false;
+    };
+    const std::string encoder =
+        "BO_ 272 WheelEncoder: 8 Rig\n SG_ Crc : 0|8@1+ (1,0) [0|255] \"\" Controller\n"
+        " SG_ Counter : 8|4@1+ (1,0) [0|14] \"\" Controller\n"
+        " SG_ EdgeCount : 16|16@1+ (1,0) [0|65535] \"\" Controller\n"
+        " SG_ EdgeTime : 32|32@1+ (0.1,0) [0|429496729.5] \"us\" Controller\n";
+    const auto wheel = [&encoder](const std::string& from, const std::string& to,
+                                  const std::string& expected) {
+        return Case{encoder, replaced(encoder, from, to), expected, true};
+    };
+    const std::vector<Case> cases{
+        {"\"WheelEncoder\"", "\"WheelEncodr\"", "a.toml:5: wheel.message: no message 'WheelEncodr'"},
+        {"\"WheelEncoder\"", "\"WheelEncodr\"", "did you mean 'WheelEncoder'"},
+        {"\"EdgeCount\"", "\"EdgeCuont\"",
+         "wheel.edge_count: no signal 'EdgeCuont' in message 'WheelEncoder'"},
+        {"\"EdgeTime\", unit = \"us\"", "\"EdgeTime\", unit = \"ms\"",
+         "wheel.edge_time.unit: signal 'EdgeTime'"},
+        {"\"EdgeTime\", unit = \"us\"", "\"EdgeTime\", unit = \"furlong\"", "unknown unit 'furlong'"},
+        {"\"Pressure\", unit = \"Pa\"", "\"Pressure\", unit = \"bar\"", "is in 'Pa' there, 'bar' here"},
+        {"edge_count = \"EdgeCount\"", "edge_count = \"EdgeTime\"", "wheel.edge_count"},
+        {"edge_count = \"EdgeCount\"\n", "", "wheel.edge_count"},
+        {"edge_count = \"EdgeCount\"\n",
+         "edge_count = \"EdgeCount\"\nspeed = { signal = \"x\", unit = \"rpm\" }\n",
+         "either edge_count and edge_time, or speed"},
+        {"period_ms = 1\n", "period_ms = 2\n",
+         "wheel.period_ms: contradicts GenMsgCycleTime of 'WheelEncoder'"},
+        {"period_ms = 1\n", "period_ms = 0\n", "out of range"},
+        {"period_ms = 1\n", "period_ms = \"1\"\n", "wheel.period_ms"},
+        {"counter = \"Counter\"", "counter = \"Crc\"", "wheel.crc: signal 'Crc'"},
+        {"crc = \"Crc\"", "crc = \"Counter\"", "overlaps that of wheel.counter"},
+        {"crc = \"Crc\"", "crc = \"EdgeTime\"", "has 32 bits; expected 8 bits"},
+        {"max_delta = 4", "max_delta = 8", "wheel.max_delta: 8 is out of range 1 to 7"},
+        {"max_delta = 4", "max_delta = 0", "wheel.max_delta: 0 is out of range"},
+        {"data_id = 0x111", "data_id = 0x110", "flywheel.data_id: is that of [wheel]"},
+        {"data_id = 0x110", "data_id = 65536", "out of range"},
+        {"protection = \"counter_crc\"", "protection = \"crc\"", "wheel.protection"},
+        {"\"FlywheelEncoder\"", "\"WheelEncoder\"", "flywheel.message: has the identifier that [wheel] uses"},
+        {"law = \"Law\"", "law = \"Demand\"", "has 16 bits; expected 2 to 8 bits"},
+        {"arm = \"Arm\"", "arm = \"Law\"", "maneuver.arm: signal 'Law'"},
+        {"slip_reference = { signal = \"SlipReference\", unit = \"1\" }",
+         "slip_reference = { signal = \"DecelerationReference\", unit = \"m/s2\" }", "expected one of 1, %"},
+        {"wheel_lost = \"WheelLost\"", "wheel_lost = \"WheelCorrupt\"", "faults.bits.wheel_corrupt"},
+        {"number = \"SyncNumber\"", "number = \"SyncNumber\"\nperiod_ms = 1", "sync.period_ms"},
+        wheel("16|16@1+", "20|16@1+", "overlaps that of wheel.edge_count"),
+        wheel("16|16@1+", "16|16@1-", "is signed"),
+        wheel("EdgeCount : 16|16@1+ (1,0)", "EdgeCount : 16|16@1+ (2,0)", "factor 1 and offset 0"),
+        wheel("EdgeCount : 16|16", "EdgeCount : 16|7", "has 7 bits; expected 8 to 32 bits"),
+        wheel("32|32@1+", "40|32@1+", "sticks out of the 8 bytes"),
+        wheel("32|32@1+ (0.1,0)", "32|16@1+ (1,0)", "rolls over within 200 ms"),
+        wheel("32|32@1+ (0.1,0)", "32|32@1+ (0.1,5)", "no offset"),
+        wheel("32|32@1+ (0.1,0)", "32|32@1+ (0,0)", "factor 0"),
+        wheel("8|4@1+", "8|3@1+", "has 3 bits; expected 4 to 8 bits"),
+        wheel("Crc : 0|8@1+ (1,0) [0|255] \"\" Controller\n SG_ Counter : 8|4",
+              "Crc : 4|8@1+ (1,0) [0|255] \"\" Controller\n SG_ Counter : 0|4", "must fill one byte"),
+        wheel("SG_ EdgeCount", "SG_ EdgeCount m0", "is multiplexed (m0)"),
+        wheel("SG_ EdgeCount", "SG_ EdgeCount M", "is multiplexed (M)"),
+        wheel("WheelEncoder: 8", "WheelEncoder: 7", "sticks out of the 7 bytes"),
+        wheel("WheelEncoder: 8", "WheelEncoder: 12", "a classic CAN frame has at most 8"),
+        wheel("BO_ 272", "BO_ 2147483920", "29-bit identifier"),
+        wheel("BO_ 272", "BO_ 273", "has the identifier that [wheel] uses"),
+        {"BO_ 272 W", "BO_ 99 WheelEncoder: 8 Rig\n\nBO_ 272 W", "is defined twice in", true},
+        {"VAL_ 288 Law 0 \"wheel_slip\"", "VAL_ 288 Law 0 \"threshold\"",
+         "has 'threshold' as value 0; it is 3 here", true},
+        {"BA_DEF_ BO_ \"GenMsg", "SIG_VALTYPE_ 274 Pressure : 1;\nBA_DEF_ BO_ \"GenMsg", "floating-point",
+         true},
+        {"[0|32767500] \"Pa\" Controller\n\nBO_ 288", "[-5|-1] \"Pa\" Controller\n\nBO_ 288",
+         "cannot hold any value", true},
+    };
+    for (const Case& c : cases) {
+        INFO(c.from << " -> " << c.to);
+        const std::string what = c.in_dbc ? refusal(replaced(kOurDbc, c.from, c.to), kOurs)
+                                          : refusal(kOurDbc, replaced(kOurs, c.from, c.to));
+        CHECK_THAT(what, ContainsSubstring("a.toml:") && ContainsSubstring(c.expected));
+    }
+    CHECK_THAT(refusal(kOurDbc, "[wheel\n"), ContainsSubstring("a.toml:1"));
+    CHECK_THAT(refusal("BO_ x", kOurs), ContainsSubstring("a.dbc:1"));
+}
+
+TEST_CASE("what moves the valve is refused without counter and CRC", "[CAN-043]") {
+    for (const std::string& role : {std::string("valve"), std::string("maneuver")}) {
+        for (const std::string& weaker : {std::string("none"), std::string("counter")}) {
+            const std::size_t table = kOurs.find(header(role));
+            std::string toml = kOurs;
+            toml.replace(toml.find("counter_crc", table), 11, weaker);
+            CHECK_THAT(refusal(kOurDbc, toml), ContainsSubstring(role + ".protection") &&
+                                                   ContainsSubstring("this message can move the valve"));
+        }
+    }
+}
+
+TEST_CASE("units of the bus become the controller's", "[CAN-044]") {
+    const Layout& foreign = can_test::foreign();
+    RigPort rig(foreign, control::Time{1'000'000});
+    ControllerPort port(foreign, control::Time{1'000'000});
+    // 600 rpm at 0.0625 rpm: 9600 = 0x2580, Motorola.
+    port.accept({.id = 0x210, .length = 2, .data = {0x25, 0x80}, .received = {}});
+    CHECK(port.sensors().wheel.speed_radps == static_cast<float>(20.0 * std::numbers::pi));
+    // 206.84 bar from -10 bar at 0.01 bar: 21684 = 0x54B4, counter 0.
+    port.accept({.id = 0x220, .length = 4, .data = {0x00, 0x00, 0x54, 0xB4}, .received = {}});
+    CHECK(port.sensors().pressure.pressure_Pa == Approx(206.84e5));
+    // 36 km/h are 10 m/s: 360 = 0x168; slip -1.0 %: -10 = 0xFF6; slip reference 24 %: 240 = 0x0F0; phase 4.
+    rig.accept({.id = 0x310, .length = 8, .data = {0x4F, 0xF6, 0x0F, 0x01, 0x68, 0, 0, 0}, .received = {}});
+    CHECK(rig.controller().state == control::State::braking);
+    CHECK(rig.controller().slip == -0.01F);
+    CHECK(rig.controller().slip_reference == 0.24F);
+    CHECK(rig.controller().speed_mps == Approx(10.0));
+
+    const auto with_unit = [](const std::string& unit, const std::string& more) {
+        const can_test::TempDir dir;
+        return load_layout(
+            dir.write("a.dbc", replaced(kForeignDbc, "(0.0625,0) [0|4095.9375] \"rpm\"",
+                                        "(0.5,0) [0|0] \"" + unit + "\"")),
+            dir.write("a.toml", replaced(kForeign, "unit = \"rpm\"", "unit = \"" + unit + "\"" + more)));
+    };
+    CHECK(with_unit("rad/s", "").wheel.speed_radps.scale == 0.5);
+    CHECK(with_unit("deg/s", "").wheel.speed_radps.scale == Approx(0.5 * std::numbers::pi / 180.0));
+    CHECK(with_unit("km/h", ", radius_m = 0.25").wheel.speed_radps.scale == Approx(0.5 / 3.6 / 0.25));
+    CHECK_THROWS_WITH(with_unit("m/s", ""), ContainsSubstring("radius_m"));
+    CHECK_THROWS_WITH(with_unit("rpm", ", radius_m = 0.25"), ContainsSubstring("radius_m"));
+    CHECK_THROWS_WITH(with_unit("bar", ""),
+                      ContainsSubstring("expected one of rad/s, deg/s, rpm, or of m/s, km/h, kn"));
+}
