@@ -78,6 +78,13 @@ TEST_CASE("an unknown key that resembles a known one is told so", "[CFG-015]") {
     CHECK(finish(doc) == "plant.toml:6: wheel.c2: unknown key");
 }
 
+TEST_CASE("a known key that is missing is a likelier meaning than one that is there", "[CFG-015]") {
+    const auto doc = parsed("bias = 1\nbiss = 2\n");
+    CHECK(doc.root().has("bias"));
+    CHECK_FALSE(doc.root().has("bits"));
+    CHECK(finish(doc) == "plant.toml:2: biss: unknown key; did you mean 'bits'?");
+}
+
 TEST_CASE("a missing key names itself, its table and what may stand in its place", "[CFG-015]") {
     CHECK(missing(parsed("\n[wheel]\nx = 1\n"), "inertia_kgm2") ==
           "plant.toml:2: wheel.inertia_kgm2: missing");
