@@ -39,10 +39,11 @@ void ControlLoop::cycle(const Wake& wake) {
 std::uint32_t ControlLoop::send_due(const control::Command& command) {
     std::array<can::Frame, can::ControllerPort::kMostFrames> frames;
     const std::size_t count = doors_.port.due_frames(command, frames);
-    if (settings_.valve_last)
-        std::reverse(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(count));
+    const auto due = std::span(frames).first(count);
+    // The port gives the valve command first, where it is due.
+    if (settings_.valve_last && !due.empty()) std::rotate(due.begin(), due.begin() + 1, due.end());
     std::uint32_t unsent = 0;
-    for (const can::Frame& frame : std::span(frames).first(count))
+    for (const can::Frame& frame : due)
         if (!doors_.bus.send(frame)) ++unsent;
     statistics_.frames_sent += count - unsent;
     return unsent;

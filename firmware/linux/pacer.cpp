@@ -1,6 +1,7 @@
 #include "firmware/linux/pacer.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace antiskid::rt {
 
@@ -33,7 +34,7 @@ std::optional<Wake> SyncPacer::next(const std::atomic<bool>& stop) {
     // A clock reading costs as much as a step in a virtual machine: it is left out while SYNC comes promptly.
     constexpr int kTurnsPerReading = 16;
     for (int turn = 1; !stop.load(std::memory_order_relaxed); ++turn) {
-        FrameIntake::Taken taken = intake_.take_until_sync(now_ + period_);
+        FrameIntake::Taken taken = intake_.take_until_sync(next_now_);
         total.frames += taken.frames;
         if (taken.sync) {
             taken.frames = total.frames;
@@ -45,20 +46,22 @@ std::optional<Wake> SyncPacer::next(const std::atomic<bool>& stop) {
         left = last_woke_ + patience - reading;
         if (left > Time{0}) continue;
         synchronised_ = false;
-        now_ += period_;
         last_woke_ = reading;
-        return Wake{.now = now_, .woke = reading, .latency = -left, .synchronised = false, .taken = total};
+        return Wake{.now = std::exchange(next_now_, next_now_ + period_),
+                    .woke = reading,
+                    .latency = -left,
+                    .synchronised = false,
+                    .taken = total};
     }
     return std::nullopt;
 }
 
 Wake SyncPacer::on_sync(const FrameIntake::Taken& taken) {
     const bool follows = follows_last();
-    now_ += period_;
     last_woke_ = clock_.now();
     started_ = true;
     synchronised_ = true;
-    return Wake{.now = now_,
+    return Wake{.now = std::exchange(next_now_, next_now_ + period_),
                 .woke = last_woke_,
                 .latency = std::max(last_woke_ - taken.sync_received, Time{0}),
                 .skipped = follows ? 0U : 1U,

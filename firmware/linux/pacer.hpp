@@ -44,12 +44,12 @@ class TimerPacer final : public Pacer {
     std::optional<PeriodicTimer> timer_;
 };
 
-/// Lockstep: one step for each SYNC, and the controller's time is the number of steps times the period, so
-/// that a run does not depend on the machine's speed.
+/// Lockstep: one step for each SYNC, and the controller's time is the number of steps before it times the
+/// period, so that a run does not depend on the machine's speed.
 ///
-/// Nothing happens before the first SYNC. When the next one fails to come within `timeout`, steps go on once
-/// a period on the machine's clock until it does: the ages of the inputs grow, and the controller names what
-/// is missing. A SYNC whose number does not follow the last one's counts as a missed period.
+/// Nothing happens before the first SYNC. When the next one fails to come within `timeout`, steps go on once a
+/// period on the machine's clock until it does: the ages of the inputs grow, and the controller names what is
+/// missing. A SYNC whose number does not follow the last one's counts as a missed period.
 class SyncPacer final : public Pacer {
   public:
     static constexpr Time kLongestWait = std::chrono::milliseconds{20};
@@ -69,7 +69,7 @@ class SyncPacer final : public Pacer {
     const can::ControllerPort& port_;
     std::uint64_t sync_modulo_;
     FrameIntake& intake_;
-    Time now_{};
+    Time next_now_{};
     Time last_woke_{};
     std::uint32_t last_number_ = 0;
     bool started_ = false;
