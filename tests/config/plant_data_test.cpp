@@ -16,7 +16,8 @@ void check_friction_curves(const settings::Table& brake) {
         const auto c =
             brake.table("relative_friction").numbers(friction_class, {.count = {.min = 4, .max = 4}});
         CHECK(mean_over_stop(c) == Approx(1.0).epsilon(1e-12));
-        for (double x = 0.0; x <= 1.0; x += 1.0 / 64.0) {
+        for (int step = 0; step <= 64; ++step) {
+            const double x = step / 64.0;
             const double f = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
             CHECK(f > 0.7);
             CHECK(f < 1.3);
