@@ -108,11 +108,11 @@ class LineParser {
             return true;
         }
         while (hex_digit(here()) >= 0) {
+            if (line_.frame.length == 8) return fail("expected at most eight bytes");
             const int high = hex_digit(here());
             ++position_;
             const int low = hex_digit(here());
             if (low < 0) return fail("expected two hexadecimal digits for each byte");
-            if (line_.frame.length == 8) return fail("expected at most eight bytes");
             line_.frame.data[line_.frame.length++] = static_cast<std::uint8_t>(high * 16 + low);
             ++position_;
         }

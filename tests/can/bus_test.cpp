@@ -1,0 +1,227 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <random>
+#include <string>
+
+#include "firmware/can/bus_load.hpp"
+#include "firmware/can/candump.hpp"
+#include "firmware/can/loopback.hpp"
+#include "firmware/can/wall_clock_offset.hpp"
+#include "tests/can/layouts.hpp"
+#include "tests/catch.hpp"
+
+using namespace antiskid;
+using namespace antiskid::can;
+using control::Time;
+
+namespace {
+
+/// Stuffed length of the worst contents, found by building the bits: after the first five alike, every fourth bit adds one.
+std::uint32_t bits_by_counting(std::uint32_t length) {
+    const std::uint32_t stuffed =
+        1 + 11 + 1 + 1 + 1 + 4 + 8 * length + 15;  // SOF, ID, RTR, IDE, r0, DLC, data, CRC
+    std::uint32_t stuff_bits = 0;
+    std::uint32_t run = 0;
+    for (std::uint32_t i = 0; i < stuffed; ++i) {
+        ++run;  // the worst contents go on at the level of the last stuff bit
+        if (run == 5) {
+            ++stuff_bits;
+            run = 1;  // the stuff bit starts the next run
+        }
+    }
+    return stuffed + stuff_bits + 1 + 1 + 1 + 7 +
+           3;  // CRC delimiter, ACK slot and delimiter, EOF, interframe space
+}
+
+std::string load_table(const Layout& layout) {
+    std::string table;
+    for (const int step_ms : {1, 2, 5}) {
+        for (const bool with_sync : {false, true}) {
+            const BusLoad load = bus_load(layout, std::chrono::milliseconds(step_ms), 1'000'000, with_sync);
+            std::array<char, 100> row{};
+            std::snprintf(row.data(), row.size(), "| %d ms | %s | %.1f %% | %.1f %% |\n", step_ms,
+                          with_sync ? "SYNC" : "timer", 100.0 * load.mean, 100.0 * load.peak);
+            table += row.data();
+        }
+    }
+    return table;
+}
+
+}  // namespace
+
+TEST_CASE("the longest frame is that of the bit-by-bit count, and of Davis et al.", "[CAN-060]") {
+    for (std::uint32_t length = 0; length <= 8; ++length) {
+        CHECK(worst_case_bits(length) == bits_by_counting(length));
+        CHECK(worst_case_bits(length) == 55 + 10 * length);
+    }
+}
+
+TEST_CASE("the bus carries our layout at 1 kHz with room to spare, and the docs state the load",
+          "[CAN-060]") {
+    // By hand, bits in a second at 1 kHz: wheel and flywheel 135, pressure and valve 95, each 1000 times;
+    // maneuver 135 at 50; status 135, faults 115, load cells 135 at 100; two heartbeats 75 at 10.
+    const double bits =
+        1000.0 * (135 + 135 + 95 + 95) + 50.0 * 135 + 100.0 * (135 + 115 + 135) + 10.0 * (75 + 75);
+    const BusLoad load = bus_load(can_test::ours(), std::chrono::milliseconds(1), 1'000'000, false);
+    CHECK(load.mean == Approx(bits / 1e6));
+    CHECK(load.peak < 0.8);
+    const std::string docs = can_test::contents("docs/can.md");
+    INFO(load_table(can_test::ours()) << load_table(can_test::foreign()));
+    CHECK_THAT(docs, ContainsSubstring(load_table(can_test::ours())));
+    CHECK_THAT(docs, ContainsSubstring(load_table(can_test::foreign())));
+}
+
+TEST_CASE("the loopback delivers to every other end, in order, with the time that was set", "[CAN-075]") {
+    Loopback hub;
+    Loopback::End& a = hub.connect();
+    Loopback::End& b = hub.connect();
+    Loopback::End& c = hub.connect();
+    hub.set_time(Time{7});
+    for (std::uint32_t id = 1; id <= 3; ++id)
+        CHECK(a.send({.id = id, .length = 0, .data = {}, .received = {}}));
+    CHECK(b.send({.id = 4, .length = 0, .data = {}, .received = {}}));
+    std::array<Frame, 8> frames;
+    CHECK(c.wait(Time{0}));
+    REQUIRE(c.receive(std::span(frames).first(3)) == 3);
+    CHECK(frames[2].id == 3);
+    REQUIRE(c.receive(frames) == 1);
+    CHECK(frames[0].id == 4);
+    CHECK(frames[0].received == Time{7});
+    CHECK(b.receive(frames) == 3);
+    CHECK(a.receive(frames) == 1);
+    CHECK_FALSE(a.wait(Time{1'000'000'000}));
+    CHECK(a.receive(frames) == 0);
+}
+
+TEST_CASE("a full receive queue drops the newest and counts; a link that is down neither sends nor receives",
+          "[CAN-075]") {
+    Loopback hub;
+    Loopback::End& a = hub.connect();
+    Loopback::End& b = hub.connect();
+    for (std::uint32_t i = 0; i < Loopback::kQueue + 5; ++i) {
+        CHECK(a.send({.id = i, .length = 0, .data = {}, .received = {}}));
+    }
+    CHECK(b.status().receive_dropped == 5);
+    std::array<Frame, Loopback::kQueue> frames;
+    REQUIRE(b.receive(frames) == Loopback::kQueue);
+    CHECK(frames.back().id == Loopback::kQueue - 1);
+
+    b.set_link(true, true);
+    CHECK(b.status().bus_off);
+    CHECK_FALSE(b.status().up);
+    CHECK(b.status().bus_off_events == 1);
+    CHECK_FALSE(b.send({}));
+    CHECK(b.status().transmit_dropped == 1);
+    CHECK(a.send({}));
+    CHECK(b.receive(frames) == 0);
+    b.set_link(true, false);
+    CHECK(b.send({}));
+    CHECK(a.receive(frames) == 1);
+}
+
+TEST_CASE("candump lines are read", "[CAN-090]") {
+    const auto parsed = [](std::string_view line) { return std::get<CandumpLine>(parse_candump(line)); };
+    const CandumpLine line = parsed("(1436509053.650713) vcan0 044#2A366C2BBA\n");
+    CHECK(line.time == Time{1'436'509'053'650'713'000});
+    CHECK(line.interface == "vcan0");
+    CHECK(line.frame.id == 0x44);
+    CHECK(line.frame.length == 5);
+    CHECK(line.frame.data == std::array<std::uint8_t, 8>{0x2A, 0x36, 0x6C, 0x2B, 0xBA, 0, 0, 0});
+    CHECK(line.frame.received == line.time);
+    CHECK(parsed("(0000000000.000001) can0 7FF#").frame.length == 0);
+    CHECK(parsed("(1.5) can0 7ff#aAbB").frame.data[1] == 0xBB);
+    CHECK(parsed("(1.123456789) can0 123#00 R\r\n").time == Time{1'123'456'789});
+    CHECK(parsed("(1.5) can0 1F334455#1122334455667788 T").extended);
+    CHECK(parsed("(1.5) can0 123#R8").remote);
+    CHECK(parsed("(1.5) can0 123#R").frame.length == 0);
+    const CandumpLine error = parsed("(1.5) can0 20000040#0000000000000000");
+    CHECK(error.error);
+    CHECK_FALSE(error.extended);
+    CHECK(error.frame.id == 0x40);
+}
+
+TEST_CASE("lines that are no candump lines are refused with the column", "[CAN-090]") {
+    const auto refused = [](std::string_view line, std::size_t column, const std::string& what) {
+        INFO(line);
+        const auto result = parse_candump(line);
+        REQUIRE(std::holds_alternative<CandumpFailure>(result));
+        CHECK(std::get<CandumpFailure>(result).column == column);
+        CHECK_THAT(std::get<CandumpFailure>(result).what, ContainsSubstring(what));
+    };
+    refused("", 1, "time");
+    refused("hello", 1, "time");
+    refused("(1) can0 123#00", 3, "time");
+    refused("(9999999999.0) can0 123#00", 11, "below 9e9 s");
+    refused("(1.5)can0 123#00", 6, "interface");
+    refused("(1.5) ", 7, "interface");
+    refused("(1.5) can0", 11, "frame");
+    refused("(1.5) can0 12#00", 14, "three or eight");
+    refused("(1.5) can0 800#00", 15, "000 to 7FF");
+    refused("(1.5) can0 FFFFFFFF#00", 20, "below 40000000");
+    refused("(1.5) can0 123456789#00", 20, "three or eight");
+    refused("(1.5) can0 123", 15, "expected #");
+    refused("(1.5) can0 123##100", 16, "CAN FD");
+    refused("(1.5) can0 123#0", 17, "two hexadecimal digits");
+    refused("(1.5) can0 123#112233445566778899", 32, "at most eight");
+    refused("(1.5) can0 123#00x", 18, "end of the line");
+    refused("(1.1234567890) can0 123#00", 13, "nine decimals");
+}
+
+TEST_CASE("what is written is read again, and fits or is refused whole", "[CAN-090]") {
+    std::mt19937 random(90);
+    const auto draw = [&random](std::int64_t most) {
+        return std::uniform_int_distribution<std::int64_t>(0, most)(random);
+    };
+    for (int i = 0; i < 2000; ++i) {
+        Frame frame;
+        frame.id = static_cast<std::uint32_t>(draw(0x7FF));
+        frame.length = static_cast<std::uint8_t>(draw(8));
+        for (std::size_t k = 0; k < frame.length; ++k) frame.data[k] = static_cast<std::uint8_t>(draw(255));
+        const Time time{draw(8'000'000'000'000'000) * 1000};
+        std::array<char, kCandumpLineMost> text{};
+        const std::size_t size = format_candump(time, "interface123456", frame, text);
+        REQUIRE(size != 0);
+        const auto line = std::get<CandumpLine>(parse_candump({text.data(), size}));
+        CHECK(line.time == time);
+        CHECK(line.frame.id == frame.id);
+        CHECK(line.frame.length == frame.length);
+        CHECK(line.frame.data == frame.data);
+        CHECK(format_candump(time, "interface123456", frame, std::span(text).first(size - 1)) == 0);
+    }
+    std::array<char, kCandumpLineMost> text{};
+    const Frame frame{.id = 0x1A, .length = 2, .data = {0, 0xFF}, .received = {}};
+    CHECK(std::string_view(text.data(), format_candump(Time{1'002'003'004}, "vcan0", frame, text)) ==
+          "(0000000001.002003) vcan0 01A#00FF");
+}
+
+TEST_CASE("wall-clock stamps become monotonic ones, and a step of the wall clock does not last",
+          "[CAN-081]") {
+    Time offset{1'000'000'000'000};
+    int readings = 0;
+    const auto clock = [&offset, &readings] {
+        ++readings;
+        return offset;
+    };
+    WallClockOffset mapping(clock);
+    CHECK(readings == 1);
+    std::int64_t now = 0;
+    const auto stamp = [&](std::int64_t advance) {
+        now += advance;
+        mapping.next_batch();
+        return (mapping.monotonic(Time{now} + offset) - Time{now}).count();
+    };
+    static_cast<void>(stamp(1'000'000));
+    const int settled = readings;
+    for (int i = 0; i < 500; ++i) CHECK(stamp(1'000'000) == 0);
+    CHECK(readings == settled);  // no clock is read from frame to frame
+    offset += Time{3'600'000'000'000};
+    CHECK(stamp(1'000'000) == 0);
+    offset -= Time{7'200'000'000'000};
+    CHECK(stamp(1'000'000) == 0);
+    offset += Time{500'000};  // too small to be seen at once
+    CHECK(stamp(1'000'000) == 500'000);
+    std::int64_t error = 0;
+    for (int i = 0; i < 1024; ++i) error = stamp(1'000'000);
+    CHECK(error == 0);
+}

@@ -1,0 +1,373 @@
+#include <array>
+#include <cstdlib>
+#include <new>
+#include <random>
+#include <vector>
+
+#include "firmware/can/controller_port.hpp"
+#include "firmware/can/loopback.hpp"
+#include "firmware/can/rig_port.hpp"
+#include "firmware/can/rounded_link.hpp"
+#include "tests/can/layouts.hpp"
+#include "tests/catch.hpp"
+
+using namespace antiskid;
+using namespace antiskid::can;
+using can_test::foreign;
+using can_test::ours;
+using control::Time;
+
+namespace {
+
+std::size_t allocations =
+    0;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): operator new has no other place
+
+constexpr Time kStep{1'000'000};
+
+RigSample some_sample() {
+    RigSample sample;
+    sample.wheel = {.edge_count = 10, .edge_time = Time{5'000'000}, .speed_radps = 150.0F};
+    sample.flywheel = {.edge_count = 20, .edge_time = Time{6'000'000}, .speed_radps = 160.0F};
+    sample.pressure_Pa = 5.5e6F;
+    sample.maneuver = {.law = control::Law::threshold,
+                       .arm = true,
+                       .weight_on_wheels = true,
+                       .demand_Pa = 2e7F,
+                       .slip_reference = 0.25F,
+                       .deceleration_mps2 = 3.2F,
+                       .current_mA = 17.0F};
+    return sample;
+}
+
+std::uint32_t accepted(const ControllerPort& port) {
+    std::uint32_t sum = 0;
+    for (std::size_t i = 0; i < kRoleCount; ++i) sum += port.stats(static_cast<Role>(i)).accepted;
+    return sum;
+}
+
+std::uint32_t rejected(const ControllerPort& port) {
+    std::uint32_t sum = 0;
+    for (std::size_t i = 0; i < kRoleCount; ++i) sum += port.stats(static_cast<Role>(i)).rejected();
+    return sum;
+}
+
+}  // namespace
+
+// NOLINTBEGIN(misc-definitions-in-headers)
+void* operator new(std::size_t size) {
+    ++allocations;
+    if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+    throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t /*size*/) noexcept {
+    std::free(memory);
+}
+// NOLINTEND(misc-definitions-in-headers)
+
+TEST_CASE("all 2048 identifiers, every length, right and wrong contents: only what is ours and right is used",
+          "[CAN-050]") {
+    for (const Layout* layout : {&ours(), &foreign()}) {
+        RigPort rig(*layout, kStep);
+        const Frame good = rig.maneuver(some_sample().maneuver);
+        std::uint32_t sent = 0;
+        std::uint32_t expected_accepted = 0;
+        std::uint32_t expected_unknown = 0;
+        ControllerPort port(*layout, kStep);
+        for (std::uint32_t id = 0; id < 2048; ++id) {
+            const Message* message = nullptr;
+            for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver,
+                                    Role::rig_heartbeat, Role::emergency_stop, Role::sync}) {
+                if (layout->operator[](role).id == id) message = &layout->operator[](role);
+            }
+            for (std::uint8_t length = 0; length <= 8; ++length) {
+                Frame frame = good;
+                frame.id = id;
+                frame.length = length;
+                port.accept(frame);
+                ++sent;
+                if (message == nullptr) ++expected_unknown;
+                const bool right =
+                    message != nullptr && length == message->length &&
+                    (id == good.id || message->protection.protection != Protection::counter_crc);
+                if (right) ++expected_accepted;
+            }
+        }
+        CHECK(port.unknown_ids() == expected_unknown);
+        CHECK(accepted(port) == expected_accepted);
+        CHECK(rejected(port) == sent - expected_unknown - expected_accepted);
+        port.accept({.id = 4096, .length = 8, .data = {}, .received = {}});
+        CHECK(port.unknown_ids() == expected_unknown + 1);
+    }
+}
+
+TEST_CASE("the controller does not listen to its own messages", "[CAN-050]") {
+    ControllerPort other(ours(), kStep);
+    ControllerPort port(ours(), kStep);
+    std::array<Frame, ControllerPort::kMostFrames> frames;
+    std::uint32_t sent = 0;
+    for (int i = 0; i < 100; ++i) {
+        const std::size_t count = other.due_frames({}, frames);
+        for (std::size_t k = 0; k < count; ++k) port.accept(frames[k]);
+        sent += static_cast<std::uint32_t>(count);
+    }
+    CHECK(port.unknown_ids() == sent);
+    CHECK(accepted(port) == 0);
+}
+
+TEST_CASE("a refused frame is counted where the controller sees it, and the last good value stays",
+          "[CAN-051][CAN-052]") {
+    RigPort rig(ours(), kStep);
+    ControllerPort port(ours(), kStep);
+    const RigSample sample = some_sample();
+    const auto feed = [&port](Frame frame, std::int64_t at) {
+        frame.received = Time{at};
+        port.accept(frame);
+    };
+    feed(rig.wheel(sample.wheel), 100);
+    feed(rig.flywheel(sample.flywheel), 200);
+    feed(rig.pressure(sample.pressure_Pa), 300);
+    feed(rig.maneuver(sample.maneuver), 400);
+    feed(rig.heartbeat(), 500);
+    const control::Sensors before = port.sensors();
+    CHECK(before.wheel.received == Time{100});
+    CHECK(before.flywheel.received == Time{200});
+    CHECK(before.pressure.pressure_Pa == 5.5e6F);
+    CHECK(before.maneuver.law == control::Law::threshold);
+    CHECK(before.maneuver.arm);
+    CHECK(before.maneuver.weight_on_wheels);
+    CHECK(before.maneuver.demand_Pa == 2e7F);
+    CHECK(before.maneuver.slip_reference == 0.25F);
+    CHECK(before.maneuver.deceleration_mps2 == 3.2F);
+    CHECK(before.maneuver.current_mA == 17.0F);
+    CHECK(before.rig_heartbeat_received == Time{500});
+
+    const auto spoil = [&](Frame frame) {
+        Frame wrong = frame;
+        wrong.data[wrong.length - 1U] ^= 0x40U;
+        feed(wrong, 1000);
+        Frame shorter = frame;
+        --shorter.length;
+        feed(shorter, 1001);
+        Frame longer = frame;
+        ++longer.length;
+        feed(longer, 1002);
+    };
+    spoil(rig.wheel({}));
+    spoil(rig.flywheel({}));
+    spoil(rig.pressure(0.0F));
+    spoil(rig.maneuver({}));
+    spoil(rig.heartbeat());
+    const control::Sensors& after = port.sensors();
+    CHECK(after.wheel.rejected == 3);
+    CHECK(after.flywheel.rejected == 3);
+    CHECK(after.pressure.rejected == 3);
+    CHECK(after.maneuver.rejected == 3);
+    CHECK(after.wheel.received == before.wheel.received);
+    CHECK(after.wheel.edge_count == before.wheel.edge_count);
+    CHECK(after.wheel.edge_time == before.wheel.edge_time);
+    CHECK(after.flywheel.edge_count == before.flywheel.edge_count);
+    CHECK(after.pressure.pressure_Pa == before.pressure.pressure_Pa);
+    CHECK(after.maneuver.demand_Pa == before.maneuver.demand_Pa);
+    CHECK(after.maneuver.arm);
+    CHECK(after.rig_heartbeat_received == before.rig_heartbeat_received);
+    for (const Role role :
+         {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver, Role::rig_heartbeat}) {
+        CHECK(port.stats(role).accepted == 1);
+        CHECK(port.stats(role).wrong_length == 2);
+        CHECK(port.stats(role).wrong_crc == 1);
+    }
+}
+
+TEST_CASE("edge counts and times go on across the roll-over of their fields", "[CAN-053]") {
+    RigPort rig(ours(), kStep);
+    ControllerPort port(ours(), kStep);
+    // Two field widths of time (859 s) and many of counts, from just below a roll-over.
+    std::uint32_t count = 0xFFFF'FF00U;
+    std::int64_t ticks = (std::int64_t{1} << 32) - 1000;
+    port.accept(rig.wheel({.edge_count = count, .edge_time = Time{ticks * 100}, .speed_radps = 0.0F}));
+    const control::SpeedInput first = port.sensors().wheel;
+    CHECK(first.edge_time == Time{ticks * 100});
+    std::mt19937 random(53);
+    const std::uint32_t count_0 = count;
+    const std::int64_t ticks_0 = ticks;
+    bool same = true;
+    while (ticks - ticks_0 < (std::int64_t{1} << 33)) {
+        count += std::uniform_int_distribution<std::uint32_t>(0, 0xFFFF)(random);
+        ticks += std::uniform_int_distribution<std::int64_t>(0, 40'000'000)(random);
+        const Time within_tick{ticks * 100 + std::uniform_int_distribution<std::int64_t>(0, 99)(random)};
+        port.accept(rig.wheel({.edge_count = count, .edge_time = within_tick, .speed_radps = 0.0F}));
+        const control::SpeedInput& now = port.sensors().wheel;
+        same = same && now.edge_count - first.edge_count == count - count_0 &&
+               now.edge_time - first.edge_time == Time{(ticks - ticks_0) * 100};
+    }
+    CHECK(same);
+    CHECK(port.stats(Role::wheel).rejected() == 0);
+}
+
+TEST_CASE("a law or state that does not exist is refused", "[CAN-054]") {
+    RigPort rig(ours(), kStep);
+    ControllerPort port(ours(), kStep);
+    ManeuverSample maneuver;
+    for (int law = 0; law < 8; ++law) {
+        maneuver.law = static_cast<control::Law>(law);
+        port.accept(rig.maneuver(maneuver));
+    }
+    CHECK(port.stats(Role::maneuver).accepted == 4);
+    CHECK(port.stats(Role::maneuver).wrong_value == 4);
+    CHECK(port.sensors().maneuver.rejected == 4);
+    CHECK(port.sensors().maneuver.law == control::Law::threshold);
+    control::Command command;
+    for (int state = 0; state < 16; ++state) {
+        command.state = static_cast<control::State>(state);
+        rig.accept(port.status(command));
+    }
+    CHECK(rig.stats(Role::status).accepted == 8);
+    CHECK(rig.stats(Role::status).wrong_value == 8);
+    CHECK(rig.controller().state == control::State::safe);
+}
+
+TEST_CASE("one-shot inputs last one step; the link's state as long as it holds, and at least one step",
+          "[CAN-055][CAN-056]") {
+    ControllerPort port(ours(), kStep);
+    port.note_overrun();
+    CHECK(port.sensors().overrun);
+    port.clear_one_shots();
+    CHECK_FALSE(port.sensors().overrun);
+
+    LinkStatus link;
+    port.note_link(link);
+    CHECK_FALSE(port.sensors().bus_off);
+    link.bus_off_events = 1;  // bus-off and back between two steps
+    port.note_link(link);
+    CHECK(port.sensors().bus_off);
+    port.note_link(link);
+    CHECK_FALSE(port.sensors().bus_off);
+    link.up = false;
+    for (int i = 0; i < 3; ++i) {
+        port.note_link(link);
+        port.clear_one_shots();
+        CHECK(port.sensors().bus_off);
+    }
+    link.up = true;
+    port.note_link(link);
+    CHECK_FALSE(port.sensors().bus_off);
+}
+
+TEST_CASE("command, state and every fault arrive at the rig", "[CAN-057]") {
+    for (const Layout* layout : {&ours(), &foreign()}) {
+        ControllerPort port(*layout, kStep);
+        RigPort rig(*layout, kStep);
+        for (std::uint8_t i = 0; i < control::kFaultCount; ++i) {
+            control::Command command;
+            command.current_mA = 1.25F * static_cast<float>(i);
+            command.state = static_cast<control::State>(i % control::kStateCount);
+            command.slip = -0.5F + 0.05F * static_cast<float>(i);
+            command.slip_reference = 0.24F;
+            command.speed_mps = 60.0F - static_cast<float>(i);
+            command.faults.insert(static_cast<control::Fault>(i));
+            Frame frame = port.valve_command(command.current_mA);
+            frame.received = Time{i};
+            rig.accept(frame);
+            rig.accept(port.status(command));
+            rig.accept(port.faults(command.faults));
+            rig.accept(port.heartbeat());
+            const ControllerView& view = rig.controller();
+            CHECK(view.command_received == Time{i});
+            CHECK(view.current_mA == command.current_mA);
+            CHECK(view.state == command.state);
+            CHECK(view.slip == Approx(command.slip).margin(0.0006));
+            CHECK(view.slip_reference == 0.24F);
+            CHECK(view.speed_mps == Approx(command.speed_mps).margin(0.02));
+            CHECK(view.faults == command.faults);
+        }
+        for (const Role role : {Role::valve, Role::status, Role::faults, Role::controller_heartbeat}) {
+            CHECK(rig.stats(role).accepted == control::kFaultCount);
+            CHECK(rig.stats(role).rejected() == 0);
+        }
+    }
+}
+
+TEST_CASE("every message comes at its period, and slow ones never meet within a step", "[CAN-058]") {
+    RigPort rig(ours(), kStep);
+    ControllerPort port(ours(), kStep);
+    std::array<Frame, 16> frames;
+    std::array<unsigned, 2048> seen{};
+    for (int step = 0; step < 1000; ++step) {
+        std::size_t count = rig.due_frames(some_sample(), frames);
+        count += port.due_frames({}, std::span(frames).subspan(count));
+        for (std::size_t i = 0; i < count; ++i) ++seen[frames[i].id];
+        CHECK(count <= 5);
+        if (step == 0) CHECK(count == 5);  // the maneuver command comes with the first sample
+    }
+    for (std::size_t i = 0; i < kRoleCount; ++i) {
+        const Message& message = ours().messages[i];
+        INFO(name(static_cast<Role>(i)));
+        CHECK(seen[message.id] == (message.period.count() == 0 ? 0 : 1000 * kStep / message.period));
+    }
+    RigPort slow(ours(), Time{3'000'000});
+    seen.fill(0);
+    for (int step = 0; step < 1200; ++step) {
+        const std::size_t count = slow.due_frames(some_sample(), frames);
+        for (std::size_t i = 0; i < count; ++i) ++seen[frames[i].id];
+    }
+    CHECK(seen[ours()[Role::wheel].id] == 1200);
+    CHECK(seen[ours()[Role::maneuver].id] == 200);  // every 18 ms: never slower than promised
+}
+
+TEST_CASE("an emergency stop goes first, every step, for as long as it is asked for", "[CAN-058]") {
+    RigPort rig(ours(), kStep);
+    RigSample sample = some_sample();
+    std::array<Frame, RigPort::kMostFrames> frames;
+    for (int step = 0; step < 10; ++step) {
+        sample.emergency_stop = step >= 3 && step < 6;
+        REQUIRE(rig.due_frames(sample, frames) >= 3);
+        CHECK((frames[0].id == ours()[Role::emergency_stop].id) == sample.emergency_stop);
+    }
+}
+
+TEST_CASE("SYNC carries its number modulo the field", "[CAN-058]") {
+    for (const Layout* layout : {&ours(), &foreign()}) {
+        RigPort rig(*layout, kStep);
+        ControllerPort port(*layout, kStep);
+        port.accept(rig.sync(70'000));
+        CHECK(port.sync_count() == 1);
+        CHECK(port.sync_number() == (70'000U & layout->sync_counter.mask()));
+    }
+}
+
+TEST_CASE("no memory is allocated per frame or step", "[CAN-059]") {
+    for (const Layout* layout : {&ours(), &foreign()}) {
+        RigPort rig(*layout, kStep);
+        ControllerPort port(*layout, kStep);
+        RoundedLink link(*layout, kStep);
+        Loopback hub;
+        Bus& a = hub.connect();
+        Bus& b = hub.connect();
+        std::array<Frame, 16> frames;
+        RigSample sample = some_sample();
+        control::Command command;
+        const std::size_t before = allocations;
+        for (int step = 0; step < 500; ++step) {
+            sample.wheel.edge_count += 2;
+            sample.emergency_stop = step % 7 == 0;
+            std::size_t count = rig.due_frames(sample, frames);
+            frames[count++] = rig.sync(static_cast<std::uint32_t>(step));
+            frames[count - 1].data[0] ^= 1U;
+            for (std::size_t i = 0; i < count; ++i) a.send(frames[i]);
+            count = b.receive(frames);
+            for (std::size_t i = 0; i < count; ++i) port.accept(frames[i]);
+            port.note_link(b.status());
+            command.current_mA = link.sense(sample, Time{step}).pressure.pressure_Pa * 1e-6F;
+            port.clear_one_shots();
+            count = port.due_frames(command, frames);
+            for (std::size_t i = 0; i < count; ++i) b.send(frames[i]);
+            count = a.receive(frames);
+            for (std::size_t i = 0; i < count; ++i) rig.accept(frames[i]);
+        }
+        CHECK(allocations == before);
+        CHECK(rig.controller().current_mA == link.current_mA(command));
+    }
+}
