@@ -19,6 +19,20 @@ using antiskid::control::Command;
 using antiskid::control::Controller;
 using antiskid::control::Time;
 
+/// What frames would have told the rig, without their rounding and their pace.
+antiskid::can::ControllerView view_of(const Command& command, double current_mA, Time now) {
+    return {.command_received = now,
+            .current_mA = static_cast<float>(current_mA),
+            .status_received = now,
+            .state = command.state,
+            .slip = command.slip,
+            .slip_reference = command.slip_reference,
+            .speed_mps = command.speed_mps,
+            .faults_received = now,
+            .faults = command.faults,
+            .heartbeat_received = now};
+}
+
 Time period(const antiskid::control::Config& controller) {
     return Time(static_cast<std::int64_t>(static_cast<double>(controller.period_s) * 1e6 + 0.5) * 1000);
 }
@@ -52,11 +66,12 @@ class FrameLink {
             if (observe) observe(answer[i]);
             rig_.accept(answer[i]);
         }
-        result.frames += count + answers;
+        result.frames_sent += count;
+        result.frames_received += answers;
         return command;
     }
 
-    [[nodiscard]] double current_mA() const { return static_cast<double>(rig_.controller().current_mA); }
+    [[nodiscard]] const antiskid::can::ControllerView& view() const { return rig_.controller(); }
 
   private:
     RigPort rig_;
@@ -85,12 +100,14 @@ RunResult run_in_process(const antiskid::control::Config& config, const Layout& 
             current_mA = static_cast<double>(rounded.current_mA(command));
         } else {
             command = frames.cycle(session, controller, result.steps, now, result, on_frame);
-            current_mA = frames.current_mA();
+            current_mA = static_cast<double>(frames.view().current_mA);
         }
         faults.insert(command.faults);
         session.advance(current_mA);
         ++result.steps;
-        if (on_step) on_step(session, command);
+        if (on_step)
+            on_step(session, link == Link::frames ? frames.view() : view_of(command, current_mA, now),
+                    current_mA);
     }
     result.figures = session.figures();
     result.faults = faults;

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <functional>
-#include <vector>
 
 #include "firmware/can/frame.hpp"
 #include "firmware/can/layout.hpp"
+#include "firmware/can/rig_port.hpp"
 #include "firmware/control/config.hpp"
 #include "firmware/control/types.hpp"
 #include "plant_sim/study/rig_session.hpp"
@@ -18,15 +18,17 @@ enum class Link {
     frames,   ///< every frame packed, protected, checked and unpacked
 };
 
-/// Called after each control period with what was decided in it.
-using StepObserver = std::function<void(const RigSession&, const antiskid::control::Command&)>;
+/// Called after each control period with what the rig knows of the controller and the current that acted.
+using StepObserver =
+    std::function<void(const RigSession&, const antiskid::can::ControllerView&, double current_mA)>;
 /// Called with every frame on the bus, in the order and with the time stamps of the lockstep run.
 using FrameObserver = std::function<void(const antiskid::can::Frame&)>;
 
 struct RunResult {
     StopFigures figures;
     antiskid::control::FaultSet faults;  ///< latched at any time during the run
-    std::uint64_t frames = 0;            ///< on the bus; 0 with Link::rounded
+    std::uint64_t frames_sent = 0;       ///< by the rig; 0 with Link::rounded
+    std::uint64_t frames_received = 0;   ///< by the rig
     std::uint64_t steps = 0;
     bool timed_out = false;
 };

@@ -55,7 +55,8 @@ StopFigures StopMeter::figures(const plant::Rig& rig) const {
     f.peak_slip = peak_slip_;
     f.longest_lock_s = longest_lock_s_;
     f.tracked_share = tracking_m_ > 0.0 ? tracked_m_ / tracking_m_ : 1.0;
-    if (pressure_Pas_ > 0.0) f.mean_friction = sliding_torque_Nms_ / pressure_Pas_ / rig.parameters().brake.gain_m3();
+    if (pressure_Pas_ > 0.0)
+        f.mean_friction = sliding_torque_Nms_ / pressure_Pas_ / rig.parameters().brake.gain_m3();
     if (f.duration_s > 0.0) {
         f.mean_torque_Nm = torque_Nms_ / f.duration_s;
         f.mean_load_N = load_Ns_ / f.duration_s;

@@ -1,0 +1,290 @@
+#include "plant_sim/model/load_rig.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "config/reader/settings.hpp"
+
+namespace plant {
+
+namespace {
+
+using settings::Document;
+using settings::Table;
+
+constexpr std::array<std::string_view, 3> kFrictionClasses{"light", "medium", "heavy"};
+
+std::string listed(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text;
+}
+
+Surface surface(const Table& t) {
+    return {.name = t.name(),
+            .c1 = t.number("c1", {.min = 1e-3, .max = 3.0}),
+            .c2 = t.number("c2", {.min = 1.0, .max = 1000.0}),
+            .c3 = t.number("c3", {.min = 0.0, .max = 3.0})};
+}
+
+std::vector<Surface> surfaces(const std::filesystem::path& path) {
+    const Document doc = Document::load(path);
+    std::vector<Surface> all;
+    for (const Table& t : doc.root().table("surfaces").tables()) all.push_back(surface(t));
+    doc.finish();
+    return all;
+}
+
+struct Maneuver {
+    std::string name;
+    double mass_kg = 0.0;
+    double speed_mps = 0.0;
+    std::size_t friction_class = 0;
+};
+
+std::size_t friction_class(const Table& t) {
+    static constexpr std::array<settings::Choice<std::size_t>, 3> kChoices{
+        {{kFrictionClasses[0], 0}, {kFrictionClasses[1], 1}, {kFrictionClasses[2], 2}}};
+    return t.choice<std::size_t>("friction_class", kChoices);
+}
+
+constexpr settings::Range kMass_kg{.min = 100.0, .max = 1e5};
+constexpr settings::Range kSpeed_mps{.min = 1.0, .max = 120.0};
+
+std::vector<Maneuver> maneuvers(const std::filesystem::path& path) {
+    const Document doc = Document::load(path);
+    std::vector<Maneuver> all;
+    for (const Table& t : doc.root().table("maneuvers").tables()) {
+        all.push_back({.name = t.name(),
+                       .mass_kg = t.number("mass_kg", kMass_kg),
+                       .speed_mps = t.number("speed_mps", kSpeed_mps),
+                       .friction_class = friction_class(t)});
+    }
+    const Table reference = doc.root().table("reference");
+    (void)reference.text("maneuver");
+    (void)reference.text("surface");
+    (void)reference.number("slip_reference", {.min = 0.0, .max = 0.5});
+    doc.finish();
+    return all;
+}
+
+EncoderParameters encoder(const Table& t) {
+    return {.teeth = static_cast<double>(t.integer("teeth", {.min = 1, .max = 1000})),
+            .jitter_s = t.number("jitter_us", {.min = 0.0, .max = 1000.0}) * 1e-6,
+            .slowest_edges_hz = t.number("slowest_edges_Hz", {.min = 0.0, .max = 1000.0})};
+}
+
+WheelParameters wheel(const Table& t) {
+    return {.mass_kg = 0.0,
+            .inertia_kgm2 = t.number("inertia_kgm2", {.min = 0.01, .max = 100.0}),
+            .free_radius_m = t.number("free_radius_m", {.min = 0.05, .max = 2.0}),
+            .stiffness_Npm = t.number("stiffness_Npm", {.min = 1e4, .max = 1e9})};
+}
+
+BrakeGeometry brake(const Table& t) {
+    return {.piston_area_m2 = t.number("piston_area_m2", {.min = 1e-6, .max = 1.0}),
+            .pistons = static_cast<double>(t.integer("pistons", {.min = 1, .max = 100})),
+            .surfaces = static_cast<double>(t.integer("surfaces", {.min = 1, .max = 100})),
+            .effective_radius_m = t.number("effective_radius_m", {.min = 0.01, .max = 2.0})};
+}
+
+/// All classes are read, so that a mistake in any of them shows; the chosen one comes back, times the new brake's friction.
+FrictionCurve friction_curve(const Table& t, std::size_t chosen, double friction) {
+    FrictionCurve curve{};
+    for (std::size_t i = 0; i < kFrictionClasses.size(); ++i) {
+        const auto c = t.numbers(kFrictionClasses[i], {.range = {.min = -10.0, .max = 10.0},
+                                                       .count = {.min = curve.size(), .max = curve.size()}});
+        if (i != chosen) continue;
+        for (std::size_t k = 0; k < curve.size(); ++k) curve[k] = friction * c[k];
+    }
+    return curve;
+}
+
+PressureMap pressure_map(const Table& t) {
+    const auto current = t.numbers("current_mA", {.range = {.min = 0.0, .max = 1000.0},
+                                                  .count = {.min = 2, .max = 1000},
+                                                  .strictly_increasing = true});
+    const auto pressure =
+        t.numbers("pressure_Pa", {.range = {.min = 0.0, .max = 1e8}, .count = {.min = 2, .max = 1000}});
+    if (pressure.size() != current.size()) t.fail("pressure_Pa", "needs as many points as current_mA");
+    std::vector<PressureMap::Point> points;
+    for (std::size_t i = 0; i < current.size(); ++i) {
+        if (i > 0 && pressure[i] < pressure[i - 1])
+            t.fail("pressure_Pa", "must not fall from one point to the next");
+        points.push_back({current[i], pressure[i]});
+    }
+    return PressureMap(std::move(points));
+}
+
+ValveParameters valve(const Table& t) {
+    return {.natural_frequency_radps =
+                2.0 * std::numbers::pi * t.number("natural_frequency_Hz", {.min = 1.0, .max = 100.0}),
+            .damping = t.number("damping", {.min = 0.05, .max = 0.99}),
+            .delay_s = t.number("delay_ms", {.min = 0.0, .max = 100.0}) * 1e-3};
+}
+
+TransducerParameters transducer(const Table& t) {
+    return {.range_Pa = t.number("range_Pa", {.min = 1e5, .max = 1e9}),
+            .noise_Pa = t.number("noise_Pa", {.min = 0.0, .max = 1e7}),
+            .resolution_Pa = t.number("resolution_Pa", {.min = 0.0, .max = 1e7})};
+}
+
+/// The tables that both rigs have: brake, valve, sensors, wheel.
+RigParameters common_parts(const Table& root, std::size_t friction_class, const Surface& runway) {
+    const Table brake_table = root.table("brake");
+    const double friction = brake_table.number("friction", {.min = 0.01, .max = 1.0});
+    const Table valve_table = root.table("valve");
+    const Table wheel_table = root.table("wheel");
+    const Table flywheel = root.table("flywheel");
+    return {
+        .wheel = wheel(wheel_table),
+        .load = {},
+        .brake = brake(brake_table),
+        .friction_curve = friction_curve(brake_table.table("relative_friction"), friction_class, friction),
+        .mean_friction = friction,
+        .valve = valve(valve_table),
+        .pressure_map = pressure_map(valve_table),
+        .wheel_encoder = encoder(wheel_table.table("encoder")),
+        .flywheel_encoder = encoder(flywheel.table("encoder")),
+        .flywheel_radius_m = flywheel.number("radius_m", {.min = 0.05, .max = 10.0}),
+        .transducer = transducer(root.table("pressure_transducer")),
+        .surface = runway,
+        .brake_on_mps = 0.0};
+}
+
+double loading_lag_s(const Table& root) {
+    return root.table("loading_device").number("lag_ms", {.min = 0.0, .max = 10000.0}) * 1e-3;
+}
+
+struct Landing {
+    RigParameters rig;
+    double drop_out_mps;
+};
+
+Landing landing(const std::filesystem::path& path, const Maneuver& maneuver, const Surface& runway) {
+    const Document doc = Document::load(path);
+    const Table root = doc.root();
+    Landing landing{common_parts(root, maneuver.friction_class, runway),
+                    root.table("evaluation").number("drop_out_mps", {.min = 0.1, .max = 50.0})};
+    const Table environment = root.table("environment");
+    const double rho = environment.number("air_density_kgpm3", {.min = 0.0, .max = 2.0});
+    const double g = environment.number("gravity_mps2", {.min = 1.0, .max = 20.0});
+    const Table aircraft = root.table("aircraft");
+    const double lift = 0.5 * rho * aircraft.number("lift_area_m2", {.min = 0.0, .max = 1000.0});
+    const double weight = maneuver.mass_kg * g;
+    if (lift * maneuver.speed_mps * maneuver.speed_mps >= weight) {
+        aircraft.fail("lift_area_m2", "lifts " + std::to_string(maneuver.mass_kg) + " kg off the ground at " +
+                                          std::to_string(maneuver.speed_mps) +
+                                          " m/s: F_z of eq. (2) must stay above zero");
+    }
+    doc.finish();
+    landing.rig.wheel.mass_kg = maneuver.mass_kg;
+    landing.rig.load = {.base_N = weight, .lift_Ns2pm2 = lift, .lag_s = 0.0};
+    landing.rig.brake_on_mps = maneuver.speed_mps;
+    return landing;
+}
+
+struct FlywheelRig {
+    RigParameters rig;
+    double deceleration_mps2;
+    double lag_s;
+};
+
+FlywheelRig flywheel_rig(const std::filesystem::path& path, const Surface& runway) {
+    const Document doc = Document::load(path);
+    const Table root = doc.root();
+    const Table test = root.table("endurance");
+    FlywheelRig out{common_parts(root, friction_class(test), runway),
+                    test.number("deceleration_mps2", {.min = 0.1, .max = 20.0}), loading_lag_s(root)};
+    const double inertia = root.table("flywheel").number("inertia_kgm2", {.min = 0.1, .max = 1e6});
+    out.rig.wheel.mass_kg = inertia / (out.rig.flywheel_radius_m * out.rig.flywheel_radius_m);
+    out.rig.load = {
+        .base_N = test.number("load_N", {.min = 100.0, .max = 1e6}), .lift_Ns2pm2 = 0.0, .lag_s = out.lag_s};
+    out.rig.brake_on_mps = test.number("speed_mps", kSpeed_mps);
+    // Scatter and acceptance figures of the campaign: read, so that a mistake shows, and used by whoever runs it.
+    (void)test.integer("maneuvers", {.min = 1, .max = 1000000});
+    for (const char* key : {"speed_deviation_mps", "load_deviation_N", "torque_Nm", "torque_deviation_Nm",
+                            "duration_s", "duration_deviation_s", "length_m", "length_deviation_m"}) {
+        (void)test.number(key, {.min = 0.0, .max = 1e6});
+    }
+    doc.finish();
+    return out;
+}
+
+template <typename Named>
+std::vector<std::string> names(const std::vector<Named>& all) {
+    std::vector<std::string> list;
+    for (const Named& one : all) list.push_back(one.name);
+    return list;
+}
+
+template <typename Named>
+const Named& find(const std::vector<Named>& all, const std::string& name, const char* what,
+                  const std::filesystem::path& file, const std::string& more = {}) {
+    for (const Named& one : all) {
+        if (one.name == name) return one;
+    }
+    throw settings::Error(
+        file.string(), 0, what,
+        "unknown " + std::string(what) + " '" + name + "'; there are " + listed(names(all)) + more);
+}
+
+void override_with(const std::optional<double>& value, const settings::Range& range, const char* what,
+                   double& target) {
+    if (!value) return;
+    if (!(*value >= range.min && *value <= range.max)) {
+        throw std::invalid_argument(std::string(what) + ": " + std::to_string(*value) + " is out of range " +
+                                    std::to_string(range.min) + " to " + std::to_string(range.max));
+    }
+    target = *value;
+}
+
+}  // namespace
+
+LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice& choice) {
+    const auto surface_file = directory / "surfaces.toml";
+    const auto maneuver_file = directory / "maneuvers.toml";
+    const auto landing_file = directory / "landing_gear.toml";
+    const auto flywheel_file = directory / "flywheel_rig.toml";
+    const std::vector<Surface> runways = surfaces(surface_file);
+    const Surface& runway = find(runways, choice.surface, "surface", surface_file);
+    const std::vector<Maneuver> known = maneuvers(maneuver_file);
+    const FlywheelRig bench = flywheel_rig(flywheel_file, runway);
+    Maneuver maneuver = choice.maneuver == kEndurance ? known.front()
+                                                      : find(known, choice.maneuver, "maneuver",
+                                                             maneuver_file, std::string(", ") + kEndurance);
+    if (choice.maneuver == kEndurance) {
+        maneuver.mass_kg = bench.rig.wheel.mass_kg;
+        maneuver.speed_mps = bench.rig.brake_on_mps;
+    }
+    override_with(choice.mass_kg, kMass_kg, "mass", maneuver.mass_kg);
+    override_with(choice.speed_mps, kSpeed_mps, "speed", maneuver.speed_mps);
+
+    LoadedRig out{.rig = bench.rig, .files = {surface_file, maneuver_file, landing_file, flywheel_file}};
+    const Landing gear =
+        landing(landing_file, choice.maneuver == kEndurance ? known.front() : maneuver, runway);
+    out.drop_out_mps = gear.drop_out_mps;
+    if (choice.maneuver == kEndurance) {
+        out.deceleration_mps2 = bench.deceleration_mps2;
+        out.rig.wheel.mass_kg = maneuver.mass_kg;
+        out.rig.brake_on_mps = maneuver.speed_mps;
+    } else {
+        out.rig = gear.rig;
+        if (choice.carrier == Carrier::flywheel) out.rig.load.lag_s = bench.lag_s;
+    }
+    override_with(choice.friction, {.min = 0.01, .max = 1.0}, "mu_b", out.rig.mean_friction);
+    out.full_pressure_Pa = out.rig.pressure_map.points().back().pressure_Pa;
+    return out;
+}
+
+std::vector<std::string> surface_names(const std::filesystem::path& directory) {
+    return names(surfaces(directory / "surfaces.toml"));
+}
+
+std::vector<std::string> maneuver_names(const std::filesystem::path& directory) {
+    return names(maneuvers(directory / "maneuvers.toml"));
+}
+
+}  // namespace plant

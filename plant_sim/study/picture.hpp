@@ -1,0 +1,14 @@
+/// The picture of a stop, like the paper's Fig. 12: speeds, slip, pressures over time, drawn by gnuplot.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace study {
+
+/// Draws `trajectory_csv` (as Trajectory writes it) into `png`; the vertical line marks `brake_on_s`. The picture is whole or not there.
+/// Throws std::runtime_error when gnuplot is not installed or fails, with what it said.
+void draw_stop(const std::filesystem::path& trajectory_csv, const std::filesystem::path& png,
+               const std::string& title, double brake_on_s);
+
+}  // namespace study

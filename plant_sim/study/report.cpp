@@ -1,0 +1,86 @@
+#include "plant_sim/study/report.hpp"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "firmware/can/value_names.hpp"
+
+namespace study {
+
+namespace {
+
+std::vector<std::string> names(antiskid::control::FaultSet faults) {
+    std::vector<std::string> list;
+    for (std::uint8_t i = 0; i < antiskid::control::kFaultCount; ++i) {
+        if (faults.contains(static_cast<antiskid::control::Fault>(i)))
+            list.emplace_back(antiskid::can::kFaultNames[i]);
+    }
+    return list;
+}
+
+}  // namespace
+
+std::string to_json(const StopReport& r) {
+    const StopFigures& f = r.figures;
+    const nlohmann::ordered_json json{
+        {"maneuver", r.maneuver},
+        {"surface", r.surface},
+        {"law", r.law},
+        {"slip_reference", r.slip_reference},
+        {"mass_kg", r.mass_kg},
+        {"speed_mps", r.speed_mps},
+        {"standstill", f.standstill},
+        {"stop_distance_m", f.stop_distance_m},
+        {"duration_s", f.duration_s},
+        {"j_mu", f.j_mu},
+        {"energy_brake_J", f.energy_brake_J},
+        {"energy_tyre_J", f.energy_tyre_J},
+        {"energy_residual", f.energy_residual},
+        {"peak_slip", f.peak_slip},
+        {"tracked_share", f.tracked_share},
+        {"longest_lock_s", f.longest_lock_s},
+        {"mean_friction", f.mean_friction},
+        {"mean_torque_Nm", f.mean_torque_Nm},
+        {"mean_load_N", f.mean_load_N},
+        {"faults", names(r.faults)},
+        {"frames_sent", r.frames_sent},
+        {"frames_received", r.frames_received},
+        {"frames_lost", r.frames_lost},
+        {"overruns", r.overruns},
+        {"seed", r.seed},
+        {"version", r.version},
+        {"config_hash", r.config_hash},
+    };
+    return json.dump(2) + "\n";
+}
+
+std::string to_table(const StopReport& r) {
+    const StopFigures& f = r.figures;
+    std::string faults;
+    for (const std::string& name : names(r.faults)) faults += (faults.empty() ? "" : ", ") + name;
+    std::string t = fmt::format("{} landing, {:.0f} kg at {:.1f} m/s on {}, law {}, slip reference {:.2f}\n",
+                                r.maneuver, r.mass_kg, r.speed_mps, r.surface, r.law, r.slip_reference);
+    const auto row = [&t](const char* what, const std::string& value, const char* unit) {
+        t += fmt::format("  {:<34} {:>12} {}\n", what, value, unit);
+    };
+    row(f.standstill ? "stop distance" : "distance (did not come to rest)",
+        fmt::format("{:.1f}", f.stop_distance_m), "m");
+    row("time from brake-on", fmt::format("{:.2f}", f.duration_s), "s");
+    row("J_mu, eq. (16)", fmt::format("{:.4f}", f.j_mu), "");
+    row("energy to the brake", fmt::format("{:.3f}", f.energy_brake_J * 1e-6), "MJ");
+    row("energy to the tyre", fmt::format("{:.3f}", f.energy_tyre_J * 1e-6), "MJ");
+    row("energy residual, eq. (8) - (9)", fmt::format("{:.1e}", f.energy_residual), "of the total");
+    row("peak slip above drop-out", fmt::format("{:.3f}", f.peak_slip), "");
+    row("longest lock above drop-out", fmt::format("{:.0f}", f.longest_lock_s * 1e3), "ms");
+    row("distance within 0.05 of reference", fmt::format("{:.1f}", f.tracked_share * 100.0),
+        "% (from 0.5 s down to 20 m/s)");
+    row("frames sent / received / lost",
+        fmt::format("{} / {} / {}", r.frames_sent, r.frames_received, r.frames_lost), "");
+    row("periods missed by the rig", fmt::format("{}", r.overruns), "");
+    row("faults", faults.empty() ? "none" : faults, "");
+    t += fmt::format("  seed {}, configuration {}, version {}\n", r.seed, r.config_hash, r.version);
+    return t;
+}
+
+}  // namespace study
