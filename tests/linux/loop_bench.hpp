@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "firmware/can/load_layout.hpp"
@@ -98,30 +99,35 @@ struct LoopBench {
             }
     }
 
-    /// `periods` of the timer, in each of which `before` is called first.
-    void run_timer(const int periods, const std::function<void(int period)>& before) {
-        int period = 0;
-        clock.on_sleep = [&](Time) {
+    /// From now on `before` is called in each of `periods` of the timer, then the loop is told to stop.
+    void plan_timer(const int periods, std::function<void(int period)> before) {
+        clock.on_sleep = [this, periods, before = std::move(before), period = 0](Time) mutable {
             if (stop) return;  // the closing commands sleep, too
             before(period++);
             stop = period == periods;
         };
-        session->loop().run(stop);
-        collect();
     }
-
-    /// `periods` of lockstep: `before` is called each time the controller has nothing left to do.
-    void run_sync(const int periods, const std::function<void(int period)>& before) {
-        int period = 0;
-        bus.on_wait = [&] {
+    /// The same for lockstep: `before` is called each time the controller has nothing left to do.
+    void plan_sync(const int periods, std::function<void(int period)> before) {
+        bus.on_wait = [this, periods, before = std::move(before), period = 0]() mutable {
             if (period == periods) {
                 stop = true;
                 return;
             }
             before(period++);
         };
+    }
+    void run() {
         session->loop().run(stop);
         collect();
+    }
+    void run_timer(const int periods, std::function<void(int period)> before) {
+        plan_timer(periods, std::move(before));
+        run();
+    }
+    void run_sync(const int periods, std::function<void(int period)> before) {
+        plan_sync(periods, std::move(before));
+        run();
     }
 
     [[nodiscard]] const rt::LoopStatistics& statistics() const { return session->loop().statistics(); }
