@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "config/reader/content.hpp"
@@ -9,29 +10,30 @@ namespace settings {
 
 namespace {
 
-/// Why `value` is refused by [min, max]; "" when it is not.
-std::string out_of(const std::string& value, bool too_small, bool too_large, bool has_min, bool has_max,
-                   const std::string& min, const std::string& max) {
-    if (!too_small && !too_large) return {};
-    if (has_min && has_max) return value + " is out of range " + min + " to " + max;
-    return too_small ? value + " is below " + min : value + " is above " + max;
+/// An end of a range for a message; "" when the range is open there.
+std::string end_of(double value) {
+    return std::isfinite(value) ? shown(value) : "";
+}
+std::string end_of(std::int64_t value) {
+    using Limits = std::numeric_limits<std::int64_t>;
+    return value == Limits::min() || value == Limits::max() ? "" : std::to_string(value);
+}
+std::string end_of(std::size_t value) {
+    return value == std::numeric_limits<std::size_t>::max() ? "" : std::to_string(value);
 }
 
-std::string out_of(double value, const Range& range) {
-    return out_of(shown(value), value<range.min, value> range.max, std::isfinite(range.min),
-                  std::isfinite(range.max), shown(range.min), shown(range.max));
+/// Why `value`, written `text`, is refused by `range`; "" when it is not.
+template <typename T, typename R>
+std::string out_of(T value, const std::string& text, const R& range) {
+    if (value >= range.min && value <= range.max) return {};
+    const auto min = end_of(range.min);
+    const auto max = end_of(range.max);
+    if (!min.empty() && !max.empty()) return text + " is out of range " + min + " to " + max;
+    return min.empty() ? text + " is above " + max : text + " is below " + min;
 }
 
-std::string out_of(std::int64_t value, const IntegerRange& range) {
-    constexpr IntegerRange kAll;
-    return out_of(std::to_string(value), value<range.min, value> range.max, range.min != kAll.min,
-                  range.max != kAll.max, std::to_string(range.min), std::to_string(range.max));
-}
-
-std::string out_of(std::size_t count, const Count& range, const std::string& what) {
-    constexpr Count kAll;
-    const auto reason = out_of(std::to_string(count), count<range.min, count> range.max, true,
-                               range.max != kAll.max, std::to_string(range.min), std::to_string(range.max));
+std::string wrong_count(std::size_t count, const Count& allowed, const std::string& what) {
+    const auto reason = out_of(count, std::to_string(count), allowed);
     return reason.empty() ? reason : "the number of " + what + ", " + reason;
 }
 
@@ -42,7 +44,7 @@ double number_of(const toml::node& node, const Range& range, const Refuse& refus
     const double value =
         node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
     if (!std::isfinite(value)) refuse("expected a finite number, got " + shown(value));
-    if (const auto reason = out_of(value, range); !reason.empty()) refuse(reason);
+    if (const auto reason = out_of(value, shown(value), range); !reason.empty()) refuse(reason);
     return value;
 }
 
@@ -65,7 +67,7 @@ std::int64_t Table::integer_within(std::string_view key, const IntegerRange& ran
     const auto& node = scope_->get(key);
     if (!node.is_integer()) scope_->refuse_type(node, key, "an integer");
     const auto value = node.as_integer()->get();
-    if (const auto reason = out_of(value, range); !reason.empty()) fail(key, reason);
+    if (const auto reason = out_of(value, std::to_string(value), range); !reason.empty()) fail(key, reason);
     return value;
 }
 
@@ -109,7 +111,8 @@ std::vector<double> Table::numbers(std::string_view key, const NumbersRule& rule
             refuse(shown(value) + " is not above " + shown(values.back()) + ", the number before it");
         values.push_back(value);
     }
-    if (const auto reason = out_of(values.size(), rule.count, "numbers"); !reason.empty()) fail(key, reason);
+    if (const auto reason = wrong_count(values.size(), rule.count, "numbers"); !reason.empty())
+        fail(key, reason);
     return values;
 }
 
@@ -130,7 +133,7 @@ std::vector<Table> Table::tables(std::string_view key, const Count& count) const
         if (!element.is_table()) scope_->refuse_type(element, key, "an array of tables only");
         found.push_back(scope_->below(*element.as_table(), key, found.size()));
     }
-    if (const auto reason = out_of(found.size(), count, "tables"); !reason.empty()) fail(key, reason);
+    if (const auto reason = wrong_count(found.size(), count, "tables"); !reason.empty()) fail(key, reason);
     return found;
 }
 
@@ -145,7 +148,7 @@ std::vector<Table> Table::tables(const Count& count) const {
     std::vector<Table> found;
     found.reserve(placed.size());
     for (auto& [position, table] : placed) found.push_back(std::move(table));
-    if (const auto reason = out_of(found.size(), count, "tables"); !reason.empty()) fail("", reason);
+    if (const auto reason = wrong_count(found.size(), count, "tables"); !reason.empty()) fail("", reason);
     return found;
 }
 

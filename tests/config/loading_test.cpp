@@ -1,4 +1,7 @@
 #include "config/reader/input_file.hpp"
+
+#include <cstdint>
+
 #include "tests/config/refusal.hpp"
 
 TEST_CASE("a file is loaded with its path in every message", "[CFG-022]") {
@@ -40,4 +43,15 @@ TEST_CASE("the bytes of a file are read as they are", "[CFG-022]") {
     for (int i = 0; i < 200000; ++i) bytes += static_cast<char>(i * 7 % 256);
     put(directory / "bytes", bytes);
     CHECK(settings::read_file(directory / "bytes") == bytes);
+}
+
+TEST_CASE("the size limit is 16 MiB, to the byte", "[CFG-022]") {
+    const TemporaryDirectory directory;
+    constexpr std::uintmax_t kLimit = 16U << 20U;
+    put(directory / "big", "");
+    std::filesystem::resize_file(directory / "big", kLimit);
+    CHECK(settings::read_file(directory / "big").size() == kLimit);
+    std::filesystem::resize_file(directory / "big", kLimit + 1);
+    CHECK(refusal_of([&] { return settings::read_file(directory / "big"); }).message() ==
+          "is larger than 16 MiB, so it is no settings file");
 }
