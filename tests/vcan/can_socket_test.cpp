@@ -1,0 +1,323 @@
+/// SocketCan over a real AF_CAN socket. Run by `./rig vcan --`, which gives vcan0 and the right to make more interfaces.
+#include "firmware/can/socket_can.hpp"
+
+#include <array>
+#include <cstdlib>
+#include <ctime>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "firmware/can/controller_port.hpp"
+#include "firmware/can/rig_port.hpp"
+#include "firmware/can/roles.hpp"
+#include "tests/can/layouts.hpp"
+#include "tests/catch.hpp"
+
+using namespace antiskid;
+using namespace antiskid::can;
+using can_test::ours;
+using control::Time;
+
+namespace {
+
+constexpr Time kStep{1'000'000};
+constexpr Time kPatience{5'000'000'000};
+
+void shell(const std::string& command) {
+    if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
+}
+
+/// A virtual interface of its own, up, gone at the end.
+class Interface {
+  public:
+    explicit Interface(std::string interface) : name_(std::move(interface)) {
+        shell("ip link add dev " + name_ + " type vcan && ip link set " + name_ + " up");
+    }
+    Interface(const Interface&) = delete;
+    Interface& operator=(const Interface&) = delete;
+    ~Interface() { static_cast<void>(std::system(("ip link del " + name_ + " 2>/dev/null").c_str())); }
+
+  private:
+    std::string name_;
+};
+
+constexpr std::array<std::uint16_t, 2> kWanted{0x110, 0x120};
+
+Frame numbered(std::uint16_t id, std::uint32_t number) {
+    Frame frame{.id = id, .length = 8, .data = {}, .received = {}};
+    for (std::size_t i = 0; i < 4; ++i) frame.data[i] = static_cast<std::uint8_t>(number >> (8 * i));
+    return frame;
+}
+
+std::uint32_t number_of(const Frame& frame) {
+    return frame.data[0] | frame.data[1] << 8U | frame.data[2] << 16U |
+           static_cast<std::uint32_t>(frame.data[3]) << 24U;
+}
+
+/// Everything that is there now.
+std::vector<Frame> drain(Bus& bus) {
+    std::vector<Frame> all;
+    std::array<Frame, 16> batch;
+    while (const std::size_t count = bus.receive(batch))
+        all.insert(all.end(), batch.begin(), batch.begin() + count);
+    return all;
+}
+
+Time monotonic() {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return Time{std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec};
+}
+
+}  // namespace
+
+TEST_CASE("an interface that cannot be used is refused with the command that mends it", "[CAN-080]") {
+    CHECK_THROWS_WITH(SocketCan("vcan77", kWanted),
+                      ContainsSubstring("CAN interface 'vcan77' does not exist") &&
+                          ContainsSubstring("ip link add dev vcan77 type vcan"));
+    CHECK_THROWS_WITH(SocketCan("can77", kWanted),
+                      ContainsSubstring("'can77' does not exist") &&
+                          ContainsSubstring("ip link set can77 up type can bitrate 1000000"));
+    CHECK_THROWS_WITH(SocketCan("lo", kWanted), ContainsSubstring("'lo' is no CAN interface"));
+    CHECK_THROWS_WITH(SocketCan("", kWanted), ContainsSubstring("is no interface name"));
+    CHECK_THROWS_WITH(SocketCan("sixteen-letters.", kWanted), ContainsSubstring("1 to 15 characters"));
+    const Interface down("vcan5");
+    shell("ip link set vcan5 down");
+    CHECK_THROWS_WITH(SocketCan("vcan5", kWanted),
+                      ContainsSubstring("'vcan5' is down") && ContainsSubstring("`ip link set vcan5 up`"));
+}
+
+TEST_CASE("frames arrive as they were sent, with a monotonic time stamp", "[CAN-081]") {
+    SocketCan a("vcan0", kWanted);
+    SocketCan b("vcan0", kWanted);
+    std::array<Frame, 4> frames;
+    CHECK(b.receive(frames) == 0);
+    CHECK_FALSE(b.wait(Time{1'000'000}));
+    const Time before = monotonic();
+    for (std::uint8_t length = 0; length <= 8; ++length) {
+        const Frame sent{.id = 0x120, .length = length, .data = {1, 2, 3, 4, 5, 6, 7, 8}, .received = {}};
+        REQUIRE(a.send(sent));
+        REQUIRE(b.wait(kPatience));
+        REQUIRE(b.receive(frames) == 1);
+        CHECK(frames[0].id == 0x120);
+        CHECK(frames[0].length == length);
+        for (std::size_t i = 0; i < length; ++i) CHECK(frames[0].data[i] == i + 1);
+        // A tenth of a second of room: a wall-clock stamp would be off by decades.
+        CHECK(frames[0].received > before - Time{100'000'000});
+        CHECK(frames[0].received < monotonic() + Time{100'000'000});
+    }
+    CHECK(a.receive(frames) == 0);  // not one's own
+    CHECK(b.status().malformed == 0);
+    CHECK(b.status().up);
+}
+
+TEST_CASE("more frames than fit into one call wait for the next, in order", "[CAN-081]") {
+    SocketCan a("vcan0", kWanted);
+    SocketCan b("vcan0", kWanted);
+    for (std::uint32_t i = 0; i < 100; ++i) REQUIRE(a.send(numbered(0x110, i)));
+    std::array<Frame, 64> frames;
+    CHECK(b.receive(frames) == SocketCan::kBatch);
+    CHECK(number_of(frames[0]) == 0);
+    CHECK(b.receive(std::span(frames).first(3)) == 3);
+    CHECK(number_of(frames[2]) == SocketCan::kBatch + 2);
+    const std::vector<Frame> rest = drain(b);
+    REQUIRE(rest.size() == 100 - SocketCan::kBatch - 3);
+    CHECK(number_of(rest.back()) == 99);
+}
+
+TEST_CASE("error frames are counted; bus-off lasts until the chip restarts or frames arrive", "[CAN-082]") {
+    SocketCan bus("vcan0", kWanted);
+    SocketCan other("vcan0", {});
+    shell("cansend vcan0 20000004#0004000000000000");
+    CHECK(drain(bus).empty());
+    CHECK(bus.status().error_frames == 1);
+    CHECK(bus.status().up);
+
+    shell("cansend vcan0 20000040#0000000000000000");
+    CHECK(drain(bus).empty());
+    CHECK(bus.status().bus_off);
+    CHECK_FALSE(bus.status().up);
+    CHECK(bus.status().bus_off_events == 1);
+    shell("cansend vcan0 20000100#0000000000000000");
+    CHECK(drain(bus).empty());
+    CHECK_FALSE(bus.status().bus_off);
+    CHECK(bus.status().up);
+
+    shell("cansend vcan0 20000040#0000000000000000");
+    CHECK(drain(bus).empty());
+    CHECK(bus.send(numbered(0x200, 0)));  // a queue that takes frames is no proof of a bus
+    CHECK(bus.status().bus_off);
+    CHECK(other.send(numbered(0x110, 1)));
+    CHECK(drain(bus).size() == 1);
+    CHECK_FALSE(bus.status().bus_off);
+    CHECK(bus.status().up);
+    CHECK(bus.status().bus_off_events == 2);
+    CHECK(bus.status().error_frames == 4);
+}
+
+TEST_CASE("frames that the kernel dropped are counted to the last one", "[CAN-083]") {
+    SocketCan a("vcan0", kWanted);
+    SocketCan b("vcan0", kWanted, {.receive_buffer_bytes = 1});
+    std::size_t received = 0;
+    for (int round = 0; round < 3; ++round) {
+        for (std::uint32_t i = 0; i < 300; ++i) REQUIRE(a.send(numbered(0x110, i)));
+        received += drain(b).size();
+    }
+    REQUIRE(a.send(numbered(0x110, 0)));  // carries the counter
+    received += drain(b).size();
+    CHECK(b.status().receive_dropped > 0);
+    CHECK(received + b.status().receive_dropped == 901);
+    CHECK(a.status().transmit_dropped == 0);
+}
+
+TEST_CASE("a full transmit queue gives frames up, counts them, and never sends them later", "[CAN-084]") {
+    const Interface slow("vcan6");
+    SocketCan b("vcan6", kWanted);
+    // A drain of some 60 frames a second. A short queue of the interface refuses first; before a long one our own buffer does.
+    for (const std::string& queue_bytes : {std::string("64"), std::string("100000")}) {
+        SocketCan a("vcan6", kWanted);
+        shell("tc qdisc add dev vcan6 root tbf rate 8kbit burst 32 limit " + queue_bytes);
+        std::vector<std::uint32_t> taken;
+        std::uint32_t number = 0;
+        for (; number < 200; ++number) {
+            if (a.send(numbered(0x110, number))) taken.push_back(number);
+        }
+        INFO("queue of " << queue_bytes << " bytes");
+        CHECK_FALSE(taken.empty());
+        CHECK(taken.size() <= 16);
+        CHECK(a.status().transmit_dropped == 200 - taken.size());
+        CHECK(a.status().up);
+        const Time deadline = monotonic() + kPatience;
+        while (!a.send(numbered(0x110, ++number)) && monotonic() < deadline) {
+            static_cast<void>(a.wait(Time{5'000'000}));
+        }
+        taken.push_back(number);
+        std::vector<std::uint32_t> arrived;
+        while (arrived.size() < taken.size() && b.wait(kPatience)) {
+            for (const Frame& frame : drain(b)) arrived.push_back(number_of(frame));
+        }
+        CHECK(arrived == taken);
+        shell("tc qdisc del dev vcan6 root");
+        CHECK(drain(b).empty());
+    }
+}
+
+TEST_CASE("an interface that goes down is reported, and used again when it comes up", "[CAN-085]") {
+    const Interface fragile("vcan4");
+    SocketCan a("vcan4", kWanted);
+    SocketCan b("vcan4", kWanted);
+    for (int round = 0; round < 2; ++round) {
+        REQUIRE(a.send(numbered(0x110, 1)));
+        CHECK(drain(b).size() == 1);
+        shell("ip link set vcan4 down");
+        CHECK(b.wait(kPatience));
+        CHECK(drain(b).empty());
+        CHECK_FALSE(b.status().up);
+        CHECK_FALSE(b.status().bus_off);
+        CHECK_FALSE(a.send(numbered(0x110, 2)));
+        CHECK_FALSE(a.status().up);
+        shell("ip link set vcan4 up");
+        CHECK(a.send(numbered(0x110, 3)));
+        CHECK(a.status().up);
+        const std::vector<Frame> frames = drain(b);
+        REQUIRE(frames.size() == 1);
+        CHECK(number_of(frames[0]) == 3);
+        CHECK(b.status().up);
+    }
+}
+
+TEST_CASE("an interface that vanishes is reported for good", "[CAN-085]") {
+    const Interface fragile("vcan3");
+    SocketCan bus("vcan3", kWanted);
+    shell("ip link del vcan3");
+    CHECK(drain(bus).empty());
+    CHECK_FALSE(bus.status().up);
+    shell("ip link add dev vcan3 type vcan && ip link set vcan3 up");
+    for (int i = 0; i < 3; ++i) {
+        CHECK_FALSE(bus.send(numbered(0x110, 1)));
+        CHECK(drain(bus).empty());
+        CHECK_FALSE(bus.status().up);
+    }
+}
+
+TEST_CASE("foreign traffic at full load does not get in, and loses us nothing", "[CAN-086]") {
+    SocketCan a("vcan0", kWanted);
+    SocketCan b("vcan0", kWanted);
+    shell("cangen vcan0 -g 0 -i -I 555 -L 8 -n 30000 & cangen vcan0 -g 0 -i -e -L 8 -n 10000 &");
+    std::uint32_t received = 0;
+    std::uint32_t wrong = 0;
+    for (std::uint32_t sent = 0; sent < 3000; ++sent) {
+        while (!a.send(numbered(0x110, sent))) static_cast<void>(a.wait(Time{1'000'000}));
+        for (const Frame& frame : drain(b)) {
+            wrong += frame.id == 0x110 && number_of(frame) == received ? 0 : 1;
+            ++received;
+        }
+    }
+    received += static_cast<std::uint32_t>(drain(b).size());
+    CHECK(received == 3000);
+    CHECK(wrong == 0);
+    CHECK(b.status().receive_dropped == 0);
+    CHECK(b.status().malformed == 0);
+    shell("while pgrep -x cangen >/dev/null; do sleep 0.1; done");
+}
+
+TEST_CASE("remote, extended and FD frames are not used", "[CAN-087]") {
+    const Interface fd("vcan2");
+    shell("ip link set vcan2 down && ip link set vcan2 mtu 72 && ip link set vcan2 up");
+    SocketCan bus("vcan2", kWanted);
+    shell("cansend vcan2 110#R && cansend vcan2 110#R8");
+    CHECK(drain(bus).empty());
+    CHECK(bus.status().malformed == 2);
+    shell("cansend vcan2 00000110#1122334455667788 && cansend vcan2 110##3112233445566778899AABBCC");
+    CHECK(drain(bus).empty());
+    CHECK(bus.status().malformed == 2);
+    shell("cansend vcan2 110#1122334455667788");
+    CHECK(drain(bus).size() == 1);
+}
+
+TEST_CASE("both ports agree over a real bus as they do without one", "[CAN-057][CAN-086]") {
+    SocketCan rig_bus("vcan0", ids(ours(), kToRig).span());
+    SocketCan controller_bus("vcan0", ids(ours(), kToController).span());
+    RigPort rig(ours(), kStep);
+    ControllerPort port(ours(), kStep);
+    std::array<Frame, 16> frames;
+    RigSample sample;
+    bool same = true;
+    for (std::uint32_t step = 0; step < 2000; ++step) {
+        sample.wheel.edge_count += step % 5;
+        sample.wheel.edge_time += kStep;
+        sample.pressure_Pa = 500.0F * static_cast<float>(step);
+        for (std::size_t count = rig.due_frames(sample, frames), i = 0; i < count; ++i)
+            REQUIRE(rig_bus.send(frames[i]));
+        REQUIRE(rig_bus.send(rig.sync(step)));
+        while (port.sync_count() <= step) {
+            REQUIRE(controller_bus.wait(kPatience));
+            for (std::size_t count = controller_bus.receive(frames), i = 0; i < count; ++i)
+                port.accept(frames[i]);
+        }
+        same = same && port.sync_number() == step &&
+               port.sensors().wheel.edge_count == sample.wheel.edge_count &&
+               port.sensors().pressure.pressure_Pa == sample.pressure_Pa;
+        control::Command command;
+        command.current_mA = 0.02F * static_cast<float>(step);
+        for (std::size_t count = port.due_frames(command, frames), i = 0; i < count; ++i) {
+            REQUIRE(controller_bus.send(frames[i]));
+        }
+        while (rig.stats(Role::valve).accepted <= step) {
+            REQUIRE(rig_bus.wait(kPatience));
+            for (std::size_t count = rig_bus.receive(frames), i = 0; i < count; ++i) rig.accept(frames[i]);
+        }
+        same = same && rig.controller().current_mA == static_cast<float>(ours().valve_current_mA.rounded(
+                                                          static_cast<double>(command.current_mA)));
+    }
+    CHECK(same);
+    for (const Role role :
+         {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver, Role::rig_heartbeat, Role::sync}) {
+        CHECK(port.stats(role).rejected() == 0);
+        CHECK(port.stats(role).lost == 0);
+    }
+    CHECK(port.unknown_ids() == 0);
+    CHECK(rig.unknown_ids() == 0);
+    CHECK(controller_bus.status().receive_dropped == 0);
+}
