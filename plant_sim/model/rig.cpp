@@ -18,6 +18,15 @@ Rig::Rig(const RigParameters& parameters, double step_s, std::uint64_t seed)
     state_.v_mps = parameters.brake_on_mps;
 }
 
+void Rig::start_rolling() {
+    contact_ = true;
+    const LoadParameters& law = parameters_.load;
+    device_load_N_ = law.base_N - law.lift_Ns2pm2 * state_.v_mps * state_.v_mps;
+    const double radius = parameters_.wheel.free_radius_m - device_load_N_ / parameters_.wheel.stiffness_Npm;
+    state_.omega_radps = state_.v_mps / radius;
+    state_.held = false;
+}
+
 LoadArc Rig::load_arc(double h) {
     const LoadParameters& law = parameters_.load;
     if (law.lag_s <= 0.0) return contact_ ? LoadArc{law.base_N, 0.0, law.lift_Ns2pm2} : LoadArc{};

@@ -49,6 +49,10 @@ class Rig {
     Rig(const RigParameters& parameters, double step_s, std::uint64_t seed);
 
     void touch_down() { contact_ = true; }
+    /// The wheel is on the ground, loaded and rolling freely: the state in which a recorded braking maneuver begins.
+    void start_rolling();
+    /// The pressure at the start of a prescribed profile.
+    void start_pressure(double pressure_Pa) { pressure_Pa_ = pressure_Pa; }
     /// Takes the load off again: a bounce, or the sledge retracting.
     void lift_off() { contact_ = false; }
 

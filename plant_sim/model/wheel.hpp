@@ -77,9 +77,9 @@ struct Forces {
     double brake_torque_Nm;  ///< torque that acts: at a held wheel only what balances the tyre
 };
 
-/// Integrates the wheel with a four-stage L-stable Rosenbrock method of order three (RODAS3: Sandu et al.,
-/// Atmospheric Environment 31, 1997), fixed step, exact Jacobian. Locking and release are located inside the
-/// step.
+/// Integrates the wheel with a four-stage L-stable Rosenbrock method of order three (RODAS3: Sandu et al., Atmospheric Environment 31,
+/// 1997) with exact Jacobian. Where its embedded error estimate of the wheel speed is too large (spin-up, locking), the step is halved
+/// inside, to 1/256 at the most; locking and release are located.
 class Wheel {
   public:
     /// Slip divides by max(v, kSlowest_mps): at and below it the maneuver is at standstill and nothing moves any more.
@@ -90,15 +90,11 @@ class Wheel {
     /// Advances `state` by `h` seconds (0 < h <= 5e-3).
     void advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) const;
 
-    [[nodiscard]] Forces forces(const WheelState& state, double pressure_Pa,
-                                const LoadArc& load) const;  ///< at the arc's start
+    /// At the arc's start.
+    [[nodiscard]] Forces forces(const WheelState& state, double pressure_Pa, const LoadArc& load) const;
 
     /// m v^2 / 2 + J omega^2 / 2: eq. (8) is the difference of two of these.
     [[nodiscard]] double kinetic_energy_J(const WheelState& state) const;
-
-    [[nodiscard]] const WheelParameters& parameters() const { return parameters_; }
-    [[nodiscard]] const Surface& surface() const { return surface_; }
-    void set_brake(const BrakeTorque& brake) { brake_ = brake; }
 
   private:
     struct Local;
@@ -106,14 +102,24 @@ class Wheel {
 
     [[nodiscard]] Local local(double v, double omega, double pressure, const LoadArc& load, double x) const;
     [[nodiscard]] Rates rates(const Local& at, double pressure_slope, const LoadArc& load, double h) const;
-    void free_step(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) const;
-    void held_step(WheelState& state, const LoadArc& load, double h) const;
+    /// One Rosenbrock step with a turning wheel; returns the error estimate of omega, as a share of free rolling.
+    double turn(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) const;
+    /// One step with a held wheel.
+    void slide(WheelState& state, const LoadArc& load, double h) const;
+    /// The wheel comes to rest inside [x0, x1] of the step: moves `state` there and returns the place.
+    double lock(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h, double x0,
+                double x1) const;
+    /// The tyre begins to turn a held wheel inside [x0, 1]: moves `state` there and returns the place.
+    double release(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h,
+                   double x0) const;
+    /// Torque by which the brake exceeds what the tyre can turn: above zero a wheel at rest stays at rest.
     [[nodiscard]] double holding_margin_Nm(const WheelState& state, double pressure, const LoadArc& load,
                                            double x) const;
 
     WheelParameters parameters_;
     BrakeTorque brake_;
     Surface surface_;
+    double per_mass_, per_inertia_, per_stiffness_;
 };
 
 }  // namespace plant

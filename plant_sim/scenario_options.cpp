@@ -1,0 +1,124 @@
+#include "plant_sim/scenario_options.hpp"
+
+#include <fmt/core.h>
+
+#include <map>
+
+#include "config/reader/hash.hpp"
+#include "firmware/can/load_layout.hpp"
+#include "firmware/linux/controller_config.hpp"
+#include "plant_sim/study/drive.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+using antiskid::control::Law;
+
+const std::map<std::string, Law>& laws() {
+    static const std::map<std::string, Law> kLaws{{"slip", Law::wheel_slip},
+                                                  {"deceleration", Law::deceleration},
+                                                  {"open_loop", Law::open_loop},
+                                                  {"threshold", Law::threshold}};
+    return kLaws;
+}
+
+std::filesystem::path or_default(const std::filesystem::path& given, const std::filesystem::path& otherwise) {
+    return given.empty() ? otherwise : given;
+}
+
+study::ManeuverPlan plan(const ScenarioOptions& o, const plant::LoadedRig& plant) {
+    study::ManeuverPlan plan;
+    plan.law = laws().at(o.law);
+    plan.slip_reference = o.slip;
+    plan.demand_Pa = plant.full_pressure_Pa;
+    plan.deceleration_mps2 = o.deceleration_mps2.value_or(plant.deceleration_mps2);
+    if (plan.law == Law::deceleration && plan.deceleration_mps2 <= 0.0) {
+        throw std::invalid_argument("--law deceleration needs --deceleration A (m/s2) for this maneuver");
+    }
+    if (plan.law == Law::open_loop) {
+        if (o.profile.empty())
+            throw std::invalid_argument("--law open_loop needs --profile FILE (time_s,current_mA)");
+        const study::DriveProfile profile = study::read_profile(o.profile);
+        if (profile.input != study::DriveInput::current_mA) {
+            throw std::invalid_argument(o.profile.string() +
+                                        ": the open-loop law needs the columns time_s,current_mA");
+        }
+        for (std::size_t i = 0; i < profile.time_s.size(); ++i)
+            plan.current.push_back({profile.time_s[i], profile.value[i]});
+    }
+    return plan;
+}
+
+}  // namespace
+
+void ScenarioOptions::add_to(CLI::App& app) {
+    app.add_option("--maneuver", choice.maneuver,
+                   "light, medium_a, medium_b, heavy (maneuvers.toml), or endurance")
+        ->capture_default_str();
+    app.add_option("--surface", choice.surface, "runway, a table of surfaces.toml")->capture_default_str();
+    app.add_option("--law", law, "slip, threshold, deceleration or open_loop")
+        ->check(CLI::IsMember({"slip", "threshold", "deceleration", "open_loop"}))
+        ->capture_default_str();
+    app.add_option("--slip", slip, "slip reference")->check(CLI::Range(0.0, 0.5))->capture_default_str();
+    app.add_option("--deceleration", deceleration_mps2, "reference of the deceleration law, m/s2");
+    app.add_option("--profile", profile, "current of the open-loop law: CSV time_s,current_mA from brake-on");
+    app.add_option("--mass", choice.mass_kg, "mass on the wheel, kg, instead of the maneuver's");
+    app.add_option("--speed", choice.speed_mps, "brake-on speed, m/s, instead of the maneuver's");
+    app.add_option("--mu-b", choice.friction, "mean brake friction instead of a new brake's");
+    app.add_option("--carrier", choice.carrier,
+                   "aircraft, or flywheel: the loading device lags behind eq. (2)")
+        ->transform(CLI::CheckedTransformer(std::map<std::string, plant::Carrier>{
+            {"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}}))
+        ->default_str("aircraft");
+    app.add_option("--seed", seed, "seed of every random draw")->capture_default_str();
+    app.add_option("--config", config, "directory of the configuration files")->capture_default_str();
+    app.add_option("--controller", controller,
+                   "controller configuration (default: CONFIG/controller.toml; endurance: "
+                   "CONFIG/controller_endurance.toml)");
+    app.add_option("--dbc", dbc, "bus layout (default: CONFIG/antiskid.dbc)");
+    app.add_option("--binding", binding, "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+}
+
+Scenario load_scenario(const ScenarioOptions& o) {
+    const bool endurance = o.choice.maneuver == plant::kEndurance;
+    const auto controller_file =
+        or_default(o.controller, o.config / (endurance ? "controller_endurance.toml" : "controller.toml"));
+    const auto dbc_file = or_default(o.dbc, o.config / "antiskid.dbc");
+    const auto binding_file = or_default(o.binding, o.config / "antiskid_binding.toml");
+    Scenario s{.plant = plant::load_rig(o.config, o.choice),
+               .controller = antiskid::load_controller_config(controller_file),
+               .layout = antiskid::can::load_layout(dbc_file, binding_file),
+               .session = {},
+               .config_hash = {}};
+    std::vector<std::filesystem::path> files = s.plant.files;
+    files.insert(files.end(), {controller_file, dbc_file, binding_file});
+    s.config_hash = settings::hash(files);
+    s.session.plan = plan(o, s.plant);
+    s.session.period_s = static_cast<double>(s.controller.period_s);
+    s.session.drop_out_mps = s.plant.drop_out_mps;
+    s.session.seed = o.seed;
+    return s;
+}
+
+study::StopReport Scenario::report(const ScenarioOptions& o) const {
+    return {.maneuver = o.choice.maneuver,
+            .surface = o.choice.surface,
+            .law = o.law,
+            .slip_reference = o.slip,
+            .mass_kg = plant.rig.wheel.mass_kg,
+            .speed_mps = plant.rig.brake_on_mps,
+            .figures = {},
+            .faults = {},
+            .seed = o.seed,
+            .version = ANTISKID_VERSION,
+            .config_hash = config_hash};
+}
+
+std::string Scenario::title(const ScenarioOptions& o) const {
+    return fmt::format("{} landing: {:.0f} kg at {:.0f} m/s on {}, law {}, slip reference {:.2f}",
+                       o.choice.maneuver, plant.rig.wheel.mass_kg, plant.rig.brake_on_mps, o.choice.surface,
+                       o.law, o.slip);
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,50 @@
+/// The command line of one maneuver, the same for every program that runs one.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "firmware/can/layout.hpp"
+#include "firmware/control/config.hpp"
+#include "plant_sim/model/load_rig.hpp"
+#include "plant_sim/study/report.hpp"
+#include "plant_sim/study/rig_session.hpp"
+
+namespace plant_sim {
+
+struct ScenarioOptions {
+    std::filesystem::path config = "config";
+    std::filesystem::path controller;  ///< empty: controller.toml of `config`, or the endurance rig's
+    std::filesystem::path dbc;         ///< empty: antiskid.dbc of `config`
+    std::filesystem::path binding;     ///< empty: antiskid_binding.toml of `config`
+    plant::ManeuverChoice choice;
+    std::string law = "slip";
+    double slip = 0.24;
+    std::optional<double> deceleration_mps2;
+    std::filesystem::path profile;  ///< current over time since brake-on, for the open-loop law
+    std::uint64_t seed = 1;
+
+    void add_to(CLI::App& app);
+};
+
+/// Everything that a run needs, read and checked.
+struct Scenario {
+    plant::LoadedRig plant;
+    antiskid::control::Config controller;
+    antiskid::can::Layout layout;
+    study::SessionOptions session;
+    std::string config_hash;
+
+    /// The report's head: what was run.
+    [[nodiscard]] study::StopReport report(const ScenarioOptions& options) const;
+    /// As a picture's title.
+    [[nodiscard]] std::string title(const ScenarioOptions& options) const;
+};
+
+/// Throws settings::Error or std::invalid_argument with what is wrong and what would be right.
+[[nodiscard]] Scenario load_scenario(const ScenarioOptions& options);
+
+}  // namespace plant_sim

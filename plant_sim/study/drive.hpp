@@ -1,0 +1,30 @@
+/// Open loop: the plant alone, driven by a pressure or current profile from a table (validation as in Section III.C, Fig. 5).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "plant_sim/model/rig.hpp"
+
+namespace study {
+
+/// What the table's second column is.
+enum class DriveInput { pressure_Pa, current_mA };
+
+struct DriveProfile {
+    DriveInput input = DriveInput::pressure_Pa;
+    std::vector<double> time_s;  ///< strictly increasing
+    std::vector<double> value;   ///< linear between rows, held beyond them
+};
+
+/// Reads CSV with the header `time_s,pressure_Pa` or `time_s,current_mA`; at least two rows. Throws settings::Error naming file and line for
+/// a missing or unknown column, text, NaN, negative values, or time that does not increase.
+[[nodiscard]] DriveProfile read_profile(const std::filesystem::path& csv);
+
+/// Drives the plant from the profile's first time, wheel rolling freely at the maneuver's speed, to the profile's end or standstill.
+/// Returns CSV: time_s,speed_mps,wheel_speed_radps,slip,pressure_Pa,brake_torque_Nm,F_x_N,F_z_N,radius_m,mu,energy_brake_J,energy_tyre_J,
+/// one row per step of 1 ms, the first at the start.
+[[nodiscard]] std::string drive(const plant::RigParameters& rig, const DriveProfile& profile);
+
+}  // namespace study
