@@ -31,7 +31,7 @@ void attend(const std::atomic<bool>& stop, rt::Clock& clock, rt::CycleRing& ring
     constexpr int kTurnsPerRetry = 10;
     std::string last_reason;
     for (int turn = 1; !stop; ++turn) {
-        clock.sleep_until(clock.now() + 1s / kTurnsPerSecond);
+        clock.sleep_until(clock.now() + rt::Time{1s} / kTurnsPerSecond);
         telemetry.drain(ring);
         if (turn % kTurnsPerSecond == 0) telemetry.summarise(ring);
         if (turn % kTurnsPerRetry != 0) continue;

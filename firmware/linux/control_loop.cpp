@@ -32,7 +32,7 @@ void ControlLoop::cycle(const Wake& wake) {
                              .synchronised = wake.synchronised,
                              .link = link,
                              .command = command};
-    statistics_.add(record, settings_.period);
+    statistics_.add(record);
     doors_.ring.push(record);
 }
 

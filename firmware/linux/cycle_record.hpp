@@ -10,11 +10,12 @@
 namespace antiskid::rt {
 
 struct CycleRecord {
-    std::uint64_t step = 0;     ///< number of the step, from 1
-    control::Time now{};        ///< time handed to the controller
-    control::Time latency{};    ///< from deadline (timer) or reception of SYNC (lockstep) to the loop running
-    control::Time work{};       ///< from there to the last frame handed to the bus
-    std::uint64_t skipped = 0;  ///< periods missed just before this one
+    std::uint64_t step = 0;  ///< number of the step, from 1
+    control::Time now{};     ///< time handed to the controller
+    control::Time
+        latency{};  ///< from the deadline waited for (timer) or reception of SYNC (lockstep) to the loop running
+    control::Time work{};        ///< from there to the last frame handed to the bus
+    std::uint64_t skipped = 0;   ///< periods missed just before this one
     std::uint32_t received = 0;  ///< frames taken from the bus
     std::uint32_t unsent = 0;    ///< frames that the bus did not take
     bool synchronised = true;    ///< false: lockstep, and SYNC failed to come

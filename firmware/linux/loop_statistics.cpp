@@ -2,14 +2,14 @@
 
 namespace antiskid::rt {
 
-void LoopStatistics::add(const CycleRecord& record, const control::Time nominal_period) {
+void LoopStatistics::add(const CycleRecord& record) {
     ++steps;
     latency.add(record.latency);
     work.add(record.work);
     if (record.skipped > 0) {
         ++overruns;
         missed_periods += record.skipped;
-        overrun.add(static_cast<std::int64_t>(record.skipped) * nominal_period + record.latency);
+        overrun.add(record.latency);
     }
     if (!record.synchronised) ++unsynchronised;
     frames_received += record.received;

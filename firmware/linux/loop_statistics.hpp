@@ -34,7 +34,7 @@ struct LoopStatistics {
     std::array<control::Time, control::kFaultCount> first_seen{};  ///< valid for those in `faults_seen`
 
     /// Everything that one period adds, except the frames that were sent.
-    void add(const CycleRecord& record, control::Time nominal_period);
+    void add(const CycleRecord& record);
 
   private:
     bool link_was_good_ = true;

@@ -48,7 +48,7 @@ std::variant<Options, int> parse_options(const int argc, const char* const* argv
         ->capture_default_str();
     app.add_option("--report", options.report, "write statistics as JSON at exit")->type_name("FILE");
     app.add_option("--cpu", options.realtime.cpu, "pin the loop to this processor")
-        ->check(CLI::NonNegativeNumber)
+        ->check(CLI::Range(0, 4095))
         ->type_name("N");
     app.add_option("--priority", options.realtime.priority,
                    "SCHED_FIFO priority of the loop, 1 to 99; 0: ordinary scheduling")

@@ -11,7 +11,7 @@ std::optional<Wake> TimerPacer::next(const std::atomic<bool>& stop) {
     const PeriodicTimer::Tick tick = timer_->wait();
     return Wake{.now = tick.woke,
                 .woke = tick.woke,
-                .latency = tick.woke - tick.deadline,
+                .latency = tick.latency,
                 .skipped = tick.skipped,
                 .synchronised = true,
                 .taken = intake_.drain(tick.woke)};

@@ -7,10 +7,11 @@ PeriodicTimer::Tick PeriodicTimer::wait() {
     // control step.
     clock_.sleep_until(next_);
     const Time woke = clock_.now();
-    const std::int64_t late_periods = woke > next_ ? (woke - next_) / period_ : 0;
-    const Time deadline = next_ + late_periods * period_;
+    const Time latency = woke - next_;
+    const std::int64_t skipped = latency > Time{0} ? latency / period_ : 0;
+    const Time deadline = next_ + skipped * period_;
     next_ = deadline + period_;
-    return {deadline, woke, static_cast<std::uint64_t>(late_periods)};
+    return {deadline, woke, latency, static_cast<std::uint64_t>(skipped)};
 }
 
 }  // namespace antiskid::rt
