@@ -27,9 +27,10 @@ demo() {
     stuck_rig='trap "echo rig ended >>$out/events; exit 7" TERM; touch $out/rig.seen; while :; do sleep 0.1; done'
     dead_controller='until [[ -e $out/rig.seen ]]; do sleep 0.1; done; exit 4'
     crashed_controller='until [[ -e $out/rig.seen ]]; do sleep 0.1; done; kill -SEGV $$'
-    failing_rig='echo "rig ended" >>$out/events; exit 5'
-    recorder_killer='until [[ -e $out/rig.seen ]]; do sleep 0.1; done; pkill -KILL -x candump; '
-    bad_end='trap "exit 6" TERM; while :; do sleep 0.1; done'
+    failing_rig='until grep -qs controller $out/events; do sleep 0.05; done; echo "rig ended" >>$out/events; exit 5'
+    recorder_killer='trap "echo controller ended >>$out/events; exit 0" TERM
+        until [[ -e $out/rig.seen ]]; do sleep 0.1; done; pkill -KILL -x candump; while :; do sleep 0.1; done'
+    bad_end='trap "exit 6" TERM; echo controller >>$out/events; while :; do sleep 0.1; done'
 }
 
 programs "$controller" "$virtual_rig"
@@ -59,14 +60,13 @@ expect "the virtual rig fails" $? 5
 check "and is named" grep -q "virtual-rig failed with status 5" "$scratch/stderr"
 check "the controller was ended" grep -q "controller ended" "$scratch/events"
 
-programs "$recorder_killer$controller" "$stuck_rig"
+programs "$recorder_killer" "$stuck_rig"
 demo
 expect "the recorder dies" $? 137
 check "and is named" grep -q "candump ended during the maneuver" "$scratch/stderr"
 expect "the virtual rig was ended first, then the controller" "$(tail -n 2 "$scratch/events")" $'rig ended\ncontroller ended'
 
-programs "$bad_end" "$virtual_rig; true"
-sed -i '/until grep -qs controller/d' "$build/plant_sim/virtual-rig"
+programs "$bad_end" "$virtual_rig"
 demo
 expect "the controller fails at its end" $? 6
 

@@ -51,7 +51,7 @@ check "tidy: a change in a header alone is seen" refuses modernize-use-nullptr "
 clean
 check "target: clean tree" "$lints/lint_cortex_m7.sh" "$scratch/objects"
 seeds=('float f(float x) { return std::sin(x); }' 'int* f() { return new int(3); }' 'int* f() { return (int*)std::malloc(3); }'
-    'double f(float x) { return x; }' 'int f() { throw 3; }')
+    'float f(float x) { return static_cast<float>(x * 2.0); }' 'int f() { throw 3; }')
 texts=(sinf 'operator new' malloc double-promotion 'exception handling disabled')
 for i in "${!seeds[@]}"; do
     printf '#include <cmath>\n#include <cstdlib>\n%s\n' "${seeds[i]}" >"$source"
