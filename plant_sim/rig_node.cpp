@@ -1,0 +1,171 @@
+#include "plant_sim/rig_node.hpp"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <utility>
+
+#include "firmware/can/roles.hpp"
+#include "firmware/linux/periodic_timer.hpp"
+
+namespace plant_sim {
+
+using antiskid::can::Frame;
+using antiskid::can::RigPort;
+using antiskid::can::Role;
+using antiskid::control::Time;
+
+namespace {
+
+constexpr Time kMillisecond{1'000'000};
+constexpr Time kRepeat = 100 * kMillisecond;  // of the first cycle while the controller is not there yet
+
+double milliseconds(Time t) {
+    return static_cast<double>(t.count()) * 1e-6;
+}
+
+}  // namespace
+
+struct RigNode::Cycle {
+    std::array<Frame, RigPort::kMostFrames + 1> frames{};
+    std::size_t count = 0;
+};
+
+RigNode::RigNode(study::RigSession& session, const antiskid::can::Layout& layout, antiskid::can::Bus& bus,
+                 antiskid::rt::Clock& clock, Time period)
+    : session_(session), layout_(layout), bus_(bus), clock_(clock), period_(period), port_(layout, period) {}
+
+RigNode::Cycle RigNode::next_cycle(bool with_sync) {
+    antiskid::can::RigSample sample = session_.sample();
+    sample.load_cells = session_.load_cells();
+    Cycle cycle;
+    cycle.count = port_.due_frames(sample, cycle.frames);
+    if (with_sync) cycle.frames[cycle.count++] = port_.sync(sync_++);
+    return cycle;
+}
+
+bool RigNode::send_all(const Cycle& cycle, Time patience, const std::atomic<bool>& stop) {
+    const Time deadline = clock_.now() + patience;
+    for (std::size_t i = 0; i < cycle.count; ++i) {
+        while (!bus_.send(cycle.frames[i])) {
+            if (!bus_.status().up || stop || clock_.now() >= deadline) return false;
+            clock_.sleep_until(clock_.now() + kMillisecond / 10);
+        }
+        ++result_.frames_sent;
+    }
+    return true;
+}
+
+void RigNode::receive() {
+    std::array<Frame, 32> frames{};
+    for (std::size_t count = frames.size(); count == frames.size();) {
+        count = bus_.receive(frames);
+        for (std::size_t i = 0; i < count; ++i) port_.accept(frames[i]);
+        result_.frames_received += count;
+    }
+    result_.faults.insert(port_.controller().faults);
+}
+
+bool RigNode::wait_for_answer(std::uint64_t answers, Time timeout, const std::atomic<bool>& stop) {
+    const Time deadline = clock_.now() + timeout;
+    receive();
+    while (port_.stats(Role::valve).accepted < answers) {
+        const Time left = deadline - clock_.now();
+        if (left.count() <= 0 || stop || !bus_.status().up) return false;
+        bus_.wait(left < kRepeat ? left : kRepeat);
+        receive();
+    }
+    return true;
+}
+
+NodeResult RigNode::finish(Ending ending, std::string reason) {
+    result_.ending = ending;
+    result_.reason = std::move(reason);
+    for (const Role role : antiskid::can::kToRig) result_.frames_lost += port_.stats(role).lost;
+    const antiskid::can::LinkStatus link = bus_.status();
+    result_.frames_lost += link.receive_dropped;
+    return result_;
+}
+
+NodeResult RigNode::finish_link_down() {
+    return finish(
+        Ending::link_down,
+        "the CAN interface went down during the run; the valve driver has fallen back to no current");
+}
+
+NodeResult RigNode::run_lockstep(Time answer_timeout, Time patience, const std::atomic<bool>& stop,
+                                 const NodeObserver& observe) {
+    for (std::uint64_t step = 0; !session_.done(); ++step) {
+        const Cycle cycle = next_cycle(true);
+        const Time limit = step == 0 ? patience : answer_timeout;
+        const Time deadline = clock_.now() + limit;
+        bool answered = false;
+        do {
+            if (!send_all(cycle, limit, stop)) break;
+            answered = wait_for_answer(step + 1, step == 0 ? kRepeat : answer_timeout, stop);
+        } while (step == 0 && !answered && !stop && bus_.status().up && clock_.now() < deadline);
+        if (!answered) {
+            if (stop) return finish(Ending::stopped, "stopped by the user");
+            if (!bus_.status().up) return finish_link_down();
+            return finish(
+                Ending::silent,
+                fmt::format(
+                    "antiskid-controller did not answer SYNC {} within {:.0f} ms (valve command 0x{:03X})",
+                    step, milliseconds(limit), layout_[Role::valve].id));
+        }
+        const auto current_mA = static_cast<double>(port_.controller().current_mA);
+        session_.advance(current_mA);
+        observe(session_, port_.controller(), current_mA);
+    }
+    if (session_.timed_out()) return finish(Ending::timed_out, "the maneuver did not come to rest");
+    return finish(Ending::done, "");
+}
+
+NodeResult RigNode::run_realtime(Time patience, const std::atomic<bool>& stop, const NodeObserver& observe) {
+    antiskid::rt::PeriodicTimer timer(clock_, period_);
+    const Time give_up = clock_.now() + patience;
+    bool seen = false;
+    while (!session_.done()) {
+        const auto tick = timer.wait();
+        if (stop) return finish(Ending::stopped, "stopped by the user");
+        receive();
+        const antiskid::can::ControllerView& view = port_.controller();
+        if (!bus_.status().up) return finish_link_down();
+        // Until the controller is there the rig stands still and sends its first sample.
+        if (!seen) {
+            seen = view.command_received != antiskid::control::kNever;
+            if (!seen && tick.woke >= give_up) {
+                return finish(
+                    Ending::silent,
+                    fmt::format(
+                        "no valve command (0x{:03X}) within {:.0f} ms: is antiskid-controller running?",
+                        layout_[Role::valve].id, milliseconds(patience)));
+            }
+        } else {
+            const bool silent = tick.woke - view.command_received > kDriverWatchdog;
+            const double current_mA = silent ? 0.0 : static_cast<double>(view.current_mA);
+            if (silent && tick.woke - view.command_received > patience) {
+                return finish(Ending::silent,
+                              "antiskid-controller fell silent during the run; the valve driver has fallen "
+                              "back to no current");
+            }
+            // The plant lives in the machine's time: periods that were missed have passed for it, too.
+            for (std::uint64_t passed = 0; passed <= tick.skipped && !session_.done(); ++passed) {
+                session_.advance(current_mA);
+                observe(session_, view, current_mA);
+            }
+            result_.overruns += tick.skipped;
+        }
+        const Cycle cycle = next_cycle(false);
+        for (std::size_t i = 0; i < cycle.count; ++i) {
+            if (bus_.send(cycle.frames[i]))
+                ++result_.frames_sent;
+            else
+                ++result_.frames_lost;
+        }
+    }
+    if (session_.timed_out()) return finish(Ending::timed_out, "the maneuver did not come to rest");
+    return finish(Ending::done, "");
+}
+
+}  // namespace plant_sim

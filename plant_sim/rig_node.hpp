@@ -1,0 +1,77 @@
+/// The virtual rig on a bus: sends what sensors and pilot say, takes the valve command, moves the plant.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "firmware/can/bus.hpp"
+#include "firmware/can/layout.hpp"
+#include "firmware/can/rig_port.hpp"
+#include "firmware/linux/clock.hpp"
+#include "plant_sim/study/rig_session.hpp"
+
+namespace plant_sim {
+
+enum class Ending {
+    done,       ///< the maneuver ran to its end
+    stopped,    ///< the user asked
+    silent,     ///< the controller did not answer in time
+    link_down,  ///< the interface went away
+    timed_out,  ///< the maneuver did not come to rest
+};
+
+struct NodeResult {
+    Ending ending = Ending::done;
+    std::string reason;  ///< one sentence where the ending is not `done`
+    std::uint64_t frames_sent = 0;
+    std::uint64_t frames_received = 0;
+    std::uint64_t frames_lost = 0;
+    std::uint64_t overruns = 0;
+    antiskid::control::FaultSet faults;  ///< that the controller has reported at any time
+};
+
+/// After each period: the rig, what it knows of the controller, and the current that acted.
+using NodeObserver =
+    std::function<void(const study::RigSession&, const antiskid::can::ControllerView&, double current_mA)>;
+
+class RigNode {
+  public:
+    /// All must outlive the node.
+    RigNode(study::RigSession& session, const antiskid::can::Layout& layout, antiskid::can::Bus& bus,
+            antiskid::rt::Clock& clock, antiskid::control::Time period);
+
+    /// One sample, one SYNC, one answer: same seed, same bytes, at any speed of the machine. The first cycle is repeated, with the same
+    /// bytes, until the controller is there, at most for `patience`; every later answer must come within `answer_timeout`.
+    NodeResult run_lockstep(antiskid::control::Time answer_timeout, antiskid::control::Time patience,
+                            const std::atomic<bool>& stop, const NodeObserver& observe);
+
+    /// By the machine's clock. The valve's driver falls back to no current when no command came for kDriverWatchdog.
+    NodeResult run_realtime(antiskid::control::Time patience, const std::atomic<bool>& stop,
+                            const NodeObserver& observe);
+
+    static constexpr antiskid::control::Time kDriverWatchdog{20'000'000};
+
+  private:
+    struct Cycle;
+
+    [[nodiscard]] Cycle next_cycle(bool with_sync);
+    /// All frames of a cycle, waiting for room in the queue where it must; false when the link takes no more.
+    bool send_all(const Cycle& cycle, antiskid::control::Time patience, const std::atomic<bool>& stop);
+    void receive();
+    bool wait_for_answer(std::uint64_t answers, antiskid::control::Time timeout,
+                         const std::atomic<bool>& stop);
+    NodeResult finish(Ending ending, std::string reason);
+    NodeResult finish_link_down();
+
+    study::RigSession& session_;
+    const antiskid::can::Layout& layout_;
+    antiskid::can::Bus& bus_;
+    antiskid::rt::Clock& clock_;
+    antiskid::control::Time period_;
+    antiskid::can::RigPort port_;
+    std::uint32_t sync_ = 0;
+    NodeResult result_;
+};
+
+}  // namespace plant_sim

@@ -1,0 +1,154 @@
+/// virtual-rig: the plant behind the rig's CAN frames; runs one maneuver. See --help.
+
+#include <fmt/core.h>
+#include <CLI/CLI.hpp>
+
+#include <exception>
+#include <optional>
+#include <string>
+
+#include "config/reader/atomic_file.hpp"
+#include "firmware/can/roles.hpp"
+#include "firmware/can/socket_can.hpp"
+#include "firmware/linux/realtime.hpp"
+#include "firmware/linux/stop_signals.hpp"
+#include "plant_sim/progress.hpp"
+#include "plant_sim/rig_node.hpp"
+#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/study/picture.hpp"
+#include "plant_sim/study/trajectory.hpp"
+
+namespace {
+
+using antiskid::control::Time;
+
+struct Options {
+    plant_sim::ScenarioOptions scenario;
+    std::string interface;
+    std::string clock = "sync";
+    std::filesystem::path out;
+    int answer_timeout_ms = 1000;
+    int patience_ms = 10000;
+    int priority = 70;
+    bool picture = false;
+};
+
+/// The options, or the exit status when there is nothing to run.
+std::optional<int> parse(int argc, char** argv, Options& o) {
+    CLI::App app{
+        "The virtual rig: plant, sensors and pilot behind the rig's CAN frames. Runs one maneuver against "
+        "antiskid-controller.",
+        "virtual-rig"};
+    app.set_version_flag("--version", ANTISKID_VERSION);
+    app.add_option("--can", o.interface, "CAN interface, e.g. vcan0")->required()->type_name("IF");
+    app.add_option("--clock", o.clock, "sync: lockstep, as fast as both can; timer: real time")
+        ->check(CLI::IsMember({"sync", "timer"}))
+        ->capture_default_str();
+    app.add_option("--out", o.out, "directory for trajectory.csv and result.json")->type_name("DIR");
+    app.add_flag("--picture", o.picture, "draw maneuver.png there, too");
+    app.add_option("--answer-timeout", o.answer_timeout_ms, "lockstep: longest wait for a valve command")
+        ->check(CLI::Range(1, 3'600'000))
+        ->type_name("MS")
+        ->capture_default_str();
+    app.add_option("--patience", o.patience_ms, "longest wait for the controller to appear")
+        ->check(CLI::Range(1, 3'600'000))
+        ->type_name("MS")
+        ->capture_default_str();
+    app.add_option("--priority", o.priority, "SCHED_FIFO priority with --clock timer; 0: ordinary scheduling")
+        ->check(CLI::Range(0, 99))
+        ->capture_default_str();
+    o.scenario.add_to(app);
+    app.footer(
+        "Examples:\n"
+        "  virtual-rig --can vcan0 --maneuver heavy --surface dry_asphalt --slip 0.24 --out out/stop\n"
+        "  virtual-rig --can vcan0 --clock timer --surface snow --law threshold\n"
+        "Exit status: 0 the maneuver ran to standstill; 1 it did not (controller silent, interface gone, no "
+        "standstill);\n"
+        "2 mistake on the command line or in a configuration file; 130 stopped by Ctrl-C.");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? 0 : 2;
+    }
+    return std::nullopt;
+}
+
+int exit_status(plant_sim::Ending ending) {
+    if (ending == plant_sim::Ending::done) return 0;
+    return ending == plant_sim::Ending::stopped ? 130 : 1;
+}
+
+int run(const Options& o, const plant_sim::Scenario& s) {
+    antiskid::rt::StopSignals signals;
+    const antiskid::can::IdList wanted = antiskid::can::ids(s.layout, antiskid::can::kToRig);
+    antiskid::can::SocketCan bus(o.interface, wanted.span());
+    antiskid::rt::MonotonicClock clock;
+    study::RigSession session(s.plant.rig, s.session);
+    const Time period(std::llround(s.session.period_s * 1e9));
+    plant_sim::RigNode node(session, s.layout, bus, clock, period);
+
+    study::Trajectory trajectory;
+    plant_sim::Progress progress;
+    const auto observe = [&](const study::RigSession& now, const antiskid::can::ControllerView& view,
+                             double current_mA) {
+        if (!o.out.empty()) trajectory.record(now, view, current_mA);
+        progress.show(now, view);
+    };
+    const Time millisecond{1'000'000};
+    plant_sim::NodeResult result;
+    if (o.clock == "sync") {
+        result = node.run_lockstep(o.answer_timeout_ms * millisecond, o.patience_ms * millisecond,
+                                   signals.stop(), observe);
+    } else {
+        if (const auto refused = antiskid::rt::lock_memory())
+            fmt::print(stderr, "virtual-rig: {}\n", *refused);
+        for (const std::string& refused : antiskid::rt::enter_realtime({.priority = o.priority, .cpu = {}})) {
+            fmt::print(stderr, "virtual-rig: {}\n", refused);
+        }
+        result = node.run_realtime(o.patience_ms * millisecond, signals.stop(), observe);
+    }
+    progress.finish();
+
+    study::StopReport report = s.report(o.scenario);
+    report.figures = session.figures();
+    report.faults = result.faults;
+    report.frames_sent = result.frames_sent;
+    report.frames_received = result.frames_received;
+    report.frames_lost = result.frames_lost;
+    report.overruns = result.overruns;
+    fmt::print("{}", study::to_table(report));
+    if (!o.out.empty()) {
+        settings::write_file(o.out / "trajectory.csv", trajectory.csv());
+        settings::write_file(o.out / "result.json", study::to_json(report));
+        if (o.picture) {
+            study::draw_stop(o.out / "trajectory.csv", o.out / "maneuver.png", s.title(o.scenario),
+                             session.pilot().brake_on_s());
+        }
+    }
+    if (!result.reason.empty()) fmt::print(stderr, "virtual-rig: {}\n", result.reason);
+    return exit_status(result.ending);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Options options;
+    if (const auto status = parse(argc, argv, options)) return *status;
+    std::optional<plant_sim::Scenario> scenario;
+    try {
+        scenario = plant_sim::load_scenario(options.scenario);
+        if (options.clock == "sync" && !scenario->layout[antiskid::can::Role::sync].bound) {
+            throw std::invalid_argument(
+                "--clock sync needs a layout with a [sync] message; this one has none");
+        }
+    } catch (const std::exception& e) {
+        fmt::print(stderr, "virtual-rig: {}\n", e.what());
+        return 2;
+    }
+    try {
+        return run(options, *scenario);
+    } catch (const std::exception& e) {
+        fmt::print(stderr, "virtual-rig: {}\n", e.what());
+        return 1;
+    }
+}
