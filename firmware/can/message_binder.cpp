@@ -21,6 +21,7 @@ constexpr double kLeastRollOver_ns =
 template <typename Items>
 std::string suggestion(std::string_view word, const Items& items) {
     std::vector<std::string_view> names;
+    names.reserve(items.size());
     for (const auto& item : items) names.push_back(item.name);
     const std::string_view nearest = settings::nearest(word, names);
     return nearest.empty() ? std::string() : "; did you mean '" + std::string(nearest) + "'?";
@@ -104,7 +105,7 @@ Message MessageBinder::message(bool cyclic) {
     const double period_ms = table_.number("period_ms", {.min = 0.1, .max = 1000.0});
     if (message_->cycle_time_ms && std::abs(*message_->cycle_time_ms - period_ms) > 1e-9) {
         std::string cycle_time = std::to_string(*message_->cycle_time_ms);
-        cycle_time.erase(cycle_time.find_last_not_of("0") + 1);
+        cycle_time.erase(cycle_time.find_last_not_of('0') + 1);
         if (cycle_time.back() == '.') cycle_time.pop_back();
         table_.fail("period_ms", "contradicts GenMsgCycleTime of '" + message_->name + "' in " + dbc_.file +
                                      ", which is " + cycle_time + " ms");

@@ -56,7 +56,7 @@ void SpeedDecoder::apply(const SpeedSignals& signals, const RawSpeed& raw, contr
     last_count_ = raw.edge_count;
     last_time_ = raw.edge_time;
     input.edge_time =
-        control::Time{static_cast<std::int64_t>(static_cast<double>(ticks_) * signals.edge_time.scale + 0.5)};
+        control::Time{static_cast<std::int64_t>(static_cast<double>(ticks_) * signals.edge_time.scale)};
 }
 
 bool apply(const ManeuverSignals& signals, const RawManeuver& raw, control::Time received,

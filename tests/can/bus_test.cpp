@@ -17,7 +17,7 @@ using control::Time;
 
 namespace {
 
-/// Stuffed length of the worst contents, found by building the bits: after the first five alike, every fourth bit adds one.
+/// Stuffed length of the worst contents, by counting: after the first five bits alike, every fourth adds one.
 std::uint32_t bits_by_counting(std::uint32_t length) {
     const std::uint32_t stuffed =
         1 + 11 + 1 + 1 + 1 + 4 + 8 * length + 15;  // SOF, ID, RTR, IDE, r0, DLC, data, CRC

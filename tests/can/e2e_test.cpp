@@ -125,7 +125,7 @@ TEST_CASE("every flip of one or two bits of every protected frame is refused", "
         for (const RigSample& sample : {RigSample{}, some_sample()}) {
             for (const Frame& frame : protected_frames(*layout, sample)) {
                 REQUIRE(accepts(*layout, frame));
-                const std::size_t bits = frame.length * 8U;
+                const std::size_t bits = std::size_t{frame.length} * 8;
                 const auto flip = [](Frame& f, std::size_t bit) {
                     f.data[bit / 8] = static_cast<std::uint8_t>(f.data[bit / 8] ^ (1U << (bit % 8)));
                 };

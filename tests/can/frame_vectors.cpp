@@ -1,5 +1,5 @@
-/// Writes frames of both layouts with what went in and what our own decoder read, one JSON object a line, for an independent parser to
-/// judge. Keys are those of the bindings, values in the controller's units.
+/// Writes frames of both layouts with what went in and what our own decoder read, one JSON object a line, for an
+/// independent parser to judge. Keys are those of the bindings, values in the controller's units.
 
 #include <cstdio>
 #include <random>
@@ -165,7 +165,10 @@ class Writer {
 
 }  // namespace
 
-int main() {
+int main() try {
     Writer("antiskid", can_test::ours()).run(300);
     Writer("foreign", can_test::foreign()).run(300);
+} catch (const std::exception& error) {
+    std::fputs(error.what(), stderr);
+    return 1;
 }

@@ -19,8 +19,8 @@ using control::Time;
 
 namespace {
 
-std::size_t allocations =
-    0;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables): operator new has no other place
+// Operator new has no other place for it. NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
+std::size_t allocations = 0;
 
 constexpr Time kStep{1'000'000};
 
@@ -53,7 +53,6 @@ std::uint32_t rejected(const ControllerPort& port) {
 
 }  // namespace
 
-// NOLINTBEGIN(misc-definitions-in-headers)
 void* operator new(std::size_t size) {
     ++allocations;
     if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
@@ -65,7 +64,6 @@ void operator delete(void* memory) noexcept {
 void operator delete(void* memory, std::size_t /*size*/) noexcept {
     std::free(memory);
 }
-// NOLINTEND(misc-definitions-in-headers)
 
 TEST_CASE("all 2048 identifiers, every length, right and wrong contents: only what is ours and right is used",
           "[CAN-050]") {

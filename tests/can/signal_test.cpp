@@ -85,7 +85,8 @@ TEST_CASE("a field lies where the DBC says, in both byte orders, at every place 
             std::int64_t raw = std::uniform_int_distribution<std::int64_t>(0, span - 1)(random);
             if (field.is_signed) raw -= span / 2;
             // Exact in single precision, so that what comes out must be what went in.
-            const auto value = static_cast<float>(static_cast<double>(raw / 512 * 512) * 0.5);
+            if (field.bits > 24) raw -= raw % 512;
+            const auto value = static_cast<float>(static_cast<double>(raw) * 0.5);
             const Frame frame = rig.pressure(value);
             REQUIRE(frame.length == length);
             const auto clamped = static_cast<double>(slow_read(field, frame)) * 0.5;

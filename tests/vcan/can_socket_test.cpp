@@ -1,4 +1,4 @@
-/// SocketCan over a real AF_CAN socket. Run by `./rig vcan --`, which gives vcan0 and the right to make more interfaces.
+/// SocketCan over real AF_CAN sockets. Run by `./rig vcan --`, which gives vcan0 and the right to make interfaces.
 #include "firmware/can/socket_can.hpp"
 
 #include <array>
@@ -174,7 +174,7 @@ TEST_CASE("frames that the kernel dropped are counted to the last one", "[CAN-08
 TEST_CASE("a full transmit queue gives frames up, counts them, and never sends them later", "[CAN-084]") {
     const Interface slow("vcan6");
     SocketCan b("vcan6", kWanted);
-    // A drain of some 60 frames a second. A short queue of the interface refuses first; before a long one our own buffer does.
+    // Some 60 frames a second drain. A short queue of the interface refuses first; of a long one, our own buffer.
     for (const std::string& queue_bytes : {std::string("64"), std::string("100000")}) {
         SocketCan a("vcan6", kWanted);
         shell("tc qdisc add dev vcan6 root tbf rate 8kbit burst 32 limit " + queue_bytes);
