@@ -99,11 +99,13 @@ NodeResult RigNode::run_lockstep(Time answer_timeout, Time patience, const std::
         const Cycle cycle = next_cycle(true);
         const Time limit = step == 0 ? patience : answer_timeout;
         const Time deadline = clock_.now() + limit;
+        const std::uint64_t sent_before = result_.frames_sent;
         bool answered = false;
         do {
             if (!send_all(cycle, limit, stop)) break;
             answered = wait_for_answer(step + 1, step == 0 ? kRepeat : answer_timeout, stop);
         } while (step == 0 && !answered && !stop && bus_.status().up && clock_.now() < deadline);
+        result_.frames_sent = sent_before + cycle.count;  // a repeated first cycle counts once: it is the same bytes
         if (!answered) {
             if (stop) return finish(Ending::stopped, "stopped by the user");
             if (!bus_.status().up) return finish_link_down();
