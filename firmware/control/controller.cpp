@@ -50,7 +50,7 @@ float Controller::pass_through_Pa(float ceiling_Pa, const Estimate& estimate, St
 }
 
 Command Controller::step(const Sensors& sensors, Time now) {
-    const Estimate& estimate = estimator_.update(sensors, now, current_mA_);
+    const Estimate& estimate = estimator_.update(sensors, current_mA_);
     const FaultSet present = monitor_.check(sensors, estimator_, supervisor_.rolling(), now);
     const State before = supervisor_.state();
     const State state = supervisor_.update(sensors, estimate, present, now);

@@ -18,7 +18,7 @@ float DecelerationLaw::pressure_Pa(const Estimate& e, float deceleration_mps2, f
     const float gain = config_.filter_radps * period_s_ / (1.0F + config_.filter_radps * period_s_);
     measured_mps2_ += gain * (-e.omega_dot_radps2 * e.radius_m - measured_mps2_);
     // Too slow for the encoders: the last pressure is held to standstill.
-    if (e.v_mps < config_.drop_out_mps) return smaller(integral_Pa_, ceiling_Pa);
+    if (e.v_mps < config_.drop_out_mps) return limited(integral_Pa_, 0.0F, ceiling_Pa);
     const float allowed_Pa = guard_.pressure_Pa(e, config_.slip_limit, ceiling_Pa);
 
     reference_mps2_ = towards(reference_mps2_, deceleration_mps2, config_.onset_mps3 * period_s_);

@@ -13,7 +13,7 @@ struct Estimate {
     float omega_radps = 0.0F;  ///< wheel speed
     float omega_dot_radps2 = 0.0F;
     float radius_m = 0.0F;   ///< rolling radius now
-    float slip = 0.0F;       ///< eq. (3), now
+    float slip = 0.0F;       ///< eq. (3), now; 0 at standstill
     PressureState pressure;  ///< now
 
     float brake_gain = 0.0F;  ///< k_b / J_w: wheel deceleration per pressure

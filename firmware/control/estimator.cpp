@@ -10,12 +10,23 @@ constexpr float kCalibrationSpeed_mps = 15.0F;  // free rolling below it is too 
 constexpr float kFreePressure_Pa = 2e5F;
 constexpr float kFreeAcceleration_radps2 = 60.0F;
 constexpr float kRadiusMemory_s = 0.05F;
+constexpr float kMostReading = 2.0F;  // times full pressure
+
+/// A reading that cannot be (or is no number) must not reach a filter, where it would stay. The monitor names it.
+SpeedReading usable(SpeedReading reading, float most_radps) {
+    if (!(reading.speed_radps >= 0.0F && reading.speed_radps <= most_radps)) {
+        reading.fresh = false;
+        reading.bounded = false;
+    }
+    return reading;
+}
 }  // namespace
 
 Estimator::Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, const ValveConfig& valve,
                      const EstimatorConfig& estimator, float period_s)
     : wheel_(wheel),
       valve_(valve),
+      flywheel_most_radps_(flywheel.encoder.max_speed_radps),
       flywheel_radius_m_(flywheel.radius_m),
       period_s_(period_s),
       brake_gain_(wheel.brake_gain_m3 / wheel.inertia_kgm2),
@@ -28,11 +39,11 @@ Estimator::Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, c
       standing_radius_m_(wheel.nominal_radius_m) {}
 
 /// A wheel that rolls freely shows its radius: v / omega. Brake torque would show as slip, spin-up as
-/// acceleration: both are waited out.
-void Estimator::calibrate_radius() {
+/// acceleration: both are waited out. In the air it turns at any speed.
+void Estimator::calibrate_radius(bool on_wheels) {
     const Estimate& e = estimate_;
-    const bool free = e.pressure.pressure_Pa < kFreePressure_Pa && e.v_mps > kCalibrationSpeed_mps &&
-                      wheel_reading_.fresh &&
+    const bool free = on_wheels && e.pressure.pressure_Pa < kFreePressure_Pa &&
+                      e.v_mps > kCalibrationSpeed_mps && wheel_reading_.fresh &&
                       magnitude(wheel_tracker_.acceleration()) < kFreeAcceleration_radps2;
     if (!free) return;
     const float measured = e.v_mps / e.omega_radps - lift_per_stiffness_ * e.v_mps * e.v_mps;
@@ -42,19 +53,21 @@ void Estimator::calibrate_radius() {
     standing_radius_m_ += (measured - standing_radius_m_) * period_s_ / (kRadiusMemory_s + period_s_);
 }
 
-const Estimate& Estimator::update(const Sensors& sensors, Time now, float last_current_mA) {
+const Estimate& Estimator::update(const Sensors& sensors, float last_current_mA) {
     const PressureState before = valve_model_.now();
-    valve_model_.update(valve_pressure_Pa(valve_, last_current_mA), sensors.pressure.pressure_Pa,
-                        sensors.pressure.received != pressure_received_);
+    const float measured_Pa = sensors.pressure.pressure_Pa;
+    const bool fresh = sensors.pressure.received != pressure_received_ &&
+                       magnitude(measured_Pa) <= kMostReading * valve_.full_pressure_Pa;
+    valve_model_.update(valve_pressure_Pa(valve_, last_current_mA), measured_Pa, fresh);
     pressure_received_ = sensors.pressure.received;
     const PressureState pressure = valve_model_.now();
 
-    flywheel_reading_ = flywheel_speed_.update(sensors.flywheel, now);
-    wheel_reading_ = wheel_speed_.update(sensors.wheel, now);
-    flywheel_tracker_.update(flywheel_reading_, period_s_, 0.0F, 0.0F);
+    flywheel_reading_ = flywheel_speed_.update(sensors.flywheel);
+    wheel_reading_ = wheel_speed_.update(sensors.wheel);
+    flywheel_tracker_.update(usable(flywheel_reading_, flywheel_most_radps_), period_s_, 0.0F, 0.0F);
     const float braking = -brake_gain_ * 0.5F * (before.pressure_Pa + pressure.pressure_Pa);
-    wheel_tracker_.update(wheel_reading_, period_s_, braking * period_s_,
-                          -brake_gain_ * pressure.pressure_Pa);
+    wheel_tracker_.update(usable(wheel_reading_, wheel_.encoder.max_speed_radps), period_s_,
+                          braking * period_s_, -brake_gain_ * pressure.pressure_Pa);
 
     Estimate& e = estimate_;
     e.speeds_known = wheel_reading_.valid && flywheel_reading_.valid;
@@ -64,11 +77,11 @@ const Estimate& Estimator::update(const Sensors& sensors, Time now, float last_c
     e.omega_radps = wheel_tracker_.speed();
     e.omega_dot_radps2 = wheel_tracker_.acceleration() - brake_gain_ * pressure.pressure_Pa;
     e.pressure = pressure;
-    calibrate_radius();
+    calibrate_radius(sensors.maneuver.weight_on_wheels);
 
     const float v = larger(e.v_mps, kSlowest_mps);
     e.radius_m = standing_radius_m_ + lift_per_stiffness_ * v * v;
-    e.slip = limited(1.0F - e.omega_radps * e.radius_m / v, -1.0F, 1.0F);
+    e.slip = e.v_mps > kSlowest_mps ? limited(1.0F - e.omega_radps * e.radius_m / v, -1.0F, 1.0F) : 0.0F;
     // A constant slip needs omega_dot = omega v_dot / v; what the road gives beyond it, the brake must take.
     e.balance_Pa =
         larger(wheel_tracker_.acceleration() - e.omega_radps * e.v_dot_mps2 / v, 0.0F) / brake_gain_;

@@ -15,7 +15,7 @@ class Estimator {
               const EstimatorConfig& estimator, float period_s);
 
     /// One period; `last_current_mA` is what the valve was commanded since the step before.
-    const Estimate& update(const Sensors& sensors, Time now, float last_current_mA);
+    const Estimate& update(const Sensors& sensors, float last_current_mA);
 
     [[nodiscard]] const Estimate& estimate() const { return estimate_; }
     [[nodiscard]] const SpeedReading& wheel_reading() const { return wheel_reading_; }
@@ -23,10 +23,11 @@ class Estimator {
     [[nodiscard]] float uncorrected_pressure_Pa() const { return valve_model_.uncorrected_Pa(); }
 
   private:
-    void calibrate_radius();
+    void calibrate_radius(bool on_wheels);
 
     WheelConfig wheel_;
     ValveConfig valve_;
+    float flywheel_most_radps_;
     float flywheel_radius_m_;
     float period_s_;
     float brake_gain_;  // k_b / J_w

@@ -8,7 +8,7 @@ Monitor::Monitor(const Config& config)
     : config_(config.monitor),
       wheel_encoder_(config.wheel.encoder),
       flywheel_encoder_(config.flywheel.encoder),
-      full_pressure_Pa_(config.valve.full_pressure_Pa),
+      flywheel_radius_m_(config.flywheel.radius_m),
       released_Pa_(config.supervisor.residual_pressure_Pa),
       period_s_(config.period_s) {}
 
@@ -100,10 +100,17 @@ void Monitor::check_plausibility(FaultSet& faults, const Estimator& estimator, b
 
     const bool wheel_stands = rolling && moving && released && estimator.wheel_reading().speed_radps == 0.0F;
     if (wheel_stuck_.holds(wheel_stands, config_.stuck_s, period_s_)) faults.insert(Fault::wheel_stuck);
-    const bool flywheel_stands =
-        estimator.flywheel_reading().speed_radps == 0.0F && rim > config_.plausible_above_mps;
-    if (flywheel_stuck_.holds(flywheel_stands, config_.stuck_s, period_s_))
-        faults.insert(Fault::flywheel_stuck);
+    // An encoder that dies at speed must be found before the law believes that the aircraft stands: it would
+    // lock the wheel, and then both encoders agree.
+    constexpr float kHardest_mps2 = 20.0F;  // twice what the best tyre can do
+    const SpeedReading& flywheel = estimator.flywheel_reading();
+    carried_mps_ = larger(e.v_mps, carried_mps_ - kHardest_mps2 * period_s_);
+    const bool falls = flywheel.valid && carried_mps_ > config_.plausible_above_mps &&
+                       flywheel.speed_radps * flywheel_radius_m_ < 0.5F * carried_mps_;
+    const bool blind = flywheel_blind_.holds(falls, config_.implausible_s, period_s_);
+    const bool stands = flywheel.speed_radps == 0.0F && rim > config_.plausible_above_mps;
+    const bool stuck = flywheel_stuck_.holds(stands, config_.stuck_s, period_s_);
+    if (blind || stuck) faults.insert(Fault::flywheel_stuck);
 
     const bool overspeed =
         rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;

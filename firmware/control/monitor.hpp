@@ -5,7 +5,8 @@
 /// - *_range: outside what the sensor can mean (or not a number), for `implausible_s`
 /// - *_rate: changes faster than the machine can, for `implausible_s`
 /// - wheel_stuck: no edge although the brake is released and the aircraft moves, for `stuck_s`
-/// - flywheel_stuck: no edge although the wheel turns, for `stuck_s`
+/// - flywheel_stuck: the speed falls to half faster than an aircraft can lose it, for `implausible_s`, or no edge
+///   although the wheel turns, for `stuck_s`
 /// - pressure_stuck: the same reading to the last bit while the model moved by `pressure_moves_Pa`, for `stuck_s`
 /// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`, or steady slip of a free wheel above
 ///   `free_slip`, for `stuck_s`
@@ -28,7 +29,8 @@ class Persistence {
     bool holds(bool condition, float limit_s, float period_s) {
         held_s_ = condition ? held_s_ + period_s : 0.0F;
         if (held_s_ > limit_s + 1.0F) held_s_ = limit_s + 1.0F;
-        return condition && held_s_ >= limit_s;
+        // Half a period of slack: the sum of many rounded periods may fall short of their number.
+        return condition && held_s_ >= limit_s - 0.5F * period_s;
     }
 
   private:
@@ -69,13 +71,14 @@ class Monitor {
     MonitorConfig config_;
     EncoderConfig wheel_encoder_;
     EncoderConfig flywheel_encoder_;
-    float full_pressure_Pa_;
+    float flywheel_radius_m_;
     float released_Pa_;
     float period_s_;
     Arrival wheel_, flywheel_, pressure_, maneuver_;
     SpeedCheck wheel_speed_, flywheel_speed_;
     Persistence pressure_range_, pressure_rate_, pressure_stuck_, pressure_off_, wheel_stuck_,
-        flywheel_stuck_, overspeed_, free_slip_;
+        flywheel_stuck_, flywheel_blind_, overspeed_, free_slip_;
+    float carried_mps_ = 0.0F;  // the speed that an aircraft must still have at least
     float last_reading_Pa_ = 0.0F;
     Time last_reading_at_ = kNever;
     float model_at_change_Pa_ = 0.0F;

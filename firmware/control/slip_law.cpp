@@ -38,7 +38,8 @@ float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceilin
 
     if (building_up_) {
         building_up_ = e.late_slip < config_.build_up_slip * reference_;
-        build_up_Pa_ = smaller(build_up_Pa_ + config_.build_up_rate_Paps * period_s_, config_.build_up_pressure_Pa);
+        build_up_Pa_ =
+            smaller(build_up_Pa_ + config_.build_up_rate_Paps * period_s_, config_.build_up_pressure_Pa);
         if (building_up_) wanted_Pa = larger(wanted_Pa, e.balance_Pa + build_up_Pa_);
     }
 

@@ -11,7 +11,7 @@ constexpr Time kStandstill{100'000'000};
 
 SpeedEstimator::SpeedEstimator(float teeth) : radians_per_edge_(kTwoPi / teeth) {}
 
-SpeedReading SpeedEstimator::update(const SpeedInput& input, Time now) {
+SpeedReading SpeedEstimator::update(const SpeedInput& input) {
     SpeedReading reading;
     if (input.received == kNever) return reading;
     const bool new_frame = input.received != last_received_;
@@ -28,7 +28,7 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input, Time now) {
         started_ = true;
         edge_count_ = input.edge_count;
         edge_time_ = input.edge_time;
-        newest_edge_seen_ = now;
+        newest_edge_seen_ = input.received;
     }
     const std::uint32_t edges = input.edge_count - edge_count_;
     const Time took = input.edge_time - edge_time_;
@@ -44,16 +44,22 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input, Time now) {
         running_ = true;
         edge_count_ = input.edge_count;
         edge_time_ = input.edge_time;
-        newest_edge_seen_ = now;
-    } else if (now - newest_edge_seen_ >= kStandstill) {
-        running_ = false;
-        measured_ = true;
-        speed_radps_ = 0.0F;
-        reading.fresh = new_frame;
-    } else if (running_ && now > newest_edge_seen_) {
-        const float bound = radians_per_edge_ / seconds(now - newest_edge_seen_);
-        if (bound < speed_radps_) {
-            speed_radps_ = bound;
+        newest_edge_seen_ = input.received;
+    } else if (new_frame) {
+        // A clock that went backwards was restarted: the next edge is measured from here.
+        if (took.count() < 0) {
+            edge_count_ = input.edge_count;
+            edge_time_ = input.edge_time;
+        }
+        const Time idle = input.received - newest_edge_seen_;
+        if (idle >= kStandstill) {
+            running_ = false;
+            measured_ = true;
+            speed_radps_ = 0.0F;
+            reading.fresh = true;
+        } else if (running_ && edges == 0 && idle.count() > 0 &&
+                   radians_per_edge_ / seconds(idle) < speed_radps_) {
+            speed_radps_ = radians_per_edge_ / seconds(idle);
             reading.bounded = true;
         }
     }

@@ -21,8 +21,9 @@ class SpeedEstimator {
   public:
     explicit SpeedEstimator(float teeth);
 
-    /// One period. A shaft without an edge for 100 ms counts as standing: a valid zero.
-    SpeedReading update(const SpeedInput& input, Time now);
+    /// One period. A shaft whose frames show no edge for 100 ms counts as standing: a valid zero. Frames that do
+    /// not come say nothing.
+    SpeedReading update(const SpeedInput& input);
 
   private:
     float radians_per_edge_;
@@ -31,7 +32,7 @@ class SpeedEstimator {
     bool measured_ = false;  // speed_radps_ is known: two edges, or a standstill
     std::uint32_t edge_count_ = 0;
     Time edge_time_{};
-    Time newest_edge_seen_{};  // controller's clock
+    Time newest_edge_seen_{};  // arrival of the frame that showed it
     Time last_received_ = kNever;
     float speed_radps_ = 0.0F;
 };

@@ -19,7 +19,7 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s, float imp
         return;
     }
     if (!started_) {
-        reset(reading.speed_radps, 0.0F);
+        if (reading.fresh) reset(reading.speed_radps, 0.0F);
         return;
     }
     speed_ = larger(speed_ + acceleration_ * period_s + impulse, 0.0F);

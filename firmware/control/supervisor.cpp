@@ -48,10 +48,10 @@ State Supervisor::braking_state(const Sensors& sensors, const Estimate& e) {
 State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet present) {
     const bool arm = sensors.maneuver.arm;
     const bool arms = arm && !arm_before_;
+    const bool released = sensors.pressure.pressure_Pa < config_.residual_pressure_Pa;
     switch (state_) {
         case State::self_test: {
             const bool at_rest = e.speeds_known && e.omega_radps < kAtRest_radps;
-            const bool released = sensors.pressure.pressure_Pa < config_.residual_pressure_Pa;
             if (residual_pressure_.holds(at_rest && present.empty() && !released, kSelfTestPatience_s,
                                          period_s_)) {
                 latched_.insert(Fault::self_test_failed);
@@ -65,7 +65,9 @@ State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet prese
             if (arms) latched_ = FaultSet{};
             return arms ? State::armed : State::standby;
         case State::safe:
-            return !arm && present.empty() ? State::standby : State::safe;
+            return !arm && present.empty() && (released || !latched_.contains(Fault::self_test_failed))
+                       ? State::standby
+                       : State::safe;
         default:
             return arm ? braking_state(sensors, e) : State::standby;
     }
