@@ -7,6 +7,7 @@
 #include "firmware/can/bus_load.hpp"
 #include "firmware/can/candump.hpp"
 #include "firmware/can/loopback.hpp"
+#include "firmware/can/socket_can.hpp"
 #include "firmware/can/wall_clock_offset.hpp"
 #include "tests/can/layouts.hpp"
 #include "tests/catch.hpp"
@@ -118,6 +119,15 @@ TEST_CASE("a full receive queue drops the newest and counts; a link that is down
     b.set_link(true, false);
     CHECK(b.send({}));
     CHECK(a.receive(frames) == 1);
+}
+
+TEST_CASE("without the interface, or without CAN in the kernel, the refusal says so", "[CAN-080]") {
+    // Which of the two depends on the machine; over a real vcan each refusal is tested by itself.
+    CHECK_THROWS_WITH(
+        SocketCan("vcan_no_such", {}),
+        ContainsSubstring("CAN interface 'vcan_no_such'") &&
+            (ContainsSubstring("does not exist: make it with `ip link add") ||
+             ContainsSubstring("this kernel has no CAN (`modprobe can_raw`, or run under `./rig vcan")));
 }
 
 TEST_CASE("candump lines are read", "[CAN-090]") {
