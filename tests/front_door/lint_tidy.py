@@ -2,7 +2,7 @@
 """clang-tidy over the project's own files in a build's compile_commands.json, on all cores.
 
 A file that was clean is not checked again until something changes that the result depends on: the text of the file or of
-anything it includes, how it is compiled, .clang-tidy, or clang-tidy itself. The evidence is an empty file of that hash.
+anything it includes, how it is compiled, the checks in force for it, or clang-tidy itself. The evidence is an empty file of that hash.
 
     lint_tidy.py BUILD_DIR
 """
@@ -38,7 +38,9 @@ def included_files(entry):
 
 
 def key(entry, tool):
-    parts = [tool, entry["command"], digest(ROOT / ".clang-tidy")]
+    checks = subprocess.run(["clang-tidy", "--dump-config", entry["file"], "--"],
+                            capture_output=True, text=True, check=True).stdout
+    parts = [tool, entry["command"], checks]
     parts += [f"{path} {digest(path)}" for path in included_files(entry)]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
