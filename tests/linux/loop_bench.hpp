@@ -44,7 +44,7 @@ class StepClock final : public rt::Clock {
 /// The controller's end of the bus. Waiting on it asks the test for frames; if there are none, time passes.
 class WaitingBus final : public can::Bus {
   public:
-    WaitingBus(can::Loopback::End& end, StepClock& clock) : end_(end), clock_(clock) {}
+    WaitingBus(can::Bus& end, StepClock& clock) : end_(end), clock_(clock) {}
     std::size_t receive(const std::span<can::Frame> frames) override { return end_.receive(frames); }
     bool send(const can::Frame& frame) override { return end_.send(frame); }
     bool wait(const Time timeout) override {
@@ -58,7 +58,7 @@ class WaitingBus final : public can::Bus {
     std::function<void()> on_wait;
 
   private:
-    can::Loopback::End& end_;
+    can::Bus& end_;
     StepClock& clock_;
 };
 

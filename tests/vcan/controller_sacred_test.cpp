@@ -1,0 +1,115 @@
+// The loop over a real CAN socket allocates nothing, takes no lock, prints nothing, throws nothing. Run by `./rig vcan --`.
+#include <array>
+#include <memory>
+#include <span>
+
+#include "firmware/can/roles.hpp"
+#include "firmware/can/socket_can.hpp"
+#include "firmware/linux/supervised_can.hpp"
+#include "tests/catch.hpp"
+#include "tests/linux/loop_bench.hpp"
+#include "tests/linux/toy_rig.hpp"
+#include "tests/linux/traps.hpp"
+
+using namespace rt_test;
+
+namespace {
+
+/// The rig's end: a socket of its own.
+class RigEnd {
+  public:
+    explicit RigEnd(const rt::Setup& setup)
+        : port_(setup.layout, setup.period),
+          socket_("vcan0", can::ids(setup.layout, can::kToRig).span()),
+          toy_(setup.control, control::Law::wheel_slip) {}
+
+    void period(const bool with_sync) {
+        const traps::Disarmed disarmed;
+        std::array<can::Frame, 32> frames;
+        for (std::size_t n = socket_.receive(frames); n > 0; n = socket_.receive(frames))
+            for (const can::Frame& frame : std::span(frames).first(n)) port_.accept(frame);
+        toy_.advance(static_cast<double>(port_.controller().current_mA), 1e-3);
+        const std::size_t count = port_.due_frames(toy_.sample(), frames);
+        for (const can::Frame& frame : std::span(frames).first(count)) REQUIRE(socket_.send(frame));
+        if (with_sync) REQUIRE(socket_.send(port_.sync(syncs_++)));
+    }
+
+    [[nodiscard]] const can::RigPort& port() const { return port_; }
+
+  private:
+    can::RigPort port_;
+    can::SocketCan socket_;
+    ToyRig toy_;
+    std::uint32_t syncs_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("over a real socket the loop does nothing forbidden", "[RT-052]") {
+    constexpr int kPeriods = 10'000;
+    const auto source = GENERATE(rt::ClockSource::sync, rt::ClockSource::timer);
+    const rt::Setup setup = default_setup();
+    rt::SupervisedCan socket([&setup] {
+        return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span());
+    });
+    RigEnd rig(setup);
+    StepClock clock;
+    WaitingBus bus(socket, clock);
+    rt::Options options;
+    options.clock = source;
+    const auto session = std::make_unique<rt::Session>(setup, options, bus, clock);
+    std::atomic<bool> stop{false};
+    int period = 0;
+    if (source == rt::ClockSource::sync) {
+        bus.on_wait = [&] {
+            if (period++ < kPeriods)
+                rig.period(true);
+            else
+                stop = true;
+        };
+    } else {
+        clock.on_sleep = [&](Time) {
+            if (stop) return;
+            rig.period(false);
+            stop = ++period == kPeriods;
+        };
+    }
+    traps::clear();
+    {
+        const traps::Armed armed;
+        session->loop().run(stop);
+    }
+    for (std::size_t call = 0; call < traps::kCalls; ++call) {
+        INFO(traps::kNames[call]);
+        CHECK(traps::caught(static_cast<traps::Call>(call)) == 0);
+    }
+    const rt::LoopStatistics& statistics = session->loop().statistics();
+    CHECK(statistics.steps == kPeriods);
+    CHECK(statistics.frames_unsent == 0);
+    CHECK(session->port().stats(can::Role::wheel).accepted == kPeriods);
+    CHECK(rig.port().stats(can::Role::valve).rejected() == 0);
+    if (source == rt::ClockSource::sync)
+        CHECK(statistics.steps_in_state[static_cast<std::size_t>(control::State::braking)] > 1000);
+}
+
+TEST_CASE("by the machine's own clock, too", "[RT-052]") {
+    const rt::Setup setup = default_setup();
+    rt::SupervisedCan socket([&setup] {
+        return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span());
+    });
+    rt::MonotonicClock clock;
+    const auto session = std::make_unique<rt::Session>(setup, rt::Options{}, socket, clock);
+    std::atomic<bool> stop{false};
+    std::thread stopper([&] {
+        clock.sleep_until(clock.now() + 500ms);
+        stop = true;
+    });
+    traps::clear();
+    {
+        const traps::Armed armed;
+        session->loop().run(stop);
+    }
+    stopper.join();
+    CHECK(traps::caught() == 0);
+    CHECK(session->loop().statistics().steps > 0);
+}
