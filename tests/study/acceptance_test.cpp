@@ -1,0 +1,133 @@
+/// What the closed loop must show on the 32 reference scenarios, through sensors and codec.
+#include "tests/catch.hpp"
+#include "tests/study/scenarios.hpp"
+
+#include <map>
+
+using scenarios::Name;
+
+TEST_CASE("slip reference 0.24: tracked, no lock, friction used, books closed, on all 32 scenarios",
+          "[STUDY-001]") {
+    double sum = 0.0;
+    const auto names = scenarios::all();
+    REQUIRE(names.size() == 32);
+    for (const Name& name : names) {
+        INFO(name.surface << ", " << name.maneuver);
+        const study::RunResult run = scenarios::run(scenarios::options(name));
+        CHECK(run.figures.standstill);
+        CHECK(run.faults.empty());
+        CHECK(run.figures.tracked_share >= 0.95);
+        CHECK(run.figures.longest_lock_s <= 0.050);
+        CHECK(std::abs(run.figures.energy_residual) <= 1e-6);
+        sum += run.figures.j_mu;
+    }
+    INFO("mean J_mu " << sum / 32.0);
+    CHECK(sum / 32.0 >= 0.958);
+}
+
+TEST_CASE("the same holds with another seed of every sensor", "[STUDY-001]") {
+    double sum = 0.0;
+    for (const Name& name : scenarios::all()) {
+        INFO(name.surface << ", " << name.maneuver);
+        auto options = scenarios::options(name);
+        options.seed = 20261121;
+        const study::RunResult run = scenarios::run(options);
+        CHECK(run.faults.empty());
+        CHECK(run.figures.tracked_share >= 0.95);
+        CHECK(run.figures.longest_lock_s <= 0.050);
+        sum += run.figures.j_mu;
+    }
+    CHECK(sum / 32.0 >= 0.958);
+}
+
+TEST_CASE("the slip law beats the threshold law on every surface whose friction at 0.24 lets it",
+          "[STUDY-002]") {
+    struct Sums {
+        double j_mu = 0.0;
+        double distance_m = 0.0;
+    };
+    std::map<std::string, Sums> slip;
+    std::map<std::string, Sums> threshold;
+    for (const Name& name : scenarios::all()) {
+        for (auto* side : {&slip, &threshold}) {
+            const auto run = scenarios::run(scenarios::options(name, side == &slip ? "slip" : "threshold"));
+            CHECK(run.faults.empty());
+            (*side)[name.surface].j_mu += run.figures.j_mu / 4.0;
+            (*side)[name.surface].distance_m += run.figures.stop_distance_m / 4.0;
+        }
+    }
+    for (const auto& [surface, ours] : slip) {
+        INFO(surface << ": slip law " << ours.j_mu << ", " << ours.distance_m << " m; threshold law "
+                     << threshold[surface].j_mu << ", " << threshold[surface].distance_m << " m");
+        if (surface == "snow") continue;
+        CHECK(ours.j_mu > threshold[surface].j_mu);
+        CHECK(ours.distance_m < threshold[surface].distance_m);
+    }
+    // Snow peaks at slip 0.06: whoever holds 0.24 exactly gets 0.942 of it, less than a law that cycles below. There the slip law is
+    // held to its reference: it must reach what 0.24 offers.
+    auto options = scenarios::options({"snow", "heavy"});
+    const plant::Surface snow = plant_sim::load_scenario(options).plant.rig.surface;
+    CHECK(slip["snow"].j_mu >= plant::friction(snow, 0.24).mu / plant::peak(snow).mu);
+}
+
+TEST_CASE("a worn and a fierce brake are held as well", "[STUDY-003]") {
+    for (const double friction : {0.22, 0.36}) {
+        for (const Name& name : scenarios::all()) {
+            INFO(name.surface << ", " << name.maneuver << ", mu_b " << friction);
+            auto options = scenarios::options(name);
+            options.choice.friction = friction;
+            const auto s = plant_sim::load_scenario(options);
+            const auto run = scenarios::run(options);
+            CHECK(run.faults.empty());
+            CHECK(run.figures.longest_lock_s <= 0.050);
+            // Where full pressure cannot give the torque that the road takes at 0.24, no controller can hold it.
+            const plant::RigParameters& p = s.plant.rig;
+            const double road_Nm =
+                plant::friction(p.surface, 0.24).mu * p.load.base_N * p.wheel.free_radius_m;
+            const double brake_Nm = 0.85 * friction * p.brake.gain_m3() * s.plant.full_pressure_Pa;
+            if (brake_Nm > road_Nm) CHECK(run.figures.tracked_share >= 0.95);
+        }
+    }
+}
+
+TEST_CASE("the low-speed schedule of the reference can be switched off: the paper's exact law",
+          "[STUDY-004]") {
+    auto options = scenarios::options({"wet_cobblestone", "light"});
+    plant_sim::Scenario s = plant_sim::load_scenario(options);
+    s.controller.slip.low_speed_mps = 0.0F;
+    float lowest = 1.0F;
+    const auto watch = [&](const study::RigSession& session, const antiskid::can::ControllerView& view,
+                           double) {
+        if (view.state == antiskid::control::State::braking && session.rig().wheel().v_mps < 20.0) {
+            lowest = std::min(lowest, view.slip_reference);
+        }
+    };
+    (void)study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded, watch);
+    CHECK(lowest == Approx(0.24));
+}
+
+TEST_CASE("period 2 and 5 ms stop the aircraft, too", "[STUDY-005]") {
+    struct Case {
+        float period_s;
+        float
+            gain;  // of the shipped gains, as docs/controller.md says: the delay of a longer period asks for less
+    };
+    for (const Case c : {Case{2e-3F, 1.0F}, Case{5e-3F, 0.4F}}) {
+        for (const char* surface : {"dry_asphalt", "wet_asphalt", "snow", "ice"}) {
+            INFO(surface << ", period " << c.period_s);
+            plant_sim::Scenario s = plant_sim::load_scenario(scenarios::options({surface, "light"}));
+            s.controller.period_s = c.period_s;
+            s.controller.slip.k_p_per_s *= c.gain;
+            s.controller.slip.k_d *= c.gain;
+            s.controller.slip.k_dd_s *= c.gain * c.gain;
+            s.controller.estimator.wheel_bandwidth_radps *= c.gain < 1.0F ? 0.5F : 1.0F;
+            s.session.period_s = static_cast<double>(c.period_s);
+            const auto run =
+                study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames);
+            CHECK(run.faults.empty());
+            CHECK(run.figures.standstill);
+            CHECK(run.figures.tracked_share >= 0.9);
+            CHECK(run.figures.longest_lock_s <= 0.050);
+        }
+    }
+}

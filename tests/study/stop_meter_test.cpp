@@ -1,0 +1,52 @@
+/// The meter against stops whose figures are known in closed form.
+#include "plant_sim/study/stop_meter.hpp"
+#include "tests/catch.hpp"
+#include "tests/study/scenarios.hpp"
+
+namespace {
+plant::RigParameters heavy() {
+    return plant_sim::load_scenario(scenarios::options({"dry_asphalt", "heavy"})).plant.rig;
+}
+}  // namespace
+
+TEST_CASE(
+    "a wheel locked from the start: all energy to the tyre, J_mu = mu(1) / mu_max, distance in closed form",
+    "[STUDY-030]") {
+    plant::RigParameters p = heavy();
+    p.load.lift_Ns2pm2 = 0.0;  // constant load: constant deceleration
+    plant::Rig rig(p, 1e-3, 1);
+    study::StopMeter meter(0.24, 5.0);
+    rig.touch_down();
+    rig.advance_pressure(20.7e6, 20.7e6);  // held from the first instant: it never spins up
+    meter.start(rig);
+    const double v0 = rig.wheel().v_mps;
+    while (!rig.standstill()) {
+        rig.advance_pressure(20.7e6, 20.7e6);
+        meter.update(rig, 1e-3);
+    }
+    const study::StopFigures f = meter.figures(rig);
+    const double mu_1 = plant::friction(p.surface, 1.0).mu;
+    CHECK(f.stop_distance_m == Approx(v0 * v0 / (2.0 * mu_1 * 9.80665)).epsilon(1e-5));
+    CHECK(f.j_mu == Approx(mu_1 / plant::peak(p.surface).mu).epsilon(1e-9));
+    CHECK(f.energy_brake_J == 0.0);
+    CHECK(f.energy_tyre_J == Approx(0.5 * p.wheel.mass_kg * v0 * v0).epsilon(1e-5));
+    CHECK(f.peak_slip == 1.0);
+    CHECK(f.longest_lock_s == Approx((v0 - 5.0) / (mu_1 * 9.80665)).margin(2e-3));
+    CHECK(f.tracked_share == 0.0);
+    CHECK(f.mean_load_N == Approx(p.load.base_N).epsilon(1e-9));
+}
+
+TEST_CASE("eq. (7) gives back the friction that the brake had", "[STUDY-031]") {
+    plant::RigParameters p = heavy();
+    p.friction_curve = {0.3, 0.0, 0.0, 0.0};
+    p.mean_friction = 0.27;
+    plant::Rig rig(p, 1e-3, 1);
+    rig.start_rolling();
+    study::StopMeter meter(0.24, 5.0);
+    meter.start(rig);
+    while (rig.wheel().v_mps > 5.0) {
+        rig.advance_pressure(6e6, 6e6);
+        meter.update(rig, 1e-3);
+    }
+    CHECK(meter.figures(rig).mean_friction == Approx(0.27).epsilon(1e-6));
+}
