@@ -64,7 +64,7 @@ struct StopCommand {
             study::draw_stop(csv, picture, s.title(scenario),
                              s.session.plan.touchdown_s + s.session.plan.settle_s);
         }
-        return result.timed_out ? 1 : 0;
+        return result.came_to_rest ? 0 : 1;
     }
 };
 

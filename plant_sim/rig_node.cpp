@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "firmware/can/roles.hpp"
+#include "firmware/can/value_names.hpp"
 #include "firmware/linux/periodic_timer.hpp"
 
 namespace plant_sim {
@@ -93,9 +94,20 @@ NodeResult RigNode::finish_link_down() {
         "the CAN interface went down during the run; the valve driver has fallen back to no current");
 }
 
+NodeResult RigNode::finish_run() {
+    if (session_.abandoned()) {
+        return finish(
+            Ending::no_standstill,
+            "the controller is in its safe state: the aircraft is not braked any more; see the faults");
+    }
+    if (session_.timed_out()) return finish(Ending::no_standstill, "the maneuver did not come to rest");
+    return finish(Ending::done, "");
+}
+
 NodeResult RigNode::run_lockstep(Time answer_timeout, Time patience, const std::atomic<bool>& stop,
                                  const NodeObserver& observe) {
     for (std::uint64_t step = 0; !session_.done(); ++step) {
+        if (stop) return finish(Ending::stopped, "stopped by the user");
         const Cycle cycle = next_cycle(true);
         const Time limit = step == 0 ? patience : answer_timeout;
         const Time deadline = clock_.now() + limit;
@@ -105,7 +117,8 @@ NodeResult RigNode::run_lockstep(Time answer_timeout, Time patience, const std::
             if (!send_all(cycle, limit, stop)) break;
             answered = wait_for_answer(step + 1, step == 0 ? kRepeat : answer_timeout, stop);
         } while (step == 0 && !answered && !stop && bus_.status().up && clock_.now() < deadline);
-        result_.frames_sent = sent_before + cycle.count;  // a repeated first cycle counts once: it is the same bytes
+        result_.frames_sent =
+            sent_before + cycle.count;  // a repeated first cycle counts once: it is the same bytes
         if (!answered) {
             if (stop) return finish(Ending::stopped, "stopped by the user");
             if (!bus_.status().up) return finish_link_down();
@@ -116,32 +129,32 @@ NodeResult RigNode::run_lockstep(Time answer_timeout, Time patience, const std::
                     step, milliseconds(limit), layout_[Role::valve].id));
         }
         const auto current_mA = static_cast<double>(port_.controller().current_mA);
-        session_.advance(current_mA);
+        session_.advance(current_mA, port_.controller().state);
         observe(session_, port_.controller(), current_mA);
     }
-    if (session_.timed_out()) return finish(Ending::timed_out, "the maneuver did not come to rest");
-    return finish(Ending::done, "");
+    return finish_run();
 }
 
 NodeResult RigNode::run_realtime(Time patience, const std::atomic<bool>& stop, const NodeObserver& observe) {
     antiskid::rt::PeriodicTimer timer(clock_, period_);
     const Time give_up = clock_.now() + patience;
-    bool seen = false;
+    bool ready = false;
     while (!session_.done()) {
         const auto tick = timer.wait();
         if (stop) return finish(Ending::stopped, "stopped by the user");
         receive();
         const antiskid::can::ControllerView& view = port_.controller();
         if (!bus_.status().up) return finish_link_down();
-        // Until the controller is there the rig stands still and sends its first sample.
-        if (!seen) {
-            seen = view.command_received != antiskid::control::kNever;
-            if (!seen && tick.woke >= give_up) {
-                return finish(
-                    Ending::silent,
-                    fmt::format(
-                        "no valve command (0x{:03X}) within {:.0f} ms: is antiskid-controller running?",
-                        layout_[Role::valve].id, milliseconds(patience)));
+        // Until the controller has tested itself the rig stands still and sends its first sample.
+        if (!ready) {
+            ready = view.state == antiskid::control::State::standby;
+            if (!ready && tick.woke >= give_up) {
+                return finish(Ending::silent,
+                              fmt::format("no antiskid-controller in standby within {:.0f} ms (valve "
+                                          "commands 0x{:03X}: {}; state: {})",
+                                          milliseconds(patience), layout_[Role::valve].id,
+                                          port_.stats(Role::valve).accepted,
+                                          antiskid::can::kStateNames[static_cast<std::size_t>(view.state)]));
             }
         } else {
             const bool silent = tick.woke - view.command_received > kDriverWatchdog;
@@ -153,7 +166,7 @@ NodeResult RigNode::run_realtime(Time patience, const std::atomic<bool>& stop, c
             }
             // The plant lives in the machine's time: periods that were missed have passed for it, too.
             for (std::uint64_t passed = 0; passed <= tick.skipped && !session_.done(); ++passed) {
-                session_.advance(current_mA);
+                session_.advance(current_mA, view.state);
                 observe(session_, view, current_mA);
             }
             result_.overruns += tick.skipped;
@@ -166,8 +179,7 @@ NodeResult RigNode::run_realtime(Time patience, const std::atomic<bool>& stop, c
                 ++result_.frames_lost;
         }
     }
-    if (session_.timed_out()) return finish(Ending::timed_out, "the maneuver did not come to rest");
-    return finish(Ending::done, "");
+    return finish_run();
 }
 
 }  // namespace plant_sim

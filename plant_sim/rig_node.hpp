@@ -18,7 +18,8 @@ enum class Ending {
     stopped,    ///< the user asked
     silent,     ///< the controller did not answer in time
     link_down,  ///< the interface went away
-    timed_out,  ///< the maneuver did not come to rest
+    /// The maneuver did not come to rest: the controller went to its safe state, or never stopped the aircraft.
+    no_standstill,
 };
 
 struct NodeResult {
@@ -63,6 +64,7 @@ class RigNode {
                          const std::atomic<bool>& stop);
     NodeResult finish(Ending ending, std::string reason);
     NodeResult finish_link_down();
+    NodeResult finish_run();
 
     study::RigSession& session_;
     const antiskid::can::Layout& layout_;

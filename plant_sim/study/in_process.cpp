@@ -103,7 +103,7 @@ RunResult run_in_process(const antiskid::control::Config& config, const Layout& 
             current_mA = static_cast<double>(frames.view().current_mA);
         }
         faults.insert(command.faults);
-        session.advance(current_mA);
+        session.advance(current_mA, link == Link::frames ? frames.view().state : command.state);
         ++result.steps;
         if (on_step)
             on_step(session, link == Link::frames ? frames.view() : view_of(command, current_mA, now),
@@ -111,7 +111,7 @@ RunResult run_in_process(const antiskid::control::Config& config, const Layout& 
     }
     result.figures = session.figures();
     result.faults = faults;
-    result.timed_out = session.timed_out();
+    result.came_to_rest = session.figures().standstill;
     return result;
 }
 

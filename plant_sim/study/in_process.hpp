@@ -30,7 +30,7 @@ struct RunResult {
     std::uint64_t frames_sent = 0;       ///< by the rig; 0 with Link::rounded
     std::uint64_t frames_received = 0;   ///< by the rig
     std::uint64_t steps = 0;
-    bool timed_out = false;
+    bool came_to_rest = false;
 };
 
 /// Runs to the end of the maneuver. `layout` must outlive the call. Observers may be empty.

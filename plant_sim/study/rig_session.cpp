@@ -49,7 +49,9 @@ antiskid::can::LoadCellSample RigSession::load_cells() const {
             .brake_torque_Nm = static_cast<float>(f.brake_torque_Nm)};
 }
 
-void RigSession::advance(double current_mA) {
+void RigSession::advance(double current_mA, antiskid::control::State controller) {
+    const bool given_up = controller == antiskid::control::State::safe && pilot_.phase() == Phase::braking;
+    safe_s_ = given_up ? safe_s_ + options_.period_s : 0.0;
     for (int i = 0; i < plant_steps_; ++i) {
         rig_.advance_current(current_mA);
         if (meter_.started() && pilot_.phase() == Phase::braking) {
@@ -62,7 +64,7 @@ void RigSession::advance(double current_mA) {
     pilot_.update(rig_.time_s(), rig_.standstill());
     if (pilot_.phase() != Phase::approach && before == Phase::approach) rig_.touch_down();
     if (pilot_.phase() == Phase::braking && before != Phase::braking) meter_.start(rig_);
-    if (timed_out()) result_ = meter_.figures(rig_);
+    if (timed_out() || abandoned()) result_ = meter_.figures(rig_);
     sense();
 }
 

@@ -2,7 +2,7 @@
 ///
 ///     while (!session.done()) {
 ///         send(session.sample());              // over CAN, or in process
-///         session.advance(received_current);   // held for one period
+///         session.advance(received_current, reported_state);  // held for one period
 ///     }
 #pragma once
 
@@ -31,10 +31,13 @@ class RigSession {
     [[nodiscard]] const antiskid::can::RigSample& sample() const { return sample_; }
     [[nodiscard]] antiskid::can::LoadCellSample load_cells() const;
 
-    /// One period with the valve current held.
-    void advance(double current_mA);
+    /// One period with the valve current held; `controller` is the state that the controller last reported.
+    void advance(double current_mA, antiskid::control::State controller);
 
-    [[nodiscard]] bool done() const { return pilot_.phase() == Phase::done || timed_out(); }
+    [[nodiscard]] bool done() const { return pilot_.phase() == Phase::done || abandoned() || timed_out(); }
+    /// The controller has been in its safe state for kPatience_s of the braking phase: nobody brakes any more.
+    [[nodiscard]] bool abandoned() const { return safe_s_ >= kPatience_s; }
+    static constexpr double kPatience_s = 1.0;
     [[nodiscard]] bool timed_out() const { return rig_.time_s() >= options_.longest_s; }
     [[nodiscard]] const plant::Rig& rig() const { return rig_; }
     [[nodiscard]] const Pilot& pilot() const { return pilot_; }
@@ -50,6 +53,7 @@ class RigSession {
     Pilot pilot_;
     StopMeter meter_;
     StopFigures result_;
+    double safe_s_ = 0.0;
     antiskid::can::RigSample sample_;
 };
 
