@@ -22,7 +22,8 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s, float imp
         if (reading.fresh) reset(reading.speed_radps, 0.0F);
         return;
     }
-    speed_ = larger(speed_ + acceleration_ * period_s + impulse, 0.0F);
+    const float predicted = speed_ + acceleration_ * period_s + impulse;
+    speed_ = larger(predicted, 0.0F);
     if (reading.speed_radps == 0.0F && reading.fresh) {
         reset(0.0F, 0.0F);
         return;
@@ -31,8 +32,11 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s, float imp
 
     // The reading is the mean over its interval: compare it with the speed at the interval's middle. The last
     // edge came on average half a period, or half an interval where that is shorter, before the sample.
+    // Where the prediction stops at zero, the wheel did not come along that line: looking back along it would
+    // find the reading explained and leave the speed at zero.
     const float age = 0.5F * (reading.interval_s + smaller(reading.interval_s, period_s));
-    const float innovation = reading.speed_radps - (speed_ - (acceleration_ + known_rate) * age);
+    const float since_middle = predicted > 0.0F ? (acceleration_ + known_rate) * age : 0.0F;
+    const float innovation = reading.speed_radps - (speed_ - since_middle);
     const float since = larger(reading.interval_s, period_s);
     const float memory = 1.0F / (1.0F + bandwidth_radps_ * since);
     speed_ = larger(speed_ + (1.0F - memory * memory) * innovation, 0.0F);

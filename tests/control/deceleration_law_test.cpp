@@ -1,0 +1,122 @@
+// The deceleration law against a wheel that decelerates in proportion to the pressure.
+#include "firmware/control/deceleration_law.hpp"
+
+#include <cmath>
+
+#include "tests/catch.hpp"
+#include "tests/control/law_vectors.hpp"
+
+using namespace antiskid::control;
+using control_test::balanced;
+using control_test::fixed_config;
+
+namespace {
+
+constexpr float kPeriod_s = 1e-3F;
+constexpr float kFull_Pa = 20.7e6F;
+
+Estimate decelerating(const float v_mps, const float slip, const float pressure_Pa, const float mps2) {
+    Estimate e = balanced(v_mps, slip, pressure_Pa);
+    e.omega_dot_radps2 = -mps2 / e.radius_m;
+    return e;
+}
+
+DecelerationLaw law() {
+    return {fixed_config().deceleration, fixed_config().slip, kPeriod_s};
+}
+
+}  // namespace
+
+TEST_CASE("the law takes over without a jump", "[CTL-050]") {
+    DecelerationLaw d = law();
+    const Estimate e = decelerating(50.0F, 0.05F, 6e6F, 4.0F);
+    d.start(e);
+    CHECK(d.pressure_Pa(e, 4.0F, kFull_Pa) == Approx(6e6F).epsilon(1e-4));
+    // A new reference comes at 10 m/s3: 0.01 m/s2 a period through k_p.
+    DecelerationLaw steps = law();
+    steps.start(e);
+    float before = 6e6F;
+    for (int i = 0; i < 50; ++i) {
+        const float now = steps.pressure_Pa(e, 9.0F, kFull_Pa);
+        REQUIRE(now > before - 1.0F);
+        REQUIRE(now - before < 0.2e6F * 0.01F * 1.05F + 4e6F * 0.5F * kPeriod_s + 1.0F);
+        before = now;
+    }
+}
+
+TEST_CASE("the prescribed deceleration is reached and held", "[CTL-050]") {
+    // 0.8 m/s2 per MPa behind a first-order lag of 20 ms.
+    const float reference = GENERATE(1.0F, 3.24F, 8.0F);
+    DecelerationLaw d = law();
+    Estimate e = decelerating(55.0F, 0.02F, 0.0F, 0.0F);
+    d.start(e);
+    double a = 0.0, pressure = 0.0, most = 0.0;
+    for (int i = 0; i < 4000; ++i) {
+        pressure = static_cast<double>(d.pressure_Pa(e, reference, kFull_Pa));
+        a += (0.8e-6 * pressure - a) * 1e-3 / 20e-3;
+        most = std::max(most, a);
+        e = decelerating(55.0F, 0.02F, static_cast<float>(pressure), static_cast<float>(a));
+    }
+    CHECK(a == Approx(static_cast<double>(reference)).epsilon(1e-3));
+    CHECK(most < 1.1 * static_cast<double>(reference));
+}
+
+TEST_CASE("slip is limited by the slip law, whatever deceleration is asked for", "[CTL-051]") {
+    DecelerationLaw d = law();
+    SlipLaw guard(fixed_config().slip, kPeriod_s);
+    const Estimate grip = decelerating(50.0F, 0.05F, 6e6F, 4.0F);
+    d.start(grip);
+    guard.start(grip);
+    bool bites = false;
+    const auto both = [&](const float slip) {
+        const Estimate e = decelerating(50.0F, slip, 6e6F, 4.0F);
+        const float given = d.pressure_Pa(e, 15.0F, kFull_Pa);
+        const float allowed = guard.pressure_Pa(e, 0.15F, kFull_Pa);
+        REQUIRE(given <= allowed);
+        bites = bites || (given == allowed && allowed < kFull_Pa);
+        return given;
+    };
+    for (int i = 0; i < 500; ++i) both(0.05F);
+    for (int i = 0; i < 100; ++i) both(0.05F + 0.004F * static_cast<float>(i));
+    CHECK(bites);
+    CHECK(both(0.95F) == 0.0F);
+    // The integral has followed the guard down: nothing is stored for later.
+    const Estimate back = decelerating(50.0F, 0.14F, 1e6F, 4.0F);
+    CHECK(d.pressure_Pa(back, 4.0F, kFull_Pa) < 3e6F);
+}
+
+TEST_CASE("the integral does not wind up at either limit", "[CTL-051]") {
+    const Estimate e = decelerating(50.0F, 0.05F, 3e6F, 2.0F);
+    SECTION("ceiling") {
+        DecelerationLaw d = law();
+        d.start(e);
+        for (int i = 0; i < 5000; ++i) REQUIRE(d.pressure_Pa(e, 10.0F, 3e6F) <= 3e6F);
+        // Reference back at what is measured: within the onset ramp the pressure is back where it was.
+        for (int i = 0; i < 900; ++i) static_cast<void>(d.pressure_Pa(e, 2.0F, 3e6F));
+        CHECK(d.pressure_Pa(e, 2.0F, kFull_Pa) == Approx(3e6F).epsilon(0.05));
+    }
+    SECTION("no pressure") {
+        DecelerationLaw d = law();
+        d.start(e);
+        for (int i = 0; i < 5000; ++i) static_cast<void>(d.pressure_Pa(e, 0.0F, kFull_Pa));
+        CHECK(d.pressure_Pa(e, 0.0F, kFull_Pa) == 0.0F);
+        int ms = 0;
+        const Estimate coasting = decelerating(50.0F, 0.0F, 0.0F, 0.0F);
+        while (ms < 1000 && d.pressure_Pa(coasting, 5.0F, kFull_Pa) <= 0.0F) ++ms;
+        CHECK(ms < 300);  // the reference passes the filtered measurement, no more
+    }
+}
+
+TEST_CASE("close to standstill the last pressure is held", "[CTL-052]") {
+    DecelerationLaw d = law();
+    const Estimate e = decelerating(20.0F, 0.05F, 5e6F, 4.0F);
+    d.start(e);
+    for (int i = 0; i < 100; ++i) static_cast<void>(d.pressure_Pa(e, 4.0F, kFull_Pa));
+    const float last = d.pressure_Pa(e, 4.0F, kFull_Pa);
+    const Estimate slow = decelerating(0.9F, 0.3F, 5e6F, 40.0F);
+    for (int i = 0; i < 100; ++i) REQUIRE(d.pressure_Pa(slow, 4.0F, kFull_Pa) == Approx(last).epsilon(1e-3));
+    CHECK(d.pressure_Pa(slow, 4.0F, 1e6F) == 1e6F);
+    // Taken over there with a transducer a little below zero: still no negative request.
+    d.start(decelerating(0.9F, 0.0F, -3e4F, 0.0F));
+    CHECK(d.pressure_Pa(slow, 4.0F, kFull_Pa) == 0.0F);
+}

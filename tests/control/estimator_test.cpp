@@ -1,0 +1,240 @@
+// What the controller believes, against wheels and brakes simulated here in double precision.
+#include "firmware/control/estimator.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tests/catch.hpp"
+#include "tests/control/fixed_config.hpp"
+#include "tests/control/shaft.hpp"
+#include "tests/control/valve_truth.hpp"
+
+using namespace antiskid::control;
+using control_test::fixed_config;
+using control_test::Shaft;
+using control_test::ValveTruth;
+
+namespace {
+
+constexpr double kPeriod_s = 1e-3;
+constexpr double kLiftPerStiffness = 3.61375 / 2.7e6;
+
+/// A wheel under an estimator. Whoever uses it says how aircraft and wheel move.
+struct Wheel {
+    explicit Wheel(const Config& c = fixed_config())
+        : config(c), estimator(c.wheel, c.flywheel, c.valve, c.estimator, c.period_s) {
+        sensors.maneuver.weight_on_wheels = true;
+    }
+
+    const Estimate& move(const double v, const double omega, const double pressure_Pa = 0.0,
+                         const double current_mA = 0.0) {
+        now += Time{1'000'000};
+        flywheel.turn_to(v / 0.6, kPeriod_s);
+        wheel.turn_to(omega, kPeriod_s);
+        flywheel.report(sensors.flywheel, now);
+        wheel.report(sensors.wheel, now);
+        sensors.pressure.received = now;
+        sensors.pressure.pressure_Pa = static_cast<float>(pressure_Pa);
+        return estimator.update(sensors, static_cast<float>(current_mA));
+    }
+    void roll(const double v, const double standing_radius_m, const int periods) {
+        for (int i = 0; i < periods; ++i) move(v, v / (standing_radius_m + kLiftPerStiffness * v * v));
+    }
+
+    Config config;
+    Estimator estimator;
+    Sensors sensors;
+    Shaft wheel{60.0};
+    Shaft flywheel{60.0};
+    Time now{};
+};
+
+}  // namespace
+
+TEST_CASE("a free-rolling wheel shows its radius", "[CTL-030]") {
+    const double standing = GENERATE(0.310, 0.322, 0.335);
+    const double v = GENERATE(20.0, 45.0, 61.0);
+    Wheel w;
+    w.roll(v, standing, 600);
+    const Estimate& e = w.estimator.estimate();
+    CHECK(e.speeds_known);
+    CHECK(e.v_mps == Approx(v).epsilon(1e-4));
+    CHECK(e.radius_m == Approx(standing + kLiftPerStiffness * v * v).epsilon(1e-3));
+    CHECK(std::abs(e.slip) < 1e-3F);
+    // Lift carries it on to another speed, where the brake no longer lets the wheel roll freely.
+    for (int i = 0; i < 400; ++i) w.move(30.0, 80.0, 5e6, 13.5);
+    CHECK(w.estimator.estimate().radius_m == Approx(standing + kLiftPerStiffness * 900.0).epsilon(2e-3));
+}
+
+TEST_CASE("what is no free roll leaves the radius alone", "[CTL-031]") {
+    Wheel w;
+    const auto standing = [&] {
+        const Estimate& e = w.estimator.estimate();
+        return static_cast<double>(e.radius_m) - kLiftPerStiffness * static_cast<double>(e.v_mps * e.v_mps);
+    };
+    SECTION("too slow") {
+        w.roll(14.0, 0.33, 600);
+        CHECK(standing() == Approx(0.322).epsilon(1e-5));
+    }
+    SECTION("in the air the wheel turns at any speed") {
+        w.sensors.maneuver.weight_on_wheels = false;
+        w.roll(50.0, 0.33, 600);
+        CHECK(standing() == Approx(0.322).epsilon(1e-5));
+    }
+    SECTION("further from nominal than the tolerance") {
+        w.roll(50.0, 0.345, 600);
+        CHECK(standing() == Approx(0.322).epsilon(1e-5));
+        w.roll(50.0, 0.300, 600);
+        CHECK(standing() == Approx(0.322).epsilon(1e-5));
+    }
+    SECTION("under brake pressure") {
+        for (int i = 0; i < 600; ++i) w.move(50.0, 50.0 / 0.333, 0.5e6, 4.5);
+        CHECK(standing() == Approx(0.322).epsilon(1e-3));
+    }
+    SECTION("while it spins up") {
+        for (int i = 0; i < 100; ++i) w.move(50.0, 140.0 + 0.1 * i);
+        CHECK(standing() == Approx(0.322).epsilon(2e-3));
+    }
+    SECTION("standing") {
+        for (int i = 0; i < 300; ++i) w.move(50.0, 0.0);
+        CHECK(standing() == Approx(0.322).epsilon(1e-5));
+        CHECK(w.estimator.estimate().slip == 1.0F);
+    }
+}
+
+TEST_CASE("slip is eq. (3) and zero at standstill", "[CTL-032]") {
+    Wheel w;
+    w.roll(50.0, 0.322, 300);
+    const double r = 0.322 + kLiftPerStiffness * 2500.0;
+    const double slip = GENERATE(-0.5, 0.0, 0.1, 0.5, 0.9);
+    for (int i = 0; i < 400; ++i) w.move(50.0, 50.0 / r * (1.0 - slip));
+    CHECK(w.estimator.estimate().slip == Approx(slip).margin(2e-3));
+    for (int i = 0; i < 200; ++i) w.move(0.0, 0.0);
+    CHECK(w.estimator.estimate().slip == 0.0F);
+    CHECK(w.estimator.estimate().v_mps == 0.0F);
+    CHECK(w.estimator.estimate().speeds_known);
+}
+
+TEST_CASE("before anything has arrived nothing is known", "[CTL-032]") {
+    Wheel w;
+    for (int i = 0; i < 50; ++i) {
+        const Estimate& e = w.estimator.update(w.sensors, 0.0F);
+        REQUIRE_FALSE(e.speeds_known);
+        REQUIRE(e.slip == 0.0F);
+        REQUIRE(e.v_mps == 0.0F);
+    }
+}
+
+namespace {
+
+/// Eq. (1) with a road force that is given: J omega_dot = r F_x - k_b P, v_dot constant.
+struct Truth {
+    double v, omega, r, v_dot, road_Nm;
+    void advance(const double pressure_Pa, const double h) {
+        v += v_dot * h;
+        omega += (road_Nm - 1.04e-3 * pressure_Pa) / 1.3 * h;
+    }
+    [[nodiscard]] double slip() const { return 1.0 - omega * r / v; }
+};
+
+}  // namespace
+
+TEST_CASE("road torque and outlook agree with an independent simulation", "[CTL-033]") {
+    // Pressure swings about the one that balances the road; the slip wanders between free rolling and half locked.
+    const double balance_Pa = GENERATE(2e6, 8e6);
+    const double v0 = GENERATE(30.0, 60.0);
+    const Config config = fixed_config();
+    Wheel w(config);
+    w.roll(v0, 0.322, 400);
+    const double r = 0.322 + kLiftPerStiffness * v0 * v0;
+    Truth truth{.v = v0, .omega = v0 / r, .r = r, .v_dot = -4.0, .road_Nm = 1.04e-3 * balance_Pa};
+    ValveTruth valve(static_cast<double>(config.valve.natural_frequency_radps), 0.8, 6e-3);
+    std::vector<double> slips, late, balances;
+    double current_mA = 0.0;
+    constexpr int kPeriods = 700;
+    truth.road_Nm = 0.0;
+    for (int k = 0; k < kPeriods; ++k) {
+        // The current of the step before acts over this period.
+        valve.hold(static_cast<double>(valve_pressure_Pa(config.valve, static_cast<float>(current_mA))),
+                   kPeriod_s, [&](const double p, const double h) {
+                       // The tyre takes what the brake gives until the balance is reached.
+                       truth.road_Nm = 1.04e-3 * std::min(balance_Pa, k < 60 ? p : balance_Pa);
+                       truth.advance(p, h);
+                   });
+        const Estimate& e = w.move(truth.v, truth.omega, valve.pressure_Pa(), current_mA);
+        slips.push_back(truth.slip());
+        late.push_back(static_cast<double>(e.late_slip));
+        balances.push_back(static_cast<double>(e.balance_Pa));
+        // A stabilizing hand, so that the wheel neither locks nor spins free, with a swing on top.
+        const double swing = 0.15 * balance_Pa * std::sin(2.0 * 3.14159 * 3.0 * k * kPeriod_s);
+        const double wanted = balance_Pa + swing + 1e5 * v0 * (0.2 - truth.slip()) * (k >= 60 ? 1.0 : 0.0);
+        current_mA = static_cast<double>(valve_current_mA(config.valve, static_cast<float>(wanted)));
+    }
+    double most = 0.0, least = 1.0;
+    for (int k = 200; k + 6 < kPeriods; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        CAPTURE(k, balance_Pa, v0);
+        REQUIRE(std::abs(late[i] - slips[i + 6]) < 0.01);
+        most = std::max(most, slips[i]);
+        least = std::min(least, slips[i]);
+        // Constant slip needs omega_dot = omega v_dot / v: the wheel itself gives that much torque.
+        const double own_Pa = 1.3 / 1.04e-3 * truth.omega * -truth.v_dot / truth.v;
+        REQUIRE(balances[i] == Approx(balance_Pa + own_Pa).margin(0.05 * balance_Pa + 0.1e6));
+    }
+    CHECK(most - least > 0.05);  // it did move
+}
+
+TEST_CASE("readings that cannot be leave no trace", "[CTL-019]") {
+    constexpr float kInf = std::numeric_limits<float>::infinity();
+    constexpr std::array<float, 6> kBad{
+        std::numeric_limits<float>::quiet_NaN(), kInf, -kInf, -5.0F, 401.0F, 3e38F};
+    const float bad = kBad[static_cast<std::size_t>(GENERATE(range(0, 6)))];
+    Wheel w;
+    w.roll(50.0, 0.322, 300);
+    Wheel healthy = w;
+    const auto strike = [&](auto& speed) {
+        const SpeedInput before = speed;
+        speed.source = SpeedSource::speed;
+        speed.speed_radps = bad;
+        speed.received += Time{500'000};
+        w.estimator.update(w.sensors, 0.0F);
+        speed = before;
+    };
+    SECTION("wheel") {
+        strike(w.sensors.wheel);
+    }
+    SECTION("flywheel") {
+        strike(w.sensors.flywheel);
+    }
+    SECTION("pressure") {
+        w.sensors.pressure.received += Time{500'000};
+        w.sensors.pressure.pressure_Pa = bad < 0.0F || bad == 401.0F ? bad * 1e9F : bad;
+        w.estimator.update(w.sensors, 0.0F);
+    }
+    healthy.estimator.update(healthy.sensors, 0.0F);
+    CAPTURE(bad);
+    for (int i = 0; i < 5; ++i) {
+        const Estimate& e = w.move(50.0, 154.0);
+        const Estimate& h = healthy.move(50.0, 154.0);
+        REQUIRE(e.v_mps == Approx(h.v_mps).epsilon(1e-5));
+        REQUIRE(e.slip == Approx(h.slip).margin(1e-3));
+        REQUIRE(e.balance_Pa == Approx(h.balance_Pa).margin(3e4));
+        REQUIRE(e.pressure.pressure_Pa == Approx(h.pressure.pressure_Pa).margin(1.0));
+    }
+}
+
+TEST_CASE("a sensor that is wrong from its first frame starts no filter", "[CTL-019]") {
+    Wheel w;
+    w.sensors.wheel.source = SpeedSource::speed;
+    w.sensors.wheel.speed_radps = std::numeric_limits<float>::infinity();
+    w.sensors.wheel.received = Time{1};
+    for (int i = 0; i < 3; ++i) {
+        w.sensors.wheel.received += Time{1'000'000};
+        CHECK(w.estimator.update(w.sensors, 0.0F).omega_radps == 0.0F);
+    }
+    w.sensors.wheel.speed_radps = 100.0F;
+    w.sensors.wheel.received += Time{1'000'000};
+    CHECK(w.estimator.update(w.sensors, 0.0F).omega_radps == 100.0F);
+}

@@ -1,0 +1,138 @@
+// The tracker against motions known in closed form.
+#include "firmware/control/speed_tracker.hpp"
+
+#include <cmath>
+#include <initializer_list>
+
+#include "tests/catch.hpp"
+
+using antiskid::control::SpeedReading;
+using antiskid::control::SpeedTracker;
+
+namespace {
+
+constexpr float kPeriod_s = 1e-3F;
+
+/// A reading over one whole period that ended, on average, half a period ago.
+SpeedReading reading_of(const double speed, const float interval_s = kPeriod_s) {
+    return {.speed_radps = static_cast<float>(speed),
+            .interval_s = interval_s,
+            .fresh = true,
+            .bounded = false,
+            .valid = true};
+}
+
+}  // namespace
+
+TEST_CASE("constant acceleration is tracked without error", "[CTL-018]") {
+    const double bandwidth = GENERATE(50.0, 450.0);
+    const double acceleration = GENERATE(-300.0, 0.0, 40.0, 2000.0);
+    SpeedTracker tracker(static_cast<float>(bandwidth));
+    double speed = acceleration < 0.0 ? 390.0 : 20.0;
+    for (int i = 0; i < 600; ++i) {
+        speed += acceleration * 1e-3;
+        // The reading is the speed one period ago: half for its interval, half for the age of its edge.
+        tracker.update(reading_of(speed - acceleration * 1e-3), kPeriod_s, 0.0F, 0.0F);
+    }
+    CHECK(tracker.acceleration() == Approx(acceleration).epsilon(2e-3).margin(0.5));
+    CHECK(tracker.speed() == Approx(speed).epsilon(1e-4));
+}
+
+TEST_CASE("a known cause is not mistaken for an unknown one", "[CTL-018]") {
+    SpeedTracker tracker(450.0F);
+    double speed = 300.0;
+    tracker.update(reading_of(speed), kPeriod_s, 0.0F, 0.0F);
+    for (int i = 0; i < 300; ++i) {
+        const double brake = i < 100 ? 0.0 : -700.0;  // rad/s2, and the tracker is told
+        const double before = speed;
+        speed += brake * 1e-3;
+        tracker.update(reading_of(before), kPeriod_s, static_cast<float>(brake * 1e-3),
+                       static_cast<float>(brake));
+        CAPTURE(i);
+        REQUIRE(std::abs(tracker.acceleration()) < 35.0F);  // of 700: the period in which the brake comes on
+    }
+    CHECK(std::abs(tracker.acceleration()) < 1.0F);
+    CHECK(tracker.speed() == Approx(speed).epsilon(1e-4));
+}
+
+TEST_CASE("sparse readings are weighed by the time they stand for", "[CTL-018]") {
+    // 20 m/s2 at 8 ms between edges: the tracker must find the same motion as with dense ones.
+    SpeedTracker tracker(450.0F);
+    const double acceleration = -60.0;
+    double speed = 60.0;
+    int since = 0;
+    for (int i = 0; i < 700; ++i) {
+        speed += acceleration * 1e-3;
+        if (++since < 8) {
+            tracker.update(
+                {.speed_radps = 0.0F, .interval_s = 0.0F, .fresh = false, .bounded = false, .valid = true},
+                kPeriod_s, 0.0F, 0.0F);
+            continue;
+        }
+        since = 0;
+        tracker.update(reading_of(speed - acceleration * 4.5e-3, 8e-3F), kPeriod_s, 0.0F, 0.0F);
+    }
+    CHECK(tracker.acceleration() == Approx(acceleration).epsilon(0.01));
+    CHECK(tracker.speed() == Approx(speed).margin(0.3));
+}
+
+TEST_CASE("the tracker starts at the first reading and forgets with its validity", "[CTL-018]") {
+    SpeedTracker tracker(450.0F);
+    SpeedReading stale = reading_of(99.0);
+    stale.fresh = false;
+    tracker.update(stale, kPeriod_s, 0.0F, 0.0F);
+    CHECK(tracker.speed() == 0.0F);
+    tracker.update(reading_of(123.0), kPeriod_s, 0.0F, 0.0F);
+    CHECK(tracker.speed() == 123.0F);
+    CHECK(tracker.acceleration() == 0.0F);
+    tracker.update({}, kPeriod_s, 0.0F, 0.0F);
+    CHECK(tracker.speed() == 0.0F);
+    tracker.update(reading_of(50.0), kPeriod_s, 0.0F, 0.0F);
+    CHECK(tracker.speed() == 50.0F);
+}
+
+TEST_CASE("a bound is used only where it says something", "[CTL-018]") {
+    SpeedTracker tracker(450.0F);
+    tracker.update(reading_of(50.0), kPeriod_s, 0.0F, 0.0F);
+    const SpeedReading above{
+        .speed_radps = 80.0F, .interval_s = 0.0F, .fresh = false, .bounded = true, .valid = true};
+    tracker.update(above, kPeriod_s, 0.0F, 0.0F);
+    CHECK(tracker.speed() == 50.0F);
+    const SpeedReading below{
+        .speed_radps = 30.0F, .interval_s = 0.0F, .fresh = false, .bounded = true, .valid = true};
+    tracker.update(below, kPeriod_s, 0.0F, 0.0F);
+    CHECK(tracker.speed() < 50.0F);
+    CHECK(tracker.speed() > 30.0F);
+}
+
+TEST_CASE("a wheel that stands has no acceleration, and no speed is negative", "[CTL-018]") {
+    SpeedTracker tracker(450.0F);
+    for (int i = 0; i < 20; ++i) tracker.update(reading_of(50.0 - 2.0 * i), kPeriod_s, 0.0F, 0.0F);
+    CHECK(tracker.acceleration() < -500.0F);
+    tracker.update(reading_of(0.0), kPeriod_s, 0.0F, 0.0F);
+    CHECK(tracker.speed() == 0.0F);
+    CHECK(tracker.acceleration() == 0.0F);
+
+    tracker.update(reading_of(1.0), kPeriod_s, -1e3F, 0.0F);
+    CHECK(tracker.speed() >= 0.0F);
+    SpeedReading none = reading_of(1.0);
+    none.fresh = false;
+    tracker.update(none, kPeriod_s, -1e3F, 0.0F);
+    CHECK(tracker.speed() == 0.0F);
+}
+
+TEST_CASE("a wheel that nearly stopped is found again, with the brake on or off", "[CTL-018]") {
+    // 15 rad/s is an edge every 7 ms. A prediction that has run into zero must not explain the reading away.
+    const float brake = GENERATE(0.0F, -4000.0F);
+    SpeedTracker tracker(450.0F);
+    for (int i = 0; i < 50; ++i) tracker.update(reading_of(150.0), kPeriod_s, 0.0F, 0.0F);
+    int ms = 0;
+    for (; ms < 300 && !(ms > 7 && std::abs(tracker.speed() - 15.0F) < 1.5F); ++ms) {
+        const bool edge = ms % 7 == 6;
+        SpeedReading reading = reading_of(15.0, edge ? 7e-3F : 0.0F);
+        reading.fresh = edge;
+        // The road holds the wheel at its speed against the brake, so the known cause is not the whole truth.
+        tracker.update(reading, kPeriod_s, brake * kPeriod_s, brake);
+    }
+    CHECK(ms < 200);
+}
