@@ -1,0 +1,28 @@
+#!/usr/bin/python3
+"""Every requirement in docs/requirements.md has a test that carries its tag, and every tag in tests/ is a requirement.
+
+usage: requirements.py [ROOT]
+"""
+import pathlib
+import re
+import sys
+
+root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+prefixes = "CAN|CFG|CTL|RT|RIG|BRG|WEAR|STUDY|DOOR"
+document = root / "docs/requirements.md"
+required = re.findall(rf"^\| ((?:{prefixes})-\d{{3}}) \|", document.read_text(), re.M)
+tagged = {}
+for path in sorted((root / "tests").rglob("*")):
+    if path.suffix not in {".cpp", ".py", ".sh"}:
+        continue
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        for tag in re.findall(rf"\[((?:{prefixes})-\d{{3}})\]", line):
+            tagged.setdefault(tag, f"{path.relative_to(root)}:{number}")
+
+wrong = [f"{document}: {i} is there {required.count(i)} times" for i in sorted(set(required)) if required.count(i) > 1]
+wrong += [f"{document}: {i} has no test" for i in sorted(set(required) - set(tagged))]
+wrong += [f"{tagged[tag]}: [{tag}] is no requirement in {document}" for tag in sorted(set(tagged) - set(required))]
+if not required:
+    wrong.append(f"{document}: no requirements found")
+print("\n".join(wrong) or f"{len(required)} requirements, each with a test")
+sys.exit(bool(wrong))
