@@ -209,6 +209,18 @@ TEST_CASE("edge counts and times go on across the roll-over of their fields", "[
     CHECK(port.stats(Role::wheel).rejected() == 0);
 }
 
+TEST_CASE("an edge before the zero of the sensor's clock lies in its own tick", "[CAN-053]") {
+    RigPort rig(ours(), kStep);
+    ControllerPort port(ours(), kStep);
+    const auto time_after = [&](std::int64_t edge_ns) {
+        port.accept(rig.wheel({.edge_count = 0, .edge_time = Time{edge_ns}, .speed_radps = 0.0F}));
+        return port.sensors().wheel.edge_time;
+    };
+    const Time first = time_after(-150);
+    CHECK(time_after(-50) - first == Time{100});
+    CHECK(time_after(50) - first == Time{200});
+}
+
 TEST_CASE("a law or state that does not exist is refused", "[CAN-054]") {
     RigPort rig(ours(), kStep);
     ControllerPort port(ours(), kStep);
