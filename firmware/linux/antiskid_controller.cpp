@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <exception>
 #include <memory>
 #include <string>
@@ -82,19 +83,19 @@ int run(const rt::Options& options, const rt::Setup& setup) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    spdlog::set_default_logger(spdlog::stderr_logger_mt("antiskid-controller"));
-    spdlog::set_pattern("%n: %l: %v");
-    const auto parsed = rt::parse_options(argc, argv);
-    if (const int* status = std::get_if<int>(&parsed)) return *status;
-    const auto& options = std::get<rt::Options>(parsed);
-    spdlog::set_level(options.log_level);
-    int status_of_error = 2;  // until the configuration has been found good
+    int status_of_error = 2;  // until command line and configuration have been found good
     try {
+        spdlog::set_default_logger(spdlog::stderr_logger_mt("antiskid-controller"));
+        spdlog::set_pattern("%n: %l: %v");
+        const auto parsed = rt::parse_options(argc, argv);
+        if (const int* status = std::get_if<int>(&parsed)) return *status;
+        const auto& options = std::get<rt::Options>(parsed);
+        spdlog::set_level(options.log_level);
         const rt::Setup setup = rt::load_setup(options);
         status_of_error = 1;
         return run(options, setup);
     } catch (const std::exception& error) {
-        spdlog::error("{}", error.what());
+        std::fprintf(stderr, "antiskid-controller: error: %s\n", error.what());
         return status_of_error;
     }
 }

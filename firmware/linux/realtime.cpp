@@ -5,7 +5,6 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <system_error>
@@ -20,10 +19,11 @@ std::string reason(const int error) {
 
 // noinline: the frame must really lie below the caller's, and be gone before the loop uses the same pages.
 [[gnu::noinline]] void touch_stack() {
-    constexpr std::size_t kBytes = 256 * 1024;
-    std::array<volatile unsigned char, kBytes> stack;
+    constexpr std::size_t kBytes = std::size_t{256} * 1024;
+    unsigned char stack[kBytes];
+    volatile unsigned char* const touched = stack;
     const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-    for (std::size_t i = 0; i < kBytes; i += page) stack[i] = 0;
+    for (std::size_t i = 0; i < kBytes; i += page) touched[i] = 0;
 }
 
 std::optional<std::string> pin(const int cpu) {

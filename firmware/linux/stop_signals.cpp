@@ -18,7 +18,7 @@ StopSignals::StopSignals() {
 }
 
 StopSignals::~StopSignals() {
-    pthread_kill(waiter_.native_handle(), SIGTERM);  // ends the wait; without effect where it has ended
+    pthread_kill(waiter_.native_handle(), SIGHUP);  // ends the wait; without effect where it has ended
     waiter_.join();
 }
 

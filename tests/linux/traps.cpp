@@ -129,12 +129,6 @@ size_t fwrite(const void* bytes, const size_t size, const size_t count, FILE* st
     return next(bytes, size, count, stream);
 }
 
-int vprintf(const char* format, va_list arguments) {
-    note(Call::print);
-    static const auto next = rt_test::traps::behind<int(const char*, va_list)>("vprintf");
-    return next(format, arguments);
-}
-
 int printf(const char* format, ...) {
     note(Call::print);
     static const auto next = rt_test::traps::behind<int(const char*, va_list)>("vprintf");
