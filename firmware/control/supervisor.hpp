@@ -1,12 +1,22 @@
 /// The state machine around the laws: who may brake now, and what faults are latched.
 ///
-///     self_test -> standby -> armed -> touchdown_protection -> braking <-> locked_wheel
-///                    ^          ^              ^                  |
-///                    |          +---- demand released ------------+-> drop_out
-///                    +-- safe <-- any state, on any fault
+///     self_test -> standby -> armed <-> touchdown_protection
+///                    ^          ^               |
+///                    |          |               v
+///                    |          +------> braking, locked_wheel, drop_out, each to the others
+///                    |
+///                  safe <-- any state, on any fault
 ///
-/// `safe` is left for `standby` when the maneuver command disarms and no cause is left; arming again clears
-/// the latched names.
+/// - standby -> armed: an edge of the maneuver command's `arm`; every state of the right side falls back to standby without it
+/// - armed: no demand, or no weight on the wheels; a bounce ends here and is protected anew at the next touchdown
+/// - touchdown_protection: on the wheels, not spun up to `spin_up_mps` yet, for `touchdown_timeout_s` at the most
+/// - braking: the law acts. locked_wheel: rim below `lock_share` of the aircraft's speed until above `unlock_share`; no pressure;
+///   not with the open-loop law, nor below `drop_out_mps`
+/// - drop_out: below `drop_out_mps`, until `drop_out_hysteresis_mps` above it; the demand passes through. Only with the laws that
+///   need slip
+/// - safe: left for standby when the maneuver command disarms and no cause is left; arming again clears the latched names
+///
+/// The valve gets the safe current in every state but braking and drop_out.
 #pragma once
 
 #include "firmware/control/config.hpp"
