@@ -21,7 +21,7 @@ demo() {
 # shellcheck disable=SC2016 # expanded in the stand-ins
 {
     controller='trap "echo controller ended >>$out/events; exit 0" TERM; echo "controller $*" >>$out/events; while :; do sleep 0.1; done'
-    virtual_rig='until grep -qs vcan0 /proc/net/can/rcvlist_all; do sleep 0.05; done
+    virtual_rig='until ls /dev/shm/bus.*/candump-*.log >/dev/null 2>&1; do sleep 0.05; done; sleep 0.2
         until grep -qs controller $out/events; do sleep 0.05; done
         echo "rig $*" >>$out/events; for i in {1..200}; do cansend vcan0 080#; done; echo table; echo "rig ended" >>$out/events'
     stuck_rig='trap "echo rig ended >>$out/events; exit 7" TERM; touch $out/rig.seen; while :; do sleep 0.1; done'
@@ -37,7 +37,7 @@ programs "$controller" "$virtual_rig"
 demo
 expect "a good run" $? 0
 expect "order of events" "$(cat "$scratch/events")" "controller --can vcan0 --clock sync --report $out/controller.json
-rig --can vcan0 --clock sync --slip 0.2 --out $out
+rig --can vcan0 --clock sync --slip 0.2 --out $out --picture
 rig ended
 controller ended"
 expect "what the virtual rig prints" "$(cat "$scratch/stdout")" table
