@@ -36,7 +36,7 @@ demo() {
 programs "$controller" "$virtual_rig"
 demo
 expect "a good run" $? 0
-expect "order of events" "$(cat "$scratch/events")" "controller --can vcan0 --clock sync --report $out/controller.json
+expect "order of events" "$(cat "$scratch/events")" "controller --can vcan0 --clock sync --sync-timeout 60000 --report $out/controller.json
 rig --can vcan0 --clock sync --slip 0.2 --out $out --picture
 rig ended
 controller ended"
