@@ -28,7 +28,7 @@ set style line 1 lc rgb '#1f4e79' lw 2
 set style line 2 lc rgb '#c55a11' lw 1.6
 set grid lc rgb '#dddddd'
 set border lc rgb '#555555'
-set key top right
+set key top center
 set lmargin 10
 set rmargin 3
 set arrow 1 from {on}, graph 0 to {on}, graph 1 nohead dt 3 lc rgb '#555555'
