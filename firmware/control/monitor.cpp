@@ -105,7 +105,8 @@ void Monitor::check_plausibility(FaultSet& faults, const Estimator& estimator, b
     constexpr float kHardest_mps2 = 20.0F;  // twice what the best tyre can do
     const SpeedReading& flywheel = estimator.flywheel_reading();
     carried_mps_ = larger(e.v_mps, carried_mps_ - kHardest_mps2 * period_s_);
-    const bool falls = flywheel.valid && carried_mps_ > config_.plausible_above_mps &&
+    const bool falls = flywheel.valid && flywheel.speed_radps >= 0.0F &&
+                       carried_mps_ > config_.plausible_above_mps &&
                        flywheel.speed_radps * flywheel_radius_m_ < 0.5F * carried_mps_;
     const bool blind = flywheel_blind_.holds(falls, config_.implausible_s, period_s_);
     const bool stands = flywheel.speed_radps == 0.0F && rim > config_.plausible_above_mps;
@@ -116,7 +117,8 @@ void Monitor::check_plausibility(FaultSet& faults, const Estimator& estimator, b
         rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
     const bool overspeeds = overspeed_.holds(overspeed, config_.stuck_s, period_s_);
     const bool steady = magnitude(e.omega_dot_radps2) * e.radius_m < kSteady_mps2;
-    const bool slips_freely = rolling && moving && released && steady && e.slip > config_.free_slip;
+    const bool slips_freely =
+        rolling && moving && released && steady && !wheel_stands && e.slip > config_.free_slip;
     const bool disagrees = free_slip_.holds(slips_freely, config_.stuck_s, period_s_);
     if (overspeeds || disagrees) faults.insert(Fault::speeds_disagree);
 }

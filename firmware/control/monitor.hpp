@@ -8,8 +8,8 @@
 /// - flywheel_stuck: the speed falls to half faster than an aircraft can lose it, for `implausible_s`, or no edge
 ///   although the wheel turns, for `stuck_s`
 /// - pressure_stuck: the same reading to the last bit while the model moved by `pressure_moves_Pa`, for `stuck_s`
-/// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`, or steady slip of a free wheel above
-///   `free_slip`, for `stuck_s`
+/// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`, or steady slip of a free wheel that
+///   turns above `free_slip`, for `stuck_s`
 /// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa` for `off_command_s`
 /// - maneuver_range: a commanded value outside its range, at once
 /// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
