@@ -6,6 +6,9 @@
 /// loading device's force on a rig, zero in the air.
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 #include "plant_sim/model/brake.hpp"
 #include "plant_sim/model/tyre.hpp"
 
@@ -47,7 +50,10 @@ struct PressureArc {
         const double p = c0 + x * (c1 + x * (c2 + x * c3));
         return p > 0.0 ? p : 0.0;
     }
-    [[nodiscard]] double slope(double x) const { return c1 + x * (2.0 * c2 + x * 3.0 * c3); }  ///< dp/dx
+    /// dp/dx; nothing where the pressure is held at zero.
+    [[nodiscard]] double slope(double x) const {
+        return c0 + x * (c1 + x * (c2 + x * c3)) < 0.0 ? 0.0 : c1 + x * (2.0 * c2 + x * 3.0 * c3);
+    }
     /// The part of the arc between x0 and x1, again over [0, 1].
     [[nodiscard]] PressureArc part(double x0, double x1) const;
 };
@@ -77,9 +83,11 @@ struct Forces {
     double brake_torque_Nm;  ///< torque that acts: at a held wheel only what balances the tyre
 };
 
-/// Integrates the wheel with a four-stage L-stable Rosenbrock method of order three (RODAS3: Sandu et al., Atmospheric Environment 31,
-/// 1997) with exact Jacobian. Where its embedded error estimate of the wheel speed is too large (spin-up, locking), the step is halved
-/// inside, to 1/256 at the most; locking and release are located.
+/// Integrates the wheel with an L-stable Rosenbrock method of order three and two evaluations a step (ROS3: Sandu et al., Atmospheric
+/// Environment 31, 1997, p. 3459) with exact Jacobian. Where the wheel speed misses a fourth-order quadrature of its own rates by too much (spin-up, locking), the
+/// step is halved inside, to 1/256 at the most; locking and release are located.
+///
+/// It remembers what it evaluated at the end of a step, for the start of the next: faster, and bit by bit the same.
 class Wheel {
   public:
     /// Slip divides by max(v, kSlowest_mps): at and below it the maneuver is at standstill and nothing moves any more.
@@ -88,7 +96,7 @@ class Wheel {
     Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface);
 
     /// Advances `state` by `h` seconds (0 < h <= 5e-3).
-    void advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) const;
+    void advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h);
 
     /// At the arc's start.
     [[nodiscard]] Forces forces(const WheelState& state, double pressure_Pa, const LoadArc& load) const;
@@ -97,18 +105,34 @@ class Wheel {
     [[nodiscard]] double kinetic_energy_J(const WheelState& state) const;
 
   private:
-    struct Local;
+    /// Everything at one instant that does not depend on pressure: first what it follows from, then forces, then partial derivatives.
+    struct Instant {
+        double v = -1.0, omega = 0.0, base_N = 0.0, load_slope = 0.0, lift = 0.0;
+        double per_v, F_z, r, slip, mu, mu_1, F_x, k_b, k_b1, v_dot;
+        double r_1, r_t, slip_v, slip_omega, slip_t, F_v, F_omega, F_t;
+    };
     struct Rates;
 
-    [[nodiscard]] Local local(double v, double omega, double pressure, const LoadArc& load, double x) const;
-    [[nodiscard]] Rates rates(const Local& at, double pressure_slope, const LoadArc& load, double h) const;
-    /// One Rosenbrock step with a turning wheel; returns the error estimate of omega, as a share of free rolling.
-    double turn(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) const;
+    [[nodiscard]] Instant instant(double v, double omega, double base_N, double load_slope,
+                                  double lift) const;
+    /// What a step adds to the sums in WheelState.
+    struct Sums;
+
+    [[nodiscard]] static bool same(const Instant& at, const WheelState& state, double base_N,
+                                   double load_slope, double lift);
+    /// The instant at x, remembered or evaluated now.
+    const Instant& start_of(const WheelState& state, const LoadArc& load, double x, double h);
+    [[nodiscard]] Rates rates(const Instant& at, double pressure, double pressure_slope) const;
+    /// One Rosenbrock step of length h with a turning wheel from `start` to `end`; returns the error estimate of omega, as a share of free
+    /// rolling.
+    double turn(const Instant& start, const PressureArc& pressure, const LoadArc& load, double h,
+                Instant& end, Sums& sums) const;
+    static void move(WheelState& state, const Instant& end, const Sums& sums);
     /// One step with a held wheel.
     void slide(WheelState& state, const LoadArc& load, double h) const;
     /// The wheel comes to rest inside [x0, x1] of the step: moves `state` there and returns the place.
     double lock(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h, double x0,
-                double x1) const;
+                double x1);
     /// The tyre begins to turn a held wheel inside [x0, 1]: moves `state` there and returns the place.
     double release(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h,
                    double x0) const;
@@ -120,6 +144,8 @@ class Wheel {
     BrakeTorque brake_;
     Surface surface_;
     double per_mass_, per_inertia_, per_stiffness_;
+    std::array<Instant, 2> instants_{};  // start and end of the step under way, in turns
+    std::size_t start_ = 0;              // which of them is the start
 };
 
 }  // namespace plant
