@@ -104,7 +104,8 @@ void Monitor::check_plausibility(FaultSet& faults, const Estimator& estimator, b
     // lock the wheel, and then both encoders agree.
     constexpr float kHardest_mps2 = 20.0F;  // twice what the best tyre can do
     const SpeedReading& flywheel = estimator.flywheel_reading();
-    carried_mps_ = larger(e.v_mps, carried_mps_ - kHardest_mps2 * period_s_);
+    const float most_mps = flywheel_encoder_.max_speed_radps * flywheel_radius_m_;
+    carried_mps_ = larger(smaller(e.v_mps, most_mps), carried_mps_ - kHardest_mps2 * period_s_);
     const bool falls = flywheel.valid && flywheel.speed_radps >= 0.0F &&
                        carried_mps_ > config_.plausible_above_mps &&
                        flywheel.speed_radps * flywheel_radius_m_ < 0.5F * carried_mps_;

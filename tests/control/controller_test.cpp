@@ -1,0 +1,296 @@
+// The controller as a whole: the demand is the ceiling, the current stays in its range, nothing is ever no number, changes are bumpless.
+#include "firmware/control/controller.hpp"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "tests/catch.hpp"
+#include "tests/control/bench.hpp"
+
+using namespace antiskid::control;
+using control_test::Bench;
+using control_test::fixed_config;
+
+namespace {
+
+bool finite(const Command& c) {
+    return std::isfinite(c.current_mA) && std::isfinite(c.slip) && std::isfinite(c.slip_reference) &&
+           std::isfinite(c.speed_mps) && std::isfinite(c.wheel_speed_radps) &&
+           std::isfinite(c.pressure_request_Pa);
+}
+
+/// What must hold of every command, whatever came in.
+void check_command(const Command& c, const Sensors& seen, const Config& config) {
+    REQUIRE(finite(c));
+    REQUIRE(c.current_mA >= config.valve.safe_current_mA);
+    REQUIRE(c.current_mA <= config.valve.current_mA[static_cast<std::size_t>(config.valve.points - 1)]);
+    REQUIRE(c.pressure_request_Pa >= 0.0F);
+    REQUIRE(c.pressure_request_Pa <= config.valve.full_pressure_Pa);
+    const bool brakes = c.state == State::braking || c.state == State::drop_out;
+    if (brakes) {
+        REQUIRE(c.pressure_request_Pa <= seen.maneuver.demand_Pa);
+        REQUIRE(valve_pressure_Pa(config.valve, c.current_mA) <=
+                seen.maneuver.demand_Pa * (1.0F + 1e-6F) + 1.0F);
+    } else {
+        REQUIRE(c.current_mA == config.valve.safe_current_mA);
+        REQUIRE(c.pressure_request_Pa == 0.0F);
+        REQUIRE(c.slip_reference == 0.0F);
+    }
+    REQUIRE(c.slip >= -1.0F);
+    REQUIRE(c.slip <= 1.0F);
+    REQUIRE((c.state != State::safe || !c.faults.empty()));
+}
+
+}  // namespace
+
+TEST_CASE("the pressure request is never above the demand", "[CTL-061]") {
+    const auto seed = static_cast<unsigned>(GENERATE(range(0, 12)));
+    std::mt19937 random(seed);
+    const auto between = [&random](const double a, const double b) {
+        return std::uniform_real_distribution<>(a, b)(random);
+    };
+    const float period_s = seed % 3U == 0U ? 1e-3F : seed % 3U == 1U ? 2e-3F : 5e-3F;
+    Bench b(fixed_config(period_s));
+    b.to_braking();
+    int braking = 0, dropped = 0, cut = 0;
+    double slip_goal = 0.1;
+    for (int k = 0; k < 20'000; ++k) {
+        // Steps, ramps and nonsense of everything that the pilot, the runway and the sequencer can do.
+        ManeuverInput& m = b.sensors.maneuver;
+        if (k % 37 == 0) m.demand_Pa = static_cast<float>(between(0.0, 1.0) < 0.1 ? 0.0 : between(0.0, 25e6));
+        if (k % 101 == 0) m.law = static_cast<Law>(random() % 4U);
+        if (k % 53 == 0) m.slip_reference = static_cast<float>(between(0.0, 0.5));
+        if (k % 61 == 0) m.deceleration_mps2 = static_cast<float>(between(0.0, 15.0));
+        if (k % 71 == 0) m.current_mA = static_cast<float>(between(0.0, 100.0));
+        if (k % 900 == 0) m.weight_on_wheels = between(0.0, 1.0) > 0.1;
+        if (k % 83 == 0) slip_goal = between(-0.05, 0.9);
+        b.slip += 0.02 * (slip_goal - b.slip);
+        b.v_mps = std::max(0.0, b.v_mps - 3e-3 * 1e3 * static_cast<double>(period_s));
+        if (b.v_mps < 1.0 && k % 2000 == 0) b.v_mps = 55.0;
+        if (b.command.state == State::safe) m.arm = false;
+        if (b.command.state == State::standby) m.arm = k % 3 == 0;
+        const Command c = b.step();
+        CAPTURE(seed, k);
+        check_command(c, b.sensors, b.config);
+        braking += c.state == State::braking ? 1 : 0;
+        dropped += c.state == State::drop_out ? 1 : 0;
+        cut += c.pressure_request_Pa == m.demand_Pa && m.demand_Pa > 0.0F ? 1 : 0;
+    }
+    CHECK(braking > 1000);
+    CHECK(cut > 100);
+    CHECK(dropped + braking > 1000);
+}
+
+TEST_CASE("no input whatever makes a command that is no number or out of range", "[CTL-062]") {
+    const auto seed = static_cast<unsigned>(GENERATE(range(0, 8)));
+    std::mt19937 random(seed);
+    constexpr std::array<float, 14> kNasty{0.0F,
+                                           -0.0F,
+                                           1.0F,
+                                           -1.0F,
+                                           1e-42F,
+                                           1e30F,
+                                           -1e30F,
+                                           3.4e38F,
+                                           1e7F,
+                                           20e6F,
+                                           400.0F,
+                                           std::numeric_limits<float>::infinity(),
+                                           -std::numeric_limits<float>::infinity(),
+                                           std::numeric_limits<float>::quiet_NaN()};
+    const auto nasty = [&]() -> float {
+        const auto pick = random() % 20U;
+        return pick < kNasty.size() ? kNasty[pick]
+                                    : std::bit_cast<float>(static_cast<std::uint32_t>(random()));
+    };
+    const auto coin = [&random] { return random() % 2U == 0U; };
+    // Differences of any two of these times fit the type: the programs' clocks start near zero.
+    const auto any_time = [&]() -> Time {
+        const auto pick = random() % 4U;
+        if (pick == 0U) return kNever;
+        const auto wide = static_cast<std::int64_t>((static_cast<std::uint64_t>(random()) << 32U) | random());
+        return Time{pick == 1U ? wide / 4 : wide % 1'000'000'000'000};
+    };
+    Bench b;
+    b.to_braking();
+    int braking_through_it = 0;
+    for (int k = 0; k < 60'000; ++k) {
+        Sensors hit;
+        const bool strike = random() % 4U == 0U;
+        b.tamper = [&](Sensors& s) {
+            if (strike) {
+                switch (random() % 9U) {
+                    case 0:
+                        s.pressure.pressure_Pa = nasty();
+                        break;
+                    case 1:
+                        s.wheel.source = SpeedSource::speed;
+                        s.wheel.speed_radps = nasty();
+                        break;
+                    case 2:
+                        s.flywheel.source = SpeedSource::speed;
+                        s.flywheel.speed_radps = nasty();
+                        break;
+                    case 3:
+                        s.wheel.edge_count = static_cast<std::uint32_t>(random());
+                        break;
+                    case 4:
+                        s.flywheel.edge_time = Time{static_cast<std::int64_t>(random()) * 1000};
+                        break;
+                    case 5:
+                        s.maneuver.demand_Pa = nasty();
+                        s.maneuver.slip_reference = nasty();
+                        s.maneuver.deceleration_mps2 = nasty();
+                        s.maneuver.current_mA = nasty();
+                        s.maneuver.law = static_cast<Law>(random() % 256U);
+                        break;
+                    case 6:
+                        s.wheel.received = any_time();
+                        s.flywheel.received = any_time();
+                        s.pressure.received = any_time();
+                        s.maneuver.received = any_time();
+                        s.rig_heartbeat_received = any_time();
+                        break;
+                    case 7:
+                        s.wheel.rejected = static_cast<std::uint32_t>(random());
+                        s.emergency_stop = coin();
+                        s.bus_off = coin();
+                        s.overrun = coin();
+                        break;
+                    default:
+                        s.maneuver.arm = coin();
+                        s.maneuver.weight_on_wheels = coin();
+                        break;
+                }
+            }
+            hit = s;
+        };
+        if (b.command.state == State::safe) b.sensors.maneuver.arm = false;
+        if (b.command.state == State::standby) b.sensors.maneuver.arm = true;
+        const Command c = b.step();
+        CAPTURE(seed, k, static_cast<int>(c.state));
+        check_command(c, hit, b.config);
+        braking_through_it += c.state == State::braking && strike ? 1 : 0;
+    }
+    // And it has left nothing behind: with good inputs everything works again.
+    b.tamper = nullptr;
+    b.sensors.maneuver = {};
+    b.sensors.maneuver.slip_reference =
+        0.2F;  // the bench's wheel stays at 0.1: the law asks for all it may have
+    b.v_mps = 0.0;
+    b.slip = 1.0;
+    b.seconds(8.0);  // an aircraft at the highest speed that the encoder can show would have stopped by then
+    REQUIRE(b.command.state == State::standby);
+    b.to_braking();
+    CHECK(b.command.pressure_request_Pa == 6e6F);
+    CHECK(std::isfinite(b.controller.estimate().balance_Pa));
+    CHECK(braking_through_it > 0);
+}
+
+TEST_CASE("open loop is the commanded current, limited by the demand", "[CTL-060]") {
+    Bench b;
+    b.to_braking(Law::open_loop);
+    b.sensors.maneuver.demand_Pa = 20.7e6F;
+    for (const float current : {3.5F, 8.0F, 21.3F, 39.9F, 40.0F}) {
+        b.sensors.maneuver.current_mA = current;
+        CHECK(b.step().current_mA == Approx(current).epsilon(1e-5));
+    }
+    b.sensors.maneuver.current_mA = 100.0F;
+    CHECK(b.step().current_mA == 40.0F);
+    b.sensors.maneuver.current_mA = 2.0F;  // within the dead zone: no pressure
+    CHECK(b.step().current_mA == 0.0F);
+    b.sensors.maneuver.current_mA = 20.0F;
+    b.sensors.maneuver.demand_Pa = 4.3e6F;
+    CHECK(b.step().current_mA == Approx(12.0F));
+    CHECK(b.command.pressure_request_Pa == 4.3e6F);
+}
+
+TEST_CASE("below drop-out the demand passes through at a limited rate", "[CTL-064]") {
+    Bench b;
+    b.to_braking();
+    b.sensors.maneuver.demand_Pa = 12e6F;
+    while (b.v_mps > 4.9) {
+        b.v_mps -= 8e-3;
+        static_cast<void>(b.step());
+    }
+    b.steps(20);
+    REQUIRE(b.command.state == State::drop_out);
+    float before = b.command.pressure_request_Pa;
+    CHECK(before < 12e6F);
+    int rising = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const float now = b.step().pressure_request_Pa;
+        REQUIRE(now <= 12e6F);
+        REQUIRE(now - before <= 10e6F * 1e-3F * 1.001F);
+        rising += now > before ? 1 : 0;
+        before = now;
+    }
+    CHECK(before == 12e6F);
+    CHECK(rising > 100);
+    // The pilot may always have less, at once.
+    b.sensors.maneuver.demand_Pa = 2e6F;
+    CHECK(b.step().pressure_request_Pa == 2e6F);
+    b.sensors.maneuver.demand_Pa = 12e6F;
+    CHECK(b.step().pressure_request_Pa == Approx(2e6 + 10e3));
+    CHECK(b.command.slip_reference == 0.0F);
+}
+
+TEST_CASE("pass-through starts from the pressure that is there", "[CTL-064]") {
+    Bench b;
+    b.to_braking(Law::wheel_slip);
+    b.sensors.maneuver.demand_Pa = 12e6F;
+    while (b.v_mps > 5.001) {
+        b.v_mps = std::max(5.001, b.v_mps - 8e-3);
+        static_cast<void>(b.step());
+    }
+    REQUIRE(b.command.state == State::braking);
+    b.v_mps = 4.9;
+    while (b.command.state != State::drop_out) {
+        b.v_mps -= 1e-4;
+        static_cast<void>(b.step());
+    }
+    CHECK(static_cast<double>(b.command.pressure_request_Pa) == Approx(b.valve_Pa()).margin(0.15e6));
+}
+
+TEST_CASE("changing the law does not jump", "[CTL-065]") {
+    // A quiet wheel at its reference under 6 MPa; the law changes in mid-braking, each into each.
+    const auto from = static_cast<Law>(GENERATE(range(0, 4)));
+    const auto to = static_cast<Law>(GENERATE(range(0, 4)));
+    Bench b;
+    b.to_braking(Law::open_loop);
+    b.sensors.maneuver.demand_Pa = 20e6F;
+    b.sensors.maneuver.current_mA = valve_current_mA(b.config.valve, 6e6F);
+    b.sensors.maneuver.deceleration_mps2 = 0.0F;
+    b.seconds(0.5);
+    const auto change = [&b](const Law law) {
+        b.sensors.maneuver.law = law;
+        const float before = b.command.pressure_request_Pa;
+        const float now = b.step().pressure_request_Pa;
+        // One period's worth of the quickest ramp (the build-up's 1 MPa), less than the valve's noise afterwards.
+        return std::abs(now - before);
+    };
+    CHECK(change(from) <= 1.2e6F);
+    b.steps(3);
+    b.sensors.maneuver.current_mA = valve_current_mA(b.config.valve, b.command.pressure_request_Pa);
+    CAPTURE(static_cast<int>(from), static_cast<int>(to), b.command.pressure_request_Pa);
+    CHECK(change(to) <= 1.2e6F);
+}
+
+TEST_CASE("estimates can be looked at, and the state is told", "[CTL-066]") {
+    Bench b;
+    b.to_braking();
+    CHECK(b.command.speed_mps == b.controller.estimate().v_mps);
+    CHECK(b.command.wheel_speed_radps == b.controller.estimate().omega_radps);
+    CHECK(b.command.slip == b.controller.estimate().slip);
+    CHECK(b.command.slip == Approx(0.1).margin(0.02));
+    CHECK(b.command.speed_mps == Approx(40.0).epsilon(1e-3));
+    CHECK(b.command.slip_reference == Approx(0.1F));
+    b.slip = 0.8;
+    while (b.step().state == State::braking) {
+    }
+    CHECK(b.command.state == State::locked_wheel);
+    CHECK(b.command.current_mA == 0.0F);
+}
