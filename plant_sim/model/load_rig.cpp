@@ -110,6 +110,7 @@ PressureMap pressure_map(const Table& t) {
         t.numbers("pressure_Pa", {.range = {.min = 0.0, .max = 1e8}, .count = {.min = 2, .max = 1000}});
     if (pressure.size() != current.size()) t.fail("pressure_Pa", "needs as many points as current_mA");
     std::vector<PressureMap::Point> points;
+    points.reserve(current.size());
     for (std::size_t i = 0; i < current.size(); ++i) {
         if (i > 0 && pressure[i] < pressure[i - 1])
             t.fail("pressure_Pa", "must not fall from one point to the next");
@@ -215,6 +216,7 @@ FlywheelRig flywheel_rig(const std::filesystem::path& path, const Surface& runwa
 
 template <typename Named>
 std::vector<std::string> names(const std::vector<Named>& all) {
+    list.reserve(all.size());
     std::vector<std::string> list;
     for (const Named& one : all) list.push_back(one.name);
     return list;

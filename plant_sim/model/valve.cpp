@@ -63,10 +63,7 @@ Valve::Valve(const ValveParameters& parameters, double step_s) : step_s_(step_s)
     if (rest < kRounding) rest = 0.0;
     first_s_ = rest * step_s;
     second_s_ = step_s - first_s_;
-    if (first_s_ > 0.0)
-        first_ = transition(parameters, first_s_);
-    else
-        first_ = {};
+    if (first_s_ > 0.0) first_ = transition(parameters, first_s_);
     second_ = transition(parameters, second_s_);
     delay_line_.assign(static_cast<std::size_t>(whole) + 2, {0.0, 0.0});
 }

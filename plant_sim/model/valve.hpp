@@ -65,8 +65,10 @@ class Valve {
         double start_Pa, end_Pa;
     };
 
-    double step_s_, first_s_, second_s_;
-    Transition first_, second_;
+    double step_s_;
+    double first_s_ = 0.0;
+    double second_s_ = 0.0;
+    Transition first_{}, second_{};
     std::vector<Ramp> delay_line_;  // ring; oldest at next_
     std::size_t next_ = 0;
     double pressure_ = 0.0;

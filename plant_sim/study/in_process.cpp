@@ -1,6 +1,7 @@
 #include "plant_sim/study/in_process.hpp"
 
 #include <array>
+#include <cmath>
 
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/rig_port.hpp"
@@ -34,7 +35,7 @@ antiskid::can::ControllerView view_of(const Command& command, double current_mA,
 }
 
 Time period(const antiskid::control::Config& controller) {
-    return Time(static_cast<std::int64_t>(static_cast<double>(controller.period_s) * 1e6 + 0.5) * 1000);
+    return Time(std::llround(static_cast<double>(controller.period_s) * 1e6) * 1000);
 }
 
 /// Both ends of the bus, frame by frame, in the order of the lockstep protocol: sensors, SYNC, the
