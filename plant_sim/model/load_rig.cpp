@@ -216,8 +216,8 @@ FlywheelRig flywheel_rig(const std::filesystem::path& path, const Surface& runwa
 
 template <typename Named>
 std::vector<std::string> names(const std::vector<Named>& all) {
-    list.reserve(all.size());
     std::vector<std::string> list;
+    list.reserve(all.size());
     for (const Named& one : all) list.push_back(one.name);
     return list;
 }
