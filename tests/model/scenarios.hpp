@@ -1,0 +1,25 @@
+/// The 32 scenarios: every surface with every maneuver of config/.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "plant_sim/model/load_rig.hpp"
+
+struct NamedScenario {
+    std::string name;
+    plant::LoadedRig loaded;
+};
+
+inline std::vector<NamedScenario> all_scenarios() {
+    std::vector<NamedScenario> all;
+    for (const std::string& surface : plant::surface_names("config")) {
+        for (const std::string& maneuver : plant::maneuver_names("config")) {
+            plant::ManeuverChoice choice;
+            choice.maneuver = maneuver;
+            choice.surface = surface;
+            all.push_back({surface + "/" + maneuver, plant::load_rig("config", choice)});
+        }
+    }
+    return all;
+}
