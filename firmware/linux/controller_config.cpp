@@ -1,7 +1,9 @@
 #include "firmware/linux/controller_config.hpp"
 
-#include <cmath>
+#include <initializer_list>
 #include <numbers>
+#include <string>
+#include <string_view>
 
 #include "config/reader/settings.hpp"
 #include "firmware/control/valve_model.hpp"
@@ -19,6 +21,11 @@ float number(const settings::Table& table, std::string_view key, double min, dou
 /// Milliseconds in the file, seconds in the controller.
 float milliseconds(const settings::Table& table, std::string_view key, double min, double max) {
     return static_cast<float>(table.number(key, {.min = min, .max = max}) * 1e-3);
+}
+
+/// Keys that resemble each other: known from the start, so that none is taken for a slip of another that is missing.
+void tell_apart(const settings::Table& table, std::initializer_list<std::string_view> keys) {
+    for (const std::string_view key : keys) static_cast<void>(table.has(key));
 }
 
 control::EncoderConfig encoder(const settings::Table& t) {
@@ -114,6 +121,7 @@ control::ThresholdConfig threshold(const settings::Table& t) {
 }
 
 control::SupervisorConfig supervisor(const settings::Table& t) {
+    tell_apart(t, {"lock_share", "unlock_share"});
     return {.self_test_s = milliseconds(t, "self_test_ms", 10.0, 10000.0),
             .residual_pressure_Pa = number(t, "residual_pressure_Pa", 1e4, 1e7),
             .spin_up_mps = number(t, "spin_up_mps", 1.0, 100.0),
@@ -128,6 +136,7 @@ control::SupervisorConfig supervisor(const settings::Table& t) {
 }
 
 control::MonitorConfig monitor(const settings::Table& t, float period_s) {
+    tell_apart(t, {"off_command_Pa", "off_command_ms"});
     const double period_ms = static_cast<double>(period_s) * 1e3;
     return {.sensor_max_age_s = milliseconds(t, "sensor_max_age_ms", 2.0 * period_ms, 1000.0),
             .maneuver_max_age_s = milliseconds(t, "maneuver_max_age_ms", 2.0 * period_ms, 5000.0),
