@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include <array>
+#include <cstdio>
 #include <exception>
 
 #include "config/reader/atomic_file.hpp"
@@ -16,7 +17,9 @@ void plant_sim::deliver(const std::string& where, std::string_view text) {
         settings::write_file(where, text);
 }
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
     CLI::App app{"rig-lab: studies of controller and plant in process, without a bus.", "rig-lab"};
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.require_subcommand(1);
@@ -27,12 +30,19 @@ int main(int argc, char** argv) {
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? 0 : 2;
     }
-    try {
-        for (const plant_sim::LabVerb& verb : verbs) {
-            if (verb.app->parsed()) return verb.run();
-        }
-    } catch (const std::exception& e) {
-        fmt::print(stderr, "rig-lab: {}\n", e.what());
+    for (const plant_sim::LabVerb& verb : verbs) {
+        if (verb.app->parsed()) return verb.run();
     }
     return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "rig-lab: %s\n", e.what());
+        return 2;
+    }
 }

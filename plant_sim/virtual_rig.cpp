@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
+#include <cmath>
+#include <cstdio>
 #include <exception>
 #include <optional>
 #include <string>
@@ -129,11 +131,8 @@ int run(const Options& o, const plant_sim::Scenario& s) {
     return exit_status(result.ending);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-    Options options;
-    if (const auto status = parse(argc, argv, options)) return *status;
+/// Configuration mistakes end with status 2, whatever fails later with 1.
+int load_and_run(const Options& options) {
     std::optional<plant_sim::Scenario> scenario;
     try {
         scenario = plant_sim::load_scenario(options.scenario);
@@ -145,10 +144,18 @@ int main(int argc, char** argv) {
         fmt::print(stderr, "virtual-rig: {}\n", e.what());
         return 2;
     }
+    return run(options, *scenario);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
     try {
-        return run(options, *scenario);
+        Options options;
+        if (const auto status = parse(argc, argv, options)) return *status;
+        return load_and_run(options);
     } catch (const std::exception& e) {
-        fmt::print(stderr, "virtual-rig: {}\n", e.what());
+        std::fprintf(stderr, "virtual-rig: %s\n", e.what());
         return 1;
     }
 }
