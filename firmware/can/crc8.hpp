@@ -13,7 +13,8 @@ inline constexpr std::array<std::uint8_t, 256> kCrc8Table = [] {
     for (std::size_t i = 0; i < table.size(); ++i) {
         auto crc = static_cast<std::uint8_t>(i);
         for (int bit = 0; bit < 8; ++bit) {
-            crc = static_cast<std::uint8_t>((crc & 0x80U) != 0 ? (crc << 1U) ^ 0x1DU : crc << 1U);
+            const unsigned shifted = static_cast<unsigned>(crc) << 1U;
+            crc = static_cast<std::uint8_t>((crc & 0x80U) != 0U ? shifted ^ 0x1DU : shifted);
         }
         table[i] = crc;
     }
