@@ -35,7 +35,7 @@ class BrakeTorque {
         double k_b1;  ///< d k_b / d v, m^2 s
     };
 
-    /// Beyond the brake-on speed and below zero the curve is held.
+    /// Beyond the brake-on speed the curve is held.
     [[nodiscard]] Gain gain(double v_mps) const {
         const double x = v_mps * inverse_speed_;
         if (x >= 1.0) return {full_speed_gain_, 0.0};

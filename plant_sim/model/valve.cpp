@@ -11,7 +11,7 @@ PressureMap::PressureMap(std::vector<Point> points) : points_(std::move(points))
     for (std::size_t i = 1; i < points_.size(); ++i) {
         if (!(points_[i].current_mA > points_[i - 1].current_mA))
             throw std::invalid_argument("currents of a pressure map must increase");
-        if (points_[i].pressure_Pa < points_[i - 1].pressure_Pa)
+        if (!(points_[i].pressure_Pa >= points_[i - 1].pressure_Pa))
             throw std::invalid_argument("pressures of a pressure map must not fall");
     }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace plant {
 
@@ -174,11 +175,23 @@ double Wheel::turn(const Instant& start, const PressureArc& pressure, const Load
     sums.energy_tyre_J = integral(d0.tyre_W, d1.tyre_W, d0.tyre_rate, d1.tyre_rate);
     sums.friction_distance_m = integral(d0.friction_mps, d1.friction_mps, d0.friction_rate, d1.friction_rate);
 
+    // A wheel that comes to rest and leaves again within the step would turn backwards in between: a cubic dips below its ends by
+    // 4/27 of its slopes at the most.
+    const double dip = 4.0 / 27.0 * h * (d1.omega_dot - d0.omega_dot);
+    if (d0.omega_dot < 0.0 && d1.omega_dot > 0.0 && std::min(start.omega, end.omega) < dip)
+        return std::numeric_limits<double>::infinity();
     // The same rule for omega: an error of its end value enters the mismatch times 1 - z/2 + z^2/12, z = h times the pole.
     const double mismatch =
         end.omega - start.omega - integral(d0.omega_dot, d1.omega_dot, d0.omega_ddot, d1.omega_ddot);
     const double z = h * end.r * end.F_omega * per_inertia_;
-    return std::abs(mismatch / (1.0 - z * (0.5 - z * (1.0 / 12.0)))) * end.r * end.per_v;
+    const double per_rolling = end.r * end.per_v;
+    const double omega_error = mismatch / (1.0 - z * (0.5 - z * (1.0 / 12.0))) * per_rolling;
+    // Eq. (8) against eq. (9), of the wheel's energy in free rolling. The two estimates have no blind spot in common.
+    const double energy_error =
+        0.5 * parameters_.mass_kg * per_inertia_ * (end.v - start.v) * (end.v + start.v) +
+        0.5 * (end.omega - start.omega) * (end.omega + start.omega) +
+        (sums.energy_brake_J + sums.energy_tyre_J) * per_inertia_;
+    return std::max(std::abs(omega_error), std::abs(energy_error) * per_rolling * per_rolling);
 }
 
 inline void Wheel::move(WheelState& state, const Instant& end, const Sums& sums) {
@@ -261,9 +274,9 @@ double Wheel::release(WheelState& state, const PressureArc& pressure, const Load
 void Wheel::advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) {
     // Of the wheel speed, relative to free rolling, in one step or part.
     constexpr double kTolerance = 1e-7;
-    constexpr double kSmallest = 1.0 / 256.0;
+    constexpr double kSmallest = 1.0 / 16384.0;
     constexpr double kNoTime = 1e-9;
-    constexpr int kMostParts = 1024;  // keeps chatter between turning and held finite
+    constexpr int kMostParts = 4096;  // keeps chatter between turning and held finite
     double x = 0.0;
     double part = 1.0;
     for (int i = 0; i < kMostParts && 1.0 - x > kNoTime && state.v_mps > kSlowest_mps; ++i) {

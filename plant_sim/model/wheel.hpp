@@ -84,8 +84,9 @@ struct Forces {
 };
 
 /// Integrates the wheel with an L-stable Rosenbrock method of order three and two evaluations a step (ROS3: Sandu et al., Atmospheric
-/// Environment 31, 1997, p. 3459) with exact Jacobian. Where the wheel speed misses a fourth-order quadrature of its own rates by too much (spin-up, locking), the
-/// step is halved inside, to 1/256 at the most; locking and release are located.
+/// Environment 31, 1997, p. 3459) with exact Jacobian. Where the wheel speed misses a fourth-order quadrature of its
+/// own rates by too much, or eq. (8) misses eq. (9) (spin-up, locking), the step is halved inside, to 1/16384 at the most; locking and
+/// release are located.
 ///
 /// It remembers what it evaluated at the end of a step, for the start of the next: faster, and bit by bit the same.
 class Wheel {

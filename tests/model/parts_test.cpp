@@ -1,0 +1,138 @@
+/// Tyre and brake against closed forms.
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "tests/catch.hpp"
+#include "tests/model/profiles.hpp"
+#include "tests/model/scenarios.hpp"
+
+namespace {
+
+std::vector<plant::Surface> surfaces() {
+    std::vector<plant::Surface> all;
+    for (const std::string& name : plant::surface_names("config")) {
+        plant::ManeuverChoice choice;
+        choice.surface = name;
+        all.push_back(plant::load_rig("config", choice).rig.surface);
+    }
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("tyre: every surface peaks where its coefficients say, and where the published table says",
+          "[RIG-020]") {
+    struct Published {
+        const char* name;
+        double slip, mu;
+    };
+    constexpr std::array<Published, 8> kPublished{{{"dry_asphalt", 0.170, 1.170},
+                                                   {"dry_concrete", 0.160, 1.090},
+                                                   {"dry_cobblestone", 0.400, 1.000},
+                                                   {"damp_asphalt", 0.231, 0.919},
+                                                   {"wet_asphalt", 0.131, 0.801},
+                                                   {"wet_cobblestone", 0.140, 0.380},
+                                                   {"snow", 0.060, 0.190},
+                                                   {"ice", 0.032, 0.050}}};
+    const auto all = surfaces();
+    REQUIRE(all.size() == kPublished.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const plant::Surface& s = all[i];
+        CAPTURE(s.name);
+        CHECK(s.name == kPublished.at(i).name);
+        const plant::Peak peak = plant::peak(s);
+        CHECK(std::abs(peak.slip - kPublished.at(i).slip) <= 0.001);
+        CHECK(std::abs(peak.mu - kPublished.at(i).mu) <= 0.001);
+        CHECK(peak.slip == Approx(std::log(s.c1 * s.c2 / s.c3) / s.c2).epsilon(1e-14));
+        // Nothing on the curve is higher, and the slope vanishes there.
+        for (int k = 0; k <= 10000; ++k) CHECK_FALSE(plant::friction(s, k * 1e-4).mu > peak.mu);
+        CHECK(std::abs(plant::friction(s, peak.slip).mu_1) < 1e-12);
+    }
+}
+
+TEST_CASE("tyre: eq. (4) for slip, its odd extension for overspeed, slope as by differences", "[RIG-021]") {
+    for (const plant::Surface& s : surfaces()) {
+        CAPTURE(s.name);
+        for (double lambda = 1e-6; lambda < 1.0; lambda *= 1.07) {
+            const plant::Friction f = plant::friction(s, lambda);
+            const double printed = s.c1 * (1.0 - std::exp(-s.c2 * lambda)) - s.c3 * lambda;
+            CHECK(f.mu == Approx(printed).epsilon(1e-13));
+            const plant::Friction odd = plant::friction(s, -lambda);
+            CHECK(odd.mu == -f.mu);
+            CHECK(odd.mu_1 == f.mu_1);
+            const double d = 1e-4 * lambda;
+            const double slope =
+                (plant::friction(s, lambda + d).mu - plant::friction(s, lambda - d).mu) / (2.0 * d);
+            CHECK(f.mu_1 == Approx(slope).epsilon(1e-5).margin(1e-6 * s.c1 * s.c2));
+        }
+        CHECK(plant::friction(s, 0.0).mu == 0.0);
+        CHECK(plant::friction(s, 0.0).mu_1 == Approx(s.c1 * s.c2 - s.c3).epsilon(1e-15));
+    }
+}
+
+TEST_CASE("tyre: a curve without c3 never falls; its peak is at slip 1", "[RIG-022]") {
+    const plant::Surface s{.name = "no c3", .c1 = 0.05, .c2 = 306.39, .c3 = 0.0};
+    CHECK(plant::peak(s).slip == 1.0);
+    CHECK(plant::peak(s).mu == Approx(0.05));
+    // So weak that the peak would lie beyond a locked wheel, or below zero slip.
+    CHECK(plant::peak({.name = "late", .c1 = 1.0, .c2 = 1.0, .c3 = 1e-3}).slip == 1.0);
+    CHECK(plant::peak({.name = "none", .c1 = 0.1, .c2 = 1.0, .c3 = 0.2}).slip == 0.0);
+}
+
+TEST_CASE("brake: k_b is eq. (5) with a friction curve brought to the given mean", "[RIG-030]") {
+    const plant::BrakeGeometry geometry{
+        .piston_area_m2 = 8.04e-4, .pistons = 6, .surfaces = 6, .effective_radius_m = 0.12};
+    CHECK(geometry.gain_m3() == Approx(8.04e-4 * 6 * 6 * 0.12).epsilon(1e-15));
+    constexpr double kSpeed_mps = 61.0;
+    for (const plant::FrictionCurve& curve : {plant::FrictionCurve{0.33, -0.048, -0.018, 0.0},
+                                              plant::FrictionCurve{0.366, -0.306, 0.216, 0.06}}) {
+        for (const double mean : {0.30, 0.22, 0.4}) {
+            CAPTURE(mean);
+            const plant::BrakeTorque brake(geometry, curve, mean, kSpeed_mps);
+            const auto shape = [&](double x) {
+                return curve[0] + x * (curve[1] + x * (curve[2] + x * curve[3]));
+            };
+            // Simpson's rule is exact for a cubic.
+            const auto k_b = [&](double x) { return brake.gain(x * kSpeed_mps).k_b; };
+            CHECK((k_b(0.0) + 4.0 * k_b(0.5) + k_b(1.0)) / 6.0 ==
+                  Approx(mean * geometry.gain_m3()).epsilon(1e-13));
+            for (double x = 0.05; x < 1.0; x += 0.05) {
+                CAPTURE(x);
+                // Biased, not scaled.
+                CHECK(k_b(x) - k_b(0.0) ==
+                      Approx((shape(x) - shape(0.0)) * geometry.gain_m3()).margin(1e-15));
+                const double d = 1e-5;
+                const double slope = (k_b(x + d) - k_b(x - d)) / (2.0 * d * kSpeed_mps);
+                CHECK(brake.gain(x * kSpeed_mps).k_b1 == Approx(slope).epsilon(1e-6).margin(1e-12));
+            }
+            CHECK(brake.gain(1.3 * kSpeed_mps).k_b == brake.gain(kSpeed_mps).k_b);
+            CHECK(brake.gain(1.3 * kSpeed_mps).k_b1 == 0.0);
+        }
+    }
+}
+
+TEST_CASE("brake: eq. (7) gives back the mean friction from a stop", "[RIG-031]") {
+    for (const std::string maneuver : {"light", "medium_a", "heavy"}) {
+        plant::ManeuverChoice choice;
+        choice.maneuver = maneuver;
+        choice.friction = 0.27;
+        const plant::RigParameters rig = plant::load_rig("config", choice).rig;
+        plant::Rig plant(rig, 1e-3, 1);
+        plant.start_rolling();
+        // Constant pressure far below the peak: what differs from constant deceleration is the curve itself, by some 10 %, so
+        // that the mean over time weighs speeds unequally in the first order of that.
+        const double pressure_Pa = 0.3 * least_peak_pressure_Pa(rig);
+        double torque_Nms = 0.0;
+        double duration_s = 0.0;
+        plant.start_pressure(pressure_Pa);
+        while (plant.wheel().v_mps > 1.0) {
+            const double before = plant.forces().brake_torque_Nm;
+            plant.advance_pressure(pressure_Pa, pressure_Pa);
+            torque_Nms += 0.5e-3 * (before + plant.forces().brake_torque_Nm);
+            duration_s += 1e-3;
+        }
+        CAPTURE(maneuver);
+        CHECK(torque_Nms / duration_s / pressure_Pa / rig.brake.gain_m3() == Approx(0.27).epsilon(0.02));
+    }
+}

@@ -1,0 +1,202 @@
+/// The valve of eq. (6) against closed forms.
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "tests/catch.hpp"
+#include "tests/model/scenarios.hpp"
+
+namespace {
+
+constexpr double kFull_Pa = 2.07e7;
+constexpr plant::ValveParameters kValve{
+    .natural_frequency_radps = 2.0 * std::numbers::pi * 20.0, .damping = 0.8, .delay_s = 6e-3};
+
+/// Response of eq. (6) to a unit step at time zero, before the delay.
+double step_response(const plant::ValveParameters& valve, double t) {
+    t -= valve.delay_s;
+    if (t <= 0.0) return 0.0;
+    const double decay = valve.damping * valve.natural_frequency_radps;
+    const double w_d = valve.natural_frequency_radps * std::sqrt(1.0 - valve.damping * valve.damping);
+    return 1.0 - std::exp(-decay * t) * (std::cos(w_d * t) + decay / w_d * std::sin(w_d * t));
+}
+
+/// Response to a unit ramp: the integral of the step response.
+double ramp_response(const plant::ValveParameters& valve, double t) {
+    t -= valve.delay_s;
+    if (t <= 0.0) return 0.0;
+    const double w = valve.natural_frequency_radps;
+    const double decay = valve.damping * w;
+    const double w_d = w * std::sqrt(1.0 - valve.damping * valve.damping);
+    const double lag = 2.0 * valve.damping / w;
+    return t - lag +
+           std::exp(-decay * t) * (lag * std::cos(w_d * t) + (lag * decay - 1.0) / w_d * std::sin(w_d * t));
+}
+
+plant::ValveParameters with_delay(double delay_s) {
+    plant::ValveParameters valve = kValve;
+    valve.delay_s = delay_s;
+    return valve;
+}
+
+constexpr std::array<double, 7> kDelays_s{0.0, 0.4e-3, 1e-3, 6e-3, 6.3e-3, 15.999e-3, 20e-3};
+constexpr std::array<double, 4> kSteps_s{1e-4, 1e-3, 2e-3, 5e-3};
+
+}  // namespace
+
+TEST_CASE("valve: step response, whatever the delay and the step", "[RIG-040]") {
+    for (const double delay_s : kDelays_s) {
+        for (const double step_s : kSteps_s) {
+            CAPTURE(delay_s, step_s);
+            const plant::ValveParameters parameters = with_delay(delay_s);
+            plant::Valve valve(parameters, step_s);
+            CHECK(valve.first_s() >= 0.0);
+            CHECK(valve.first_s() + valve.second_s() == Approx(step_s).epsilon(1e-12));
+            double worst = 0.0;
+            for (int i = 1; i * step_s < 0.15; ++i) {
+                static_cast<void>(valve.advance(kFull_Pa, kFull_Pa));
+                const double truth = kFull_Pa * step_response(parameters, i * step_s);
+                worst = std::max(worst, std::abs(valve.pressure_Pa() - truth));
+            }
+            CHECK(worst < 1e-9 * kFull_Pa);
+        }
+    }
+}
+
+TEST_CASE("valve: exact for an input that is linear in time", "[RIG-041]") {
+    for (const double delay_s : kDelays_s) {
+        for (const double step_s : kSteps_s) {
+            CAPTURE(delay_s, step_s);
+            const plant::ValveParameters parameters = with_delay(delay_s);
+            plant::Valve valve(parameters, step_s);
+            constexpr double kRate = 1e8;
+            double worst = 0.0;
+            for (int i = 1; i * step_s < 0.15; ++i) {
+                static_cast<void>(valve.advance(kRate * (i - 1) * step_s, kRate * i * step_s));
+                worst = std::max(
+                    worst, std::abs(valve.pressure_Pa() - kRate * ramp_response(parameters, i * step_s)));
+            }
+            CHECK(worst < 1e-9 * kRate * 0.15);
+        }
+    }
+}
+
+TEST_CASE("valve: any sequence of held commands is the sum of its steps", "[RIG-042]") {
+    for (const double delay_s : kDelays_s) {
+        CAPTURE(delay_s);
+        const plant::ValveParameters parameters = with_delay(delay_s);
+        plant::Valve valve(parameters, 1e-3);
+        plant::Random random(7);
+        std::vector<double> commands;
+        double worst = 0.0;
+        for (int i = 0; i < 200; ++i) {
+            // Around a level at which the pressure does not run into zero.
+            commands.push_back(1e7 + 2e6 * random.noise());
+            static_cast<void>(valve.advance(commands.back(), commands.back()));
+            double truth = 0.0;
+            double before = 0.0;
+            for (std::size_t k = 0; k < commands.size(); ++k) {
+                const double since = static_cast<double>(commands.size() - k) * 1e-3;
+                truth += (commands[k] - before) * step_response(parameters, since);
+                before = commands[k];
+            }
+            worst = std::max(worst, std::abs(valve.pressure_Pa() - truth));
+        }
+        CHECK(worst < 1e-8 * kFull_Pa);
+    }
+}
+
+TEST_CASE("valve: within a step the pressure follows the closed form to a millionth", "[RIG-043]") {
+    for (const double delay_s : {6e-3, 6.3e-3}) {
+        const plant::ValveParameters parameters = with_delay(delay_s);
+        plant::Valve valve(parameters, 1e-3);
+        double worst = 0.0;
+        for (int i = 0; i < 100; ++i) {
+            const plant::Valve::Arcs arcs = valve.advance(kFull_Pa, kFull_Pa);
+            for (double x = 0.0; x <= 1.0; x += 0.125) {
+                const double start = i * 1e-3;
+                if (valve.first_s() > 0.0) {
+                    const double truth = kFull_Pa * step_response(parameters, start + x * valve.first_s());
+                    worst = std::max(worst, std::abs(arcs.first.at(x) - truth));
+                }
+                const double truth =
+                    kFull_Pa * step_response(parameters, start + valve.first_s() + x * valve.second_s());
+                worst = std::max(worst, std::abs(arcs.second.at(x) - truth));
+            }
+        }
+        CHECK(worst < 1e-6 * kFull_Pa);
+    }
+}
+
+TEST_CASE("valve: pressure is never negative, though eq. (6) undershoots on release", "[RIG-044]") {
+    plant::Valve valve(kValve, 1e-3);
+    for (int i = 0; i < 200; ++i) static_cast<void>(valve.advance(kFull_Pa, kFull_Pa));
+    double lowest_of_law = 0.0;
+    for (int i = 0; i < 200; ++i) {
+        const plant::Valve::Arcs arcs = valve.advance(0.0, 0.0);
+        for (double x = 0.0; x <= 1.0; x += 0.1) {
+            const auto& a = arcs.second;
+            const double law = a.c0 + x * (a.c1 + x * (a.c2 + x * a.c3));
+            lowest_of_law = std::min(lowest_of_law, law);
+            CHECK(a.at(x) >= 0.0);
+            if (law < 0.0) CHECK(a.slope(x) == 0.0);
+        }
+        CHECK(valve.pressure_Pa() >= 0.0);
+    }
+    // exp(-pi xi / sqrt(1 - xi^2)) = 1.5 % of undershoot is what had to be cut off.
+    CHECK(lowest_of_law == Approx(-kFull_Pa * std::exp(-std::numbers::pi * 0.8 / 0.6)).epsilon(0.01));
+}
+
+TEST_CASE("valve: a part of an arc is the arc", "[RIG-045]") {
+    const auto arc = plant::PressureArc::hermite(3e6, -1e9, 2e6, 2e9, 1e-3);
+    CHECK(arc.at(0.0) == Approx(3e6));
+    CHECK(arc.at(1.0) == Approx(2e6));
+    CHECK(arc.slope(0.0) == Approx(-1e6));
+    CHECK(arc.slope(1.0) == Approx(2e6));
+    const plant::PressureArc part = arc.part(0.2, 0.7);
+    const plant::LoadArc load{1000.0, 500.0, 2.0};
+    for (double s = 0.0; s <= 1.0; s += 0.1) {
+        CHECK(part.at(s) == Approx(arc.at(0.2 + 0.5 * s)).epsilon(1e-13));
+        CHECK(part.slope(s) == Approx(0.5 * arc.slope(0.2 + 0.5 * s)).epsilon(1e-12).margin(1e-6));
+        CHECK(load.part(0.2, 0.7).force_N(s, 3.0) == Approx(load.force_N(0.2 + 0.5 * s, 3.0)).epsilon(1e-14));
+    }
+}
+
+TEST_CASE("valve: parameters that it cannot integrate are refused", "[RIG-046]") {
+    plant::ValveParameters valve = kValve;
+    for (const double damping : {0.0, 1.0, 1.5, -0.1, std::nan("")}) {
+        valve.damping = damping;
+        CHECK_THROWS_AS(plant::Valve(valve, 1e-3), std::invalid_argument);
+    }
+}
+
+TEST_CASE("static map: dead zone, points, linear between, saturating", "[RIG-047]") {
+    const plant::PressureMap map = plant::load_rig("config", {}).rig.pressure_map;
+    const auto& points = map.points();
+    CHECK(points.front().current_mA == 3.0);
+    CHECK(points.back().current_mA == 40.0);
+    CHECK(map.pressure_Pa(-5.0) == 0.0);
+    CHECK(map.pressure_Pa(0.0) == 0.0);
+    CHECK(map.pressure_Pa(3.0) == 0.0);
+    CHECK(map.pressure_Pa(std::nextafter(3.0, 4.0)) > 0.0);
+    CHECK(map.pressure_Pa(40.0) == kFull_Pa);
+    CHECK(map.pressure_Pa(std::nextafter(40.0, 0.0)) == Approx(kFull_Pa));
+    CHECK(map.pressure_Pa(1e9) == kFull_Pa);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        CHECK(map.pressure_Pa(points[i].current_mA) == points[i].pressure_Pa);
+        CHECK(map.pressure_Pa(0.5 * (points[i].current_mA + points[i - 1].current_mA)) ==
+              Approx(0.5 * (points[i].pressure_Pa + points[i - 1].pressure_Pa)).epsilon(1e-14));
+    }
+    double last = -1.0;
+    for (double mA = 0.0; mA <= 45.0; mA += 0.01) {
+        CHECK(map.pressure_Pa(mA) >= last);
+        last = map.pressure_Pa(mA);
+    }
+    using Points = std::vector<plant::PressureMap::Point>;
+    CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 0.0}}), std::invalid_argument);
+    CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 0.0}, {3.0, 1.0}}), std::invalid_argument);
+    CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 2.0}, {4.0, 1.0}}), std::invalid_argument);
+    CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 0.0}, {std::nan(""), 1.0}}), std::invalid_argument);
+    CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 0.0}, {4.0, std::nan("")}}), std::invalid_argument);
+}
