@@ -144,6 +144,7 @@ TEST_CASE("the safe current is tried until it gets through, but not for ever", "
         LoopBench late(ClockSource::timer);
         int period = 0;
         int closing = 0;
+        Time stopped_at{};
         late.clock.on_sleep = [&](Time) {
             if (late.stop) {
                 if (++closing == 10) late.controller_end.set_link(true, false);
@@ -152,9 +153,11 @@ TEST_CASE("the safe current is tried until it gets through, but not for ever", "
             late.rig_period(at_rest());
             if (++period < 50) return;
             late.controller_end.set_link(false, false);
+            stopped_at = late.clock.now();
             late.stop = true;
         };
         late.session->loop().run(late.stop);
+        CHECK(late.clock.now() - stopped_at >= 12 * late.setup.period);  // one period apart, not all at once
         late.collect();
         CHECK(late.statistics().safe_commands_sent == 3);
         CHECK(closing == 13);
@@ -210,6 +213,16 @@ TEST_CASE("a SYNC that fails to come: stepping goes on, what is missing is named
     CHECK(bench.statistics().first_seen[static_cast<std::size_t>(control::Fault::wheel_lost)] >= 2500ms);
     CHECK(bench.rig.controller().current_mA ==
           Approx(bench.setup.control.valve.safe_current_mA).margin(1e-6));
+}
+
+TEST_CASE("a rig that goes on sending, but no SYNC, is found out all the same", "[RT-036]") {
+    LoopBench bench(ClockSource::sync);
+    bench.run_sync(5000, [&](const int wait) {
+        if (wait >= 500) bench.clock.advance(1ms);
+        bench.rig_period(at_rest());
+        if (wait < 500) bench.rig_sync();
+    });
+    CHECK(bench.statistics().unsynchronised > 100);
 }
 
 TEST_CASE("SYNC that comes back takes over again", "[RT-036]") {
