@@ -7,13 +7,16 @@
 namespace plant {
 
 Encoder::Encoder(const EncoderParameters& parameters)
-    : parameters_(parameters), edges_per_rad_(parameters.teeth / (2.0 * std::numbers::pi)), next_edge_(1.0) {}
+    : parameters_(parameters),
+      edges_per_rad_(parameters.teeth / (2.0 * std::numbers::pi)),
+      rad_per_edge_(1.0 / edges_per_rad_),
+      next_edge_(1.0) {}
 
 void Encoder::advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s,
                       Random& random) {
     const double edges = angle_rad * edges_per_rad_;
     if (edges < next_edge_) return;
-    const double last = std::floor(edges);
+    const auto last = static_cast<double>(static_cast<std::int64_t>(edges));
     const auto passed = static_cast<std::uint32_t>(last - next_edge_ + 1.0);
     next_edge_ = last + 1.0;
     if (after_radps * edges_per_rad_ < parameters_.slowest_edges_hz)
@@ -21,13 +24,15 @@ void Encoder::advance(double angle_rad, double before_radps, double after_radps,
 
     // Time since the edge at constant acceleration over the step: solve omega t - a t^2 / 2 = angle, the
     // stable way.
-    const double angle = (edges - last) / edges_per_rad_;
+    const double angle = (edges - last) * rad_per_edge_;
     const double acceleration = (after_radps - before_radps) / step_s;
     const double root = std::sqrt(std::max(after_radps * after_radps - 2.0 * acceleration * angle, 0.0));
     const double since = std::min(2.0 * angle / (after_radps + root), step_s);
     count_ += passed;
-    const double stamp = std::max(now_s - since + parameters_.jitter_s * random.noise(), edge_time_s_);
-    if (stamp > edge_time_s_) speed_radps_ = passed / (stamp - edge_time_s_) / edges_per_rad_;
+    // No stamp comes before the last one, nor from the future.
+    const double stamp =
+        std::min(std::max(now_s - since + parameters_.jitter_s * random.noise(), edge_time_s_), now_s);
+    if (stamp > edge_time_s_) speed_radps_ = passed * rad_per_edge_ / (stamp - edge_time_s_);
     edge_time_s_ = stamp;
 }
 

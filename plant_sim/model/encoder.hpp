@@ -34,7 +34,7 @@ class Encoder {
 
   private:
     EncoderParameters parameters_;
-    double edges_per_rad_;
+    double edges_per_rad_, rad_per_edge_;
     double next_edge_;  // angle in edges at which the next one comes
     std::uint32_t count_ = 0;
     double edge_time_s_ = 0.0;
