@@ -1,5 +1,6 @@
 #include "plant_sim/model/load_rig.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -53,7 +54,21 @@ std::size_t friction_class(const Table& t) {
 constexpr settings::Range kMass_kg{.min = 100.0, .max = 1e5};
 constexpr settings::Range kSpeed_mps{.min = 1.0, .max = 120.0};
 
-std::vector<Maneuver> maneuvers(const std::filesystem::path& path) {
+template <typename Named>
+std::vector<std::string> names(const std::vector<Named>& all) {
+    std::vector<std::string> list;
+    for (const Named& one : all) list.push_back(one.name);
+    return list;
+}
+
+/// A key whose word must be one of `known`.
+void check_name(const Table& t, std::string_view key, const std::vector<std::string>& known) {
+    const std::string word = t.text(key);
+    if (std::find(known.begin(), known.end(), word) == known.end())
+        t.fail(key, "unknown " + std::string(key) + " '" + word + "'; there are " + listed(known));
+}
+
+std::vector<Maneuver> maneuvers(const std::filesystem::path& path, const std::vector<Surface>& runways) {
     const Document doc = Document::load(path);
     std::vector<Maneuver> all;
     for (const Table& t : doc.root().table("maneuvers").tables()) {
@@ -63,8 +78,8 @@ std::vector<Maneuver> maneuvers(const std::filesystem::path& path) {
                        .friction_class = friction_class(t)});
     }
     const Table reference = doc.root().table("reference");
-    (void)reference.text("maneuver");
-    (void)reference.text("surface");
+    check_name(reference, "maneuver", names(all));
+    check_name(reference, "surface", names(runways));
     (void)reference.number("slip_reference", {.min = 0.0, .max = 0.5});
     doc.finish();
     return all;
@@ -90,12 +105,27 @@ BrakeGeometry brake(const Table& t) {
             .effective_radius_m = t.number("effective_radius_m", {.min = 0.01, .max = 2.0})};
 }
 
+/// The least value over a stop when the curve is brought to the mean `friction`.
+double least_friction(const FrictionCurve& curve, double friction) {
+    constexpr int kParts = 256;
+    const double mean = curve[0] + curve[1] / 2.0 + curve[2] / 3.0 + curve[3] / 4.0;
+    double least = friction;
+    for (int i = 0; i <= kParts; ++i) {
+        const double x = static_cast<double>(i) / kParts;
+        const double at = curve[0] + x * (curve[1] + x * (curve[2] + x * curve[3]));
+        least = std::min(least, at - mean + friction);
+    }
+    return least;
+}
+
 /// All classes are read, so that a mistake in any of them shows; the chosen one comes back, times the new brake's friction.
 FrictionCurve friction_curve(const Table& t, std::size_t chosen, double friction) {
     FrictionCurve curve{};
     for (std::size_t i = 0; i < kFrictionClasses.size(); ++i) {
         const auto c = t.numbers(kFrictionClasses[i], {.range = {.min = -10.0, .max = 10.0},
                                                        .count = {.min = curve.size(), .max = curve.size()}});
+        if (least_friction({c[0], c[1], c[2], c[3]}, 1.0) <= 0.0)
+            t.fail(kFrictionClasses[i], "falls to zero within the stop; mu_b must stay positive");
         if (i != chosen) continue;
         for (std::size_t k = 0; k < curve.size(); ++k) curve[k] = friction * c[k];
     }
@@ -159,6 +189,15 @@ double loading_lag_s(const Table& root) {
     return root.table("loading_device").number("lag_ms", {.min = 0.0, .max = 10000.0}) * 1e-3;
 }
 
+/// r(F_z) must leave a wheel to roll on.
+void check_radius(const Table& root, const WheelParameters& wheel, double load_N) {
+    if (load_N < 0.5 * wheel.free_radius_m * wheel.stiffness_Npm) return;
+    root.table("wheel").fail("stiffness_Npm",
+                             std::to_string(load_N) +
+                                 " N flatten the tyre by half its free radius or more; expected "
+                                 "a stiffer tyre or less load");
+}
+
 struct Landing {
     RigParameters rig;
     double drop_out_mps;
@@ -180,6 +219,7 @@ Landing landing(const std::filesystem::path& path, const Maneuver& maneuver, con
                                           std::to_string(maneuver.speed_mps) +
                                           " m/s: F_z of eq. (2) must stay above zero");
     }
+    check_radius(root, landing.rig.wheel, weight);
     doc.finish();
     landing.rig.wheel.mass_kg = maneuver.mass_kg;
     landing.rig.load = {.base_N = weight, .lift_Ns2pm2 = lift, .lag_s = 0.0};
@@ -210,16 +250,9 @@ FlywheelRig flywheel_rig(const std::filesystem::path& path, const Surface& runwa
                             "duration_s", "duration_deviation_s", "length_m", "length_deviation_m"}) {
         (void)test.number(key, {.min = 0.0, .max = 1e6});
     }
+    check_radius(root, out.rig.wheel, out.rig.load.base_N);
     doc.finish();
     return out;
-}
-
-template <typename Named>
-std::vector<std::string> names(const std::vector<Named>& all) {
-    std::vector<std::string> list;
-    list.reserve(all.size());
-    for (const Named& one : all) list.push_back(one.name);
-    return list;
 }
 
 template <typename Named>
@@ -252,7 +285,7 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
     const auto flywheel_file = directory / "flywheel_rig.toml";
     const std::vector<Surface> runways = surfaces(surface_file);
     const Surface& runway = find(runways, choice.surface, "surface", surface_file);
-    const std::vector<Maneuver> known = maneuvers(maneuver_file);
+    const std::vector<Maneuver> known = maneuvers(maneuver_file, runways);
     const FlywheelRig bench = flywheel_rig(flywheel_file, runway);
     Maneuver maneuver = choice.maneuver == kEndurance ? known.front()
                                                       : find(known, choice.maneuver, "maneuver",
@@ -277,6 +310,11 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
         if (choice.carrier == Carrier::flywheel) out.rig.load.lag_s = bench.lag_s;
     }
     override_with(choice.friction, {.min = 0.01, .max = 1.0}, "mu_b", out.rig.mean_friction);
+    if (least_friction(out.rig.friction_curve, out.rig.mean_friction) <= 0.0) {
+        throw std::invalid_argument(
+            "mu_b: a mean of " + std::to_string(out.rig.mean_friction) +
+            " takes the friction curve of this maneuver below zero; expected a larger one");
+    }
     out.full_pressure_Pa = out.rig.pressure_map.points().back().pressure_Pa;
     return out;
 }
@@ -286,7 +324,7 @@ std::vector<std::string> surface_names(const std::filesystem::path& directory) {
 }
 
 std::vector<std::string> maneuver_names(const std::filesystem::path& directory) {
-    return names(maneuvers(directory / "maneuvers.toml"));
+    return names(maneuvers(directory / "maneuvers.toml", surfaces(directory / "surfaces.toml")));
 }
 
 }  // namespace plant
