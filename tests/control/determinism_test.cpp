@@ -23,22 +23,23 @@ std::uint64_t& allocations() {
 
 }  // namespace
 
-void* operator new(const std::size_t size) {
+// Not inlined: the compiler would see malloc behind one of them and free behind the other, and call it a mismatch.
+[[gnu::noinline]] void* operator new(const std::size_t size) {
     ++allocations();
     if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
     throw std::bad_alloc();
 }
-void* operator new(const std::size_t size, const std::nothrow_t&) noexcept {
+[[gnu::noinline]] void* operator new(const std::size_t size, const std::nothrow_t&) noexcept {
     ++allocations();
     return std::malloc(size == 0 ? 1 : size);
 }
-void operator delete(void* memory) noexcept {
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
     std::free(memory);
 }
-void operator delete(void* memory, std::size_t) noexcept {
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
     std::free(memory);
 }
-void operator delete(void* memory, const std::nothrow_t&) noexcept {
+[[gnu::noinline]] void operator delete(void* memory, const std::nothrow_t&) noexcept {
     std::free(memory);
 }
 
