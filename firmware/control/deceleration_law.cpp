@@ -4,6 +4,11 @@
 
 namespace antiskid::control {
 
+namespace {
+constexpr float kHoldMemory_s = 0.1F;
+constexpr float kGuardShare = 0.5F;  // of the slip limit
+}  // namespace
+
 DecelerationLaw::DecelerationLaw(const DecelerationConfig& config, const SlipConfig& slip, float period_s)
     : config_(config), guard_(slip, period_s), period_s_(period_s) {}
 
@@ -12,14 +17,24 @@ void DecelerationLaw::start(const Estimate& estimate) {
     measured_mps2_ = larger(-estimate.omega_dot_radps2 * estimate.radius_m, 0.0F);
     reference_mps2_ = measured_mps2_;
     integral_Pa_ = estimate.pressure.pressure_Pa;
+    held_Pa_ = estimate.pressure.pressure_Pa;
+}
+
+/// Far from the limit the guard rests: its integral would wind up there, and at low speed it would cut the pressure for
+/// the noise of the road torque.
+float DecelerationLaw::guarded_Pa(const Estimate& e, float ceiling_Pa) {
+    if (e.late_slip > kGuardShare * config_.slip_limit)
+        return guard_.pressure_Pa(e, config_.slip_limit, ceiling_Pa);
+    guard_.start(e);
+    return ceiling_Pa;
 }
 
 float DecelerationLaw::pressure_Pa(const Estimate& e, float deceleration_mps2, float ceiling_Pa) {
     const float gain = config_.filter_radps * period_s_ / (1.0F + config_.filter_radps * period_s_);
     measured_mps2_ += gain * (-e.omega_dot_radps2 * e.radius_m - measured_mps2_);
-    // Too slow for the encoders: the last pressure is held to standstill.
-    if (e.v_mps < config_.drop_out_mps) return limited(integral_Pa_, 0.0F, ceiling_Pa);
-    const float allowed_Pa = guard_.pressure_Pa(e, config_.slip_limit, ceiling_Pa);
+    // Too slow for the encoders: the last pressure is held to standstill. Its mean, since the slip guard may just have let go.
+    if (e.v_mps < config_.drop_out_mps) return limited(held_Pa_, 0.0F, ceiling_Pa);
+    const float allowed_Pa = guarded_Pa(e, ceiling_Pa);
 
     reference_mps2_ = towards(reference_mps2_, deceleration_mps2, config_.onset_mps3 * period_s_);
     const float error = reference_mps2_ - measured_mps2_;
@@ -28,6 +43,7 @@ float DecelerationLaw::pressure_Pa(const Estimate& e, float deceleration_mps2, f
     const bool winds_up = (wanted_Pa > given_Pa && error > 0.0F) || (wanted_Pa < given_Pa && error < 0.0F);
     if (!winds_up) integral_Pa_ += config_.k_i_Pa_per_m_per_s * error * period_s_;
     integral_Pa_ = limited(integral_Pa_, 0.0F, allowed_Pa);
+    held_Pa_ += (given_Pa - held_Pa_) * period_s_ / (kHoldMemory_s + period_s_);
     return given_Pa;
 }
 

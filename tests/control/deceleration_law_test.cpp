@@ -61,28 +61,43 @@ TEST_CASE("the prescribed deceleration is reached and held", "[CTL-050]") {
     CHECK(most < 1.1 * static_cast<double>(reference));
 }
 
-TEST_CASE("slip is limited by the slip law, whatever deceleration is asked for", "[CTL-051]") {
+TEST_CASE("above half the slip limit the slip law has the last word", "[CTL-051]") {
     DecelerationLaw d = law();
-    SlipLaw guard(fixed_config().slip, kPeriod_s);
     const Estimate grip = decelerating(50.0F, 0.05F, 6e6F, 4.0F);
     d.start(grip);
+    // Long gentle braking below the limit must not teach the guard anything.
+    for (int i = 0; i < 20'000; ++i) static_cast<void>(d.pressure_Pa(grip, 4.0F, kFull_Pa));
+    SlipLaw guard(fixed_config().slip, kPeriod_s);
     guard.start(grip);
     bool bites = false;
     const auto both = [&](const float slip) {
         const Estimate e = decelerating(50.0F, slip, 6e6F, 4.0F);
         const float given = d.pressure_Pa(e, 15.0F, kFull_Pa);
         const float allowed = guard.pressure_Pa(e, 0.15F, kFull_Pa);
+        CAPTURE(slip);
         REQUIRE(given <= allowed);
         bites = bites || (given == allowed && allowed < kFull_Pa);
         return given;
     };
-    for (int i = 0; i < 500; ++i) both(0.05F);
-    for (int i = 0; i < 100; ++i) both(0.05F + 0.004F * static_cast<float>(i));
+    for (int i = 0; i < 100; ++i) both(0.076F + 0.004F * static_cast<float>(i));
     CHECK(bites);
     CHECK(both(0.95F) == 0.0F);
     // The integral has followed the guard down: nothing is stored for later.
-    const Estimate back = decelerating(50.0F, 0.14F, 1e6F, 4.0F);
+    const Estimate back = decelerating(50.0F, 0.02F, 1e6F, 4.0F);
     CHECK(d.pressure_Pa(back, 4.0F, kFull_Pa) < 3e6F);
+}
+
+TEST_CASE("far from the slip limit the guard takes nothing away, at any speed", "[CTL-051]") {
+    for (const float v : {60.0F, 20.0F, 4.0F}) {
+        DecelerationLaw d = law();
+        // The road torque as noisy as it is at low speed.
+        Estimate e = decelerating(v, 0.02F, 6e6F, 4.0F);
+        d.start(e);
+        for (int i = 0; i < 2000; ++i) {
+            e.balance_Pa = i % 2 == 0 ? 5e6F : 7e6F;
+            REQUIRE(d.pressure_Pa(e, 4.0F, kFull_Pa) == Approx(6e6F).epsilon(1e-3));
+        }
+    }
 }
 
 TEST_CASE("the integral does not wind up at either limit", "[CTL-051]") {
@@ -113,8 +128,11 @@ TEST_CASE("close to standstill the last pressure is held", "[CTL-052]") {
     d.start(e);
     for (int i = 0; i < 100; ++i) static_cast<void>(d.pressure_Pa(e, 4.0F, kFull_Pa));
     const float last = d.pressure_Pa(e, 4.0F, kFull_Pa);
+    // The guard lets go for the last 5 ms: what is held is the mean, so that the aircraft still stops.
+    const Estimate skid = decelerating(20.0F, 0.95F, 5e6F, 4.0F);
+    for (int i = 0; i < 5; ++i) CHECK(d.pressure_Pa(skid, 4.0F, kFull_Pa) < 0.5F * last);
     const Estimate slow = decelerating(0.9F, 0.3F, 5e6F, 40.0F);
-    for (int i = 0; i < 100; ++i) REQUIRE(d.pressure_Pa(slow, 4.0F, kFull_Pa) == Approx(last).epsilon(1e-3));
+    for (int i = 0; i < 100; ++i) REQUIRE(d.pressure_Pa(slow, 4.0F, kFull_Pa) == Approx(last).epsilon(0.06));
     CHECK(d.pressure_Pa(slow, 4.0F, 1e6F) == 1e6F);
     // Taken over there with a transducer a little below zero: still no negative request.
     d.start(decelerating(0.9F, 0.0F, -3e4F, 0.0F));
