@@ -1,5 +1,6 @@
 #include "plant_sim/study/in_process.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -62,6 +63,9 @@ class FrameLink {
         controller_.clear_one_shots();
         std::array<Frame, ControllerPort::kMostFrames> answer{};
         const std::size_t answers = controller_.due_frames(command, answer);
+        // In lockstep the valve command, first of what is due, is sent last: the rig moves on when it has it.
+        std::rotate(answer.begin(), answer.begin() + 1,
+                    answer.begin() + static_cast<std::ptrdiff_t>(answers));
         for (std::size_t i = 0; i < answers; ++i) {
             answer[i].received = now;
             if (observe) observe(answer[i]);
