@@ -2,6 +2,7 @@
 /// The wheel does what it is told, whatever the brake does: the bench is for states and faults, not for braking.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -23,7 +24,7 @@ class Bench {
           flywheel_(static_cast<double>(c.flywheel.encoder.teeth)),
           valve_(static_cast<double>(c.valve.natural_frequency_radps), static_cast<double>(c.valve.damping),
                  static_cast<double>(c.valve.delay_s)),
-          period_(static_cast<std::int64_t>(static_cast<double>(c.period_s) * 1e6 + 0.5) * 1000) {
+          period_(std::llround(static_cast<double>(c.period_s) * 1e6) * 1000) {
         sensors.maneuver.law = antiskid::control::Law::wheel_slip;
         sensors.maneuver.slip_reference = 0.1F;
         sensors.maneuver.deceleration_mps2 = 3.0F;
@@ -51,7 +52,9 @@ class Bench {
     void steps(const int count) {
         for (int i = 0; i < count; ++i) static_cast<void>(step());
     }
-    void seconds(const double s) { steps(static_cast<int>(s / static_cast<double>(config.period_s) + 0.5)); }
+    void seconds(const double s) {
+        steps(static_cast<int>(std::lround(s / static_cast<double>(config.period_s))));
+    }
 
     /// Aircraft in the air at 40 m/s, wheel at rest; ends in standby.
     void to_standby() {
