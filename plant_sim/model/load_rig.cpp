@@ -227,6 +227,13 @@ Landing landing(const std::filesystem::path& path, const Maneuver& maneuver, con
     return landing;
 }
 
+/// The flywheel gives the wheel its spin: r (m v_t - m v_b) = J v_b / r.
+double before_spin_up_mps(const RigParameters& rig) {
+    const WheelParameters& w = rig.wheel;
+    const double r = w.free_radius_m - rig.load.base_N / w.stiffness_Npm;
+    return rig.brake_on_mps * (1.0 + w.inertia_kgm2 / (w.mass_kg * r * r));
+}
+
 struct FlywheelRig {
     RigParameters rig;
     double deceleration_mps2;
@@ -305,6 +312,7 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
         out.deceleration_mps2 = bench.deceleration_mps2;
         out.rig.wheel.mass_kg = maneuver.mass_kg;
         out.rig.brake_on_mps = maneuver.speed_mps;
+        out.rig.touchdown_mps = before_spin_up_mps(out.rig);
     } else {
         out.rig = gear.rig;
         if (choice.carrier == Carrier::flywheel) out.rig.load.lag_s = bench.lag_s;

@@ -15,11 +15,12 @@ Rig::Rig(const RigParameters& parameters, double step_s, std::uint64_t seed)
       flywheel_encoder_(parameters.flywheel_encoder),
       random_(seed),
       step_s_(step_s) {
-    state_.v_mps = parameters.brake_on_mps;
+    state_.v_mps = parameters.touchdown_mps > 0.0 ? parameters.touchdown_mps : parameters.brake_on_mps;
 }
 
 void Rig::start_rolling() {
     contact_ = true;
+    state_.v_mps = parameters_.brake_on_mps;
     const LoadParameters& law = parameters_.load;
     device_load_N_ = law.base_N - law.lift_Ns2pm2 * state_.v_mps * state_.v_mps;
     const double radius = parameters_.wheel.free_radius_m - device_load_N_ / parameters_.wheel.stiffness_Npm;
@@ -72,11 +73,12 @@ void Rig::advance_current(double start_mA, double end_mA) {
     sense(wheel_before, flywheel_before);
 }
 
-void Rig::advance_pressure(double start_Pa, double end_Pa) {
+void Rig::advance_pressure(std::span<const PressurePart> parts) {
     const double wheel_before = state_.omega_radps;
     const double flywheel_before = state_.v_mps;
-    move(PressureArc::linear(start_Pa, end_Pa), step_s_);
-    pressure_Pa_ = end_Pa;
+    for (const PressurePart& part : parts)
+        move(PressureArc::linear(part.start_Pa, part.end_Pa), part.share * step_s_);
+    pressure_Pa_ = parts.back().end_Pa;
     sense(wheel_before, flywheel_before);
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "plant_sim/model/brake.hpp"
@@ -40,7 +41,8 @@ struct RigParameters {
     double flywheel_radius_m = 0.0;  ///< R_f of the wheel that measures v
     TransducerParameters transducer;
     Surface surface;
-    double brake_on_mps = 0.0;  ///< initial speed of the maneuver
+    double brake_on_mps = 0.0;   ///< speed of the maneuver
+    double touchdown_mps = 0.0;  ///< initial speed where spinning the wheel up costs some; 0: brake_on_mps
 };
 
 class Rig {
@@ -62,7 +64,16 @@ class Rig {
     void advance_current(double start_mA, double end_mA);
     /// One step with a prescribed brake pressure, linear in time: the valve is bypassed (feed-forward
     /// validation, Section III.C).
-    void advance_pressure(double start_Pa, double end_Pa);
+    void advance_pressure(double start_Pa, double end_Pa) {
+        const PressurePart whole{1.0, start_Pa, end_Pa};
+        advance_pressure({&whole, 1});
+    }
+    /// The same with a pressure that is linear piece by piece.
+    struct PressurePart {
+        double share;  ///< of the step, above 0; all add up to 1
+        double start_Pa, end_Pa;
+    };
+    void advance_pressure(std::span<const PressurePart> parts);
 
     [[nodiscard]] double time_s() const { return static_cast<double>(steps_) * step_s_; }
     [[nodiscard]] const WheelState& wheel() const { return state_; }

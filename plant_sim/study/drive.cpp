@@ -15,6 +15,7 @@ namespace study {
 namespace {
 
 constexpr double kStep_s = 1e-3;
+constexpr double kLongest_s = 3600.0;  // one row each ms: 3.6 million
 
 std::string_view trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
@@ -35,6 +36,8 @@ class Reader {
         profile.input = header(line);
         while (next(line)) row(line, profile);
         if (profile.time_s.size() < 2) refuse("needs two rows of numbers at least");
+        if (profile.time_s.back() - profile.time_s.front() > kLongest_s)
+            refuse(fmt::format("time_s: lasts longer than {:.0f} s", kLongest_s));
         return profile;
     }
 
@@ -108,16 +111,37 @@ class Cursor {
         return profile_.value[next_ - 1] + share * (profile_.value[next_] - profile_.value[next_ - 1]);
     }
 
+    /// The time of the next row before `time_s`, else `time_s`.
+    [[nodiscard]] double next_row_before(double time_s) const {
+        const auto& t = profile_.time_s;
+        return next_ < t.size() && t[next_] < time_s ? t[next_] : time_s;
+    }
+
   private:
     const DriveProfile& profile_;
     std::size_t next_ = 0;
 };
 
+/// One step from `from_s` to `to_s`, cut where a row of the profile falls into it; returns the pressure at its end.
+double advance_pressure(plant::Rig& rig, Cursor& cursor, double from_s, double to_s, double pressure_Pa,
+                        std::vector<plant::Rig::PressurePart>& parts) {
+    parts.clear();
+    for (double at_s = from_s; at_s < to_s;) {
+        const double next_s = cursor.next_row_before(to_s);
+        const double next_Pa = cursor.at(next_s);
+        parts.push_back({(next_s - at_s) / (to_s - from_s), pressure_Pa, next_Pa});
+        at_s = next_s;
+        pressure_Pa = next_Pa;
+    }
+    rig.advance_pressure(parts);
+    return pressure_Pa;
+}
+
 void append_row(std::string& csv, double time_s, const plant::Rig& rig) {
     const plant::WheelState& w = rig.wheel();
     const plant::Forces f = rig.forces();
     fmt::format_to(std::back_inserter(csv),
-                   "{:.3f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n",
+                   "{:.6f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n",
                    time_s, w.v_mps, w.omega_radps, f.slip, rig.pressure_Pa(), f.brake_torque_Nm, f.F_x_N,
                    f.F_z_N, f.radius_m, f.mu, w.energy_brake_J, w.energy_tyre_J);
 }
@@ -140,15 +164,17 @@ std::string drive(const plant::RigParameters& parameters, const DriveProfile& pr
         "time_s,speed_mps,wheel_speed_radps,slip,pressure_Pa,brake_torque_Nm,F_x_N,F_z_N,radius_m,mu,energy_"
         "brake_J,energy_tyre_J\n";
     append_row(csv, start, rig);
+    std::vector<plant::Rig::PressurePart> parts;
     for (std::int64_t step = 1; !rig.standstill(); ++step) {
         const double time = start + static_cast<double>(step) * kStep_s;
         if (time > end + 0.5 * kStep_s) break;
-        const double next = cursor.at(time);
-        if (profile.input == DriveInput::pressure_Pa)
-            rig.advance_pressure(value, next);
-        else
+        if (profile.input == DriveInput::pressure_Pa) {
+            value = advance_pressure(rig, cursor, time - kStep_s, time, value, parts);
+        } else {
+            const double next = cursor.at(time);
             rig.advance_current(value, next);
-        value = next;
+            value = next;
+        }
         append_row(csv, time, rig);
     }
     return csv;

@@ -19,12 +19,13 @@ struct DriveProfile {
 };
 
 /// Reads CSV with the header `time_s,pressure_Pa` or `time_s,current_mA`; at least two rows. Throws settings::Error naming file and line for
-/// a missing or unknown column, text, NaN, negative values, or time that does not increase.
+/// a missing or unknown column, text, NaN, negative values, time that does not increase, or more than an hour.
 [[nodiscard]] DriveProfile read_profile(const std::filesystem::path& csv);
 
 /// Drives the plant from the profile's first time, wheel rolling freely at the maneuver's speed, to the profile's end or standstill.
 /// Returns CSV: time_s,speed_mps,wheel_speed_radps,slip,pressure_Pa,brake_torque_Nm,F_x_N,F_z_N,radius_m,mu,energy_brake_J,energy_tyre_J,
-/// one row per step of 1 ms, the first at the start.
+/// one row per step of 1 ms, the first at the start. Pressure acts as the table says also between two of these rows; a current is taken
+/// once per ms and linear in between.
 [[nodiscard]] std::string drive(const plant::RigParameters& rig, const DriveProfile& profile);
 
 }  // namespace study

@@ -1,0 +1,29 @@
+/// Eq. (8) against eq. (9) over whole closed-loop stops, locks and standstill included.
+#include <algorithm>
+#include <cmath>
+
+#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/study/in_process.hpp"
+#include "tests/catch.hpp"
+
+TEST_CASE("energy: the books of every closed-loop stop close to a millionth", "[RIG-006]") {
+    double worst = 0.0;
+    for (const std::string law : {"slip", "threshold"}) {
+        for (const std::string& surface : plant::surface_names("config")) {
+            for (const std::string& maneuver : plant::maneuver_names("config")) {
+                plant_sim::ScenarioOptions options;
+                options.choice.surface = surface;
+                options.choice.maneuver = maneuver;
+                options.law = law;
+                const plant_sim::Scenario s = plant_sim::load_scenario(options);
+                const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig,
+                                                                      s.session, study::Link::rounded);
+                CAPTURE(law, surface, maneuver);
+                CHECK(result.figures.standstill);
+                CHECK(std::abs(result.figures.energy_residual) <= 1e-6);
+                worst = std::max(worst, std::abs(result.figures.energy_residual));
+            }
+        }
+    }
+    SUCCEED("worst energy residual " << worst);
+}
