@@ -56,6 +56,22 @@ TEST_CASE("the static map is hit at its points and linear between them", "[CTL-0
     CHECK(valve_pressure_Pa(v, 1e9F) == 20.7e6F);
 }
 
+TEST_CASE("a map may use every point there is, or only two", "[CTL-020]") {
+    ValveConfig v;
+    v.points = ValveConfig::kMostPoints;
+    for (std::size_t i = 0; i < ValveConfig::kMostPoints; ++i) {
+        v.current_mA[i] = 2.0F + static_cast<float>(i);
+        v.pressure_Pa[i] = 1e6F * static_cast<float>(i);
+    }
+    CHECK(valve_pressure_Pa(v, 17.0F) == 15e6F);
+    CHECK(valve_pressure_Pa(v, 99.0F) == 15e6F);
+    CHECK(valve_current_mA(v, 99e6F) == 17.0F);
+    // Points beyond those in use are not looked at.
+    v.points = 2;
+    CHECK(valve_pressure_Pa(v, 17.0F) == 1e6F);
+    CHECK(valve_current_mA(v, 15e6F) == 3.0F);
+}
+
 TEST_CASE("map and inverse map are each other's inverse", "[CTL-021]") {
     const ValveConfig v = fixed_config().valve;
     float before_mA = 0.0F;
