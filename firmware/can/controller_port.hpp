@@ -41,9 +41,9 @@ class ControllerPort {
     /// Once a period. Sensors::bus_off while the link is down or bus-off, and for one step after it was in
     /// between.
     void note_link(const LinkStatus& status);
-    /// Sensors::overrun until clear_one_shots().
-    void note_overrun() { sensors_.overrun = true; }
-    /// After each step: emergency_stop and overrun are reported once.
+    /// Sensors::missed_periods until clear_one_shots().
+    void note_missed_periods(std::uint32_t count) { sensors_.missed_periods += count; }
+    /// After each step: emergency_stop and missed_periods are reported once.
     void clear_one_shots();
 
     /// SYNC frames accepted since start, and what the newest carried (0 when this layout's SYNC carries

@@ -127,7 +127,7 @@ struct MonitorConfig {
     float off_command_Pa = 0.0F;
     float off_command_s = 0.0F;
     float plausible_above_mps = 0.0F;     ///< speeds are compared above it
-    std::uint16_t overruns = 0;           ///< missed periods in quick succession: each one counts ten periods
+    std::uint16_t overruns = 0;           ///< missed periods in quick succession: ten good ones pay for each
     float most_deceleration_mps2 = 0.0F;  ///< largest reference that is accepted
 };
 

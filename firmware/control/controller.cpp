@@ -14,6 +14,7 @@ Controller::Controller(const Config& config)
       slip_law_(config.slip, config.period_s),
       deceleration_law_(config.deceleration, config.slip, config.period_s),
       threshold_law_(config.threshold, config.period_s),
+      takeover_Pa_(config.valve.full_pressure_Pa),
       current_mA_(config.valve.safe_current_mA) {}
 
 void Controller::start_law(Law law, const Estimate& estimate) {
@@ -24,10 +25,14 @@ void Controller::start_law(Law law, const Estimate& estimate) {
 }
 
 float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estimate& estimate, State before) {
-    // Every change of law and every return from another state starts the law at the present slip and
-    // pressure: bumpless.
-    if (before != State::braking || maneuver.law != law_) start_law(maneuver.law, estimate);
-    const float ceiling_Pa = smaller(maneuver.demand_Pa, valve_.full_pressure_Pa);
+    // Every return from another state starts the law at the present slip and pressure. A law that takes over from another one starts from
+    // the pressure that was asked last and may raise it no faster than a demand that passes through: bumpless, and free to release.
+    const bool takes_over = before == State::braking && maneuver.law != law_;
+    if (before != State::braking || takes_over) start_law(maneuver.law, estimate);
+    if (before != State::braking) takeover_Pa_ = valve_.full_pressure_Pa;
+    if (takes_over) takeover_Pa_ = requested_Pa_;
+    takeover_Pa_ = smaller(takeover_Pa_ + pass_through_rate_Paps_ * period_s_, valve_.full_pressure_Pa);
+    const float ceiling_Pa = smaller(maneuver.demand_Pa, takeover_Pa_);
     switch (maneuver.law) {
         case Law::wheel_slip:
             return slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa);
@@ -72,6 +77,7 @@ Command Controller::step(const Sensors& sensors, Time now) {
         if (state == State::braking && sensors.maneuver.law == Law::wheel_slip)
             command.slip_reference = slip_law_.reference();
     }
+    requested_Pa_ = command.pressure_request_Pa;
     current_mA_ = permitted ? valve_current_mA(valve_, command.pressure_request_Pa) : valve_.safe_current_mA;
     command.current_mA = current_mA_;
     return command;

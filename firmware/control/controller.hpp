@@ -56,6 +56,8 @@ class Controller {
     ThresholdLaw threshold_law_;
     Law law_ = Law::wheel_slip;
     float passed_Pa_ = 0.0F;
+    float requested_Pa_ = 0.0F;  // by the last step
+    float takeover_Pa_;          // ceiling while one law takes over from another
     float current_mA_;
 };
 

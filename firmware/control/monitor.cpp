@@ -51,10 +51,13 @@ void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReadin
     // A reading is a mean over its interval: two of them in a row cannot differ by more than the acceleration
     // times that.
     const float span = larger(reading.interval_s, period_s_);
-    const bool jumps = check.known && reading.fresh &&
+    const bool jumps = check.known && sensible &&
                        magnitude(speed - check.last_radps) > encoder.max_acceleration_radps2 * span;
-    if (check.rate.holds(jumps, config_.implausible_s, period_s_)) faults.insert(rate);
-    if (reading.fresh) check.last_radps = speed;
+    if (reading.fresh && sensible) {
+        check.jumps = check.rate.holds(jumps, config_.implausible_s, period_s_);
+        check.last_radps = speed;
+    }
+    if (check.jumps) faults.insert(rate);
     check.known = reading.valid;
 }
 
@@ -66,14 +69,15 @@ void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Est
 
     const Time at = sensors.pressure.received;
     const bool fresh = at != last_reading_at_;
-    bool jumps = false;
     if (fresh) {
         const float span =
             last_reading_at_ == kNever ? 0.0F : larger(seconds(at - last_reading_at_), period_s_);
-        jumps = span > 0.0F && magnitude(reading - last_reading_Pa_) > config_.pressure_rate_Paps * span;
+        const bool jumps =
+            span > 0.0F && magnitude(reading - last_reading_Pa_) > config_.pressure_rate_Paps * span;
+        pressure_jumps_ = pressure_rate_.holds(jumps, config_.implausible_s, period_s_);
         last_reading_at_ = at;
     }
-    if (pressure_rate_.holds(jumps, config_.implausible_s, period_s_)) faults.insert(Fault::pressure_rate);
+    if (pressure_jumps_) faults.insert(Fault::pressure_rate);
 
     const float model = estimator.uncorrected_pressure_Pa();
     if (fresh && reading != last_reading_Pa_) {
@@ -147,12 +151,13 @@ FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, bool
     if (sensors.emergency_stop) faults.insert(Fault::emergency_stop);
     if (sensors.bus_off) faults.insert(Fault::bus_off);
 
-    constexpr std::uint32_t kPeriodsPerOverrun = 10;
+    constexpr std::uint32_t kPaidBackBy = 10;  // good periods that make up for a missed one
+    const std::uint32_t most = kPaidBackBy * config_.overruns;
     if (overrun_score_ > 0) --overrun_score_;
-    if (sensors.overrun) overrun_score_ += kPeriodsPerOverrun;
-    if (overrun_score_ > kPeriodsPerOverrun * config_.overruns) {
+    overrun_score_ += kPaidBackBy * (sensors.missed_periods < most ? sensors.missed_periods : most);
+    if (overrun_score_ > most) {
         faults.insert(Fault::overrun);
-        overrun_score_ = kPeriodsPerOverrun * config_.overruns;
+        overrun_score_ = most;
     }
     return faults;
 }

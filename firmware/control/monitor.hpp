@@ -2,8 +2,8 @@
 ///
 /// - *_lost: no accepted frame for the input's maximum age
 /// - *_corrupt: the same, while frames came and were refused
-/// - *_range: outside what the sensor can mean (or not a number), for `implausible_s`
-/// - *_rate: changes faster than the machine can, for `implausible_s`
+/// - *_range: outside what the sensor can mean (or not a number), for `implausible_s`, also on and off
+/// - *_rate: fresh readings change faster than the machine can, as many of them as periods in `implausible_s`, also on and off
 /// - wheel_stuck: no edge although the brake is released and the aircraft moves, for `stuck_s`
 /// - flywheel_stuck: the speed falls to half faster than an aircraft can lose it, for `implausible_s`, or no edge
 ///   although the wheel turns, for `stuck_s`
@@ -13,7 +13,7 @@
 /// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa` for `off_command_s`
 /// - maneuver_range: a commanded value outside its range, at once
 /// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
-/// - overrun: more than `overruns` missed periods in quick succession
+/// - overrun: more than `overruns` missed periods in quick succession, at once or in pieces: ten good periods pay for a missed one
 #pragma once
 
 #include "firmware/control/config.hpp"
@@ -30,6 +30,20 @@ class Persistence {
         held_s_ = condition ? held_s_ + period_s : 0.0F;
         if (held_s_ > limit_s + 1.0F) held_s_ = limit_s + 1.0F;
         // Half a period of slack: the sum of many rounded periods may fall short of their number.
+        return condition && held_s_ >= limit_s - 0.5F * period_s;
+    }
+
+  private:
+    float held_s_ = 0.0F;
+};
+
+/// The same for a condition that may come and go: good periods pay back half of what bad ones have run up.
+class Suspicion {
+  public:
+    bool holds(bool condition, float limit_s, float period_s) {
+        held_s_ += condition ? period_s : -0.5F * period_s;
+        if (!(held_s_ > 0.0F)) held_s_ = 0.0F;
+        if (held_s_ > limit_s + period_s) held_s_ = limit_s + period_s;
         return condition && held_s_ >= limit_s - 0.5F * period_s;
     }
 
@@ -55,8 +69,9 @@ class Monitor {
     };
     /// Range and rate of one speed.
     struct SpeedCheck {
-        Persistence range;
-        Persistence rate;
+        Suspicion range;
+        Suspicion rate;  // of fresh readings, each counted as one period
+        bool jumps = false;
         float last_radps = 0.0F;
         bool known = false;
     };
@@ -76,8 +91,10 @@ class Monitor {
     float period_s_;
     Arrival wheel_, flywheel_, pressure_, maneuver_;
     SpeedCheck wheel_speed_, flywheel_speed_;
-    Persistence pressure_range_, pressure_rate_, pressure_stuck_, pressure_off_, wheel_stuck_,
-        flywheel_stuck_, flywheel_blind_, overspeed_, free_slip_;
+    Suspicion pressure_range_, pressure_rate_;
+    bool pressure_jumps_ = false;
+    Persistence pressure_stuck_, pressure_off_, wheel_stuck_, flywheel_stuck_, flywheel_blind_, overspeed_,
+        free_slip_;
     float carried_mps_ = 0.0F;  // the speed that an aircraft must still have at least
     float last_reading_Pa_ = 0.0F;
     Time last_reading_at_ = kNever;

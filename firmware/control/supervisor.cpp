@@ -32,6 +32,10 @@ State Supervisor::braking_state(const Sensors& sensors, const Estimate& e) {
         return sensors.maneuver.weight_on_wheels ? State::touchdown_protection : State::armed;
     }
     if (sensors.maneuver.demand_Pa < config_.demand_threshold_Pa) return State::armed;
+    const float rim = e.omega_radps * e.radius_m;
+    const bool locked = state_ == State::locked_wheel && e.v_mps >= config_.drop_out_mps;
+    if (locked && rim < config_.unlock_share * e.v_mps)
+        return State::locked_wheel;  // whatever law is asked for now
     if (sensors.maneuver.law == Law::open_loop) return State::braking;
 
     const bool slip_needed = sensors.maneuver.law != Law::deceleration;
@@ -40,9 +44,7 @@ State Supervisor::braking_state(const Sensors& sensors, const Estimate& e) {
     if (slip_needed && e.v_mps < drop_out) return State::drop_out;
     if (e.v_mps < config_.drop_out_mps) return State::braking;
 
-    const float rim = e.omega_radps * e.radius_m;
-    const float share = state_ == State::locked_wheel ? config_.unlock_share : config_.lock_share;
-    return rim < share * e.v_mps ? State::locked_wheel : State::braking;
+    return rim < config_.lock_share * e.v_mps ? State::locked_wheel : State::braking;
 }
 
 State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet present) {
@@ -79,8 +81,8 @@ State Supervisor::update(const Sensors& sensors, const Estimate& e, FaultSet pre
     if (locked_.holds(wanted == State::locked_wheel, config_.lock_persists_s, period_s_))
         present.insert(Fault::lock_persists);
     // Before the self-test has passed nothing may be there yet: absence is no fault then, and there is no
-    // permission either.
-    if (wanted != State::self_test && !present.empty()) {
+    // permission either. Somebody who presses the emergency stop means it all the same.
+    if (present.contains(Fault::emergency_stop) || (wanted != State::self_test && !present.empty())) {
         latched_.insert(present);
         wanted = State::safe;
     }

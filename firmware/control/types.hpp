@@ -70,9 +70,9 @@ struct Sensors {
     PressureInput pressure;
     ManeuverInput maneuver;
     Time rig_heartbeat_received = kNever;
-    bool emergency_stop = false;  ///< an emergency stop frame was accepted since the last step
-    bool bus_off = false;         ///< the interface is bus-off or down
-    bool overrun = false;         ///< the program missed a period since the last step
+    bool emergency_stop = false;       ///< an emergency stop frame was accepted since the last step
+    bool bus_off = false;              ///< the interface is bus-off or down
+    std::uint32_t missed_periods = 0;  ///< periods without a step since the last step
 };
 
 enum class State : std::uint8_t {

@@ -14,7 +14,8 @@ void ControlLoop::run(const std::atomic<bool>& stop) {
 void ControlLoop::cycle(const Wake& wake) {
     const can::LinkStatus link = doors_.bus.status();
     doors_.port.note_link(link);
-    if (wake.skipped > 0) doors_.port.note_overrun();
+    constexpr std::uint64_t kMost = 1'000'000;
+    doors_.port.note_missed_periods(static_cast<std::uint32_t>(std::min(wake.skipped, kMost)));
     const control::Command command = doors_.controller.step(doors_.port.sensors(), wake.now);
     doors_.port.clear_one_shots();
     const std::uint32_t unsent = send_due(command);

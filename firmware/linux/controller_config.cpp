@@ -175,7 +175,13 @@ control::Config load_controller_config(const std::filesystem::path& path) {
     c.supervisor = supervisor(states);
     if (c.supervisor.unlock_share <= c.supervisor.lock_share)
         states.fail("unlock_share", "must be above lock_share");
-    c.monitor = monitor(root.table("monitor"), c.period_s);
+    const settings::Table checks = root.table("monitor");
+    c.monitor = monitor(checks, c.period_s);
+    if (c.monitor.plausible_above_mps >= c.supervisor.drop_out_mps) {
+        checks.fail("plausible_above_mps",
+                    "must be below supervisor.drop_out_mps: a reference speed that died above it would look "
+                    "like drop-out");
+    }
     doc.finish();
     return c;
 }

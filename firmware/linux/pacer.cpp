@@ -36,6 +36,7 @@ std::optional<Wake> SyncPacer::next(const std::atomic<bool>& stop) {
     for (int turn = 1; !stop.load(std::memory_order_relaxed); ++turn) {
         FrameIntake::Taken taken = intake_.take_until_sync(next_now_);
         total.frames += taken.frames;
+        if (taken.sync && repeats_last()) continue;
         if (taken.sync) {
             taken.frames = total.frames;
             return on_sync(taken);
@@ -67,6 +68,10 @@ Wake SyncPacer::on_sync(const FrameIntake::Taken& taken) {
                 .skipped = follows ? 0U : 1U,
                 .synchronised = true,
                 .taken = taken};
+}
+
+bool SyncPacer::repeats_last() const {
+    return started_ && synchronised_ && sync_modulo_ != 0 && port_.sync_number() == last_number_;
 }
 
 bool SyncPacer::follows_last() {

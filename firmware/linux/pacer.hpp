@@ -61,6 +61,8 @@ class SyncPacer final : public Pacer {
   private:
     [[nodiscard]] Wake on_sync(const FrameIntake::Taken& taken);
     [[nodiscard]] bool follows_last();
+    /// A rig that is not sure to be heard repeats its first SYNC: one number, one step.
+    [[nodiscard]] bool repeats_last() const;
 
     Clock& clock_;
     Time period_;

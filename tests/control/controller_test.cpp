@@ -158,7 +158,7 @@ TEST_CASE("no input whatever makes a command that is no number or out of range",
                         s.wheel.rejected = static_cast<std::uint32_t>(random());
                         s.emergency_stop = coin();
                         s.bus_off = coin();
-                        s.overrun = coin();
+                        s.missed_periods = coin() ? 1U : 0U;
                         break;
                     default:
                         s.maneuver.arm = coin();

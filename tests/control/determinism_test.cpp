@@ -79,7 +79,7 @@ class RecordedLanding {
             m.current_mA = 12.5F;
         }
         s_.rig_heartbeat_received = now;
-        s_.overrun = random_() % 200U == 0U;
+        s_.missed_periods = random_() % 200U == 0U ? 1U : 0U;
         if (k_ > 60'000 && random_() % 4'000U == 0U)
             s_.wheel.edge_count += static_cast<std::uint32_t>(random_() % 1000U);
         return s_;

@@ -204,7 +204,8 @@ std::map<Fault, std::vector<Injection>> injections() {
     };
     simple(Fault::emergency_stop, flag(&Sensors::emergency_stop));
     simple(Fault::bus_off, flag(&Sensors::bus_off));
-    simple(Fault::overrun, flag(&Sensors::overrun));
+    simple(Fault::overrun,
+           [](Bench&, Sensors& seen, const int period) { seen.missed_periods = period > 0 ? 1U : 0U; });
     return all;
 }
 
@@ -321,17 +322,6 @@ TEST_CASE("a lock that persists is named, where no encoder check is faster", "[C
         b.sensors.maneuver.weight_on_wheels = true;
         b.sensors.maneuver.demand_Pa = 6e6F;
         while (b.step().state == State::touchdown_protection || b.command.state == State::armed) {
-        }
-    }
-    SECTION("slower than the plausibility checks look") {
-        b.to_braking();
-        while (b.v_mps > 6.5) {
-            b.v_mps -= 0.015;
-            static_cast<void>(b.step());
-        }
-        REQUIRE(b.command.state == State::braking);
-        b.slip = 1.0;
-        while (b.step().state == State::braking) {
         }
     }
     SECTION("a wheel that spins up too slowly") {

@@ -1,0 +1,129 @@
+/// Ways around the protections that somebody tried: none may work.
+#include <limits>
+
+#include "firmware/linux/controller_config.hpp"
+#include "tests/catch.hpp"
+#include "tests/control/bench.hpp"
+
+namespace {
+
+using namespace antiskid::control;
+using control_test::Bench;
+
+Config shipped() {
+    return antiskid::load_controller_config("config/controller.toml");
+}
+
+void slow_to(Bench& b, double v_mps) {
+    while (b.v_mps > v_mps) {
+        b.v_mps -= 0.015;
+        static_cast<void>(b.step());
+    }
+    REQUIRE(b.command.state == State::braking);
+}
+
+}  // namespace
+
+TEST_CASE("a reference encoder that dies just above drop-out is a fault, not a drop-out with full demand",
+          "[CTL-090]") {
+    const double v_mps = GENERATE(5.5, 6.0, 7.5, 7.9, 12.0);
+    CAPTURE(v_mps);
+    Bench b(shipped());
+    b.to_braking();
+    slow_to(b, v_mps);
+    b.sensors.maneuver.demand_Pa = 20e6F;
+    const SpeedInput frozen = b.sensors.flywheel;
+    b.tamper = [&](Sensors& seen) {
+        seen.flywheel.edge_count = frozen.edge_count;
+        seen.flywheel.edge_time = frozen.edge_time;
+    };
+    b.seconds(0.3);
+    CHECK(b.command.state == State::safe);
+    CHECK(b.command.faults.contains(Fault::flywheel_stuck));
+    CHECK(b.command.current_mA == b.config.valve.safe_current_mA);
+}
+
+TEST_CASE("a sensor that is nonsense most of the time is a fault", "[CTL-091]") {
+    Bench b(shipped());
+    b.to_braking();
+    int frame = 0;
+    SECTION("wheel speed is no number in four of five frames") {
+        b.tamper = [&](Sensors& seen) {
+            seen.wheel.source = SpeedSource::speed;
+            seen.wheel.speed_radps = ++frame % 5 == 0 ? 110.0F : std::numeric_limits<float>::quiet_NaN();
+        };
+        b.seconds(0.1);
+        CHECK(b.command.faults.contains(Fault::wheel_range));
+    }
+    SECTION("pressure that comes every other period and jumps beyond what the valve can do") {
+        PressureInput last = b.sensors.pressure;
+        b.tamper = [&](Sensors& seen) {
+            if (++frame % 2 == 0) {
+                last = seen.pressure;
+                last.pressure_Pa = frame % 4 == 0 ? 0.0F : 22e6F;
+            }
+            seen.pressure = last;
+        };
+        b.seconds(0.1);
+        CHECK(b.command.faults.contains(Fault::pressure_rate));
+    }
+    CHECK(b.command.state == State::safe);
+}
+
+TEST_CASE("one long stall is as much an overrun as many short ones", "[CTL-092]") {
+    Bench b(shipped());
+    b.to_braking();
+    b.tamper = [](Sensors& seen) { seen.missed_periods = 50; };
+    static_cast<void>(b.step());
+    b.tamper = {};
+    b.seconds(0.05);
+    CHECK(b.command.faults.empty());
+    b.seconds(1.0);
+    b.tamper = [](Sensors& seen) { seen.missed_periods = 51; };
+    CHECK(b.step().faults.contains(Fault::overrun));
+    CHECK(b.command.state == State::safe);
+}
+
+TEST_CASE("an emergency stop during the self-test counts", "[CTL-093]") {
+    Bench b(shipped());
+    b.steps(20);
+    REQUIRE(b.command.state == State::self_test);
+    b.tamper = [](Sensors& seen) { seen.emergency_stop = true; };
+    CHECK(b.step().state == State::safe);
+    CHECK(b.command.faults.contains(Fault::emergency_stop));
+}
+
+TEST_CASE(
+    "a law that takes over raises the pressure no faster than a demand that passes through, and may release "
+    "at once",
+    "[CTL-094]") {
+    Bench b(shipped());
+    const Law from = GENERATE(Law::wheel_slip, Law::threshold, Law::deceleration);
+    const Law to = GENERATE(Law::wheel_slip, Law::threshold, Law::deceleration, Law::open_loop);
+    if (from == to) return;
+    CAPTURE(static_cast<int>(from), static_cast<int>(to));
+    b.to_braking(from);
+    b.sensors.maneuver.demand_Pa = 20e6F;
+    b.sensors.maneuver.slip_reference = 0.24F;
+    b.sensors.maneuver.law = to;
+    b.sensors.maneuver.current_mA = 38.0F;
+    const float start_Pa = b.command.pressure_request_Pa;
+    const float per_step_Pa = b.config.supervisor.pass_through_rate_Paps * b.config.period_s * 1.01F;
+    for (int i = 1; i <= 100; ++i) {
+        CHECK(b.step().pressure_request_Pa <= start_Pa + static_cast<float>(i) * per_step_Pa + 1.0F);
+    }
+}
+
+TEST_CASE("asking for another law does not put pressure back on a locked wheel", "[CTL-095]") {
+    Bench b(shipped());
+    b.to_braking();
+    b.slip = 0.9;
+    while (b.step().state == State::braking) {
+    }
+    REQUIRE(b.command.state == State::locked_wheel);
+    b.sensors.maneuver.law = Law::open_loop;
+    for (int i = 0; i < 200; ++i) {
+        static_cast<void>(b.step());
+        CHECK(b.command.current_mA == b.config.valve.safe_current_mA);
+    }
+}
