@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <map>
 
 #include "config/reader/hash.hpp"
@@ -29,6 +30,13 @@ std::filesystem::path or_default(const std::filesystem::path& given, const std::
 
 study::ManeuverPlan plan(const ScenarioOptions& o, const plant::LoadedRig& plant) {
     study::ManeuverPlan plan;
+    if (!std::isfinite(o.slip)) throw std::invalid_argument("--slip must be a number from 0 to 0.5");
+    constexpr double kMostDeceleration_mps2 = 15.0;
+    if (o.deceleration_mps2 &&
+        !(*o.deceleration_mps2 >= 0.0 && *o.deceleration_mps2 <= kMostDeceleration_mps2)) {
+        throw std::invalid_argument(
+            fmt::format("--deceleration must be from 0 to {} m/s2", kMostDeceleration_mps2));
+    }
     plan.law = laws().at(o.law);
     plan.slip_reference = o.slip;
     plan.demand_Pa = plant.full_pressure_Pa;
@@ -71,7 +79,9 @@ void ScenarioOptions::add_to(CLI::App& app) {
         ->transform(CLI::CheckedTransformer(std::map<std::string, plant::Carrier>{
             {"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}}))
         ->default_str("aircraft");
-    app.add_option("--seed", seed, "seed of every random draw")->capture_default_str();
+    app.add_option("--seed", seed, "seed of every random draw")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
     app.add_option("--config", config, "directory of the configuration files")->capture_default_str();
     app.add_option("--controller", controller,
                    "controller configuration (default: CONFIG/controller.toml; endurance: "

@@ -25,7 +25,7 @@ void slow_to(Bench& b, double v_mps) {
 }  // namespace
 
 TEST_CASE("a reference encoder that dies just above drop-out is a fault, not a drop-out with full demand",
-          "[CTL-090]") {
+          "[CTL-110]") {
     const double v_mps = GENERATE(5.5, 6.0, 7.5, 7.9, 12.0);
     CAPTURE(v_mps);
     Bench b(shipped());
@@ -43,7 +43,7 @@ TEST_CASE("a reference encoder that dies just above drop-out is a fault, not a d
     CHECK(b.command.current_mA == b.config.valve.safe_current_mA);
 }
 
-TEST_CASE("a sensor that is nonsense most of the time is a fault", "[CTL-091]") {
+TEST_CASE("a sensor that is nonsense most of the time is a fault", "[CTL-111]") {
     Bench b(shipped());
     b.to_braking();
     int frame = 0;
@@ -70,7 +70,7 @@ TEST_CASE("a sensor that is nonsense most of the time is a fault", "[CTL-091]") 
     CHECK(b.command.state == State::safe);
 }
 
-TEST_CASE("one long stall is as much an overrun as many short ones", "[CTL-092]") {
+TEST_CASE("one long stall is as much an overrun as many short ones", "[CTL-112]") {
     Bench b(shipped());
     b.to_braking();
     b.tamper = [](Sensors& seen) { seen.missed_periods = 50; };
@@ -84,7 +84,7 @@ TEST_CASE("one long stall is as much an overrun as many short ones", "[CTL-092]"
     CHECK(b.command.state == State::safe);
 }
 
-TEST_CASE("an emergency stop during the self-test counts", "[CTL-093]") {
+TEST_CASE("an emergency stop during the self-test counts", "[CTL-113]") {
     Bench b(shipped());
     b.steps(20);
     REQUIRE(b.command.state == State::self_test);
@@ -96,7 +96,7 @@ TEST_CASE("an emergency stop during the self-test counts", "[CTL-093]") {
 TEST_CASE(
     "a law that takes over raises the pressure no faster than a demand that passes through, and may release "
     "at once",
-    "[CTL-094]") {
+    "[CTL-114]") {
     Bench b(shipped());
     const Law from = GENERATE(Law::wheel_slip, Law::threshold, Law::deceleration);
     const Law to = GENERATE(Law::wheel_slip, Law::threshold, Law::deceleration, Law::open_loop);
@@ -114,7 +114,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("asking for another law does not put pressure back on a locked wheel", "[CTL-095]") {
+TEST_CASE("asking for another law does not put pressure back on a locked wheel", "[CTL-115]") {
     Bench b(shipped());
     b.to_braking();
     b.slip = 0.9;
