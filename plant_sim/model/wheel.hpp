@@ -109,8 +109,10 @@ class Wheel {
     /// Everything at one instant that does not depend on pressure: first what it follows from, then forces, then partial derivatives.
     struct Instant {
         double v = -1.0, omega = 0.0, base_N = 0.0, load_slope = 0.0, lift = 0.0;
-        double per_v, F_z, r, slip, mu, mu_1, F_x, k_b, k_b1, v_dot;
-        double r_1, r_t, slip_v, slip_omega, slip_t, F_v, F_omega, F_t;
+        double per_v = 0.0, F_z = 0.0, r = 0.0, slip = 0.0, mu = 0.0, mu_1 = 0.0, F_x = 0.0, k_b = 0.0,
+               k_b1 = 0.0, v_dot = 0.0;
+        double r_1 = 0.0, r_t = 0.0, slip_v = 0.0, slip_omega = 0.0, slip_t = 0.0, F_v = 0.0, F_omega = 0.0,
+               F_t = 0.0;
     };
     struct Rates;
 
