@@ -68,7 +68,7 @@ void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Est
         faults.insert(Fault::pressure_range);
 
     const Time at = sensors.pressure.received;
-    const bool fresh = at != last_reading_at_;
+    const bool fresh = at != last_reading_at_ && at != kNever;
     if (fresh) {
         const float span =
             last_reading_at_ == kNever ? 0.0F : larger(seconds(at - last_reading_at_), period_s_);
