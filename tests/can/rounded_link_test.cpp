@@ -35,7 +35,8 @@ bool same(const control::Sensors& a, const control::Sensors& b) {
            m.weight_on_wheels == n.weight_on_wheels && same(m.demand_Pa, n.demand_Pa) &&
            same(m.slip_reference, n.slip_reference) && same(m.deceleration_mps2, n.deceleration_mps2) &&
            same(m.current_mA, n.current_mA) && a.rig_heartbeat_received == b.rig_heartbeat_received &&
-           a.emergency_stop == b.emergency_stop && a.bus_off == b.bus_off && a.missed_periods == b.missed_periods;
+           a.emergency_stop == b.emergency_stop && a.bus_off == b.bus_off &&
+           a.missed_periods == b.missed_periods;
 }
 
 /// Draws that reach the ends of every range, and beyond.

@@ -39,8 +39,15 @@ class Recorder:
         time.sleep(0.1)
 
     def frames(self):
-        """All frames until now as (id, data), in order."""
-        time.sleep(0.3)
+        """All frames until now as (id, data), in order. Once nobody sends any more, a candump that sleeps has written all there was; a
+        signal would not make it read on."""
+        asleep = 0
+        deadline = time.monotonic() + 60
+        while asleep < 10:
+            check(time.monotonic() < deadline, "the bus does not fall silent")
+            state = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+            asleep = asleep + 1 if state == "S" else 0
+            time.sleep(0.02)
         self.process.send_signal(signal.SIGINT)
         said = self.process.communicate(timeout=10)[1]
         check("DROPCOUNT" not in said, f"candump lost frames: {said}")
@@ -60,8 +67,11 @@ def start_controller(folder, *more, clock="sync"):
     log = open(folder / "controller.log", "w")
     process = subprocess.Popen([CONTROLLER, "--can", "vcan0", "--clock", clock, "--report", str(folder / "controller.json"), *more],
                                stdout=log, stderr=subprocess.STDOUT)
-    time.sleep(0.5)
-    check(process.poll() is None, "antiskid-controller ended at start: " + (folder / "controller.log").read_text())
+    deadline = time.monotonic() + 30
+    while " on vcan0" not in (folder / "controller.log").read_text():
+        check(process.poll() is None, "antiskid-controller ended at start: " + (folder / "controller.log").read_text())
+        check(time.monotonic() < deadline, "antiskid-controller does not start: " + (folder / "controller.log").read_text())
+        time.sleep(0.05)
     return process
 
 
