@@ -62,6 +62,8 @@ class Bus:
 
     def __init__(self, interface="vcan0"):
         self.socket = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+        # Room for seconds of 1 kHz while a test sleeps; the default is full after a few hundred frames.
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 16 << 20)
         exact = socket.CAN_EFF_FLAG | socket.CAN_RTR_FLAG | socket.CAN_SFF_MASK
         filters = b"".join(struct.pack("=II", can_id, exact) for can_id in FROM_CONTROLLER)
         self.socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, filters)
