@@ -27,7 +27,7 @@ double PressureMap::pressure_Pa(double current_mA) const {
            (b.pressure_Pa - a.pressure_Pa) * (current_mA - a.current_mA) / (b.current_mA - a.current_mA);
 }
 
-Valve::Transition Valve::transition(const ValveParameters& parameters, double h) {
+ValveDynamics::Transition ValveDynamics::transition(const ValveParameters& parameters, double h) {
     // Underdamped second order: homogeneous part by the matrix exponential, the ramp u0 + (u1 - u0) t / h by
     // its particular solution p = u(t) - (2 xi / omega_n) u', rate = u'.
     const double w = parameters.natural_frequency_radps;
@@ -63,12 +63,12 @@ Valve::Valve(const ValveParameters& parameters, double step_s) : step_s_(step_s)
     if (rest < kRounding) rest = 0.0;
     first_s_ = rest * step_s;
     second_s_ = step_s - first_s_;
-    if (first_s_ > 0.0) first_ = transition(parameters, first_s_);
-    second_ = transition(parameters, second_s_);
+    if (first_s_ > 0.0) first_ = ValveDynamics::transition(parameters, first_s_);
+    second_ = ValveDynamics::transition(parameters, second_s_);
     delay_line_.assign(static_cast<std::size_t>(whole) + 2, {0.0, 0.0});
 }
 
-PressureArc Valve::segment(const Transition& t, double u0, double u1, double h) {
+PressureArc ValveDynamics::advance(const Transition& t, double u0, double u1, double h) {
     const double p = t.pp * pressure_ + t.pr * rate_ + t.pu0 * u0 + t.pu1 * u1;
     const double r = t.rp * pressure_ + t.rr * rate_ + t.ru0 * u0 + t.ru1 * u1;
     const PressureArc arc = PressureArc::hermite(pressure_, rate_, p, r, h);
@@ -88,10 +88,10 @@ Valve::Arcs Valve::advance(double start_Pa, double end_Pa) {
     Arcs arcs{};
     if (first_s_ > 0.0) {
         const double cut = before.start_Pa + (before.end_Pa - before.start_Pa) * second_s_ / step_s_;
-        arcs.first = segment(first_, cut, before.end_Pa, first_s_);
+        arcs.first = dynamics_.advance(first_, cut, before.end_Pa, first_s_);
     }
     const double cut = acting.start_Pa + (acting.end_Pa - acting.start_Pa) * second_s_ / step_s_;
-    arcs.second = segment(second_, acting.start_Pa, cut, second_s_);
+    arcs.second = dynamics_.advance(second_, acting.start_Pa, cut, second_s_);
     return arcs;
 }
 

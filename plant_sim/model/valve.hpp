@@ -1,6 +1,7 @@
 /// The pressure valve, eq. (6): static current-to-pressure map, transport delay, second-order dynamics.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "plant_sim/model/wheel.hpp"
@@ -31,7 +32,28 @@ struct ValveParameters {
     double delay_s = 0.0;                  ///< tau
 };
 
-/// Integrates eq. (6) exactly for a static pressure that is linear in time between two calls.
+/// Eq. (6) without its delay, solved exactly for a static pressure that is linear in time.
+class ValveDynamics {
+  public:
+    /// Over one step: state and an input from u0 to u1.
+    struct Transition {
+        double pp, pr, pu0, pu1;  // new pressure from pressure, rate, u0, u1
+        double rp, rr, ru0, ru1;  // new rate
+    };
+    [[nodiscard]] static Transition transition(const ValveParameters& parameters, double h);
+
+    /// One step of the `h` that `transition` was made for.
+    PressureArc advance(const Transition& transition, double u0, double u1, double h);
+
+    [[nodiscard]] double law_Pa() const { return pressure_; }  ///< may undershoot zero
+    [[nodiscard]] double rate_Paps() const { return rate_; }
+
+  private:
+    double pressure_ = 0.0;
+    double rate_ = 0.0;
+};
+
+/// Eq. (6) on a fixed step.
 class Valve {
   public:
     /// `step_s`: the fixed time between calls of `advance`.
@@ -50,17 +72,9 @@ class Valve {
     [[nodiscard]] double second_s() const { return second_s_; }
 
     /// What a gauge at the brake reads: never below zero.
-    [[nodiscard]] double pressure_Pa() const { return pressure_ > 0.0 ? pressure_ : 0.0; }
+    [[nodiscard]] double pressure_Pa() const { return std::max(dynamics_.law_Pa(), 0.0); }
 
   private:
-    /// Exact transition over one segment: state and a linear input from u0 to u1.
-    struct Transition {
-        double pp, pr, pu0, pu1;  // new pressure from pressure, rate, u0, u1
-        double rp, rr, ru0, ru1;  // new rate
-    };
-    [[nodiscard]] static Transition transition(const ValveParameters& parameters, double h);
-    PressureArc segment(const Transition& transition, double u0, double u1, double h);
-
     struct Ramp {
         double start_Pa, end_Pa;
     };
@@ -68,11 +82,10 @@ class Valve {
     double step_s_;
     double first_s_ = 0.0;
     double second_s_ = 0.0;
-    Transition first_{}, second_{};
+    ValveDynamics::Transition first_{}, second_{};
     std::vector<Ramp> delay_line_;  // ring; oldest at next_
     std::size_t next_ = 0;
-    double pressure_ = 0.0;
-    double rate_ = 0.0;
+    ValveDynamics dynamics_;
 };
 
 }  // namespace plant

@@ -38,13 +38,15 @@ struct Wheel::Sums {
     double distance_m, angle_rad, energy_brake_J, energy_tyre_J, friction_distance_m;
 };
 
-Wheel::Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface)
+Wheel::Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface,
+             double tolerance)
     : parameters_(parameters),
       brake_(brake),
       surface_(surface),
       per_mass_(1.0 / parameters.mass_kg),
       per_inertia_(1.0 / parameters.inertia_kgm2),
-      per_stiffness_(1.0 / parameters.stiffness_Npm) {}
+      per_stiffness_(1.0 / parameters.stiffness_Npm),
+      tolerance_(tolerance) {}
 
 inline Wheel::Instant Wheel::instant(double v, double omega, double base_N, double load_slope,
                                      double lift) const {
@@ -205,6 +207,10 @@ inline void Wheel::move(WheelState& state, const Instant& end, const Sums& sums)
     state.held = false;
 }
 
+inline bool Wheel::comes_to_rest(const WheelState& state, const Instant& reached) {
+    return reached.omega < 0.0 || (reached.omega == 0.0 && state.omega_radps > 0.0);
+}
+
 double Wheel::holding_margin_Nm(const WheelState& state, double pressure, const LoadArc& load,
                                 double x) const {
     const Instant at = instant(state.v_mps, 0.0, load.base_at(x), 0.0, load.lift_Ns2pm2);
@@ -271,17 +277,38 @@ double Wheel::release(WheelState& state, const PressureArc& pressure, const Load
     return hi;
 }
 
+bool Wheel::turns(const WheelState& state, const PressureArc& pressure, const LoadArc& load, double x) const {
+    return state.omega_radps > 0.0 || holding_margin_Nm(state, pressure.at(x), load, x) < 0.0;
+}
+
+double Wheel::attempt(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) {
+    constexpr double kRefused = 2.0;
+    if (!turns(state, pressure, load, 0.0)) {
+        WheelState next = state;
+        slide(next, load, h);
+        if (holding_margin_Nm(next, pressure.at(1.0), load, 1.0) < 0.0) return kRefused;
+        state = next;
+        state.held = true;
+        return 0.0;
+    }
+    const Instant& start = start_of(state, load, 0.0, h);
+    Instant& reached = instants_[1 - start_];
+    Sums sums{};
+    const double error = turn(start, pressure, load, h, reached, sums);
+    if (!(error <= tolerance_) || comes_to_rest(state, reached)) return kRefused;
+    move(state, reached, sums);
+    start_ = 1 - start_;
+    return error / tolerance_;
+}
+
 void Wheel::advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) {
-    // Of the wheel speed, relative to free rolling, in one step or part.
-    constexpr double kTolerance = 1e-7;
     constexpr double kSmallest = 1.0 / 16384.0;
     constexpr double kNoTime = 1e-9;
     constexpr int kMostParts = 4096;  // keeps chatter between turning and held finite
     double x = 0.0;
     double part = 1.0;
     for (int i = 0; i < kMostParts && 1.0 - x > kNoTime && state.v_mps > kSlowest_mps; ++i) {
-        const bool turns = state.omega_radps > 0.0 || holding_margin_Nm(state, pressure.at(x), load, x) < 0.0;
-        if (!turns) {
+        if (!turns(state, pressure, load, x)) {
             state.held = true;
             WheelState next = state;
             slide(next, load.part(x, 1.0), (1.0 - x) * h);
@@ -302,11 +329,11 @@ void Wheel::advance(WheelState& state, const PressureArc& pressure, const LoadAr
         const double error =
             whole ? turn(start, pressure, load, h, reached, sums)
                   : turn(start, pressure.part(x, end), load.part(x, end), (end - x) * h, reached, sums);
-        if (!(error <= kTolerance) && part > kSmallest) {
+        if (!(error <= tolerance_) && part > kSmallest) {
             part *= 0.5;
             continue;
         }
-        if (reached.omega < 0.0 || (reached.omega == 0.0 && state.omega_radps > 0.0)) {
+        if (comes_to_rest(state, reached)) {
             x = lock(state, pressure, load, h, x, end);
             part = 1.0;
             continue;
@@ -314,19 +341,18 @@ void Wheel::advance(WheelState& state, const PressureArc& pressure, const LoadAr
         move(state, reached, sums);
         start_ = 1 - start_;
         x = end;
-        if (error < 0.125 * kTolerance) part = std::min(2.0 * part, 1.0);
+        if (error < 0.125 * tolerance_) part = std::min(2.0 * part, 1.0);
     }
 }
 
 Forces Wheel::forces(const WheelState& state, double pressure_Pa, const LoadArc& load) const {
+    const auto forces_at = [&](const Instant& at) {
+        const double T_b = at.k_b * std::max(pressure_Pa, 0.0);
+        return Forces{at.slip, at.mu, at.F_x, at.F_z, at.r, state.held ? std::min(T_b, at.r * at.F_x) : T_b};
+    };
     const Instant& last = instants_[start_];
-    const Instant at =
-        same(last, state, load.base_N, load.change_N, load.lift_Ns2pm2)
-            ? last
-            : instant(state.v_mps, state.omega_radps, load.base_N, load.change_N, load.lift_Ns2pm2);
-    const double T_b = at.k_b * std::max(pressure_Pa, 0.0);
-    const double torque = state.held ? std::min(T_b, at.r * at.F_x) : T_b;
-    return {at.slip, at.mu, at.F_x, at.F_z, at.r, torque};
+    if (same(last, state, load.base_N, load.change_N, load.lift_Ns2pm2)) return forces_at(last);
+    return forces_at(instant(state.v_mps, state.omega_radps, load.base_N, load.change_N, load.lift_Ns2pm2));
 }
 
 double Wheel::kinetic_energy_J(const WheelState& state) const {

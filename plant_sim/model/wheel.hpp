@@ -94,10 +94,16 @@ class Wheel {
     /// Slip divides by max(v, kSlowest_mps): at and below it the maneuver is at standstill and nothing moves any more.
     static constexpr double kSlowest_mps = 0.05;
 
-    Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface);
+    /// Of the wheel speed relative to free rolling, and of the wheel's energy, in one step or part of it.
+    static constexpr double kTolerance = 1e-7;
 
-    /// Advances `state` by `h` seconds (0 < h <= 5e-3).
+    Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface,
+          double tolerance = kTolerance);
+
+    /// Advances `state` by `h` seconds.
     void advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h);
+    /// The same in one piece or not at all: returns the share of the tolerance that it took; above 1 `state` is as it was.
+    double attempt(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h);
 
     /// At the arc's start.
     [[nodiscard]] Forces forces(const WheelState& state, double pressure_Pa, const LoadArc& load) const;
@@ -131,6 +137,11 @@ class Wheel {
     double turn(const Instant& start, const PressureArc& pressure, const LoadArc& load, double h,
                 Instant& end, Sums& sums) const;
     static void move(WheelState& state, const Instant& end, const Sums& sums);
+    /// Whether the wheel, turning before, would rest or turn backwards at `reached`.
+    [[nodiscard]] static bool comes_to_rest(const WheelState& state, const Instant& reached);
+    /// Whether the wheel turns from `x` on: it does already, or the tyre overcomes the brake.
+    [[nodiscard]] bool turns(const WheelState& state, const PressureArc& pressure, const LoadArc& load,
+                             double x) const;
     /// One step with a held wheel.
     void slide(WheelState& state, const LoadArc& load, double h) const;
     /// The wheel comes to rest inside [x0, x1] of the step: moves `state` there and returns the place.
@@ -146,7 +157,7 @@ class Wheel {
     WheelParameters parameters_;
     BrakeTorque brake_;
     Surface surface_;
-    double per_mass_, per_inertia_, per_stiffness_;
+    double per_mass_, per_inertia_, per_stiffness_, tolerance_;
     std::array<Instant, 2> instants_{};  // start and end of the step under way, in turns
     std::size_t start_ = 0;              // which of them is the start
 };

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "tests/catch.hpp"
-#include "tests/model/comparison.hpp"
+#include "tests/model/reference/comparison.hpp"
 #include "tests/model/scenarios.hpp"
 
 using reference::Input;

@@ -8,7 +8,7 @@
 #include "plant_sim/study/drive.hpp"
 #include "tests/catch.hpp"
 #include "tests/config/refusal.hpp"
-#include "tests/model/profiles.hpp"
+#include "tests/model/reference/profiles.hpp"
 #include "tests/model/scenarios.hpp"
 
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tests/catch.hpp"
-#include "tests/model/profiles.hpp"
+#include "tests/model/reference/profiles.hpp"
 #include "tests/model/scenarios.hpp"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "tests/catch.hpp"
-#include "tests/model/profiles.hpp"
+#include "tests/model/reference/profiles.hpp"
 #include "tests/model/scenarios.hpp"
 
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tests/catch.hpp"
-#include "tests/model/comparison.hpp"
+#include "tests/model/reference/comparison.hpp"
 #include "tests/model/scenarios.hpp"
 
 namespace {

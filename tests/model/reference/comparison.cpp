@@ -1,7 +1,9 @@
-#include "tests/model/comparison.hpp"
+#include "tests/model/reference/comparison.hpp"
 
 #include <algorithm>
 #include <cmath>
+
+#include "plant_sim/model/open_loop.hpp"
 
 namespace {
 
@@ -60,5 +62,38 @@ Comparison compare(const plant::RigParameters& parameters, reference::Input inpu
         if (worst.locked && truth.omega_radps > 0.99 * rolling) worst.spun_up = true;
     };
     reference::integrate(parameters, input, profile, every_step, judge);
+    return worst;
+}
+
+Comparison compare_open_loop(const plant::RigParameters& parameters, reference::Input input,
+                             const reference::Profile& profile, const reference::Options& options,
+                             double tolerance) {
+    std::vector<plant::OpenLoop::Point> points;
+    points.reserve(profile.size());
+    for (const reference::Knot& knot : profile) points.push_back({knot.time_s, knot.value});
+    plant::OpenLoop plant(
+        parameters,
+        input == reference::Input::valve ? plant::OpenLoop::Input::valve : plant::OpenLoop::Input::pressure,
+        points, tolerance);
+    const auto kinetic_J = [&](const plant::WheelState& w) {
+        return 0.5 * parameters.wheel.mass_kg * w.v_mps * w.v_mps +
+               0.5 * parameters.wheel.inertia_kgm2 * w.omega_radps * w.omega_radps;
+    };
+    const double start_J = kinetic_J(plant.wheel());
+    Comparison worst;
+    const auto judge = [&](const reference::Motion& truth) {
+        while (plant.time_s() < truth.time_s && plant.step(options.longest_s)) {
+            const plant::WheelState& w = plant.wheel();
+            const double residual = (start_J - kinetic_J(w) - w.energy_brake_J - w.energy_tyre_J) / start_J;
+            worst.residual = std::max(worst.residual, std::abs(residual));
+        }
+        const plant::OpenLoop::Sample sample = plant.at(truth.time_s);
+        const double rolling = truth.v_mps / radius_m(parameters, truth.v_mps);
+        if (truth.time_s == 0.0) return;
+        worst.v = std::max(worst.v, std::abs(sample.v_mps / truth.v_mps - 1.0));
+        worst.omega = std::max(worst.omega, std::abs(sample.omega_radps - truth.omega_radps) / rolling);
+        worst.locked = worst.locked || truth.held;
+    };
+    reference::integrate(parameters, input, profile, options, judge);
     return worst;
 }

@@ -1,4 +1,4 @@
-#include "tests/model/profiles.hpp"
+#include "tests/model/reference/profiles.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -36,10 +36,11 @@ struct Motion {
 
 struct Options {
     double relative_tolerance = 1e-10;
-    double until_mps = 5.0;   ///< the run ends when the speed has fallen to this
-    double longest_s = 60.0;  ///< or here
-    double output_s = 1e-3;   ///< spacing of the outputs
-    bool from_rest = false;   ///< the wheel stands at the start (touchdown) instead of rolling freely
+    double until_mps = 5.0;        ///< the run ends when the speed has fallen to this
+    double longest_s = 60.0;       ///< or here
+    double output_s = 1e-3;        ///< spacing of the outputs
+    bool from_rest = false;        ///< the wheel stands at the start (touchdown) instead of rolling freely
+    bool integrals_decide = true;  ///< the error of distance and energies decides the step too
 };
 
 /// What drives the brake: pressure itself, or the static pressure that eq. (6) delays and filters.

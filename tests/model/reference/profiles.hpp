@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tests/model/reference_plant.hpp"
+#include "tests/model/reference/reference_plant.hpp"
 
 struct NamedProfile {
     const char* name;

@@ -1,8 +1,8 @@
 /// Plant against reference over one stop.
 #pragma once
 
-#include "tests/model/profiles.hpp"
-#include "tests/model/reference_plant.hpp"
+#include "tests/model/reference/profiles.hpp"
+#include "tests/model/reference/reference_plant.hpp"
 
 struct Comparison {
     double v = 0.0;       ///< largest |v - v_ref| / v_ref
@@ -15,6 +15,11 @@ struct Comparison {
     bool locked = false;   ///< the reference locked at some time
     bool spun_up = false;  ///< and rolled with less than 0.01 of slip after that
 };
+
+/// Of plant::OpenLoop, judged every 1 ms; neither distances nor energies between its steps.
+[[nodiscard]] Comparison compare_open_loop(const plant::RigParameters& rig, reference::Input input,
+                                           const reference::Profile& profile,
+                                           const reference::Options& options, double tolerance);
 
 /// `step_s` is the plant's step; knots of `profile` must lie on its multiples.
 [[nodiscard]] Comparison compare(const plant::RigParameters& rig, reference::Input input,

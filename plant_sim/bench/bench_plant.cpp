@@ -1,0 +1,276 @@
+/// bench_plant: the plant alone, open loop, against general-purpose integrators on the same equations. See --help.
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <exception>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "config/reader/atomic_file.hpp"
+#include "plant_sim/bench/measure.hpp"
+#include "plant_sim/bench/odeint_plant.hpp"
+#include "plant_sim/model/load_rig.hpp"
+#include "plant_sim/model/open_loop.hpp"
+#include "tests/model/reference/profiles.hpp"
+#include "tests/model/reference/reference_plant.hpp"
+
+namespace {
+
+using reference::Profile;
+
+/// One open-loop run: static pressure before the valve, from brake-on to 5 m/s or `end_s`.
+struct Case {
+    plant::RigParameters rig;
+    Profile static_Pa;
+    double end_s;
+};
+
+struct Sample {
+    double v, omega;
+};
+using Trajectory = std::vector<Sample>;
+
+/// Held commands, as a controller sends them, all below the peak.
+Profile stairs(double peak_Pa) {
+    Profile p{{0.0, 0.0}};
+    for (int i = 0; i < 80; ++i) {
+        const double at_s = static_cast<double>(100 + 250 * i) * 1e-3;
+        p.push_back({at_s, p.back().value});
+        p.push_back({at_s, (0.5 + 0.4 * std::sin(2.0 * i)) * peak_Pa});
+    }
+    return p;
+}
+
+std::vector<Case> cases(double longest_s) {
+    std::vector<Case> all;
+    for (const std::string& surface : plant::surface_names("config")) {
+        for (const std::string& maneuver : plant::maneuver_names("config")) {
+            plant::ManeuverChoice choice;
+            choice.surface = surface;
+            choice.maneuver = maneuver;
+            const plant::RigParameters rig = plant::load_rig("config", choice).rig;
+            const auto shapes = profiles(rig);
+            for (const Profile& profile :
+                 {shapes.at(0).pressure_Pa, shapes.at(1).pressure_Pa, stairs(least_peak_pressure_Pa(rig))}) {
+                reference::Options options;
+                options.longest_s = longest_s;
+                options.output_s = 1.0;
+                const double end_s =
+                    reference::integrate(rig, reference::Input::valve, profile, options, [](const auto&) {
+                    }).time_s;
+                all.push_back({rig, profile, std::floor(end_s * 100.0) * 0.01});
+            }
+        }
+    }
+    return all;
+}
+
+/// Valve and wheel of plant_sim/model, without sensors.
+void run_ours(const Case& c, double step_s, Trajectory& out) {
+    plant::Wheel wheel(
+        c.rig.wheel,
+        plant::BrakeTorque(c.rig.brake, c.rig.friction_curve, c.rig.mean_friction, c.rig.brake_on_mps),
+        c.rig.surface);
+    plant::Valve valve(c.rig.valve, step_s);
+    const plant::LoadArc load{c.rig.load.base_N, 0.0, c.rig.load.lift_Ns2pm2};
+    plant::WheelState state;
+    state.v_mps = c.rig.brake_on_mps;
+    state.omega_radps = bench::Equations(c.rig).rolling_radps(state.v_mps);
+    state.held = false;
+    out.push_back({state.v_mps, state.omega_radps});
+    const auto steps = static_cast<int>(std::lround(c.end_s / step_s));
+    std::size_t knot = 0;
+    const auto& p = c.static_Pa;
+    // The value right after `t`, or right before it where the profile jumps there.
+    const auto value = [&](double t, bool after) {
+        while (knot + 1 < p.size() &&
+               (after ? p[knot + 1].time_s <= t + 1e-9 : p[knot + 1].time_s < t - 1e-9))
+            ++knot;
+        if (knot + 1 == p.size()) return p[knot].value;
+        const double span = p[knot + 1].time_s - p[knot].time_s;
+        return p[knot].value + (p[knot + 1].value - p[knot].value) * (t - p[knot].time_s) / span;
+    };
+    for (int i = 0; i < steps; ++i) {
+        const double from = value(i * step_s, true);
+        const double to = value((i + 1) * step_s, false);
+        const plant::Valve::Arcs arcs = valve.advance(from, to);
+        if (valve.first_s() > 0.0) wheel.advance(state, arcs.first, load, valve.first_s());
+        wheel.advance(state, arcs.second, load, valve.second_s());
+        out.push_back({state.v_mps, state.omega_radps});
+    }
+}
+
+/// The same with steps as long as the motion allows.
+void run_open_loop(const Case& c, double step_s, Trajectory& out) {
+    std::vector<plant::OpenLoop::Point> points;
+    points.reserve(c.static_Pa.size());
+    for (const reference::Knot& k : c.static_Pa) points.push_back({k.time_s, k.value});
+    plant::OpenLoop plant(c.rig, plant::OpenLoop::Input::valve, points);
+    out.push_back({plant.wheel().v_mps, plant.wheel().omega_radps});
+    for (std::size_t next = 1; plant.step(c.end_s);) {
+        for (; static_cast<double>(next) * step_s <= plant.time_s() + 1e-12; ++next) {
+            const plant::OpenLoop::Sample sample = plant.at(static_cast<double>(next) * step_s);
+            out.push_back({sample.v_mps, sample.omega_radps});
+        }
+    }
+}
+
+void run_cvode(const Case& c, double step_s, double tolerance, bool integrals_decide, Trajectory& out) {
+    reference::Options options;
+    options.relative_tolerance = tolerance;
+    options.until_mps = 1.0;
+    options.longest_s = c.end_s + 0.5 * step_s;
+    options.output_s = step_s;
+    options.integrals_decide = integrals_decide;
+    reference::integrate(c.rig, reference::Input::valve, c.static_Pa, options,
+                         [&](const reference::Motion& m) {
+                             out.push_back({m.v_mps, m.omega_radps});
+                         });
+}
+
+void run_odeint(const Case& c, double step_s, double tolerance, Trajectory& out) {
+    namespace odeint = boost::numeric::odeint;
+    bench::Equations equations(c.rig);
+    bench::OdeState x{};
+    x[bench::kSpeed] = c.rig.brake_on_mps;
+    x[bench::kOmega] = equations.rolling_radps(c.rig.brake_on_mps);
+    auto stepper = odeint::make_dense_output(tolerance, tolerance, bench::Dopri5());
+    Profile acting{{0.0, 0.0}};
+    for (const reference::Knot& k : c.static_Pa) acting.push_back({k.time_s + c.rig.valve.delay_s, k.value});
+    out.push_back({x[bench::kSpeed], x[bench::kOmega]});
+    std::size_t next = 1;
+    bench::OdeState at{};
+    for (std::size_t k = 0; k < acting.size(); ++k) {
+        const double from_s = acting[k].time_s;
+        const double to_s = std::min(k + 1 < acting.size() ? acting[k + 1].time_s : c.end_s, c.end_s);
+        if (to_s <= from_s) continue;
+        equations.start_s = from_s;
+        equations.start_Pa = acting[k].value;
+        equations.slope_Paps = k + 1 < acting.size()
+                                   ? (acting[k + 1].value - acting[k].value) / (acting[k + 1].time_s - from_s)
+                                   : 0.0;
+        stepper.initialize(x, from_s, 1e-5);
+        while (stepper.current_time() < to_s) {
+            const double left_s = to_s - stepper.current_time();
+            if (stepper.current_time_step() > left_s)
+                stepper.initialize(bench::OdeState(stepper.current_state()), stepper.current_time(), left_s);
+            stepper.do_step(std::cref(equations));
+            for (; static_cast<double>(next) * step_s <= stepper.current_time() + 1e-12; ++next) {
+                stepper.calc_state(static_cast<double>(next) * step_s, at);
+                out.push_back({at[bench::kSpeed], at[bench::kOmega]});
+            }
+            if (left_s < 1e-12) break;
+        }
+        x = stepper.current_state();
+    }
+}
+
+struct Contestant {
+    std::string name;
+    std::function<void(const Case&, double step_s, Trajectory&)> run;
+    std::vector<double> seconds;  // of each round
+    double error_v = 0.0, error_omega = 0.0;
+};
+
+void judge(Contestant& one, const Case& c, double step_s, const Trajectory& truth) {
+    Trajectory mine;
+    one.run(c, step_s, mine);
+    const bench::Equations equations(c.rig);
+    for (std::size_t i = 0; i < std::min(mine.size(), truth.size()); ++i) {
+        one.error_v = std::max(one.error_v, std::abs(mine[i].v / truth[i].v - 1.0));
+        one.error_omega = std::max(
+            one.error_omega, std::abs(mine[i].omega - truth[i].omega) / equations.rolling_radps(truth[i].v));
+    }
+    if (mine.size() + 1 < truth.size()) one.error_v = one.error_omega = 1.0;
+}
+
+nlohmann::ordered_json race(const std::vector<Case>& all, double step_s, int rounds) {
+    std::vector<Contestant> contestants{
+        {"this plant", [](const Case& c, double h, Trajectory& out) { run_open_loop(c, h, out); }, {}},
+        {"its fixed step", [](const Case& c, double h, Trajectory& out) { run_ours(c, h, out); }, {}},
+        {"CVODE 1e-6",
+         [](const Case& c, double h, Trajectory& out) { run_cvode(c, h, 1e-6, false, out); },
+         {}},
+        {"CVODE 1e-7",
+         [](const Case& c, double h, Trajectory& out) { run_cvode(c, h, 1e-7, false, out); },
+         {}},
+        {"odeint dopri5 1e-6",
+         [](const Case& c, double h, Trajectory& out) { run_odeint(c, h, 1e-6, out); },
+         {}}};
+    double simulated_s = 0.0;
+    for (const Case& c : all) {
+        simulated_s += c.end_s;
+        Trajectory truth;
+        run_cvode(c, step_s, 1e-10, true, truth);
+        for (Contestant& one : contestants) judge(one, c, step_s, truth);
+    }
+    Trajectory out;
+    out.reserve(200000);
+    for (int round = 0; round < rounds; ++round) {
+        for (Contestant& one : contestants) {
+            one.seconds.push_back(bench::processor_s_of([&] {
+                for (const Case& c : all) {
+                    out.clear();
+                    one.run(c, step_s, out);
+                }
+            }));
+        }
+    }
+    fmt::print("{} runs, {:.0f} s simulated, speeds given out every {:.0f} ms, {} rounds\n", all.size(),
+               simulated_s, step_s * 1e3, rounds);
+    fmt::print("  {:<20} {:>14} {:>12} {:>12} {:>14}\n", "", "ns per sim. ms", "error v", "error omega",
+               "slower by");
+    nlohmann::ordered_json json{
+        {"output_s", step_s}, {"runs", all.size()}, {"simulated_s", simulated_s}, {"rounds", rounds}};
+    for (const Contestant& one : contestants) {
+        std::vector<double> ratios;
+        for (std::size_t i = 0; i < one.seconds.size(); ++i)
+            ratios.push_back(one.seconds[i] / contestants[0].seconds[i]);
+        const double ns_per_ms = bench::median(one.seconds) / simulated_s * 1e6;
+        fmt::print("  {:<20} {:>14.1f} {:>12.1e} {:>12.1e} {:>14.2f}\n", one.name, ns_per_ms, one.error_v,
+                   one.error_omega, bench::median(ratios));
+        json["integrators"].push_back({{"name", one.name},
+                                       {"ns_per_simulated_ms", ns_per_ms},
+                                       {"error_v", one.error_v},
+                                       {"error_omega", one.error_omega},
+                                       {"slower_than_this_plant", bench::median(ratios)},
+                                       {"slower_least", bench::quantile(ratios, 0.0)},
+                                       {"slower_most", bench::quantile(ratios, 1.0)}});
+    }
+    return json;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app{
+        "bench_plant: valve, brake, wheel and tyre, open loop on all 32 scenarios (ramp and hold, triangles, "
+        "held steps), against CVODE "
+        "(BDF, dense, integrals without error control) and boost::odeint's dopri5 on the same equations. "
+        "Processor time, one run after "
+        "the other; errors against CVODE at 1e-10. Omega relative to free rolling.",
+        "bench_plant"};
+    int rounds = 5;
+    double longest_s = 20.0;
+    std::string json = "out/bench/bench_plant.json";
+    app.add_option("--rounds", rounds, "of all, in turns")->check(CLI::Range(1, 1000))->capture_default_str();
+    app.add_option("--longest", longest_s, "of a run, simulated seconds")
+        ->check(CLI::Range(1.0, 200.0))
+        ->capture_default_str();
+    app.add_option("--json", json, "where the figures go")->capture_default_str();
+    CLI11_PARSE(app, argc, argv);
+    try {
+        const std::vector<Case> all = cases(longest_s);
+        nlohmann::ordered_json result;
+        for (const double step_s : {1e-3, 5e-3}) result.push_back(race(all, step_s, rounds));
+        settings::write_file(json, result.dump(2) + "\n");
+    } catch (const std::exception& e) {
+        fmt::print(stderr, "bench_plant: {}\n", e.what());
+        return 1;
+    }
+    return 0;
+}

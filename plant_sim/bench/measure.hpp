@@ -1,0 +1,34 @@
+/// Processor time of what runs, and the middle of several measurements.
+#pragma once
+
+#include <algorithm>
+#include <ctime>
+#include <vector>
+
+namespace bench {
+
+/// Of this process, whatever else the machine does meanwhile.
+inline double processor_s() {
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+template <typename Run>
+double processor_s_of(const Run& run) {
+    const double start = processor_s();
+    run();
+    return processor_s() - start;
+}
+
+/// `values` must not be empty.
+inline double quantile(std::vector<double> values, double share) {
+    const auto at = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
+    return values[at];
+}
+inline double median(const std::vector<double>& values) {
+    return quantile(values, 0.5);
+}
+
+}  // namespace bench
