@@ -10,7 +10,6 @@
 namespace {
 
 using antiskid::can::Frame;
-using antiskid::can::Role;
 using antiskid::control::Time;
 
 /// Time that passes only when somebody sleeps or waits.
