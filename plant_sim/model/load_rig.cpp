@@ -57,6 +57,7 @@ constexpr settings::Range kSpeed_mps{.min = 1.0, .max = 120.0};
 template <typename Named>
 std::vector<std::string> names(const std::vector<Named>& all) {
     std::vector<std::string> list;
+    list.reserve(all.size());
     for (const Named& one : all) list.push_back(one.name);
     return list;
 }

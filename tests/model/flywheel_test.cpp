@@ -16,7 +16,7 @@ plant::RigParameters endurance_rig() {
 
 /// J_f domega_f/dt = -R_f F_x and J_w domega/dt = r F_x - T_b, integrated as they are printed, in tiny explicit steps.
 struct FlywheelAndWheel {
-    double J_f, R_f;
+    double J_f = 0.0, R_f = 0.0;
     plant::RigParameters rig;
     double omega_f = 0.0, omega = 0.0;
 

@@ -152,7 +152,7 @@ int damage_all(const std::string& file, const std::function<void(const fs::path&
             ++count;
             try {
                 load(config.path());
-                CHECK_FALSE("refused");
+                FAIL_CHECK("nothing was refused");
             } catch (const settings::Error& error) {
                 INFO(error.what());
                 CHECK(error.file() == path.string());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plant_sim/model/load_rig.hpp"
@@ -18,7 +19,9 @@ inline std::vector<NamedScenario> all_scenarios() {
             plant::ManeuverChoice choice;
             choice.maneuver = maneuver;
             choice.surface = surface;
-            all.push_back({surface + "/" + maneuver, plant::load_rig("config", choice)});
+            std::string name = surface;
+            name.append("/").append(maneuver);
+            all.push_back({std::move(name), plant::load_rig("config", choice)});
         }
     }
     return all;

@@ -20,7 +20,7 @@ double pole_per_s(const plant::RigParameters& rig, double v) {
 
 TEST_CASE("low speed: accurate at 1 ms and 5 ms on every surface", "[RIG-010]") {
     double fastest_pole = 0.0;
-    for (NamedScenario s : all_scenarios()) {
+    for (const NamedScenario& s : all_scenarios()) {
         for (const double start_mps : {5.5, 2.0}) {
             for (const double step_s : {1e-3, 5e-3}) {
                 plant::RigParameters rig = s.loaded.rig;

@@ -51,8 +51,8 @@ Frame numbered(std::uint16_t id, std::uint32_t number) {
 }
 
 std::uint32_t number_of(const Frame& frame) {
-    return frame.data[0] | frame.data[1] << 8U | frame.data[2] << 16U |
-           static_cast<std::uint32_t>(frame.data[3]) << 24U;
+    return std::uint32_t{frame.data[0]} | std::uint32_t{frame.data[1]} << 8U |
+           std::uint32_t{frame.data[2]} << 16U | std::uint32_t{frame.data[3]} << 24U;
 }
 
 /// Everything that is there now.
