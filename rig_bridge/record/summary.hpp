@@ -1,0 +1,46 @@
+/// What one maneuver was: figures from its measured signals, and what was run. The content of summary.json and of one row
+/// of the ledger.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace rig {
+
+/// All from brake-on to standstill as the maneuver-state telemetry says, from bus frames alone: rebuilding them from
+/// bus.log gives the same bits.
+struct Figures {
+    double brake_on_mps = 0.0;  ///< rim speed at brake-on
+    double duration_s = 0.0;
+    double length_m = 0.0;        ///< on the rim
+    double mean_torque_Nm = 0.0;  ///< time averages
+    double mean_load_N = 0.0;
+    double mean_pressure_Pa = 0.0;
+    double mean_friction = 0.0;     ///< mu_b of eq. (7), down to drop-out
+    double energy_brake_J = 0.0;    ///< eq. (9), measured torque and wheel speed
+    double energy_tyre_J = 0.0;     ///< eq. (9), measured force, slip and speed
+    double kinetic_energy_J = 0.0;  ///< eq. (8), from measured speed and the rig's inertias
+    double j_mu = 0.0;              ///< eq. (16), F_x / F_z against the surface's peak, down to drop-out
+    double peak_temperature_C = 0.0;
+    bool standstill = false;
+};
+
+struct Summary {
+    std::string campaign;     ///< name; empty for a single maneuver
+    std::int64_t number = 0;  ///< of the maneuver in its campaign, from 1
+    std::string scenario;
+    std::string outcome;               ///< "finished", or the name of the abort
+    std::string started;               ///< wall clock, ISO 8601 UTC
+    double cumulative_energy_J = 0.0;  ///< brake energy of the campaign, this maneuver included
+    Figures figures;
+    std::vector<std::string> faults;  ///< the controller's, by name
+    std::uint64_t frames = 0;         ///< recorded
+    std::uint64_t frames_dropped =
+        0;  ///< that the kernel dropped before the recorder: then the figures lack them
+    std::uint64_t seed = 0;
+    std::string version;
+    std::string config_hash;
+};
+
+}  // namespace rig
