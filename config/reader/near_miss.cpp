@@ -50,13 +50,14 @@ std::size_t edits_between(const std::string& a, const std::string& b) {
 
 /// Units that key names end in, those that are right somewhere and those that people bring along.
 bool is_unit(std::string_view word) {
-    static constexpr std::array<std::string_view, 74> kUnits{
-        "s",   "ms",  "us",   "ns",   "min",  "h",     "Hz",    "kHz",   "MHz", "m",   "mm",   "cm",  "km",
-        "um",  "in",  "ft",   "m2",   "mm2",  "cm2",   "in2",   "m3",    "mm3", "cm3", "kg",   "g",   "t",
-        "lb",  "lbs", "slug", "N",    "kN",   "daN",   "lbf",   "kgf",   "Nm",  "kNm", "ftlb", "Pa",  "kPa",
-        "MPa", "hPa", "bar",  "mbar", "psi",  "A",     "mA",    "uA",    "V",   "mV",  "W",    "kW",  "hp",
-        "J",   "kJ",  "MJ",   "rad",  "deg",  "rev",   "radps", "degps", "rpm", "rps", "mps",  "kmh", "kph",
-        "kt",  "kts", "mph",  "mps2", "kgm2", "kgpm3", "Npm",   "pct",   "K"};
+    static constexpr std::array<std::string_view, 77> kUnits{
+        "s",   "ms",  "us",   "ns",    "min",   "h",   "Hz",   "kHz", "MHz",  "m",      "mm",
+        "cm",  "km",  "um",   "in",    "ft",    "m2",  "mm2",  "cm2", "in2",  "m3",     "mm3",
+        "cm3", "kg",  "g",    "t",     "lb",    "lbs", "slug", "N",   "kN",   "daN",    "lbf",
+        "kgf", "Nm",  "kNm",  "ftlb",  "Pa",    "kPa", "MPa",  "hPa", "bar",  "mbar",   "psi",
+        "A",   "mA",  "uA",   "V",     "mV",    "W",   "kW",   "hp",  "J",    "kJ",     "MJ",
+        "rad", "deg", "rev",  "radps", "degps", "rpm", "rps",  "mps", "kmh",  "kph",    "kt",
+        "kts", "mph", "mps2", "kgm2",  "kgpm3", "Npm", "pct",  "K",   "Paps", "radps2", "mps3"};
     return std::find(kUnits.begin(), kUnits.end(), word) != kUnits.end();
 }
 

@@ -16,6 +16,9 @@ namespace {
 
 constexpr double kStep_s = 1e-3;
 constexpr double kLongest_s = 3600.0;  // one row each ms: 3.6 million
+// No brake and no valve of an aircraft comes near: beyond stands another unit, or a slip.
+constexpr double kMost_Pa = 100e6;
+constexpr double kMost_mA = 1000.0;
 
 std::string_view trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
@@ -87,7 +90,8 @@ class Reader {
         const double value = number(line.substr(comma + 1), column);
         if (!profile.time_s.empty() && !(time > profile.time_s.back()))
             refuse("time_s must increase from row to row");
-        if (value < 0.0) refuse(std::string(column) + " must not be negative");
+        const double most = profile.input == DriveInput::pressure_Pa ? kMost_Pa : kMost_mA;
+        if (value < 0.0 || value > most) refuse(fmt::format("{} must be from 0 to {:g}", column, most));
         profile.time_s.push_back(time);
         profile.value.push_back(value);
     }

@@ -19,7 +19,7 @@ struct DriveProfile {
 };
 
 /// Reads CSV with the header `time_s,pressure_Pa` or `time_s,current_mA`; at least two rows. Throws settings::Error naming file and line for
-/// a missing or unknown column, text, NaN, negative values, time that does not increase, or more than an hour.
+/// a missing or unknown column, text, NaN, values below 0 or above 100 MPa or 1 A, time that does not increase, or more than an hour.
 [[nodiscard]] DriveProfile read_profile(const std::filesystem::path& csv);
 
 /// Drives the plant from the profile's first time, wheel rolling freely at the maneuver's speed, to the profile's end or standstill.

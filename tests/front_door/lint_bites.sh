@@ -9,6 +9,7 @@ cp "$rig" "$tree/rig"
 cp "$here"/../../.clang-{format,tidy} "$tree"
 source=$tree/firmware/control/seeded.cpp
 lints=$tree/tests/front_door
+export XDG_CACHE_HOME=$scratch/cache
 
 clean() {
     printf 'int twice(int x) {\n    return 2 * x;\n}\n' >"$source"

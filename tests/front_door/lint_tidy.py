@@ -2,7 +2,8 @@
 """clang-tidy over the project's own files in a build's compile_commands.json, on all cores.
 
 A file that was clean is not checked again until something changes that the result depends on: the text of the file or of
-anything it includes, how it is compiled, the checks in force for it, or clang-tidy itself. The evidence is an empty file of that hash.
+anything it includes, how it is compiled, the checks in force for it, or clang-tidy itself. The evidence is an empty file of that hash in
+the user's cache directory; it does not depend on where the project lies, so that another clone finds it too.
 
     lint_tidy.py BUILD_DIR
 """
@@ -40,9 +41,9 @@ def included_files(entry):
 def key(entry, tool):
     checks = subprocess.run(["clang-tidy", "--dump-config", entry["file"], "--"],
                             capture_output=True, text=True, check=True).stdout
-    parts = [tool, entry["command"], checks]
+    parts = [tool, entry["command"], entry["file"], checks]
     parts += [f"{path} {digest(path)}" for path in included_files(entry)]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+    return hashlib.sha256("\n".join(parts).replace(str(ROOT), ".").encode()).hexdigest()
 
 
 def check(entry, build, evidence, tool):
@@ -63,8 +64,9 @@ def check(entry, build, evidence, tool):
 
 def main():
     build = pathlib.Path(sys.argv[1]).resolve()
-    evidence = build / "clang-tidy"
-    evidence.mkdir(exist_ok=True)
+    cache = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
+    evidence = pathlib.Path(cache) / "antiskid/clang-tidy"
+    evidence.mkdir(parents=True, exist_ok=True)
     entries = [entry for entry in json.loads((build / "compile_commands.json").read_text())
                if pathlib.Path(entry["file"]).is_relative_to(ROOT) and build not in pathlib.Path(entry["file"]).parents]
     if not entries:

@@ -24,3 +24,6 @@ refused 2 "--slip needs a value" demo --slip
 refused 2 "a command is missing" vcan
 refused 2 "a command is missing" vcan --timeout 3 --
 refused 2 "--timeout" vcan --timeout soon -- true
+refused 2 "--timeout" vcan --timeout 0 -- true
+refused 2 "--timeout" vcan --timeout=-1 -- true
+refused 2 "--timeout" vcan --timeout nan -- true
