@@ -25,6 +25,7 @@ struct CandumpLine {
 struct CandumpFailure {
     std::size_t column = 0;  ///< from 1
     const char* what = "";   ///< what would be right
+    bool fd = false;         ///< a CAN FD frame, `123##1...`
 };
 
 /// A trailing ` R` or ` T` (direction, candump -x) and line end are accepted. CAN FD frames (`##`) are

@@ -1,0 +1,46 @@
+/// A recorded log through the real controller: the program's own loop, port and controller, with the log in place of bus and
+/// clock. What it sends is compared with what the log says was sent.
+///
+/// Not in the log and so not replayed: bus-off and interface states of the controller's own chip.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "firmware/linux/setup.hpp"
+#include "rig_bridge/replay/frame_comparison.hpp"
+#include "rig_bridge/replay/recorded_pacer.hpp"
+
+namespace rig {
+
+struct ControllerReplayReport {
+    std::string log;
+    bool lockstep = false;
+    std::uint64_t steps = 0;
+    std::uint64_t unsynchronised = 0;
+    std::uint64_t unanswered = 0;
+    std::array<FrameComparison::Count, antiskid::can::kRoleCount> counts{};
+    std::optional<FrameDifference> first;
+    double recorded_s = 0.0;  ///< rig time from first to last command
+    double took_s = 0.0;      ///< wall clock, reading the log included
+    std::uint64_t lines = 0;
+    std::string warnings;  ///< of the log, by kind
+    std::string config_hash;
+
+    [[nodiscard]] const FrameComparison::Count& count(antiskid::can::Role role) const {
+        return counts[static_cast<std::size_t>(role)];
+    }
+    /// Every command frame of the log was replayed, and none of the controller's frames differs.
+    [[nodiscard]] bool same() const;
+};
+
+/// Throws std::runtime_error when the log cannot be read or holds no valve command.
+[[nodiscard]] ControllerReplayReport replay_controller(const std::filesystem::path& log,
+                                                       const LogOptions& options,
+                                                       const antiskid::rt::Setup& setup, ReplayClock clock,
+                                                       LogWarnings& warnings);
+
+[[nodiscard]] std::string to_text(const ControllerReplayReport& report, const antiskid::can::Layout& layout);
+[[nodiscard]] std::string to_json(const ControllerReplayReport& report, const antiskid::can::Layout& layout);
+
+}  // namespace rig

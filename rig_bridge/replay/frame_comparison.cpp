@@ -1,0 +1,85 @@
+#include "rig_bridge/replay/frame_comparison.hpp"
+
+#include "firmware/can/roles.hpp"
+
+namespace rig {
+
+using antiskid::can::Message;
+using antiskid::can::Payload;
+using antiskid::can::Role;
+
+FrameComparison::FrameComparison(const antiskid::can::Layout& layout) : layout_(layout) {}
+
+void FrameComparison::recorded(Role role, const LogFrame& frame) {
+    sides_[static_cast<std::size_t>(role)].recorded.push_back(frame);
+    match(role);
+}
+
+void FrameComparison::replayed(const Frame& frame) {
+    for (const Role role : antiskid::can::kToRig) {
+        if (!layout_[role].bound || layout_[role].id != frame.id) continue;
+        sides_[static_cast<std::size_t>(role)].replayed.push_back(frame);
+        match(role);
+        return;
+    }
+}
+
+void FrameComparison::finish() {
+    for (Sides& sides : sides_) {
+        sides.count.only_recorded += sides.recorded.size();
+        sides.recorded.clear();
+        sides.replayed.clear();
+    }
+}
+
+int FrameComparison::behind(Role role, const Frame& recorded, const Frame& replayed) const {
+    const antiskid::can::E2e& protection = layout_[role].protection;
+    if (protection.protection == antiskid::can::Protection::none) return 0;
+    const auto counter = [&](const Frame& frame) {
+        return static_cast<int>(Payload(frame.data).read(protection.counter));
+    };
+    const int modulo = protection.counter_modulo;
+    const int distance = ((counter(recorded) - counter(replayed)) % modulo + modulo) % modulo;
+    return distance <= modulo / 2 ? distance : distance - modulo;
+}
+
+void FrameComparison::match(Role role) {
+    Sides& s = sides_[static_cast<std::size_t>(role)];
+    while (!s.recorded.empty() && !s.replayed.empty()) {
+        const LogFrame& ours = s.recorded.front();
+        const Frame& theirs = s.replayed.front();
+        const int lag = behind(role, ours.frame, theirs);
+        if (lag > 0) {
+            ++s.count.only_replayed;
+            s.replayed.pop_front();
+            continue;
+        }
+        if (lag < 0) {
+            ++s.count.only_recorded;
+            s.recorded.pop_front();
+            continue;
+        }
+        ++s.count.compared;
+        if (ours.frame.length != theirs.length || ours.frame.data != theirs.data) {
+            ++s.count.different;
+            if (!first_ || ours.line < first_->line)
+                first_ = {.role = role,
+                          .line = ours.line,
+                          .time = ours.frame.received,
+                          .recorded = ours.frame,
+                          .replayed = theirs};
+        }
+        s.recorded.pop_front();
+        s.replayed.pop_front();
+    }
+    if (s.recorded.size() > kAhead) {
+        ++s.count.only_recorded;
+        s.recorded.pop_front();
+    }
+    if (s.replayed.size() > kAhead) {
+        ++s.count.only_replayed;
+        s.replayed.pop_front();
+    }
+}
+
+}  // namespace rig

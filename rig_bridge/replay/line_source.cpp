@@ -1,0 +1,93 @@
+#include "rig_bridge/replay/line_source.hpp"
+
+#include <zlib.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+
+namespace rig {
+
+namespace {
+
+constexpr std::size_t kBlock = std::size_t{256} * 1024;
+static_assert(kBlock > 2 * LineSource::kLongest);
+
+}  // namespace
+
+void LineSource::Close::operator()(gzFile_s* file) const {
+    gzclose_r(file);
+}
+
+LineSource::LineSource(const std::filesystem::path& file) : block_(kBlock) {
+    std::error_code error;
+    if (std::filesystem::is_directory(file, error))
+        throw std::runtime_error(file.string() + ": is a directory; expected a bus log");
+    errno = 0;
+    file_.reset(gzopen(file.c_str(), "rb"));
+    if (!file_) throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno));
+    gzbuffer(file_.get(), kBlock / 2);
+}
+
+bool LineSource::refill() {
+    if (at_end_) return false;
+    std::memmove(block_.data(), block_.data() + begin_, end_ - begin_);
+    end_ -= begin_;
+    begin_ = 0;
+    // At most what is asked for in one read of a plain file goes straight into the block.
+    const int got = gzread(file_.get(), block_.data() + end_, static_cast<unsigned>(block_.size() - end_));
+    int code = Z_OK;
+    const char* const says = gzerror(file_.get(), &code);
+    if (got > 0) end_ += static_cast<std::size_t>(got);
+    if (code == Z_ERRNO)
+        damage_ = std::string("read error: ") + std::strerror(errno);
+    else if (code == Z_BUF_ERROR)
+        damage_ = "the gzip data are cut off";
+    else if (code != Z_OK)
+        damage_ = std::string("the gzip data are corrupt: ") + says;
+    at_end_ = got <= 0 || code != Z_OK;
+    return got > 0;
+}
+
+bool LineSource::skip_long_line() {
+    while (in_long_line_) {
+        const void* const found = std::memchr(block_.data() + begin_, '\n', end_ - begin_);
+        in_long_line_ = found == nullptr;
+        begin_ = found == nullptr
+                     ? end_
+                     : static_cast<std::size_t>(static_cast<const char*>(found) - block_.data()) + 1;
+        if (in_long_line_ && !refill()) return false;
+    }
+    return true;
+}
+
+bool LineSource::next(Line& line) {
+    if (!skip_long_line()) return false;
+    std::size_t searched = 0;
+    for (;;) {
+        const char* const from = block_.data() + begin_;
+        const std::size_t size = end_ - begin_;
+        const void* const found =
+            size > searched ? std::memchr(from + searched, '\n', size - searched) : nullptr;
+        if (found != nullptr) {
+            const auto length = static_cast<std::size_t>(static_cast<const char*>(found) - from);
+            line = {{from, length < kLongest ? length : kLongest}, ++number_, true, length > kLongest};
+            begin_ += length + 1;
+            return true;
+        }
+        if (size > kLongest) {
+            line = {{from, kLongest}, ++number_, true, true};
+            in_long_line_ = true;
+            return true;
+        }
+        searched = size;
+        if (refill()) continue;
+        if (begin_ == end_) return false;
+        line = {{block_.data() + begin_, end_ - begin_}, ++number_, false, false};
+        begin_ = end_;
+        return true;
+    }
+}
+
+}  // namespace rig

@@ -1,0 +1,57 @@
+/// Lines of a file, plain or gzip (told by its first bytes), in constant memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+struct gzFile_s;
+
+namespace rig {
+
+class LineSource {
+  public:
+    /// Longer lines are cut to this and flagged.
+    static constexpr std::size_t kLongest = 4096;
+
+    struct Line {
+        std::string_view text;     ///< without its end; valid until the next call of next()
+        std::uint64_t number = 0;  ///< from 1
+        bool ended = true;         ///< false: the file ends without a line end
+        bool too_long = false;     ///< `text` is the first part
+    };
+
+    /// Throws std::runtime_error naming the file and the reason when it cannot be opened.
+    explicit LineSource(const std::filesystem::path& file);
+
+    /// False at the end; `damage()` then says whether the file ended well.
+    [[nodiscard]] bool next(Line& line);
+
+    /// Why reading ended before the end of the file; empty: it did not.
+    [[nodiscard]] const std::string& damage() const { return damage_; }
+    /// Lines given so far.
+    [[nodiscard]] std::uint64_t lines() const { return number_; }
+
+  private:
+    struct Close {
+        void operator()(gzFile_s* file) const;
+    };
+    /// Moves what is left of the block to its front and reads on; false when nothing more came.
+    bool refill();
+    bool skip_long_line();
+
+    std::unique_ptr<gzFile_s, Close> file_;
+    std::vector<char> block_;
+    std::size_t begin_ = 0;
+    std::size_t end_ = 0;
+    bool at_end_ = false;
+    bool in_long_line_ = false;
+    std::uint64_t number_ = 0;
+    std::string damage_;
+};
+
+}  // namespace rig

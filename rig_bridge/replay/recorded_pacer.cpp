@@ -1,0 +1,169 @@
+#include "rig_bridge/replay/recorded_pacer.hpp"
+
+#include <algorithm>
+
+#include "firmware/can/roles.hpp"
+#include "firmware/linux/control_loop.hpp"
+#include "firmware/linux/frame_intake.hpp"
+
+namespace rig {
+
+using antiskid::can::Payload;
+using antiskid::can::Role;
+using antiskid::rt::Wake;
+
+namespace {
+
+constexpr std::size_t kMostSamples = 64;  // unanswered; a controller that hangs longer is not followed
+constexpr std::size_t kMostLoose = antiskid::rt::FrameIntake::kMost;
+constexpr std::size_t kLookAhead = 1024;
+
+std::optional<Role> role_of(const antiskid::can::Layout& layout, std::uint32_t id) {
+    for (std::size_t i = 0; i < antiskid::can::kRoleCount; ++i)
+        if (layout.messages[i].bound && layout.messages[i].id == id) return static_cast<Role>(i);
+    return std::nullopt;
+}
+
+template <typename Roles>
+bool contains(const Roles& roles, Role role) {
+    return std::find(roles.begin(), roles.end(), role) != roles.end();
+}
+
+}  // namespace
+
+RecordedPacer::RecordedPacer(const PacerSettings& settings, const antiskid::can::Layout& layout,
+                             LogReader& log, antiskid::can::ControllerPort& port, FrameComparison& comparison)
+    : settings_(settings),
+      layout_(layout),
+      log_(log),
+      port_(port),
+      comparison_(comparison),
+      lockstep_(settings.clock == ReplayClock::sync) {}
+
+std::optional<Wake> RecordedPacer::next(const std::atomic<bool>& stop) {
+    LogFrame frame;
+    while (!ended_ && !stop.load(std::memory_order_relaxed) && read(frame)) {
+        const auto role = role_of(layout_, frame.frame.id);
+        if (!role) continue;
+        if (contains(antiskid::can::kToController, *role)) {
+            rig_frame(frame.frame, *role == Role::sync);
+            continue;
+        }
+        if (!contains(antiskid::can::kToRig, *role)) continue;
+        comparison_.recorded(*role, frame);
+        if (*role != Role::valve) continue;
+        if (!started_ && settings_.clock == ReplayClock::automatic) lockstep_ = !samples_.empty();
+        if (samples_.empty() && is_closing(frame)) {
+            for (const LogFrame& rest : ahead_) {
+                if (const auto other = role_of(layout_, rest.frame.id);
+                    other && contains(antiskid::can::kToRig, *other))
+                    comparison_.recorded(*other, rest);
+            }
+            ended_ = true;
+            break;
+        }
+        return step(frame.frame.received);
+    }
+    // The answers to the last samples may be among the recorded ones whose older partners are missing.
+    if (!samples_.empty() && comparison_.waiting(Role::valve) > 0) return step(last_now_);
+    return std::nullopt;
+}
+
+bool RecordedPacer::read(LogFrame& out) {
+    if (ahead_.empty()) return log_.next(out);
+    out = ahead_.front();
+    ahead_.pop_front();
+    return true;
+}
+
+void RecordedPacer::rig_frame(const Frame& frame, bool sync) {
+    const bool ends_sample = sync && settings_.clock != ReplayClock::timer && (!started_ || lockstep_);
+    frames_.push_back(frame);
+    ++loose_;
+    if (!ends_sample) {
+        if (loose_ <= kMostLoose) return;
+        frames_.erase(frames_.end() - static_cast<std::ptrdiff_t>(loose_));
+        --loose_;
+        return;
+    }
+    const auto number = layout_.sync_counter.bound()
+                            ? static_cast<std::uint32_t>(Payload(frame.data).read(layout_.sync_counter))
+                            : 0U;
+    if (!samples_.empty() && (!started_ || samples_.size() == kMostSamples)) drop_oldest_sample();
+    samples_.push_back({.frames = loose_, .number = number});
+    loose_ = 0;
+}
+
+void RecordedPacer::drop_oldest_sample() {
+    frames_.erase(frames_.begin(), frames_.begin() + static_cast<std::ptrdiff_t>(samples_.front().frames));
+    samples_.pop_front();
+    ++unanswered_;
+}
+
+bool RecordedPacer::carries_safe_current(const Frame& valve) const {
+    return Payload(valve.data).read(layout_.valve_current_mA) ==
+           layout_.valve_current_mA.raw(static_cast<double>(settings_.safe_current_mA));
+}
+
+bool RecordedPacer::is_closing(const LogFrame& valve) {
+    if (!carries_safe_current(valve.frame)) return false;
+    std::size_t more = 0;
+    const auto harmless = [&](const LogFrame& f) {
+        if (f.frame.id != layout_[Role::valve].id) return true;
+        return ++more < antiskid::rt::ControlLoop::kSafeCommands && carries_safe_current(f.frame);
+    };
+    if (!std::all_of(ahead_.begin(), ahead_.end(), harmless)) return false;
+    for (LogFrame f; ahead_.size() < kLookAhead;) {
+        if (!log_.next(f)) return true;
+        ahead_.push_back(f);
+        if (!harmless(f)) return false;
+    }
+    return false;
+}
+
+Wake RecordedPacer::step(Time stamp) {
+    Wake wake;
+    const bool sampled = !samples_.empty();
+    wake.synchronised = sampled || !lockstep_;
+    if (!wake.synchronised) ++unsynchronised_;
+    if (lockstep_) {
+        wake.now = settings_.period * static_cast<std::int64_t>(steps_);
+        if (sampled && !follows_last(samples_.front().number)) wake.skipped = 1;
+    } else {
+        wake.now = started_ ? std::max(stamp, last_now_) : stamp;
+        const auto periods = (wake.now - last_now_ + settings_.period / 2) / settings_.period;
+        if (started_ && periods > 1) wake.skipped = static_cast<std::uint64_t>(periods - 1);
+    }
+    wake.taken.frames = feed(sampled ? samples_.front().frames : loose_, wake.now);
+    if (sampled)
+        samples_.pop_front();
+    else
+        loose_ = 0;
+    if (!started_) first_now_ = wake.now;
+    started_ = true;
+    last_now_ = wake.now;
+    wake.woke = wake.now;
+    ++steps_;
+    return wake;
+}
+
+bool RecordedPacer::follows_last(std::uint32_t number) {
+    const bool numbered = layout_.sync_counter.bound();
+    const bool follows =
+        !any_number_ || !numbered || number == ((last_number_ + 1) & layout_.sync_counter.mask());
+    any_number_ = true;
+    last_number_ = number;
+    return follows;
+}
+
+std::size_t RecordedPacer::feed(std::size_t count, Time now) {
+    for (std::size_t i = 0; i < count; ++i) {
+        Frame& frame = frames_[i];
+        frame.received = lockstep_ ? now : std::min(frame.received, now);
+        port_.accept(frame);
+    }
+    frames_.erase(frames_.begin(), frames_.begin() + static_cast<std::ptrdiff_t>(count));
+    return count;
+}
+
+}  // namespace rig

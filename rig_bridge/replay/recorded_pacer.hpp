@@ -1,0 +1,88 @@
+/// The controller's periods as a log has them: which recorded frames were known at which step, and when it was.
+///
+/// Lockstep (SYNC before the first valve command): each SYNC ends a sample, each recorded valve command answers the oldest
+/// sample that has no answer yet, and the controller's time is the number of steps before it times the period, as in the
+/// recorded run: the steps are exactly those. Before the first answer only the newest sample counts: nobody was there to
+/// hear the older ones. A valve command without a sample is a step that the controller made by its own clock when SYNC
+/// failed to come.
+///
+/// Timer: each valve command ends a step; the frames before it in the log belong to it, and its stamp is the step's time. The
+/// controller itself took in what had arrived when it woke, some tens of microseconds earlier: a frame that came in between is
+/// one step early here, and ages of inputs are longer by that time.
+///
+/// The last valve commands of a log, up to three, that carry the safe current and have no sample are taken for those with which
+/// the controller ends.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "firmware/can/controller_port.hpp"
+#include "firmware/linux/pacer.hpp"
+#include "rig_bridge/replay/frame_comparison.hpp"
+#include "rig_bridge/replay/log_reader.hpp"
+
+namespace rig {
+
+enum class ReplayClock : std::uint8_t { automatic, sync, timer };
+
+struct PacerSettings {
+    ReplayClock clock = ReplayClock::automatic;
+    Time period{};
+    float safe_current_mA = 0.0F;
+};
+
+class RecordedPacer final : public antiskid::rt::Pacer {
+  public:
+    /// All must outlive the pacer. `log` must have been opened with `layout`.
+    RecordedPacer(const PacerSettings& settings, const antiskid::can::Layout& layout, LogReader& log,
+                  antiskid::can::ControllerPort& port, FrameComparison& comparison);
+
+    [[nodiscard]] std::optional<antiskid::rt::Wake> next(const std::atomic<bool>& stop) override;
+
+    [[nodiscard]] bool lockstep() const { return lockstep_; }
+    /// Steps without a SYNC in a lockstep log.
+    [[nodiscard]] std::uint64_t unsynchronised() const { return unsynchronised_; }
+    /// Samples that got no answer, those before the first answer included.
+    [[nodiscard]] std::uint64_t unanswered() const { return unanswered_; }
+    /// From the first valve command to the last, rig time in lockstep, stamps otherwise.
+    [[nodiscard]] Time duration() const { return last_now_ - first_now_; }
+
+  private:
+    struct Sample {
+        std::size_t frames = 0;  ///< of `frames_`, oldest first
+        std::uint32_t number = 0;
+    };
+    [[nodiscard]] bool read(LogFrame& out);
+    void rig_frame(const Frame& frame, bool sync);
+    void drop_oldest_sample();
+    [[nodiscard]] bool is_closing(const LogFrame& valve);
+    [[nodiscard]] bool carries_safe_current(const Frame& valve) const;
+    [[nodiscard]] antiskid::rt::Wake step(Time stamp);
+    [[nodiscard]] bool follows_last(std::uint32_t number);
+    std::size_t feed(std::size_t count, Time now);
+
+    PacerSettings settings_;
+    const antiskid::can::Layout& layout_;
+    LogReader& log_;
+    antiskid::can::ControllerPort& port_;
+    FrameComparison& comparison_;
+
+    std::deque<Frame> frames_;    // of the samples, then those after the last SYNC
+    std::deque<Sample> samples_;  // not yet answered
+    std::size_t loose_ = 0;       // frames after the last SYNC
+    std::deque<LogFrame> ahead_;  // read to look for the end
+    bool lockstep_ = false;
+    bool started_ = false;
+    bool ended_ = false;
+    bool any_number_ = false;
+    std::uint32_t last_number_ = 0;
+    Time first_now_{};
+    Time last_now_{};
+    std::uint64_t steps_ = 0;
+    std::uint64_t unsynchronised_ = 0;
+    std::uint64_t unanswered_ = 0;
+};
+
+}  // namespace rig

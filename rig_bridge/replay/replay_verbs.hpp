@@ -1,0 +1,44 @@
+/// The verbs of rig-replay: each adds itself to the command line and says how to run it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "rig_bridge/replay/log_warnings.hpp"
+
+namespace rig {
+
+struct ReplayVerb {
+    CLI::App* app;
+    std::function<int()> run;  ///< returns the exit status
+};
+
+/// A mistake in command line or configuration, found late: exit status 2.
+struct UsageError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+[[nodiscard]] ReplayVerb bus_verb(CLI::App& app);
+[[nodiscard]] ReplayVerb controller_verb(CLI::App& app);
+[[nodiscard]] ReplayVerb plant_verb(CLI::App& app);
+
+/// Runs `load`; whatever it throws becomes a UsageError.
+template <typename Load>
+auto configured(Load load) {
+    try {
+        return load();
+    } catch (const std::exception& error) {
+        throw UsageError(error.what());
+    }
+}
+
+/// Writes `text` to the file `where`, or to standard output for "-"; nothing for "".
+void deliver(const std::string& where, std::string_view text);
+
+/// Warnings of `file` on standard error.
+[[nodiscard]] LogWarnings warnings_of(const std::string& file);
+
+}  // namespace rig

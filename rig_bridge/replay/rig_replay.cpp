@@ -1,0 +1,56 @@
+/// rig-replay: what was recorded on the bus, played, replayed, validated. See --help.
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <exception>
+
+#include "config/reader/atomic_file.hpp"
+#include "rig_bridge/replay/replay_verbs.hpp"
+
+void rig::deliver(const std::string& where, std::string_view text) {
+    if (where == "-")
+        fmt::print("{}", text);
+    else if (!where.empty())
+        settings::write_file(where, text);
+}
+
+rig::LogWarnings rig::warnings_of(const std::string& file) {
+    return {file, [](const std::string& text) { fmt::print(stderr, "rig-replay: warning: {}\n", text); }};
+}
+
+namespace {
+
+int run(int argc, char** argv) {
+    CLI::App app{"rig-replay: bus logs played, replayed through the controller, and held against the plant.",
+                 "rig-replay"};
+    app.set_version_flag("--version", ANTISKID_VERSION);
+    app.require_subcommand(1);
+    const std::array verbs{rig::controller_verb(app)};
+    app.footer("Each has --help with examples.");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? 0 : 2;
+    }
+    for (const rig::ReplayVerb& verb : verbs) {
+        if (verb.app->parsed()) return verb.run();
+    }
+    return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const rig::UsageError& e) {
+        std::fprintf(stderr, "rig-replay: %s\n", e.what());
+        return 2;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "rig-replay: %s\n", e.what());
+        return 1;
+    }
+}
