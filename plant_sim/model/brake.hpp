@@ -22,6 +22,9 @@ struct BrakeGeometry {
 /// values.
 using FrictionCurve = std::array<double, 4>;
 
+/// The least mu_b over a stop when the curve is brought to the mean `friction`. At or below zero no brake is like that.
+[[nodiscard]] double least_friction(const FrictionCurve& curve, double friction);
+
 /// k_b(v): the friction curve of the maneuver's class, shifted so that its mean over a stop of constant
 /// deceleration is `mean_friction` (Section IV: "a suitably biased version ... adapted to match the extracted
 /// mean"), times the geometry.

@@ -106,19 +106,6 @@ BrakeGeometry brake(const Table& t) {
             .effective_radius_m = t.number("effective_radius_m", {.min = 0.01, .max = 2.0})};
 }
 
-/// The least value over a stop when the curve is brought to the mean `friction`.
-double least_friction(const FrictionCurve& curve, double friction) {
-    constexpr int kParts = 256;
-    const double mean = curve[0] + curve[1] / 2.0 + curve[2] / 3.0 + curve[3] / 4.0;
-    double least = friction;
-    for (int i = 0; i <= kParts; ++i) {
-        const double x = static_cast<double>(i) / kParts;
-        const double at = curve[0] + x * (curve[1] + x * (curve[2] + x * curve[3]));
-        least = std::min(least, at - mean + friction);
-    }
-    return least;
-}
-
 /// All classes are read, so that a mistake in any of them shows; the chosen one comes back, times the new brake's friction.
 FrictionCurve friction_curve(const Table& t, std::size_t chosen, double friction) {
     FrictionCurve curve{};

@@ -1,6 +1,8 @@
 #include "plant_sim/model/rig.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace plant {
 
@@ -28,6 +30,81 @@ void Rig::start_rolling() {
     state_.held = false;
 }
 
+void Rig::start_at_rest() {
+    contact_ = false;
+    device_load_N_ = 0.0;
+    state_.v_mps = 0.0;
+    state_.omega_radps = 0.0;
+    state_.held = true;
+}
+
+void Rig::set_load(double base_N, double lift_Ns2pm2) {
+    parameters_.load.base_N = base_N;
+    parameters_.load.lift_Ns2pm2 = lift_Ns2pm2;
+}
+
+void Rig::set_brake(double mean_friction, double brake_on_mps) {
+    if (!(least_friction(parameters_.friction_curve, mean_friction) > 0.0) || !(brake_on_mps > 0.0))
+        throw std::invalid_argument(
+            "mean friction takes the friction curve below zero, or no brake-on speed");
+    parameters_.mean_friction = mean_friction;
+    parameters_.brake_on_mps = brake_on_mps;
+    dynamics_.set_brake(
+        BrakeTorque(parameters_.brake, parameters_.friction_curve, mean_friction, brake_on_mps));
+}
+
+bool Rig::idle() const {
+    constexpr double kNoPressure_Pa = 1.0;
+    constexpr double kNoLoad_N = 1e-3;
+    return !contact_ && state_.omega_radps == 0.0 && pressure_Pa_ < kNoPressure_Pa &&
+           device_load_N_ < kNoLoad_N && outside_.drive_N == 0.0;
+}
+
+void Rig::pass_idle(double seconds, const Drag& drag) {
+    const auto steps = static_cast<std::uint64_t>(std::llround(seconds / step_s_));
+    if (!idle() || steps == 0) return;
+    const double time = static_cast<double>(steps) * step_s_;
+    const double before = state_.v_mps;
+    const double energy = kinetic_energy_J();
+    const CoastDown end = coast_down(drag, parameters_.wheel.mass_kg, before, time);
+    state_.v_mps = end.v_mps;
+    state_.distance_m += end.distance_m;
+    energy_drag_J_ += energy - kinetic_energy_J();
+    device_load_N_ = 0.0;
+    steps_ += steps - 1;
+    sense(0.0, before, time);
+}
+
+/// Uniform acceleration over the coming step. What the integrator will add to distance and angle at the speeds after it is taken back, so
+/// that both are those of the mean speed.
+void Rig::push() {
+    const double v0 = state_.v_mps;
+    const double omega0 = state_.omega_radps;
+    const double energy = kinetic_energy_J();
+    const double h = step_s_;
+    const double v1 =
+        std::max(v0 + (outside_.drive_N - outside_.drag_N) * h / parameters_.wheel.mass_kg, 0.0);
+    const double omega1 = std::max(omega0 - outside_.wheel_drag_Nm * h / parameters_.wheel.inertia_kgm2, 0.0);
+    const double drive_J = outside_.drive_N * 0.5 * (v0 + v1) * h;
+    state_.v_mps = v1;
+    state_.omega_radps = omega1;
+    const bool moves = v1 > Wheel::kSlowest_mps;
+    state_.distance_m += 0.5 * (v0 + v1) * h - (moves ? v1 * h : 0.0);
+    state_.angle_rad += 0.5 * (omega0 + omega1) * h - (moves ? omega1 * h : 0.0);
+    energy_drive_J_ += drive_J;
+    energy_drag_J_ += drive_J - (kinetic_energy_J() - energy);
+}
+
+double Rig::load_decay(double h) {
+    for (const Decay& known : decays_) {
+        if (known.h_s == h) return known.factor;
+    }
+    Decay& fresh = decays_[oldest_decay_];
+    oldest_decay_ = 1 - oldest_decay_;
+    fresh = {h, std::exp(-h / parameters_.load.lag_s)};
+    return fresh.factor;
+}
+
 LoadArc Rig::load_arc(double h) {
     const LoadParameters& law = parameters_.load;
     if (law.lag_s <= 0.0) return contact_ ? LoadArc{law.base_N, 0.0, law.lift_Ns2pm2} : LoadArc{};
@@ -35,7 +112,7 @@ LoadArc Rig::load_arc(double h) {
     // step.
     const double set_point = contact_ ? law.base_N - law.lift_Ns2pm2 * state_.v_mps * state_.v_mps : 0.0;
     const double before = device_load_N_;
-    device_load_N_ = set_point + (before - set_point) * std::exp(-h / law.lag_s);
+    device_load_N_ = set_point + (before - set_point) * load_decay(h);
     return {before, device_load_N_ - before, 0.0};
 }
 
@@ -51,35 +128,37 @@ void Rig::move(const PressureArc& pressure, double h) {
     dynamics_.advance(state_, pressure, load_arc(h), h);
 }
 
-void Rig::sense(double wheel_before, double flywheel_before) {
+void Rig::sense(double wheel_before, double flywheel_before, double since_s) {
     ++steps_;
     const double now = time_s();
     const double per_radius = 1.0 / parameters_.flywheel_radius_m;
-    wheel_encoder_.advance(state_.angle_rad, wheel_before, state_.omega_radps, now, step_s_, random_);
+    wheel_encoder_.advance(state_.angle_rad, wheel_before, state_.omega_radps, now, since_s, random_);
     flywheel_encoder_.advance(state_.distance_m * per_radius, flywheel_before * per_radius,
-                              state_.v_mps * per_radius, now, step_s_, random_);
+                              state_.v_mps * per_radius, now, since_s, random_);
     measured_pressure_Pa_ = reading_Pa(parameters_.transducer, pressure_Pa_, random_);
 }
 
 void Rig::advance_current(double start_mA, double end_mA) {
     const double wheel_before = state_.omega_radps;
     const double flywheel_before = state_.v_mps;
+    if (pushed_) push();
     const double start_Pa = parameters_.pressure_map.pressure_Pa(start_mA);
     const double end_Pa = end_mA == start_mA ? start_Pa : parameters_.pressure_map.pressure_Pa(end_mA);
     const Valve::Arcs arcs = valve_.advance(start_Pa, end_Pa);
     if (valve_.first_s() > 0.0) move(arcs.first, valve_.first_s());
     move(arcs.second, valve_.second_s());
     pressure_Pa_ = valve_.pressure_Pa();
-    sense(wheel_before, flywheel_before);
+    sense(wheel_before, flywheel_before, step_s_);
 }
 
 void Rig::advance_pressure(std::span<const PressurePart> parts) {
     const double wheel_before = state_.omega_radps;
     const double flywheel_before = state_.v_mps;
+    if (pushed_) push();
     for (const PressurePart& part : parts)
         move(PressureArc::linear(part.start_Pa, part.end_Pa), part.share * step_s_);
     pressure_Pa_ = parts.back().end_Pa;
-    sense(wheel_before, flywheel_before);
+    sense(wheel_before, flywheel_before, step_s_);
 }
 
 }  // namespace plant

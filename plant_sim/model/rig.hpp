@@ -6,11 +6,14 @@
 /// seed given at construction.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 
 #include "plant_sim/model/brake.hpp"
+#include "plant_sim/model/drag.hpp"
 #include "plant_sim/model/encoder.hpp"
 #include "plant_sim/model/pressure_transducer.hpp"
 #include "plant_sim/model/random.hpp"
@@ -45,6 +48,13 @@ struct RigParameters {
     double touchdown_mps = 0.0;  ///< initial speed where spinning the wheel up costs some; 0: brake_on_mps
 };
 
+/// What acts on the rig beside brake and tyre.
+struct OutsideForces {
+    double drive_N = 0.0;        ///< of the flywheel's drive, at the rim, >= 0
+    double drag_N = 0.0;         ///< of the flywheel's bearings and windage, at the rim, >= 0
+    double wheel_drag_Nm = 0.0;  ///< of the wheel's bearing and the discs of its released brake, >= 0
+};
+
 class Rig {
   public:
     /// `step_s`: 1e-4 to 5e-3.
@@ -53,10 +63,28 @@ class Rig {
     void touch_down() { contact_ = true; }
     /// The wheel is on the ground, loaded and rolling freely: the state in which a recorded braking maneuver begins.
     void start_rolling();
+    /// Flywheel and wheel at rest, wheel off the rim: the state before a first spin-up.
+    void start_at_rest();
     /// The pressure at the start of a prescribed profile.
     void start_pressure(double pressure_Pa) { pressure_Pa_ = pressure_Pa; }
     /// Takes the load off again: a bounce, or the sledge retracting.
     void lift_off() { contact_ = false; }
+
+    /// Acts over every step from here on, as uniform acceleration ahead of it: exact for a wheel off the rim. With the wheel on the rim the
+    /// splitting is of first order in the step, so keep them small against the brake there.
+    void set_outside_forces(const OutsideForces& forces) {
+        outside_ = forces;
+        pushed_ = forces.drive_N != 0.0 || forces.drag_N != 0.0 || forces.wheel_drag_Nm != 0.0;
+    }
+    /// Another law of the load; the lag stays, and so does the force that the device holds now.
+    void set_load(double base_N, double lift_Ns2pm2);
+    /// Another state of the brake for the next maneuver. Throws std::invalid_argument where the friction curve would fall to zero.
+    void set_brake(double mean_friction, double brake_on_mps);
+
+    /// Whether nothing but the flywheel moves: wheel off the rim and at rest, no pressure, no drive.
+    [[nodiscard]] bool idle() const;
+    /// Where idle(): that much time at once, a whole number of steps; the flywheel coasts down in closed form.
+    void pass_idle(double seconds, const Drag& drag);
 
     /// One step with a valve current that is held.
     void advance_current(double current_mA) { advance_current(current_mA, current_mA); }
@@ -81,6 +109,9 @@ class Rig {
     [[nodiscard]] Forces forces() const;
     [[nodiscard]] bool standstill() const { return state_.v_mps <= Wheel::kSlowest_mps; }
     [[nodiscard]] double kinetic_energy_J() const { return dynamics_.kinetic_energy_J(state_); }
+    /// What drive and drag have done since the start; kinetic energy + brake + tyre + drag - drive stays what it was.
+    [[nodiscard]] double energy_drive_J() const { return energy_drive_J_; }
+    [[nodiscard]] double energy_drag_J() const { return energy_drag_J_; }
     [[nodiscard]] const RigParameters& parameters() const { return parameters_; }
 
     // What the sensors say now.
@@ -90,8 +121,10 @@ class Rig {
 
   private:
     [[nodiscard]] LoadArc load_arc(double h);
+    [[nodiscard]] double load_decay(double h);
+    void push();
     void move(const PressureArc& pressure, double h);
-    void sense(double wheel_before, double flywheel_before);
+    void sense(double wheel_before, double flywheel_before, double since_s);
 
     RigParameters parameters_;
     Wheel dynamics_;
@@ -104,6 +137,15 @@ class Rig {
     WheelState state_;
     bool contact_ = false;
     double device_load_N_ = 0.0;  // of a lagged loading device
+    struct Decay {
+        double h_s, factor;
+    };
+    std::array<Decay, 2> decays_{};  // of the device over the lengths that a step is cut into
+    std::size_t oldest_decay_ = 0;
+    OutsideForces outside_;
+    bool pushed_ = false;  // any of them
+    double energy_drive_J_ = 0.0;
+    double energy_drag_J_ = 0.0;
     double pressure_Pa_ = 0.0;
     double measured_pressure_Pa_ = 0.0;
 };

@@ -105,6 +105,12 @@ class Wheel {
     /// The same in one piece or not at all: returns the share of the tolerance that it took; above 1 `state` is as it was.
     double attempt(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h);
 
+    /// Another brake from here on.
+    void set_brake(const BrakeTorque& brake) {
+        brake_ = brake;
+        instants_ = {};
+    }
+
     /// At the arc's start.
     [[nodiscard]] Forces forces(const WheelState& state, double pressure_Pa, const LoadArc& load) const;
 

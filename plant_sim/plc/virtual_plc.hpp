@@ -1,0 +1,107 @@
+/// The PLC's program: takes commands over, watches interlocks and the bridge, trips. Pure: one scan is one call, time is handed in.
+///
+/// Commands. A commit (a new value of the commit register, not 0) is taken over whole or refused whole; a refused one leaves the commands
+/// before it in force. Refused is, first reason first:
+///   value       an enable or reset that is neither 0 nor 1, a number that is not finite
+///   range       speed outside 0 to the drive's greatest; force or lift outside the loading device's range
+///   load_law    load enabled, but eq. (2) falls below zero at the set speed or at the rim's present one
+///   load_off_rim  load enabled without the sledge being sent to the rim
+///   drive_against_load  drive and load enabled at once: the drive never works against the loaded wheel
+///   tripped     anything enabled while tripped, with or without reset: a reset starts nothing, that takes a commit of its own
+///   interlock   reset while an interlock is open
+///   unsupervised  anything enabled while the bridge's watchdog does not move
+/// Everything else is allowed; above all the wheel may be brought to a turning flywheel, with the drive on or off, and to a resting one.
+///
+/// Trip: an interlock opens, or the bridge's watchdog has stood still for the watchdog time, once it has moved at all. Then drive and load
+/// are off and the sledge goes back, until a commit resets: `reset` 1 after a commit with 0, all interlocks good, bridge alive.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "rig_bridge/registers/quantities.hpp"
+
+namespace plc {
+
+enum class Refusal : std::uint8_t {
+    none,
+    value,
+    range,
+    load_law,
+    load_off_rim,
+    drive_against_load,
+    tripped,
+    interlock,
+    unsupervised
+};
+enum class Trip : std::uint8_t {
+    none,
+    emergency_stop,
+    guard_open,
+    hydraulics_lost,
+    drive_fault,
+    bridge_silent
+};
+[[nodiscard]] std::string_view name(Refusal refusal);
+[[nodiscard]] std::string_view name(Trip trip);
+
+struct PlcLimits {
+    double speed_max_mps = 0.0;
+    double force_max_N = 0.0;
+    double lift_max_Ns2pm2 = 0.0;
+    double watchdog_s = 0.5;
+};
+
+/// What the machines are told.
+struct Orders {
+    bool drive = false;
+    double speed_mps = 0.0;
+    bool advance = false;
+    bool load = false;
+    double load_base_N = 0.0;
+    double load_lift_Ns2pm2 = 0.0;
+};
+
+class VirtualPlc {
+  public:
+    explicit VirtualPlc(const PlcLimits& limits) : limits_(limits) {}
+
+    /// One scan at `now_s`, which does not fall. `good`: interlocks, bit i is rig::Interlock i.
+    void scan(const rig::CommandedValues& commanded, unsigned good, double rim_mps, double now_s);
+
+    /// `scans` scans have passed until `now_s`, in which nothing changed and the bridge was alive.
+    void pass_idle(double now_s, std::uint64_t scans) {
+        bridge_moved_s_ = now_s;
+        watchdog_ = static_cast<std::uint16_t>(watchdog_ + scans);
+    }
+
+    [[nodiscard]] const Orders& orders() const { return orders_; }
+    [[nodiscard]] rig::PlcState state() const { return state_; }
+    [[nodiscard]] Trip trip() const { return trip_; }  ///< the last one's cause, kept after the reset
+    [[nodiscard]] Refusal refusal() const { return refusal_; }  ///< of refused_commit()
+    [[nodiscard]] std::uint16_t applied_commit() const { return applied_; }
+    [[nodiscard]] std::uint16_t refused_commit() const { return refused_; }
+    [[nodiscard]] std::uint16_t watchdog() const { return watchdog_; }
+
+  private:
+    void supervise(double watchdog, unsigned good, double now_s);
+    void take(const rig::CommandedValues& commanded, unsigned good, double rim_mps);
+    [[nodiscard]] Refusal judge(const rig::CommandedValues& commanded, unsigned good, double rim_mps) const;
+
+    PlcLimits limits_;
+    Orders orders_;
+    rig::PlcState state_ = rig::PlcState::ready;
+    Trip trip_ = Trip::none;
+    Refusal refusal_ = Refusal::none;
+    double bridge_watchdog_ = 0.0;
+    double bridge_moved_s_ = 0.0;
+    bool bridge_seen_ = false;  // its watchdog has moved
+    bool bridge_alive_ = false;
+    bool reset_ = false;  // of the last commit that was taken over
+    std::uint16_t commit_ = 0;
+    std::uint16_t applied_ = 0;
+    std::uint16_t refused_ = 0;
+    std::uint16_t watchdog_ = 0;
+};
+
+}  // namespace plc
