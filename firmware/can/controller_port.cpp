@@ -23,36 +23,21 @@ void ControllerPort::accept(const Frame& frame) {
 }
 
 bool ControllerPort::decode(Role role, const Payload& payload, control::Time received) {
-    const auto speed = [&payload](const SpeedSignals& signals) {
-        return signals.source == control::SpeedSource::edges
-                   ? RawSpeed{.edge_count = static_cast<std::uint64_t>(payload.read(signals.edge_count)),
-                              .edge_time = static_cast<std::uint64_t>(payload.read(signals.edge_time)),
-                              .speed = 0}
-                   : RawSpeed{.edge_count = 0, .edge_time = 0, .speed = payload.read(signals.speed_radps)};
-    };
     switch (role) {
         case Role::wheel:
-            wheel_.apply(layout_.wheel, speed(layout_.wheel), received, sensors_.wheel);
+            wheel_.apply(layout_.wheel, read_raw(layout_.wheel, payload), received, sensors_.wheel);
             return true;
         case Role::flywheel:
-            flywheel_.apply(layout_.flywheel, speed(layout_.flywheel), received, sensors_.flywheel);
+            flywheel_.apply(layout_.flywheel, read_raw(layout_.flywheel, payload), received,
+                            sensors_.flywheel);
             return true;
         case Role::pressure:
             sensors_.pressure.received = received;
             sensors_.pressure.pressure_Pa =
                 static_cast<float>(layout_.pressure_Pa.value(payload.read(layout_.pressure_Pa)));
             return true;
-        case Role::maneuver: {
-            const ManeuverSignals& m = layout_.maneuver;
-            const RawManeuver raw{.law = payload.read(m.law),
-                                  .arm = payload.read(m.arm),
-                                  .weight_on_wheels = payload.read(m.weight_on_wheels),
-                                  .demand = payload.read(m.demand_Pa),
-                                  .slip_reference = payload.read(m.slip_reference),
-                                  .deceleration = payload.read(m.deceleration_mps2),
-                                  .current = payload.read(m.current_mA)};
-            return apply(m, raw, received, sensors_.maneuver);
-        }
+        case Role::maneuver:
+            return apply(layout_.maneuver, read_raw(layout_.maneuver, payload), received, sensors_.maneuver);
         case Role::rig_heartbeat:
             sensors_.rig_heartbeat_received = received;
             return true;

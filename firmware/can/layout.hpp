@@ -23,20 +23,31 @@ enum class Role : std::uint8_t {
     rig_heartbeat,
     emergency_stop,
     sync,
-    load_cells,  ///< telemetry of the rig; the controller ignores it
+    load_cells,      ///< telemetry of the rig; the controller ignores it
+    maneuver_state,  ///< telemetry of the rig bridge; the controller ignores it
     // controller to rig
     valve,
     status,
     faults,
     controller_heartbeat,
 };
-inline constexpr std::size_t kRoleCount = 12;
+inline constexpr std::size_t kRoleCount = 13;
 
 /// The name of the role's table in the binding.
 [[nodiscard]] constexpr std::string_view name(Role role) {
-    constexpr std::array<std::string_view, kRoleCount> kNames{
-        "wheel", "flywheel",   "pressure", "maneuver", "rig_heartbeat", "emergency_stop",
-        "sync",  "load_cells", "valve",    "status",   "faults",        "controller_heartbeat"};
+    constexpr std::array<std::string_view, kRoleCount> kNames{"wheel",
+                                                              "flywheel",
+                                                              "pressure",
+                                                              "maneuver",
+                                                              "rig_heartbeat",
+                                                              "emergency_stop",
+                                                              "sync",
+                                                              "load_cells",
+                                                              "maneuver_state",
+                                                              "valve",
+                                                              "status",
+                                                              "faults",
+                                                              "controller_heartbeat"};
     return kNames[static_cast<std::size_t>(role)];
 }
 
@@ -72,6 +83,12 @@ struct LoadCellSignals {
     Signal brake_torque_Nm;
 };
 
+struct ManeuverStateSignals {
+    Signal phase;
+    Signal number;
+    Signal brake_temperature_C;
+};
+
 struct StatusSignals {
     Signal state;
     Signal slip;
@@ -87,6 +104,7 @@ struct Layout {
     ManeuverSignals maneuver;
     Signal sync_counter;
     LoadCellSignals load_cells;
+    ManeuverStateSignals maneuver_state;
     Signal valve_current_mA;
     StatusSignals status;
     std::array<Signal, control::kFaultCount> faults{};  ///< one bit each, in the order of control::Fault

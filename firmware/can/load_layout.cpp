@@ -61,6 +61,13 @@ class Loader {
             layout_.load_cells.longitudinal_N = cells.physical("longitudinal", Quantity::force);
             layout_.load_cells.brake_torque_Nm = cells.physical("brake_torque", Quantity::torque);
         }
+        if (root_.has(name(Role::maneuver_state))) {
+            MessageBinder state = bind(Role::maneuver_state, {});
+            layout_.maneuver_state.phase = state.code("phase", {.least = 4, .most = 8}, kPhaseNames);
+            layout_.maneuver_state.number = state.whole("number", {.least = 16, .most = 32});
+            layout_.maneuver_state.brake_temperature_C =
+                state.physical("brake_temperature", Quantity::temperature);
+        }
     }
 
     void controller() {

@@ -1,24 +1,36 @@
 #include "firmware/can/rig_port.hpp"
 
-#include "firmware/can/roles.hpp"
 #include "firmware/can/sensor_decoder.hpp"
 
 namespace antiskid::can {
 
-RigPort::RigPort(const Layout& layout, control::Time step)
-    : layout_(layout), schedule_(layout, step), gate_(layout, kToRig) {}
+RigPort::RigPort(const Layout& layout, control::Time step, std::span<const Role> sends)
+    : layout_(layout), schedule_(layout, step), gate_(layout, kToRig) {
+    for (const Role role : sends) sends_[static_cast<std::size_t>(role)] = layout[role].bound;
+}
 
 std::size_t RigPort::due_frames(const RigSample& sample, std::span<Frame> out) {
     std::size_t count = 0;
-    if (sample.emergency_stop) out[count++] = emergency_stop();
-    if (schedule_.due(Role::wheel, step_index_)) out[count++] = wheel(sample.wheel);
-    if (schedule_.due(Role::flywheel, step_index_)) out[count++] = flywheel(sample.flywheel);
-    if (schedule_.due(Role::pressure, step_index_)) out[count++] = pressure(sample.pressure_Pa);
-    if (schedule_.due(Role::maneuver, step_index_)) out[count++] = maneuver(sample.maneuver);
-    if (schedule_.due(Role::rig_heartbeat, step_index_)) out[count++] = heartbeat();
-    if (schedule_.due(Role::load_cells, step_index_)) out[count++] = load_cells(sample.load_cells);
+    if (sample.emergency_stop && sends_[static_cast<std::size_t>(Role::emergency_stop)])
+        out[count++] = emergency_stop();
+    if (due(Role::wheel)) out[count++] = wheel(sample.wheel);
+    if (due(Role::flywheel)) out[count++] = flywheel(sample.flywheel);
+    if (due(Role::pressure)) out[count++] = pressure(sample.pressure_Pa);
+    if (due(Role::maneuver)) out[count++] = maneuver(sample.maneuver);
+    if (due(Role::rig_heartbeat)) out[count++] = heartbeat();
+    if (due(Role::load_cells)) out[count++] = load_cells(sample.load_cells);
+    if (state_is_due(sample.maneuver_state)) {
+        last_state_ = sample.maneuver_state;
+        out[count++] = maneuver_state(sample.maneuver_state);
+    }
     ++step_index_;
     return count;
+}
+
+bool RigPort::state_is_due(const ManeuverStateSample& sample) const {
+    return sends_[static_cast<std::size_t>(Role::maneuver_state)] &&
+           (step_index_ == 0 || schedule_.due(Role::maneuver_state, step_index_) ||
+            sample.phase != last_state_.phase || sample.number != last_state_.number);
 }
 
 Frame RigPort::wheel(const SpeedSample& sample) {
@@ -79,6 +91,16 @@ Frame RigPort::load_cells(const LoadCellSample& sample) {
     return protect(Role::load_cells, payload);
 }
 
+Frame RigPort::maneuver_state(const ManeuverStateSample& sample) {
+    const ManeuverStateSignals& state = layout_.maneuver_state;
+    Payload payload;
+    payload.write(state.phase, sample.phase);
+    payload.write(state.number, sample.number);
+    payload.write(state.brake_temperature_C,
+                  state.brake_temperature_C.raw(static_cast<double>(sample.brake_temperature_C)));
+    return protect(Role::maneuver_state, payload);
+}
+
 Frame RigPort::sync(std::uint32_t number) {
     Payload payload;
     if (layout_.sync_counter.bound()) payload.write(layout_.sync_counter, number);
@@ -89,46 +111,10 @@ void RigPort::accept(const Frame& frame) {
     const Payload payload(frame.data);
     const FrameGate::Verdict verdict = gate_.check(frame, payload);
     if (!verdict.role || !verdict.ok) return;
-    if (decode(*verdict.role, payload, frame.received)) {
+    if (apply(layout_, *verdict.role, payload, frame.received, view_)) {
         gate_.count_accepted(*verdict.role);
     } else {
         gate_.count_wrong_value(*verdict.role);
-    }
-}
-
-bool RigPort::decode(Role role, const Payload& payload, control::Time received) {
-    const auto value = [&payload](const Signal& signal) {
-        return static_cast<float>(signal.value(payload.read(signal)));
-    };
-    switch (role) {
-        case Role::valve:
-            view_.command_received = received;
-            view_.current_mA = value(layout_.valve_current_mA);
-            return true;
-        case Role::status: {
-            const std::int64_t state = payload.read(layout_.status.state);
-            if (state < 0 || state >= control::kStateCount) return false;
-            view_.status_received = received;
-            view_.state = static_cast<control::State>(state);
-            view_.slip = value(layout_.status.slip);
-            view_.slip_reference = value(layout_.status.slip_reference);
-            view_.speed_mps = value(layout_.status.speed_mps);
-            return true;
-        }
-        case Role::faults: {
-            std::uint32_t bits = 0;
-            for (std::size_t i = 0; i < layout_.faults.size(); ++i) {
-                if (payload.read(layout_.faults[i]) != 0) bits |= 1U << i;
-            }
-            view_.faults_received = received;
-            view_.faults = control::FaultSet::from_bits(bits);
-            return true;
-        }
-        case Role::controller_heartbeat:
-            view_.heartbeat_received = received;
-            return true;
-        default:
-            return false;
     }
 }
 

@@ -32,12 +32,20 @@ struct LoadCellSample {
     float brake_torque_Nm = 0.0F;
 };
 
+/// Telemetry of the rig bridge; no input of the controller.
+struct ManeuverStateSample {
+    std::uint8_t phase = 0;    ///< index in kPhaseNames (value_names.hpp)
+    std::uint32_t number = 0;  ///< of the maneuver in its campaign; sent modulo its field
+    float brake_temperature_C = 0.0F;
+};
+
 struct RigSample {
     SpeedSample wheel;
     SpeedSample flywheel;
     float pressure_Pa = 0.0F;
     ManeuverSample maneuver;
     LoadCellSample load_cells;
+    ManeuverStateSample maneuver_state;
     bool emergency_stop = false;
 };
 

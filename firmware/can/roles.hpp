@@ -1,4 +1,4 @@
-/// Which messages each side receives: the identifiers to filter for.
+/// Which messages each side sends and receives.
 #pragma once
 
 #include <array>
@@ -9,11 +9,26 @@
 
 namespace antiskid::can {
 
-/// Roles that the controller receives; load cells are not among them.
+/// Roles that the controller receives; load cells and maneuver state are not among them.
 inline constexpr std::array kToController{Role::wheel,    Role::flywheel,      Role::pressure,
                                           Role::maneuver, Role::rig_heartbeat, Role::emergency_stop,
                                           Role::sync};
 inline constexpr std::array kToRig{Role::valve, Role::status, Role::faults, Role::controller_heartbeat};
+
+/// What a rig without a bridge sends; SYNC is sent apart.
+inline constexpr std::array kFromRig{Role::wheel,     Role::flywheel,      Role::pressure,
+                                     Role::maneuver,  Role::rig_heartbeat, Role::emergency_stop,
+                                     Role::load_cells};
+/// The same shared between the rig's sensors and the rig bridge.
+inline constexpr std::array kFromRigSensors{Role::wheel, Role::flywheel, Role::pressure};
+inline constexpr std::array kFromBridge{Role::maneuver, Role::rig_heartbeat, Role::emergency_stop,
+                                        Role::load_cells, Role::maneuver_state};
+
+inline constexpr std::array<Role, kRoleCount> kEveryRole = [] {
+    std::array<Role, kRoleCount> roles{};
+    for (std::size_t i = 0; i < kRoleCount; ++i) roles[i] = static_cast<Role>(i);
+    return roles;
+}();
 
 /// A fixed list of identifiers.
 class IdList {

@@ -6,7 +6,7 @@ namespace antiskid::can {
 
 namespace {
 
-/// Where in its cycle a slow message starts, in steps; a 20 ms, five 10 ms and two 100 ms messages then never
+/// Where in its cycle a slow message starts, in steps; a 20 ms, three 10 ms and three 100 ms messages then never
 /// meet at 1 ms steps.
 std::uint32_t first_step(Role role) {
     switch (role) {
@@ -14,6 +14,8 @@ std::uint32_t first_step(Role role) {
             return 2;
         case Role::status:
             return 4;
+        case Role::maneuver_state:
+            return 5;
         case Role::faults:
             return 6;
         case Role::rig_heartbeat:

@@ -35,6 +35,25 @@ RawManeuver to_raw(const ManeuverSignals& signals, const ManeuverSample& sample)
             .current = signals.current_mA.raw(static_cast<double>(sample.current_mA))};
 }
 
+RawSpeed read_raw(const SpeedSignals& signals, const Payload& payload) {
+    if (signals.source == control::SpeedSource::edges) {
+        return {.edge_count = static_cast<std::uint64_t>(payload.read(signals.edge_count)),
+                .edge_time = static_cast<std::uint64_t>(payload.read(signals.edge_time)),
+                .speed = 0};
+    }
+    return {.edge_count = 0, .edge_time = 0, .speed = payload.read(signals.speed_radps)};
+}
+
+RawManeuver read_raw(const ManeuverSignals& signals, const Payload& payload) {
+    return {.law = payload.read(signals.law),
+            .arm = payload.read(signals.arm),
+            .weight_on_wheels = payload.read(signals.weight_on_wheels),
+            .demand = payload.read(signals.demand_Pa),
+            .slip_reference = payload.read(signals.slip_reference),
+            .deceleration = payload.read(signals.deceleration_mps2),
+            .current = payload.read(signals.current_mA)};
+}
+
 void SpeedDecoder::apply(const SpeedSignals& signals, const RawSpeed& raw, control::Time received,
                          control::SpeedInput& input) {
     input.received = received;

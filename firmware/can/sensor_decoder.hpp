@@ -31,6 +31,10 @@ struct RawManeuver {
 [[nodiscard]] RawSpeed to_raw(const SpeedSignals& signals, const SpeedSample& sample);
 [[nodiscard]] RawManeuver to_raw(const ManeuverSignals& signals, const ManeuverSample& sample);
 
+/// The raw values of a frame's payload.
+[[nodiscard]] RawSpeed read_raw(const SpeedSignals& signals, const Payload& payload);
+[[nodiscard]] RawManeuver read_raw(const ManeuverSignals& signals, const Payload& payload);
+
 /// Continues edge count and edge time across the roll-over of their fields.
 ///
 /// The count goes on modulo 2^32. The time goes on as if the field never rolled over, which holds while an

@@ -60,6 +60,16 @@ constexpr std::array kSpellings{
     Spelling{"\xB5s", kMicrosecond, false},  // the micro sign in Latin-1, the usual encoding of a DBC
     Spelling{"ms", {time, 1e6}},
     Spelling{"s", {time, 1e9}},
+    Spelling{"degC", {temperature, 1.0}},
+    Spelling{"C", {temperature, 1.0}, false},
+    Spelling{"\xC2\xB0"
+             "C",
+             {temperature, 1.0},
+             false},
+    Spelling{"\xB0"
+             "C",
+             {temperature, 1.0},
+             false},  // Latin-1
 };
 
 }  // namespace

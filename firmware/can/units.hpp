@@ -18,6 +18,7 @@ enum class Quantity : std::uint8_t {
     force,          ///< N
     torque,         ///< N m
     time,           ///< ns
+    temperature,    ///< degrees Celsius
 };
 
 struct Unit {

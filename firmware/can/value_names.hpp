@@ -12,6 +12,11 @@ namespace antiskid::can {
 inline constexpr std::array<std::string_view, 4> kLawNames{"wheel_slip", "deceleration", "open_loop",
                                                            "threshold"};
 
+/// Phases of a maneuver as the rig bridge steps through them.
+inline constexpr std::array<std::string_view, 11> kPhaseNames{
+    "idle",    "spin_up",   "touchdown", "settling", "braking", "standstill",
+    "retract", "cool_down", "finished",  "aborting", "aborted"};
+
 inline constexpr std::array<std::string_view, control::kStateCount> kStateNames{
     "self_test", "standby", "armed", "touchdown_protection", "braking", "locked_wheel", "drop_out", "safe"};
 

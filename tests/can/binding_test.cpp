@@ -141,10 +141,10 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-042]"
         bool in_dbc = false;
     };
     const std::string encoder =
-        "BO_ 272 WheelEncoder: 8 Rig\n SG_ Crc : 0|8@1+ (1,0) [0|255] \"\" Controller\n"
-        " SG_ Counter : 8|4@1+ (1,0) [0|14] \"\" Controller\n"
-        " SG_ EdgeCount : 16|16@1+ (1,0) [0|65535] \"\" Controller\n"
-        " SG_ EdgeTime : 32|32@1+ (0.1,0) [0|429496729.5] \"us\" Controller\n";
+        "BO_ 272 WheelEncoder: 8 Rig\n SG_ Crc : 0|8@1+ (1,0) [0|255] \"\" Controller,Bridge\n"
+        " SG_ Counter : 8|4@1+ (1,0) [0|14] \"\" Controller,Bridge\n"
+        " SG_ EdgeCount : 16|16@1+ (1,0) [0|65535] \"\" Controller,Bridge\n"
+        " SG_ EdgeTime : 32|32@1+ (0.1,0) [0|429496729.5] \"us\" Controller,Bridge\n";
     const auto wheel = [&encoder](const std::string& from, const std::string& to,
                                   const std::string& expected) {
         return Case{encoder, replaced(encoder, from, to), expected, true};
@@ -191,8 +191,8 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-042]"
         wheel("32|32@1+ (0.1,0)", "32|32@1+ (0.1,5)", "no offset"),
         wheel("32|32@1+ (0.1,0)", "32|32@1+ (0,0)", "factor 0"),
         wheel("8|4@1+", "8|3@1+", "has 3 bits; expected 4 to 8 bits"),
-        wheel("Crc : 0|8@1+ (1,0) [0|255] \"\" Controller\n SG_ Counter : 8|4",
-              "Crc : 4|8@1+ (1,0) [0|255] \"\" Controller\n SG_ Counter : 0|4", "must fill one byte"),
+        wheel("Crc : 0|8@1+ (1,0) [0|255] \"\" Controller,Bridge\n SG_ Counter : 8|4",
+              "Crc : 4|8@1+ (1,0) [0|255] \"\" Controller,Bridge\n SG_ Counter : 0|4", "must fill one byte"),
         wheel("SG_ EdgeCount", "SG_ EdgeCount m0", "is multiplexed (m0)"),
         wheel("SG_ EdgeCount", "SG_ EdgeCount M", "is multiplexed (M)"),
         wheel("WheelEncoder: 8", "WheelEncoder: 7", "sticks out of the 7 bytes"),
@@ -204,7 +204,7 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-042]"
          "has 'threshold' as value 0; it is 3 here", true},
         {"BA_DEF_ BO_ \"GenMsg", "SIG_VALTYPE_ 274 Pressure : 1;\nBA_DEF_ BO_ \"GenMsg", "floating-point",
          true},
-        {"[0|32767500] \"Pa\" Controller\n\nBO_ 288", "[-5|-1] \"Pa\" Controller\n\nBO_ 288",
+        {"[0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288", "[-5|-1] \"Pa\" Controller,Bridge\n\nBO_ 288",
          "cannot hold any value", true},
     };
     for (const Case& c : cases) {

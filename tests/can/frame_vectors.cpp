@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/can/controller_port.hpp"
+#include "firmware/can/observer.hpp"
 #include "firmware/can/rig_port.hpp"
 #include "firmware/can/value_names.hpp"
 #include "tests/can/layouts.hpp"
@@ -24,7 +25,11 @@ constexpr Time kStep{1'000'000};
 class Writer {
   public:
     Writer(std::string layout_name, const Layout& layout)
-        : layout_name_(std::move(layout_name)), layout_(layout), rig_(layout, kStep), port_(layout, kStep) {}
+        : layout_name_(std::move(layout_name)),
+          layout_(layout),
+          rig_(layout, kStep),
+          port_(layout, kStep),
+          observer_(layout) {}
 
     void run(int samples) {
         for (int i = 0; i < samples; ++i) one();
@@ -61,7 +66,24 @@ class Writer {
                                    .brake_torque_Nm = sent["brake_torque"]}),
                   sent, json::object());
         }
+        if (layout_[Role::maneuver_state].bound) maneuver_state();
         command();
+    }
+
+    void maneuver_state() {
+        const ManeuverStateSample sample{.phase = static_cast<std::uint8_t>(below(kPhaseNames.size())),
+                                         .number = below(0xFFFF'FFFFU),
+                                         .brake_temperature_C = between(-400.0F, 4000.0F)};
+        const Frame frame = rig_.maneuver_state(sample);
+        observer_.accept(frame);
+        const ManeuverStateSample& read = observer_.view().maneuver_state;
+        write(Role::maneuver_state, frame,
+              {{"phase", sample.phase},
+               {"number", sample.number},
+               {"brake_temperature", sample.brake_temperature_C}},
+              {{"phase", read.phase},
+               {"number", read.number},
+               {"brake_temperature", read.brake_temperature_C}});
     }
 
     void speed(Role role, const SpeedSignals& signals) {
@@ -160,6 +182,7 @@ class Writer {
     const Layout& layout_;
     RigPort rig_;
     ControllerPort port_;
+    Observer observer_;
     std::mt19937 random_{33};
 };
 

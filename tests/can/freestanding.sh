@@ -8,7 +8,7 @@ cd "$(dirname "$0")/../.."
 flags=(-std=c++20 -O2 -mcpu=cortex-m7 -mthumb -mfpu=fpv5-d16 -mfloat-abi=hard
     -fno-exceptions -fno-rtti -fno-threadsafe-statics -ffp-contract=off
     -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror -Wno-psabi -I .)
-sources=(controller_port e2e frame_gate rig_port rounded_link schedule sensor_decoder)
+sources=(controller_port controller_view e2e frame_gate observer rig_port rounded_link schedule sensor_decoder)
 rm -rf "$out"
 mkdir -p "$out"
 for source in "${sources[@]}"; do

@@ -319,7 +319,8 @@ TEST_CASE("every message comes at its period, and slow ones never meet within a 
     for (std::size_t i = 0; i < kRoleCount; ++i) {
         const Message& message = ours().messages[i];
         INFO(name(static_cast<Role>(i)));
-        CHECK(seen[message.id] == (message.period.count() == 0 ? 0 : 1000 * kStep / message.period));
+        const bool cyclic = message.period.count() != 0 && static_cast<Role>(i) != Role::maneuver_state;
+        CHECK(seen[message.id] == (cyclic ? 1000 * kStep / message.period : 0));
     }
     RigPort slow(ours(), Time{3'000'000});
     seen.fill(0);
