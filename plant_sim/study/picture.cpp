@@ -1,28 +1,15 @@
 #include "plant_sim/study/picture.hpp"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <cstdio>
-#include <fstream>
-#include <stdexcept>
+#include "plant_sim/study/gnuplot.hpp"
 
 namespace study {
 
 namespace {
 
-std::string quoted(const std::string& text) {
-    std::string out = "'";
-    for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
-    return out + "'";
-}
-
-std::string script(const std::filesystem::path& csv, const std::filesystem::path& png,
-                   const std::string& title, double brake_on_s) {
-    return fmt::format(R"(set terminal pngcairo size 1100,1000 font 'sans,11' enhanced
-set output {png}
-set datafile separator ','
+std::string script(const std::filesystem::path& csv, const std::string& title, double brake_on_s) {
+    return fmt::format(R"(set datafile separator ','
 data = {csv}
 set style line 1 lc rgb '#1f4e79' lw 2
 set style line 2 lc rgb '#c55a11' lw 1.6
@@ -48,30 +35,15 @@ plot data using 'time_s':(column('pressure_demand_Pa') * 1e-6) with lines ls 1 t
      data using 'time_s':(column('pressure_Pa') * 1e-6) with lines ls 2 title 'applied'
 unset multiplot
 )",
-                       fmt::arg("png", quoted(png.string())), fmt::arg("csv", quoted(csv.string())),
-                       fmt::arg("on", brake_on_s), fmt::arg("title", quoted(title)));
+                       fmt::arg("csv", gnuplot_quoted(csv.string())), fmt::arg("on", brake_on_s),
+                       fmt::arg("title", gnuplot_quoted(title)));
 }
 
 }  // namespace
 
 void draw_stop(const std::filesystem::path& trajectory_csv, const std::filesystem::path& png,
                const std::string& title, double brake_on_s) {
-    const std::filesystem::path aside = png.string() + ".part";
-    const std::filesystem::path says = png.string() + ".gnuplot-says";
-    std::FILE* gnuplot = ::popen(("gnuplot >" + quoted(says.string()) + " 2>&1").c_str(), "w");
-    if (gnuplot == nullptr) throw std::runtime_error("cannot start gnuplot");
-    const std::string commands = script(trajectory_csv, aside, title, brake_on_s);
-    std::fwrite(commands.data(), 1, commands.size(), gnuplot);
-    const int status = ::pclose(gnuplot);
-    std::ifstream said(says);
-    const std::string output((std::istreambuf_iterator<char>(said)), std::istreambuf_iterator<char>());
-    std::error_code ignored;
-    std::filesystem::remove(says, ignored);
-    if (status != 0) {
-        std::filesystem::remove(aside, ignored);
-        throw std::runtime_error("gnuplot failed (is gnuplot-nox installed?): " + output);
-    }
-    std::filesystem::rename(aside, png);
+    run_gnuplot(png, 1100, 1000, script(trajectory_csv, title, brake_on_s));
 }
 
 }  // namespace study

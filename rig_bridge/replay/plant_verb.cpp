@@ -1,0 +1,125 @@
+#include <fmt/core.h>
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "config/reader/atomic_file.hpp"
+#include "config/reader/hash.hpp"
+#include "firmware/linux/setup.hpp"
+#include "plant_sim/model/load_rig.hpp"
+#include "rig_bridge/replay/plant_validation.hpp"
+#include "rig_bridge/replay/replay_verbs.hpp"
+#include "rig_bridge/replay/validation_picture.hpp"
+
+namespace rig {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path or_default(const fs::path& given, const fs::path& otherwise) {
+    return given.empty() ? otherwise : given;
+}
+
+struct PlantCommand {
+    std::string log;
+    std::string interface;
+    plant::ManeuverChoice choice;
+    fs::path config = "config";
+    fs::path controller, dbc, binding;
+    std::string json, csv, picture;
+
+    [[nodiscard]] antiskid::rt::Options setup() const {
+        const bool endurance = choice.maneuver == plant::kEndurance;
+        antiskid::rt::Options o;
+        o.config =
+            or_default(controller, config / (endurance ? "controller_endurance.toml" : "controller.toml"));
+        o.dbc = or_default(dbc, config / "antiskid.dbc");
+        o.binding = or_default(binding, config / "antiskid_binding.toml");
+        return o;
+    }
+
+    int run() const {
+        const antiskid::rt::Setup loaded = configured([&] { return antiskid::rt::load_setup(setup()); });
+        const plant::LoadedRig rig = configured([&] { return plant::load_rig(config, choice); });
+        LogWarnings warnings = warnings_of(log);
+        LogOptions options;
+        if (!interface.empty()) options.interface = interface;
+        options.layout = &loaded.layout;
+        LogReader reader(log, options, warnings);
+        MeasuredSignals signals(reader, loaded.layout, loaded.period);
+        const Validation v = validate_plant(signals, rig.rig);
+        if (!v.braked)
+            throw std::runtime_error(
+                log + ": no brake-on in it: no maneuver command that is armed and demands pressure");
+        if (json != "-") {
+            fmt::print("{}", to_text(v));
+            if (warnings.any()) fmt::print("warnings of the log: {}\n", warnings.summary());
+        }
+        const nlohmann::ordered_json head{{"log", log},
+                                          {"maneuver", choice.maneuver},
+                                          {"surface", choice.surface},
+                                          {"version", ANTISKID_VERSION},
+                                          {"config_hash", settings::hash(rig.files)},
+                                          {"warnings", warnings.summary()}};
+        deliver(json, to_json(v, head.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
+        if (!csv.empty()) deliver(csv, to_csv(v));
+        if (!picture.empty()) draw(v);
+        return 0;
+    }
+
+    void draw(const Validation& v) const {
+        const std::string rows = csv.empty() || csv == "-" ? picture + ".csv" : csv;
+        if (rows != csv) settings::write_file(rows, to_csv(v));
+        draw_validation(
+            rows, picture,
+            fmt::format("{} on {}: recorded against simulated, pressure in feed-forward from {:.1f} m/s",
+                        choice.maneuver, choice.surface, v.brake_on_mps));
+    }
+};
+
+}  // namespace
+
+ReplayVerb plant_verb(CLI::App& app) {
+    const auto c = std::make_shared<PlantCommand>();
+    CLI::App* verb = app.add_subcommand(
+        "plant", "The plant under the recorded brake pressure, held against the recorded motion (Fig. 5).");
+    verb->add_option("LOG", c->log, "bus log, candump format, plain or gzip; its first braking is compared")
+        ->required();
+    verb->add_option("--maneuver", c->choice.maneuver,
+                     "mass and friction class: a table of maneuvers.toml, or endurance")
+        ->capture_default_str();
+    verb->add_option("--surface", c->choice.surface, "runway, a table of surfaces.toml")
+        ->capture_default_str();
+    verb->add_option("--mass", c->choice.mass_kg, "kg, instead of the maneuver's");
+    verb->add_option("--mu-b", c->choice.friction, "mean brake friction instead of a new brake's");
+    verb->add_option(
+        "--speed", c->choice.speed_mps,
+        "m/s, of the brake's friction curve instead of the maneuver's; the start is as recorded");
+    verb->add_option("--carrier", c->choice.carrier,
+                     "aircraft, or flywheel: the loading device lags behind eq. (2)")
+        ->transform(CLI::CheckedTransformer(std::map<std::string, plant::Carrier>{
+            {"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}}))
+        ->default_str("aircraft");
+    verb->add_option("--config", c->config, "directory of the configuration files")->capture_default_str();
+    verb->add_option("--controller", c->controller,
+                     "its period is that of SYNC (default: that of the maneuver in CONFIG)");
+    verb->add_option("--dbc", c->dbc, "bus layout (default: CONFIG/antiskid.dbc)");
+    verb->add_option("--binding", c->binding,
+                     "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+    verb->add_option("--interface", c->interface, "lines of this interface (default: the first in the log)");
+    verb->add_option("--json", c->json, "errors as JSON; - for standard output");
+    verb->add_option("--csv", c->csv, "both motions over time as CSV");
+    verb->add_option("--picture", c->picture, "speeds, slip and errors (PNG)");
+    verb->footer(
+        "Examples:\n"
+        "  rig-replay plant out/landing/bus.log --maneuver light --surface wet_asphalt --picture fig5.png\n"
+        "  rig-replay plant bus.log.gz --maneuver endurance --mu-b 0.27 --json -\n"
+        "Exit status: 0 compared; 1 the log cannot be read or holds no braking; 2 mistake in command line or "
+        "configuration.");
+    return {verb, [c] { return c->run(); }};
+}
+
+}  // namespace rig

@@ -1,0 +1,54 @@
+/// A log played in time: every frame on an absolute deadline of the monotonic clock, so that no error adds up.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "firmware/linux/clock.hpp"
+#include "firmware/linux/histogram.hpp"
+#include "rig_bridge/replay/id_filter.hpp"
+#include "rig_bridge/replay/log_reader.hpp"
+
+namespace rig {
+
+class FrameSender {
+  public:
+    virtual ~FrameSender() = default;
+    /// Data and remote frames of both identifier lengths. False: the frame was given up. Throws std::runtime_error when
+    /// the interface is gone.
+    virtual bool send(const LogFrame& frame) = 0;
+};
+
+struct PlayOptions {
+    double speed = 1.0;       ///< > 0; 2: twice as fast as recorded
+    std::uint64_t loops = 1;  ///< 0: until stopped; the next begins with the last frame of the one before
+    IdFilter filter;
+};
+
+struct PlayReport {
+    std::uint64_t sent = 0;
+    std::uint64_t unsent = 0;        ///< the queue stayed full, or the bus took none
+    std::uint64_t filtered = 0;      ///< kept back by the filter
+    std::uint64_t error_frames = 0;  ///< in the log; they are reports of a chip, and not sent
+    std::uint64_t loops = 0;         ///< played to the end
+    bool stopped = false;
+    Time duration{};                 ///< from the first deadline to the last frame
+    antiskid::rt::Histogram late{};  ///< from each frame's deadline to its hand-over to the kernel
+};
+
+/// Opens the log anew for each loop.
+using OpenLog = std::function<std::unique_ptr<LogReader>()>;
+
+/// `report` is complete as far as it goes also when this throws. Where time in the log goes backwards, the frame is due at
+/// once and time goes on from there.
+void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, antiskid::rt::Clock& clock,
+          const std::atomic<bool>& stop, PlayReport& report);
+
+[[nodiscard]] std::string to_text(const PlayReport& report);
+/// One object. `log` and `interface` as given by the caller.
+[[nodiscard]] std::string to_json(const PlayReport& report, const std::string& log,
+                                  const std::string& interface);
+
+}  // namespace rig
