@@ -66,7 +66,7 @@ void VirtualPlc::scan(const CommandedValues& commanded, unsigned good, double ri
 }
 
 void VirtualPlc::supervise(double watchdog, unsigned good, double now_s) {
-    if (watchdog != bridge_watchdog_) {
+    if (watchdog != bridge_watchdog_ && std::isfinite(watchdog)) {
         bridge_watchdog_ = watchdog;
         bridge_moved_s_ = now_s;
         bridge_seen_ = true;

@@ -1,0 +1,74 @@
+/// The served rig on a bus, until it is stopped: sends wheel, flywheel and pressure frames, obeys the valve command. Everything else on the
+/// bus is the bridge's and the controller's. Nobody's silence ends it, and no interface's: a rig stands there whoever talks to it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+
+#include "firmware/can/bus.hpp"
+#include "firmware/can/layout.hpp"
+#include "firmware/can/rig_port.hpp"
+#include "firmware/linux/clock.hpp"
+#include "plant_sim/plc/served_rig.hpp"
+
+namespace plant_sim {
+
+/// For whoever reports, from any thread.
+struct ServeState {
+    std::atomic<bool> link_up{true};
+    std::atomic<bool> controller_heard{false};     ///< false: silent, its valve driver without current
+    std::atomic<plc::Trip> trip{plc::Trip::none};  ///< none while the PLC is ready
+    std::atomic<std::uint32_t> refused{0};         ///< refused commit * 256 + plc::Refusal
+    std::atomic<std::uint64_t> periods{0};
+    std::atomic<std::uint64_t> overruns{
+        0};  ///< periods that were not sent in time; they have passed all the same
+    std::atomic<std::uint64_t> frames_lost{0};
+};
+
+class ServeNode {
+  public:
+    /// Between two periods: registers in and out.
+    using Exchange = std::function<void(plc::ServedRig&)>;
+
+    /// All must outlive the node. `period` must be that of the rig.
+    ServeNode(plc::ServedRig& rig, const antiskid::can::Layout& layout, antiskid::can::Bus& bus,
+              antiskid::rt::Clock& clock, antiskid::control::Time period, Exchange exchange);
+
+    /// Paced lockstep: one sample, one SYNC, one valve command, never faster than real time. A command that does not come within
+    /// kAnswerTimeout makes the controller silent: then periods go on in real time without waiting for it, until it is heard again and has
+    /// caught up with the SYNCs that it missed.
+    void run_lockstep(const std::atomic<bool>& stop);
+
+    /// By the machine's clock.
+    void run_realtime(const std::atomic<bool>& stop);
+
+    [[nodiscard]] const ServeState& state() const { return state_; }
+
+    /// The valve's driver gives no current when no command came for so long, in rig time.
+    static constexpr antiskid::control::Time kDriverWatchdog{20'000'000};
+    static constexpr antiskid::control::Time kAnswerTimeout{100'000'000};
+    /// Of the bus, after which a controller that was silent counts as caught up.
+    static constexpr antiskid::control::Time kQuiet{20'000'000};
+
+  private:
+    void send_sample();
+    void send_sync(const std::atomic<bool>& stop);
+    void receive();
+    void await_answer(const std::atomic<bool>& stop);
+    void catch_up(const std::atomic<bool>& stop);
+    void advance();
+
+    plc::ServedRig& rig_;
+    antiskid::can::Bus& bus_;
+    antiskid::rt::Clock& clock_;
+    antiskid::control::Time period_;
+    Exchange exchange_;
+    antiskid::can::RigPort port_;
+    std::uint32_t sync_ = 0;
+    std::uint32_t commands_ = 0;  ///< valve commands that have acted
+    antiskid::control::Time command_age_ = 2 * kDriverWatchdog;
+    ServeState state_;
+};
+
+}  // namespace plant_sim

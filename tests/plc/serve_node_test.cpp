@@ -1,0 +1,307 @@
+/// The served rig on the in-process bus, with a clock that only waiting moves.
+#include "plant_sim/serve_node.hpp"
+
+#include <array>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "firmware/can/controller_port.hpp"
+#include "firmware/can/load_layout.hpp"
+#include "firmware/can/loopback.hpp"
+#include "firmware/can/roles.hpp"
+#include "tests/catch.hpp"
+#include "tests/plc/operator.hpp"
+
+namespace {
+
+using antiskid::can::Frame;
+using antiskid::can::Role;
+using antiskid::control::Time;
+using plc::Bench;
+using plc_test::Measured;
+
+constexpr Time kMillisecond{1'000'000};
+constexpr Time kSecond = 1000 * kMillisecond;
+
+class FakeClock final : public antiskid::rt::Clock {
+  public:
+    Time now() override { return now_; }
+    void sleep_until(Time deadline) override {
+        now_ = std::max(now_, deadline);
+        if (on_time) on_time(now_);
+    }
+    void pass(Time time) {
+        now_ += time;
+        if (on_time) on_time(now_);
+    }
+    std::function<void(Time)> on_time;
+
+  private:
+    Time now_{};
+};
+
+/// Time passes while the rig waits in vain.
+class WaitingBus final : public antiskid::can::Bus {
+  public:
+    WaitingBus(antiskid::can::Loopback::End& near, FakeClock& clock) : near_(near), clock_(clock) {}
+    std::size_t receive(std::span<Frame> frames) override { return near_.receive(frames); }
+    bool send(const Frame& frame) override {
+        const bool sent = near_.send(frame);
+        if (sent) on_send(frame);
+        return sent;
+    }
+    bool wait(Time timeout) override {
+        const bool there = near_.wait(timeout);
+        if (!there) clock_.pass(std::min(timeout, kMillisecond));
+        return there;
+    }
+    [[nodiscard]] antiskid::can::LinkStatus status() const override { return near_.status(); }
+    std::function<void(const Frame&)> on_send = [](const Frame&) {};
+
+  private:
+    antiskid::can::Loopback::End& near_;
+    FakeClock& clock_;
+};
+
+/// A served rig with a controller on the far end that answers each SYNC with a constant current, while `answers` says so.
+struct Stand {
+    Stand()
+        : layout(antiskid::can::load_layout("config/antiskid.dbc", "config/antiskid_binding.toml")),
+          op(Bench::endurance),
+          near(hub.connect()),
+          far(hub.connect()),
+          bus(near, clock),
+          node(op.rig, layout, bus, clock, kMillisecond, [this](plc::ServedRig& rig) { exchange(rig); }) {
+        bus.on_send = [this](const Frame& frame) { heard(frame); };
+    }
+
+    void exchange(plc::ServedRig& rig) {
+        if (++exchanges % 50 == 1) rig::at(op.registers, rig::Commanded::bridge_watchdog) += 1.0;
+        rig.command(op.registers);
+        if (on_period) on_period();
+        if (rig.time_s() >= end_s) stop = true;
+    }
+    void heard(const Frame& frame) {
+        const auto role = [&] {
+            for (std::size_t i = 0; i < antiskid::can::kRoleCount; ++i) {
+                const auto& message = layout[static_cast<Role>(i)];
+                if (message.bound && message.id == frame.id) return i;
+            }
+            return antiskid::can::kRoleCount;
+        }();
+        REQUIRE(role < antiskid::can::kRoleCount);
+        ++sent[role];
+        if (static_cast<Role>(role) == Role::sync && answers) answer();
+    }
+    void answer() { (void)far.send(controller.valve_command(static_cast<float>(current_mA))); }
+    [[nodiscard]] std::uint64_t count(Role role) const { return sent[static_cast<std::size_t>(role)]; }
+
+    antiskid::can::Layout layout;
+    plc_test::Operator op;
+    FakeClock clock;
+    antiskid::can::Loopback hub;
+    antiskid::can::Loopback::End& near;
+    antiskid::can::Loopback::End& far;
+    WaitingBus bus;
+    antiskid::can::ControllerPort controller{layout, kMillisecond};
+    plant_sim::ServeNode node;
+    std::array<std::uint64_t, antiskid::can::kRoleCount> sent{};
+    std::atomic<bool> stop{false};
+    bool answers = true;
+    double current_mA = 0.0;
+    double end_s = 1.0;
+    long exchanges = 0;
+    std::function<void()> on_period;
+};
+
+}  // namespace
+
+TEST_CASE("the served rig sends its sensors and SYNC, and nothing that is the bridge's", "[RIG-270]") {
+    Stand s;
+    const bool lockstep = GENERATE(true, false);
+    if (lockstep)
+        s.node.run_lockstep(s.stop);
+    else
+        s.node.run_realtime(s.stop);
+    const std::uint64_t periods = s.node.state().periods;
+    CHECK(periods == Approx(1000.0).margin(2.0));
+    for (const Role role : {Role::wheel, Role::flywheel, Role::pressure})
+        CHECK(static_cast<double>(s.count(role)) == Approx(static_cast<double>(periods)).margin(1.0));
+    CHECK(s.count(Role::sync) == (lockstep ? periods : 0));
+    for (const Role role : {Role::maneuver, Role::rig_heartbeat, Role::load_cells, Role::emergency_stop})
+        CHECK(s.count(role) == 0);
+    // Never faster than real time.
+    CHECK(s.clock.now() >= (static_cast<std::int64_t>(periods) - 1) * kMillisecond);
+}
+
+TEST_CASE("the valve command of the period acts in it", "[RIG-271]") {
+    Stand s;
+    s.current_mA = 20.0;
+    s.node.run_lockstep(s.stop);
+    CHECK(s.node.state().controller_heard);
+    const double full_Pa = s.op.plant.rig.pressure_map.pressure_Pa(20.0);
+    CHECK(s.op.rig.rig().pressure_Pa() == Approx(full_Pa).epsilon(1e-6));
+    // No wait: every answer was there, and rig time is real time.
+    CHECK(s.clock.now() < kSecond + 200 * kMillisecond);
+}
+
+TEST_CASE("lockstep over the bus is the rig in process, bit for bit", "[RIG-271]") {
+    Stand s;
+    s.end_s = 3.0;
+    s.current_mA = 12.5;
+    s.op.wish({.drive = true, .speed_mps = 10.0});
+    s.node.run_lockstep(s.stop);
+    plc_test::Operator twin(Bench::endurance);
+    twin.wish({.drive = true, .speed_mps = 10.0});
+    // The first answer is taken for one that comes late, and acts in the same period all the same.
+    while (twin.rig.time_s() < s.op.rig.time_s()) twin.tick(12.5);
+    CHECK(twin.rig.time_s() == s.op.rig.time_s());
+    CHECK(twin.rig.rig().wheel().distance_m == s.op.rig.rig().wheel().distance_m);
+    CHECK(twin.rig.measured() == s.op.rig.measured());
+    CHECK(twin.rig.sample().flywheel.edge_time == s.op.rig.sample().flywheel.edge_time);
+    CHECK(twin.v() > 5.0);
+}
+
+TEST_CASE(
+    "a silent controller: the driver holds for 20 ms of rig time, then gives no current; the rig goes on",
+    "[RIG-272]") {
+    const bool lockstep = GENERATE(true, false);
+    Stand s;
+    s.current_mA = 20.0;
+    s.end_s = 2.0;
+    double silent_from_s = -1.0;
+    double dropped_at_s = -1.0;
+    std::int64_t answered_to = 0;
+    if (!lockstep)
+        s.clock.on_time = [&](Time now) {
+            // Once a millisecond, as a controller by its own clock.
+            if (s.answers && now / kMillisecond != answered_to) s.answer();
+            answered_to = now / kMillisecond;
+        };
+    s.on_period = [&] {
+        const double now_s = s.op.rig.time_s();
+        if (silent_from_s < 0.0 && now_s >= 0.5) {
+            s.answers = false;
+            silent_from_s = now_s;
+        }
+        if (silent_from_s >= 0.0 && dropped_at_s < 0.0 && s.op.rig.rig().pressure_Pa() < 9e6)
+            dropped_at_s = now_s;
+    };
+    const Time before = s.clock.now();
+    if (lockstep)
+        s.node.run_lockstep(s.stop);
+    else
+        s.node.run_realtime(s.stop);
+    CHECK_FALSE(s.node.state().controller_heard);
+    CHECK(s.op.rig.rig().pressure_Pa() < 1.0);
+    // 20 ms of the driver and 6 ms of the valve's delay, then the pressure falls.
+    CHECK(dropped_at_s - silent_from_s > 0.020);
+    CHECK(dropped_at_s - silent_from_s < 0.035);
+    // One answer was waited for, the others not.
+    CHECK(s.clock.now() - before < 2 * kSecond + 300 * kMillisecond);
+    CHECK(s.count(Role::wheel) >= 1999);
+}
+
+TEST_CASE("a controller that comes back is heard again, and has caught up when it counts", "[RIG-273]") {
+    Stand s;
+    s.current_mA = 20.0;
+    s.end_s = 2.0;
+    long unanswered = 0;
+    s.on_period = [&] {
+        const double now_s = s.op.rig.time_s();
+        s.answers = now_s < 0.5 || now_s >= 1.0;
+        if (now_s < 1.0) return;
+        // The backlog of SYNCs is answered late, with old currents.
+        if (unanswered == 0) {
+            s.current_mA = 5.0;
+            for (int i = 0; i < 100; ++i) s.answer();
+            s.current_mA = 15.0;
+            unanswered = 1;
+        }
+    };
+    s.node.run_lockstep(s.stop);
+    CHECK(s.node.state().controller_heard);
+    CHECK(s.op.rig.rig().pressure_Pa() ==
+          Approx(s.op.plant.rig.pressure_map.pressure_Pa(15.0)).epsilon(1e-6));
+}
+
+TEST_CASE("the interface goes down and comes back: the rig goes on without current, and sends again",
+          "[RIG-274]") {
+    const bool lockstep = GENERATE(true, false);
+    Stand s;
+    s.current_mA = 20.0;
+    s.end_s = 3.0;
+    std::int64_t answered_to = 0;
+    if (!lockstep)
+        s.clock.on_time = [&](Time now) {
+            if (now / kMillisecond != answered_to) s.answer();
+            answered_to = now / kMillisecond;
+        };
+    bool was_down = false;
+    bool safe = false;
+    s.on_period = [&] {
+        const double now_s = s.op.rig.time_s();
+        const bool down = now_s >= 1.0 && now_s < 2.0;
+        s.near.set_link(!down, false);
+        if (now_s > 1.2 && now_s < 1.9) {
+            was_down = was_down || !s.node.state().link_up;
+            safe = safe || s.op.rig.rig().pressure_Pa() < 1.0;
+        }
+    };
+    if (lockstep)
+        s.node.run_lockstep(s.stop);
+    else
+        s.node.run_realtime(s.stop);
+    CHECK(was_down);
+    CHECK(safe);
+    CHECK(s.node.state().link_up);
+    CHECK(s.node.state().controller_heard);
+    CHECK(s.node.state().frames_lost > 900);
+    CHECK(s.op.rig.rig().pressure_Pa() > 5e6);
+    CHECK(static_cast<double>(s.count(Role::wheel)) == Approx(2000.0).margin(20.0));
+}
+
+TEST_CASE("periods that the machine missed have passed for the plant", "[RIG-275]") {
+    Stand s;
+    s.end_s = 4.0;
+    bool stalled = false;
+    s.on_period = [&] {
+        if (!stalled && s.op.rig.time_s() >= 1.0) {
+            stalled = true;
+            s.clock.pass(2 * kSecond);
+        }
+    };
+    s.node.run_realtime(s.stop);
+    CHECK(s.node.state().overruns == Approx(2000.0).margin(2.0));
+    CHECK(s.node.state().periods == Approx(4000.0).margin(2.0));
+    CHECK(s.count(Role::wheel) == Approx(2000.0).margin(4.0));
+}
+
+TEST_CASE("trips and refusals are there for who reports", "[RIG-276]") {
+    Stand s;
+    s.end_s = 1.0;
+    s.op.wish({.drive = true, .speed_mps = 1000.0});
+    s.on_period = [&] { s.op.rig.open_interlocks(s.op.rig.time_s() > 0.5 ? 1U << 1U : 0U); };
+    s.node.run_lockstep(s.stop);
+    CHECK(s.node.state().trip == plc::Trip::guard_open);
+    CHECK(s.node.state().refused == 256U + static_cast<unsigned>(plc::Refusal::range));
+}
+
+TEST_CASE("foreign traffic and broken commands move no valve", "[RIG-277]") {
+    Stand s;
+    s.answers = false;
+    s.current_mA = 20.0;
+    s.end_s = 0.5;
+    s.on_period = [&] {
+        Frame broken = s.controller.valve_command(20.0F);
+        broken.data[0] ^= 0xFFU;
+        (void)s.far.send(broken);
+        Frame foreign = broken;
+        foreign.id = 0x7AA;
+        (void)s.far.send(foreign);
+    };
+    s.node.run_lockstep(s.stop);
+    CHECK_FALSE(s.node.state().controller_heard);
+    CHECK(s.op.rig.rig().pressure_Pa() == 0.0);
+}
