@@ -2,7 +2,29 @@
 /// what the rig shall do comes out. No clock, no bus, no Modbus, no allocation in step().
 ///
 ///     Sequencer sequencer(plan);
-///     for (;;) act(sequencer.step(look(), now_s()));      // until phase() is finished or aborted
+///     while (!sequencer.over()) act(sequencer.step(look(), now_s()));
+///
+///     idle -> spin_up -> touchdown -> settling -> braking -> standstill -> retract -> cool_down -> finished
+///       any of them -> aborting -> aborted
+///
+/// What leads on, and what is on meanwhile (everything else is off, and demand 0):
+///   idle        nothing on. Every interlock good, PLC ready, sledge back, flywheel not above the set-point, brake cold enough for
+///               brake-on, no pressure, controller in standby
+///   spin_up     drive on. Set-point held within `speed_tolerance_mps`: arms; controller armed: on
+///   touchdown   armed, sledge advances, load enabled, drive off. Wheel on the rim: on
+///   settling    the same, weight on wheels. `settle_s` over, slip below `settle_slip` and load within its band for
+///               `settle_hold_s`, and the speed has fallen to the prescribed one: brake-on
+///   braking     the same, full demand. Standstill: on
+///   standstill  demand for `hold_s`, then none; pressure gone: on
+///   retract     disarmed, load off, sledge back. Sledge back: on
+///   cool_down   nothing on. Brake at `cool_to_C`: finished
+/// Each has a time limit. One step goes on by one phase at the most.
+///
+/// Abort. The conditions of Abort are looked at in every phase before anything else; the outputs of that very step are the safe ones:
+/// disarmed, no demand, no current, drive off, load off, sledge back. In idle, where nothing is on, a condition only keeps the maneuver from
+/// starting, and is its cause when the limit of idle passes. Causes after which the controller must be told by a way of its own, too
+/// (stops_controller()), send the emergency stop as long as aborting lasts.
+/// A value that is no number is as bad as none: its source counts as silent.
 #pragma once
 
 #include <array>
@@ -29,7 +51,9 @@ enum class Phase : std::uint8_t {
 inline constexpr std::uint8_t kPhaseCount = 11;
 [[nodiscard]] std::string_view name(Phase phase);
 
-/// Why a maneuver was aborted; the first cause counts.
+/// Why a maneuver was aborted; the first cause counts. Of several in one step it is the one nearest to the root: plc_silent, interlocks,
+/// plc_tripped, command_refused, bus_lost, controller_silent, sensors_lost, controller_fault, load_lost, brake_hot, requested,
+/// phase_timeout.
 enum class Abort : std::uint8_t {
     none,
     requested,       ///< the user
@@ -37,19 +61,24 @@ enum class Abort : std::uint8_t {
     guard_open,
     hydraulics_lost,
     drive_fault,
-    plc_silent,  ///< no fresh registers, or the PLC's watchdog stands still
+    plc_silent,  ///< no fresh registers, a register that is no number, or the PLC's watchdog stands still
     plc_tripped,
-    command_refused,    ///< the PLC refused a commit, or did not confirm it in time
+    command_refused,  ///< the PLC refused a commit, or did not confirm it in time; or the sledge is out while the drive pulls
     controller_silent,  ///< no fresh status frames
-    controller_fault,   ///< the controller is in its safe state
-    bus_lost,           ///< CAN interface down or bus-off
-    sensors_lost,       ///< no fresh encoder or pressure frames
-    phase_timeout,      ///< a phase took longer than its limit
-    brake_hot,          ///< above the limit for brake-on
-    load_lost,          ///< vertical load out of its band while braking
+    controller_fault,  ///< the controller is in its safe state; or, from touchdown to the end of the hold, not armed
+    bus_lost,          ///< CAN interface down or bus-off
+    sensors_lost,   ///< no fresh encoder or pressure frames, or a reading that is no number
+    phase_timeout,  ///< a phase took longer than its limit
+    brake_hot,      ///< above the limit for brake-on, before brake-on
+    load_lost,      ///< while braking: vertical load out of its band, or the wheel off the rim
 };
 inline constexpr std::uint8_t kAbortCount = 16;
 [[nodiscard]] std::string_view name(Abort abort);
+
+/// Causes that send the emergency stop, because disarming by the maneuver command alone may not do: a danger to people or machine, a
+/// wheel that may leave the rim under pressure, or a controller that may not hear or mend itself. The rest (requested, command_refused,
+/// controller_fault, phase_timeout, brake_hot) disarm, which is as fast: the controller then is in standby, with no fault latched.
+[[nodiscard]] bool stops_controller(Abort abort);
 
 /// How the current is found; codes as on the bus.
 enum class BrakeLaw : std::uint8_t { slip = 0, deceleration = 1, open_loop = 2, threshold = 3 };
@@ -76,7 +105,11 @@ struct Plan {
     double settle_s = 1.0;       ///< shortest settling
     double settle_slip = 0.01;   ///< settled when wheel and rim differ by less, for settle_hold_s
     double settle_hold_s = 0.2;
+    double speed_band_mps =
+        2.0;  ///< no brake-on when the speed has fallen by more than this below the prescribed one
     double standstill_mps = 0.1;
+    double sledge_back_m = 0.01;       ///< retracted is below this
+    double pressure_gone_Pa = 0.5e6;   ///< released is below this
     double hold_s = 0.2;               ///< pressure held after standstill
     double cool_to_C = 1000.0;         ///< end of the cool-down
     double brake_on_limit_C = 1000.0;  ///< no brake-on above it
@@ -84,7 +117,8 @@ struct Plan {
 
     // Limits of the phases, s.
     double idle_limit_s = 30.0, spin_up_limit_s = 180.0, touchdown_limit_s = 15.0, settling_limit_s = 10.0,
-           braking_limit_s = 120.0, retract_limit_s = 30.0, cool_down_limit_s = 3600.0, abort_limit_s = 600.0;
+           braking_limit_s = 120.0, standstill_limit_s = 10.0, retract_limit_s = 30.0,
+           cool_down_limit_s = 3600.0, abort_limit_s = 600.0;
 };
 
 /// What is known of the rig. Values count only while the flag of their source is set.
@@ -135,20 +169,47 @@ struct Outputs {
 
 class Sequencer {
   public:
+    /// Throws std::invalid_argument, naming the member, for a plan that cannot be run: a number that is not finite or negative where it may
+    /// not be, a load law that falls to zero at the prescribed speed, an open loop without a rising profile.
     explicit Sequencer(Plan plan);
 
-    /// `now_s` does not fall. Calls may be 1 ms to 100 ms apart.
+    /// `now_s` does not fall (where it does, time stands still). Calls may be 1 ms to 100 ms apart; the first one starts the clock.
     [[nodiscard]] Outputs step(const Inputs& inputs, double now_s);
 
     [[nodiscard]] Phase phase() const { return phase_; }
     [[nodiscard]] Abort abort() const { return abort_; }
     [[nodiscard]] bool over() const { return phase_ == Phase::finished || phase_ == Phase::aborted; }
+    /// Aborted, and the safe end was seen: sledge back, no pressure. False when it was given up after `abort_limit_s`.
+    [[nodiscard]] bool safe_end_seen() const { return phase_ == Phase::aborted && safe_end_; }
     [[nodiscard]] const Plan& plan() const { return plan_; }
 
   private:
+    [[nodiscard]] Abort cause(const Inputs& inputs) const;
+    [[nodiscard]] bool done(const Inputs& inputs);
+    [[nodiscard]] bool ready(const Inputs& inputs) const;
+    [[nodiscard]] bool at_speed(const Inputs& inputs);
+    [[nodiscard]] bool settled(const Inputs& inputs);
+    [[nodiscard]] bool released(const Inputs& inputs);
+    [[nodiscard]] bool sledge_back(const Inputs& inputs) const;
+    [[nodiscard]] bool load_in_band(const Inputs& inputs) const;
+    [[nodiscard]] double limit_s() const;
+    [[nodiscard]] double elapsed_s() const { return now_s_ - entered_s_; }
+    void enter(Phase phase);
+    void leave_for_abort(Abort cause);
+    [[nodiscard]] Outputs outputs(const Inputs& inputs) const;
+    void brake(Outputs& out) const;
+    [[nodiscard]] double current_mA(double since_brake_on_s) const;
+
     Plan plan_;
     Phase phase_ = Phase::idle;
     Abort abort_ = Abort::none;
+    bool started_ = false;
+    double now_s_ = 0.0;
+    double entered_s_ = 0.0;  // the phase
+    double brake_on_s_ = 0.0;
+    double unsettled_s_ = 0.0;  // newest time at which the wheel was not settled
+    bool arming_ = false;       // in spin_up: the set-point was reached
+    bool safe_end_ = false;
 };
 
 }  // namespace sequencer
