@@ -7,6 +7,7 @@ namespace antiskid::can {
 namespace {
 
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
+constexpr std::uint32_t kErrorFlag = 0x20000000;
 constexpr std::int64_t kMostSeconds = 9'000'000'000;  // int64 nanoseconds hold 9.2e9 s
 
 int hex_digit(char c) {
@@ -239,19 +240,32 @@ std::variant<CandumpLine, CandumpFailure> parse_candump(std::string_view line) {
     return result;
 }
 
-std::size_t format_candump(Time time, std::string_view interface, const Frame& frame, std::span<char> out) {
+std::size_t format_candump(const CandumpLine& line, std::span<char> out) {
     LineWriter writer(out);
     writer.add('(');
-    writer.decimal(time.count() / kNanoseconds, 10);
+    writer.decimal(line.time.count() / kNanoseconds, 10);
     writer.add('.');
-    writer.decimal(time.count() % kNanoseconds / 1000, 6);
+    writer.decimal(line.time.count() % kNanoseconds / 1000, 6);
     writer.add(") ");
-    writer.add(interface);
+    writer.add(line.interface);
     writer.add(' ');
-    writer.hex(frame.id, 3);
+    if (line.extended || line.error) {
+        writer.hex(line.frame.id | (line.error ? kErrorFlag : 0U), 8);
+    } else {
+        writer.hex(line.frame.id, 3);
+    }
     writer.add('#');
-    for (const std::uint8_t byte : frame.payload()) writer.hex(byte, 2);
+    if (line.remote) {
+        writer.add('R');
+        if (line.frame.length > 0) writer.decimal(line.frame.length, 1);
+        return writer.size();
+    }
+    for (const std::uint8_t byte : line.frame.payload()) writer.hex(byte, 2);
     return writer.size();
+}
+
+std::size_t format_candump(Time time, std::string_view interface, const Frame& frame, std::span<char> out) {
+    return format_candump({.time = time, .interface = interface, .frame = frame}, out);
 }
 
 }  // namespace antiskid::can

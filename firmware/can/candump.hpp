@@ -36,7 +36,10 @@ struct CandumpFailure {
 inline constexpr std::size_t kCandumpLineMost = 80;
 
 /// Writes `(sssssssssss.uuuuuu) interface 1A0#0011` to `out`; returns the number of characters, 0 when it
-/// does not fit (interface names have at most 15). `time` >= 0, cut to microseconds.
+/// does not fit (interface names have at most 15). `time` >= 0, cut to microseconds. Remote and error frames and
+/// long identifiers as `candump -l` has them.
+[[nodiscard]] std::size_t format_candump(const CandumpLine& line, std::span<char> out);
+/// The same of a data frame with an 11-bit identifier.
 [[nodiscard]] std::size_t format_candump(Time time, std::string_view interface, const Frame& frame,
                                          std::span<char> out);
 

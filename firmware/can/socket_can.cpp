@@ -3,10 +3,7 @@
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
-#include <net/if.h>
-#include <net/if_arp.h>
 #include <poll.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -15,11 +12,9 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
-#include <stdexcept>
-#include <system_error>
-#include <utility>
 #include <vector>
 
+#include "firmware/can/raw_socket.hpp"
 #include "firmware/can/wall_clock_offset.hpp"
 
 namespace antiskid::can {
@@ -56,85 +51,6 @@ struct WallMinusMonotonic {
     }
 };
 
-bool is_virtual(const std::string& interface) {
-    return interface.starts_with("v");
-}
-
-std::string bring_up(const std::string& interface) {
-    return is_virtual(interface) ? "`ip link set " + interface + " up`"
-                                 : "`ip link set " + interface + " up type can bitrate 1000000`";
-}
-
-std::string make(const std::string& interface) {
-    return is_virtual(interface)
-               ? "make it with `ip link add dev " + interface + " type vcan` and " + bring_up(interface)
-               : "plug the adapter in, then " + bring_up(interface) +
-                     " (`ip -br link show type can` lists what is there)";
-}
-
-[[noreturn]] void refuse(const std::string& interface, const std::string& why) {
-    throw std::runtime_error("CAN interface '" + interface + "' " + why);
-}
-
-[[noreturn]] void refuse_system(const std::string& interface, const std::string& what, int error) {
-    refuse(interface, what + ": " + std::generic_category().message(error));
-}
-
-/// Closes on the way out unless released.
-class Descriptor {
-  public:
-    explicit Descriptor(int fd) : fd_(fd) {}
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    ~Descriptor() {
-        if (fd_ >= 0) close(fd_);
-    }
-    [[nodiscard]] int get() const { return fd_; }
-    [[nodiscard]] int release() { return std::exchange(fd_, -1); }
-
-  private:
-    int fd_;
-};
-
-int open_socket(const std::string& interface) {
-    if (interface.empty() || interface.size() >= IFNAMSIZ) {
-        refuse(interface, "is no interface name: expected 1 to 15 characters, like can0");
-    }
-    const int fd = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
-    if (fd >= 0) return fd;
-    if (errno == EAFNOSUPPORT || errno == EPROTONOSUPPORT) {
-        refuse(interface,
-               "cannot be used: this kernel has no CAN (`modprobe can_raw`, or run under `./rig vcan -- "
-               "COMMAND`)");
-    }
-    refuse_system(interface, "cannot be opened", errno);
-}
-
-int index_of(int fd, const std::string& interface) {
-    ifreq request{};
-    interface.copy(request.ifr_name, IFNAMSIZ - 1);
-    if (ioctl(fd, SIOCGIFINDEX, &request) != 0) {
-        if (errno == ENODEV) refuse(interface, "does not exist: " + make(interface));
-        refuse_system(interface, "cannot be looked up", errno);
-    }
-    const int index = request.ifr_ifindex;
-    if (ioctl(fd, SIOCGIFHWADDR, &request) == 0 && request.ifr_hwaddr.sa_family != ARPHRD_CAN) {
-        refuse(interface, "is no CAN interface (`ip -br link show type can` and `... type vcan` list them)");
-    }
-    if (ioctl(fd, SIOCGIFFLAGS, &request) != 0) refuse_system(interface, "has no flags", errno);
-    if ((static_cast<unsigned>(request.ifr_flags) & IFF_UP) == 0)
-        refuse(interface, "is down: " + bring_up(interface));
-    return index;
-}
-
-template <typename T>
-void set_option(int fd, const std::string& interface, int level, int option, const T& value,
-                const char* name) {
-    if (setsockopt(fd, level, option, &value, sizeof value) != 0) {
-        refuse_system(interface, std::string("refused ") + name, errno);
-    }
-}
-
 }  // namespace
 
 struct SocketCan::Batch {
@@ -163,35 +79,26 @@ struct SocketCan::Batch {
 SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t> ids,
                      const SocketCanOptions& options)
     : batch_(std::make_unique<Batch>()) {
-    Descriptor fd(open_socket(interface));
-    const int index = index_of(fd.get(), interface);
+    RawSocket socket(interface);
 
     // Remote frames of a wanted identifier pass, to be counted.
     std::vector<can_filter> filters;
     for (const std::uint16_t id : ids)
         filters.push_back({.can_id = id, .can_mask = CAN_EFF_FLAG | CAN_SFF_MASK});
-    if (setsockopt(fd.get(), SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
-                   static_cast<socklen_t>(filters.size() * sizeof(can_filter))) != 0) {
-        refuse_system(interface, "refused the filters", errno);
-    }
+    socket.set_option(SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
+                      static_cast<socklen_t>(filters.size() * sizeof(can_filter)), "the filters");
     const can_err_mask_t every_error = CAN_ERR_MASK;
-    set_option(fd.get(), interface, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, every_error, "error frames");
+    socket.set_option(SOL_CAN_RAW, CAN_RAW_ERR_FILTER, every_error, "error frames");
     const int on = 1;
-    set_option(fd.get(), interface, SOL_SOCKET, SO_TIMESTAMPNS, on, "time stamps");
-    set_option(fd.get(), interface, SOL_SOCKET, SO_RXQ_OVFL, on, "the drop counter");
-    set_option(fd.get(), interface, SOL_SOCKET, SO_RCVBUF, options.receive_buffer_bytes,
-               "the receive buffer");
+    socket.set_option(SOL_SOCKET, SO_TIMESTAMPNS, on, "time stamps");
+    socket.set_option(SOL_SOCKET, SO_RXQ_OVFL, on, "the drop counter");
+    socket.set_option(SOL_SOCKET, SO_RCVBUF, options.receive_buffer_bytes, "the receive buffer");
     // The kernel raises this to its least value, room for a handful of frames.
     const int smallest = 1;
-    set_option(fd.get(), interface, SOL_SOCKET, SO_SNDBUF, smallest, "the send buffer");
+    socket.set_option(SOL_SOCKET, SO_SNDBUF, smallest, "the send buffer");
 
-    sockaddr_can address{};
-    address.can_family = AF_CAN;
-    address.can_ifindex = index;
-    if (bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-        refuse_system(interface, "cannot be bound", errno);
-    }
-    socket_ = fd.release();
+    socket.bind();
+    socket_ = socket.release();
 }
 
 SocketCan::~SocketCan() {

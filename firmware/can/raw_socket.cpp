@@ -1,0 +1,100 @@
+#include "firmware/can/raw_socket.hpp"
+
+#include <linux/can.h>
+#include <net/if.h>
+#include <net/if_arp.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <stdexcept>
+#include <system_error>
+
+namespace antiskid::can {
+
+namespace {
+
+bool is_virtual(const std::string& interface) {
+    return interface.starts_with("v");
+}
+
+std::string bring_up(const std::string& interface) {
+    return is_virtual(interface) ? "`ip link set " + interface + " up`"
+                                 : "`ip link set " + interface + " up type can bitrate 1000000`";
+}
+
+std::string make(const std::string& interface) {
+    return is_virtual(interface)
+               ? "make it with `ip link add dev " + interface + " type vcan` and " + bring_up(interface)
+               : "plug the adapter in, then " + bring_up(interface) +
+                     " (`ip -br link show type can` lists what is there)";
+}
+
+[[noreturn]] void refuse(const std::string& interface, const std::string& why) {
+    throw std::runtime_error("CAN interface '" + interface + "' " + why);
+}
+
+[[noreturn]] void refuse_system(const std::string& interface, const std::string& what, int error) {
+    refuse(interface, what + ": " + std::generic_category().message(error));
+}
+
+int open(const std::string& interface) {
+    if (interface.empty() || interface.size() >= IFNAMSIZ) {
+        refuse(interface, "is no interface name: expected 1 to 15 characters, like can0");
+    }
+    const int fd = ::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
+    if (fd >= 0) return fd;
+    if (errno == EAFNOSUPPORT || errno == EPROTONOSUPPORT) {
+        refuse(interface,
+               "cannot be used: this kernel has no CAN (`modprobe can_raw`, or run under `./rig vcan -- "
+               "COMMAND`)");
+    }
+    refuse_system(interface, "cannot be opened", errno);
+}
+
+int index_of(int fd, const std::string& interface) {
+    ifreq request{};
+    interface.copy(request.ifr_name, IFNAMSIZ - 1);
+    if (ioctl(fd, SIOCGIFINDEX, &request) != 0) {
+        if (errno == ENODEV) refuse(interface, "does not exist: " + make(interface));
+        refuse_system(interface, "cannot be looked up", errno);
+    }
+    const int index = request.ifr_ifindex;
+    if (ioctl(fd, SIOCGIFHWADDR, &request) == 0 && request.ifr_hwaddr.sa_family != ARPHRD_CAN) {
+        refuse(interface, "is no CAN interface (`ip -br link show type can` and `... type vcan` list them)");
+    }
+    if (ioctl(fd, SIOCGIFFLAGS, &request) != 0) refuse_system(interface, "has no flags", errno);
+    if ((static_cast<unsigned>(request.ifr_flags) & IFF_UP) == 0)
+        refuse(interface, "is down: " + bring_up(interface));
+    return index;
+}
+
+}  // namespace
+
+RawSocket::RawSocket(std::string interface) : interface_(std::move(interface)), socket_(open(interface_)) {
+    try {
+        index_ = index_of(socket_, interface_);
+    } catch (...) {
+        close(socket_);
+        throw;
+    }
+}
+
+RawSocket::~RawSocket() {
+    if (socket_ >= 0) close(socket_);
+}
+
+void RawSocket::set_option(int level, int option, const void* value, socklen_t size, const char* name) const {
+    if (setsockopt(socket_, level, option, value, size) != 0)
+        refuse_system(interface_, std::string("refused ") + name, errno);
+}
+
+void RawSocket::bind() const {
+    sockaddr_can address{};
+    address.can_family = AF_CAN;
+    address.can_ifindex = index_;
+    if (::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+        refuse_system(interface_, "cannot be bound", errno);
+}
+
+}  // namespace antiskid::can

@@ -1,0 +1,31 @@
+#include "rig_bridge/record/bus_log.hpp"
+
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include "firmware/can/candump.hpp"
+
+namespace rig {
+
+BusLog::BusLog(const std::filesystem::path& path, std::string interface)
+    : file_(path), interface_(std::move(interface)) {}
+
+void BusLog::write(const CapturedFrame& frame) {
+    std::array<char, antiskid::can::kCandumpLineMost> line;
+    const std::size_t length = antiskid::can::format_candump({.time = frame.frame.received,
+                                                              .interface = interface_,
+                                                              .frame = frame.frame,
+                                                              .extended = frame.extended,
+                                                              .remote = frame.remote,
+                                                              .error = frame.error},
+                                                             line);
+    file_.line({line.data(), length});
+    const auto since = frame.frame.received - flushed_;
+    if (since >= std::chrono::seconds(1) || since < antiskid::can::Time{}) {
+        file_.flush();
+        flushed_ = frame.frame.received;
+    }
+}
+
+}  // namespace rig

@@ -1,0 +1,37 @@
+/// bus.log: every recorded frame, as `candump -l` writes it, so that can-utils, python-can and our own readers play it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "rig_bridge/record/append_file.hpp"
+#include "rig_bridge/record/captured_frame.hpp"
+
+namespace rig {
+
+class BusLog {
+  public:
+    /// A new file; see AppendFile. `interface`: the name in every line.
+    BusLog(const std::filesystem::path& path, std::string interface);
+
+    /// Does not allocate. Flushes when the frame is a second younger than the last one that was flushed.
+    void write(const CapturedFrame& frame);
+    /// Hands what is buffered to the kernel; call it when the bus is quiet.
+    void flush() { file_.flush(); }
+    /// Flushes and fsyncs. False when frames are missing.
+    bool finish() { return file_.finish(); }
+
+    [[nodiscard]] std::uint64_t frames() const { return file_.lines(); }
+    /// Frames that could not be written: the disk is full.
+    [[nodiscard]] std::uint64_t missing() const { return file_.missing(); }
+    /// Names file and reason, and how many frames are missing; empty while all is well.
+    [[nodiscard]] std::string error() const { return file_.error(); }
+
+  private:
+    AppendFile file_;
+    std::string interface_;
+    antiskid::can::Time flushed_{};
+};
+
+}  // namespace rig

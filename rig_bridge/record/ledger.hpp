@@ -1,0 +1,121 @@
+/// The campaign ledger: an SQLite file with a row for every maneuver, which survives SIGKILL, power cuts and full disks.
+///
+///     Ledger ledger("runs/ledger.sqlite");
+///     ledger.open_campaign(campaign, IfChanged::refuse);      // new, or resumed; settles what a killed bridge left
+///     while (auto number = ledger.next_number()) {            // none: the campaign is complete
+///         const Attempt attempt = ledger.begin(*number, started);
+///         ... run it, record into attempt.folder, write_summary(attempt.folder / "summary.json", summary) ...
+///         ledger.finish(summary);
+///     }
+///
+/// One row is one attempt at one maneuver. `running` from begin() to finish(); a bridge that dies in between leaves it so, and
+/// the next open_campaign() makes it `finished` (or `aborted`) when its folder holds the whole summary.json of that maneuver,
+/// else `unfinished`: its number is then run again as a new attempt in a folder of its own. No number can be finished twice.
+///
+/// Rows are written in transactions with synchronous = EXTRA. One process at a time holds a ledger (a lock beside it, freed by the
+/// kernel when the process dies); readers are free to look (read_ledger(), sqlite3).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "rig_bridge/record/summary.hpp"
+
+namespace rig {
+
+/// The ledger could not be read or written: disk full, held by somebody else, damaged. `what()` names the file. Nothing of the
+/// operation is in the ledger then.
+class LedgerError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+struct Campaign {
+    std::string name;
+    std::string scenario;
+    std::uint64_t seed = 0;    ///< below 2^63
+    std::int64_t planned = 0;  ///< maneuvers
+    std::string config_hash;
+    std::string version;
+    std::string created;  ///< wall clock, ISO 8601 UTC
+};
+
+/// What to do when a campaign is resumed with another scenario, seed or config hash.
+enum class IfChanged : std::uint8_t { refuse, go_on };
+
+struct Attempt {
+    std::int64_t number = 0;
+    std::int64_t attempt = 0;  ///< from 1
+    std::filesystem::path
+        folder;  ///< not made yet; CAMPAIGN/0001 beside the ledger, CAMPAIGN/0001.2 for the second attempt
+};
+
+enum class RowState : std::uint8_t { running, finished, aborted, unfinished };
+
+struct LedgerRow {
+    RowState state = RowState::running;
+    Attempt attempt;
+    Summary summary;  ///< of a running or unfinished one only what was known at its begin
+};
+
+struct LedgerOptions {
+    /// False: commits are not waited for (a run in process that can be repeated). SIGKILL does no harm even then; a power cut may.
+    bool durable = true;
+    int busy_timeout_ms = 5000;  ///< how long a reader may be in the way
+};
+
+/// What open_campaign() found.
+struct Resumed {
+    bool created = false;                  ///< no such campaign so far
+    std::vector<std::int64_t> adopted;     ///< numbers that were finished but not entered
+    std::vector<std::int64_t> unfinished;  ///< numbers that a dead bridge had left
+    std::vector<std::string> changed;      ///< "seed was 1, is 2": only with IfChanged::go_on
+};
+
+class Ledger {
+  public:
+    /// Opens `path`, or makes it. Throws settings::Error when the file is something else or of a newer schema, LedgerError when
+    /// it is held, damaged or cannot be written.
+    explicit Ledger(const std::filesystem::path& path, const LedgerOptions& options = {});
+    ~Ledger();
+    Ledger(const Ledger&) = delete;
+    Ledger& operator=(const Ledger&) = delete;
+
+    /// Chooses the campaign for everything below. An old one takes over `planned` (and with go_on the rest) from `campaign`. Throws
+    /// settings::Error when it differs and `changed` refuses.
+    Resumed open_campaign(const Campaign& campaign, IfChanged changed);
+
+    /// The lowest number that is not finished; none when all that are planned are. An aborted maneuver is run again.
+    [[nodiscard]] std::optional<std::int64_t> next_number() const;
+    /// Brake energy of all that finished or were aborted: the newest entry's.
+    [[nodiscard]] double cumulative_energy_J() const;
+    [[nodiscard]] std::int64_t finished_count() const;
+
+    /// `started`: wall clock, ISO 8601 UTC. Throws LedgerError when one is running.
+    [[nodiscard]] Attempt begin(std::int64_t number, const std::string& started);
+    /// Enters the running maneuver of that number: `finished` when that is the outcome, else `aborted`. Throws LedgerError when
+    /// none is running, or campaign or number is another.
+    void finish(const Summary& summary);
+    /// The running maneuver ended without figures.
+    void mark_unfinished();
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Every row of a campaign, oldest first, without taking the lock. Throws settings::Error when the file is no ledger of this
+/// schema or has no such campaign.
+[[nodiscard]] std::vector<LedgerRow> read_ledger(const std::filesystem::path& path,
+                                                 const std::string& campaign);
+/// The campaigns of a ledger, oldest first.
+[[nodiscard]] std::vector<Campaign> read_campaigns(const std::filesystem::path& path);
+
+[[nodiscard]] const char* name(RowState state);
+
+}  // namespace rig

@@ -1,0 +1,217 @@
+#include "rig_bridge/record/ledger_database.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <limits>
+
+#include "config/reader/error.hpp"
+#include "rig_bridge/record/figure_fields.hpp"
+
+namespace rig {
+
+namespace {
+
+constexpr std::int64_t kApplicationId = 0x41534c47;  // "ASLG"
+
+[[noreturn]] void fail(sqlite3* database, const std::string& path, int code) {
+    std::string why;
+    switch (code & 0xFF) {
+        case SQLITE_FULL:
+            why = "the disk is full; the ledger is as it was before";
+            break;
+        case SQLITE_BUSY:
+            why = "another program keeps it locked";
+            break;
+        case SQLITE_CORRUPT:
+            why = "is damaged; `sqlite3 FILE .recover` may save what is left";
+            break;
+        case SQLITE_READONLY:
+        case SQLITE_CANTOPEN:
+        case SQLITE_PERM:
+            why = "cannot be opened or written: check that file and directory are yours to write";
+            break;
+        default:
+            why = "cannot be read or written";
+            break;
+    }
+    why += std::string(" (") + (database != nullptr ? sqlite3_errmsg(database) : sqlite3_errstr(code));
+    const int system = database != nullptr ? sqlite3_system_errno(database) : 0;
+    if (system != 0 && (code & 0xFF) == SQLITE_IOERR) why += std::string(", ") + std::strerror(system);
+    throw LedgerError(path + ": " + why + ")");
+}
+
+std::string schema() {
+    std::string figures;
+    for (const FigureField& field : kFigureFields) figures += std::string(field.key) + " REAL,\n";
+    return R"(
+CREATE TABLE campaigns (
+    id INTEGER PRIMARY KEY,
+    name TEXT NOT NULL UNIQUE,
+    scenario TEXT NOT NULL,
+    seed INTEGER NOT NULL,
+    planned INTEGER NOT NULL CHECK (planned >= 0),
+    config_hash TEXT NOT NULL,
+    version TEXT NOT NULL,
+    created TEXT NOT NULL
+) STRICT;
+CREATE TABLE maneuvers (
+    id INTEGER PRIMARY KEY,
+    campaign INTEGER NOT NULL REFERENCES campaigns (id),
+    number INTEGER NOT NULL CHECK (number >= 1),
+    attempt INTEGER NOT NULL CHECK (attempt >= 1),
+    state TEXT NOT NULL CHECK (state IN ('running', 'finished', 'aborted', 'unfinished')),
+    folder TEXT NOT NULL,
+    scenario TEXT NOT NULL,
+    outcome TEXT,
+    started TEXT NOT NULL,
+)" + figures +
+           R"(    standstill INTEGER CHECK (standstill IN (0, 1)),
+    cumulative_energy_J REAL,
+    faults TEXT,
+    frames INTEGER,
+    frames_dropped INTEGER,
+    seed INTEGER NOT NULL,
+    version TEXT NOT NULL,
+    config_hash TEXT NOT NULL,
+    UNIQUE (campaign, number, attempt)
+) STRICT;
+CREATE UNIQUE INDEX finished_once ON maneuvers (campaign, number) WHERE state = 'finished';
+CREATE UNIQUE INDEX one_running ON maneuvers (campaign) WHERE state = 'running';
+)";
+}
+
+}  // namespace
+
+Statement::Statement(sqlite3* database, const std::string& path, std::string_view sql)
+    : database_(database), path_(path) {
+    sqlite3_stmt* statement = nullptr;
+    const int code =
+        sqlite3_prepare_v2(database, sql.data(), static_cast<int>(sql.size()), &statement, nullptr);
+    if (code != SQLITE_OK) fail(database, path, code);
+    statement_.reset(statement);
+}
+
+Statement& Statement::bind(int index, std::string_view text) {
+    const int code = sqlite3_bind_text(statement_.get(), index, text.data(), static_cast<int>(text.size()),
+                                       SQLITE_TRANSIENT);  // NOLINT: SQLite's own macro casts -1 to a pointer
+    if (code != SQLITE_OK) fail(database_, path_, code);
+    return *this;
+}
+
+Statement& Statement::bind(int index, std::int64_t value) {
+    if (const int code = sqlite3_bind_int64(statement_.get(), index, value); code != SQLITE_OK)
+        fail(database_, path_, code);
+    return *this;
+}
+
+Statement& Statement::bind(int index, double value) {
+    if (const int code = sqlite3_bind_double(statement_.get(), index, value); code != SQLITE_OK)
+        fail(database_, path_, code);
+    return *this;
+}
+
+bool Statement::step() {
+    const int code = sqlite3_step(statement_.get());
+    if (code == SQLITE_ROW) return true;
+    if (code != SQLITE_DONE) fail(database_, path_, code);
+    return false;
+}
+
+std::string Statement::text(int column) const {
+    const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
+    if (text == nullptr) return {};
+    return {text, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
+}
+
+double Statement::real(int column) const {
+    return null(column) ? std::numeric_limits<double>::quiet_NaN()
+                        : sqlite3_column_double(statement_.get(), column);
+}
+
+LedgerDatabase::LedgerDatabase(const std::filesystem::path& path, Access access, const LedgerOptions& options)
+    : path_(path.string()) {
+    const int flags =
+        access == Access::write ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READWRITE;
+    if (access == Access::read && !std::filesystem::exists(path))
+        throw settings::Error(path_, 0, "", "no such ledger");
+    sqlite3* database = nullptr;
+    const int code = sqlite3_open_v2(path_.c_str(), &database, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+    database_.reset(database);
+    if (code != SQLITE_OK) fail(database, path_, code);
+    sqlite3_extended_result_codes(database, 1);
+    sqlite3_busy_timeout(database, options.busy_timeout_ms);
+    check_identity(access);
+    if (access == Access::read) {
+        run("PRAGMA query_only = 1");
+        return;
+    }
+    run(options.durable ? "PRAGMA synchronous = EXTRA" : "PRAGMA synchronous = OFF");
+    run("PRAGMA foreign_keys = 1");
+}
+
+void LedgerDatabase::run(const char* sql) const {
+    const int code = sqlite3_exec(database_.get(), sql, nullptr, nullptr, nullptr);
+    if (code != SQLITE_OK) fail(database_.get(), path_, code);
+}
+
+std::int64_t LedgerDatabase::pragma(const char* name) const {
+    Statement statement = prepare(std::string("PRAGMA ") + name);
+    return statement.step() ? statement.integer(0) : 0;
+}
+
+void LedgerDatabase::check_identity(Access access) const {
+    std::int64_t application = 0;
+    std::int64_t version = 0;
+    std::int64_t tables = 0;
+    {
+        sqlite3_stmt* raw = nullptr;
+        const int code =
+            sqlite3_prepare_v2(database_.get(), "SELECT count(*) FROM sqlite_schema", -1, &raw, nullptr);
+        sqlite3_finalize(raw);
+        if (code == SQLITE_NOTADB)
+            throw settings::Error(path_, 0, "", "is no SQLite file, so it is no campaign ledger");
+    }
+    Statement count = prepare("SELECT count(*) FROM sqlite_schema");
+    if (count.step()) tables = count.integer(0);
+    application = pragma("application_id");
+    version = pragma("user_version");
+    if (tables == 0 && application == 0 && version == 0 && access == Access::write) {
+        make_schema();
+        return;
+    }
+    if (application != kApplicationId)
+        throw settings::Error(path_, 0, "", "is an SQLite file of another program, not a campaign ledger");
+    if (version != kLedgerSchema) {
+        throw settings::Error(path_, 0, "user_version",
+                              "ledger of schema " + std::to_string(version) + "; this program knows schema " +
+                                  std::to_string(kLedgerSchema) +
+                                  (version > kLedgerSchema ? ": use the newer program that made it" : ""));
+    }
+    Statement check = prepare("PRAGMA quick_check(1)");
+    if (check.step() && check.text(0) != "ok")
+        throw LedgerError(path_ + ": is damaged; `sqlite3 FILE .recover` may save what is left (" +
+                          check.text(0) + ")");
+}
+
+void LedgerDatabase::make_schema() const {
+    Transaction transaction(*this);
+    run(schema().c_str());
+    run(("PRAGMA application_id = " + std::to_string(kApplicationId)).c_str());
+    run(("PRAGMA user_version = " + std::to_string(kLedgerSchema)).c_str());
+    transaction.commit();
+}
+
+LedgerDatabase::Transaction::Transaction(const LedgerDatabase& database) : database_(database) {
+    database_.run("BEGIN IMMEDIATE");
+}
+
+LedgerDatabase::Transaction::~Transaction() {
+    if (open_) sqlite3_exec(database_.database_.get(), "ROLLBACK", nullptr, nullptr, nullptr);
+}
+
+void LedgerDatabase::Transaction::commit() {
+    database_.run("COMMIT");
+    open_ = false;
+}
+
+}  // namespace rig

@@ -1,0 +1,90 @@
+/// SQLite for the ledger: statements that close themselves, errors that name the file.
+#pragma once
+
+#include <sqlite3.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "rig_bridge/record/ledger.hpp"
+
+namespace rig {
+
+/// One prepared statement. Parameters and columns count from 1 and 0, as in SQLite.
+class Statement {
+  public:
+    Statement(sqlite3* database, const std::string& path, std::string_view sql);
+
+    Statement& bind(int index, std::string_view text);
+    Statement& bind(int index, std::int64_t value);
+    Statement& bind(int index, double value);
+
+    /// True while there is a row. Throws LedgerError.
+    bool step();
+    void run() {
+        while (step()) {
+        }
+    }
+
+    [[nodiscard]] std::string text(int column) const;
+    [[nodiscard]] std::int64_t integer(int column) const {
+        return sqlite3_column_int64(statement_.get(), column);
+    }
+    /// NULL is NaN.
+    [[nodiscard]] double real(int column) const;
+    [[nodiscard]] bool null(int column) const {
+        return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
+    }
+
+  private:
+    struct Finalizer {
+        void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+    };
+    sqlite3* database_;
+    const std::string& path_;
+    std::unique_ptr<sqlite3_stmt, Finalizer> statement_;
+};
+
+class LedgerDatabase {
+  public:
+    enum class Access : std::uint8_t { read, write };
+
+    /// Checks that the file is a ledger of this schema; with `write` makes one where there is no file or an empty one.
+    LedgerDatabase(const std::filesystem::path& path, Access access, const LedgerOptions& options);
+
+    [[nodiscard]] Statement prepare(std::string_view sql) const { return {database_.get(), path_, sql}; }
+    void run(const char* sql) const;
+    [[nodiscard]] const std::string& path() const { return path_; }
+
+    /// Rolls back unless committed.
+    class Transaction {
+      public:
+        explicit Transaction(const LedgerDatabase& database);
+        ~Transaction();
+        Transaction(const Transaction&) = delete;
+        Transaction& operator=(const Transaction&) = delete;
+        void commit();
+
+      private:
+        const LedgerDatabase& database_;
+        bool open_ = true;
+    };
+
+  private:
+    struct Closer {
+        void operator()(sqlite3* database) const { sqlite3_close(database); }
+    };
+    void check_identity(Access access) const;
+    void make_schema() const;
+    [[nodiscard]] std::int64_t pragma(const char* name) const;
+
+    std::string path_;
+    std::unique_ptr<sqlite3, Closer> database_;
+};
+
+inline constexpr std::int64_t kLedgerSchema = 1;
+
+}  // namespace rig

@@ -1,0 +1,220 @@
+#include "rig_bridge/record/meter.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "firmware/can/sensor_decoder.hpp"
+
+namespace rig {
+
+namespace {
+
+// Codes of antiskid::can::kPhaseNames.
+constexpr std::uint8_t kSettling = 3;
+constexpr std::uint8_t kBraking = 4;
+constexpr std::uint8_t kStandstill = 5;
+
+/// Longer at brake-on, where the speed is nearly constant and counts most.
+constexpr double kWindow_s = 0.01;
+constexpr double kBrakeOnWindow_s = 0.03;
+/// A sensor that reports speed says zero, or its least count, at standstill.
+constexpr double kStands = 0.02;
+
+ShaftSample as_on_bus(const antiskid::can::SpeedSignals& signals, const ShaftSample& sample) {
+    const antiskid::can::RawSpeed raw =
+        to_raw(signals, {.edge_count = sample.edge_count,
+                         .edge_time = sample.edge_time,
+                         .speed_radps = static_cast<float>(sample.speed_radps)});
+    if (signals.source == antiskid::control::SpeedSource::speed) {
+        return {.edges = false,
+                .edge_count = 0,
+                .edge_time = {},
+                .speed_radps = static_cast<double>(static_cast<float>(signals.speed_radps.value(raw.speed)))};
+    }
+    const auto ticks =
+        static_cast<std::int64_t>(static_cast<double>(sample.edge_time.count()) / signals.edge_time.scale);
+    return {
+        .edges = true,
+        .edge_count = sample.edge_count,
+        .edge_time = Time{static_cast<std::int64_t>(static_cast<double>(ticks) * signals.edge_time.scale)},
+        .speed_radps = 0.0};
+}
+
+}  // namespace
+
+MeterSample as_on_bus(const antiskid::can::Layout& layout, const MeterSample& sample) {
+    const auto rounded = [](const antiskid::can::Signal& signal, double value) {
+        return static_cast<double>(
+            static_cast<float>(signal.rounded(static_cast<double>(static_cast<float>(value)))));
+    };
+    MeterSample out = sample;
+    out.wheel = as_on_bus(layout.wheel, sample.wheel);
+    out.flywheel = as_on_bus(layout.flywheel, sample.flywheel);
+    out.pressure_Pa = rounded(layout.pressure_Pa, sample.pressure_Pa);
+    out.vertical_N = rounded(layout.load_cells.vertical_N, sample.vertical_N);
+    out.longitudinal_N = rounded(layout.load_cells.longitudinal_N, sample.longitudinal_N);
+    out.brake_torque_Nm = rounded(layout.load_cells.brake_torque_Nm, sample.brake_torque_Nm);
+    out.brake_temperature_C = rounded(layout.maneuver_state.brake_temperature_C, sample.brake_temperature_C);
+    return out;
+}
+
+void Meter::Shaft::update(const ShaftSample& sample, double now_s, double scale) {
+    edges_ = sample.edges;
+    if (edges_) {
+        track_.update(sample.edge_count, sample.edge_time, now_s);
+        way_ = track_.way(now_s);
+        speed_ = track_.speed(kWindow_s, now_s);
+        return;
+    }
+    const double speed = sample.speed_radps * scale;
+    if (started_) way_ += 0.5 * (speed + speed_) * (now_s - last_s_);
+    if (speed > kStands) {
+        ++moving_;
+        moving_s_ = now_s;
+    }
+    started_ = true;
+    speed_ = speed;
+    last_s_ = now_s;
+}
+
+double Meter::Shaft::rest_s() const {
+    return edges_ ? track_.last_edge_s() + track_.rest().time_s : moving_s_;
+}
+
+double Meter::Shaft::rest_way() const {
+    return edges_ ? track_.way_at_edge() + track_.rest().way : way_;
+}
+
+Meter::Meter(const MeterParameters& parameters)
+    : parameters_(parameters),
+      wheel_(2.0 * std::numbers::pi / parameters.wheel_teeth),
+      flywheel_(2.0 * std::numbers::pi / parameters.flywheel_teeth * parameters.flywheel_radius_m) {
+    tail_.reserve(kTail);
+}
+
+double Meter::slip() const {
+    if (!(flywheel_speed_ > 0.0)) return 0.0;
+    const double radius = parameters_.wheel_radius_m - last_.vertical_N / parameters_.wheel_stiffness_Npm;
+    return 1.0 - radius * wheel_.speed() / flywheel_speed_;
+}
+
+void Meter::feed(const MeterSample& sample) {
+    if (sample.phase == kSettling && (!fed_ || last_.phase != kSettling)) {
+        wheel_.measure_clock_again();
+        flywheel_.measure_clock_again();
+    }
+    wheel_.update(sample.wheel, sample.time_s, 1.0);
+    flywheel_.update(sample.flywheel, sample.time_s, parameters_.flywheel_radius_m);
+    flywheel_speed_ = flywheel_.speed();
+    const bool at_brake = sample.phase == kBraking || sample.phase == kStandstill;
+    if (sample.phase == kBraking && (!fed_ || last_.phase != kBraking)) {
+        start(sample);
+    } else if (state_ == State::braking) {
+        if (at_brake || !standstill_) integrate(sample);
+        if (sample.phase == kStandstill) standstill_ = true;
+        if (!at_brake) {
+            final_ = now();
+            state_ = State::over;
+        }
+    }
+    if (state_ != State::waiting)
+        peak_temperature_C_ = std::max(peak_temperature_C_, sample.brake_temperature_C);
+    last_ = sample;
+    last_wheel_way_ = wheel_.way();
+    last_flywheel_way_ = flywheel_.way();
+    fed_ = true;
+}
+
+void Meter::start(const MeterSample& sample) {
+    state_ = State::braking;
+    dropped_out_ = standstill_ = false;
+    start_s_ = sample.time_s;
+    start_way_m_ = flywheel_.way();
+    start_mps_ =
+        flywheel_.edges() ? flywheel_.track().speed(kBrakeOnWindow_s, sample.time_s) : flywheel_.speed();
+    start_radps_ = wheel_.edges() ? wheel_.track().speed(kBrakeOnWindow_s, sample.time_s) : wheel_.speed();
+    sums_ = {.time_s = sample.time_s, .torque_Nms = 0.0, .load_Ns = 0.0, .pressure_Pas = 0.0};
+    sliding_torque_Nms_ = sliding_pressure_Pas_ = friction_way_m_ = sliding_way_m_ = 0.0;
+    energy_brake_J_ = energy_tyre_J_ = 0.0;
+    peak_temperature_C_ = sample.brake_temperature_C;
+    tail_.assign(1, sums_);
+    news_ = flywheel_.news();
+}
+
+void Meter::integrate(const MeterSample& sample) {
+    const double h = sample.time_s - last_.time_s;
+    const double angle = wheel_.way() - last_wheel_way_;
+    const double metres = flywheel_.way() - last_flywheel_way_;
+    const double torque = 0.5 * (sample.brake_torque_Nm + last_.brake_torque_Nm);
+    const double load = 0.5 * (sample.vertical_N + last_.vertical_N);
+    const double force = 0.5 * (sample.longitudinal_N + last_.longitudinal_N);
+    const double pressure = 0.5 * (sample.pressure_Pa + last_.pressure_Pa);
+    const double radius = parameters_.wheel_radius_m - load / parameters_.wheel_stiffness_Npm;
+    sums_.time_s = sample.time_s;
+    sums_.torque_Nms += torque * h;
+    sums_.load_Ns += load * h;
+    sums_.pressure_Pas += pressure * h;
+    energy_brake_J_ += torque * angle;
+    energy_tyre_J_ += force * (metres - radius * angle);
+    if (!dropped_out_) {
+        sliding_torque_Nms_ += torque * h;
+        sliding_pressure_Pas_ += pressure * h;
+        if (load > 0.0) friction_way_m_ += force / load * metres;
+        sliding_way_m_ += metres;
+        dropped_out_ = flywheel_speed_ <= parameters_.drop_out_mps;
+    }
+    if (flywheel_.news() != news_) {
+        news_ = flywheel_.news();
+        tail_.clear();
+    }
+    if (tail_.size() < kTail) tail_.push_back(sums_);
+}
+
+Meter::Sums Meter::sums_at(double time_s) const {
+    if (time_s <= tail_.front().time_s) return tail_.front();
+    if (time_s >= tail_.back().time_s) return tail_.back();
+    const auto after = std::upper_bound(tail_.begin(), tail_.end(), time_s,
+                                        [](double t, const Sums& sums) { return t < sums.time_s; });
+    const Sums& b = *after;
+    const Sums& a = *(after - 1);
+    const double w = (time_s - a.time_s) / (b.time_s - a.time_s);
+    return {.time_s = time_s,
+            .torque_Nms = a.torque_Nms + w * (b.torque_Nms - a.torque_Nms),
+            .load_Ns = a.load_Ns + w * (b.load_Ns - a.load_Ns),
+            .pressure_Pas = a.pressure_Pas + w * (b.pressure_Pas - a.pressure_Pas)};
+}
+
+Figures Meter::figures() const {
+    if (state_ == State::waiting) return {};
+    Figures figures = over() ? final_ : now();
+    figures.peak_temperature_C = peak_temperature_C_;
+    return figures;
+}
+
+Figures Meter::now() const {
+    Figures f;
+    const double end_s = standstill_ ? flywheel_.rest_s() : sums_.time_s;
+    const double end_way_m = standstill_ ? flywheel_.rest_way() : flywheel_.way();
+    const Sums sums = standstill_ ? sums_at(end_s) : sums_;
+    f.brake_on_mps = start_mps_;
+    f.duration_s = end_s - start_s_;
+    f.length_m = end_way_m - start_way_m_;
+    if (const double covered_s = sums.time_s - start_s_; covered_s > 0.0) {
+        f.mean_torque_Nm = sums.torque_Nms / covered_s;
+        f.mean_load_N = sums.load_Ns / covered_s;
+        f.mean_pressure_Pa = sums.pressure_Pas / covered_s;
+    }
+    if (sliding_pressure_Pas_ > 0.0)
+        f.mean_friction = sliding_torque_Nms_ / sliding_pressure_Pas_ / parameters_.brake_gain_m3;
+    f.energy_brake_J = energy_brake_J_;
+    f.energy_tyre_J = energy_tyre_J_;
+    const double v = standstill_ ? 0.0 : flywheel_speed_;
+    const double omega = standstill_ ? 0.0 : wheel_.speed();
+    f.kinetic_energy_J = 0.5 * parameters_.flywheel_mass_kg * (start_mps_ * start_mps_ - v * v) +
+                         0.5 * parameters_.wheel_inertia_kgm2 * (start_radps_ * start_radps_ - omega * omega);
+    if (sliding_way_m_ > 0.0) f.j_mu = friction_way_m_ / (sliding_way_m_ * parameters_.peak_friction);
+    f.standstill = standstill_;
+    return f;
+}
+
+}  // namespace rig

@@ -1,0 +1,146 @@
+/// The figures of a braking maneuver from its measured signals, sample by sample. Pure: no clock, file or bus; the same
+/// samples give the same bits. Constant memory, no allocation, below 100 ns a sample.
+///
+///     Meter meter(parameters);
+///     for (each control period) meter.feed(sample);
+///     Figures figures = meter.figures();
+///
+/// Counted from the first sample in phase `braking` to standstill, which is found from the flywheel's last edges
+/// (EdgeTrack::rest()); with an abort, to the first sample of phase `aborting`. A second `braking` starts afresh.
+///
+/// Way and angle are counted in edges, so that the integrals of eq. (9) need no estimate of speed:
+/// E_brake = integral of T_b d theta_w, E_tyre = integral of F_x (R_f d theta_f - r(F_z) d theta_w), which is F_x lambda v dt
+/// with the slip of eq. (3) and r(F_z) = r_0 - F_z / k_r.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "firmware/can/layout.hpp"
+#include "rig_bridge/record/edge_track.hpp"
+#include "rig_bridge/record/summary.hpp"
+
+namespace rig {
+
+/// What is known of the rig apart from the signals.
+struct MeterParameters {
+    double wheel_teeth = 60.0;
+    double flywheel_teeth = 60.0;
+    double flywheel_radius_m = 0.0;    ///< R_f
+    double wheel_radius_m = 0.0;       ///< r_0
+    double wheel_stiffness_Npm = 0.0;  ///< k_r > 0
+    double brake_gain_m3 = 0.0;        ///< A_p N_p N_s R_eff, eq. (5): k_b without friction
+    double wheel_inertia_kgm2 = 0.0;   ///< J_w
+    double flywheel_mass_kg = 0.0;     ///< m = J_f / R_f^2
+    double peak_friction = 0.0;        ///< of the surface, eq. (16)
+    double drop_out_mps = 5.0;         ///< mu_b and J_mu end here
+    double period_s = 1e-3;            ///< control period: the step of the SYNC number
+};
+
+/// One shaft as the bus has it: edges, or a speed where the sensor reports that.
+struct ShaftSample {
+    bool edges = true;
+    std::uint32_t edge_count = 0;  ///< modulo 2^32
+    Time edge_time{};              ///< the sensor's clock
+    double speed_radps = 0.0;
+};
+
+/// What was known at one control period.
+struct MeterSample {
+    double time_s = 0.0;     ///< must not fall
+    std::uint8_t phase = 0;  ///< index in antiskid::can::kPhaseNames
+    ShaftSample wheel;
+    ShaftSample flywheel;
+    double pressure_Pa = 0.0;
+    double vertical_N = 0.0;
+    double longitudinal_N = 0.0;
+    double brake_torque_Nm = 0.0;
+    double brake_temperature_C = 0.0;
+};
+
+/// The sample as frames of this layout would have carried it.
+[[nodiscard]] MeterSample as_on_bus(const antiskid::can::Layout& layout, const MeterSample& sample);
+
+class Meter {
+  public:
+    explicit Meter(const MeterParameters& parameters);
+
+    /// The first samples must come some 50 ms before brake-on: the speed at brake-on is that of the edges before it.
+    void feed(const MeterSample& sample);
+
+    /// So far, and for good once the phases after the brake are reached. All zero before brake-on. What cannot be
+    /// known (mean friction without pressure) is 0. `peak_temperature_C` counts from brake-on to the last sample.
+    [[nodiscard]] Figures figures() const;
+
+    [[nodiscard]] bool started() const { return state_ != State::waiting; }
+    [[nodiscard]] bool over() const { return state_ == State::over; }
+    /// Rim speed of the flywheel, and the slip of eq. (3), as measured now.
+    [[nodiscard]] double speed_mps() const { return flywheel_speed_; }
+    [[nodiscard]] double slip() const;
+
+  private:
+    /// A shaft by either kind of sensor.
+    class Shaft {
+      public:
+        explicit Shaft(double edge_pitch) : track_(edge_pitch) {}
+        void update(const ShaftSample& sample, double now_s, double scale);
+        [[nodiscard]] double way() const { return way_; }
+        [[nodiscard]] double speed() const { return speed_; }
+        [[nodiscard]] const EdgeTrack& track() const { return track_; }
+        [[nodiscard]] bool edges() const { return edges_; }
+        [[nodiscard]] std::uint64_t news() const { return edges_ ? track_.news() : moving_; }
+        /// Instant and way at which it came to rest.
+        [[nodiscard]] double rest_s() const;
+        [[nodiscard]] double rest_way() const;
+        void measure_clock_again() { track_.measure_clock_again(); }
+
+      private:
+        EdgeTrack track_;
+        bool edges_ = true;
+        bool started_ = false;
+        double way_ = 0.0;
+        double speed_ = 0.0;
+        double last_s_ = 0.0;
+        double moving_s_ = 0.0;
+        std::uint64_t moving_ = 0;
+    };
+    enum class State : std::uint8_t { waiting, braking, over };
+
+    /// Integrals over time since brake-on, as they stood at a sample.
+    struct Sums {
+        double time_s = 0.0;
+        double torque_Nms = 0.0;
+        double load_Ns = 0.0;
+        double pressure_Pas = 0.0;
+    };
+    [[nodiscard]] Figures now() const;
+    void start(const MeterSample& sample);
+    void integrate(const MeterSample& sample);
+    [[nodiscard]] Sums sums_at(double time_s) const;
+
+    static constexpr std::size_t kTail = 1024;
+
+    MeterParameters parameters_;
+    Shaft wheel_;     // rad
+    Shaft flywheel_;  // m on the rim
+    double flywheel_speed_ = 0.0;
+    State state_ = State::waiting;
+    bool fed_ = false;
+    bool dropped_out_ = false;
+    bool standstill_ = false;
+    MeterSample last_;
+    double last_wheel_way_ = 0.0, last_flywheel_way_ = 0.0;
+    double start_s_ = 0.0, start_way_m_ = 0.0, start_mps_ = 0.0, start_radps_ = 0.0;
+    Sums sums_;
+    double sliding_torque_Nms_ = 0.0, sliding_pressure_Pas_ = 0.0;  // down to drop-out
+    double friction_way_m_ = 0.0, sliding_way_m_ = 0.0;
+    double energy_brake_J_ = 0.0, energy_tyre_J_ = 0.0;
+    double peak_temperature_C_ = 0.0;
+    Figures final_;
+    std::uint64_t news_ = 0;
+    std::vector<Sums>
+        tail_;  // since the flywheel's last edge: standstill lies among them; capacity kTail from the start
+};
+
+}  // namespace rig

@@ -1,0 +1,159 @@
+#include "rig_bridge/record/summary_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
+
+#include "config/reader/atomic_file.hpp"
+#include "rig_bridge/record/figure_fields.hpp"
+
+namespace rig {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+constexpr std::string_view kFormat = "antiskid maneuver summary 1";
+
+/// JSON has no infinity and no NaN: null.
+ordered_json number(double value) {
+    return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+class Reader {
+  public:
+    explicit Reader(const std::filesystem::path& path) : path_(path.string()) {
+        std::ifstream in(path, std::ios::binary);
+        if (!in) throw settings::Error(path_, 0, "", "cannot be read");
+        const std::string text{std::istreambuf_iterator<char>(in), {}};
+        root_ = ordered_json::parse(text, nullptr, false);
+        if (root_.is_discarded() || !root_.is_object())
+            throw settings::Error(path_, 0, "", "is no whole JSON object: expected a maneuver's summary");
+    }
+
+    std::string text(const char* key) {
+        return get(key, &ordered_json::is_string, "a text").get<std::string>();
+    }
+    bool flag(const char* key) { return get(key, &ordered_json::is_boolean, "true or false").get<bool>(); }
+    double real(const char* key) {
+        const ordered_json& value = find(key);
+        if (value.is_null()) return std::numeric_limits<double>::quiet_NaN();
+        if (!value.is_number()) wrong(key, "a number");
+        return value.get<double>();
+    }
+    template <typename T>
+    T whole(const char* key) {
+        const ordered_json& value = find(key);
+        if (!value.is_number_unsigned()) wrong(key, "a whole number, 0 or more");
+        const auto unsigned_value = value.get<std::uint64_t>();
+        if (unsigned_value > static_cast<std::uint64_t>(std::numeric_limits<T>::max()))
+            wrong(key, "a smaller number");
+        return static_cast<T>(unsigned_value);
+    }
+    std::vector<std::string> texts(const char* key) {
+        std::vector<std::string> all;
+        for (const ordered_json& item : get(key, &ordered_json::is_array, "a list of texts")) {
+            if (!item.is_string()) wrong(key, "a list of texts");
+            all.push_back(item.get<std::string>());
+        }
+        return all;
+    }
+    void finish() const {
+        for (const auto& item : root_.items()) {
+            if (!known_.contains(item.key())) throw settings::Error(path_, 0, item.key(), "unknown key");
+        }
+    }
+    [[noreturn]] void wrong(const char* key, const std::string& expected) const {
+        throw settings::Error(path_, 0, key, "expected " + expected);
+    }
+
+  private:
+    const ordered_json& find(const char* key) {
+        known_.insert(key);
+        const auto found = root_.find(key);
+        if (found == root_.end()) throw settings::Error(path_, 0, key, "is missing");
+        return *found;
+    }
+    const ordered_json& get(const char* key, bool (ordered_json::*is)() const noexcept,
+                            const char* expected) {
+        const ordered_json& value = find(key);
+        if (!(value.*is)()) wrong(key, expected);
+        return value;
+    }
+
+    std::string path_;
+    ordered_json root_;
+    std::set<std::string, std::less<>> known_;
+};
+
+}  // namespace
+
+void write_summary(const std::filesystem::path& path, const Summary& summary) {
+    ordered_json json;
+    json["format"] = kFormat;
+    json["campaign"] = summary.campaign;
+    json["number"] = summary.number;
+    json["scenario"] = summary.scenario;
+    json["outcome"] = summary.outcome;
+    json["started"] = summary.started;
+    for (const FigureField& field : kFigureFields) json[field.key] = number(summary.figures.*field.value);
+    json["standstill"] = summary.figures.standstill;
+    json["cumulative_energy_J"] = number(summary.cumulative_energy_J);
+    json["faults"] = summary.faults;
+    json["frames"] = summary.frames;
+    json["frames_dropped"] = summary.frames_dropped;
+    json["seed"] = summary.seed;
+    json["version"] = summary.version;
+    json["config_hash"] = summary.config_hash;
+    settings::write_file(path, json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+}
+
+Summary read_summary(const std::filesystem::path& path) {
+    Reader reader(path);
+    if (reader.text("format") != kFormat) reader.wrong("format", "\"" + std::string(kFormat) + "\"");
+    Summary summary;
+    summary.campaign = reader.text("campaign");
+    summary.number = reader.whole<std::int64_t>("number");
+    summary.scenario = reader.text("scenario");
+    summary.outcome = reader.text("outcome");
+    summary.started = reader.text("started");
+    for (const FigureField& field : kFigureFields) summary.figures.*field.value = reader.real(field.key);
+    summary.figures.standstill = reader.flag("standstill");
+    summary.cumulative_energy_J = reader.real("cumulative_energy_J");
+    summary.faults = reader.texts("faults");
+    summary.frames = reader.whole<std::uint64_t>("frames");
+    summary.frames_dropped = reader.whole<std::uint64_t>("frames_dropped");
+    summary.seed = reader.whole<std::uint64_t>("seed");
+    summary.version = reader.text("version");
+    summary.config_hash = reader.text("config_hash");
+    reader.finish();
+    return summary;
+}
+
+std::string summary_table(const Summary& summary) {
+    std::string text;
+    const auto row = [&text](std::string_view label, const std::string& value) {
+        text += fmt::format("{:<24}{}\n", label, value);
+    };
+    if (!summary.campaign.empty()) row("campaign", summary.campaign);
+    if (summary.number > 0) row("maneuver", std::to_string(summary.number));
+    row("scenario", summary.scenario);
+    row("outcome", summary.outcome);
+    for (const FigureField& field : kFigureFields)
+        row(field.label, fmt::format("{:.5g} {}", summary.figures.*field.value * field.scale, field.unit));
+    if (!summary.figures.standstill) row("standstill", "not reached");
+    row("cumulative energy", fmt::format("{:.5g} MJ", summary.cumulative_energy_J * 1e-6));
+    std::string faults;
+    for (const std::string& fault : summary.faults) faults += (faults.empty() ? "" : ", ") + fault;
+    row("faults", faults.empty() ? "none" : faults);
+    row("frames", fmt::format("{}, {} dropped", summary.frames, summary.frames_dropped));
+    return text;
+}
+
+}  // namespace rig
