@@ -1,0 +1,105 @@
+#include "rig_bridge/modbus/command_desk.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace rig {
+namespace {
+
+bool is_the_clients_own(Commanded q) {
+    return q == Commanded::bridge_watchdog || q == Commanded::commit;
+}
+
+std::string complaint(const Field& field, double value) {
+    std::array<char, 160> text{};
+    if (std::isnan(value)) {
+        std::snprintf(text.data(), text.size(), "%s: not a number", field.name.c_str());
+    } else {
+        std::snprintf(text.data(), text.size(), "%s: %g%s%s is out of range %g to %g", field.name.c_str(),
+                      value, field.unit.empty() ? "" : " ", field.unit.c_str(), field.min, field.max);
+    }
+    return text.data();
+}
+
+}  // namespace
+
+std::string_view name(CommandState state) {
+    constexpr std::array<std::string_view, 5> kNames{"none", "pending", "applied", "refused", "unsendable"};
+    return kNames[static_cast<std::size_t>(state)];
+}
+
+CommandDesk::CommandDesk(const RegisterMap& map)
+    : map_(map), wanted_(map.commanded, map.word_order), last_(wanted_) {}
+
+void CommandDesk::want(const CommandedValues& wanted, ClockTime now) {
+    RegisterImage image(wanted_);
+    error_.clear();
+    for (std::size_t i = 0; i < kCommandedCount && error_.empty(); ++i) {
+        if (is_the_clients_own(static_cast<Commanded>(i))) continue;
+        const Field& field = map_.commanded[i];
+        const bool sendable =
+            wanted[i] >= field.min && wanted[i] <= field.max && image.write(field, wanted[i]);
+        if (!sendable) error_ = complaint(field, wanted[i]);
+    }
+    if (!error_.empty()) return;
+    const bool was_due = any_ && (resend_ || wanted_ != last_);
+    if (!any_) resend_ = true;
+    any_ = true;
+    if (wanted_ != image) newest_at_ = now;
+    wanted_ = image;
+    if (!was_due) wished_at_ = now;
+}
+
+void CommandDesk::reconnected(std::uint16_t commit, ClockTime now) {
+    // Also away from our own last number: the PLC may have been restarted, and its answer to that one be gone.
+    next_ = static_cast<std::uint16_t>(std::max(commit, commit_) + 1);
+    if (!any_) return;
+    if (!resend_ && wanted_ == last_) wished_at_ = now;
+    resend_ = true;
+}
+
+std::optional<RegisterImage> CommandDesk::due() {
+    if (!any_ || !error_.empty() || (!resend_ && wanted_ == last_)) return std::nullopt;
+    // An answer from before the numbers wrapped around must not look like the one to this command.
+    while (next_ == 0 || next_ == applied_ || next_ == refused_) ++next_;
+    RegisterImage image(wanted_);
+    static_cast<void>(image.write(map_.field(Commanded::commit), next_));
+    return image;
+}
+
+void CommandDesk::sending(const RegisterImage& image) {
+    const Field& number = map_.field(Commanded::commit);
+    commit_ = static_cast<std::uint16_t>(image.read(number).value);
+    next_ = static_cast<std::uint16_t>(commit_ + 1);
+    last_ = image;
+    static_cast<void>(last_.write(number, 0.0));
+    resend_ = false;
+    // A wish that follows on an unanswered one is as old as that one.
+    if (answer_ != CommandState::pending) unanswered_at_ = wished_at_;
+    answer_ = CommandState::pending;
+    wished_at_ = newest_at_;
+}
+
+void CommandDesk::seen(std::uint16_t applied, std::uint16_t refused) {
+    applied_ = applied;
+    refused_ = refused;
+    if (answer_ != CommandState::pending) return;
+    if (applied == commit_) answer_ = CommandState::applied;
+    if (refused == commit_) answer_ = CommandState::refused;
+}
+
+CommandState CommandDesk::state() const {
+    if (!error_.empty()) return CommandState::unsendable;
+    if (!any_) return CommandState::none;
+    return resend_ || wanted_ != last_ ? CommandState::pending : answer_;
+}
+
+double CommandDesk::pending_s(ClockTime now) const {
+    if (state() != CommandState::pending) return 0.0;
+    const ClockTime since = answer_ == CommandState::pending ? unanswered_at_ : wished_at_;
+    return std::chrono::duration<double>(now - since).count();
+}
+
+}  // namespace rig

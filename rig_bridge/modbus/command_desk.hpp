@@ -1,0 +1,66 @@
+/// Which command is to be sent under which commit number, and what became of it. No link and no clock of its own.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "rig_bridge/registers/codec.hpp"
+#include "rig_bridge/registers/register_map.hpp"
+
+namespace rig {
+
+using ClockTime = std::chrono::nanoseconds;
+
+enum class CommandState : std::uint8_t {
+    none,        ///< nothing has been commanded yet
+    pending,     ///< on its way, or not yet confirmed by the PLC
+    applied,     ///< the PLC took the newest command over
+    refused,     ///< the PLC refused it: not sent again until it changes or the link is opened anew
+    unsendable,  ///< it was not sent, because a value is NaN or out of its range
+};
+[[nodiscard]] std::string_view name(CommandState state);
+
+class CommandDesk {
+  public:
+    explicit CommandDesk(const RegisterMap& map);
+
+    /// The newest wish; bridge_watchdog and commit of it are ignored.
+    void want(const CommandedValues& wanted, ClockTime now);
+    /// The link was opened anew and the PLC's commit register holds `commit`: what it knows of us is uncertain.
+    void reconnected(std::uint16_t commit, ClockTime now);
+
+    /// The command to send, commit number included, if there is one; goes on being the same until sending() or a new wish.
+    [[nodiscard]] std::optional<RegisterImage> due();
+    /// All of what due() gave is written but its commit number, which goes out now. There may be a newer wish already.
+    void sending(const RegisterImage& image);
+    /// Registers of the PLC.
+    void seen(std::uint16_t applied, std::uint16_t refused);
+
+    [[nodiscard]] CommandState state() const;
+    [[nodiscard]] std::uint16_t commit() const { return commit_; }  ///< newest in use, 0 none
+    /// How long state() has been pending.
+    [[nodiscard]] double pending_s(ClockTime now) const;
+    /// Which value is unsendable, and why; "" otherwise.
+    [[nodiscard]] const std::string& error() const { return error_; }
+
+  private:
+    RegisterMap map_;
+    RegisterImage wanted_;  // commit and watchdog 0
+    RegisterImage last_;    // as last sent, likewise
+    bool any_ = false;      // wanted_ is somebody's wish
+    bool resend_ = false;
+    std::string error_;
+    std::uint16_t next_ = 1;
+    std::uint16_t commit_ = 0;
+    std::uint16_t applied_ = 0;  // as last seen
+    std::uint16_t refused_ = 0;
+    CommandState answer_ = CommandState::none;  // to commit_
+    ClockTime wished_at_{};                     // first wish that is not sent
+    ClockTime newest_at_{};                     // last change of wanted_
+    ClockTime unanswered_at_{};                 // the wish behind commit_
+};
+
+}  // namespace rig

@@ -1,0 +1,43 @@
+#include "rig_bridge/modbus/plc_address.hpp"
+
+#include <arpa/inet.h>
+
+#include <charconv>
+#include <stdexcept>
+
+namespace rig {
+namespace {
+
+std::uint16_t parse_port(const std::string& text, const std::string& whole) {
+    std::uint16_t port = 0;
+    const char* end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, port);
+    if (error != std::errc{} || rest != end || port == 0)
+        throw std::invalid_argument("PLC address '" + whole + "': '" + text +
+                                    "' is no port, expected 1 to 65535");
+    return port;
+}
+
+}  // namespace
+
+PlcAddress parse_plc_address(const std::string& text) {
+    if (!text.empty() && text.front() == '/') return SerialDevice{text};
+    const auto colon = text.find(':');
+    TcpServer server{.address = text.substr(0, colon)};
+    in_addr numeric{};
+    if (::inet_pton(AF_INET, server.address.c_str(), &numeric) != 1)
+        throw std::invalid_argument(
+            "PLC address '" + text +
+            "': expected a numeric IPv4 address and port, e.g. 192.168.1.10:502, or a "
+            "serial device, e.g. /dev/ttyUSB0");
+    if (colon != std::string::npos) server.port = parse_port(text.substr(colon + 1), text);
+    return server;
+}
+
+std::string to_string(const PlcAddress& address) {
+    if (const auto* tcp = std::get_if<TcpServer>(&address))
+        return "Modbus TCP " + tcp->address + ":" + std::to_string(tcp->port);
+    return "Modbus RTU " + std::get<SerialDevice>(address).path;
+}
+
+}  // namespace rig

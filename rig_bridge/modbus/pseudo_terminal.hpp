@@ -1,0 +1,27 @@
+/// A serial line that needs no hardware.
+#pragma once
+
+#include <string>
+
+#include "config/reader/file_descriptor.hpp"
+
+namespace rig {
+
+class PseudoTerminal {
+  public:
+    /// Raw. Throws std::runtime_error with the reason.
+    PseudoTerminal();
+
+    [[nodiscard]] int master() const { return master_.get(); }       ///< does not block
+    [[nodiscard]] const std::string& path() const { return path_; }  ///< of the other end
+
+    /// Throws away what the other end has written.
+    void drain() const;
+
+  private:
+    settings::FileDescriptor master_;
+    std::string path_;
+    settings::FileDescriptor slave_;  // held open: without any slave the master reads errors
+};
+
+}  // namespace rig

@@ -1,0 +1,25 @@
+/// One thread tells another to end, also out of a wait.
+#pragma once
+
+#include <chrono>
+
+#include "config/reader/file_descriptor.hpp"
+
+namespace rig {
+
+class StopSignal {
+  public:
+    /// Throws std::system_error when the process has no descriptor left.
+    StopSignal();
+
+    void raise() const;
+    /// Whether it was raised, at once or before `time` has passed.
+    [[nodiscard]] bool wait_for(std::chrono::nanoseconds time) const;
+    /// Readable once raised, for poll().
+    [[nodiscard]] int descriptor() const { return event_.get(); }
+
+  private:
+    settings::FileDescriptor event_;
+};
+
+}  // namespace rig

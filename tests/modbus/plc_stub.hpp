@@ -1,0 +1,90 @@
+/// A PLC for the client's tests: the real server, and a thread that scans, counts its watchdog and takes commits over.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "rig_bridge/modbus/server.hpp"
+#include "rig_bridge/registers/register_map.hpp"
+
+namespace stub {
+
+using namespace std::chrono_literals;
+
+inline rig::RegisterMap shipped_map() {
+    return rig::load_register_map("config/registers.toml");
+}
+
+/// Waits until `true_now()`; false when a minute was not enough.
+template <typename Condition>
+[[nodiscard]] bool eventually(const Condition& true_now) {
+    const auto end = std::chrono::steady_clock::now() + 60s;
+    while (!true_now()) {
+        if (std::chrono::steady_clock::now() > end) return false;
+        std::this_thread::sleep_for(1ms);
+    }
+    return true;
+}
+
+class Plc {
+  public:
+    explicit Plc(const rig::RegisterMap& map, const rig::ServerOptions& options = {})
+        : server_(map, options), thread_([this] { run(); }) {}
+    ~Plc() {
+        stop_ = true;
+        thread_.join();
+    }
+    Plc(const Plc&) = delete;
+    Plc& operator=(const Plc&) = delete;
+
+    [[nodiscard]] const rig::ModbusServer& server() const { return server_; }
+    void set(rig::Measured q, double value) {
+        const std::lock_guard lock(mutex_);
+        rig::at(measured_, q) = value;
+    }
+    [[nodiscard]] rig::Orders orders() const {
+        const std::lock_guard lock(mutex_);
+        return orders_;
+    }
+    /// Every commit that was seen, in order of appearance; a number twice is there twice.
+    [[nodiscard]] std::vector<rig::CommandedValues> commits() const {
+        const std::lock_guard lock(mutex_);
+        return commits_;
+    }
+    void refuse(bool on) { refuse_ = on; }
+    void freeze(bool on) { frozen_ = on; }
+
+  private:
+    void run() {
+        while (!stop_) {
+            if (!frozen_) scan();
+            std::this_thread::sleep_for(2ms);
+        }
+    }
+    void scan() {
+        const std::lock_guard lock(mutex_);
+        auto& watchdog = rig::at(measured_, rig::Measured::plc_watchdog);
+        watchdog = watchdog >= 65535.0 ? 0.0 : watchdog + 1.0;
+        orders_ = server_.exchange(measured_);
+        const double commit = rig::at(orders_.commanded, rig::Commanded::commit);
+        if (commit == commit_) return;
+        commit_ = commit;
+        commits_.push_back(orders_.commanded);
+        rig::at(measured_, refuse_ ? rig::Measured::refused_commit : rig::Measured::applied_commit) = commit;
+    }
+
+    rig::ModbusServer server_;
+    mutable std::mutex mutex_;
+    rig::MeasuredValues measured_{};
+    rig::Orders orders_;
+    std::vector<rig::CommandedValues> commits_;
+    double commit_ = 0.0;
+    std::atomic<bool> stop_{false}, refuse_{false}, frozen_{false};
+    std::thread thread_;
+};
+
+}  // namespace stub
