@@ -1,4 +1,4 @@
-/// virtual-rig: the plant behind the rig's CAN frames; runs one maneuver. See --help.
+/// virtual-rig: the plant behind the rig's CAN frames; runs one maneuver, or with `serve` as many as a rig bridge asks for. See --help.
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -8,6 +8,7 @@
 #include <exception>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "config/reader/atomic_file.hpp"
 #include "firmware/can/roles.hpp"
@@ -17,6 +18,7 @@
 #include "plant_sim/progress.hpp"
 #include "plant_sim/rig_node.hpp"
 #include "plant_sim/scenario_options.hpp"
+#include "plant_sim/serve_command.hpp"
 #include "plant_sim/study/picture.hpp"
 #include "plant_sim/study/trajectory.hpp"
 
@@ -39,7 +41,8 @@ struct Options {
 std::optional<int> parse(int argc, char** argv, Options& o) {
     CLI::App app{
         "The virtual rig: plant, sensors and pilot behind the rig's CAN frames. Runs one maneuver against "
-        "antiskid-controller.",
+        "antiskid-controller. `virtual-rig serve` is the rig without the pilot, for rig-bridge: see "
+        "virtual-rig serve --help.",
         "virtual-rig"};
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.add_option("--can", o.interface, "CAN interface, e.g. vcan0")->required()->type_name("IF");
@@ -151,6 +154,8 @@ int load_and_run(const Options& options) {
 
 int main(int argc, char** argv) {
     try {
+        if (argc > 1 && std::string_view(argv[1]) == "serve")
+            return plant_sim::serve_command(argc - 1, argv + 1);
         Options options;
         if (const auto status = parse(argc, argv, options)) return *status;
         return load_and_run(options);

@@ -19,7 +19,6 @@ using antiskid::can::Frame;
 using antiskid::can::Role;
 using antiskid::control::Time;
 using plc::Bench;
-using plc_test::Measured;
 
 constexpr Time kMillisecond{1'000'000};
 constexpr Time kSecond = 1000 * kMillisecond;

@@ -1,0 +1,231 @@
+#include "plant_sim/serve_command.hpp"
+
+#include <fmt/core.h>
+#include <CLI/CLI.hpp>
+
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "config/reader/atomic_file.hpp"
+#include "firmware/can/load_layout.hpp"
+#include "firmware/can/roles.hpp"
+#include "firmware/can/socket_can.hpp"
+#include "firmware/linux/controller_config.hpp"
+#include "firmware/linux/realtime.hpp"
+#include "firmware/linux/stop_signals.hpp"
+#include "firmware/linux/supervised_can.hpp"
+#include "plant_sim/plc/load_served_rig.hpp"
+#include "plant_sim/serve_node.hpp"
+#include "plant_sim/serve_reporter.hpp"
+#include "rig_bridge/modbus/server.hpp"
+#include "rig_bridge/scenario/scenario.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+using antiskid::control::Time;
+
+struct Options {
+    std::string interface;
+    std::string modbus = "127.0.0.1:1502";
+    bool rtu = false;
+    std::string clock = "timer";
+    std::filesystem::path config = "config";
+    std::filesystem::path dbc, binding, registers;
+    std::filesystem::path port_file;
+    std::filesystem::path scenario;
+    double taken_MJ = 0.0;
+    std::uint64_t seed = 1;
+    int priority = 70;
+};
+
+/// All that is read from files and the command line, checked.
+struct Served {
+    plant::LoadedRig plant;
+    plc::ServedRigOptions rig;
+    antiskid::can::Layout layout;
+    rig::RegisterMap map;
+    rig::ServerOptions server;
+};
+
+/// The options, or the exit status when there is nothing to run.
+std::optional<int> parse(int argc, char** argv, Options& o) {
+    CLI::App app{
+        "The rig that antiskid-controller and rig-bridge work on: sends wheel, flywheel and pressure frames "
+        "and obeys the valve "
+        "command on CAN, serves the PLC's registers on Modbus, moves the plant behind both. Runs until it is "
+        "stopped.",
+        "virtual-rig serve"};
+    app.add_option("--can", o.interface, "CAN interface, e.g. vcan0")->required()->type_name("IF");
+    app.add_option("--scenario", o.scenario, "the same file that rig-bridge gets: it says which rig this is")
+        ->required()
+        ->type_name("FILE");
+    auto* const modbus =
+        app.add_option("--modbus", o.modbus, "where Modbus TCP is served; port 0: any free one")
+            ->type_name("IP:PORT")
+            ->capture_default_str();
+    std::string rtu;
+    app.add_option(
+           "--modbus-rtu", rtu,
+           "pty: Modbus RTU on a pseudo-terminal, whose name is printed; without --modbus instead of TCP")
+        ->check(CLI::IsMember({"pty"}));
+    app.add_option("--clock", o.clock,
+                   "timer: real time; sync: lockstep with antiskid-controller --clock sync, never faster "
+                   "than real time")
+        ->check(CLI::IsMember({"timer", "sync"}))
+        ->capture_default_str();
+    app.add_option("--brake-energy", o.taken_MJ,
+                   "energy that the brake has taken before, for a campaign that goes on")
+        ->check(CLI::Range(0.0, 1e6))
+        ->type_name("MJ")
+        ->capture_default_str();
+    app.add_option("--seed", o.seed, "seed of every random draw")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    app.add_option(
+           "--port-file", o.port_file,
+           "written when everything is served: the TCP port (0: none), then the pseudo-terminal (or nothing)")
+        ->type_name("FILE");
+    app.add_option("--config", o.config, "directory of the configuration files")->capture_default_str();
+    app.add_option("--registers", o.registers, "register map (default: CONFIG/registers.toml)");
+    app.add_option("--dbc", o.dbc, "bus layout (default: CONFIG/antiskid.dbc)");
+    app.add_option("--binding", o.binding, "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+    app.add_option("--priority", o.priority, "SCHED_FIFO priority with --clock timer; 0: ordinary scheduling")
+        ->check(CLI::Range(0, 99))
+        ->capture_default_str();
+    app.footer(
+        "Examples:\n"
+        "  virtual-rig serve --can vcan0 --scenario config/scenarios/heavy.toml\n"
+        "  virtual-rig serve --can vcan0 --scenario config/scenarios/endurance.toml --clock sync --modbus "
+        "127.0.0.1:0 --port-file "
+        "port\n"
+        "Exit status: 0 stopped by SIGTERM; 1 interface or port not to be had; 2 mistake on the command line "
+        "or in a configuration "
+        "file; 130 stopped by Ctrl-C.");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? 0 : 2;
+    }
+    o.rtu = !rtu.empty();
+    if (o.rtu && modbus->count() == 0) o.modbus.clear();
+    return std::nullopt;
+}
+
+rig::ServerOptions server_options(const Options& o) {
+    rig::ServerOptions server{.port = std::nullopt, .rtu = o.rtu};
+    if (o.modbus.empty()) return server;
+    const std::size_t colon = o.modbus.rfind(':');
+    const std::string_view digits =
+        std::string_view(o.modbus).substr(colon == std::string::npos ? o.modbus.size() : colon + 1);
+    std::uint16_t port = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+    if (colon == 0 || digits.empty() || error != std::errc() || end != digits.data() + digits.size())
+        throw std::invalid_argument("--modbus: expected IP:PORT, e.g. 127.0.0.1:1502, got '" + o.modbus +
+                                    "'");
+    server.address = o.modbus.substr(0, colon);
+    server.port = port;
+    return server;
+}
+
+std::filesystem::path or_default(const std::filesystem::path& given, const std::filesystem::path& otherwise) {
+    return given.empty() ? otherwise : given;
+}
+
+Served load(const Options& o) {
+    const rig::Scenario scenario = rig::load_scenario(o.scenario, o.config);
+    Served s{.plant = scenario.rig,
+             .rig = plc::load_served_rig(o.config,
+                                         scenario.endurance() ? plc::Bench::endurance : plc::Bench::landing),
+             .layout = antiskid::can::load_layout(or_default(o.dbc, o.config / "antiskid.dbc"),
+                                                  or_default(o.binding, o.config / "antiskid_binding.toml")),
+             .map = rig::load_register_map(or_default(o.registers, o.config / "registers.toml")),
+             .server = server_options(o)};
+    if (o.clock == "sync" && !s.layout[antiskid::can::Role::sync].bound)
+        throw std::invalid_argument("--clock sync needs a layout with a [sync] message; this one has none");
+    s.rig.period_s = static_cast<double>(antiskid::load_controller_config(scenario.controller).period_s);
+    s.rig.watchdog_s = std::chrono::duration<double>(s.map.bridge_timeout).count();
+    s.rig.map_version = s.map.version;
+    s.rig.taken_J = o.taken_MJ * 1e6;
+    return s;
+}
+
+void enter_realtime(int priority) {
+    if (const auto refused = antiskid::rt::lock_memory()) fmt::print(stderr, "virtual-rig: {}\n", *refused);
+    for (const std::string& refused : antiskid::rt::enter_realtime({.priority = priority, .cpu = {}}))
+        fmt::print(stderr, "virtual-rig: {}\n", refused);
+}
+
+void announce(const Options& o, const rig::ModbusServer& server) {
+    if (server.port() != 0) fmt::print("Modbus TCP on port {}\n", server.port());
+    if (!server.rtu_path().empty()) fmt::print("Modbus RTU on {}\n", server.rtu_path());
+    fmt::print("serving on {}, clock {}\n", o.interface, o.clock);
+    (void)std::fflush(stdout);
+    if (!o.port_file.empty())
+        settings::write_file(o.port_file, fmt::format("{}\n{}\n", server.port(), server.rtu_path()));
+}
+
+void summarise(const ServeState& state, const plc::ServedRig& rig, const rig::ServerCounters& modbus) {
+    fmt::print(
+        "{:.3f} s of rig time, {} periods not sent in time, {} frames not sent; {} Modbus requests, {} of "
+        "them refused; {} "
+        "touchdowns, {:.3f} MJ taken by the brake\n",
+        rig.time_s(), state.overruns.load(), state.frames_lost.load(), modbus.requests, modbus.exceptions,
+        rig.maneuvers(), rig.cumulative_energy_J() * 1e-6);
+}
+
+int run(const Options& o, const Served& s) {
+    antiskid::rt::StopSignals signals;
+    const antiskid::can::IdList wanted = antiskid::can::ids(s.layout, std::array{antiskid::can::Role::valve});
+    antiskid::rt::SupervisedCan bus(
+        [&] { return std::make_unique<antiskid::can::SocketCan>(o.interface, wanted.span()); });
+    rig::ModbusServer server(s.map, s.server);
+    plc::ServedRig rig(s.plant, s.rig, o.seed);
+    const auto exchange = [&server](plc::ServedRig& served) {
+        const rig::Orders orders = server.exchange(served.measured());
+        served.command(orders.commanded);
+        served.open_interlocks(orders.open_interlocks);
+    };
+    antiskid::rt::MonotonicClock clock;
+    ServeNode node(rig, s.layout, bus, clock, Time(std::llround(s.rig.period_s * 1e9)), exchange);
+    announce(o, server);
+    {
+        const ServeReporter reporter(node.state(), bus, o.interface, s.rig.period_s);
+        if (o.clock == "sync") {
+            node.run_lockstep(signals.stop());
+        } else {
+            enter_realtime(o.priority);
+            node.run_realtime(signals.stop());
+        }
+    }
+    summarise(node.state(), rig, server.counters());
+    return signals.number() == SIGINT ? 130 : 0;
+}
+
+}  // namespace
+
+int serve_command(int argc, char** argv) {
+    Options options;
+    if (const auto status = parse(argc, argv, options)) return *status;
+    std::optional<Served> served;
+    try {
+        served = load(options);
+    } catch (const std::exception& e) {
+        fmt::print(stderr, "virtual-rig: {}\n", e.what());
+        return 2;
+    }
+    return run(options, *served);
+}
+
+}  // namespace plant_sim

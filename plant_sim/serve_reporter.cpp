@@ -1,0 +1,64 @@
+#include "plant_sim/serve_reporter.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+namespace plant_sim {
+
+ServeReporter::ServeReporter(const ServeState& state, antiskid::rt::SupervisedCan& bus, std::string interface,
+                             double period_s)
+    : state_(state), bus_(bus), interface_(std::move(interface)), period_s_(period_s), thread_([this] {
+          run();
+      }) {}
+
+ServeReporter::~ServeReporter() {
+    stop_ = true;
+    thread_.join();
+}
+
+void ServeReporter::say(const std::string& what) const {
+    fmt::print(stderr, "virtual-rig: {:.3f} s: {}\n", static_cast<double>(state_.periods.load()) * period_s_,
+               what);
+}
+
+void ServeReporter::run() {
+    while (!stop_) {
+        look();
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    look();
+}
+
+void ServeReporter::look() {
+    if (bus_.lost()) {
+        const std::string error = bus_.service();
+        if (!error.empty() && error != link_error_) say(error);
+        link_error_ = error;
+    }
+    if (const bool up = state_.link_up; up != link_up_) {
+        link_up_ = up;
+        say(up ? interface_ + " is up again"
+               : interface_ + " is down: nothing is sent, the valve driver gives no current; waiting for it");
+    }
+    if (const bool heard = state_.controller_heard; heard != controller_heard_) {
+        controller_heard_ = heard;
+        say(heard ? "antiskid-controller is heard: its valve command acts"
+                  : "antiskid-controller is silent: the valve driver gives no current");
+    }
+    if (const plc::Trip trip = state_.trip; trip != trip_) {
+        trip_ = trip;
+        say(trip == plc::Trip::none
+                ? "PLC reset: ready"
+                : fmt::format("PLC tripped: {}; drive off, sledge back", plc::name(trip)));
+    }
+    if (const std::uint32_t refused = state_.refused; refused != refused_) {
+        refused_ = refused;
+        say(fmt::format("PLC refused commit {}: {}", refused / 256U,
+                        plc::name(static_cast<plc::Refusal>(refused % 256U))));
+    }
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,42 @@
+/// What a served rig has to say while it runs, one line an event, from a thread of its own: the rig's thread never waits for a terminal.
+/// The same thread opens the CAN interface anew once it is back.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <thread>
+
+#include "firmware/linux/supervised_can.hpp"
+#include "plant_sim/serve_node.hpp"
+
+namespace plant_sim {
+
+class ServeReporter {
+  public:
+    /// Both must outlive it. `period_s` is the node's, for the rig time in front of each line.
+    ServeReporter(const ServeState& state, antiskid::rt::SupervisedCan& bus, std::string interface,
+                  double period_s);
+    ~ServeReporter();
+    ServeReporter(const ServeReporter&) = delete;
+    ServeReporter& operator=(const ServeReporter&) = delete;
+
+  private:
+    void run();
+    void look();
+    void say(const std::string& what) const;
+
+    const ServeState& state_;
+    antiskid::rt::SupervisedCan& bus_;
+    std::string interface_;
+    double period_s_;
+    bool link_up_ = true;
+    bool controller_heard_ = false;
+    plc::Trip trip_ = plc::Trip::none;
+    std::uint32_t refused_ = 0;
+    std::string link_error_;
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+}  // namespace plant_sim
