@@ -1,0 +1,25 @@
+/// What the meter must know of a scenario's rig.
+#pragma once
+
+#include "rig_bridge/record/meter.hpp"
+#include "rig_bridge/scenario/scenario.hpp"
+
+namespace rig {
+
+/// `period_s`: the controller's.
+[[nodiscard]] inline MeterParameters meter_parameters(const Scenario& scenario, double period_s) {
+    const plant::RigParameters& r = scenario.rig.rig;
+    return {.wheel_teeth = r.wheel_encoder.teeth,
+            .flywheel_teeth = r.flywheel_encoder.teeth,
+            .flywheel_radius_m = r.flywheel_radius_m,
+            .wheel_radius_m = r.wheel.free_radius_m,
+            .wheel_stiffness_Npm = r.wheel.stiffness_Npm,
+            .brake_gain_m3 = r.brake.gain_m3(),
+            .wheel_inertia_kgm2 = r.wheel.inertia_kgm2,
+            .flywheel_mass_kg = r.wheel.mass_kg,
+            .peak_friction = plant::peak(r.surface).mu,
+            .drop_out_mps = scenario.rig.drop_out_mps,
+            .period_s = period_s};
+}
+
+}  // namespace rig
