@@ -72,9 +72,10 @@ void read_range(const Table& table, Field& field) {
     const double a = (field.min - field.offset) / field.scale;
     const double b = (field.max - field.offset) / field.scale;
     if (std::round(std::min(a, b)) < least || std::round(std::max(a, b)) > greatest) {
-        const auto [low, high] =
-            std::minmax(least * field.scale + field.offset, greatest * field.scale + field.offset);
-        table.fail("range", "the registers hold " + shown(low) + " to " + shown(high) + " only");
+        const double low = least * field.scale + field.offset;
+        const double high = greatest * field.scale + field.offset;
+        table.fail("range", "the registers hold " + shown(std::min(low, high)) + " to " +
+                                shown(std::max(low, high)) + " only");
     }
 }
 
