@@ -38,8 +38,8 @@ LogWarnings::LogWarnings(std::string file, Sink sink, std::uint64_t said_of_each
     : file_(std::move(file)), sink_(std::move(sink)), said_of_each_(said_of_each) {}
 
 void LogWarnings::add(LogTrouble trouble, std::uint64_t line, std::string_view detail) {
-    if (count(trouble) < said_of_each_ && sink_) {
-        const bool last = count(trouble) + 1 == said_of_each_;
+    if (said(trouble) < said_of_each_ && sink_) {
+        const bool last = ++said_[static_cast<std::size_t>(trouble)] == said_of_each_;
         sink_(fmt::format("{}:{}: {}: {}{}", file_, line, name(trouble), printable(detail),
                           last ? " (more of this kind are only counted)" : ""));
     }

@@ -42,7 +42,7 @@ class LogWarnings {
     /// `detail`: a function without arguments that gives the text, called only where it will be said.
     template <std::invocable Detail>
     void add(LogTrouble trouble, std::uint64_t line, Detail detail) {
-        if (count(trouble) < said_of_each_)
+        if (said(trouble) < said_of_each_)
             add(trouble, line, std::string_view(detail()));
         else
             count_only(trouble);
@@ -58,10 +58,15 @@ class LogWarnings {
     [[nodiscard]] std::string summary() const;
 
   private:
+    [[nodiscard]] std::uint64_t said(LogTrouble trouble) const {
+        return said_[static_cast<std::size_t>(trouble)];
+    }
+
     std::string file_;
     Sink sink_;
     std::uint64_t said_of_each_;
     std::array<std::uint64_t, kLogTroubleCount> counts_{};
+    std::array<std::uint64_t, kLogTroubleCount> said_{};
 };
 
 }  // namespace rig
