@@ -201,7 +201,9 @@ int run(const Options& o, const Served& s) {
     ServeNode node(rig, s.layout, bus, clock, Time(std::llround(s.rig.period_s * 1e9)), exchange);
     announce(o, server);
     {
-        const ServeReporter reporter(node.state(), bus, o.interface, s.rig.period_s);
+        const ServeReporter reporter(
+            node.state(), bus, o.interface, s.rig.period_s,
+            [](const std::string& line) { fmt::print(stderr, "virtual-rig: {}\n", line); });
         if (o.clock == "sync") {
             node.run_lockstep(signals.stop());
         } else {

@@ -3,16 +3,18 @@
 #include <fmt/core.h>
 
 #include <chrono>
-#include <cstdio>
 #include <utility>
 
 namespace plant_sim {
 
 ServeReporter::ServeReporter(const ServeState& state, antiskid::rt::SupervisedCan& bus, std::string interface,
-                             double period_s)
-    : state_(state), bus_(bus), interface_(std::move(interface)), period_s_(period_s), thread_([this] {
-          run();
-      }) {}
+                             double period_s, Say say)
+    : state_(state),
+      bus_(bus),
+      interface_(std::move(interface)),
+      period_s_(period_s),
+      say_(std::move(say)),
+      thread_([this] { run(); }) {}
 
 ServeReporter::~ServeReporter() {
     stop_ = true;
@@ -20,8 +22,7 @@ ServeReporter::~ServeReporter() {
 }
 
 void ServeReporter::say(const std::string& what) const {
-    fmt::print(stderr, "virtual-rig: {:.3f} s: {}\n", static_cast<double>(state_.periods.load()) * period_s_,
-               what);
+    say_(fmt::format("{:.3f} s: {}", static_cast<double>(state_.periods.load()) * period_s_, what));
 }
 
 void ServeReporter::run() {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <thread>
 
@@ -14,9 +15,12 @@ namespace plant_sim {
 
 class ServeReporter {
   public:
-    /// Both must outlive it. `period_s` is the node's, for the rig time in front of each line.
+    /// Called with each line, rig time in front, from the reporter's thread.
+    using Say = std::function<void(const std::string&)>;
+
+    /// State and bus must outlive it. `period_s` is the node's.
     ServeReporter(const ServeState& state, antiskid::rt::SupervisedCan& bus, std::string interface,
-                  double period_s);
+                  double period_s, Say say);
     ~ServeReporter();
     ServeReporter(const ServeReporter&) = delete;
     ServeReporter& operator=(const ServeReporter&) = delete;
@@ -30,6 +34,7 @@ class ServeReporter {
     antiskid::rt::SupervisedCan& bus_;
     std::string interface_;
     double period_s_;
+    Say say_;
     bool link_up_ = true;
     bool controller_heard_ = false;
     plc::Trip trip_ = plc::Trip::none;
