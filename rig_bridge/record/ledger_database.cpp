@@ -1,7 +1,5 @@
 #include "rig_bridge/record/ledger_database.hpp"
 
-#include <cerrno>
-#include <cstring>
 #include <limits>
 
 #include "config/reader/error.hpp"
@@ -19,6 +17,9 @@ constexpr std::int64_t kApplicationId = 0x41534c47;  // "ASLG"
         case SQLITE_FULL:
             why = "the disk is full; the ledger is as it was before";
             break;
+        case SQLITE_IOERR:
+            why = "the disk refused it; the ledger is as it was before";
+            break;
         case SQLITE_BUSY:
             why = "another program keeps it locked";
             break;
@@ -35,8 +36,6 @@ constexpr std::int64_t kApplicationId = 0x41534c47;  // "ASLG"
             break;
     }
     why += std::string(" (") + (database != nullptr ? sqlite3_errmsg(database) : sqlite3_errstr(code));
-    const int system = database != nullptr ? sqlite3_system_errno(database) : 0;
-    if (system != 0 && (code & 0xFF) == SQLITE_IOERR) why += std::string(", ") + std::strerror(system);
     throw LedgerError(path + ": " + why + ")");
 }
 
