@@ -1,0 +1,152 @@
+#include "rig_bridge/bridge/bus_recorder.hpp"
+
+#include <chrono>
+#include <exception>
+#include <utility>
+
+namespace rig {
+
+using antiskid::can::Frame;
+using antiskid::can::Role;
+using antiskid::can::Time;
+
+namespace {
+
+constexpr Time kLook{2'000'000};  // far below the main loop's step; the kernel's queue holds a second
+constexpr Time kHousekeeping{100'000'000};
+
+Time steady_now() {
+    return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+Time wall_now() {
+    return std::chrono::system_clock::now().time_since_epoch();
+}
+
+}  // namespace
+
+BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layout& layout,
+                         const MeterParameters& parameters, std::function<void()> housekeeping)
+    : interface_(interface),
+      layout_(layout),
+      parameters_(parameters),
+      housekeeping_(std::move(housekeeping)),
+      capture_(std::make_unique<Capture>(interface)),
+      live_(std::make_unique<BusMeter>(layout_, parameters_)),
+      thread_([this] { run(); }) {}
+
+BusRecorder::~BusRecorder() {
+    stop_ = true;
+    thread_.join();
+}
+
+BusNow BusRecorder::now() const {
+    const std::lock_guard lock(mutex_);
+    return now_;
+}
+
+void BusRecorder::begin(const std::filesystem::path& path) {
+    auto next = std::make_unique<Recording>(path, interface_, layout_, parameters_);
+    const std::lock_guard lock(mutex_);
+    next_ = std::move(next);
+    end_asked_ = false;
+    ended_.reset();
+}
+
+void BusRecorder::end() {
+    const std::lock_guard lock(mutex_);
+    end_asked_ = true;
+}
+
+std::unique_ptr<Recording> BusRecorder::take() {
+    const std::lock_guard lock(mutex_);
+    return std::move(ended_);
+}
+
+void BusRecorder::change_record() {
+    const std::lock_guard lock(mutex_);
+    if (next_) {
+        recording_ = std::move(next_);
+        recording_->dropped_before = dropped(capture_ ? capture_->status() : CaptureStatus{});
+        live_ = std::make_unique<BusMeter>(layout_, parameters_);
+    }
+    if (end_asked_ && recording_) {
+        ended_ = std::move(recording_);
+        end_asked_ = false;
+    }
+}
+
+void BusRecorder::hear(std::span<const CapturedFrame> frames, bool drained) {
+    const Time offset = wall_now() - steady_now();
+    for (const CapturedFrame& one : frames) {
+        if (recording_) recording_->log.write(one);
+        if (!one.plain()) continue;
+        if (recording_) recording_->meter.accept(one.frame);
+        if (layout_[Role::sync].bound && one.frame.id == layout_[Role::sync].id) ++syncs_;
+        Frame frame = one.frame;
+        frame.received -= offset;
+        live_->accept(frame);
+    }
+    publish(drained);
+}
+
+void BusRecorder::publish(bool drained) {
+    const CaptureStatus status =
+        capture_ ? capture_->status()
+                 : CaptureStatus{.up = false, .gone = true, .interface_error = capture_error_};
+    if (recording_) {
+        recording_->dropped = dropped(status) - recording_->dropped_before;
+        recording_->interrupted = recording_->interrupted || !status.up;
+    }
+    const std::lock_guard lock(mutex_);
+    now_.up = status.up;
+    now_.error = status.interface_error;
+    now_.view = live_->view();
+    if (drained) now_.looked = steady_now();
+    now_.rim_mps = live_->meter().speed_mps();
+    now_.slip = live_->meter().slip();
+    now_.syncs = syncs_;
+    if (!recording_) return;
+    now_.frames = recording_->log.frames();
+    now_.dropped = recording_->dropped;
+    now_.missing = recording_->log.missing();
+    if (now_.missing != 0) now_.recording_error = recording_->log.error();
+}
+
+/// A socket on an interface that was removed stays dead: a new one, as soon as there is an interface again.
+void BusRecorder::keep_capture() {
+    if (capture_ && !capture_->status().gone) return;
+    if (capture_) {
+        capture_error_ = capture_->status().interface_error;
+        dropped_before_ += capture_->status().dropped;
+    }
+    capture_.reset();
+    try {
+        capture_ = std::make_unique<Capture>(interface_);
+    } catch (const std::exception& e) {
+        capture_error_ = e.what();
+    }
+}
+
+void BusRecorder::run() {
+    Time next_housekeeping{};
+    while (!stop_) {
+        change_record();
+        const Time now = steady_now();
+        if (now >= next_housekeeping) {
+            next_housekeeping = now + kHousekeeping;
+            keep_capture();
+            housekeeping_();
+        }
+        if (!capture_) {
+            publish(true);
+            std::this_thread::sleep_for(kLook);
+            continue;
+        }
+        const auto frames = capture_->receive();
+        hear(frames, frames.size() < Capture::kBatch);
+        if (frames.size() < Capture::kBatch) std::this_thread::sleep_for(kLook);
+    }
+}
+
+}  // namespace rig

@@ -1,0 +1,85 @@
+/// The thread that hears everything on the bus: what is known of it now, the live figures, and bus.log of each maneuver.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "firmware/can/layout.hpp"
+#include "rig_bridge/bridge/parts.hpp"
+#include "rig_bridge/record/bus_log.hpp"
+#include "rig_bridge/record/bus_meter.hpp"
+#include "rig_bridge/record/capture.hpp"
+
+namespace rig {
+
+/// One maneuver's record, from begin() to end().
+struct Recording {
+    BusLog log;
+    BusMeter meter;
+    std::uint64_t dropped_before = 0;  ///< by the kernel, when it began
+    std::uint64_t dropped = 0;         ///< by the kernel, during it
+    bool interrupted = false;          ///< the interface was away for a while
+
+    Recording(const std::filesystem::path& path, const std::string& interface,
+              const antiskid::can::Layout& layout, const MeterParameters& parameters)
+        : log(path, interface), meter(layout, parameters) {}
+};
+
+class BusRecorder final : public BusFeed {
+  public:
+    /// Throws what Capture throws. `housekeeping` is called by the thread several times a second. `layout` must outlive it.
+    BusRecorder(const std::string& interface, const antiskid::can::Layout& layout,
+                const MeterParameters& parameters, std::function<void()> housekeeping);
+    ~BusRecorder() override;
+    BusRecorder(const BusRecorder&) = delete;
+    BusRecorder& operator=(const BusRecorder&) = delete;
+
+    [[nodiscard]] BusNow now() const override;
+
+    /// Starts bus.log. Throws std::runtime_error naming `path`.
+    void begin(const std::filesystem::path& path);
+    /// Asks the thread to end the record; take() has it a few milliseconds later.
+    void end();
+    /// The record, once the thread has let go of it; its log is not yet finished (BusLog::finish() waits for the disk).
+    [[nodiscard]] std::unique_ptr<Recording> take();
+
+  private:
+    void run();
+    void hear(std::span<const CapturedFrame> frames, bool drained);
+    void publish(bool drained);
+    void change_record();
+    void keep_capture();
+    [[nodiscard]] std::uint64_t dropped(const CaptureStatus& status) const {
+        return dropped_before_ + status.dropped;
+    }
+
+    std::string interface_;
+    const antiskid::can::Layout& layout_;
+    MeterParameters parameters_;
+    std::function<void()> housekeeping_;
+
+    // The thread's own.
+    std::unique_ptr<Capture> capture_;
+    std::unique_ptr<BusMeter> live_;
+    std::unique_ptr<Recording> recording_;
+    std::uint64_t syncs_ = 0;
+    std::uint64_t dropped_before_ = 0;  // by captures that are no more
+    std::string capture_error_;
+
+    mutable std::mutex mutex_;  // over all that follows
+    BusNow now_;
+    std::unique_ptr<Recording> next_;
+    std::unique_ptr<Recording> ended_;
+    bool end_asked_ = false;
+
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+}  // namespace rig

@@ -1,0 +1,55 @@
+#include "rig_bridge/bridge/campaign.hpp"
+
+#include <fmt/core.h>
+
+#include <numeric>
+
+#include "rig_bridge/sequencer/sequencer.hpp"
+
+namespace rig {
+
+using sequencer::Abort;
+
+namespace {
+
+bool made_by_a_person(const std::string& outcome) {
+    return outcome == name(Abort::emergency_stop) || outcome == name(Abort::guard_open) ||
+           outcome == name(Abort::requested);
+}
+
+}  // namespace
+
+Decision CampaignJudge::wear(const Summary& summary) const {
+    const double friction = summary.figures.mean_friction;
+    if (!rules_.min_friction || friction >= *rules_.min_friction) return {};
+    return {Verdict::worn, fmt::format("maneuver {}: mean friction {:.4f} is below the wear limit {:.4f}",
+                                       summary.number, friction, *rules_.min_friction)};
+}
+
+Decision CampaignJudge::after(const Summary& summary) {
+    if (summary.outcome == "finished") {
+        failures_ = 0;
+        return wear(summary);
+    }
+    failures_ = failing_ == summary.number ? failures_ + 1 : 1;
+    failing_ = summary.number;
+    std::string what = fmt::format("maneuver {} was aborted: {}", summary.number, summary.outcome);
+    if (made_by_a_person(summary.outcome)) return {Verdict::fault, what + "; never retried by itself"};
+    if (failures_ <= rules_.retries)
+        return {Verdict::go_on, what + fmt::format("; retry {} of {}", failures_, rules_.retries)};
+    return {Verdict::fault,
+            rules_.retries == 0 ? what : what + fmt::format("; {} retries did not help", rules_.retries)};
+}
+
+void Pace::add(double seconds) {
+    newest_.push_back(seconds);
+    if (newest_.size() > kKept) newest_.pop_front();
+}
+
+std::optional<double> Pace::left_s(std::int64_t maneuvers) const {
+    if (newest_.empty()) return std::nullopt;
+    const double sum = std::accumulate(newest_.begin(), newest_.end(), 0.0);
+    return static_cast<double>(maneuvers) * sum / static_cast<double>(newest_.size());
+}
+
+}  // namespace rig

@@ -1,0 +1,176 @@
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+
+#include "rig_bridge/bridge/realtime.hpp"
+#include "rig_bridge/bridge/session.hpp"
+#include "rig_bridge/bridge/status.hpp"
+#include "rig_bridge/bridge/verbs.hpp"
+#include "rig_bridge/bridge/wall_clock.hpp"
+#include "rig_bridge/record/ledger.hpp"
+#include "rig_bridge/record/summary_file.hpp"
+
+namespace rig {
+
+namespace {
+
+std::string now_text() {
+    return iso_8601(std::chrono::system_clock::now());
+}
+
+/// A campaign as one session of the program runs it.
+class CampaignRun {
+  public:
+    CampaignRun(const Setup& setup, const CampaignCommand& command, std::string name, StopRequests& stops,
+                Terminal& terminal, Ledger& ledger)
+        : setup_(setup),
+          command_(command),
+          name_(std::move(name)),
+          stops_(stops),
+          terminal_(terminal),
+          ledger_(ledger),
+          judge_(command.rules),
+          session_(setup, stops, terminal) {}
+
+    int run();
+
+  private:
+    [[nodiscard]] std::optional<Attempt> next();
+    [[nodiscard]] Order order(const Attempt& attempt) const;
+    [[nodiscard]] Ran one(const Attempt& attempt);
+    [[nodiscard]] int interrupted() const { return 128 + stops_.number(); }
+
+    const Setup& setup_;
+    const CampaignCommand& command_;
+    std::string name_;
+    StopRequests& stops_;
+    Terminal& terminal_;
+    Ledger& ledger_;
+    CampaignJudge judge_;
+    Pace pace_;
+    Session session_;
+};
+
+std::optional<Attempt> CampaignRun::next() {
+    std::optional<Attempt> attempt;
+    session_.meanwhile([&] {
+        if (const auto number = ledger_.next_number()) attempt = ledger_.begin(*number, now_text());
+    });
+    return attempt;
+}
+
+Order CampaignRun::order(const Attempt& attempt) const {
+    const std::int64_t finished = ledger_.finished_count();
+    return {.plan = plan(setup_.scenario, setup_.options.seed, attempt.number),
+            .campaign = name_,
+            .number = attempt.number,
+            .folder = attempt.folder,
+            .taken_J = ledger_.cumulative_energy_J(),
+            .view = CampaignView{.number = attempt.number,
+                                 .finished = finished,
+                                 .planned = command_.rules.maneuvers,
+                                 .left_s = pace_.left_s(command_.rules.maneuvers - finished)}};
+}
+
+Ran CampaignRun::one(const Attempt& attempt) {
+    const auto began = std::chrono::steady_clock::now();
+    Order what;
+    session_.meanwhile([&] { what = order(attempt); });
+    Ran ran = session_.run(what);
+    session_.meanwhile([&] {
+        if (!ran.record_error.empty()) {
+            ledger_.mark_unfinished();
+            return;
+        }
+        write_summary(attempt.folder / "summary.json", ran.summary);
+        ledger_.finish(ran.summary);
+    });
+    pace_.add(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+    return ran;
+}
+
+int CampaignRun::run() {
+    while (const auto attempt = next()) {
+        const Ran ran = one(*attempt);
+        if (!ran.record_error.empty()) {
+            terminal_.say(fmt::format("rig-bridge: maneuver {} does not count, its record is not whole: {}",
+                                      attempt->number, ran.record_error));
+            return stops_.count() > 0 ? interrupted() : 1;
+        }
+        const Decision decision = judge_.after(ran.summary);
+        const std::string reason = decision.reason + (ran.note.empty() ? "" : "; " + ran.note);
+        if (!decision.reason.empty()) terminal_.say("rig-bridge: " + reason);
+        if (ran.summary.outcome == name(sequencer::Phase::finished))
+            terminal_.say(fmt::format(
+                "maneuver {} finished: mean torque {:.1f} N m, mean friction {:.4f}, {:.3f} MJ in all",
+                ran.summary.number, ran.summary.figures.mean_torque_Nm, ran.summary.figures.mean_friction,
+                ran.summary.cumulative_energy_J * 1e-6));
+        if (stops_.count() > 0) return interrupted();
+        if (decision.verdict == Verdict::fault) return 1;
+        if (decision.verdict == Verdict::worn) return 0;
+    }
+    return 0;
+}
+
+void tell(const Resumed& resumed, std::int64_t finished, Terminal& terminal) {
+    for (const std::string& change : resumed.changed) terminal.say("rig-bridge: goes on although " + change);
+    for (const std::int64_t number : resumed.adopted)
+        terminal.say(fmt::format("rig-bridge: maneuver {} had finished and is entered now", number));
+    for (const std::int64_t number : resumed.unfinished)
+        terminal.say(fmt::format("rig-bridge: maneuver {} was left unfinished and is run again", number));
+    if (!resumed.created) terminal.say(fmt::format("rig-bridge: resumes, {} maneuvers finished", finished));
+}
+
+/// The wear limit may have been reached by the last maneuver before the bridge died.
+Decision before(const CampaignRules& rules, const std::filesystem::path& file, const std::string& name) {
+    const std::vector<LedgerRow> rows = read_ledger(file, name);
+    const auto last = std::find_if(rows.rbegin(), rows.rend(),
+                                   [](const LedgerRow& row) { return row.state == RowState::finished; });
+    return last == rows.rend() ? Decision{} : CampaignJudge(rules).before(last->summary);
+}
+
+}  // namespace
+
+int run_campaign(const CampaignCommand& command) {
+    const Setup setup = load_setup(command.rig);
+    const std::string name = command.name.empty() ? setup.scenario.name : command.name;
+    const std::filesystem::path file = ledger_file(command.rig.out);
+    StopRequests stops;
+    Terminal terminal(STDERR_FILENO);
+    std::filesystem::create_directories(command.rig.out);
+    Ledger ledger(file);
+    const Resumed resumed = ledger.open_campaign({.name = name,
+                                                  .scenario = setup.scenario.name,
+                                                  .seed = setup.options.seed,
+                                                  .planned = command.rules.maneuvers,
+                                                  .config_hash = setup.config_hash,
+                                                  .version = ANTISKID_VERSION,
+                                                  .created = now_text()},
+                                                 command.changed ? IfChanged::go_on : IfChanged::refuse);
+    tell(resumed, ledger.finished_count(), terminal);
+    if (const Decision decision = before(command.rules, file, name); decision.verdict != Verdict::go_on) {
+        terminal.say("rig-bridge: " + decision.reason);
+        return 0;
+    }
+    if (!ledger.next_number()) {
+        fmt::print("{}", status_text(file));
+        return 0;
+    }
+    int status = 1;
+    try {
+        enter_realtime(setup.options.priority, terminal);
+        CampaignRun run(setup, command, name, stops, terminal, ledger);
+        status = run.run();
+    } catch (const EndAtOnce&) {
+        terminal.say(
+            "rig-bridge: ended at once; the PLC's watchdog and the controller's time-outs make the rig safe");
+        return 128 + stops.number();
+    }
+    fmt::print("{}", status_text(file));
+    return status;
+}
+
+}  // namespace rig

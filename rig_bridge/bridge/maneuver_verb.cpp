@@ -1,0 +1,68 @@
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <exception>
+#include <filesystem>
+
+#include "rig_bridge/bridge/realtime.hpp"
+#include "rig_bridge/bridge/session.hpp"
+#include "rig_bridge/bridge/setup.hpp"
+#include "rig_bridge/bridge/verbs.hpp"
+#include "rig_bridge/record/summary_file.hpp"
+
+namespace rig {
+
+namespace {
+
+std::filesystem::path folder(const Setup& setup) {
+    if (setup.options.out.empty()) {
+        const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+        return std::filesystem::path("out") /
+               fmt::format("{}-{:%Y%m%dT%H%M%SZ}", setup.scenario.name, fmt::gmtime(now));
+    }
+    for (const char* const file : {"bus.log", "modbus.csv", "summary.json"}) {
+        if (std::filesystem::exists(setup.options.out / file))
+            throw UsageError("--out " + setup.options.out.string() + ": has a " + file +
+                             " already; a maneuver gets a folder of its own");
+    }
+    return setup.options.out;
+}
+
+}  // namespace
+
+int run_maneuver(const ManeuverCommand& command) {
+    const Setup setup = load_setup(command.rig);
+    StopRequests stops;
+    Terminal terminal(STDERR_FILENO);
+    const Order order{.plan = plan(setup.scenario, setup.options.seed, 1),
+                      .campaign = {},
+                      .number = 1,
+                      .folder = folder(setup),
+                      .taken_J = 0.0,
+                      .view = std::nullopt};
+    enter_realtime(setup.options.priority, terminal);
+    Session session(setup, stops, terminal);
+    try {
+        const Ran ran = session.run(order);
+        session.meanwhile([&] { write_summary(order.folder / "summary.json", ran.summary); });
+        fmt::print("{}Written to {}: bus.log, modbus.csv, summary.json\n", summary_table(ran.summary),
+                   order.folder.string());
+        if (!ran.record_error.empty()) {
+            terminal.say("rig-bridge: the record is not whole: " + ran.record_error);
+            return 1;
+        }
+        if (stops.count() > 0) return 128 + stops.number();
+        if (ran.summary.outcome == name(sequencer::Phase::finished)) return 0;
+        terminal.say("rig-bridge: the maneuver was aborted: " + ran.summary.outcome +
+                     (ran.note.empty() ? "" : "; " + ran.note));
+        return 1;
+    } catch (const EndAtOnce&) {
+        terminal.say(
+            "rig-bridge: ended at once; the PLC's watchdog and the controller's time-outs make the rig safe");
+        return 128 + stops.number();
+    }
+}
+
+}  // namespace rig

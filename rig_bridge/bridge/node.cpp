@@ -1,0 +1,72 @@
+#include "rig_bridge/bridge/node.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "firmware/can/roles.hpp"
+
+namespace rig {
+
+using antiskid::can::Frame;
+using antiskid::can::Role;
+using antiskid::can::Time;
+using sequencer::Phase;
+
+namespace {
+
+/// Load cells go out only while they are fresh; RigPort's cycle would not ask.
+constexpr std::array kCycle{Role::maneuver, Role::rig_heartbeat, Role::emergency_stop, Role::maneuver_state};
+
+}  // namespace
+
+Node::Node(const antiskid::can::Layout& layout, double period_s, const Freshness& limits, Plc& plc,
+           const BusFeed& feed, antiskid::can::Bus& bus)
+    : layout_(layout),
+      limits_(limits),
+      plc_(plc),
+      feed_(feed),
+      bus_(bus),
+      port_(layout, kStep, kCycle),
+      time_(period_s),
+      load_cell_steps_(
+          static_cast<std::uint64_t>(std::max<std::int64_t>(layout[Role::load_cells].period / kStep, 1))) {}
+
+bool Node::nothing_on() const {
+    const sequencer::Outputs& out = moment_.outputs;
+    return !out.drive_enable && !out.sledge_advance && !out.load_enable && !out.arm;
+}
+
+const Moment& Node::step(sequencer::Sequencer* sequencer, const Wishes& wishes, Time now) {
+    moment_.now = now;
+    moment_.plc = plc_.snapshot();
+    moment_.bus = feed_.now();
+    moment_.inputs = look(moment_.plc, moment_.bus, now, limits_);
+    moment_.inputs.bus_up = moment_.inputs.bus_up && bus_.status().up;
+    moment_.inputs.abort_requested = wishes.abort;
+    moment_.rig_s = time_.at(std::chrono::duration<double>(now).count(), moment_.bus.syncs);
+    moment_.outputs =
+        sequencer == nullptr ? sequencer::Outputs{} : sequencer->step(moment_.inputs, moment_.rig_s);
+
+    const bool tripped = moment_.inputs.plc_fresh && !moment_.inputs.plc_ready;
+    const bool idle =
+        nothing_on() && (moment_.outputs.phase == Phase::idle || (sequencer != nullptr && sequencer->over()));
+    moment_.resetting = reset_.step(wishes.reset && idle && tripped && interlocks_good(moment_.plc, limits_),
+                                    std::chrono::duration<double>(now).count());
+    plc_.command(commands(moment_.outputs, moment_.resetting));
+    send(wishes.number);
+    ++steps_;
+    return moment_;
+}
+
+void Node::send(std::int64_t number) {
+    // Takes note of what became of the link; the frames themselves are the recorder's.
+    std::array<Frame, antiskid::can::RigPort::kMostFrames> frames{};
+    (void)bus_.receive(frames);
+    const std::size_t due = port_.due_frames(telegram(moment_.outputs, moment_.plc, number), frames);
+    for (std::size_t i = 0; i < due; ++i) (void)bus_.send(frames[i]);
+    if (layout_[Role::load_cells].bound && steps_ % load_cell_steps_ == 0 &&
+        load_cells_fresh(moment_.plc, limits_))
+        (void)bus_.send(port_.load_cells(load_cells(moment_.plc)));
+}
+
+}  // namespace rig

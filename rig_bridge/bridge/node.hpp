@@ -1,0 +1,64 @@
+/// The bridge's main loop, one step of 10 ms: looks at PLC and bus, asks the sequencer, tells PLC and controller. Knows no thread, file or
+/// clock; the step's time is handed in.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/can/bus.hpp"
+#include "firmware/can/rig_port.hpp"
+#include "rig_bridge/bridge/parts.hpp"
+#include "rig_bridge/bridge/reset_desk.hpp"
+#include "rig_bridge/bridge/rig_time.hpp"
+#include "rig_bridge/bridge/translate.hpp"
+#include "rig_bridge/sequencer/sequencer.hpp"
+
+namespace rig {
+
+/// Everything that was known and decided in one step.
+struct Moment {
+    antiskid::can::Time now{};  ///< steady clock
+    double rig_s = 0.0;         ///< see RigTime
+    Snapshot plc;
+    BusNow bus;
+    sequencer::Inputs inputs;
+    sequencer::Outputs outputs;
+    bool resetting = false;
+};
+
+class Node {
+  public:
+    static constexpr antiskid::can::Time kStep{10'000'000};
+
+    /// All must outlive the node. `period_s`: control period, the step of the SYNC number.
+    Node(const antiskid::can::Layout& layout, double period_s, const Freshness& limits, Plc& plc,
+         const BusFeed& feed, antiskid::can::Bus& bus);
+
+    struct Wishes {
+        std::int64_t number = 0;  ///< of the maneuver, for the bus
+        bool abort = false;
+        bool reset = false;  ///< lead a tripped PLC back while nothing is on
+    };
+    /// One step at `now`. No sequencer: everything is off and the phase is `idle`.
+    const Moment& step(sequencer::Sequencer* sequencer, const Wishes& wishes, antiskid::can::Time now);
+
+    [[nodiscard]] const Moment& moment() const { return moment_; }
+    [[nodiscard]] const Freshness& limits() const { return limits_; }
+
+  private:
+    void send(std::int64_t number);
+    [[nodiscard]] bool nothing_on() const;
+
+    const antiskid::can::Layout& layout_;
+    Freshness limits_;
+    Plc& plc_;
+    const BusFeed& feed_;
+    antiskid::can::Bus& bus_;
+    antiskid::can::RigPort port_;
+    RigTime time_;
+    ResetDesk reset_;
+    Moment moment_;
+    std::uint64_t steps_ = 0;
+    std::uint64_t load_cell_steps_ = 1;
+};
+
+}  // namespace rig

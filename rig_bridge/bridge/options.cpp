@@ -1,0 +1,111 @@
+#include "rig_bridge/bridge/options.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace rig {
+
+namespace {
+
+constexpr auto kFooter = R"(Examples:
+  rig-bridge maneuver config/scenarios/heavy.toml --can can0 --plc 192.168.1.10:502
+  rig-bridge maneuver config/scenarios/heavy.toml --can vcan0 --plc 127.0.0.1:1502 --out out/heavy
+  rig-bridge campaign config/scenarios/endurance.toml --can can0 --plc-rtu /dev/ttyUSB0 --maneuvers 500 --out runs/brake7
+  rig-bridge status runs/brake7
+Ctrl-C brings the maneuver to its safe end first; a second one ends the program at once, and the PLC's watchdog and the controller's
+time-outs make the rig safe. The same campaign command goes on where it was, whatever ended it.
+Exit status: 0 finished (also: wear limit reached), 1 aborted or failed (the reason is named), 2 mistake on the command line or in a
+configuration file, 130 Ctrl-C.)";
+
+struct PlcOptions {
+    std::string tcp;
+    std::string rtu;
+};
+
+void add_rig_options(CLI::App& app, RigOptions& o, PlcOptions& plc, const char* out) {
+    app.add_option("SCENARIO", o.scenario, "scenario file, e.g. config/scenarios/heavy.toml")
+        ->required()
+        ->type_name("FILE");
+    app.add_option("--can", o.interface, "CAN interface, e.g. can0")->required()->type_name("IF");
+    auto* const tcp = app.add_option("--plc", plc.tcp, "the PLC's Modbus TCP server")->type_name("IP:PORT");
+    auto* const rtu =
+        app.add_option("--plc-rtu", plc.rtu, "the serial line of the PLC's Modbus RTU")->type_name("DEVICE");
+    tcp->excludes(rtu);
+    app.add_option("--out", o.out, out)->type_name("DIR");
+    app.add_option("--seed", o.seed, "seed of every random draw")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    app.add_option("--config", o.config, "directory of the configuration files")->capture_default_str();
+    app.add_option("--dbc", o.dbc, "bus layout (default: CONFIG/antiskid.dbc)");
+    app.add_option("--binding", o.binding, "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+    app.add_option("--registers", o.registers, "register map (default: CONFIG/registers.toml)");
+    app.add_flag("!--no-reset", o.reset,
+                 "a tripped PLC is reset by hand only; without this, by the bridge while nothing is on and "
+                 "every interlock is good");
+    app.add_option("--priority", o.priority, "SCHED_FIFO priority; 0: ordinary scheduling")
+        ->check(CLI::Range(0, 99))
+        ->capture_default_str();
+}
+
+void choose_plc(const PlcOptions& plc, RigOptions& o) {
+    if (plc.tcp.empty() == plc.rtu.empty())
+        throw std::invalid_argument("say where the PLC is: --plc IP:PORT or --plc-rtu DEVICE");
+    if (!plc.rtu.empty() && plc.rtu.front() != '/')
+        throw std::invalid_argument("--plc-rtu: expected the path of a device, e.g. /dev/ttyUSB0, got '" +
+                                    plc.rtu + "'");
+    o.plc = plc.tcp.empty() ? plc.rtu : plc.tcp;
+}
+
+}  // namespace
+
+std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* const* argv) {
+    CLI::App app{
+        "Runs maneuvers on a brake rig: sequences its PLC over Modbus and the controller over CAN, records, "
+        "keeps the ledger.",
+        "rig-bridge"};
+    app.set_version_flag("--version", ANTISKID_VERSION);
+    app.require_subcommand(1);
+    app.footer(kFooter);
+
+    ManeuverCommand maneuver;
+    CampaignCommand campaign;
+    StatusCommand status;
+    PlcOptions maneuver_plc;
+    PlcOptions campaign_plc;
+    CLI::App* const one = app.add_subcommand("maneuver", "one maneuver into a folder");
+    add_rig_options(*one, maneuver.rig, maneuver_plc, "folder of this maneuver (default: out/SCENARIO-TIME)");
+    CLI::App* const many =
+        app.add_subcommand("campaign", "many maneuvers unattended; the same command resumes");
+    add_rig_options(*many, campaign.rig, campaign_plc, "folder of the campaign");
+    many->get_option("--out")->required();
+    many->add_option("--maneuvers", campaign.rules.maneuvers, "how many, those already finished included")
+        ->required()
+        ->check(CLI::Range(1, 1'000'000));
+    many->add_option("--retry", campaign.rules.retries,
+                     "run an aborted maneuver again, so many times; never after emergency stop or open guard")
+        ->check(CLI::Range(0, 1000))
+        ->capture_default_str();
+    many->add_option("--min-friction", campaign.rules.min_friction,
+                     "wear limit: stop when the mean friction of a maneuver is below")
+        ->check(CLI::Range(0.0, 1.0));
+    many->add_option("--name", campaign.name, "of the campaign in its ledger (default: the scenario's)");
+    many->add_flag("--go-on-changed", campaign.changed,
+                   "resume although scenario, seed or configuration differ from before");
+    CLI::App* const state = app.add_subcommand("status", "how far a campaign is, from its ledger");
+    state->add_option("DIR", status.directory, "folder of the campaign")->required();
+    state->add_flag("--json", status.json, "as JSON");
+    for (CLI::App* const verb : {one, many, state}) verb->footer(kFooter);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? 0 : 2;
+    }
+    if (state->parsed()) return BridgeCommand{status};
+    if (one->parsed()) {
+        choose_plc(maneuver_plc, maneuver.rig);
+        return BridgeCommand{maneuver};
+    }
+    choose_plc(campaign_plc, campaign.rig);
+    return BridgeCommand{campaign};
+}
+
+}  // namespace rig

@@ -1,0 +1,50 @@
+/// The command line of rig-bridge.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "rig_bridge/bridge/campaign.hpp"
+
+namespace rig {
+
+/// What every verb that moves the rig needs.
+struct RigOptions {
+    std::filesystem::path scenario;
+    std::string interface;
+    std::string plc;  ///< IP:PORT, or the device of a serial line
+    std::filesystem::path out;
+    std::uint64_t seed = 1;
+    std::filesystem::path config = "config";
+    std::filesystem::path dbc, binding, registers;  ///< empty: those of `config`
+    bool reset = true;  ///< a tripped PLC is led back while nothing is on and every interlock is good
+    int priority = 50;
+};
+
+struct ManeuverCommand {
+    RigOptions rig;
+};
+struct CampaignCommand {
+    RigOptions rig;
+    CampaignRules rules;
+    std::string name;      ///< empty: the scenario's
+    bool changed = false;  ///< go on although scenario, seed or configuration changed
+};
+struct StatusCommand {
+    std::filesystem::path directory;
+    bool json = false;
+};
+using BridgeCommand = std::variant<ManeuverCommand, CampaignCommand, StatusCommand>;
+
+/// The command, or the exit status when there is nothing to do. Throws settings::Error or std::invalid_argument.
+[[nodiscard]] std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* const* argv);
+
+/// Of a campaign's directory.
+[[nodiscard]] inline std::filesystem::path ledger_file(const std::filesystem::path& directory) {
+    return directory / "campaign.sqlite";
+}
+
+}  // namespace rig

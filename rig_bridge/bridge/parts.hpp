@@ -1,0 +1,42 @@
+/// What the bridge's main loop sees of its two other threads, and of nothing else: the PLC's registers and the bus.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "firmware/can/observer.hpp"
+#include "rig_bridge/modbus/client.hpp"
+
+namespace rig {
+
+/// The PLC's client; neither call waits.
+class Plc {
+  public:
+    virtual ~Plc() = default;
+    virtual void command(const CommandedValues& wanted) = 0;
+    [[nodiscard]] virtual Snapshot snapshot() const = 0;
+};
+
+/// The bus as the recorder has it now.
+struct BusNow {
+    bool up = false;
+    std::string error;            ///< why it is not up
+    antiskid::can::BusView view;  ///< times of reception by the steady clock
+    /// When everything that had arrived was in `view`: ages count to here, so that a reader that was held up takes nobody for silent.
+    antiskid::can::Time looked = antiskid::control::kNever;
+    double rim_mps = 0.0;         ///< flywheel, by its encoder
+    double slip = 0.0;            ///< eq. (3), by both encoders
+    std::uint64_t syncs = 0;      ///< SYNC frames so far
+    std::uint64_t frames = 0;     ///< of the recording
+    std::uint64_t dropped = 0;    ///< by the kernel, in the recording
+    std::uint64_t missing = 0;    ///< that the disk did not take
+    std::string recording_error;  ///< why
+};
+
+class BusFeed {
+  public:
+    virtual ~BusFeed() = default;
+    [[nodiscard]] virtual BusNow now() const = 0;
+};
+
+}  // namespace rig

@@ -1,0 +1,16 @@
+/// Asks the system for what a steady 10 ms needs; says what it refused and goes on without.
+#pragma once
+
+#include "firmware/linux/realtime.hpp"
+#include "rig_bridge/bridge/terminal.hpp"
+
+namespace rig {
+
+/// For the calling thread and all that it starts later.
+inline void enter_realtime(int priority, Terminal& terminal) {
+    if (priority == 0) return;
+    for (const std::string& refused : antiskid::rt::enter_realtime({.priority = priority, .cpu = {}}))
+        terminal.say("rig-bridge: " + refused);
+}
+
+}  // namespace rig

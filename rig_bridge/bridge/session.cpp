@@ -1,0 +1,178 @@
+#include "rig_bridge/bridge/session.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "firmware/can/socket_can.hpp"
+#include "firmware/can/value_names.hpp"
+#include "rig_bridge/bridge/view_model.hpp"
+#include "rig_bridge/bridge/wall_clock.hpp"
+
+namespace rig {
+
+using antiskid::can::Time;
+using sequencer::Phase;
+
+namespace {
+
+class ModbusPlc final : public Plc {
+  public:
+    ModbusPlc(const RegisterMap& map, const std::string& address)
+        : client_(map, parse_plc_address(address)) {}
+    void command(const CommandedValues& wanted) override { client_.command(wanted); }
+    [[nodiscard]] Snapshot snapshot() const override { return client_.snapshot(); }
+
+  private:
+    ModbusClient client_;
+};
+
+Freshness freshness(const RegisterMap& map) {
+    Freshness limits;
+    limits.watchdog_s = std::chrono::duration<double>(map.plc_timeout).count();
+    return limits;
+}
+
+std::vector<std::string> fault_names(antiskid::control::FaultSet faults) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < antiskid::control::kFaultCount; ++i) {
+        if (faults.contains(static_cast<antiskid::control::Fault>(i)))
+            names.emplace_back(antiskid::can::kFaultNames[i]);
+    }
+    return names;
+}
+
+bool rests(Phase phase) {
+    return phase == Phase::cool_down || phase == Phase::finished || phase == Phase::aborted;
+}
+
+}  // namespace
+
+Session::Session(const Setup& setup, StopRequests& stops, Terminal& terminal)
+    : setup_(setup),
+      stops_(stops),
+      terminal_(terminal),
+      plc_(std::make_unique<ModbusPlc>(setup.map, setup.options.plc)),
+      bus_([&setup] {
+          return std::make_unique<antiskid::can::SocketCan>(setup.options.interface,
+                                                            std::span<const std::uint16_t>{});
+      }),
+      recorder_(setup.options.interface, setup.layout, setup.meter, [this] { (void)bus_.service(); }),
+      node_(setup.layout, setup.meter.period_s, freshness(setup.map), *plc_, recorder_, bus_),
+      timer_(clock_, Node::kStep) {}
+
+Session::~Session() = default;
+
+const Moment& Session::step(sequencer::Sequencer* sequencer, const Order* order) {
+    (void)timer_.wait();
+    const int stops = stops_.count();
+    if (stops > 1) throw EndAtOnce{};
+    const std::int64_t number = order == nullptr ? 0 : order->number;
+    return node_.step(sequencer,
+                      {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
+                      clock_.now());
+}
+
+void Session::meanwhile(const std::function<void()>& work) {
+    auto done = std::async(std::launch::async, work);
+    while (done.wait_for(std::chrono::seconds(0)) != std::future_status::ready) (void)step(nullptr, nullptr);
+    done.get();
+}
+
+void Session::show(const Order& order, const Moment& moment, const std::string& waiting_for) {
+    if (moment.outputs.phase != phase_) {
+        phase_ = moment.outputs.phase;
+        phase_began_s_ = moment.rig_s;
+    }
+    const double now_s = std::chrono::duration<double>(moment.now).count();
+    if (!terminal_.due(now_s, moment.outputs.phase, moment.outputs.abort)) return;
+    ViewModel view = view_of(moment, node_.limits());
+    view.scenario = setup_.scenario.title;
+    view.campaign = order.view;
+    view.prescribed_mps = order.plan.speed_mps;
+    view.time_s = moment.rig_s - began_s_;
+    view.phase_s = moment.rig_s - phase_began_s_;
+    if (!waiting_for.empty()) view.note = waiting_for;
+    terminal_.show(view, now_s);
+}
+
+void Session::await_cold_brake(const Order& order) {
+    constexpr double kFirstReading_s = 3.0;
+    while (stops_.count() == 0) {
+        const Moment& m = step(nullptr, &order);
+        const double waited_s = m.rig_s - began_s_;
+        if (!m.inputs.plc_fresh && waited_s > kFirstReading_s) return;  // the sequencer says so
+        const bool hot = m.inputs.brake_temperature_C > order.plan.cool_to_C;
+        if (m.inputs.plc_fresh && (!hot || waited_s > order.plan.cool_down_limit_s)) return;
+        show(order, m, m.inputs.plc_fresh ? "waits for the brake to cool" : "waits for the PLC");
+    }
+}
+
+void Session::write_sample(SampleLog& samples, const Moment& moment) {
+    if (moment.plc.counters.polls == polls_) return;
+    polls_ = moment.plc.counters.polls;
+    samples.write(std::chrono::system_clock::now().time_since_epoch(), moment.plc.values);
+}
+
+void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, SampleLog& samples) {
+    constexpr int kTail = 15;  // steps, so that the record has the last phase
+    int resting = 0;
+    while (!sequencer.over() || resting <= kTail) {
+        const Moment& m = step(&sequencer, &order);
+        if (resting <= kTail) write_sample(samples, m);
+        const std::string lost = m.bus.missing != 0 ? m.bus.recording_error : samples.error();
+        if (!lost.empty() && resting <= kTail && record_error_.empty()) {
+            record_error_ = lost;
+            abort_ = true;
+        }
+        if (rests(m.outputs.phase) && resting <= kTail && ++resting > kTail) recorder_.end();
+        show(order, m, record_error_);
+    }
+}
+
+Ran Session::run(const Order& order) {
+    abort_ = false;
+    record_error_.clear();
+    phase_ = Phase::idle;
+    began_s_ = phase_began_s_ = step(nullptr, &order).rig_s;
+    await_cold_brake(order);
+
+    sequencer::Sequencer sequencer(order.plan);
+    const std::string started = iso_8601(std::chrono::system_clock::now());
+    recorder_.begin(order.folder / "bus.log");
+    SampleLog samples(order.folder / "modbus.csv");
+    sequence(order, sequencer, samples);
+    Ran ran{.summary = {}, .record_error = {}, .note = note_of(node_.moment())};
+    std::unique_ptr<Recording> recording;
+    while (!recording) {
+        (void)step(&sequencer, &order);
+        recording = recorder_.take();
+    }
+    bool whole = true;
+    auto closed =
+        std::async(std::launch::async, [&] { whole = recording->log.finish() && samples.finish(); });
+    while (closed.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+        (void)step(&sequencer, &order);
+    closed.get();
+    terminal_.leave();
+    if (!whole) record_error_ = recording->log.error().empty() ? samples.error() : recording->log.error();
+    ran.record_error = record_error_;
+
+    Summary& s = ran.summary;
+    s.campaign = order.campaign;
+    s.number = order.number;
+    s.scenario = setup_.scenario.name;
+    s.outcome =
+        std::string(sequencer.phase() == Phase::finished ? name(Phase::finished) : name(sequencer.abort()));
+    s.started = started;
+    s.figures = recording->meter.figures();
+    s.cumulative_energy_J = order.taken_J + s.figures.energy_brake_J;
+    s.faults = fault_names(recording->meter.faults());
+    s.frames = recording->log.frames() - recording->log.missing();
+    s.frames_dropped = recording->dropped;
+    s.seed = setup_.options.seed;
+    s.version = ANTISKID_VERSION;
+    s.config_hash = setup_.config_hash;
+    return ran;
+}
+
+}  // namespace rig

@@ -1,0 +1,85 @@
+/// The bridge at work: PLC client, bus recorder and main loop, for as many maneuvers as wanted. While one of its calls runs, the loop keeps
+/// its step, so that neither PLC nor controller takes the bridge for dead; slow work (disk, ledger) goes through meanwhile().
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "firmware/linux/clock.hpp"
+#include "firmware/linux/periodic_timer.hpp"
+#include "firmware/linux/supervised_can.hpp"
+#include "rig_bridge/bridge/bus_recorder.hpp"
+#include "rig_bridge/bridge/node.hpp"
+#include "rig_bridge/bridge/setup.hpp"
+#include "rig_bridge/bridge/stop_requests.hpp"
+#include "rig_bridge/bridge/terminal.hpp"
+#include "rig_bridge/record/sample_log.hpp"
+#include "rig_bridge/record/summary.hpp"
+
+namespace rig {
+
+/// One maneuver to run.
+struct Order {
+    sequencer::Plan plan;
+    std::string campaign;  ///< empty: a single one
+    std::int64_t number = 1;
+    std::filesystem::path folder;
+    double taken_J = 0.0;  ///< brake energy of the campaign before it
+    std::optional<CampaignView> view;
+};
+
+struct Ran {
+    Summary summary;
+    /// Why the record is not whole (the disk is full): the maneuver does not count then. Empty: it is.
+    std::string record_error;
+    std::string note;  ///< what PLC or bus said last, where the maneuver was aborted
+};
+
+/// The second Ctrl-C.
+struct EndAtOnce {};
+
+class Session {
+  public:
+    /// Throws std::runtime_error naming the interface, or std::invalid_argument for a PLC address that is none.
+    Session(const Setup& setup, StopRequests& stops, Terminal& terminal);
+    ~Session();
+
+    /// Waits until the brake is cold enough (or nothing is heard of the PLC), then runs the maneuver to its end, safe end included, and
+    /// closes its records. Throws std::runtime_error when the record cannot be begun, EndAtOnce.
+    [[nodiscard]] Ran run(const Order& order);
+
+    /// Runs `work` on another thread while the loop goes on; rethrows what it throws.
+    void meanwhile(const std::function<void()>& work);
+
+  private:
+    class Link;
+    const Moment& step(sequencer::Sequencer* sequencer, const Order* order);
+    void await_cold_brake(const Order& order);
+    void show(const Order& order, const Moment& moment, const std::string& waiting_for);
+    void sequence(const Order& order, sequencer::Sequencer& sequencer, SampleLog& samples);
+    void write_sample(SampleLog& samples, const Moment& moment);
+
+    const Setup& setup_;
+    StopRequests& stops_;
+    Terminal& terminal_;
+    antiskid::rt::MonotonicClock clock_;
+    std::unique_ptr<Plc> plc_;
+    antiskid::rt::SupervisedCan bus_;
+    BusRecorder recorder_;
+    Node node_;
+    antiskid::rt::PeriodicTimer timer_;
+
+    // Of the maneuver that runs.
+    bool abort_ = false;
+    std::string record_error_;
+    std::uint64_t polls_ = 0;
+    double began_s_ = 0.0;
+    double phase_began_s_ = 0.0;
+    sequencer::Phase phase_ = sequencer::Phase::idle;
+};
+
+}  // namespace rig

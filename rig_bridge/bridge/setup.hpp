@@ -1,0 +1,26 @@
+/// Everything that is read from files before the rig moves.
+#pragma once
+
+#include <string>
+
+#include "firmware/can/layout.hpp"
+#include "rig_bridge/bridge/options.hpp"
+#include "rig_bridge/record/meter.hpp"
+#include "rig_bridge/registers/register_map.hpp"
+#include "rig_bridge/scenario/scenario.hpp"
+
+namespace rig {
+
+struct Setup {
+    RigOptions options;
+    Scenario scenario;
+    antiskid::can::Layout layout;
+    RegisterMap map;
+    MeterParameters meter;
+    std::string config_hash;  ///< of scenario, sequencer, rig, layout and register map
+};
+
+/// Throws settings::Error or std::invalid_argument with what is wrong and what would be right.
+[[nodiscard]] Setup load_setup(const RigOptions& options);
+
+}  // namespace rig

@@ -1,0 +1,128 @@
+#include "rig_bridge/bridge/status.hpp"
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "rig_bridge/bridge/verbs.hpp"
+#include "rig_bridge/record/figure_fields.hpp"
+#include "rig_bridge/record/ledger.hpp"
+
+namespace rig {
+
+namespace {
+
+struct Spread {
+    double mean = 0.0;
+    double deviation = 0.0;  ///< of a sample: n - 1
+};
+
+Spread spread(const std::vector<LedgerRow>& rows, double Figures::*value) {
+    Spread s;
+    double n = 0.0;
+    double squares = 0.0;  // Welford
+    for (const LedgerRow& row : rows) {
+        if (row.state != RowState::finished) continue;
+        const double x = row.summary.figures.*value;
+        n += 1.0;
+        const double before = s.mean;
+        s.mean += (x - before) / n;
+        squares += (x - before) * (x - s.mean);
+    }
+    if (n > 1.0) s.deviation = std::sqrt(squares / (n - 1.0));
+    return s;
+}
+
+std::int64_t count(const std::vector<LedgerRow>& rows, RowState state) {
+    return std::count_if(rows.begin(), rows.end(),
+                         [state](const LedgerRow& row) { return row.state == state; });
+}
+
+std::string row_text(const LedgerRow& row) {
+    const Figures& f = row.summary.figures;
+    std::string text = fmt::format("  {:>6} {:>7}  {:<10} {:<20}", row.attempt.number, row.attempt.attempt,
+                                   name(row.state), row.summary.started);
+    if (row.state == RowState::finished)
+        text += fmt::format(" {:8.2f} {:8.2f} {:8.1f} {:9.1f} {:8.4f} {:10.3f}", f.brake_on_mps, f.duration_s,
+                            f.length_m, f.mean_torque_Nm, f.mean_friction,
+                            row.summary.cumulative_energy_J * 1e-6);
+    else if (row.state == RowState::aborted)
+        text += " " + row.summary.outcome;
+    return text + "\n";
+}
+
+std::string campaign_text(const Campaign& campaign, const std::vector<LedgerRow>& rows) {
+    constexpr std::size_t kShown = 10;
+    const std::int64_t finished = count(rows, RowState::finished);
+    std::string text = fmt::format(
+        "campaign {}: scenario {}, seed {}, {} of {} maneuvers finished; {} aborted, {} unfinished, {} "
+        "running; {:.3f} MJ\n",
+        campaign.name, campaign.scenario, campaign.seed, finished, campaign.planned,
+        count(rows, RowState::aborted), count(rows, RowState::unfinished), count(rows, RowState::running),
+        rows.empty() ? 0.0 : rows.back().summary.cumulative_energy_J * 1e-6);
+    if (finished > 0) {
+        text += fmt::format("  {:<24} {:>14} {:>14}\n", "of those finished", "mean", "deviation");
+        for (const FigureField& field : kFigureFields) {
+            const Spread s = spread(rows, field.value);
+            text += fmt::format("  {:<24} {:>14.4f} {:>14.4f} {}\n", field.label, s.mean * field.scale,
+                                s.deviation * field.scale, field.unit);
+        }
+    }
+    if (rows.empty()) return text;
+    text += fmt::format("  {:>6} {:>7}  {:<10} {:<20} {:>8} {:>8} {:>8} {:>9} {:>8} {:>10}\n", "number",
+                        "attempt", "state", "started", "m/s", "s", "m", "N m", "mu_b", "MJ in all");
+    for (std::size_t i = rows.size() - std::min(rows.size(), kShown); i < rows.size(); ++i)
+        text += row_text(rows[i]);
+    return text;
+}
+
+}  // namespace
+
+std::string status_text(const std::filesystem::path& ledger) {
+    std::string text;
+    for (const Campaign& campaign : read_campaigns(ledger))
+        text += campaign_text(campaign, read_ledger(ledger, campaign.name));
+    return text;
+}
+
+std::string status_json(const std::filesystem::path& ledger) {
+    nlohmann::ordered_json campaigns = nlohmann::ordered_json::array();
+    for (const Campaign& campaign : read_campaigns(ledger)) {
+        const std::vector<LedgerRow> rows = read_ledger(ledger, campaign.name);
+        nlohmann::ordered_json one{{"name", campaign.name},
+                                   {"scenario", campaign.scenario},
+                                   {"seed", campaign.seed},
+                                   {"planned", campaign.planned},
+                                   {"config_hash", campaign.config_hash},
+                                   {"version", campaign.version}};
+        for (const RowState state :
+             {RowState::finished, RowState::aborted, RowState::unfinished, RowState::running})
+            one[name(state)] = count(rows, state);
+        auto list = nlohmann::ordered_json::array();
+        for (const LedgerRow& row : rows) {
+            nlohmann::ordered_json entry{
+                {"number", row.attempt.number},   {"attempt", row.attempt.attempt},
+                {"state", name(row.state)},       {"started", row.summary.started},
+                {"outcome", row.summary.outcome}, {"cumulative_energy_J", row.summary.cumulative_energy_J}};
+            for (const FigureField& field : kFigureFields)
+                entry[field.key] = row.summary.figures.*field.value;
+            list.push_back(std::move(entry));
+        }
+        one["maneuvers"] = std::move(list);
+        campaigns.push_back(std::move(one));
+    }
+    return campaigns.dump(2) + "\n";
+}
+
+int show_status(const StatusCommand& command) {
+    const auto file = ledger_file(command.directory);
+    const std::string text = command.json ? status_json(file) : status_text(file);
+    fmt::print("{}", text);
+    return 0;
+}
+
+}  // namespace rig

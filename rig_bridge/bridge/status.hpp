@@ -1,0 +1,13 @@
+/// How far a ledger's campaigns are, for people and as JSON.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace rig {
+
+/// Both read the ledger without disturbing a bridge that writes it; throw settings::Error.
+[[nodiscard]] std::string status_text(const std::filesystem::path& ledger);
+[[nodiscard]] std::string status_json(const std::filesystem::path& ledger);
+
+}  // namespace rig

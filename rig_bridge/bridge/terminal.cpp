@@ -1,0 +1,63 @@
+#include "rig_bridge/bridge/terminal.hpp"
+
+#include <fmt/core.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+namespace rig {
+
+Terminal::Terminal(int descriptor) : descriptor_(descriptor), live_(::isatty(descriptor) == 1) {}
+
+std::size_t Terminal::columns() const {
+    constexpr std::size_t kUsual = 100;
+    winsize size{};
+    if (ioctl(descriptor_, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kUsual;
+    return size.ws_col;
+}
+
+/// A pipe that can take anything takes PIPE_BUF bytes at once.
+void Terminal::write(const std::string& text) {
+    constexpr std::size_t kMost = 4096;
+    pollfd descriptor{.fd = descriptor_, .events = POLLOUT, .revents = 0};
+    if (poll(&descriptor, 1, 0) != 1 || (descriptor.revents & POLLOUT) == 0) return;
+    const ssize_t written = ::write(descriptor_, text.data(), std::min(text.size(), kMost));
+    (void)written;  // nobody to tell
+}
+
+bool Terminal::due(double now_s, sequencer::Phase phase, sequencer::Abort abort) const {
+    return !shown_ || now_s >= next_s_ || phase != phase_ || abort != abort_;
+}
+
+void Terminal::show(const ViewModel& view, double now_s) {
+    constexpr double kLive_s = 0.1;
+    constexpr double kPlain_s = 1.0;
+    shown_ = true;
+    phase_ = view.phase;
+    abort_ = view.abort;
+    next_s_ = now_s + (live_ ? kLive_s : kPlain_s);
+    if (!live_) {
+        write(plain_line(view) + "\n");
+        return;
+    }
+    std::string text = height_ > 0 ? fmt::format("\x1b[{}A", height_) : std::string();
+    const std::vector<std::string> lines = screen(view, columns());
+    for (const std::string& line : lines) text += fmt::format("\r{}\x1b[K\n", line);
+    height_ = lines.size();
+    write(text);
+}
+
+void Terminal::say(const std::string& text) {
+    std::string out = live_ && height_ > 0 ? fmt::format("\x1b[{}A\x1b[J", height_) : std::string();
+    height_ = 0;
+    write(out + text + "\n");
+}
+
+void Terminal::leave() {
+    height_ = 0;
+    shown_ = false;
+}
+
+}  // namespace rig

@@ -1,0 +1,37 @@
+/// The view on standard error: a block that is drawn over itself on a terminal; elsewhere a plain line a second and one for every new
+/// phase. Never waits for whoever reads: what does not fit now is left out.
+#pragma once
+
+#include <string>
+
+#include "rig_bridge/bridge/view.hpp"
+
+namespace rig {
+
+class Terminal {
+  public:
+    /// `descriptor`: where to, e.g. STDERR_FILENO.
+    explicit Terminal(int descriptor);
+
+    /// Whether show() would draw now: building a ViewModel costs.
+    [[nodiscard]] bool due(double now_s, sequencer::Phase phase, sequencer::Abort abort) const;
+    void show(const ViewModel& view, double now_s);
+    /// A line that stays.
+    void say(const std::string& text);
+    /// The block stays as it is; what comes next starts below it.
+    void leave();
+
+  private:
+    [[nodiscard]] std::size_t columns() const;
+    void write(const std::string& text);
+
+    int descriptor_;
+    bool live_;
+    bool shown_ = false;
+    double next_s_ = 0.0;
+    sequencer::Phase phase_ = sequencer::Phase::idle;
+    sequencer::Abort abort_ = sequencer::Abort::none;
+    std::size_t height_ = 0;  // lines of the block on the screen
+};
+
+}  // namespace rig

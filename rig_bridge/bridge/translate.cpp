@@ -1,0 +1,125 @@
+#include "rig_bridge/bridge/translate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rig {
+
+using antiskid::can::RigSample;
+using antiskid::can::Time;
+using antiskid::control::kNever;
+using antiskid::control::State;
+using sequencer::Inputs;
+using sequencer::Outputs;
+
+namespace {
+
+bool interlock(const Snapshot& plc, Interlock which) {
+    const auto bits = static_cast<unsigned>(plc.value(Measured::interlocks));
+    return (bits >> static_cast<unsigned>(which) & 1U) != 0U;
+}
+
+/// Heard of at most `limit_s` before the recorder last looked.
+bool heard(Time received, Time looked, double limit_s) {
+    return received != kNever && std::chrono::duration<double>(looked - received).count() <= limit_s;
+}
+
+float brake_temperature_C(const Snapshot& plc) {
+    const double value = plc.value(Measured::brake_temperature_C);
+    return std::isfinite(value) ? static_cast<float>(value) : 0.0F;
+}
+
+}  // namespace
+
+bool plc_fresh(const Snapshot& plc, const Freshness& limits) {
+    if (plc.link == LinkState::map_refused || !(plc.plc_watchdog_age_s <= limits.watchdog_s)) return false;
+    for (std::size_t i = 0; i < kMeasuredCount; ++i) {
+        if (!plc.fresh(static_cast<Measured>(i), limits.registers_s)) return false;
+    }
+    return true;
+}
+
+bool interlocks_good(const Snapshot& plc, const Freshness& limits) {
+    if (!plc_fresh(plc, limits)) return false;
+    for (std::size_t i = 0; i < kInterlockCount; ++i) {
+        if (!interlock(plc, static_cast<Interlock>(i))) return false;
+    }
+    return true;
+}
+
+Inputs look(const Snapshot& plc, const BusNow& bus, Time now, const Freshness& limits) {
+    Inputs in;
+    in.plc_fresh = plc_fresh(plc, limits);
+    if (in.plc_fresh) {
+        in.plc_ready = plc.value(Measured::plc_state) == static_cast<double>(PlcState::ready);
+        in.emergency_stop_clear = interlock(plc, Interlock::emergency_stop_clear);
+        in.guard_closed = interlock(plc, Interlock::guard_closed);
+        in.hydraulics_ready = interlock(plc, Interlock::hydraulics_ready);
+        in.drive_healthy = interlock(plc, Interlock::drive_healthy);
+        in.flywheel_mps = plc.value(Measured::flywheel_speed_mps);
+        in.sledge_m = plc.value(Measured::sledge_position_m);
+        in.wheel_on_rim = plc.value(Measured::wheel_on_rim) == 1.0;
+        in.load_N = plc.value(Measured::vertical_load_N);
+        in.brake_temperature_C = plc.value(Measured::brake_temperature_C);
+    }
+    in.commit_refused = plc.command == CommandState::refused || plc.command == CommandState::unsendable;
+    in.commit_late = plc.pending_s > limits.commit_s;
+
+    const bool listening = heard(bus.looked, now, limits.recorder_s);
+    in.bus_up = bus.up && listening;
+    if (!listening) return in;
+    const antiskid::can::BusView& v = bus.view;
+    in.sensors_fresh = heard(v.wheel.received, bus.looked, limits.sensors_s) &&
+                       heard(v.flywheel.received, bus.looked, limits.sensors_s) &&
+                       heard(v.pressure.received, bus.looked, limits.sensors_s);
+    in.wheel_rim_mps = bus.rim_mps * (1.0 - bus.slip);
+    in.pressure_Pa = static_cast<double>(v.pressure.pressure_Pa);
+    in.controller_fresh = heard(v.controller.status_received, bus.looked, limits.controller_s);
+    in.controller_standby = v.controller.state == State::standby;
+    in.controller_safe = v.controller.state == State::safe;
+    in.controller_armed =
+        !in.controller_standby && !in.controller_safe && v.controller.state != State::self_test;
+    return in;
+}
+
+CommandedValues commands(const Outputs& out, bool reset) {
+    CommandedValues values{};
+    at(values, Commanded::drive_enable) = out.drive_enable ? 1.0 : 0.0;
+    at(values, Commanded::flywheel_speed_mps) = out.flywheel_set_mps;
+    at(values, Commanded::sledge_advance) = out.sledge_advance ? 1.0 : 0.0;
+    at(values, Commanded::load_enable) = out.load_enable ? 1.0 : 0.0;
+    at(values, Commanded::load_base_N) = out.load_base_N;
+    at(values, Commanded::load_lift_Ns2pm2) = out.load_lift_Ns2pm2;
+    at(values, Commanded::reset) = reset ? 1.0 : 0.0;
+    return values;
+}
+
+RigSample telegram(const Outputs& out, const Snapshot& plc, std::int64_t maneuver_number) {
+    RigSample sample;
+    sample.maneuver.law = static_cast<antiskid::control::Law>(out.law);
+    sample.maneuver.arm = out.arm;
+    sample.maneuver.weight_on_wheels = out.weight_on_wheels;
+    sample.maneuver.demand_Pa = static_cast<float>(out.demand_Pa);
+    sample.maneuver.slip_reference = static_cast<float>(out.slip_reference);
+    sample.maneuver.deceleration_mps2 = static_cast<float>(out.deceleration_mps2);
+    sample.maneuver.current_mA = static_cast<float>(out.current_mA);
+    sample.maneuver_state.phase = static_cast<std::uint8_t>(out.phase);
+    sample.maneuver_state.number = static_cast<std::uint32_t>(maneuver_number);
+    sample.maneuver_state.brake_temperature_C = brake_temperature_C(plc);
+    sample.emergency_stop = out.emergency_stop;
+    return sample;
+}
+
+antiskid::can::LoadCellSample load_cells(const Snapshot& plc) {
+    return {.vertical_N = static_cast<float>(plc.value(Measured::vertical_load_N)),
+            .longitudinal_N = static_cast<float>(plc.value(Measured::longitudinal_force_N)),
+            .brake_torque_Nm = static_cast<float>(plc.value(Measured::brake_torque_Nm))};
+}
+
+bool load_cells_fresh(const Snapshot& plc, const Freshness& limits) {
+    return plc.fresh(Measured::vertical_load_N, limits.load_cells_s) &&
+           plc.fresh(Measured::longitudinal_force_N, limits.load_cells_s) &&
+           plc.fresh(Measured::brake_torque_Nm, limits.load_cells_s);
+}
+
+}  // namespace rig

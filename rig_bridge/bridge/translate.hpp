@@ -1,0 +1,38 @@
+/// Between the sequencer's words and those of the PLC and the bus. Pure.
+#pragma once
+
+#include "firmware/can/rig_sample.hpp"
+#include "rig_bridge/bridge/parts.hpp"
+#include "rig_bridge/sequencer/sequencer.hpp"
+
+namespace rig {
+
+/// How old a value may be and still count, s of the machine's time.
+struct Freshness {
+    double registers_s = 0.3;   ///< one reading that timed out is forgiven
+    double sensors_s = 0.1;     ///< 100 of their frames
+    double controller_s = 0.2;  ///< 20 status frames
+    double commit_s = 0.5;      ///< until the PLC has confirmed a command
+    double load_cells_s = 0.1;  ///< older ones do not go on the bus
+    double watchdog_s = 0.3;    ///< plc_timeout of the register map
+    double recorder_s = 0.5;    ///< the recorder's thread stands still: nothing on the bus counts
+};
+
+/// Every interlock is read, fresh and good.
+[[nodiscard]] bool interlocks_good(const Snapshot& plc, const Freshness& limits);
+/// All registers are fresh and the PLC's watchdog moves.
+[[nodiscard]] bool plc_fresh(const Snapshot& plc, const Freshness& limits);
+
+/// `now`: steady clock.
+[[nodiscard]] sequencer::Inputs look(const Snapshot& plc, const BusNow& bus, antiskid::can::Time now,
+                                     const Freshness& limits);
+
+[[nodiscard]] CommandedValues commands(const sequencer::Outputs& out, bool reset);
+
+/// What the bridge says on the bus; load cells apart, see load_cells().
+[[nodiscard]] antiskid::can::RigSample telegram(const sequencer::Outputs& out, const Snapshot& plc,
+                                                std::int64_t maneuver_number);
+[[nodiscard]] antiskid::can::LoadCellSample load_cells(const Snapshot& plc);
+[[nodiscard]] bool load_cells_fresh(const Snapshot& plc, const Freshness& limits);
+
+}  // namespace rig

@@ -1,0 +1,20 @@
+/// What rig-bridge can be asked to do; each returns the exit status and throws what went wrong.
+#pragma once
+
+#include <stdexcept>
+
+#include "rig_bridge/bridge/options.hpp"
+
+namespace rig {
+
+[[nodiscard]] int run_maneuver(const ManeuverCommand& command);
+[[nodiscard]] int run_campaign(const CampaignCommand& command);
+[[nodiscard]] int show_status(const StatusCommand& command);
+
+/// Mistakes in files and on the command line: exit status 2.
+class UsageError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+}  // namespace rig

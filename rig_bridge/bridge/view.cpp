@@ -1,0 +1,106 @@
+#include "rig_bridge/bridge/view.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rig {
+
+using sequencer::Abort;
+using sequencer::Phase;
+
+namespace {
+
+constexpr int kBar = 24;
+
+std::string bar(double share) {
+    const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * kBar);
+    return std::string(static_cast<std::size_t>(full), '#') +
+           std::string(static_cast<std::size_t>(kBar - full), '.');
+}
+
+/// How much of the phase's speed change is done; phases without one show nothing.
+double share(const ViewModel& v) {
+    if (!(v.prescribed_mps > 0.0)) return 0.0;
+    if (v.phase == Phase::spin_up) return v.rim_mps / v.prescribed_mps;
+    if (v.phase == Phase::braking) return 1.0 - v.rim_mps / v.prescribed_mps;
+    return v.phase > Phase::braking && v.phase <= Phase::finished ? 1.0 : 0.0;
+}
+
+std::string fault_text(const ViewModel& v) {
+    if (v.faults.empty()) return "none";
+    std::string text;
+    for (const std::string_view fault : v.faults) {
+        if (!text.empty()) text += ' ';
+        text += fault;
+    }
+    return text;
+}
+
+std::string abort_text(const ViewModel& v) {
+    return v.abort == Abort::none ? std::string() : fmt::format("  ABORT {}", name(v.abort));
+}
+
+std::string campaign_text(const CampaignView& c) {
+    const double done =
+        c.planned > 0 ? static_cast<double>(c.finished) / static_cast<double>(c.planned) : 0.0;
+    const std::string left = c.left_s ? duration_text(*c.left_s) + " left" : std::string("time left unknown");
+    return fmt::format("maneuver {}  [{}] {} of {} finished, {}", c.number, bar(done), c.finished, c.planned,
+                       left);
+}
+
+}  // namespace
+
+std::string duration_text(double seconds) {
+    constexpr double kMost = 3.6e8;  // what nobody waits for
+    if (!std::isfinite(seconds) || seconds < 0.0 || seconds > kMost) return "?";
+    const auto s = static_cast<std::int64_t>(std::llround(seconds));
+    if (s < 60) return fmt::format("{} s", s);
+    if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
+    return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
+}
+
+std::string fit(std::string_view line, std::size_t columns) {
+    std::size_t width = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        const bool begins = (static_cast<unsigned char>(line[i]) & 0xC0U) != 0x80U;
+        if (begins && width++ == columns) return std::string(line.substr(0, i));
+    }
+    return std::string(line);
+}
+
+std::vector<std::string> screen(const ViewModel& v, std::size_t columns) {
+    std::vector<std::string> lines;
+    lines.push_back(v.campaign ? fmt::format("{}  {}", v.scenario, campaign_text(*v.campaign)) : v.scenario);
+    lines.push_back(fmt::format("{:<10} {:7.2f} s  [{}]  {:.1f} s in this phase{}", name(v.phase), v.time_s,
+                                bar(share(v)), v.phase_s, abort_text(v)));
+    lines.push_back(
+        fmt::format("rim {:6.2f} m/s   wheel {:6.2f} m/s   slip {:6.3f}", v.rim_mps, v.wheel_mps, v.slip));
+    lines.push_back(
+        fmt::format("pressure {:5.2f} MPa   load {:6.2f} kN   torque {:6.2f} kN m   brake {:5.1f} °C",
+                    v.pressure_Pa * 1e-6, v.load_N * 1e-3, v.torque_Nm * 1e-3, v.temperature_C));
+    lines.push_back(fmt::format("controller {:<20}  PLC {:<10}  bus {:<4}  {} frames, {} dropped",
+                                v.controller, v.plc, v.bus, v.frames, v.dropped));
+    lines.push_back(fmt::format("faults: {}{}{}", fault_text(v), v.note.empty() ? "" : "   ", v.note));
+    for (std::string& line : lines) line = fit(line, columns);
+    return lines;
+}
+
+std::string plain_line(const ViewModel& v) {
+    std::string line = fmt::format(
+        "{:8.2f} s {:<10} {:6.2f} m/s  slip {:6.3f}  {:5.2f} MPa  {:6.2f} kN  {:5.1f} degC  controller {}, "
+        "PLC {}, bus {}",
+        v.time_s, name(v.phase), v.rim_mps, v.slip, v.pressure_Pa * 1e-6, v.load_N * 1e-3, v.temperature_C,
+        v.controller, v.plc, v.bus);
+    line += abort_text(v);
+    if (!v.faults.empty()) line += "  faults: " + fault_text(v);
+    if (!v.note.empty()) line += "  " + v.note;
+    if (v.campaign)
+        line += "  " + fmt::format("[{} of {}, {}]", v.campaign->number, v.campaign->planned,
+                                   v.campaign->left_s ? duration_text(*v.campaign->left_s) + " left"
+                                                      : "time left unknown");
+    return line;
+}
+
+}  // namespace rig

@@ -1,0 +1,63 @@
+#include "rig_bridge/bridge/view_model.hpp"
+
+#include <cmath>
+
+#include "firmware/can/value_names.hpp"
+
+namespace rig {
+
+namespace {
+
+double or_zero(double value) {
+    return std::isfinite(value) ? value : 0.0;
+}
+
+std::string_view plc_state(const Moment& m) {
+    if (m.plc.link != LinkState::connected) return name(m.plc.link);
+    if (!m.inputs.plc_fresh) return "silent";
+    return m.inputs.plc_ready ? "ready" : "tripped";
+}
+
+}  // namespace
+
+ViewModel view_of(const Moment& m, const Freshness& limits) {
+    ViewModel v;
+    v.phase = m.outputs.phase;
+    v.abort = m.outputs.abort;
+    v.rim_mps = m.bus.rim_mps;
+    v.wheel_mps = m.inputs.wheel_rim_mps;
+    v.slip = m.inputs.wheel_on_rim ? m.bus.slip : 0.0;
+    v.pressure_Pa = m.inputs.pressure_Pa;
+    v.load_N = or_zero(m.plc.value(Measured::vertical_load_N));
+    v.torque_Nm = or_zero(m.plc.value(Measured::brake_torque_Nm));
+    v.temperature_C = or_zero(m.plc.value(Measured::brake_temperature_C));
+    const auto& controller = m.bus.view.controller;
+    v.controller = m.inputs.controller_fresh
+                       ? antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)]
+                       : std::string_view("silent");
+    v.plc = plc_state(m);
+    v.bus = m.inputs.bus_up ? "up" : "down";
+    if (m.inputs.controller_fresh) {
+        for (std::size_t i = 0; i < antiskid::control::kFaultCount; ++i) {
+            if (controller.faults.contains(static_cast<antiskid::control::Fault>(i)))
+                v.faults.push_back(antiskid::can::kFaultNames[i]);
+        }
+    }
+    v.frames = m.bus.frames;
+    v.dropped = m.bus.dropped;
+    v.note = note_of(m);
+    if (m.resetting) v.note = "resets the PLC";
+    if (v.note.empty() && !plc_fresh(m.plc, limits)) v.note = "no fresh registers";
+    return v;
+}
+
+std::string note_of(const Moment& m) {
+    if (!m.bus.up && !m.bus.error.empty()) return m.bus.error;
+    if (m.plc.link != LinkState::connected && !m.plc.error.empty()) return "PLC: " + m.plc.error;
+    if (m.plc.command == CommandState::unsendable) return "PLC command: " + m.plc.command_error;
+    if (m.plc.command == CommandState::refused)
+        return "PLC refused the command with commit " + std::to_string(m.plc.commit);
+    return {};
+}
+
+}  // namespace rig
