@@ -1,0 +1,115 @@
+/// The meter sees frames; the virtual rig knows the truth. Both of the same maneuver must agree.
+
+#include <array>
+#include <vector>
+
+#include "rig_bridge/record/bus_meter.hpp"
+#include "tests/catch.hpp"
+#include "tests/study/scenarios.hpp"
+
+using antiskid::can::Frame;
+using antiskid::can::RigPort;
+
+namespace {
+
+std::uint8_t phase_code(study::Phase phase) {
+    switch (phase) {
+        case study::Phase::approach:
+            return 2;
+        case study::Phase::rolling:
+            return 3;
+        case study::Phase::braking:
+            return 4;
+        case study::Phase::standstill:
+            return 5;
+        default:
+            return 6;
+    }
+}
+
+struct Both {
+    study::StopFigures truth;
+    rig::Figures measured;
+    double brake_on_mps = 0.0;
+    double kinetic_J = 0.0;
+    antiskid::control::FaultSet faults;
+};
+
+Both run(const plant_sim::ScenarioOptions& options) {
+    const plant_sim::Scenario s = plant_sim::load_scenario(options);
+    const plant::RigParameters& r = s.plant.rig;
+    const rig::MeterParameters parameters{.wheel_teeth = r.wheel_encoder.teeth,
+                                          .flywheel_teeth = r.flywheel_encoder.teeth,
+                                          .flywheel_radius_m = r.flywheel_radius_m,
+                                          .wheel_radius_m = r.wheel.free_radius_m,
+                                          .wheel_stiffness_Npm = r.wheel.stiffness_Npm,
+                                          .brake_gain_m3 = r.brake.gain_m3(),
+                                          .wheel_inertia_kgm2 = r.wheel.inertia_kgm2,
+                                          .flywheel_mass_kg = r.wheel.mass_kg,
+                                          .peak_friction = plant::peak(r.surface).mu,
+                                          .drop_out_mps = s.session.drop_out_mps,
+                                          .period_s = 1e-3};
+    rig::BusMeter meter(s.layout, parameters);
+    constexpr std::array kState{antiskid::can::Role::maneuver_state};
+    RigPort bridge(s.layout, antiskid::control::Time{1'000'000}, kState);
+    study::Phase phase = study::Phase::approach;
+    Both both;
+    const auto on_step = [&](const study::RigSession& session, const antiskid::can::ControllerView& /*view*/,
+                             double /*mA*/) {
+        if (phase != study::Phase::braking && session.pilot().phase() == study::Phase::braking) {
+            both.brake_on_mps = session.rig().wheel().v_mps;
+            both.kinetic_J = session.rig().kinetic_energy_J();
+        }
+        phase = session.pilot().phase();
+        antiskid::can::RigSample sample;
+        sample.maneuver_state = {.phase = phase_code(phase), .number = 1, .brake_temperature_C = 20.0F};
+        std::array<Frame, RigPort::kMostFrames> due;
+        for (std::size_t i = 0, count = bridge.due_frames(sample, due); i < count; ++i) meter.accept(due[i]);
+    };
+    both.truth = run_in_process(s.controller, s.layout, r, s.session, study::Link::frames, on_step,
+                                [&](const Frame& frame) { meter.accept(frame); })
+                     .figures;
+    both.measured = meter.figures();
+    both.faults = meter.faults();
+    return both;
+}
+
+void compare(const Both& b) {
+    REQUIRE(b.truth.standstill);
+    REQUIRE(b.measured.standstill);
+    CHECK(b.faults.empty());
+    CHECK(b.measured.brake_on_mps == Approx(b.brake_on_mps).margin(0.01));
+    // The plant stops dead at kSlowest_mps; a flywheel would have gone on for this long.
+    const double left_s = plant::Wheel::kSlowest_mps * b.truth.duration_s / b.brake_on_mps;
+    CHECK(b.measured.duration_s == Approx(b.truth.duration_s + left_s).margin(0.02));
+    CHECK(b.measured.length_m == Approx(b.truth.stop_distance_m).margin(0.1));
+    CHECK(b.measured.mean_torque_Nm == Approx(b.truth.mean_torque_Nm).epsilon(0.003));
+    CHECK(b.measured.mean_load_N == Approx(b.truth.mean_load_N).epsilon(0.003));
+    CHECK(b.measured.mean_friction == Approx(b.truth.mean_friction).epsilon(0.005));
+    CHECK(b.measured.energy_brake_J == Approx(b.truth.energy_brake_J).epsilon(0.003));
+    // A small part of the whole, the difference of two ways.
+    CHECK(b.measured.energy_tyre_J == Approx(b.truth.energy_tyre_J).margin(0.003 * b.truth.energy_brake_J));
+    CHECK(b.measured.kinetic_energy_J == Approx(b.kinetic_J).epsilon(0.002));
+    CHECK(b.measured.j_mu == Approx(b.truth.j_mu).margin(0.005));
+}
+
+}  // namespace
+
+TEST_CASE("landings on every kind of surface: the meter's figures are the plant's", "[BRG-208]") {
+    for (const char* surface : {"dry_asphalt", "wet_asphalt", "snow"}) {
+        for (const char* maneuver : {"light", "heavy"}) {
+            INFO(surface << ' ' << maneuver);
+            compare(run(scenarios::options({surface, maneuver})));
+        }
+    }
+}
+
+TEST_CASE("endurance stops: the meter's figures are the plant's", "[BRG-208]") {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        auto options = scenarios::options({"dry_asphalt", "endurance"}, "deceleration");
+        options.seed = seed;
+        const Both both = run(options);
+        compare(both);
+        CHECK(both.measured.duration_s == Approx(16.92).margin(1.0));
+    }
+}

@@ -1,0 +1,239 @@
+/// The recorder on a real interface with candump beside it, and on a disk that is really full. Run by `./rig vcan --`, which gives
+/// vcan0 and the right to make interfaces and to mount.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "firmware/can/candump.hpp"
+#include "firmware/can/socket_can.hpp"
+#include "rig_bridge/record/bus_log.hpp"
+#include "rig_bridge/record/capture.hpp"
+#include "rig_bridge/record/ledger.hpp"
+#include "tests/can/layouts.hpp"
+#include "tests/catch.hpp"
+
+using namespace antiskid::can;
+using can_test::TempDir;
+using rig::BusLog;
+using rig::Capture;
+using rig::CapturedFrame;
+
+namespace {
+
+constexpr Time kPatience{5'000'000'000};
+constexpr Time kQuiet{500'000'000};
+
+void shell(const std::string& command) {
+    if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
+}
+
+class Interface {
+  public:
+    explicit Interface(std::string interface, const std::string& then = "true")
+        : name_(std::move(interface)) {
+        shell("ip link add dev " + name_ + " type vcan && " + then + " && ip link set " + name_ + " up");
+    }
+    Interface(const Interface&) = delete;
+    Interface& operator=(const Interface&) = delete;
+    ~Interface() { static_cast<void>(std::system(("ip link del " + name_ + " 2>/dev/null").c_str())); }
+
+  private:
+    std::string name_;
+};
+
+/// A file system with so many bytes, gone at the end.
+class SmallDisk {
+  public:
+    explicit SmallDisk(const std::string& size) : path_(dir_.write("x", "").parent_path() / "disk") {
+        std::filesystem::create_directory(path_);
+        shell("mount -t tmpfs -o size=" + size + " none " + path_.string());
+    }
+    SmallDisk(const SmallDisk&) = delete;
+    SmallDisk& operator=(const SmallDisk&) = delete;
+    ~SmallDisk() { static_cast<void>(std::system(("umount " + path_.string()).c_str())); }
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+  private:
+    TempDir dir_;
+    std::filesystem::path path_;
+};
+
+std::vector<std::string> lines(const std::filesystem::path& path) {
+    std::vector<std::string> all;
+    std::ifstream in(path);
+    for (std::string line; std::getline(in, line);) all.push_back(line);
+    return all;
+}
+
+/// Until the bus has been quiet for a while.
+std::uint64_t record(Capture& capture, BusLog& log) {
+    std::uint64_t count = 0;
+    while (capture.wait(kQuiet)) {
+        for (const CapturedFrame& frame : capture.receive()) {
+            log.write(frame);
+            ++count;
+        }
+    }
+    return count;
+}
+
+Frame numbered(std::uint32_t number) {
+    Frame frame{.id = 0x110, .length = 8, .data = {}, .received = {}};
+    for (std::size_t i = 0; i < 4; ++i) frame.data[i] = static_cast<std::uint8_t>(number >> (8 * i));
+    return frame;
+}
+
+}  // namespace
+
+TEST_CASE("the recorder has every frame that candump has, line for line, stamp for stamp", "[BRG-230]") {
+    const TempDir dir;
+    const auto folder = dir.write("x", "").parent_path();
+    const auto theirs = folder / "candump.log";
+    const auto ours = folder / "bus.log";
+    // Their filter: every identifier and every error frame.
+    shell("candump -L -r 8000000 vcan0,0:0,#FFFFFFFF > " + theirs.string() + " & echo $! > " +
+          folder.string() + "/pid; sleep 1");
+    Capture capture("vcan0");
+    BusLog log(ours, "vcan0");
+    SocketCan own("vcan0", {});
+    shell(
+        "(cangen vcan0 -g 0.2 -n 1000 -e & cangen vcan0 -g 0.2 -n 1000 & cangen vcan0 -g 0.5 -n 300 -R;"
+        " cansend vcan0 123#; cansend vcan0 20000004#0004000000000000; cansend vcan0 "
+        "1F334455#1122334455667788;"
+        " cansend vcan0 7FF#R5; wait) >/dev/null 2>&1 &");
+    for (std::uint32_t i = 0; i < 500; ++i) {
+        while (!own.send(numbered(i))) static_cast<void>(own.wait(Time{1'000'000}));
+    }
+    const std::uint64_t count = record(capture, log);
+    REQUIRE(log.finish());
+    shell("kill -INT $(cat " + folder.string() + "/pid); sleep 0.5");
+    CHECK(count == 1000 + 1000 + 300 + 4 + 500);
+    CHECK(capture.status().frames == count);
+    CHECK(capture.status().dropped == 0);
+    CHECK(capture.status().up);
+    const auto expected = lines(theirs);
+    CHECK(expected.size() == count);
+    CHECK(lines(ours) == expected);
+}
+
+TEST_CASE("what the kernel drops before the recorder is told to the last frame", "[BRG-231]") {
+    SocketCan sender("vcan0", {});
+    Capture capture("vcan0", {.receive_buffer_bytes = 1});
+    std::uint64_t received = 0;
+    for (int round = 0; round < 3; ++round) {
+        for (std::uint32_t i = 0; i < 300; ++i) REQUIRE(sender.send(numbered(i)));
+        for (auto frames = capture.receive(); !frames.empty(); frames = capture.receive())
+            received += frames.size();
+    }
+    // Nothing follows the last drops, and yet they are known.
+    CHECK(capture.status().dropped > 0);
+    CHECK(received + capture.status().dropped == 900);
+    REQUIRE(sender.send(numbered(0)));
+    received += capture.receive().size();
+    CHECK(received + capture.status().dropped == 901);
+    const Capture roomy("vcan0");
+    CHECK(roomy.receive_buffer_bytes() >= 8 << 20);
+}
+
+TEST_CASE("an interface that goes down, comes back, and vanishes", "[BRG-232]") {
+    CHECK_THROWS_WITH(Capture("vcan77"), ContainsSubstring("'vcan77' does not exist"));
+    CHECK_THROWS_WITH(Capture("lo"), ContainsSubstring("'lo' is no CAN interface"));
+    const Interface fragile("vcan4");
+    Capture capture("vcan4");
+    shell("ip link set vcan4 down");
+    CHECK(capture.wait(kPatience));
+    CHECK(capture.receive().empty());
+    CHECK_FALSE(capture.status().up);
+    CHECK_FALSE(capture.status().gone);
+    CHECK(capture.status().interface_error == "CAN interface 'vcan4' went down");
+    shell("ip link set vcan4 up; cansend vcan4 123#11");
+    REQUIRE(capture.wait(kPatience));
+    REQUIRE(capture.receive().size() == 1);
+    CHECK(capture.status().up);
+    CHECK(capture.status().interface_error.empty());
+    shell("ip link del vcan4");
+    CHECK(capture.wait(kPatience));
+    for (int i = 0; i < 3; ++i) CHECK(capture.receive().empty());
+    CHECK_FALSE(capture.status().up);
+    CHECK(capture.status().gone);
+}
+
+TEST_CASE("FD frames are counted and not recorded", "[BRG-233]") {
+    const Interface fd("vcan2", "ip link set vcan2 mtu 72");
+    Capture capture("vcan2");
+    shell("cansend vcan2 110##3112233445566778899AABBCC; cansend vcan2 111#22; cansend vcan2 110##311");
+    std::vector<CapturedFrame> all;
+    while (capture.wait(kQuiet)) {
+        const auto frames = capture.receive();
+        all.insert(all.end(), frames.begin(), frames.end());
+    }
+    REQUIRE(all.size() == 1);
+    CHECK(all[0].frame.id == 0x111);
+    CHECK(all[0].plain());
+    CHECK(capture.status().fd_frames == 2);
+}
+
+TEST_CASE("a really full disk costs the log its tail and nothing else", "[BRG-212]") {
+    const SmallDisk disk("256k");
+    const auto path = disk.path() / "bus.log";
+    BusLog log(path, "vcan0");
+    for (std::uint32_t i = 0; i < 10'000; ++i) {
+        CapturedFrame frame;
+        frame.frame = numbered(i);
+        frame.frame.received = Time{std::int64_t{i} * 1'000'000};
+        log.write(frame);
+    }
+    CHECK_FALSE(log.finish());
+    CHECK_THAT(log.error(), ContainsSubstring("bus.log: No space left on device; "));
+    const auto text = lines(path);
+    CHECK(text.size() + log.missing() == 10'000);
+    CHECK(text.size() > 4000);
+    CHECK(std::all_of(text.begin(), text.end(), [](const std::string& line) {
+        return std::holds_alternative<CandumpLine>(parse_candump(line));
+    }));
+}
+
+TEST_CASE("a really full disk leaves the ledger as it was, and with room it goes on", "[BRG-226]") {
+    const SmallDisk disk("100k");
+    const auto path = disk.path() / "ledger.sqlite";
+    rig::Ledger ledger(path);
+    ledger.open_campaign({.name = "a",
+                          .scenario = "s",
+                          .seed = 1,
+                          .planned = 10'000,
+                          .config_hash = "h",
+                          .version = "0",
+                          .created = "now"},
+                         rig::IfChanged::refuse);
+    std::int64_t finished = 0;
+    const auto one = [&] {
+        rig::Summary summary;
+        summary.campaign = "a";
+        summary.number = ledger.begin(*ledger.next_number(), "now").number;
+        summary.outcome = "finished";
+        ledger.finish(summary);
+        ++finished;
+    };
+    std::string error;
+    try {
+        while (finished < 10'000) one();
+    } catch (const rig::LedgerError& e) {
+        error = e.what();
+    }
+    CHECK_THAT(error, ContainsSubstring("ledger.sqlite: the disk is full; the ledger is as it was before"));
+    CHECK(finished > 20);
+    CHECK(ledger.finished_count() == finished);
+    shell("mount -o remount,size=1m " + disk.path().string());
+    ledger.mark_unfinished();
+    one();
+    CHECK(ledger.finished_count() == finished);
+    shell(
+        "/usr/bin/python3 -c 'import sqlite3,sys; r=sqlite3.connect(sys.argv[1]).execute(\"PRAGMA "
+        "integrity_check\")"
+        ".fetchone()[0]; sys.exit(r != \"ok\")' " +
+        path.string());
+}
