@@ -27,7 +27,7 @@ std::string modbus_error(int number) {
         case EMBBADCRC:
             return "answer with a wrong checksum";
         case EMBBADDATA:
-            return "answer to another request";
+            return "answer that is too long";
         case EMBBADEXC:
         case EMBUNKEXC:
             return "exception with an unknown code";

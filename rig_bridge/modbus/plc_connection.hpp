@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "rig_bridge/modbus/modbus_context.hpp"
 #include "rig_bridge/modbus/plc_address.hpp"
@@ -40,14 +41,25 @@ class PlcConnection {
     void limit(std::chrono::milliseconds timeout);
     /// False when bytes keep coming.
     [[nodiscard]] bool wait_until_quiet() const;
+    /// Sends a PDU and waits for its answer, which is then in answer_. The link is closed where that fails.
+    [[nodiscard]] std::optional<LinkFailure> ask(const std::string& doing, std::span<const std::uint8_t> pdu);
+    [[nodiscard]] std::optional<LinkFailure> asked(const std::string& doing,
+                                                   std::span<const std::uint8_t> pdu);
+    [[nodiscard]] bool send(std::span<const std::uint8_t> pdu);
+    [[nodiscard]] std::string frame_fault(std::span<const std::uint8_t> frame) const;
+    /// By errno.
     [[nodiscard]] LinkFailure failure(const std::string& doing, std::chrono::milliseconds timeout) const;
-    [[nodiscard]] std::optional<LinkFailure> judged(int done, const char* doing, std::uint16_t address,
-                                                    std::size_t count);
+    [[nodiscard]] std::optional<LinkFailure> read(std::uint8_t function, const std::string& doing,
+                                                  std::uint16_t address, std::span<std::uint16_t> words);
+    [[nodiscard]] bool serial() const { return std::holds_alternative<SerialDevice>(address_); }
 
     PlcAddress address_;
     LinkTimes times_;
+    std::uint8_t unit_;
     ModbusContext context_;
     bool open_ = false;
+    std::uint16_t transaction_ = 0;
+    std::vector<std::uint8_t> answer_;  // PDU
 };
 
 }  // namespace rig
