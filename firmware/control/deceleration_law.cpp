@@ -14,7 +14,11 @@ DecelerationLaw::DecelerationLaw(const DecelerationConfig& config, const SlipCon
 
 void DecelerationLaw::start(const Estimate& estimate) {
     guard_.start(estimate);
-    measured_mps2_ = larger(-estimate.omega_dot_radps2 * estimate.radius_m, 0.0F);
+    // The wheel rolls with the aircraft. One reading of its own acceleration is noise of several m/s2, which the filter would
+    // take a second to forget.
+    measured_mps2_ = larger(-estimate.v_dot_mps2, 0.0F);
+    behind_radps_ = measured_mps2_ / (config_.filter_radps * estimate.radius_m);
+    omega_before_radps_ = estimate.omega_radps;
     reference_mps2_ = measured_mps2_;
     integral_Pa_ = estimate.pressure.pressure_Pa;
     held_Pa_ = estimate.pressure.pressure_Pa;
@@ -30,8 +34,12 @@ float DecelerationLaw::guarded_Pa(const Estimate& e, float ceiling_Pa) {
 }
 
 float DecelerationLaw::pressure_Pa(const Estimate& e, float deceleration_mps2, float ceiling_Pa) {
+    // The filter differentiates the speed itself: its integral over a build-up is the speed that was lost. The estimator's
+    // acceleration believes the brake before it believes the road, and counts a tenth more.
     const float gain = config_.filter_radps * period_s_ / (1.0F + config_.filter_radps * period_s_);
-    measured_mps2_ += gain * (-e.omega_dot_radps2 * e.radius_m - measured_mps2_);
+    behind_radps_ = (behind_radps_ + omega_before_radps_ - e.omega_radps) * (1.0F - gain);
+    omega_before_radps_ = e.omega_radps;
+    measured_mps2_ = config_.filter_radps * behind_radps_ * e.radius_m;
     // Too slow for the encoders: the last pressure is held to standstill. Its mean, since the slip guard may just have let go.
     if (e.v_mps < config_.drop_out_mps) return limited(held_Pa_, 0.0F, ceiling_Pa);
     const float allowed_Pa = guarded_Pa(e, ceiling_Pa);

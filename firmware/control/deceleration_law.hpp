@@ -24,6 +24,8 @@ class DecelerationLaw {
     DecelerationConfig config_;
     SlipLaw guard_;
     float period_s_;
+    float omega_before_radps_ = 0.0F;
+    float behind_radps_ = 0.0F;  // filtered wheel speed less wheel speed
     float measured_mps2_ = 0.0F;
     float reference_mps2_ = 0.0F;
     float integral_Pa_ = 0.0F;
