@@ -1,0 +1,137 @@
+#include "plant_sim/endurance/test_cell.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rig_bridge/scenario/meter_parameters.hpp"
+
+namespace endurance {
+
+using antiskid::control::State;
+using antiskid::control::Time;
+using rig::Measured;
+using sequencer::Phase;
+
+namespace {
+
+Time period_of(const antiskid::control::Config& controller) {
+    return Time(std::llround(static_cast<double>(controller.period_s) * 1e6) * 1000);
+}
+
+double seconds(Time t) {
+    return static_cast<double>(t.count()) * 1e-9;
+}
+
+plc::ServedRigOptions with_period(plc::ServedRigOptions options, Time period) {
+    options.period_s = seconds(period);
+    return options;
+}
+
+antiskid::control::Law law(sequencer::BrakeLaw law) {
+    switch (law) {
+        case sequencer::BrakeLaw::slip:
+            return antiskid::control::Law::wheel_slip;
+        case sequencer::BrakeLaw::deceleration:
+            return antiskid::control::Law::deceleration;
+        case sequencer::BrakeLaw::open_loop:
+            return antiskid::control::Law::open_loop;
+        case sequencer::BrakeLaw::threshold:
+            return antiskid::control::Law::threshold;
+    }
+    return antiskid::control::Law::wheel_slip;
+}
+
+antiskid::can::ManeuverSample maneuver(const sequencer::Outputs& out) {
+    return {.law = law(out.law),
+            .arm = out.arm,
+            .weight_on_wheels = out.weight_on_wheels,
+            .demand_Pa = static_cast<float>(out.demand_Pa),
+            .slip_reference = static_cast<float>(out.slip_reference),
+            .deceleration_mps2 = static_cast<float>(out.deceleration_mps2),
+            .current_mA = static_cast<float>(out.current_mA)};
+}
+
+rig::ShaftSample shaft(const antiskid::can::SpeedSample& sample) {
+    return {.edges = true,
+            .edge_count = sample.edge_count,
+            .edge_time = sample.edge_time,
+            .speed_radps = static_cast<double>(sample.speed_radps)};
+}
+
+/// The meter needs some 50 ms before brake-on and nothing after the brake.
+bool metered(Phase phase) {
+    return phase == Phase::settling || phase == Phase::braking || phase == Phase::standstill ||
+           phase == Phase::retract || phase == Phase::aborting;
+}
+
+}  // namespace
+
+TestCell::TestCell(const rig::Scenario& scenario, const antiskid::control::Config& controller,
+                   const antiskid::can::Layout& layout, plc::ServedRigOptions options, std::uint64_t seed)
+    : scenario_(scenario),
+      layout_(layout),
+      period_(period_of(controller)),
+      periods_per_step_(std::max<std::int64_t>(1, std::llround(kSequencer_s / seconds(period_)))),
+      rig_(scenario.rig, with_period(std::move(options), period_), seed),
+      controller_(controller),
+      link_(layout, period_) {}
+
+sequencer::Inputs TestCell::look(const rig::Meter& meter) const {
+    sequencer::Inputs in = plc_.read(rig_.measured(), rig_.time_s());
+    in.bus_up = true;
+    in.sensors_fresh = true;
+    in.wheel_rim_mps = meter.speed_mps() * (1.0 - meter.slip());
+    in.pressure_Pa = static_cast<double>(rig_.sample().pressure_Pa);
+    in.controller_fresh = true;
+    in.controller_standby = command_.state == State::standby;
+    in.controller_safe = command_.state == State::safe;
+    in.controller_armed = command_.state != State::self_test && !in.controller_standby && !in.controller_safe;
+    return in;
+}
+
+void TestCell::measure(Phase phase, const antiskid::can::RigSample& sample, rig::Meter& meter) const {
+    const rig::MeasuredValues& m = rig_.measured();
+    meter.feed(rig::as_on_bus(layout_, {.time_s = rig_.time_s(),
+                                        .phase = static_cast<std::uint8_t>(phase),
+                                        .wheel = shaft(sample.wheel),
+                                        .flywheel = shaft(sample.flywheel),
+                                        .pressure_Pa = static_cast<double>(sample.pressure_Pa),
+                                        .vertical_N = rig::at(m, Measured::vertical_load_N),
+                                        .longitudinal_N = rig::at(m, Measured::longitudinal_force_N),
+                                        .brake_torque_Nm = rig::at(m, Measured::brake_torque_Nm),
+                                        .brake_temperature_C = rig::at(m, Measured::brake_temperature_C)}));
+}
+
+void TestCell::period(const sequencer::Outputs& outputs, rig::Meter& meter) {
+    antiskid::can::RigSample sample = rig_.sample();
+    sample.maneuver = maneuver(outputs);
+    sample.emergency_stop = outputs.emergency_stop;
+    if (metered(outputs.phase)) measure(outputs.phase, sample, meter);
+    command_ = controller_.step(link_.sense(sample, now_), now_);
+    faults_.insert(command_.faults);
+    rig_.advance(static_cast<double>(link_.current_mA(command_)));
+    now_ += period_;
+}
+
+void TestCell::cool(const sequencer::Plan& plan) {
+    const double wait_s = rig_.cooling_time_s(plan.cool_to_C);
+    if (std::isfinite(wait_s)) rig_.pass_idle(wait_s);
+}
+
+Outcome TestCell::run(const sequencer::Plan& plan) {
+    sequencer::Sequencer sequencer(plan);
+    rig::Meter meter(rig::meter_parameters(scenario_, seconds(period_)));
+    faults_ = {};
+    while (!sequencer.over()) {
+        const sequencer::Outputs outputs = sequencer.step(look(meter), rig_.time_s());
+        rig_.command(plc_.command(outputs, rig_.time_s()));
+        if (outputs.phase == Phase::cool_down && rig_.idle()) cool(plan);
+        for (std::int64_t i = 0; i < periods_per_step_; ++i) period(outputs, meter);
+    }
+    return {.phase = sequencer.phase(),
+            .abort = sequencer.abort(),
+            .figures = meter.figures(),
+            .faults = faults_};
+}
+
+}  // namespace endurance

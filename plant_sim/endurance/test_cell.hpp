@@ -1,0 +1,63 @@
+/// Rig, PLC, controller and sequencer in one process, faster than real time: the same code as in the three programs, joined without bytes.
+/// Figures come from the meter, on what the sensors said and the bus would have carried.
+///
+///     endurance::TestCell cell(scenario, controller, layout, plc::load_served_rig(config, plc::Bench::endurance), seed);
+///     const endurance::Outcome outcome = cell.run(rig::plan(scenario, seed, number));
+///
+/// The controller steps every control period, the sequencer every kSequencer_s. While the brake cools on a rig where nothing moves, time
+/// passes in one piece and the controller sleeps.
+#pragma once
+
+#include "firmware/can/layout.hpp"
+#include "firmware/can/rounded_link.hpp"
+#include "firmware/control/controller.hpp"
+#include "plant_sim/endurance/direct_plc.hpp"
+#include "plant_sim/plc/served_rig.hpp"
+#include "rig_bridge/record/meter.hpp"
+#include "rig_bridge/scenario/scenario.hpp"
+
+namespace endurance {
+
+struct Outcome {
+    sequencer::Phase phase = sequencer::Phase::idle;  ///< finished or aborted
+    sequencer::Abort abort = sequencer::Abort::none;
+    rig::Figures figures;
+    antiskid::control::FaultSet faults;  ///< the controller's, latched at any time
+};
+
+class TestCell {
+  public:
+    static constexpr double kSequencer_s = 0.01;
+
+    /// `layout` must outlive the cell. The rig's period becomes the controller's. Throws std::invalid_argument where that is none of whole
+    /// milliseconds.
+    TestCell(const rig::Scenario& scenario, const antiskid::control::Config& controller,
+             const antiskid::can::Layout& layout, plc::ServedRigOptions options, std::uint64_t seed);
+
+    /// One maneuver from idle to its end.
+    [[nodiscard]] Outcome run(const sequencer::Plan& plan);
+
+    /// The rig, e.g. to open an interlock or to look at the truth.
+    [[nodiscard]] plc::ServedRig& rig() { return rig_; }
+    [[nodiscard]] double time_s() const { return rig_.time_s(); }
+
+  private:
+    void measure(sequencer::Phase phase, const antiskid::can::RigSample& sample, rig::Meter& meter) const;
+    [[nodiscard]] sequencer::Inputs look(const rig::Meter& meter) const;
+    void period(const sequencer::Outputs& outputs, rig::Meter& meter);
+    void cool(const sequencer::Plan& plan);
+
+    rig::Scenario scenario_;
+    const antiskid::can::Layout& layout_;
+    antiskid::control::Time period_;
+    std::int64_t periods_per_step_;
+    plc::ServedRig rig_;
+    antiskid::control::Controller controller_;
+    antiskid::can::RoundedLink link_;
+    DirectPlc plc_;
+    antiskid::control::Time now_{};       // of the controller
+    antiskid::control::Command command_;  // its newest
+    antiskid::control::FaultSet faults_;
+};
+
+}  // namespace endurance
