@@ -185,7 +185,12 @@ class ModbusServer::Impl {
     void serve_rtu() {
         std::array<std::uint8_t, MODBUS_MAX_ADU_LENGTH> bytes{};
         const int length = modbus_receive(rtu_->context(), bytes.data());
-        if (length == 0) return;  // for another unit
+        if (length == 0) {
+            // For another unit. libmodbus would now take our next request for that unit's answer; there is none on this
+            // line, and asking for it, which waits for the response time-out only, is what makes libmodbus forget it.
+            static_cast<void>(modbus_receive(rtu_->context(), bytes.data()));
+            return;
+        }
         if (length < 0) {
             ++broken_;
             rtu_->terminal().drain();

@@ -1,11 +1,15 @@
 // The client against the real server: values, commands, watchdogs, reconnection.
 #include "rig_bridge/modbus/client.hpp"
 
+#include <fcntl.h>
+
 #include <cmath>
 #include <limits>
 
 #include "tests/catch.hpp"
+#include "tests/modbus/fake_plc.hpp"
 #include "tests/modbus/plc_stub.hpp"
+#include "tests/modbus/raw_tcp.hpp"
 
 using namespace std::chrono_literals;
 using rig::at;
@@ -76,4 +80,274 @@ TEST_CASE("A command is applied whole and confirmed by its number", "[BRG-031]")
     CHECK(at(orders, Commanded::load_lift_Ns2pm2) == 3.625);
     CHECK(at(orders, Commanded::commit) == client.snapshot().commit);
     CHECK(client.snapshot().pending_s == 0.0);
+}
+
+TEST_CASE("A refused command is told, and so is one that cannot be sent", "[BRG-041]") {
+    const auto map = stub::shipped_map();
+    stub::Plc plc(map);
+    plc.refuse(true);
+    rig::ModbusClient client(map, at_port(plc.server().port()));
+    REQUIRE(commanding(client, landing(50.0),
+                       [&] { return client.snapshot().command == CommandState::refused; }));
+    CHECK(client.snapshot().value(Measured::refused_commit) == client.snapshot().commit);
+    plc.refuse(false);
+    REQUIRE(commanding(client, landing(51.0),
+                       [&] { return client.snapshot().command == CommandState::applied; }));
+    client.command(landing(1e6));
+    CHECK(client.snapshot().command == CommandState::unsendable);
+    CHECK_THAT(client.snapshot().command_error, ContainsSubstring("flywheel_speed"));
+    CHECK(at(plc.orders().commanded, Commanded::flywheel_speed_mps) == 51.0);
+}
+
+TEST_CASE("Many commands in a row: each as it was wanted, the last one applied", "[BRG-031]") {
+    auto map = stub::shipped_map();
+    map.link.poll = 1ms;
+    stub::Plc plc(map);
+    rig::ModbusClient client(map, at_port(plc.server().port()));
+    rig::CommandedValues wanted{};
+    int k = 0;
+    REQUIRE(eventually([&] {
+        k = k % 100 + 1;
+        at(wanted, Commanded::flywheel_speed_mps) = k;
+        at(wanted, Commanded::load_base_N) = k;
+        at(wanted, Commanded::load_lift_Ns2pm2) = k / 2.0;
+        client.command(wanted);
+        return plc.commits().size() >= 50;
+    }));
+    REQUIRE(commanding(client, wanted, [&] { return client.snapshot().command == CommandState::applied; }));
+    double before = 0.0;
+    for (const auto& commit : plc.commits()) {
+        CHECK(at(commit, Commanded::load_base_N) == at(commit, Commanded::flywheel_speed_mps));
+        CHECK(at(commit, Commanded::load_lift_Ns2pm2) == at(commit, Commanded::flywheel_speed_mps) / 2.0);
+        CHECK(at(commit, Commanded::commit) > before);
+        before = at(commit, Commanded::commit);
+    }
+    CHECK(at(plc.orders().commanded, Commanded::flywheel_speed_mps) == k);
+}
+
+TEST_CASE("A server that was killed and restarted gets the newest command again", "[BRG-037]") {
+    auto map = stub::shipped_map();
+    map.link.backoff_min = 1ms;
+    map.link.backoff_max = 20ms;
+    auto plc = std::make_unique<stub::Plc>(map);
+    const auto port = plc->server().port();
+    rig::ModbusClient client(map, at_port(port));
+    const auto applied = [&] { return client.snapshot().command == CommandState::applied; };
+    REQUIRE(commanding(client, landing(50.0), applied));
+    const auto first = client.snapshot();
+
+    plc.reset();
+    REQUIRE(eventually([&] { return client.snapshot().counters.failed_connects >= 3; }));
+    CHECK(client.snapshot().link == LinkState::lost);
+    CHECK_FALSE(client.snapshot().error.empty());
+    CHECK(std::isinf(client.snapshot().plc_watchdog_age_s));
+    const auto wanted = landing(30.0);
+    client.command(wanted);
+    CHECK(client.snapshot().command == CommandState::pending);
+
+    plc = std::make_unique<stub::Plc>(map, rig::ServerOptions{.port = port});
+    REQUIRE(commanding(client, wanted, applied));
+    CHECK(at(plc->orders().commanded, Commanded::flywheel_speed_mps) == 30.0);
+    CHECK(client.snapshot().commit > first.commit);
+    CHECK(client.snapshot().counters.connects == 2);
+    CHECK(client.snapshot().link == LinkState::connected);
+    CHECK(plc->commits().size() == 1);
+}
+
+TEST_CASE("A PLC with another map version is refused by number and left alone", "[BRG-038]") {
+    auto other = stub::shipped_map();
+    other.version = 2;
+    auto plc = std::make_unique<stub::Plc>(other);
+    const auto port = plc->server().port();
+    auto map = stub::shipped_map();
+    map.link.backoff_min = 1ms;
+    map.link.backoff_max = 20ms;
+    rig::ModbusClient client(map, at_port(port));
+    REQUIRE(
+        commanding(client, landing(50.0), [&] { return client.snapshot().link == LinkState::map_refused; }));
+    REQUIRE(commanding(client, landing(50.0), [&] { return plc->server().counters().requests >= 5; }));
+    const auto now = client.snapshot();
+    CHECK_THAT(now.error, ContainsSubstring("version 2") && ContainsSubstring("bridge's is 1"));
+    CHECK(now.counters.polls == 0);
+    CHECK(now.command == CommandState::pending);
+    CHECK(std::isnan(now.value(Measured::plc_state)));
+    CHECK(plc->commits().empty());
+    CHECK(at(plc->orders().commanded, Commanded::bridge_watchdog) == 0.0);
+
+    plc.reset();
+    plc = std::make_unique<stub::Plc>(map, rig::ServerOptions{.port = port});
+    REQUIRE(commanding(client, landing(50.0),
+                       [&] { return client.snapshot().command == CommandState::applied; }));
+}
+
+TEST_CASE("The watchdog moves only while the bridge's thread calls", "[BRG-039]") {
+    const auto map = stub::shipped_map();
+    stub::Plc plc(map);
+    std::atomic<std::int64_t> now_ms{1000};
+    rig::ModbusClient client(map, at_port(plc.server().port()),
+                             [&] { return rig::ClockTime(std::chrono::milliseconds(now_ms.load())); });
+    const auto watchdog = [&] { return at(plc.orders().commanded, Commanded::bridge_watchdog); };
+    const auto polled = [&](std::uint64_t more) {
+        const auto goal = client.snapshot().counters.polls + more;
+        return eventually([&] { return client.snapshot().counters.polls >= goal; });
+    };
+    // Nobody has called yet.
+    REQUIRE(polled(5));
+    CHECK(watchdog() == 0.0);
+    // alive() and command() both keep it moving, every fifth of the PLC's time.
+    for (const bool commands : {false, true}) {
+        const double before = watchdog();
+        REQUIRE(eventually([&] {
+            now_ms += 20;
+            if (commands) {
+                client.command(landing(40.0));
+            } else {
+                client.alive();
+            }
+            return watchdog() >= before + 5.0;
+        }));
+    }
+    REQUIRE(commanding(client, landing(40.0),
+                       [&] { return client.snapshot().command == CommandState::applied; }));
+    // The caller hangs: polling goes on, the watchdog does not.
+    now_ms += 101;
+    REQUIRE(polled(1));
+    const double last = watchdog();
+    for (int i = 0; i < 10; ++i) {
+        now_ms += 100;
+        REQUIRE(polled(1));
+    }
+    CHECK(watchdog() == last);
+    CHECK(client.snapshot().link == LinkState::connected);
+    // And comes back.
+    REQUIRE(eventually([&] {
+        now_ms += 20;
+        client.alive();
+        return watchdog() >= last + 3.0;
+    }));
+}
+
+TEST_CASE("Commands wait until the PLC has seen the watchdog move", "[BRG-039]") {
+    const auto map = stub::shipped_map();
+    stub::Plc plc(map);
+    plc.freeze(true);
+    rig::ModbusClient client(map, at_port(plc.server().port()));
+    REQUIRE(commanding(client, landing(40.0), [&] { return client.snapshot().counters.polls >= 10; }));
+    CHECK(client.snapshot().commit == 0);
+    CHECK(client.snapshot().command == CommandState::pending);
+    CHECK(std::isinf(client.snapshot().plc_watchdog_age_s));
+    plc.freeze(false);
+    REQUIRE(commanding(client, landing(40.0),
+                       [&] { return client.snapshot().command == CommandState::applied; }));
+    CHECK(std::isfinite(client.snapshot().plc_watchdog_age_s));
+}
+
+TEST_CASE("A PLC that hangs is seen by the age of its watchdog, though it answers", "[BRG-033]") {
+    const auto map = stub::shipped_map();
+    stub::Plc plc(map);
+    rig::ModbusClient client(map, at_port(plc.server().port()));
+    REQUIRE(eventually([&] { return std::isfinite(client.snapshot().plc_watchdog_age_s); }));
+    plc.freeze(true);
+    REQUIRE(eventually([&] { return client.snapshot().plc_watchdog_age_s > 0.3; }));
+    CHECK(client.snapshot().link == LinkState::connected);
+}
+
+TEST_CASE("A server that hangs after the request loses the link and gets it back", "[BRG-033]") {
+    auto map = stub::shipped_map();
+    map.link.response_timeout = 50ms;
+    map.link.backoff_max = 100ms;
+    stub::Plc plc(map);
+    rig::ModbusClient client(map, at_port(plc.server().port()));
+    REQUIRE(commanding(client, landing(50.0),
+                       [&] { return client.snapshot().command == CommandState::applied; }));
+    const auto timeouts = client.snapshot().counters.timeouts;
+    const raw::Client other(plc.server().port());
+    REQUIRE(other.ask({6, 0, 101, 0, 50}).size() == 5);  // 0.5 s
+    REQUIRE(
+        commanding(client, landing(50.0), [&] { return client.snapshot().counters.timeouts > timeouts; }));
+    REQUIRE(commanding(client, landing(50.0), [&] {
+        const auto now = client.snapshot();
+        return now.link == LinkState::connected && now.command == CommandState::applied;
+    }));
+    CHECK(plc.server().counters().hangs == 1);
+}
+
+TEST_CASE("The client speaks RTU to the server's pseudo-terminal", "[BRG-026]") {
+    auto map = stub::shipped_map();
+    map.link.response_timeout = 500ms;
+    stub::Plc plc(map, {.rtu = true});
+    plc.set(Measured::vertical_load_N, 43609.5);
+    CHECK_THAT(plc.server().rtu_path(), ContainsSubstring("/dev/pts/"));
+    rig::ModbusClient client(map, rig::SerialDevice{plc.server().rtu_path()});
+    REQUIRE(commanding(client, landing(50.0),
+                       [&] { return client.snapshot().command == CommandState::applied; }));
+    CHECK(client.snapshot().value(Measured::vertical_load_N) == 43609.5);
+    CHECK(at(plc.orders().commanded, Commanded::load_base_N) == 43609.5);
+    // The same registers over TCP at the same time.
+    rig::ModbusClient tcp(map, at_port(plc.server().port()));
+    REQUIRE(eventually([&] { return tcp.snapshot().value(Measured::vertical_load_N) == 43609.5; }));
+}
+
+TEST_CASE("The server's RTU side ignores other units, noise and broken frames", "[BRG-026]") {
+    const auto map = stub::shipped_map();
+    const rig::ModbusServer server(map, {.port = std::nullopt, .rtu = true});
+    CHECK(server.port() == 0);
+    const settings::FileDescriptor line(::open(server.rtu_path().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+    REQUIRE(line.is_open());
+    const auto answer = [&](const raw::Bytes& request, int timeout_ms) {
+        fake::RtuPlc::write(line.get(), request);
+        raw::Bytes all;
+        pollfd event{.fd = line.get(), .events = POLLIN, .revents = 0};
+        while (::poll(&event, 1, timeout_ms) > 0) {
+            std::array<std::uint8_t, 512> bytes{};
+            const auto got = ::read(line.get(), bytes.data(), bytes.size());
+            all.insert(all.end(), bytes.begin(), bytes.begin() + got);
+            if (all.size() > 4 && fake::crc16(all) == 0) break;  // of a frame with its checksum
+        }
+        return all;
+    };
+    const auto good = fake::with_crc({1, 4, 0, 0, 0, 1});
+    const auto expected = fake::with_crc({1, 4, 2, 0, 1});
+    CHECK(answer(good, 60'000) == expected);
+    CHECK(answer(fake::with_crc({2, 4, 0, 0, 0, 1}), 50).empty());
+    CHECK(answer(good, 60'000) == expected);
+    auto broken = good;
+    broken[3] ^= 1;
+    CHECK(answer(broken, 50).empty());
+    CHECK(answer(good, 60'000) == expected);
+    CHECK(answer({good.begin(), good.begin() + 5}, 400).empty());  // cut off: forgotten after 200 ms
+    CHECK(answer(good, 60'000) == expected);
+    CHECK(answer(fake::with_crc({1, 4, 0, 99, 0, 1}), 60'000) == fake::with_crc({1, 0x84, 2}));
+    // A broadcast is obeyed and never answered, not even by an exception.
+    CHECK(answer(fake::with_crc({0, 6, 0, 4, 0, 1}), 50).empty());
+    CHECK(answer(fake::with_crc({0, 6, 0, 50, 0, 1}), 50).empty());
+    CHECK(answer(fake::with_crc({1, 3, 0, 4, 0, 1}), 60'000) == fake::with_crc({1, 3, 2, 0, 1}));
+    CHECK(server.counters().broken >= 2);
+}
+
+TEST_CASE("A map that a serial line cannot carry safely is refused", "[BRG-043]") {
+    auto map = stub::shipped_map();
+    map.measured[static_cast<std::size_t>(Measured::wheel_on_rim)].address = 500;
+    CHECK_THROWS_WITH(rig::ModbusClient(map, rig::SerialDevice{"/dev/ttyS9"}),
+                      ContainsSubstring("groups of two"));
+}
+
+TEST_CASE("Little word order and scattered registers work as well", "[BRG-030]") {
+    auto map = stub::shipped_map();
+    map.word_order = rig::WordOrder::little;
+    map.measured[static_cast<std::size_t>(Measured::wheel_on_rim)].address = 500;
+    map.measured[static_cast<std::size_t>(Measured::brake_torque_Nm)].address = 65534;
+    map.commanded[static_cast<std::size_t>(Commanded::load_lift_Ns2pm2)].address = 3000;
+    map.interlock_bit = {15, 14, 1, 0};
+    stub::Plc plc(map);
+    plc.set(Measured::brake_torque_Nm, -1234.5);
+    plc.set(Measured::wheel_on_rim, 1.0);
+    plc.set(Measured::interlocks, 0b0011);
+    rig::ModbusClient client(map, at_port(plc.server().port()));
+    REQUIRE(commanding(client, landing(50.0),
+                       [&] { return client.snapshot().command == CommandState::applied; }));
+    REQUIRE(eventually([&] { return client.snapshot().value(Measured::brake_torque_Nm) == -1234.5; }));
+    CHECK(client.snapshot().value(Measured::wheel_on_rim) == 1.0);
+    CHECK(client.snapshot().value(Measured::interlocks) == 3.0);
+    CHECK(at(plc.orders().commanded, Commanded::load_lift_Ns2pm2) == 3.625);
 }
