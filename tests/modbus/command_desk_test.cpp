@@ -1,0 +1,198 @@
+// Which command goes out under which number, and what became of it.
+#include "rig_bridge/modbus/command_desk.hpp"
+
+#include <limits>
+
+#include "rig_bridge/modbus/backoff.hpp"
+#include "rig_bridge/modbus/plc_address.hpp"
+#include "tests/catch.hpp"
+
+using namespace std::chrono_literals;
+using rig::at;
+using rig::Commanded;
+using rig::CommandState;
+
+namespace {
+
+rig::CommandedValues speed(double mps) {
+    rig::CommandedValues wanted{};
+    at(wanted, Commanded::flywheel_speed_mps) = mps;
+    return wanted;
+}
+
+struct Desk {
+    rig::RegisterMap map = rig::load_register_map("config/registers.toml");
+    rig::CommandDesk desk{map};
+
+    /// The number under which what is due goes out; 0: nothing is due.
+    std::uint16_t send() {
+        const auto image = desk.due();
+        if (!image) return 0;
+        desk.sending(*image);
+        return static_cast<std::uint16_t>(image->read(map.field(Commanded::commit)).value);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("A wish is pending until its number is confirmed", "[BRG-031]") {
+    Desk d;
+    CHECK(d.desk.state() == CommandState::none);
+    CHECK(d.send() == 0);
+    d.desk.want(speed(0.0), 1s);  // all zero is a wish, too
+    CHECK(d.desk.state() == CommandState::pending);
+    CHECK(d.desk.pending_s(3s) == 2.0);
+    CHECK(d.send() == 1);
+    CHECK(d.send() == 0);
+    CHECK(d.desk.state() == CommandState::pending);
+    CHECK(d.desk.pending_s(4s) == 3.0);
+    d.desk.seen(0, 0);
+    CHECK(d.desk.state() == CommandState::pending);
+    d.desk.seen(1, 0);
+    CHECK(d.desk.state() == CommandState::applied);
+    CHECK(d.desk.pending_s(9s) == 0.0);
+}
+
+TEST_CASE("Only what the registers would show differently is sent", "[BRG-031]") {
+    Desk d;
+    d.desk.want(speed(50.0), 1s);
+    CHECK(d.send() == 1);
+    d.desk.seen(1, 0);
+    auto same = speed(50.0 + 1e-9);  // no other float32
+    at(same, Commanded::bridge_watchdog) = 77.0;
+    at(same, Commanded::commit) = 9.0;
+    d.desk.want(same, 2s);
+    CHECK(d.desk.state() == CommandState::applied);
+    CHECK(d.send() == 0);
+    d.desk.want(speed(50.1), 3s);
+    CHECK(d.desk.state() == CommandState::pending);
+    CHECK(d.send() == 2);
+}
+
+TEST_CASE("A newer wish does not wait for the older one's answer, and is as late as that", "[BRG-031]") {
+    Desk d;
+    d.desk.want(speed(10.0), 1s);
+    const auto first = d.desk.due();
+    REQUIRE(first);
+    d.desk.want(speed(20.0), 2s);  // while the first is being written
+    d.desk.sending(*first);
+    CHECK(d.desk.pending_s(3s) == 2.0);
+    CHECK(d.send() == 2);
+    d.desk.seen(1, 0);
+    CHECK(d.desk.state() == CommandState::pending);
+    CHECK(d.desk.pending_s(3s) == 2.0);
+    d.desk.seen(2, 0);
+    CHECK(d.desk.state() == CommandState::applied);
+
+    // Confirmed before the newer one goes out: that one's own time counts.
+    d.desk.want(speed(30.0), 10s);
+    const auto third = d.desk.due();
+    d.desk.want(speed(40.0), 12s);
+    d.desk.sending(*third);
+    d.desk.seen(3, 0);
+    CHECK(d.desk.pending_s(13s) == 1.0);
+}
+
+TEST_CASE("A refused command is not repeated, a changed one is sent", "[BRG-041]") {
+    Desk d;
+    d.desk.want(speed(10.0), 1s);
+    CHECK(d.send() == 1);
+    d.desk.seen(0, 1);
+    CHECK(d.desk.state() == CommandState::refused);
+    d.desk.want(speed(10.0), 2s);
+    CHECK(d.desk.state() == CommandState::refused);
+    CHECK(d.send() == 0);
+    d.desk.want(speed(11.0), 3s);
+    CHECK(d.desk.state() == CommandState::pending);
+    CHECK(d.send() == 2);
+    d.desk.seen(2, 1);
+    CHECK(d.desk.state() == CommandState::applied);
+}
+
+TEST_CASE("What cannot be sent is named, and nothing older is sent in its place", "[BRG-040]") {
+    Desk d;
+    d.desk.want(speed(10.0), 1s);
+    auto bad = speed(101.0);
+    d.desk.want(bad, 2s);
+    CHECK(d.desk.state() == CommandState::unsendable);
+    CHECK(d.desk.error() == "flywheel_speed: 101 m/s is out of range 0 to 100");
+    CHECK(d.send() == 0);
+    d.desk.want(speed(std::numeric_limits<double>::quiet_NaN()), 2s);
+    CHECK(d.desk.error() == "flywheel_speed: not a number");
+    bad = speed(10.0);
+    at(bad, Commanded::drive_enable) = 2.0;
+    d.desk.want(bad, 2s);
+    CHECK(d.desk.error() == "drive_enable: 2 is out of range 0 to 1");
+    bad = speed(10.0);
+    at(bad, Commanded::load_base_N) = -1.0;
+    d.desk.want(bad, 2s);
+    CHECK(d.desk.error() == "load_base: -1 N is out of range 0 to 100000");
+    d.desk.want(speed(10.0), 3s);
+    CHECK(d.desk.error().empty());
+    CHECK(d.send() == 1);
+}
+
+TEST_CASE("After a reconnection the newest wish goes out again under a new number", "[BRG-037]") {
+    Desk d;
+    d.desk.reconnected(41, 1s);
+    CHECK(d.send() == 0);  // nobody has asked for anything
+    d.desk.want(speed(10.0), 2s);
+    CHECK(d.send() == 42);
+    d.desk.seen(42, 0);
+    CHECK(d.desk.state() == CommandState::applied);
+
+    d.desk.reconnected(0, 5s);  // a PLC that was restarted
+    CHECK(d.desk.state() == CommandState::pending);
+    CHECK(d.desk.pending_s(6s) == 1.0);
+    d.desk.seen(0, 0);
+    CHECK(d.send() == 43);
+    CHECK(d.desk.state() == CommandState::pending);
+    d.desk.seen(43, 0);
+    CHECK(d.desk.state() == CommandState::applied);
+}
+
+TEST_CASE("Commit numbers wrap around without 0 and without one that already has an answer", "[BRG-037]") {
+    Desk d;
+    d.desk.reconnected(65534, 1s);
+    d.desk.want(speed(1.0), 1s);
+    CHECK(d.send() == 65535);
+    d.desk.seen(65535, 2);
+    d.desk.want(speed(2.0), 2s);
+    CHECK(d.send() == 1);
+    d.desk.seen(1, 2);
+    d.desk.want(speed(3.0), 3s);
+    CHECK(d.send() == 3);  // 2 was refused in the last round
+    CHECK(d.desk.state() == CommandState::pending);
+}
+
+TEST_CASE("Waits between attempts double up to their bound and start anew after success", "[BRG-042]") {
+    rig::Backoff backoff(100ms, 1s);
+    CHECK(backoff.next() == 100ms);
+    CHECK(backoff.next() == 200ms);
+    CHECK(backoff.next() == 400ms);
+    CHECK(backoff.next() == 800ms);
+    CHECK(backoff.next() == 1s);
+    CHECK(backoff.next() == 1s);
+    backoff.reset();
+    CHECK(backoff.next() == 100ms);
+    rig::Backoff constant(50ms, 50ms);
+    CHECK(constant.next() == 50ms);
+    CHECK(constant.next() == 50ms);
+}
+
+TEST_CASE("A PLC address is a numeric host, with or without port, or a device", "[BRG-032]") {
+    const auto tcp = [](const std::string& text) {
+        return std::get<rig::TcpServer>(rig::parse_plc_address(text));
+    };
+    CHECK(tcp("192.168.1.10:1502").address == "192.168.1.10");
+    CHECK(tcp("192.168.1.10:1502").port == 1502);
+    CHECK(tcp("10.0.0.1").port == 502);
+    CHECK(std::get<rig::SerialDevice>(rig::parse_plc_address("/dev/ttyUSB0")).path == "/dev/ttyUSB0");
+    for (const std::string wrong : {"", "plc.local:502", "1.2.3:502", "1.2.3.4:", "1.2.3.4:0",
+                                    "1.2.3.4:65536", "1.2.3.4:5x", "1.2.3.4:502:1", "ttyUSB0", "[::1]:502"}) {
+        CAPTURE(wrong);
+        CHECK_THROWS_WITH(rig::parse_plc_address(wrong), ContainsSubstring("'" + wrong + "'"));
+    }
+    CHECK(rig::to_string(rig::parse_plc_address("10.0.0.1")) == "Modbus TCP 10.0.0.1:502");
+    CHECK(rig::to_string(rig::parse_plc_address("/dev/ttyS1")) == "Modbus RTU /dev/ttyS1");
+}
