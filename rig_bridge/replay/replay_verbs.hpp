@@ -22,6 +22,7 @@ struct UsageError : std::runtime_error {
 };
 
 [[nodiscard]] ReplayVerb bus_verb(CLI::App& app);
+[[nodiscard]] ReplayVerb campaign_verb(CLI::App& app);
 [[nodiscard]] ReplayVerb controller_verb(CLI::App& app);
 [[nodiscard]] ReplayVerb plant_verb(CLI::App& app);
 

@@ -1,0 +1,63 @@
+/// The campaign of Fig. 7 (mean friction over cumulative brake energy) from the raw logs, held against summaries and ledger.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/can/layout.hpp"
+#include "rig_bridge/record/ledger.hpp"
+#include "rig_bridge/record/meter.hpp"
+#include "rig_bridge/replay/log_reader.hpp"
+
+namespace rig {
+
+/// One folder of a campaign: one attempt at one maneuver.
+struct ManeuverFolder {
+    std::filesystem::path path;
+    std::int64_t number = 0;
+    std::int64_t attempt = 1;
+};
+
+/// The folders NNNN and NNNN.A of `campaign`, by number and attempt. Throws std::runtime_error when there is none.
+[[nodiscard]] std::vector<ManeuverFolder> maneuver_folders(const std::filesystem::path& campaign);
+
+struct CampaignRow {
+    ManeuverFolder folder;
+    bool counted = false;  ///< finished or aborted: has a summary, and its energy counts
+    std::string outcome;   ///< of the summary; "unfinished" without one
+    Figures figures;       ///< from bus.log alone
+    double cumulative_energy_J = 0.0;
+    /// "mean_friction is 0.29817 from the log, 0.29816 in summary.json"; bit by bit.
+    std::vector<std::string> differences;
+};
+
+struct CampaignTable {
+    std::vector<CampaignRow> rows;
+    bool with_ledger = false;
+    std::uint64_t lines = 0;
+    [[nodiscard]] std::uint64_t counted() const;
+    [[nodiscard]] std::uint64_t different() const;  ///< rows
+};
+
+struct CampaignSources {
+    const antiskid::can::Layout& layout;
+    /// What the meter must know of the rig of a scenario, by its name in the summary.
+    std::function<MeterParameters(const std::string& scenario)> parameters;
+    std::vector<LedgerRow> ledger;  ///< of this campaign; empty with `with_ledger` false
+    bool with_ledger = false;
+    std::function<LogWarnings(const std::string& file)> warnings;
+};
+
+/// Reads every log of the folders. A folder whose log is missing or unreadable is a difference.
+[[nodiscard]] CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders,
+                                             const CampaignSources& sources);
+
+[[nodiscard]] std::string to_text(const CampaignTable& table);
+/// number,attempt,outcome,cumulative_energy_J and every figure by its key.
+[[nodiscard]] std::string to_csv(const CampaignTable& table);
+[[nodiscard]] std::string to_json(const CampaignTable& table, const std::string& campaign);
+
+}  // namespace rig

@@ -1,0 +1,111 @@
+#include <fmt/core.h>
+
+#include <map>
+#include <memory>
+
+#include "config/reader/atomic_file.hpp"
+#include "firmware/can/load_layout.hpp"
+#include "firmware/linux/controller_config.hpp"
+#include "plant_sim/study/gnuplot.hpp"
+#include "rig_bridge/replay/campaign_table.hpp"
+#include "rig_bridge/replay/replay_verbs.hpp"
+#include "rig_bridge/scenario/meter_parameters.hpp"
+
+namespace rig {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CampaignCommand {
+    fs::path folder;
+    fs::path ledger;
+    fs::path config = "config";
+    fs::path dbc, binding;
+    std::string json, csv, picture;
+
+    int run() const {
+        const antiskid::can::Layout layout = configured([&] {
+            return antiskid::can::load_layout(dbc.empty() ? config / "antiskid.dbc" : dbc,
+                                              binding.empty() ? config / "antiskid_binding.toml" : binding);
+        });
+        const std::vector<ManeuverFolder> folders = maneuver_folders(folder);
+        std::map<std::string, MeterParameters> known;
+        CampaignSources sources{
+            .layout = layout,
+            .parameters = [&](const std::string& name) { return parameters(known, name); },
+            .ledger = {},
+            .with_ledger = false,
+            .warnings = warnings_of};
+        const fs::path beside = fs::absolute(folder / "").parent_path();
+        const fs::path file = ledger.empty() ? beside.parent_path() / "ledger.sqlite" : ledger;
+        if (!ledger.empty() || fs::exists(file)) {
+            sources.ledger = read_ledger(file, beside.filename().string());
+            sources.with_ledger = true;
+        } else {
+            fmt::print(stderr, "rig-replay: warning: no ledger {}: compared with the summaries only\n",
+                       file.string());
+        }
+        const CampaignTable table = rebuild_campaign(folders, sources);
+        if (json != "-") fmt::print("{}", to_text(table));
+        deliver(json, to_json(table, beside.filename().string()));
+        deliver(csv, to_csv(table));
+        if (!picture.empty()) draw(table);
+        return table.different() == 0 ? 0 : 1;
+    }
+
+    [[nodiscard]] MeterParameters parameters(std::map<std::string, MeterParameters>& known,
+                                             const std::string& name) const {
+        const auto found = known.find(name);
+        if (found != known.end()) return found->second;
+        return known[name] = configured([&] {
+                   const Scenario scenario = load_scenario(config / "scenarios" / (name + ".toml"), config);
+                   const double period_s =
+                       static_cast<double>(antiskid::load_controller_config(scenario.controller).period_s);
+                   return meter_parameters(scenario, period_s);
+               });
+    }
+
+    void draw(const CampaignTable& table) const {
+        const std::string rows = csv.empty() || csv == "-" ? picture + ".csv" : csv;
+        if (rows != csv) settings::write_file(rows, to_csv(table));
+        study::run_gnuplot(
+            picture, 1000, 600,
+            fmt::format(
+                "set datafile separator ','\nset grid lc rgb '#dddddd'\nset key off\n"
+                "set xlabel 'cumulative brake energy (MJ)'\nset ylabel 'mean friction'\n"
+                "plot {} using (column('cumulative_energy_J') * 1e-6):'mean_friction' with points pt 7 "
+                "ps 0.6 lc rgb '#1f4e79'\n",
+                study::gnuplot_quoted(rows)));
+    }
+};
+
+}  // namespace
+
+ReplayVerb campaign_verb(CLI::App& app) {
+    const auto c = std::make_shared<CampaignCommand>();
+    CLI::App* verb = app.add_subcommand("campaign",
+                                        "The table of Fig. 7 rebuilt from the raw logs of a campaign, held "
+                                        "against summaries and ledger bit by bit.");
+    verb->add_option("DIR", c->folder,
+                     "folder of the campaign: 0001/bus.log (or bus.log.gz), 0001/summary.json, ...")
+        ->required();
+    verb->add_option("--ledger", c->ledger, "its ledger (default: ledger.sqlite beside the folder)");
+    verb->add_option("--config", c->config, "directory of the configuration files")->capture_default_str();
+    verb->add_option("--dbc", c->dbc, "bus layout (default: CONFIG/antiskid.dbc)");
+    verb->add_option("--binding", c->binding,
+                     "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+    verb->add_option("--csv", c->csv, "the table with every figure as CSV");
+    verb->add_option("--json", c->json, "the same as JSON, with what differs; - for standard output");
+    verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG)");
+    verb->footer(
+        "Examples:\n"
+        "  rig-replay campaign out/campaign/endurance\n"
+        "  rig-replay campaign runs/night --ledger runs/ledger.sqlite --picture fig7.png\n"
+        "Exit status: 0 equal to summaries and ledger; 1 something differs or cannot be read; 2 mistake in "
+        "command line or "
+        "configuration.");
+    return {verb, [c] { return c->run(); }};
+}
+
+}  // namespace rig
