@@ -1,0 +1,219 @@
+#include "plant_sim/wear/campaign.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <optional>
+
+#include "config/reader/hash.hpp"
+#include "config/reader/input_file.hpp"
+#include "config/reader/near_miss.hpp"
+
+namespace wear {
+
+namespace {
+
+using settings::Error;
+
+constexpr double kGreatestStep_J = 1e9;  // a heavy airliner's brake takes about 1e8 J in a rejected take-off
+constexpr double kLeastMeanStep_J = 100.0;
+constexpr double kLeastFriction = 0.001;
+constexpr double kGreatestFriction = 1.5;
+
+constexpr std::string_view kEnergyMJ = "cumulative_energy_MJ";
+constexpr std::string_view kEnergyJ = "cumulative_energy_J";
+constexpr std::string_view kFriction = "mean_friction";
+
+std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::vector<std::string_view> fields_of(std::string_view line) {
+    std::vector<std::string_view> fields;
+    fields.reserve(8);
+    for (;;) {
+        const auto comma = line.find(',');
+        fields.push_back(trimmed(line.substr(0, comma)));
+        if (comma == std::string_view::npos) return fields;
+        line.remove_prefix(comma + 1);
+    }
+}
+
+struct Columns {
+    std::size_t count = 0;
+    std::size_t energy = 0;
+    std::size_t friction = 0;
+    double energy_unit_J = 1.0;
+    std::string_view energy_name = kEnergyJ;
+};
+
+std::optional<std::size_t> find(const std::vector<std::string_view>& header, std::string_view name,
+                                const std::string& file, unsigned line) {
+    const auto at = std::find(header.begin(), header.end(), name);
+    if (at == header.end()) return std::nullopt;
+    if (std::find(at + 1, header.end(), name) != header.end())
+        throw Error(file, line, std::string(name), "two columns of this name");
+    return static_cast<std::size_t>(at - header.begin());
+}
+
+/// Why there is no such column: what stands in the header instead.
+std::string missing(const std::vector<std::string_view>& header, std::string_view name) {
+    for (const std::string_view got : header) {
+        if (settings::differs_in_unit(name, got))
+            return fmt::format("'{}' is in another unit or in none; wanted is {}", settings::printable(got),
+                               name);
+    }
+    const std::string_view close = settings::nearest(name, header);
+    return close.empty()
+               ? fmt::format("no column {} in the header (first line, names separated by commas)", name)
+               : fmt::format("no column {}; is '{}' meant to be it?", name, settings::printable(close));
+}
+
+Columns columns_of(const std::string& file, unsigned line, const std::vector<std::string_view>& header) {
+    Columns c;
+    c.count = header.size();
+    const auto in_MJ = find(header, kEnergyMJ, file, line);
+    const auto in_J = find(header, kEnergyJ, file, line);
+    if (in_MJ && in_J)
+        throw Error(file, line, std::string(kEnergyMJ),
+                    "energy stands in two units; keep cumulative_energy_J or cumulative_energy_MJ");
+    if (!in_MJ && !in_J)
+        throw Error(file, line, "", missing(header, kEnergyMJ) + "; cumulative_energy_J will do, too");
+    c.energy = in_MJ ? *in_MJ : *in_J;
+    c.energy_unit_J = in_MJ ? 1e6 : 1.0;
+    c.energy_name = in_MJ ? kEnergyMJ : kEnergyJ;
+    const auto friction = find(header, kFriction, file, line);
+    if (!friction) throw Error(file, line, "", missing(header, kFriction));
+    c.friction = *friction;
+    return c;
+}
+
+double number(const std::string& file, unsigned line, std::string_view column, std::string_view text) {
+    double value = 0.0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (failure != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+        throw Error(file, line, std::string(column),
+                    text.empty() ? std::string("no value")
+                                 : fmt::format("'{}' is no finite number", settings::printable(text)));
+    return value;
+}
+
+void check_point(const std::string& file, unsigned line, const Point& point, const Point* before) {
+    if (!std::isfinite(point.c_e_J) || point.c_e_J <= 0.0)
+        throw Error(
+            file, line, "cumulative_energy",
+            fmt::format("{} J: cumulative energy is positive from the first maneuver on", point.c_e_J));
+    if (!(point.mean_friction >= kLeastFriction && point.mean_friction <= kGreatestFriction))
+        throw Error(file, line, std::string(kFriction),
+                    fmt::format("{} is no friction coefficient of a brake ({} to {}); is it in percent?",
+                                point.mean_friction, kLeastFriction, kGreatestFriction));
+    if (before == nullptr) return;
+    const double step_J = point.c_e_J - before->c_e_J;
+    if (step_J <= 0.0)
+        throw Error(file, line, "cumulative_energy",
+                    fmt::format("{} J after {} J: energy must increase from maneuver to maneuver",
+                                point.c_e_J, before->c_e_J));
+    if (step_J > kGreatestStep_J)
+        throw Error(file, line, "cumulative_energy",
+                    fmt::format("{} J in one maneuver is more than a brake takes ({} J); is the unit that of "
+                                "the column's name, and the same in all rows?",
+                                step_J, kGreatestStep_J));
+}
+
+}  // namespace
+
+void check(const Campaign& campaign, unsigned first_line) {
+    const std::vector<Point>& points = campaign.points;
+    if (points.size() < 2)
+        throw Error(campaign.source, 0, "",
+                    fmt::format("{}: a campaign needs at least two",
+                                points.empty() ? "no maneuver" : "one maneuver only"));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        check_point(campaign.source, first_line + static_cast<unsigned>(i), points[i],
+                    i == 0 ? nullptr : &points[i - 1]);
+    }
+    const double mean_step_J =
+        (points.back().c_e_J - points.front().c_e_J) / static_cast<double>(points.size() - 1);
+    if (mean_step_J < kLeastMeanStep_J)
+        throw Error(campaign.source, 0, "cumulative_energy",
+                    fmt::format("{} J a maneuver on average is less than a brake takes ({} J); is the unit "
+                                "that of the column's name?",
+                                mean_step_J, kLeastMeanStep_J));
+    const bool all_equal = std::all_of(points.begin(), points.end(), [&](const Point& p) {
+        return p.mean_friction == points.front().mean_friction;
+    });
+    if (all_equal)
+        throw Error(campaign.source, 0, std::string(kFriction),
+                    fmt::format("{} in all {} maneuvers: no measurement is like that",
+                                points.front().mean_friction, points.size()));
+}
+
+Campaign parse_campaign(const std::string& name, std::string_view csv) {
+    Campaign campaign;
+    campaign.source = name;
+    std::optional<Columns> columns;
+    if (csv.starts_with("\xEF\xBB\xBF")) csv.remove_prefix(3);
+    unsigned line_number = 0;
+    while (!csv.empty()) {
+        const auto end = csv.find('\n');
+        const std::string_view line = trimmed(csv.substr(0, end));
+        csv.remove_prefix(end == std::string_view::npos ? csv.size() : end + 1);
+        ++line_number;
+        if (line.empty() || line.front() == '#') continue;
+        const std::vector<std::string_view> fields = fields_of(line);
+        if (!columns) {
+            columns = columns_of(name, line_number, fields);
+            continue;
+        }
+        if (fields.size() != columns->count)
+            throw Error(
+                name, line_number, "",
+                fmt::format("{} fields, but the header names {} columns (decimal point, comma between "
+                            "fields)",
+                            fields.size(), columns->count));
+        const Point point{
+            number(name, line_number, columns->energy_name, fields[columns->energy]) * columns->energy_unit_J,
+            number(name, line_number, kFriction, fields[columns->friction])};
+        check_point(name, line_number, point, campaign.points.empty() ? nullptr : &campaign.points.back());
+        campaign.points.push_back(point);
+    }
+    if (!columns) throw Error(name, 0, "", "empty: no header and no maneuver");
+    check(campaign);
+    return campaign;
+}
+
+Campaign read_campaign(const std::filesystem::path& csv) {
+    return parse_campaign(csv.string(), settings::read_file(csv));
+}
+
+double brake_energy_J(const Campaign& campaign, std::size_t i) {
+    const std::vector<Point>& p = campaign.points;
+    if (i > 0) return p[i].c_e_J - p[i - 1].c_e_J;
+    const double mean_step_J = (p.back().c_e_J - p.front().c_e_J) / static_cast<double>(p.size() - 1);
+    return p[0].c_e_J <= 1.5 * mean_step_J ? p[0].c_e_J : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string to_csv(const Campaign& campaign) {
+    std::string csv = "maneuver,mean_friction,brake_energy_J,cumulative_energy_J\n";
+    for (std::size_t i = 0; i < campaign.points.size(); ++i) {
+        const Point& p = campaign.points[i];
+        const double energy_J = brake_energy_J(campaign, i);
+        fmt::format_to(std::back_inserter(csv), "{},{},{},{}\n", i + 1, p.mean_friction,
+                       std::isnan(energy_J) ? std::string() : fmt::format("{}", energy_J), p.c_e_J);
+    }
+    return csv;
+}
+
+std::string data_hash(const Campaign& campaign) {
+    const std::string csv = to_csv(campaign);
+    const std::string_view bytes = csv;
+    return settings::hash_bytes({&bytes, 1});
+}
+
+}  // namespace wear
