@@ -55,6 +55,11 @@ class Plc {
         const std::lock_guard lock(mutex_);
         return commits_;
     }
+    /// Returns when whatever was set, and whatever has been written, has gone through a whole scan.
+    void settle() const {
+        const std::uint64_t goal = scans_ + 2;
+        while (scans_ < goal) std::this_thread::sleep_for(1ms);
+    }
     void refuse(bool on) { refuse_ = on; }
     void freeze(bool on) { frozen_ = on; }
 
@@ -70,6 +75,7 @@ class Plc {
         auto& watchdog = rig::at(measured_, rig::Measured::plc_watchdog);
         watchdog = watchdog >= 65535.0 ? 0.0 : watchdog + 1.0;
         orders_ = server_.exchange(measured_);
+        ++scans_;
         const double commit = rig::at(orders_.commanded, rig::Commanded::commit);
         if (commit == commit_) return;
         commit_ = commit;
@@ -83,6 +89,7 @@ class Plc {
     rig::Orders orders_;
     std::vector<rig::CommandedValues> commits_;
     double commit_ = 0.0;
+    std::atomic<std::uint64_t> scans_{0};
     std::atomic<bool> stop_{false}, refuse_{false}, frozen_{false};
     std::thread thread_;
 };
