@@ -3,17 +3,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "plant_sim/plc/speed_sample.hpp"
+
 namespace study {
 
 namespace {
 
 constexpr double kPlantStep_s = 1e-3;
-
-antiskid::can::SpeedSample speed_sample(const plant::Encoder& encoder, double now_s) {
-    return {.edge_count = encoder.edge_count(),
-            .edge_time = antiskid::control::Time(std::llround(encoder.edge_time_s() * 1e9)),
-            .speed_radps = static_cast<float>(encoder.speed_radps(now_s))};
-}
 
 int plant_steps(double period_s) {
     const double steps = period_s / kPlantStep_s;
@@ -36,8 +32,8 @@ RigSession::RigSession(const plant::RigParameters& rig, const SessionOptions& op
 
 void RigSession::sense() {
     const double now = rig_.time_s();
-    sample_.wheel = speed_sample(rig_.wheel_encoder(), now);
-    sample_.flywheel = speed_sample(rig_.flywheel_encoder(), now);
+    sample_.wheel = plc::speed_sample(rig_.wheel_encoder(), now);
+    sample_.flywheel = plc::speed_sample(rig_.flywheel_encoder(), now);
     sample_.pressure_Pa = static_cast<float>(rig_.measured_pressure_Pa());
     sample_.maneuver = pilot_.command();
 }
