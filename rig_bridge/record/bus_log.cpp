@@ -12,7 +12,7 @@ BusLog::BusLog(const std::filesystem::path& path, std::string interface)
     : file_(path), interface_(std::move(interface)) {}
 
 void BusLog::write(const CapturedFrame& frame) {
-    std::array<char, antiskid::can::kCandumpLineMost> line;
+    std::array<char, antiskid::can::kCandumpLineMost> line{};
     const std::size_t length = antiskid::can::format_candump({.time = frame.frame.received,
                                                               .interface = interface_,
                                                               .frame = frame.frame,

@@ -21,7 +21,6 @@ namespace rig {
 
 namespace {
 
-constexpr std::array kStateNames{"running", "finished", "aborted", "unfinished"};
 constexpr std::string_view kFinished = "finished";
 
 std::filesystem::path make_parent(const std::filesystem::path& path) {
@@ -65,72 +64,11 @@ std::string joined(const std::vector<std::string>& words) {
     return fmt::format("{}", fmt::join(words, " "));
 }
 
-std::vector<std::string> split(const std::string& text) {
-    std::vector<std::string> words;
-    for (std::size_t from = 0; from < text.size();) {
-        const std::size_t to = std::min(text.find(' ', from), text.size());
-        if (to > from) words.push_back(text.substr(from, to - from));
-        from = to + 1;
-    }
-    return words;
-}
-
 std::int64_t as_integer(std::uint64_t value, const std::string& path, const char* what) {
     if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
         throw settings::Error(path, 0, what, "must be below 2^63");
     return static_cast<std::int64_t>(value);
 }
-
-/// Columns of a row in the order of read_row().
-std::string columns() {
-    std::string list = "state, number, attempt, folder, scenario, outcome, started";
-    for (const FigureField& field : kFigureFields) list += std::string(", ") + field.key;
-    return list +
-           ", standstill, cumulative_energy_J, faults, frames, frames_dropped, seed, version, config_hash";
-}
-
-LedgerRow read_row(const Statement& row, const std::filesystem::path& ledger, const std::string& campaign) {
-    LedgerRow out;
-    int c = 0;
-    const std::string state = row.text(c++);
-    for (std::size_t i = 0; i < kStateNames.size(); ++i) {
-        if (state == kStateNames[i]) out.state = static_cast<RowState>(i);
-    }
-    Summary& s = out.summary;
-    s.campaign = campaign;
-    s.number = out.attempt.number = row.integer(c++);
-    out.attempt.attempt = row.integer(c++);
-    out.attempt.folder = ledger.parent_path() / row.text(c++);
-    s.scenario = row.text(c++);
-    s.outcome = row.text(c++);
-    s.started = row.text(c++);
-    const bool figures = out.state == RowState::finished || out.state == RowState::aborted;
-    for (const FigureField& field : kFigureFields) {
-        if (figures) s.figures.*field.value = row.real(c);
-        ++c;
-    }
-    s.figures.standstill = row.integer(c++) != 0;
-    if (figures) s.cumulative_energy_J = row.real(c);
-    ++c;
-    s.faults = split(row.text(c++));
-    s.frames = static_cast<std::uint64_t>(row.integer(c++));
-    s.frames_dropped = static_cast<std::uint64_t>(row.integer(c++));
-    s.seed = static_cast<std::uint64_t>(row.integer(c++));
-    s.version = row.text(c++);
-    s.config_hash = row.text(c++);
-    return out;
-}
-
-Campaign read_campaign(const Statement& row) {
-    return {.name = row.text(0),
-            .scenario = row.text(1),
-            .seed = static_cast<std::uint64_t>(row.integer(2)),
-            .planned = row.integer(3),
-            .config_hash = row.text(4),
-            .version = row.text(5),
-            .created = row.text(6)};
-}
-constexpr std::string_view kCampaignColumns = "name, scenario, seed, planned, config_hash, version, created";
 
 }  // namespace
 
@@ -167,11 +105,11 @@ Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed) {
     Resumed resumed;
     LedgerDatabase::Transaction transaction(impl_->database);
     Statement find = impl_->database.prepare(
-        fmt::format("SELECT {}, id FROM campaigns WHERE name = ?1", kCampaignColumns));
+        fmt::format("SELECT {}, id FROM campaigns WHERE name = ?1", LedgerDatabase::kCampaignColumns));
     std::int64_t id = 0;
     if (find.bind(1, campaign.name).step()) {
-        const Campaign old = read_campaign(find);
-        id = find.integer(7);
+        const Campaign old = LedgerDatabase::read_campaign(find);
+        id = find.integer(LedgerDatabase::kCampaignColumnCount);
         const auto compare = [&resumed](const char* what, const auto& was, const auto& is) {
             if (was != is) resumed.changed.push_back(fmt::format("{} was {}, is {}", what, was, is));
         };
@@ -360,36 +298,6 @@ void Ledger::mark_unfinished() {
         .bind(1, impl_->id)
         .run();
     transaction.commit();
-}
-
-std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std::string& campaign) {
-    const LedgerDatabase database(path, LedgerDatabase::Access::read, {});
-    Statement find = database.prepare("SELECT id FROM campaigns WHERE name = ?1");
-    if (!find.bind(1, campaign).step()) {
-        std::string known;
-        for (const Campaign& other : read_campaigns(path)) known += (known.empty() ? "" : ", ") + other.name;
-        throw settings::Error(
-            path.string(), 0, "",
-            "has no campaign '" + campaign + "'" + (known.empty() ? "" : "; it has " + known));
-    }
-    Statement rows =
-        database.prepare("SELECT " + columns() + " FROM maneuvers WHERE campaign = ?1 ORDER BY id");
-    rows.bind(1, find.integer(0));
-    std::vector<LedgerRow> all;
-    while (rows.step()) all.push_back(read_row(rows, path, campaign));
-    return all;
-}
-
-std::vector<Campaign> read_campaigns(const std::filesystem::path& path) {
-    const LedgerDatabase database(path, LedgerDatabase::Access::read, {});
-    Statement rows = database.prepare(fmt::format("SELECT {} FROM campaigns ORDER BY id", kCampaignColumns));
-    std::vector<Campaign> all;
-    while (rows.step()) all.push_back(read_campaign(rows));
-    return all;
-}
-
-const char* name(RowState state) {
-    return kStateNames[static_cast<std::size_t>(state)];
 }
 
 }  // namespace rig

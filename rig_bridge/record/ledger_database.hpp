@@ -59,6 +59,12 @@ class LedgerDatabase {
     void run(const char* sql) const;
     [[nodiscard]] const std::string& path() const { return path_; }
 
+    /// A campaign from a row of SELECT kCampaignColumns, and how many columns those are.
+    static constexpr std::string_view kCampaignColumns =
+        "name, scenario, seed, planned, config_hash, version, created";
+    static constexpr int kCampaignColumnCount = 7;
+    [[nodiscard]] static Campaign read_campaign(const Statement& row);
+
     /// Rolls back unless committed.
     class Transaction {
       public:

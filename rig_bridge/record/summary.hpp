@@ -17,12 +17,12 @@ struct Figures {
     double mean_torque_Nm = 0.0;  ///< time averages
     double mean_load_N = 0.0;
     double mean_pressure_Pa = 0.0;
-    double mean_friction = 0.0;     ///< mu_b of eq. (7), down to drop-out
-    double energy_brake_J = 0.0;    ///< eq. (9), measured torque and wheel speed
-    double energy_tyre_J = 0.0;     ///< eq. (9), measured force, slip and speed
-    double kinetic_energy_J = 0.0;  ///< eq. (8), from measured speed and the rig's inertias
-    double j_mu = 0.0;              ///< eq. (16), F_x / F_z against the surface's peak, down to drop-out
-    double peak_temperature_C = 0.0;
+    double mean_friction = 0.0;       ///< mu_b of eq. (7), down to drop-out
+    double energy_brake_J = 0.0;      ///< eq. (9), measured torque and wheel speed
+    double energy_tyre_J = 0.0;       ///< eq. (9), measured force, slip and speed
+    double kinetic_energy_J = 0.0;    ///< eq. (8), from measured speed and the rig's inertias
+    double j_mu = 0.0;                ///< eq. (16), F_x / F_z against the surface's peak, down to drop-out
+    double peak_temperature_C = 0.0;  ///< of the brake, from brake-on to the end of the record
     bool standstill = false;
 };
 

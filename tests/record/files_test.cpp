@@ -133,7 +133,7 @@ TEST_CASE("every recorded frame comes back from its line", "[BRG-210]") {
     {
         BusLog log(path, "can1");
         for (int i = 0; i < 20'000; ++i) {
-            CapturedFrame frame = captured(0, 0, 1'000'000'000'000'000 + i * 97);
+            CapturedFrame frame = captured(0, 0, 1'000'000'000'000'000 + std::int64_t{97} * i);
             const auto kind = random() % 4;
             frame.extended = kind == 1;
             frame.remote = kind == 2;

@@ -257,7 +257,7 @@ TEST_CASE("foreign, newer and damaged files are refused by name, and left as the
     CHECK_THROWS_WITH(read_ledger(path, "endurance"), ContainsSubstring("ledger of schema 2"));
 
     std::string damaged = whole;
-    for (std::size_t i = 4096 * 2; i < 4096 * 4 && i < damaged.size(); ++i) damaged[i] = 'Z';
+    for (std::size_t i = 8192; i < 16384 && i < damaged.size(); ++i) damaged[i] = 'Z';
     std::ofstream(path, std::ios::binary) << damaged;
     CHECK_THROWS_WITH(Ledger(path), ContainsSubstring("ledger.sqlite: is damaged"));
     std::ofstream(path, std::ios::binary) << whole.substr(0, whole.size() / 2);
@@ -284,7 +284,7 @@ TEST_CASE("a disk without room is an error that says so; the ledger stays whole"
         rlimit before{};
         getrlimit(RLIMIT_FSIZE, &before);
         auto* const handler = std::signal(SIGXFSZ, SIG_IGN);
-        const rlimit limit{.rlim_cur = 64 * 1024, .rlim_max = before.rlim_max};
+        const rlimit limit{.rlim_cur = 65536, .rlim_max = before.rlim_max};
         setrlimit(RLIMIT_FSIZE, &limit);
         std::string error;
         try {

@@ -1,5 +1,5 @@
+#include <bit>
 #include <chrono>
-#include <cstring>
 #include <vector>
 
 #include "firmware/can/value_names.hpp"
@@ -44,7 +44,8 @@ void check(const ClosedForm& c, const Figures& f, double late_s) {
 
 bool same_bits(const Figures& a, const Figures& b) {
     for (const rig::FigureField& field : rig::kFigureFields) {
-        if (std::memcmp(&(a.*field.value), &(b.*field.value), sizeof(double)) != 0) return false;
+        if (std::bit_cast<std::uint64_t>(a.*field.value) != std::bit_cast<std::uint64_t>(b.*field.value))
+            return false;
     }
     return a.standstill == b.standstill;
 }
