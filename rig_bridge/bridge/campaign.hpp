@@ -14,7 +14,7 @@ struct CampaignRules {
     std::int64_t maneuvers = 0;
     int retries = 0;  ///< of one maneuver, after it was aborted
     std::optional<double>
-        min_friction;  ///< wear limit: mean friction of a finished maneuver below it ends the campaign
+        min_friction{};  ///< wear limit: mean friction of a finished maneuver below it ends the campaign
 };
 
 enum class Verdict : std::uint8_t { go_on, fault, worn };

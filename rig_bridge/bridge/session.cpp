@@ -26,12 +26,6 @@ class ModbusPlc final : public Plc {
     ModbusClient client_;
 };
 
-Freshness freshness(const RegisterMap& map) {
-    Freshness limits;
-    limits.watchdog_s = std::chrono::duration<double>(map.plc_timeout).count();
-    return limits;
-}
-
 std::vector<std::string> fault_names(antiskid::control::FaultSet faults) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < antiskid::control::kFaultCount; ++i) {
@@ -57,7 +51,7 @@ Session::Session(const Setup& setup, StopRequests& stops, Terminal& terminal)
                                                             std::span<const std::uint16_t>{});
       }),
       recorder_(setup.options.interface, setup.layout, setup.meter, [this] { (void)bus_.service(); }),
-      node_(setup.layout, setup.meter.period_s, freshness(setup.map), *plc_, recorder_, bus_),
+      node_(setup.layout, setup.meter.period_s, setup.limits, *plc_, recorder_, bus_),
       timer_(clock_, Node::kStep) {}
 
 Session::~Session() = default;

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "config/reader/hash.hpp"
+#include "config/reader/settings.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/linux/controller_config.hpp"
@@ -11,6 +12,26 @@
 namespace rig {
 
 using antiskid::can::Role;
+
+namespace {
+
+Freshness load_freshness(const std::filesystem::path& file, const RegisterMap& map) {
+    const settings::Document doc = settings::Document::load(file);
+    const settings::Table t = doc.root().table("silent");
+    constexpr settings::Range kLimit_ms{.min = 20.0, .max = 60e3};
+    const auto seconds = [&](const char* key) { return 1e-3 * t.number(key, kLimit_ms); };
+    Freshness limits;
+    limits.sensors_s = seconds("sensors_ms");
+    limits.controller_s = seconds("controller_ms");
+    limits.registers_s = seconds("registers_ms");
+    limits.commit_s = seconds("commit_ms");
+    limits.load_cells_s = seconds("load_cells_ms");
+    limits.watchdog_s = std::chrono::duration<double>(map.plc_timeout).count();
+    doc.finish();
+    return limits;
+}
+
+}  // namespace
 
 Setup load_setup(const RigOptions& o) {
     const auto dbc = o.dbc.empty() ? o.config / "antiskid.dbc" : o.dbc;
@@ -21,6 +42,7 @@ Setup load_setup(const RigOptions& o) {
             .layout = antiskid::can::load_layout(dbc, binding),
             .map = load_register_map(registers),
             .meter = {},
+            .limits = {},
             .config_hash = {}};
     const auto controller = antiskid::load_controller_config(s.scenario.controller);
     s.meter = meter_parameters(s.scenario, static_cast<double>(controller.period_s));
@@ -28,8 +50,10 @@ Setup load_setup(const RigOptions& o) {
         throw std::invalid_argument(
             binding.string() +
             ": [maneuver_state] is missing: figures are counted from it, the bridge needs it");
+    const auto bridge = o.config / "bridge.toml";
+    s.limits = load_freshness(bridge, s.map);
     std::vector<std::filesystem::path> files = s.scenario.files;
-    files.insert(files.end(), {dbc, binding, registers});
+    files.insert(files.end(), {dbc, binding, registers, bridge});
     s.config_hash = settings::hash(files);
     return s;
 }

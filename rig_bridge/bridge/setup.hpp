@@ -5,6 +5,7 @@
 
 #include "firmware/can/layout.hpp"
 #include "rig_bridge/bridge/options.hpp"
+#include "rig_bridge/bridge/translate.hpp"
 #include "rig_bridge/record/meter.hpp"
 #include "rig_bridge/registers/register_map.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
@@ -17,7 +18,8 @@ struct Setup {
     antiskid::can::Layout layout;
     RegisterMap map;
     MeterParameters meter;
-    std::string config_hash;  ///< of scenario, sequencer, rig, layout and register map
+    Freshness limits;
+    std::string config_hash;  ///< of scenario, sequencer, rig, layout, register map and bridge.toml
 };
 
 /// Throws settings::Error or std::invalid_argument with what is wrong and what would be right.

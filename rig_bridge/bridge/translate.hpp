@@ -7,15 +7,15 @@
 
 namespace rig {
 
-/// How old a value may be and still count, s of the machine's time.
+/// How old a value may be and still count, s of the machine's time: config/bridge.toml and plc_timeout of the register map.
 struct Freshness {
-    double registers_s = 0.3;   ///< one reading that timed out is forgiven
-    double sensors_s = 0.1;     ///< 100 of their frames
-    double controller_s = 0.2;  ///< 20 status frames
-    double commit_s = 0.5;      ///< until the PLC has confirmed a command
-    double load_cells_s = 0.1;  ///< older ones do not go on the bus
-    double watchdog_s = 0.3;    ///< plc_timeout of the register map
-    double recorder_s = 0.5;    ///< the recorder's thread stands still: nothing on the bus counts
+    double registers_s = 0.5;
+    double sensors_s = 0.3;
+    double controller_s = 0.3;
+    double commit_s = 1.0;  ///< until the PLC has confirmed a command
+    double load_cells_s = 0.1;
+    double watchdog_s = 0.3;
+    double recorder_s = 0.5;  ///< the recorder's thread stands still: nothing on the bus counts
 };
 
 /// Every interlock is read, fresh and good.

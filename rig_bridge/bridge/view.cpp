@@ -15,7 +15,7 @@ namespace {
 constexpr int kBar = 24;
 
 std::string bar(double share) {
-    const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * kBar);
+    const int full = share > 0.0 ? static_cast<int>(std::min(share, 1.0) * kBar) : 0;
     return std::string(static_cast<std::size_t>(full), '#') +
            std::string(static_cast<std::size_t>(kBar - full), '.');
 }

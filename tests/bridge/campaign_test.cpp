@@ -1,0 +1,77 @@
+#include "rig_bridge/bridge/campaign.hpp"
+
+#include "tests/catch.hpp"
+
+using rig::CampaignJudge;
+using rig::Verdict;
+
+namespace {
+
+rig::Summary summary(std::int64_t number, const std::string& outcome, double friction = 0.3) {
+    rig::Summary s;
+    s.number = number;
+    s.outcome = outcome;
+    s.figures.mean_friction = friction;
+    return s;
+}
+
+}  // namespace
+
+TEST_CASE("A finished maneuver is followed by the next", "[BRG-410]") {
+    CampaignJudge judge({.maneuvers = 500});
+    for (int i = 1; i <= 500; ++i) CHECK(judge.after(summary(i, "finished", 0.0)).verdict == Verdict::go_on);
+}
+
+TEST_CASE("An aborted maneuver stops the campaign and is named", "[BRG-410]") {
+    CampaignJudge judge({.maneuvers = 500});
+    const rig::Decision decision = judge.after(summary(7, "plc_silent"));
+    CHECK(decision.verdict == Verdict::fault);
+    CHECK(decision.reason == "maneuver 7 was aborted: plc_silent");
+}
+
+TEST_CASE("Retries are counted for one maneuver, in a row", "[BRG-410]") {
+    CampaignJudge judge({.maneuvers = 500, .retries = 2});
+    CHECK(judge.after(summary(7, "plc_silent")).verdict == Verdict::go_on);
+    CHECK(judge.after(summary(7, "load_lost")).verdict == Verdict::go_on);
+    CHECK(judge.after(summary(7, "finished")).verdict == Verdict::go_on);
+    CHECK(judge.after(summary(8, "plc_silent")).verdict == Verdict::go_on);
+    CHECK(judge.after(summary(8, "plc_silent")).verdict == Verdict::go_on);
+    CHECK(judge.after(summary(9, "plc_silent")).verdict == Verdict::go_on);
+    CHECK(judge.after(summary(9, "plc_silent")).verdict == Verdict::go_on);
+    const rig::Decision decision = judge.after(summary(9, "plc_silent"));
+    CHECK(decision.verdict == Verdict::fault);
+    CHECK_THAT(decision.reason, ContainsSubstring("2 retries did not help"));
+}
+
+TEST_CASE("What a person stopped is never started again by itself", "[BRG-411]") {
+    for (const char* const outcome : {"emergency_stop", "guard_open", "requested"}) {
+        CampaignJudge judge({.maneuvers = 500, .retries = 100});
+        const rig::Decision decision = judge.after(summary(7, outcome));
+        CHECK(decision.verdict == Verdict::fault);
+        CHECK_THAT(decision.reason, ContainsSubstring(outcome));
+    }
+}
+
+TEST_CASE("The wear limit ends the campaign, also when the limit was reached in an earlier session",
+          "[BRG-412]") {
+    CampaignJudge judge({.maneuvers = 500, .retries = 0, .min_friction = 0.15});
+    CHECK(judge.after(summary(1, "finished", 0.15)).verdict == Verdict::go_on);
+    const rig::Decision decision = judge.after(summary(2, "finished", 0.1499));
+    CHECK(decision.verdict == Verdict::worn);
+    CHECK(decision.reason == "maneuver 2: mean friction 0.1499 is below the wear limit 0.1500");
+    CHECK(judge.before(summary(2, "finished", 0.1499)).verdict == Verdict::worn);
+    CHECK(judge.before(summary(2, "finished", 0.2)).verdict == Verdict::go_on);
+    // An aborted one says nothing about wear.
+    CHECK(judge.after(summary(3, "plc_silent", 0.0)).verdict == Verdict::fault);
+}
+
+TEST_CASE("Time left follows the newest maneuvers", "[BRG-413]") {
+    rig::Pace pace;
+    CHECK_FALSE(pace.left_s(10).has_value());
+    pace.add(10.0);
+    pace.add(20.0);
+    CHECK(pace.left_s(10).value() == Approx(150.0));
+    for (int i = 0; i < 20; ++i) pace.add(5.0);
+    CHECK(pace.left_s(10).value() == Approx(50.0));
+    CHECK(pace.left_s(0).value() == 0.0);
+}

@@ -1,0 +1,187 @@
+#include "rig_bridge/bridge/node.hpp"
+
+#include <algorithm>
+
+#include "rig_bridge/bridge/view_model.hpp"
+#include "tests/bridge/fakes.hpp"
+#include "tests/catch.hpp"
+
+using namespace bridge_test;
+using antiskid::can::Role;
+using rig::Commanded;
+using rig::Measured;
+using sequencer::Phase;
+
+namespace {
+
+struct Bench {
+    antiskid::can::Layout frames = layout();
+    FakePlc plc;
+    FakeFeed feed;
+    FakeBus bus;
+    rig::Node node{frames, 1e-3, rig::Freshness{}, plc, feed, bus};
+    Time now = 1s;
+
+    const rig::Moment& step(sequencer::Sequencer* sequencer, const rig::Node::Wishes& wishes = {}) {
+        now += rig::Node::kStep;
+        feed.bus.looked = now;
+        feed.bus.view.wheel.received = feed.bus.view.flywheel.received = feed.bus.view.pressure.received =
+            now;
+        feed.bus.view.controller.status_received = now;
+        return node.step(sequencer, wishes, now);
+    }
+    [[nodiscard]] std::ptrdiff_t sent(Role role) const {
+        return std::count_if(bus.sent.begin(), bus.sent.end(),
+                             [&](const antiskid::can::Frame& f) { return f.id == frames[role].id; });
+    }
+    [[nodiscard]] double commanded(Commanded q) const { return rig::at(plc.commands.back(), q); }
+};
+
+sequencer::Plan plan() {
+    sequencer::Plan plan;
+    plan.speed_mps = 50.0;
+    plan.load_base_N = 40e3;
+    plan.demand_Pa = 20e6;
+    plan.slip_reference = 0.2;
+    return plan;
+}
+
+}  // namespace
+
+TEST_CASE("The bridge's frames go out at their periods, load cells only while they are fresh", "[BRG-404]") {
+    Bench b;
+    for (int i = 0; i < 100; ++i) b.step(nullptr, {.number = 3});
+    CHECK(b.sent(Role::maneuver) == 50);
+    CHECK(b.sent(Role::rig_heartbeat) == 10);
+    CHECK(b.sent(Role::load_cells) == 100);
+    CHECK(b.sent(Role::maneuver_state) >= 10);
+    CHECK(b.sent(Role::maneuver_state) <= 11);
+    CHECK(b.sent(Role::emergency_stop) == 0);
+    CHECK(b.sent(Role::wheel) + b.sent(Role::flywheel) + b.sent(Role::pressure) + b.sent(Role::sync) == 0);
+    for (const Measured cell :
+         {Measured::vertical_load_N, Measured::longitudinal_force_N, Measured::brake_torque_Nm}) {
+        b.bus.sent.clear();
+        b.plc.now = good_plc();
+        b.plc.now.age_s[static_cast<std::size_t>(cell)] = 0.11;
+        for (int i = 0; i < 10; ++i) b.step(nullptr);
+        CHECK(b.sent(Role::load_cells) == 0);
+        CHECK(b.sent(Role::maneuver) == 5);
+    }
+}
+
+TEST_CASE("Without a sequencer everything is off", "[BRG-404]") {
+    Bench b;
+    b.step(nullptr);
+    CHECK(b.plc.commands.back() == rig::CommandedValues{});
+    CHECK(b.node.moment().outputs.phase == Phase::idle);
+    CHECK_FALSE(b.node.moment().outputs.arm);
+}
+
+TEST_CASE("An interlock that opens is the abort of the same step, and the PLC is told at once", "[BRG-405]") {
+    Bench b;
+    sequencer::Sequencer sequencer(plan());
+    for (int i = 0; i < 5 && sequencer.phase() != Phase::spin_up; ++i) b.step(&sequencer);
+    REQUIRE(sequencer.phase() == Phase::spin_up);
+    CHECK(b.commanded(Commanded::drive_enable) == 1.0);
+    CHECK(b.commanded(Commanded::flywheel_speed_mps) > 50.0);
+    rig::at(b.plc.now.values, Measured::interlocks) = 13.0;
+    b.bus.sent.clear();
+    const rig::Moment& m = b.step(&sequencer);
+    CHECK(m.outputs.phase == Phase::aborting);
+    CHECK(m.outputs.abort == sequencer::Abort::guard_open);
+    CHECK(b.plc.commands.back() == rig::CommandedValues{});
+    CHECK(b.sent(Role::emergency_stop) == 1);
+    CHECK(b.sent(Role::maneuver_state) == 1);
+}
+
+TEST_CASE("A link of its own that is down counts as a lost bus", "[BRG-405]") {
+    Bench b;
+    sequencer::Sequencer sequencer(plan());
+    for (int i = 0; i < 5; ++i) b.step(&sequencer);
+    REQUIRE(sequencer.phase() == Phase::spin_up);
+    b.bus.up = false;
+    b.step(&sequencer);
+    CHECK(sequencer.abort() == sequencer::Abort::bus_lost);
+}
+
+TEST_CASE("The wish to stop aborts as requested", "[BRG-405]") {
+    Bench b;
+    sequencer::Sequencer sequencer(plan());
+    for (int i = 0; i < 5; ++i) b.step(&sequencer);
+    b.step(&sequencer, {.abort = true});
+    CHECK(sequencer.abort() == sequencer::Abort::requested);
+}
+
+TEST_CASE("A tripped PLC is reset only where that is allowed, with nothing on and every interlock good",
+          "[BRG-406]") {
+    const auto resets = [](Bench& b, sequencer::Sequencer* sequencer, bool allowed) {
+        bool reset = false;
+        for (int i = 0; i < 40; ++i) {
+            b.step(sequencer, {.reset = allowed});
+            reset = reset || b.commanded(Commanded::reset) == 1.0;
+        }
+        return reset;
+    };
+    Bench tripped;
+    rig::at(tripped.plc.now.values, Measured::plc_state) = 1.0;
+    CHECK_FALSE(resets(tripped, nullptr, false));
+    CHECK(resets(tripped, nullptr, true));
+    rig::at(tripped.plc.now.values, Measured::plc_state) = 0.0;
+    tripped.step(nullptr, {.reset = true});
+    CHECK(tripped.commanded(Commanded::reset) == 0.0);
+
+    Bench open;
+    rig::at(open.plc.now.values, Measured::plc_state) = 1.0;
+    rig::at(open.plc.now.values, Measured::interlocks) = 14.0;
+    CHECK_FALSE(resets(open, nullptr, true));
+
+    Bench silent;
+    rig::at(silent.plc.now.values, Measured::plc_state) = 1.0;
+    silent.plc.now.age_s.fill(1.0);
+    CHECK_FALSE(resets(silent, nullptr, true));
+
+    // During a maneuver the trip is its abort, and nothing is reset before the safe end.
+    Bench running;
+    sequencer::Sequencer sequencer(plan());
+    for (int i = 0; i < 5; ++i) running.step(&sequencer, {.reset = true});
+    REQUIRE(sequencer.phase() == Phase::spin_up);
+    rig::at(running.plc.now.values, Measured::plc_state) = 1.0;
+    rig::at(running.plc.now.values, Measured::sledge_position_m) = 0.2;
+    CHECK_FALSE(resets(running, &sequencer, true));
+    CHECK(sequencer.abort() == sequencer::Abort::plc_tripped);
+    CHECK(sequencer.phase() == Phase::aborting);
+}
+
+TEST_CASE("The sequencer's time is the rig's: SYNC where it is on the bus", "[BRG-407]") {
+    Bench b;
+    b.step(nullptr);
+    const double start = b.node.moment().rig_s;
+    for (int i = 0; i < 100; ++i) {
+        b.feed.bus.syncs += 4;  // a host that is 2.5 times too slow
+        b.step(nullptr);
+    }
+    CHECK(b.node.moment().rig_s - start == Approx(0.4));
+}
+
+TEST_CASE("What is wrong stands in the view", "[BRG-408]") {
+    Bench b;
+    b.feed.bus.view.controller.faults.insert(antiskid::control::Fault::heartbeat_lost);
+    b.step(nullptr);
+    rig::ViewModel view = view_of(b.node.moment(), b.node.limits());
+    CHECK(view.controller == "standby");
+    CHECK(view.plc == "ready");
+    CHECK(view.bus == "up");
+    REQUIRE(view.faults.size() == 1);
+    CHECK(view.faults[0] == "heartbeat_lost");
+    b.plc.now.link = rig::LinkState::lost;
+    b.plc.now.error = "no answer within 200 ms";
+    b.plc.now.age_s.fill(3.0);
+    b.step(nullptr);
+    view = view_of(b.node.moment(), b.node.limits());
+    CHECK(view.plc == "lost");
+    CHECK(view.note == "PLC: no answer within 200 ms");
+    b.feed.bus.up = false;
+    b.feed.bus.error = "CAN interface 'vcan0' went down";
+    b.step(nullptr);
+    CHECK(note_of(b.node.moment()) == "CAN interface 'vcan0' went down");
+}

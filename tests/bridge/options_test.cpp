@@ -1,0 +1,57 @@
+#include "rig_bridge/bridge/options.hpp"
+
+#include <stdexcept>
+#include <vector>
+
+#include "tests/catch.hpp"
+
+namespace {
+
+std::variant<rig::BridgeCommand, int> parse(std::vector<const char*> words) {
+    words.insert(words.begin(), "rig-bridge");
+    return rig::parse_bridge_command(static_cast<int>(words.size()), words.data());
+}
+
+template <typename T>
+T command(std::vector<const char*> words) {
+    return std::get<T>(std::get<rig::BridgeCommand>(parse(std::move(words))));
+}
+
+}  // namespace
+
+TEST_CASE("The command line says which rig, which maneuver and where to", "[BRG-430]") {
+    const auto one = command<rig::ManeuverCommand>(
+        {"maneuver", "heavy.toml", "--can", "vcan0", "--plc", "127.0.0.1:1502"});
+    CHECK(one.rig.scenario == "heavy.toml");
+    CHECK(one.rig.interface == "vcan0");
+    CHECK(one.rig.plc == "127.0.0.1:1502");
+    CHECK(one.rig.seed == 1);
+    CHECK(one.rig.reset);
+    const auto many = command<rig::CampaignCommand>({"campaign", "e.toml", "--can", "can0", "--plc-rtu",
+                                                     "/dev/ttyUSB0", "--out", "runs/1", "--maneuvers", "500",
+                                                     "--retry", "2", "--min-friction", "0.15", "--no-reset"});
+    CHECK(many.rig.plc == "/dev/ttyUSB0");
+    CHECK(many.rules.maneuvers == 500);
+    CHECK(many.rules.retries == 2);
+    CHECK(many.rules.min_friction.value() == 0.15);
+    CHECK_FALSE(many.rig.reset);
+    CHECK(command<rig::StatusCommand>({"status", "runs/1", "--json"}).json);
+    CHECK(rig::ledger_file("runs/1") == "runs/1/campaign.sqlite");
+}
+
+TEST_CASE("Mistakes end with status 2 or say what would be right", "[BRG-430]") {
+    CHECK(std::get<int>(parse({})) == 2);
+    CHECK(std::get<int>(parse({"fly"})) == 2);
+    CHECK(std::get<int>(parse({"maneuver", "x.toml", "--plc", "1.2.3.4:5"})) == 2);
+    CHECK(std::get<int>(
+              parse({"maneuver", "x.toml", "--can", "c", "--plc", "1.2.3.4:5", "--plc-rtu", "/dev/x"})) == 2);
+    CHECK(std::get<int>(parse({"campaign", "x.toml", "--can", "c", "--plc", "1.2.3.4:5", "--out", "o"})) ==
+          2);
+    CHECK(std::get<int>(parse({"campaign", "x.toml", "--can", "c", "--plc", "1.2.3.4:5", "--out", "o",
+                               "--maneuvers", "0"})) == 2);
+    CHECK(std::get<int>(parse({"--help"})) == 0);
+    CHECK_THROWS_WITH(parse({"maneuver", "x.toml", "--can", "c"}),
+                      ContainsSubstring("--plc IP:PORT or --plc-rtu DEVICE"));
+    CHECK_THROWS_WITH(parse({"maneuver", "x.toml", "--can", "c", "--plc-rtu", "COM3"}),
+                      ContainsSubstring("/dev/ttyUSB0"));
+}

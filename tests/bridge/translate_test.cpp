@@ -1,0 +1,185 @@
+#include "rig_bridge/bridge/translate.hpp"
+
+#include <cmath>
+
+#include "tests/bridge/fakes.hpp"
+#include "tests/catch.hpp"
+
+using namespace bridge_test;
+using antiskid::control::State;
+using rig::Interlock;
+using rig::Measured;
+
+namespace {
+
+const rig::Freshness kLimits;
+
+sequencer::Inputs look(const rig::Snapshot& plc, const rig::BusNow& bus, Time now = 1s) {
+    return rig::look(plc, bus, now, kLimits);
+}
+
+}  // namespace
+
+TEST_CASE("A good rig is seen as it is", "[BRG-400]") {
+    rig::Snapshot plc = good_plc();
+    rig::at(plc.values, Measured::flywheel_speed_mps) = 61.0;
+    rig::at(plc.values, Measured::sledge_position_m) = 0.25;
+    rig::at(plc.values, Measured::wheel_on_rim) = 1.0;
+    rig::at(plc.values, Measured::vertical_load_N) = 40e3;
+    rig::BusNow bus = good_bus(1s);
+    bus.rim_mps = 60.0;
+    bus.slip = 0.25;
+    bus.view.pressure.pressure_Pa = 5e6F;
+    const sequencer::Inputs in = look(plc, bus);
+    CHECK(in.plc_fresh);
+    CHECK(in.plc_ready);
+    CHECK((in.emergency_stop_clear && in.guard_closed && in.hydraulics_ready && in.drive_healthy));
+    CHECK(in.flywheel_mps == 61.0);
+    CHECK(in.sledge_m == 0.25);
+    CHECK(in.wheel_on_rim);
+    CHECK(in.load_N == 40e3);
+    CHECK(in.brake_temperature_C == 20.0);
+    CHECK((in.bus_up && in.sensors_fresh && in.controller_fresh && in.controller_standby));
+    CHECK_FALSE((in.controller_armed || in.controller_safe || in.commit_refused || in.commit_late ||
+                 in.abort_requested));
+    CHECK(in.wheel_rim_mps == Approx(45.0));
+    CHECK(in.pressure_Pa == 5e6);
+}
+
+TEST_CASE("Each register that is old, implausible or no number makes the PLC silent", "[BRG-401]") {
+    for (std::size_t i = 0; i < rig::kMeasuredCount; ++i) {
+        CAPTURE(i);
+        rig::Snapshot old = good_plc();
+        old.age_s[i] = kLimits.registers_s + 0.01;
+        CHECK_FALSE(look(old, good_bus(1s)).plc_fresh);
+        for (const auto quality :
+             {rig::ValueQuality::never, rig::ValueQuality::implausible, rig::ValueQuality::not_a_number}) {
+            rig::Snapshot bad = good_plc();
+            bad.quality[i] = quality;
+            CHECK_FALSE(look(bad, good_bus(1s)).plc_fresh);
+        }
+    }
+    rig::Snapshot stands = good_plc();
+    stands.plc_watchdog_age_s = kLimits.watchdog_s + 0.01;
+    CHECK_FALSE(look(stands, good_bus(1s)).plc_fresh);
+    stands.plc_watchdog_age_s = NAN;
+    CHECK_FALSE(look(stands, good_bus(1s)).plc_fresh);
+    rig::Snapshot other_map = good_plc();
+    other_map.link = rig::LinkState::map_refused;
+    CHECK_FALSE(look(other_map, good_bus(1s)).plc_fresh);
+}
+
+TEST_CASE("Interlocks are each their own; a silent PLC has none", "[BRG-401]") {
+    for (unsigned i = 0; i < rig::kInterlockCount; ++i) {
+        rig::Snapshot plc = good_plc();
+        rig::at(plc.values, Measured::interlocks) = 15.0 - static_cast<double>(1U << i);
+        const sequencer::Inputs in = look(plc, good_bus(1s));
+        CHECK(in.emergency_stop_clear == (i != static_cast<unsigned>(Interlock::emergency_stop_clear)));
+        CHECK(in.guard_closed == (i != static_cast<unsigned>(Interlock::guard_closed)));
+        CHECK(in.hydraulics_ready == (i != static_cast<unsigned>(Interlock::hydraulics_ready)));
+        CHECK(in.drive_healthy == (i != static_cast<unsigned>(Interlock::drive_healthy)));
+        CHECK_FALSE(rig::interlocks_good(plc, kLimits));
+        plc.age_s.fill(10.0);
+        CHECK_FALSE(look(plc, good_bus(1s)).emergency_stop_clear);
+    }
+    CHECK(rig::interlocks_good(good_plc(), kLimits));
+}
+
+TEST_CASE("A command that is refused, unsendable or not confirmed is known", "[BRG-401]") {
+    rig::Snapshot plc = good_plc();
+    plc.command = rig::CommandState::refused;
+    CHECK(look(plc, good_bus(1s)).commit_refused);
+    plc.command = rig::CommandState::unsendable;
+    CHECK(look(plc, good_bus(1s)).commit_refused);
+    plc.command = rig::CommandState::pending;
+    plc.pending_s = kLimits.commit_s - 0.01;
+    CHECK_FALSE(look(plc, good_bus(1s)).commit_late);
+    plc.pending_s = kLimits.commit_s + 0.01;
+    CHECK(look(plc, good_bus(1s)).commit_late);
+}
+
+TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-402]") {
+    const auto aged = [](Time received, Time looked) {
+        rig::BusNow bus = good_bus(looked);
+        bus.view.pressure.received = received;
+        return bus;
+    };
+    CHECK(look(good_plc(), aged(1s, 1s + 299ms), 1s + 299ms).sensors_fresh);
+    CHECK_FALSE(look(good_plc(), aged(1s, 1s + 301ms), 1s + 301ms).sensors_fresh);
+    // The recorder was held up, not the sensors.
+    CHECK(look(good_plc(), aged(1s, 1s + 10ms), 1s + 500ms).sensors_fresh);
+    // But not for ever.
+    const sequencer::Inputs late = look(good_plc(), aged(1s, 1s), 1s + 501ms);
+    CHECK_FALSE((late.bus_up || late.sensors_fresh || late.controller_fresh));
+
+    rig::BusNow unheard = good_bus(1s);
+    unheard.view.wheel.received = antiskid::control::kNever;
+    CHECK_FALSE(look(good_plc(), unheard).sensors_fresh);
+    unheard = good_bus(1s);
+    unheard.view.flywheel.received = antiskid::control::kNever;
+    CHECK_FALSE(look(good_plc(), unheard).sensors_fresh);
+    rig::BusNow never = good_bus(1s);
+    never.view.controller.status_received = antiskid::control::kNever;
+    CHECK_FALSE(look(good_plc(), never).controller_fresh);
+    never.looked = antiskid::control::kNever;
+    CHECK_FALSE(look(good_plc(), never).bus_up);
+    rig::BusNow down = good_bus(1s);
+    down.up = false;
+    CHECK_FALSE(look(good_plc(), down).bus_up);
+}
+
+TEST_CASE("Every state of the controller is standby, safe, armed or none of them", "[BRG-402]") {
+    for (std::uint8_t i = 0; i < antiskid::control::kStateCount; ++i) {
+        const auto state = static_cast<State>(i);
+        rig::BusNow bus = good_bus(1s);
+        bus.view.controller.state = state;
+        const sequencer::Inputs in = look(good_plc(), bus);
+        CHECK(in.controller_standby == (state == State::standby));
+        CHECK(in.controller_safe == (state == State::safe));
+        CHECK(in.controller_armed ==
+              (state != State::standby && state != State::safe && state != State::self_test));
+    }
+}
+
+TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-403]") {
+    sequencer::Outputs out;
+    out.phase = sequencer::Phase::braking;
+    out.drive_enable = true;
+    out.flywheel_set_mps = 61.3;
+    out.sledge_advance = true;
+    out.load_enable = true;
+    out.load_base_N = 43654.0;
+    out.load_lift_Ns2pm2 = 2.5;
+    out.arm = true;
+    out.weight_on_wheels = true;
+    out.law = sequencer::BrakeLaw::threshold;
+    out.demand_Pa = 20e6;
+    out.slip_reference = 0.24;
+    out.deceleration_mps2 = 3.2;
+    out.current_mA = 12.5;
+    out.emergency_stop = true;
+    const rig::CommandedValues c = rig::commands(out, false);
+    CHECK(rig::at(c, rig::Commanded::drive_enable) == 1.0);
+    CHECK(rig::at(c, rig::Commanded::flywheel_speed_mps) == 61.3);
+    CHECK(rig::at(c, rig::Commanded::sledge_advance) == 1.0);
+    CHECK(rig::at(c, rig::Commanded::load_enable) == 1.0);
+    CHECK(rig::at(c, rig::Commanded::load_base_N) == 43654.0);
+    CHECK(rig::at(c, rig::Commanded::load_lift_Ns2pm2) == 2.5);
+    CHECK(rig::at(c, rig::Commanded::reset) == 0.0);
+    CHECK(rig::at(rig::commands(out, true), rig::Commanded::reset) == 1.0);
+    CHECK(rig::commands({}, false) == rig::CommandedValues{});
+
+    const antiskid::can::RigSample s = rig::telegram(out, good_plc(), 17);
+    CHECK(s.maneuver.law == antiskid::control::Law::threshold);
+    CHECK((s.maneuver.arm && s.maneuver.weight_on_wheels && s.emergency_stop));
+    CHECK(s.maneuver.demand_Pa == 20e6F);
+    CHECK(s.maneuver.slip_reference == 0.24F);
+    CHECK(s.maneuver.deceleration_mps2 == 3.2F);
+    CHECK(s.maneuver.current_mA == 12.5F);
+    CHECK(s.maneuver_state.phase == 4);
+    CHECK(s.maneuver_state.number == 17);
+    CHECK(s.maneuver_state.brake_temperature_C == 20.0F);
+    rig::Snapshot unread = good_plc();
+    rig::at(unread.values, Measured::brake_temperature_C) = NAN;
+    CHECK(rig::telegram(out, unread, 1).maneuver_state.brake_temperature_C == 0.0F);
+}
