@@ -20,6 +20,8 @@ LabVerb stop_verb(CLI::App& lab);
 LabVerb drive_verb(CLI::App& lab);
 /// The slip law against the threshold law on all surfaces and maneuvers.
 LabVerb compare_verb(CLI::App& lab);
+/// An endurance campaign in process.
+LabVerb endurance_verb(CLI::App& lab);
 /// What an endurance campaign says about the brake; its verbs are in lab_wear.hpp.
 LabVerb wear_verb(CLI::App& lab);
 

@@ -24,7 +24,8 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.require_subcommand(1);
     const std::array verbs{plant_sim::stop_verb(app), plant_sim::drive_verb(app),
-                           plant_sim::compare_verb(app), plant_sim::wear_verb(app)};
+                           plant_sim::compare_verb(app), plant_sim::wear_verb(app),
+                           plant_sim::endurance_verb(app)};
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {

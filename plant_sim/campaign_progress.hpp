@@ -1,0 +1,27 @@
+/// How far a campaign is, on standard error: a bar with the time left, or a plain line now and then where that is no terminal.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace plant_sim {
+
+class CampaignProgress {
+  public:
+    /// `already`: maneuvers done before this run, which say nothing about its pace.
+    CampaignProgress(std::int64_t planned, std::int64_t already);
+    void show(std::int64_t done);
+    /// Ends the live line.
+    void finish() const;
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    bool terminal_;
+    std::int64_t planned_;
+    std::int64_t already_;
+    Clock::time_point begin_;
+    Clock::time_point next_;
+    bool shown_ = false;
+};
+
+}  // namespace plant_sim

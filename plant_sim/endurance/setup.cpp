@@ -1,0 +1,26 @@
+#include "plant_sim/endurance/setup.hpp"
+
+#include <vector>
+
+#include "config/reader/hash.hpp"
+#include "firmware/can/load_layout.hpp"
+#include "firmware/linux/controller_config.hpp"
+#include "plant_sim/plc/load_served_rig.hpp"
+
+namespace endurance {
+
+Setup load_setup(const std::filesystem::path& scenario, const std::filesystem::path& config) {
+    const rig::Scenario loaded = rig::load_scenario(scenario, config);
+    const auto dbc = config / "antiskid.dbc";
+    const auto binding = config / "antiskid_binding.toml";
+    std::vector<std::filesystem::path> files = loaded.files;
+    files.insert(files.end(), {loaded.controller, plc::machinery_file(config), dbc, binding});
+    return {.scenario = loaded,
+            .controller = antiskid::load_controller_config(loaded.controller),
+            .layout = antiskid::can::load_layout(dbc, binding),
+            .machinery = plc::load_served_rig(
+                config, loaded.endurance() ? plc::Bench::endurance : plc::Bench::landing),
+            .config_hash = settings::hash(files)};
+}
+
+}  // namespace endurance

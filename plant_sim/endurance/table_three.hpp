@@ -1,0 +1,55 @@
+/// Table III against what was measured.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "rig_bridge/record/summary.hpp"
+
+namespace endurance {
+
+struct Distribution {
+    double mean = 0.0;
+    double deviation = 0.0;  ///< standard
+};
+
+/// Torque, load, speed, duration, length: in this order everywhere.
+inline constexpr std::size_t kQuantities = 5;
+struct Quantity {
+    const char* name;
+    const char* unit;
+    const char* key;            ///< in JSON
+    const char* mean_key;       ///< in [endurance] of flywheel_rig.toml
+    const char* deviation_key;  ///< likewise
+    double rig::Figures::*figure;
+};
+inline constexpr std::array<Quantity, kQuantities> kTableThree{{
+    {"torque", "N m", "torque_Nm", "torque_Nm", "torque_deviation_Nm", &rig::Figures::mean_torque_Nm},
+    {"load", "N", "load_N", "load_N", "load_deviation_N", &rig::Figures::mean_load_N},
+    {"speed", "m/s", "speed_mps", "speed_mps", "speed_deviation_mps", &rig::Figures::brake_on_mps},
+    {"duration", "s", "duration_s", "duration_s", "duration_deviation_s", &rig::Figures::duration_s},
+    {"length", "m", "length_m", "length_m", "length_deviation_m", &rig::Figures::length_m},
+}};
+
+using TableThree = std::array<Distribution, kQuantities>;
+
+/// As printed, from flywheel_rig.toml in `config`. Throws settings::Error.
+[[nodiscard]] TableThree printed_table(const std::filesystem::path& config);
+
+/// Mean and sample standard deviation; the latter 0 for fewer than two maneuvers, both for none.
+[[nodiscard]] TableThree measured_table(std::span<const rig::Summary> maneuvers);
+
+/// For people. `printed` is left out where there is none: another rig than Table III's.
+[[nodiscard]] std::string to_text(const TableThree& measured, const std::optional<TableThree>& printed);
+
+struct CampaignFacts {
+    std::string scenario, config_hash, version;
+    std::uint64_t seed = 0;
+};
+[[nodiscard]] std::string to_json(const CampaignFacts& facts, std::span<const rig::Summary> maneuvers,
+                                  const std::optional<TableThree>& printed);
+
+}  // namespace endurance
