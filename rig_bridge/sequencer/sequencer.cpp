@@ -164,6 +164,7 @@ Outputs Sequencer::step(const Inputs& in, double now_s) {
         started_ = true;
         now_s_ = now_s;
         enter(Phase::idle);
+        return outputs(in);
     }
     if (now_s > now_s_) now_s_ = now_s;
     if (over()) return outputs(in);

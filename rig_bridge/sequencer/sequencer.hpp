@@ -18,7 +18,7 @@
 ///   standstill  demand for `hold_s`, then none; pressure gone: on
 ///   retract     disarmed, load off, sledge back. Sledge back: on
 ///   cool_down   nothing on. Brake at `cool_to_C`: finished
-/// Each has a time limit. One step goes on by one phase at the most.
+/// Each has a time limit. One step goes on by one phase at the most; the first is always idle.
 ///
 /// Abort. The conditions of Abort are looked at in every phase before anything else; the outputs of that very step are the safe ones:
 /// disarmed, no demand, no current, drive off, load off, sledge back. In idle, where nothing is on, a condition only keeps the maneuver from

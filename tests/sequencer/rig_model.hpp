@@ -1,0 +1,96 @@
+/// A rig, its PLC and its controller as the sequencer meets them, as simple as can be: enough to run a maneuver through.
+#pragma once
+
+#include <algorithm>
+
+#include "rig_bridge/sequencer/sequencer.hpp"
+
+namespace sequencer_test {
+
+using sequencer::Inputs;
+using sequencer::Outputs;
+using sequencer::Phase;
+using sequencer::Plan;
+
+inline Plan landing() {
+    Plan plan;
+    plan.speed_mps = 50.0;
+    plan.overspeed_mps = 0.2;
+    plan.load_base_N = 30e3;
+    plan.load_lift_Ns2pm2 = 3.0;
+    plan.law = sequencer::BrakeLaw::slip;
+    plan.demand_Pa = 20e6;
+    plan.slip_reference = 0.24;
+    plan.brake_on_limit_C = 300.0;
+    plan.cool_to_C = 100.0;
+    return plan;
+}
+
+/// Everything good, at rest, sledge back.
+inline Inputs healthy() {
+    Inputs in;
+    in.plc_fresh = in.plc_ready = true;
+    in.emergency_stop_clear = in.guard_closed = in.hydraulics_ready = in.drive_healthy = true;
+    in.brake_temperature_C = 20.0;
+    in.bus_up = in.sensors_fresh = in.controller_fresh = in.controller_standby = true;
+    return in;
+}
+
+class RigModel {
+  public:
+    Inputs inputs = healthy();
+    double rolling_loss_mps2 = 0.05;  ///< of the flywheel while it runs free
+    double spin_up_cost_mps = 0.15;
+
+    void advance(const Outputs& out, double h) {
+        const bool brakes = armed_ && out.demand_Pa > 0.0 && inputs.wheel_on_rim;
+        if (out.drive_enable)
+            inputs.flywheel_mps += std::clamp(out.flywheel_set_mps - inputs.flywheel_mps, 0.0, 10.0 * h);
+        else
+            inputs.flywheel_mps -= (brakes ? 8.0 : rolling_loss_mps2) * h;
+        inputs.flywheel_mps = std::max(0.0, inputs.flywheel_mps);
+        inputs.sledge_m = std::clamp(inputs.sledge_m + (out.sledge_advance ? 0.1 : -0.1) * h, 0.0, 0.25);
+        const bool touches = inputs.sledge_m >= 0.25;
+        if (touches && !inputs.wheel_on_rim) inputs.flywheel_mps -= spin_up_cost_mps;
+        inputs.wheel_on_rim = touches;
+        const double v = inputs.flywheel_mps;
+        const double law_N = out.load_enable ? out.load_base_N - out.load_lift_Ns2pm2 * v * v : 500.0;
+        inputs.load_N = touches ? inputs.load_N + (law_N - inputs.load_N) * std::min(1.0, h / 0.1) : 0.0;
+        inputs.wheel_rim_mps = touches ? v : 0.0;
+        inputs.pressure_Pa = brakes ? 8e6 : 0.0;
+        inputs.brake_temperature_C = brakes ? inputs.brake_temperature_C + 30.0 * h
+                                            : std::max(20.0, inputs.brake_temperature_C - 5.0 * h);
+        armed_ = out.arm && !out.emergency_stop && (armed_ || inputs.controller_standby);
+        inputs.controller_armed = armed_;
+        inputs.controller_standby = !armed_;
+    }
+
+  private:
+    bool armed_ = false;
+};
+
+inline constexpr double kStep_s = 0.01;
+
+/// Runs until `stop` says so or `limit_s` has passed; the outputs of the last step.
+template <typename Stop>
+Outputs run(sequencer::Sequencer& s, RigModel& rig, double& now_s, const Stop& stop, double limit_s = 600.0) {
+    Outputs out;
+    for (const double end = now_s + limit_s; now_s < end; now_s += kStep_s) {
+        out = s.step(rig.inputs, now_s);
+        if (stop(out)) break;
+        rig.advance(out, kStep_s);
+    }
+    return out;
+}
+
+inline Outputs run_to(sequencer::Sequencer& s, RigModel& rig, double& now_s, Phase phase) {
+    return run(s, rig, now_s, [phase](const Outputs& out) { return out.phase == phase; });
+}
+
+/// What every output of a safe end must be.
+inline bool safe(const Outputs& out) {
+    return !out.drive_enable && out.flywheel_set_mps == 0.0 && !out.sledge_advance && !out.load_enable &&
+           !out.arm && out.demand_Pa == 0.0 && out.current_mA == 0.0;
+}
+
+}  // namespace sequencer_test
