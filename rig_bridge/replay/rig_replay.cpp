@@ -29,7 +29,7 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.require_subcommand(1);
     const std::array verbs{rig::bus_verb(app), rig::campaign_verb(app), rig::controller_verb(app),
-                           rig::plant_verb(app)};
+                           rig::import_verb(app), rig::plant_verb(app)};
     app.footer("Each has --help with examples.");
     try {
         app.parse(argc, argv);

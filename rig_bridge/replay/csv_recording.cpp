@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "rig_bridge/replay/line_source.hpp"
+#include "rig_bridge/replay/recording.hpp"
+
+namespace rig {
+
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// The cells of a row; one in double quotes may hold separators.
+void split(std::string_view line, char separator, std::vector<std::string_view>& cells) {
+    cells.clear();
+    for (std::size_t from = 0; from <= line.size();) {
+        const bool quoted = from < line.size() && line[from] == '"';
+        std::size_t closing = quoted ? line.find('"', from + 1) : std::string_view::npos;
+        if (closing == std::string_view::npos) closing = from;
+        const std::size_t end = std::min(line.find(separator, closing), line.size());
+        std::string_view cell = trimmed(line.substr(from, end - from));
+        if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
+            cell = cell.substr(1, cell.size() - 2);
+        cells.push_back(cell);
+        from = end + 1;
+    }
+}
+
+class CsvRecording final : public Recording {
+  public:
+    CsvRecording(const std::filesystem::path& file, const ImportMap& map,
+                 const std::vector<std::string>& wanted)
+        : name_(file.string()), map_(map), wanted_(wanted), source_(file) {
+        LineSource::Line line;
+        while (source_.lines() + 1 < map_.first_data_row && source_.next(line)) {
+            refuse_long(line);
+            if (line.number == map_.header_row) find_columns(line.text);
+            if (line.number == map_.unit_row) find_units(line.text);
+        }
+        if (places_.empty())
+            throw std::runtime_error(name_ + ": ends before row " + std::to_string(map_.header_row) +
+                                     ", the header_row");
+    }
+
+    bool next(RecordedRow& row) override {
+        LineSource::Line line;
+        do {
+            if (!source_.next(line)) {
+                if (!source_.damage().empty())
+                    throw std::runtime_error(name_ + ":" + std::to_string(source_.lines()) + ": " +
+                                             source_.damage());
+                return false;
+            }
+            refuse_long(line);
+        } while (trimmed(line.text).empty());
+        row.row = line.number;
+        row.unreadable.clear();
+        row.values.assign(wanted_.size(), std::numeric_limits<double>::quiet_NaN());
+        split(line.text, map_.separator, cells_);
+        for (std::size_t i = 0; i < wanted_.size(); ++i) {
+            const std::string_view cell =
+                places_[i] < cells_.size() ? cells_[places_[i]] : std::string_view();
+            if (!number(cell, row.values[i]))
+                row.unreadable.push_back("column " + std::to_string(places_[i] + 1) + " (" + wanted_[i] +
+                                         "): '" + std::string(cell) + "'");
+        }
+        return true;
+    }
+
+    [[nodiscard]] std::string stated_unit(std::size_t wanted) const override {
+        return wanted < units_.size() ? units_[wanted] : std::string();
+    }
+
+  private:
+    void refuse_long(const LineSource::Line& line) const {
+        if (line.too_long)
+            throw std::runtime_error(name_ + ":" + std::to_string(line.number) + ": row longer than " +
+                                     std::to_string(LineSource::kLongest) + " characters");
+    }
+
+    void find_columns(std::string_view line) {
+        constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+        if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+        split(line, map_.separator, cells_);
+        for (const std::string& column : wanted_) {
+            const auto found = std::find(cells_.begin(), cells_.end(), column);
+            if (found == cells_.end()) {
+                std::string there;
+                for (const std::string_view cell : cells_)
+                    there.append(there.empty() ? "" : ", ").append(cell);
+                throw std::runtime_error(name_ + ":" + std::to_string(map_.header_row) + ": no column '" +
+                                         column + "'; there are: " + there);
+            }
+            places_.push_back(static_cast<std::size_t>(found - cells_.begin()));
+        }
+    }
+
+    void find_units(std::string_view line) {
+        split(line, map_.separator, cells_);
+        for (const std::size_t place : places_)
+            units_.emplace_back(place < cells_.size() ? cells_[place] : std::string_view());
+    }
+
+    /// False where the cell holds no number; NaN and an infinity are none.
+    [[nodiscard]] bool number(std::string_view cell, double& value) {
+        text_.assign(cell);
+        if (map_.decimal == ',') std::replace(text_.begin(), text_.end(), ',', '.');
+        const char* const begin = text_.data() + (text_.starts_with('+') ? 1 : 0);
+        const char* const end = text_.data() + text_.size();
+        double read = 0.0;
+        const auto [stop, error] = std::from_chars(begin, end, read);
+        if (error != std::errc{} || stop != end || !std::isfinite(read)) return false;
+        value = read;
+        return true;
+    }
+
+    std::string name_;
+    ImportMap map_;
+    std::vector<std::string> wanted_;
+    LineSource source_;
+    std::vector<std::size_t> places_;
+    std::vector<std::string> units_;
+    std::vector<std::string_view> cells_;
+    std::string text_;
+};
+
+}  // namespace
+
+std::unique_ptr<Recording> open_recording(const std::filesystem::path& file, const ImportMap& map,
+                                          const std::vector<std::string>& wanted) {
+    if (map.mat) return open_mat(file, wanted);
+    return std::make_unique<CsvRecording>(file, map, wanted);
+}
+
+}  // namespace rig

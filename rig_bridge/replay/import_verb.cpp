@@ -1,0 +1,91 @@
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "config/reader/hash.hpp"
+#include "firmware/can/load_layout.hpp"
+#include "rig_bridge/replay/importer.hpp"
+#include "rig_bridge/replay/replay_verbs.hpp"
+#include "rig_bridge/scenario/meter_parameters.hpp"
+
+namespace rig {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ImportCommand {
+    fs::path file, map, out;
+    fs::path config = "config";
+    fs::path dbc, binding;
+
+    int run() const {
+        constexpr double kPeriod_s = 1e-3;
+        const fs::path dbc_file = dbc.empty() ? config / "antiskid.dbc" : dbc;
+        const fs::path binding_file = binding.empty() ? config / "antiskid_binding.toml" : binding;
+        const auto layout = configured([&] { return antiskid::can::load_layout(dbc_file, binding_file); });
+        const ImportMap loaded = configured([&] { return load_import_map(map); });
+        const Scenario scenario = configured(
+            [&] { return load_scenario(config / "scenarios" / (loaded.scenario + ".toml"), config); });
+        std::vector<fs::path> files = scenario.files;
+        files.insert(files.end(), {dbc_file, binding_file, map});
+        const std::string hash = settings::hash(files);
+        const MeterParameters meter = meter_parameters(scenario, kPeriod_s);
+        const bool with_valve = loaded.channels[static_cast<std::size_t>(Channel::valve_current)].has_value();
+        const ImportSettings settings{.file = file,
+                                      .map = loaded,
+                                      .out = fs::absolute(out / "").parent_path(),
+                                      .rig = {.layout = layout,
+                                              .meter = meter,
+                                              .plan = scenario.mean,
+                                              .with_valve = with_valve,
+                                              .number = 0},
+                                      .config_hash = hash};
+        ImportNotes notes(file.string(), [](const std::string& text) {
+            fmt::print(stderr, "rig-replay: warning: {}\n", text);
+        });
+        const ImportReport report = import_recording(settings, notes);
+        for (const ImportedManeuver& m : report.maneuvers)
+            fmt::print("{}  row {:>9}  {:6.2f} m/s  {:7.3f} s  {:8.1f} kJ  mu_b {:.4f}  {}\n",
+                       m.folder.string(), m.first_row, m.figures.brake_on_mps, m.figures.duration_s,
+                       m.figures.energy_brake_J * 1e-3, m.figures.mean_friction, m.outcome);
+        fmt::print("{} rows, {} maneuvers", report.rows, report.maneuvers.size());
+        for (const auto& [kind, count] : notes.counts()) fmt::print(", {} {}", kind, count);
+        fmt::print("\n");
+        if (report.maneuvers.empty())
+            throw std::runtime_error(
+                file.string() +
+                ": no braking found: no row with the pressure rising above brake_on_Pa at "
+                "least_speed_mps or more");
+        return 0;
+    }
+};
+
+}  // namespace
+
+ReplayVerb import_verb(CLI::App& app) {
+    const auto c = std::make_shared<ImportCommand>();
+    CLI::App* verb = app.add_subcommand(
+        "import", "Recordings of other systems (CSV, MATLAB) as maneuver folders with logs of our layout.");
+    verb->add_option("FILE", c->file, "the recording: CSV, plain or gzip, or .mat")->required();
+    verb->add_option("--map", c->map,
+                     "which column is what, in which unit; where a maneuver begins and ends (TOML)")
+        ->required();
+    verb->add_option("--out", c->out, "folder of the campaign to make: 0001/bus.log, 0001/summary.json, ...")
+        ->required();
+    verb->add_option("--config", c->config, "directory of the configuration files")->capture_default_str();
+    verb->add_option("--dbc", c->dbc, "bus layout (default: CONFIG/antiskid.dbc)");
+    verb->add_option("--binding", c->binding,
+                     "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+    verb->footer(
+        "config/import_example.toml is a map with every key explained.\n"
+        "Examples:\n"
+        "  rig-replay import night.csv --map config/import_example.toml --out out/night\n"
+        "  rig-replay campaign out/night\n"
+        "Exit status: 0 maneuvers written (warnings say what was wrong in the recording); 1 it cannot be "
+        "read, a unit cannot be "
+        "right, or\nthere is no braking in it; 2 mistake in command line, map or configuration.");
+    return {verb, [c] { return c->run(); }};
+}
+
+}  // namespace rig

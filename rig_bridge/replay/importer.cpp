@@ -1,0 +1,197 @@
+#include "rig_bridge/replay/importer.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <stdexcept>
+
+#include "rig_bridge/record/summary_file.hpp"
+#include "rig_bridge/replay/plausibility.hpp"
+#include "rig_bridge/replay/survey.hpp"
+
+namespace rig {
+
+using sequencer::Phase;
+
+namespace {
+
+constexpr double kReleased_s = 0.5;
+
+class Importer {
+  public:
+    Importer(const ImportSettings& settings, ImportNotes& notes)
+        : settings_(settings),
+          map_(settings.map),
+          notes_(notes),
+          rig_(settings.rig),
+          channels_(wanted_channels(map_)) {
+        for (const Channel channel : channels_)
+            factors_.push_back(factor_of(channel, map_.channels[static_cast<std::size_t>(channel)]->unit,
+                                         rig_.meter.flywheel_radius_m));
+    }
+
+    ImportReport run() {
+        const auto recording = open_recording(settings_.file, map_, wanted_columns(map_));
+        for (RecordedRow row; recording->next(row);) {
+            ++report_.rows;
+            for (const std::string& cell : row.unreadable) notes_.add("not_a_number", row.row, cell);
+            take(row);
+        }
+        broken();
+        return report_;
+    }
+
+  private:
+    void take(const RecordedRow& row) {
+        row_ = row.row;
+        if (!std::isfinite(row.values[0])) return;
+        ImportSample sample;
+        sample.time_s = row.values[0] * map_.time.unit.factor * 1e-9;
+        if (started_ && sample.time_s <= newest_.time_s) {
+            const double back_s = newest_.time_s - sample.time_s;
+            notes_.add(back_s == 0.0 ? "time_repeated" : "time_reset", row_,
+                       fmt::format("by {:g} s", back_s));
+            if (back_s == 0.0) return;
+            broken();
+        } else if (started_ && sample.time_s - newest_.time_s > map_.longest_gap_s) {
+            notes_.add("gap", row_,
+                       fmt::format("{:g} s since the row before", sample.time_s - newest_.time_s));
+            broken();
+        }
+        for (std::size_t i = 0; i < channels_.size(); ++i) set(row, i, sample);
+        newest_ = sample;
+        started_ = true;
+        follow(sample);
+    }
+
+    /// A cell without a plausible number keeps the channel's last value.
+    void set(const RecordedRow& row, std::size_t i, ImportSample& sample) {
+        const auto place = static_cast<std::size_t>(channels_[i]);
+        const double value = row.values[i + 1] * factors_[i];
+        const PlausibleRange& range = plausible(channels_[i]);
+        sample.value[place] = newest_.value[place];
+        if (!std::isfinite(value)) return;
+        if (value >= range.lowest && value <= range.highest) {
+            sample.value[place] = value;
+            return;
+        }
+        const ImportColumn& column = *map_.channels[place];
+        notes_.add("implausible", row.row,
+                   fmt::format("column '{}': {:g} {}", column.column, row.values[i + 1], column.unit_name));
+    }
+
+    void follow(const ImportSample& s) {
+        const double v_mps = s[Channel::flywheel_speed];
+        const double pressure_Pa = s[Channel::pressure];
+        if (writer_ == nullptr) {
+            remember(s);
+            if (pressure_Pa < map_.brake_on_Pa) ready_ = true;
+            if (ready_ && pressure_Pa >= map_.brake_on_Pa && v_mps >= map_.least_speed_mps) begin();
+            return;
+        }
+        if (phase_ == Phase::braking && v_mps <= map_.standstill_mps) {
+            phase_ = Phase::standstill;
+            stood_s_ = s.time_s;
+        }
+        if (pressure_Pa >= map_.released_Pa) pressed_s_ = s.time_s;
+        writer_->add(s, phase_);
+        if (phase_ == Phase::standstill && s.time_s - stood_s_ >= map_.after_s)
+            end("finished");
+        else if (phase_ == Phase::braking && s.time_s - pressed_s_ > kReleased_s)
+            end("released");
+    }
+
+    void remember(const ImportSample& s) {
+        before_.push_back(s);
+        while (s.time_s - before_.front().time_s > map_.before_s) before_.pop_front();
+    }
+
+    void begin() {
+        ++rig_.number;
+        ready_ = false;
+        maneuver_ = {.folder = settings_.out / fmt::format("{:04}", rig_.number),
+                     .outcome = {},
+                     .first_row = row_,
+                     .figures = {}};
+        writer_ = std::make_unique<ManeuverWriter>(rig_, maneuver_.folder);
+        const ImportSample on = before_.back();
+        if (on.time_s - before_.front().time_s < 0.1)
+            notes_.add("late_start", row_,
+                       "less than 0.1 s of the recording lies before brake-on: its speed is uncertain");
+        before_.pop_back();
+        for (const ImportSample& s : before_) writer_->add(s, Phase::settling);
+        before_.clear();
+        phase_ = Phase::braking;
+        pressed_s_ = on.time_s;
+        writer_->add(on, phase_);
+    }
+
+    void broken() {
+        if (writer_ != nullptr) {
+            const bool stood = phase_ == Phase::standstill;
+            notes_.add("recording_broken", row_,
+                       maneuver_.folder.filename().string() + (stood ? " at standstill" : " while braking"));
+            end(stood ? "finished" : "recording_broken");
+        }
+        before_.clear();
+        ready_ = false;
+    }
+
+    void end(const std::string& outcome) {
+        ImportSample last = newest_;
+        // The phase that ends the figures, and time for it to be seen.
+        for (int i = 1; i <= 20; ++i) {
+            last.time_s += 1e-3;
+            writer_->add(last, outcome == "finished" ? Phase::retract : Phase::aborting);
+        }
+        writer_->finish();
+        maneuver_.outcome = outcome;
+        maneuver_.figures = writer_->figures();
+        energy_J_ += maneuver_.figures.energy_brake_J;
+        Summary summary;
+        summary.campaign = settings_.out.filename().string();
+        summary.number = rig_.number;
+        summary.scenario = map_.scenario;
+        summary.outcome = outcome;
+        summary.started =
+            fmt::format("row {} of {}", maneuver_.first_row, settings_.file.filename().string());
+        summary.cumulative_energy_J = energy_J_;
+        summary.figures = maneuver_.figures;
+        summary.frames = writer_->frames();
+        summary.version = ANTISKID_VERSION;
+        summary.config_hash = settings_.config_hash;
+        write_summary(maneuver_.folder / "summary.json", summary);
+        report_.maneuvers.push_back(maneuver_);
+        writer_.reset();
+    }
+
+    const ImportSettings& settings_;
+    const ImportMap& map_;
+    ImportNotes& notes_;
+    ImportedRig rig_;
+    std::vector<Channel> channels_;
+    std::vector<double> factors_;
+    ImportReport report_;
+    bool started_ = false;
+    bool ready_ = false;  // the pressure has been below brake-on
+    std::uint64_t row_ = 0;
+    ImportSample newest_;
+    std::deque<ImportSample> before_;
+    std::unique_ptr<ManeuverWriter> writer_;
+    ImportedManeuver maneuver_;
+    Phase phase_ = Phase::idle;
+    double stood_s_ = 0.0, pressed_s_ = 0.0, energy_J_ = 0.0;
+};
+
+}  // namespace
+
+ImportReport import_recording(const ImportSettings& settings, ImportNotes& notes) {
+    if (std::filesystem::exists(settings.out / "0001"))
+        throw std::runtime_error(settings.out.string() + ": holds maneuvers already; choose another folder");
+    survey_units(settings, notes);
+    return Importer(settings, notes).run();
+}
+
+}  // namespace rig

@@ -1,0 +1,36 @@
+/// A recording of another system, row by row: wanted columns only, as numbers in their own units.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rig_bridge/replay/import_map.hpp"
+
+namespace rig {
+
+struct RecordedRow {
+    std::uint64_t row = 0;       ///< of the file, from 1 (of the variables in a .mat)
+    std::vector<double> values;  ///< in the order of the wanted columns; NaN where there is no number
+    std::vector<std::string> unreadable;  ///< "column 3 (p_Bremse): 'xx'" for each cell that holds no number
+};
+
+class Recording {
+  public:
+    virtual ~Recording() = default;
+    [[nodiscard]] virtual bool next(RecordedRow& row) = 0;
+    /// The unit that the file itself states for a wanted column; empty: none.
+    [[nodiscard]] virtual std::string stated_unit(std::size_t wanted) const = 0;
+};
+
+/// Throws std::runtime_error naming the file and what is wrong: unreadable, or a column that is not there, with those that are.
+/// CSV is streamed; the variables of a .mat are read whole.
+[[nodiscard]] std::unique_ptr<Recording> open_recording(const std::filesystem::path& file,
+                                                        const ImportMap& map,
+                                                        const std::vector<std::string>& wanted);
+[[nodiscard]] std::unique_ptr<Recording> open_mat(const std::filesystem::path& file,
+                                                  const std::vector<std::string>& wanted);
+
+}  // namespace rig

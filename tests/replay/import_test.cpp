@@ -1,0 +1,284 @@
+// Recordings made from the plant's true state: what comes out must be what was there.
+#include <fmt/format.h>
+#include <matio.h>
+
+#include <cmath>
+
+#include "rig_bridge/record/summary_file.hpp"
+#include "rig_bridge/replay/campaign_table.hpp"
+#include "rig_bridge/replay/importer.hpp"
+#include "rig_bridge/replay/plant_validation.hpp"
+#include "rig_bridge/scenario/meter_parameters.hpp"
+#include "tests/catch.hpp"
+#include "tests/replay/logs.hpp"
+
+using namespace replay_test;
+
+namespace {
+
+struct Row {
+    double time_s, wheel_radps, v_mps, pressure_Pa, load_N, torque_Nm, current_mA;
+};
+
+/// Every 2 ms of an endurance stop, from rolling to the release.
+struct Truth {
+    Truth() {
+        auto options = scenarios::options({"dry_asphalt", "endurance"}, "deceleration");
+        std::int64_t step = 0;
+        const auto result = scenarios::run(
+            options, study::Link::rounded,
+            [&](const study::RigSession& session, const antiskid::can::ControllerView&, double current_mA) {
+                const plant::Rig& rig = session.rig();
+                const plant::Forces f = rig.forces();
+                if (++step % 2 == 0 && rig.time_s() > 1.2)
+                    rows.push_back({rig.time_s(), rig.wheel().omega_radps, rig.wheel().v_mps,
+                                    rig.pressure_Pa(), f.F_z_N, f.brake_torque_Nm, current_mA});
+            });
+        figures = result.figures;
+    }
+    std::vector<Row> rows;
+    study::StopFigures figures;
+};
+
+const Truth& truth() {
+    static const Truth kTruth;
+    return kTruth;
+}
+
+std::string german(double value, int decimals) {
+    std::string text = fmt::format("{:.{}f}", value, decimals);
+    std::replace(text.begin(), text.end(), '.', ',');
+    return text;
+}
+
+const std::string kHead =
+    "Pruefstand 3;;;;;\nZeit;n_Rad;v_Schwungrad;p_Bremse;F_z;M_Bremse\ns;1/min;km/h;bar;kN;Nm\n";
+
+std::string csv_row(const Row& r, double shift_s) {
+    return fmt::format("{};{};{};{};{};{}\n", german(r.time_s + shift_s, 4),
+                       german(r.wheel_radps * 30.0 / std::numbers::pi, 4), german(r.v_mps * 3.6, 5),
+                       german(r.pressure_Pa * 1e-5, 4), german(r.load_N * 1e-3, 4), german(r.torque_Nm, 3));
+}
+
+/// Two stops one after the other.
+std::string two_stops() {
+    std::string csv = kHead;
+    for (const double shift_s : {0.0, 30.0})
+        for (const Row& row : truth().rows) csv += csv_row(row, shift_s);
+    return csv;
+}
+
+struct Import {
+    explicit Import(const std::filesystem::path& file, const rig::ImportMap& with) : map(with) {
+        const rig::ImportSettings settings{.file = file,
+                                           .map = map,
+                                           .out = out,
+                                           .rig = {.layout = can_test::ours(),
+                                                   .meter = meter,
+                                                   .plan = scenario.mean,
+                                                   .with_valve = map.channels[6].has_value(),
+                                                   .number = 0},
+                                           .config_hash = "x"};
+        rig::ImportNotes notes("r.csv", [this](const std::string& text) { said += text + "\n"; });
+        report = rig::import_recording(settings, notes);
+        counts = notes.counts();
+    }
+    TempDir dir;
+    rig::Scenario scenario = rig::load_scenario("config/scenarios/endurance.toml");
+    rig::MeterParameters meter = rig::meter_parameters(scenario, 1e-3);
+    std::filesystem::path out = dir.write("x", "").parent_path() / "night";
+    rig::ImportMap map;
+    rig::ImportReport report;
+    std::string said;
+    std::map<std::string, std::uint64_t> counts;
+};
+
+rig::ImportMap example() {
+    return rig::load_import_map("config/import_example.toml");
+}
+
+void check(const rig::Figures& f) {
+    const study::StopFigures& t = truth().figures;
+    CHECK(f.standstill);
+    CHECK(f.brake_on_mps == Approx(54.88).margin(0.05));
+    CHECK(f.energy_brake_J == Approx(t.energy_brake_J).epsilon(5e-3));
+    CHECK(f.mean_torque_Nm == Approx(t.mean_torque_Nm).epsilon(0.01));
+    CHECK(f.mean_load_N == Approx(t.mean_load_N).epsilon(1e-3));
+    CHECK(f.mean_friction == Approx(t.mean_friction).epsilon(0.01));
+    CHECK(f.duration_s == Approx(t.duration_s).margin(0.25));
+}
+
+}  // namespace
+
+TEST_CASE("a continuous recording becomes maneuvers, and their figures are those of the plant", "[BRG-350]") {
+    const TempDir dir;
+    rig::ImportMap map = example();
+    map.after_s = 0.1;  // the recording ends soon after standstill
+    const Import import(dir.write("r.csv", two_stops()), map);
+    REQUIRE(import.report.maneuvers.size() == 2);
+    for (const auto& maneuver : import.report.maneuvers) {
+        CHECK(maneuver.outcome == "finished");
+        check(maneuver.figures);
+    }
+    INFO(import.said);
+    // The jump from one stop to the next is a gap in time; nothing else is wrong.
+    CHECK(import.counts == std::map<std::string, std::uint64_t>{{"gap", 1}});
+    CHECK_THAT(import.said, ContainsSubstring("r.csv:" + std::to_string(truth().rows.size() + 4)));
+    const rig::Summary summary = rig::read_summary(import.out / "0002/summary.json");
+    CHECK(summary.number == 2);
+    CHECK(summary.cumulative_energy_J == import.report.maneuvers[0].figures.energy_brake_J +
+                                             import.report.maneuvers[1].figures.energy_brake_J);
+    // Every verb works on it: the campaign is its own summaries, the plant finds the braking.
+    const rig::CampaignSources sources{
+        .layout = can_test::ours(),
+        .parameters = [&](const std::string&) { return import.meter; },
+        .ledger = {},
+        .with_ledger = false,
+        .warnings = [](const std::string& name) { return rig::LogWarnings(name, {}); }};
+    CHECK(rig::rebuild_campaign(rig::maneuver_folders(import.out), sources).different() == 0);
+    rig::LogWarnings warnings("bus.log", {});
+    rig::LogOptions options;
+    options.layout = &can_test::ours();
+    rig::LogReader reader(import.out / "0001/bus.log", options, warnings);
+    rig::MeasuredSignals signals(reader, can_test::ours(), antiskid::can::Time{1'000'000});
+    const rig::Validation v = rig::validate_plant(signals, import.scenario.rig.rig);
+    REQUIRE(v.braked);
+    CHECK(v.all.speed_mps.rms() < 0.2);
+    CHECK(v.rows.size() > 1000);
+    CHECK_FALSE(warnings.any());
+}
+
+TEST_CASE("MATLAB files give the same maneuvers", "[BRG-351]") {
+    const auto write = [](const std::filesystem::path& path, mat_ft version) {
+        mat_t* const file = Mat_CreateVer(path.c_str(), nullptr, version);
+        if (file == nullptr) return false;
+        const auto& rows = truth().rows;
+        const auto put = [&](const char* name, double Row::*member, double factor) {
+            std::vector<double> values;
+            for (const Row& row : rows) values.push_back(row.*member * factor);
+            std::array<std::size_t, 2> dims{values.size(), 1};
+            matvar_t* const variable =
+                Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims.data(), values.data(), 0);
+            const int status = Mat_VarWrite(file, variable, MAT_COMPRESSION_ZLIB);
+            Mat_VarFree(variable);
+            return status == 0;
+        };
+        const bool all = put("Zeit", &Row::time_s, 1.0) &&
+                         put("n_Rad", &Row::wheel_radps, 30.0 / std::numbers::pi) &&
+                         put("v_Schwungrad", &Row::v_mps, 3.6) && put("p_Bremse", &Row::pressure_Pa, 1e-5) &&
+                         put("F_z", &Row::load_N, 1e-3) && put("M_Bremse", &Row::torque_Nm, 1.0);
+        Mat_Close(file);
+        return all;
+    };
+    rig::ImportMap map = example();
+    map.mat = true;
+    const TempDir dir;
+    const auto folder = dir.write("x", "").parent_path();
+    for (const mat_ft version : {MAT_FT_MAT5, MAT_FT_MAT73}) {
+        const auto file = folder / (version == MAT_FT_MAT5 ? "five.mat" : "seven.mat");
+        REQUIRE(write(file, version));
+        const Import import(file, map);
+        REQUIRE(import.report.maneuvers.size() == 1);
+        check(import.report.maneuvers[0].figures);
+    }
+    map.channels[5]->column = "M";
+    CHECK_THROWS_WITH(Import(folder / "five.mat", map),
+                      ContainsSubstring("no variable 'M'; there are: Zeit, n_Rad"));
+    CHECK_THROWS_WITH(Import(dir.write("no.mat", "text"), map),
+                      ContainsSubstring("cannot be read as a MATLAB file"));
+}
+
+TEST_CASE("what is wrong in a recording is reported with row and column", "[BRG-352]") {
+    const TempDir dir;
+    std::vector<std::string> lines = lines_of(two_stops());
+    const auto cell = [&](std::size_t row, const std::string& from, const std::string& to) {
+        lines[row - 1] = can_test::replaced(lines[row - 1], from, to);
+    };
+    const auto pressure_of = [&](std::size_t row) {
+        std::string line = lines[row - 1];
+        for (int i = 0; i < 3; ++i) line.erase(0, line.find(';') + 1);
+        return line.substr(0, line.find(';'));
+    };
+    cell(1000, ";" + pressure_of(1000) + ";", ";NaN;");
+    cell(1001, ";" + pressure_of(1001) + ";", ";;");
+    cell(1002, ";" + pressure_of(1002) + ";", ";9999999;");
+    lines[2000] = lines[1999];
+    const Import import(dir.write("r.csv",
+                                  [&] {
+                                      std::string text;
+                                      for (const auto& line : lines) text += line;
+                                      return text;
+                                  }()),
+                        example());
+    REQUIRE(import.report.maneuvers.size() == 2);
+    check(import.report.maneuvers[0].figures);
+    CHECK_THAT(import.said, ContainsSubstring("r.csv:1000: not_a_number: column 4 (p_Bremse): 'NaN'"));
+    CHECK_THAT(import.said, ContainsSubstring("r.csv:1001: not_a_number: column 4 (p_Bremse): ''"));
+    CHECK_THAT(import.said, ContainsSubstring("r.csv:1002: implausible: column 'p_Bremse': 1e+07 bar"));
+    CHECK_THAT(import.said, ContainsSubstring("r.csv:2001: time_repeated"));
+}
+
+TEST_CASE("gaps and resets of time end a maneuver, the next is whole", "[BRG-352]") {
+    const TempDir dir;
+    std::string csv = kHead;
+    const auto& rows = truth().rows;
+    for (std::size_t i = 0; i < rows.size() / 2; ++i) csv += csv_row(rows[i], 100.0);
+    for (const Row& row : rows) csv += csv_row(row, 0.0);  // time starts again
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        if (i < 3000 || i > 3100) csv += csv_row(rows[i], 40.0);  // 0.2 s are missing
+    const Import import(dir.write("r.csv", csv), example());
+    REQUIRE(import.report.maneuvers.size() == 3);
+    CHECK(import.report.maneuvers[0].outcome == "recording_broken");
+    CHECK(import.report.maneuvers[1].outcome == "finished");
+    CHECK(import.report.maneuvers[2].outcome == "recording_broken");
+    check(import.report.maneuvers[1].figures);
+    CHECK(import.counts.at("time_reset") == 1);
+    CHECK(import.counts.at("gap") == 2);
+    CHECK_THAT(import.said, ContainsSubstring("0001 while braking"));
+}
+
+TEST_CASE("swapped units end the import with the likely one, and nothing is written", "[BRG-353]") {
+    const TempDir dir;
+    const auto file = dir.write("r.csv", two_stops());
+    const auto refused = [&](std::size_t channel, const char* unit, const char* quantity_of,
+                             const std::string& words) {
+        rig::ImportMap map = example();
+        map.channels[channel]->unit_name = unit;
+        map.channels[channel]->unit = *antiskid::can::find_unit(quantity_of);
+        map.unit_row = 0;
+        CHECK_THROWS_WITH(Import(file, map), ContainsSubstring(words));
+    };
+    refused(2, "Pa", "Pa", "likely unit: bar");
+    refused(2, "MPa", "MPa", "column 'p_Bremse' (pressure) goes from");
+    refused(3, "N", "N", "kN");
+    refused(1, "rpm", "rpm", "likely unit of 'v_Schwungrad': km/h");
+    refused(1, "m/s", "m/s", "km/h");
+    rig::ImportMap map = example();
+    map.unit_row = 3;
+    map.channels[5]->unit_name = "kNm";
+    map.channels[5]->unit = *antiskid::can::find_unit("kNm");
+    CHECK_THROWS_WITH(Import(file, map), ContainsSubstring("likely unit: Nm"));
+}
+
+TEST_CASE("maps are refused with file, line and key", "[BRG-354]") {
+    const TempDir dir;
+    const std::string good = can_test::contents("config/import_example.toml");
+    const auto refused = [&](const std::string& from, const std::string& to, const std::string& words) {
+        INFO(to);
+        CHECK_THROWS_WITH(rig::load_import_map(dir.write("map.toml", can_test::replaced(good, from, to))),
+                          ContainsSubstring(words));
+    };
+    refused("unit = \"bar\"", "unit = \"baar\"", "pressure.unit: 'baar' is none of");
+    refused("unit = \"bar\"", "unit = \"km/h\"", "is none of");
+    refused("wheel_speed = {", "wheel_sped = {", "wheel_speed");
+    refused("separator = \";\"", "separator = \"ab\"", "one character");
+    refused("separator = \";\"", "separator = \",\"", "decimal sign");
+    refused("released_Pa = 1.5e5", "released_Pa = 5e5", "below brake_on_Pa");
+    refused("first_data_row = 4", "first_data_row = 2", "after header_row");
+    refused("before_s = 1.0", "before = 1.0", "before_s");
+    const auto file = dir.write("r.csv", two_stops());
+    rig::ImportMap map = example();
+    map.channels[0]->column = "n";
+    CHECK_THROWS_WITH(Import(file, map),
+                      ContainsSubstring("no column 'n'; there are: Zeit, n_Rad, v_Schwungrad"));
+}
