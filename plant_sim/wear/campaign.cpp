@@ -62,10 +62,11 @@ std::optional<std::size_t> find(const std::vector<std::string_view>& header, std
     return static_cast<std::size_t>(at - header.begin());
 }
 
-/// Why there is no such column: what stands in the header instead.
-std::string missing(const std::vector<std::string_view>& header, std::string_view name) {
+/// Why there is no such column: what stands in the header instead. `stem` is the name without its unit.
+std::string missing(const std::vector<std::string_view>& header, std::string_view name,
+                    std::string_view stem) {
     for (const std::string_view got : header) {
-        if (settings::differs_in_unit(name, got))
+        if (got == stem || (got.starts_with(stem) && got.substr(stem.size()).starts_with('_')))
             return fmt::format("'{}' is in another unit or in none; wanted is {}", settings::printable(got),
                                name);
     }
@@ -76,6 +77,8 @@ std::string missing(const std::vector<std::string_view>& header, std::string_vie
 }
 
 Columns columns_of(const std::string& file, unsigned line, const std::vector<std::string_view>& header) {
+    if (header.size() == 1 && header.front().find_first_of(";\t") != std::string_view::npos)
+        throw Error(file, line, "", "columns must be separated by commas");
     Columns c;
     c.count = header.size();
     const auto in_MJ = find(header, kEnergyMJ, file, line);
@@ -84,12 +87,13 @@ Columns columns_of(const std::string& file, unsigned line, const std::vector<std
         throw Error(file, line, std::string(kEnergyMJ),
                     "energy stands in two units; keep cumulative_energy_J or cumulative_energy_MJ");
     if (!in_MJ && !in_J)
-        throw Error(file, line, "", missing(header, kEnergyMJ) + "; cumulative_energy_J will do, too");
+        throw Error(file, line, "",
+                    missing(header, kEnergyMJ, "cumulative_energy") + "; cumulative_energy_J will do, too");
     c.energy = in_MJ ? *in_MJ : *in_J;
     c.energy_unit_J = in_MJ ? 1e6 : 1.0;
     c.energy_name = in_MJ ? kEnergyMJ : kEnergyJ;
     const auto friction = find(header, kFriction, file, line);
-    if (!friction) throw Error(file, line, "", missing(header, kFriction));
+    if (!friction) throw Error(file, line, "", missing(header, kFriction, kFriction));
     c.friction = *friction;
     return c;
 }

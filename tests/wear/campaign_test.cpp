@@ -1,0 +1,112 @@
+#include "plant_sim/wear/campaign.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+
+#include "tests/catch.hpp"
+#include "tests/wear/physical_campaign.hpp"
+
+namespace {
+
+using wear::parse_campaign;
+
+std::string refusal(const std::string& csv) {
+    try {
+        (void)parse_campaign("data.csv", csv);
+    } catch (const settings::Error& e) {
+        return e.what();
+    }
+    return "accepted";
+}
+
+const std::string kHead = "maneuver,cumulative_energy_MJ,mean_friction\n";
+
+}  // namespace
+
+TEST_CASE("columns are found by name, in either unit, among others", "[WEAR-001]") {
+    const wear::Campaign in_MJ = parse_campaign(
+        "a",
+        "\xEF\xBB\xBFmean_friction, note ,cumulative_energy_MJ\r\n0.30,x,1.5\r\n\r\n# said\r\n0.25,,3\r\n");
+    const wear::Campaign in_J =
+        parse_campaign("b", "cumulative_energy_J,mean_friction\n1500000,0.3\n3e6,0.25");
+    REQUIRE(in_MJ.points.size() == 2);
+    CHECK(in_MJ.points == in_J.points);
+    CHECK(in_J.points[0] == wear::Point{1.5e6, 0.3});
+    CHECK(in_J.points[1] == wear::Point{3e6, 0.25});
+    CHECK(wear::data_hash(in_MJ) == wear::data_hash(in_J));
+    CHECK(wear::brake_energy_J(in_J, 0) == 1.5e6);
+    CHECK(wear::brake_energy_J(in_J, 1) == 1.5e6);
+}
+
+TEST_CASE("a table that was written reads back to the last bit, and its hash tells data apart",
+          "[WEAR-001]") {
+    for (const physical::BrakeLaw& law : physical::laws()) {
+        wear::Campaign campaign = physical::campaign(law, 7);
+        const wear::Campaign back = parse_campaign("back", wear::to_csv(campaign));
+        CHECK(back.points == campaign.points);
+        CHECK(wear::to_csv(back) == wear::to_csv(campaign));
+        const std::string hash = wear::data_hash(campaign);
+        campaign.points[250].mean_friction = std::nextafter(campaign.points[250].mean_friction, 1.0);
+        CHECK(wear::data_hash(campaign) != hash);
+    }
+}
+
+TEST_CASE("energy that was counted before the first maneuver is not that maneuver's", "[WEAR-001]") {
+    const wear::Campaign c =
+        parse_campaign("c", "cumulative_energy_MJ,mean_friction\n100,0.3\n101,0.29\n102,0.28\n");
+    CHECK(std::isnan(wear::brake_energy_J(c, 0)));
+    CHECK(wear::to_csv(c).find("\n1,0.3,,100000000\n") != std::string::npos);
+}
+
+TEST_CASE("bad data are refused with file and row", "[WEAR-002]") {
+    CHECK(refusal("") == "data.csv: empty: no header and no maneuver");
+    CHECK_THAT(refusal(kHead), ContainsSubstring("data.csv: no maneuver"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n"), ContainsSubstring("data.csv: one maneuver only"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n2,2,nan\n"),
+               ContainsSubstring("data.csv:3: mean_friction: 'nan' is no finite"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n2,inf,0.3\n"),
+               ContainsSubstring("data.csv:3: cumulative_energy_MJ: 'inf'"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n2,,0.3\n"),
+               ContainsSubstring("data.csv:3: cumulative_energy_MJ: no value"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n2,2 MJ,0.3\n"),
+               ContainsSubstring("data.csv:3: cumulative_energy_MJ: '2 MJ'"));
+    CHECK_THAT(refusal(kHead + "1,-1,0.3\n2,2,0.3\n"),
+               ContainsSubstring("data.csv:2: cumulative_energy: -1000000 J"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n2,2,0.29\n3,2,0.28\n"),
+               ContainsSubstring("data.csv:4: cumulative_energy: 2000000 J after 2000000 J"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n2,1,0.3\n3,1,0.3\n"),
+               ContainsSubstring("data.csv:3: cumulative_energy: 1000000 J after"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n2,2,0.3\n3,3,0.3\n"), ContainsSubstring("0.3 in all 3 maneuvers"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n2,2,30\n"),
+               ContainsSubstring("data.csv:3: mean_friction: 30 is no friction coefficient"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n2,2,0\n"), ContainsSubstring("data.csv:3: mean_friction: 0 is no"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n2,2,0.3,4\n"),
+               ContainsSubstring("data.csv:3: 4 fields, but the header names 3"));
+}
+
+TEST_CASE("units that are mixed up are refused", "[WEAR-002]") {
+    // J under the name of MJ, MJ under the name of J, and one row in the other unit.
+    CHECK_THAT(refusal(kHead + "1,975000,0.3\n2,1950000,0.29\n"),
+               ContainsSubstring("data.csv:3: cumulative_energy: 975000000000 J in one maneuver"));
+    CHECK_THAT(refusal("cumulative_energy_J,mean_friction\n0.975,0.3\n1.95,0.29\n"),
+               ContainsSubstring("0.975 J a maneuver on average"));
+    CHECK_THAT(refusal(kHead + "1,1,0.3\n2,2,0.29\n3,3000000,0.28\n"),
+               ContainsSubstring("data.csv:4: cumulative_energy"));
+    CHECK_THAT(refusal("cumulative_energy_J,mean_friction\n1e6,0.3\n2e6,0.29\n3,0.28\n"),
+               ContainsSubstring("data.csv:4: cumulative_energy: 3 J after"));
+    // A unit that is not known, none at all, two at once, a name twice.
+    CHECK_THAT(refusal("cumulative_energy_kWh,mean_friction\n1,0.3\n2,0.2\n"),
+               ContainsSubstring("data.csv:1: 'cumulative_energy_kWh' is in another unit"));
+    CHECK_THAT(refusal("cumulative_energy,mean_friction\n1,0.3\n2,0.2\n"),
+               ContainsSubstring("wanted is cumulative_energy_MJ"));
+    CHECK_THAT(refusal("cumulative_energy_MJ,cumulative_energy_J,mean_friction\n1,1e6,0.3\n"),
+               ContainsSubstring("energy stands in two units"));
+    CHECK_THAT(refusal("cumulative_energy_MJ,mean_friction,mean_friction\n1,1,0.3\n"),
+               ContainsSubstring("two columns of this name"));
+    CHECK_THAT(refusal("cumulative_energy_MJ,mean_fricton\n1,0.3\n"),
+               ContainsSubstring("is 'mean_fricton' meant"));
+    CHECK_THAT(refusal("cumulative_energy_MJ;mean_friction\n1;0.3\n"),
+               ContainsSubstring("separated by commas"));
+}

@@ -1,0 +1,237 @@
+#include "plant_sim/wear/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "plant_sim/wear/fast_exp.hpp"
+#include "plant_sim/wear/fit_starts.hpp"
+#include "plant_sim/wear/model.hpp"
+#include "plant_sim/wear/model_io.hpp"
+#include "tests/catch.hpp"
+#include "tests/wear/known_mixture.hpp"
+#include "tests/wear/physical_campaign.hpp"
+
+namespace {
+
+wear::FitSettings small(std::size_t most, int starts) {
+    wear::FitSettings s;
+    s.most_components = most;
+    s.starts = starts;
+    return s;
+}
+
+wear::StandardPoints standard_points(const wear::Campaign& campaign) {
+    std::vector<double> x;
+    std::vector<double> y;
+    for (const wear::Point& p : campaign.points) {
+        x.push_back((p.c_e_J - 250e6) / 140e6);
+        y.push_back((p.mean_friction - 0.24) / 0.02);
+    }
+    return {x, y};
+}
+
+}  // namespace
+
+TEST_CASE("the search's exp is exact to 2 units in the last place", "[WEAR-004]") {
+    const auto error = [](double x) {
+        const long double truth = std::exp(static_cast<long double>(x));
+        return static_cast<double>(std::fabs((wear::exp_not_positive(x) - truth) / truth));
+    };
+    double greatest = 0.0;
+    wear::Generator generator = wear::generator_of(4, 0);
+    for (int i = 0; i < 300000; ++i) greatest = std::max(greatest, error(-708.0 * wear::uniform(generator)));
+    for (int i = 0; i < 300000; ++i) greatest = std::max(greatest, error(-2.0 * wear::uniform(generator)));
+    // Where the nearest multiple of ln 2 changes the reduced argument is largest.
+    for (int k = 0; k < 1000; ++k) {
+        const double edge = -(k + 0.5) * 0.6931471805599453;
+        for (const double x : {std::nextafter(edge, -1e9), edge, std::nextafter(edge, 0.0)})
+            greatest = std::max(greatest, error(std::max(x, -708.0)));
+    }
+    CHECK(greatest < 4.5e-16);
+    CHECK(wear::exp_not_positive(0.0) == 1.0);
+    CHECK(wear::exp_not_positive(-1e300) < 3.4e-308);
+    CHECK(wear::exp_not_positive(-1e300) > 0.0);
+}
+
+TEST_CASE("the log-likelihood of EM never falls, and is that of the mixture it ends with", "[WEAR-005]") {
+    for (const physical::BrakeLaw& law : physical::laws()) {
+        const wear::StandardPoints points = standard_points(physical::campaign(law, 3));
+        for (const double floor : {1e-6, 1e-4, 1e-2}) {
+            for (std::size_t m = 1; m <= wear::kMostComponents; m += 2) {
+                wear::Generator generator = wear::generator_of(5, m);
+                double before = -1e300;
+                double greatest_fall = 0.0;
+                wear::EmSettings settings;
+                settings.covariance_floor = floor;
+                const wear::EmRun run = wear::em(points, wear::random_start(points, m, 0, floor, generator),
+                                                 settings, [&](double now) {
+                                                     greatest_fall = std::max(greatest_fall, before - now);
+                                                     before = now;
+                                                 });
+                INFO(m << " components, floor " << floor);
+                CHECK(run.converged);
+                // The first start is wider than the floor allows to be optimal; rounding is 1e-12 of some 1000.
+                CHECK(greatest_fall < 1e-9);
+                CHECK(wear::log_likelihood(points, run.mixture) >= run.log_likelihood - 1e-9);
+            }
+        }
+    }
+}
+
+TEST_CASE("the log-likelihood of the search is that of eq. (13)", "[WEAR-005]") {
+    // Two ways of computing it: in blocks of standardised points, and point by point in SI units.
+    for (const std::size_t count : {12UL, 63UL, 64UL, 65UL, 500UL}) {
+        wear::Generator generator = wear::generator_of(6, count);
+        const wear::Campaign campaign = known::drawn(known::four(), count, generator);
+        const wear::Fit fit = wear::fit(campaign, small(std::min<std::size_t>(count / 6, 5), 5));
+        for (const wear::OrderFit& o : fit.orders) {
+            INFO(count << " points, " << o.components << " components");
+            // The last M step may still gain what the tolerance allows.
+            const double direct = o.mixture.log_likelihood(campaign.points);
+            CHECK(direct >= o.log_likelihood - 1e-6);
+            CHECK(direct - o.log_likelihood < 2e-8 * std::abs(direct) + 1e-6);
+        }
+    }
+}
+
+TEST_CASE("one component is mean and covariance of the points", "[WEAR-005]") {
+    const wear::Campaign campaign = physical::campaign({}, 1);
+    const wear::Fit fit = wear::fit(campaign, small(1, 1));
+    const wear::Component& c = fit.best().mixture.components()[0];
+    const auto n = static_cast<double>(campaign.points.size());
+    double mc = 0.0;
+    double mm = 0.0;
+    for (const wear::Point& p : campaign.points) {
+        mc += p.c_e_J / n;
+        mm += p.mean_friction / n;
+    }
+    double cc = 0.0;
+    double cm = 0.0;
+    double mumu = 0.0;
+    for (const wear::Point& p : campaign.points) {
+        cc += (p.c_e_J - mc) * (p.c_e_J - mc) / n;
+        cm += (p.c_e_J - mc) * (p.mean_friction - mm) / n;
+        mumu += (p.mean_friction - mm) * (p.mean_friction - mm) / n;
+    }
+    CHECK(c.weight == Approx(1.0));
+    CHECK(c.mean_c_e_J == Approx(mc));
+    CHECK(c.mean_friction == Approx(mm));
+    CHECK(c.variance_c_e_J2 == Approx(cc));
+    CHECK(c.covariance_J == Approx(cm));
+    CHECK(c.variance_friction == Approx(mumu));
+}
+
+TEST_CASE("more components never explain less", "[WEAR-005]") {
+    const wear::Fit fit = wear::fit(physical::campaign(physical::laws()[1], 2), small(15, 4));
+    for (std::size_t i = 1; i < fit.orders.size(); ++i)
+        CHECK(fit.orders[i].log_likelihood > fit.orders[i - 1].log_likelihood - 1e-3);
+}
+
+TEST_CASE("BIC finds the four components of a known mixture in at least 45 of 50 draws of 500 points",
+          "[WEAR-006]") {
+    // M up to 8 and 3 starts each (and the splits), instead of 15 and 100.
+    int four = 0;
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+        wear::Generator generator = wear::generator_of(seed, 99);
+        wear::FitSettings settings = small(8, 3);
+        settings.seed = seed;
+        four +=
+            wear::fit(known::drawn(known::four(), 500, generator), settings).best().components == 4 ? 1 : 0;
+    }
+    CAPTURE(four);
+    CHECK(four >= 45);
+}
+
+TEST_CASE("the model is the same bytes whatever the number of threads, and another with another seed",
+          "[WEAR-007]") {
+    const wear::Campaign campaign = physical::campaign({}, 4);
+    const auto bytes = [&](unsigned threads, std::uint64_t seed) {
+        wear::FitSettings settings = small(6, 8);
+        settings.seed = seed;
+        const wear::Fit fit = wear::fit(campaign, settings, {threads, {}, {}});
+        std::string all = wear::to_json(wear::model_of(campaign, fit, settings));
+        for (const wear::OrderFit& o : fit.orders) {
+            wear::Fit only{{o}, 0};
+            all += wear::to_json(wear::model_of(campaign, only, settings));
+        }
+        return all;
+    };
+    const std::string one = bytes(1, 1);
+    CHECK(bytes(2, 1) == one);
+    CHECK(bytes(3, 1) == one);
+    CHECK(bytes(8, 1) == one);
+    CHECK(bytes(1, 2) != one);
+}
+
+TEST_CASE("no component collapses onto points or a line", "[WEAR-008]") {
+    // Half of the campaign lies on a straight line exactly, and friction takes few values.
+    wear::Campaign campaign;
+    campaign.source = "line";
+    for (int i = 1; i <= 200; ++i)
+        campaign.points.push_back({i * 1e6, i <= 100 ? 0.3 - 1e-4 * i : 0.25 + 0.01 * (i % 3)});
+    for (const double floor : {1e-6, 1e-4}) {
+        wear::FitSettings settings = small(15, 6);
+        settings.em.covariance_floor = floor;
+        const wear::Fit fit = wear::fit(campaign, settings);
+        for (const wear::OrderFit& o : fit.orders) {
+            REQUIRE(std::isfinite(o.log_likelihood));
+            for (const wear::Component& c : o.mixture.components()) {
+                // In standardised units the eigenvalues' sum and product bound the least one from below.
+                const double xx = c.variance_c_e_J2 / 3.3332e15;
+                double mean = 0.0;
+                double yy = 0.0;
+                for (const wear::Point& p : campaign.points) mean += p.mean_friction / 200.0;
+                for (const wear::Point& p : campaign.points)
+                    yy += (p.mean_friction - mean) * (p.mean_friction - mean) / 200.0;
+                const double det =
+                    (c.variance_c_e_J2 * c.variance_friction - c.covariance_J * c.covariance_J) / 3.3332e15 /
+                    yy;
+                const double trace = xx + c.variance_friction / yy;
+                const double least = 0.5 * trace - std::sqrt(std::max(0.0, 0.25 * trace * trace - det));
+                CHECK(least > 0.99 * floor);
+            }
+        }
+    }
+}
+
+TEST_CASE("a fit that the data do not bear is refused", "[WEAR-002]") {
+    const wear::Campaign campaign = physical::campaign({}, 1);
+    wear::Campaign few = campaign;
+    few.points.resize(30);
+    CHECK_THROWS_WITH(wear::fit(few, small(6, 1)),
+                      ContainsSubstring("30 maneuvers are too few for 6 components"));
+    CHECK_THROWS_WITH(wear::fit(few, small(6, 1)), ContainsSubstring("at most 5 can be learnt"));
+    CHECK_NOTHROW(wear::fit(few, small(5, 1)));
+    wear::Campaign bad = campaign;
+    bad.points[7].mean_friction = std::nan("");
+    CHECK_THROWS_WITH(wear::fit(bad, small(2, 1)), ContainsSubstring("physical law:8: mean_friction"));
+    CHECK_THROWS_AS(wear::fit(campaign, small(16, 1)), std::invalid_argument);
+    CHECK_THROWS_AS(wear::fit(campaign, small(0, 1)), std::invalid_argument);
+    CHECK_THROWS_AS(wear::fit(campaign, small(2, 0)), std::invalid_argument);
+    CHECK_THROWS_AS(wear::fit(campaign, small(2, 1), {0, {}, {}}), std::invalid_argument);
+}
+
+TEST_CASE("a search tells how far it is, and ends when asked to", "[WEAR-013]") {
+    const wear::Campaign campaign = physical::campaign({}, 1);
+    std::vector<std::size_t> seen;
+    std::size_t total = 0;
+    (void)wear::fit(campaign, small(3, 5), {2, {}, [&](std::size_t done, std::size_t all) {
+                                                seen.push_back(done);
+                                                total = all;
+                                            }});
+    REQUIRE(seen.size() == total);
+    for (std::size_t i = 0; i < seen.size(); ++i) CHECK(seen[i] == i + 1);
+
+    std::stop_source stop;
+    std::size_t runs = 0;
+    CHECK_THROWS_AS(wear::fit(campaign, small(3, 50),
+                              {2, stop.get_token(),
+                               [&](std::size_t done, std::size_t) {
+                                   runs = done;
+                                   if (done == 10) stop.request_stop();
+                               }}),
+                    wear::Cancelled);
+    CHECK(runs < 20);
+}

@@ -1,0 +1,93 @@
+#include "plant_sim/wear/model.hpp"
+
+#include <string>
+
+#include "plant_sim/wear/model_io.hpp"
+#include "tests/catch.hpp"
+#include "tests/wear/physical_campaign.hpp"
+
+namespace {
+
+wear::Model some_model() {
+    static const wear::Model model = [] {
+        const wear::Campaign campaign = physical::campaign({}, 11);
+        wear::FitSettings settings;
+        settings.most_components = 4;
+        settings.starts = 5;
+        settings.seed = 18446744073709551615ULL;
+        return wear::model_of(campaign, wear::fit(campaign, settings), settings);
+    }();
+    return model;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+    const auto at = text.find(what);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, what.size(), with);
+}
+
+std::string refusal(const std::string& json) {
+    try {
+        (void)wear::from_json("model.json", json);
+    } catch (const settings::Error& e) {
+        return e.what();
+    }
+    return "accepted";
+}
+
+}  // namespace
+
+TEST_CASE("a model file gives back the model to the last bit", "[WEAR-011]") {
+    const wear::Model model = some_model();
+    const std::string json = wear::to_json(model);
+    CHECK(wear::from_json("m", json) == model);
+    CHECK(wear::to_json(wear::from_json("m", json)) == json);
+    CHECK(model.data.hash == wear::data_hash(physical::campaign({}, 11)));
+    CHECK(model.data.maneuvers == 500);
+    CHECK(model.orders.size() == 4);
+}
+
+TEST_CASE("a model file that is none is refused, naming file and key", "[WEAR-011]") {
+    const std::string json = wear::to_json(some_model());
+    CHECK_THAT(refusal(""), ContainsSubstring("model.json: no JSON"));
+    CHECK_THAT(refusal(json.substr(0, json.size() / 2)), ContainsSubstring("model.json: no JSON"));
+    CHECK_THAT(refusal("[]"), ContainsSubstring("model.json: must be an object"));
+    CHECK_THAT(refusal(replaced(json, "antiskid wear model", "other")),
+               ContainsSubstring("model.json: format: must be"));
+    CHECK_THAT(refusal(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
+               ContainsSubstring("format_version: 2 is not the version"));
+    CHECK_THAT(refusal(replaced(json, "\"maneuvers\"", "\"landings\"")),
+               ContainsSubstring("model.json: data.maneuvers: is missing"));
+    CHECK_THAT(refusal(replaced(json, "\"starts\": 5", "\"starts\": \"5\"")),
+               ContainsSubstring("search.starts: must be an integer"));
+    CHECK_THAT(refusal(replaced(json, "\"tolerance\": 1e-08", "\"tolerance\": -1")),
+               ContainsSubstring("search.tolerance: -1 must be positive"));
+    CHECK_THAT(refusal(replaced(json, "\"seed\"", "\"extra\": 1, \"seed\"")),
+               ContainsSubstring("search: has a key that this format does not know"));
+    CHECK_THAT(refusal(replaced(json, "\"weight\": 0.", "\"weight\": 0.9")),
+               ContainsSubstring("components: the weights add up to"));
+    CHECK_THAT(refusal(replaced(json, "\"weight\": ", "\"weight\": -")),
+               ContainsSubstring("components[0].weight"));
+}
+
+TEST_CASE("beyond its data the model says so, and goes on as it says", "[WEAR-012]") {
+    const wear::Model model = some_model();
+    const double last_J = model.data.last_c_e_J;
+    CHECK_FALSE(model.extrapolates(0.0));  // one maneuver before the first point: a new brake
+    CHECK_FALSE(model.extrapolates(250e6));
+    CHECK_FALSE(model.extrapolates(last_J + 0.9 * model.data.mean_step_J()));
+    CHECK(model.extrapolates(last_J + 1.1 * model.data.mean_step_J()));
+    for (const wear::Choice choice : {wear::Choice::nearest, wear::Choice::mixture}) {
+        const wear::ConditionalRule rule{wear::Variance::exact, choice};
+        const wear::Conditional end = wear::friction_given_energy(model, last_J, rule);
+        const wear::Conditional beyond = wear::friction_given_energy(model, last_J + 20e6, rule);
+        const wear::Conditional further = wear::friction_given_energy(model, last_J + 40e6, rule);
+        // Straight lines, with the weights of the end.
+        CHECK(further.mean() - beyond.mean() == Approx(beyond.mean() - end.mean()).epsilon(1e-9));
+        REQUIRE(beyond.terms.size() == end.terms.size());
+        for (std::size_t i = 0; i < end.terms.size(); ++i) {
+            CHECK(beyond.terms[i].weight == end.terms[i].weight);
+            CHECK(beyond.terms[i].variance == end.terms[i].variance);
+        }
+    }
+}
