@@ -1,0 +1,155 @@
+/// Table III, and that a campaign comes out the same every time and goes on where it was.
+#include "plant_sim/endurance/campaign.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "plant_sim/endurance/table_three.hpp"
+#include "tests/catch.hpp"
+#include "tests/config/refusal.hpp"
+#include "tests/endurance/truth.hpp"
+
+using endurance::CampaignResult;
+using endurance::kTableThree;
+using endurance::TableThree;
+using endurance_test::setup;
+
+namespace {
+
+CampaignResult campaign(const std::filesystem::path& ledger, std::int64_t maneuvers, std::uint64_t seed = 1) {
+    return endurance::run_campaign(setup("endurance"),
+                                   {.maneuvers = maneuvers, .seed = seed, .ledger = ledger});
+}
+
+/// The printed table, by hand: it must not follow the configuration.
+constexpr double kMeans[] = {630.37, 23532.78, 54.86, 16.92, 464.22};
+constexpr double kDeviations[] = {4.65, 198.90, 0.18, 0.19, 5.46};
+
+}  // namespace
+
+TEST_CASE("Table III: over 20 maneuvers every mean within one printed standard deviation", "[STUDY-073]") {
+    const auto seed = GENERATE(as<std::uint64_t>(), 1, 2, 3);
+    CAPTURE(seed);
+    const TemporaryDirectory directory;
+    const CampaignResult result = campaign(directory / "ledger.sqlite", 20, seed);
+    REQUIRE(result.finished.size() == 20);
+    const TableThree measured = endurance::measured_table(result.finished);
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+        INFO(kTableThree[i].name << " " << measured[i].mean);
+        CHECK(std::abs(measured[i].mean - kMeans[i]) <= kDeviations[i]);
+    }
+}
+
+TEST_CASE(
+    "Table III: over 500 maneuvers, new to worn out, every standard deviation within 30 % of the printed one",
+    "[STUDY-074]") {
+    const TemporaryDirectory directory;
+    const CampaignResult result = campaign(directory / "ledger.sqlite", 500);
+    REQUIRE(result.finished.size() == 500);
+    const TableThree measured = endurance::measured_table(result.finished);
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+        INFO(kTableThree[i].name << " " << measured[i].mean << " +- " << measured[i].deviation);
+        CHECK(std::abs(measured[i].mean - kMeans[i]) <= kDeviations[i]);
+        CHECK(measured[i].deviation / kDeviations[i] >= 0.7);
+        CHECK(measured[i].deviation / kDeviations[i] <= 1.3);
+    }
+    // 0.975 MJ a stop, 488 MJ in all; the brake wears as it goes.
+    CHECK(result.finished.back().cumulative_energy_J == Approx(488e6).epsilon(0.02));
+    CHECK(result.finished.front().figures.mean_friction > 0.28);
+    CHECK(result.finished.back().figures.mean_friction < 0.19);
+    for (const rig::Summary& m : result.finished) REQUIRE((m.faults.empty() && m.figures.standstill));
+}
+
+TEST_CASE("same seed: the same rows to the last bit; another seed: others", "[STUDY-075]") {
+    const TemporaryDirectory directory;
+    const auto a = campaign(directory / "a.sqlite", 4).finished;
+    const auto b = campaign(directory / "b.sqlite", 4).finished;
+    const auto c = campaign(directory / "c.sqlite", 4, 2).finished;
+    REQUIRE((a.size() == 4 && b.size() == 4 && c.size() == 4));
+    for (std::size_t i = 0; i < 4; ++i) {
+        for (const auto& q : kTableThree) CHECK(a[i].figures.*q.figure == b[i].figures.*q.figure);
+        CHECK(a[i].figures.mean_friction == b[i].figures.mean_friction);
+        CHECK(a[i].figures.energy_brake_J == b[i].figures.energy_brake_J);
+        CHECK(a[i].figures.energy_tyre_J == b[i].figures.energy_tyre_J);
+        CHECK(a[i].figures.kinetic_energy_J == b[i].figures.kinetic_energy_J);
+        CHECK(a[i].figures.j_mu == b[i].figures.j_mu);
+        CHECK(a[i].figures.mean_pressure_Pa == b[i].figures.mean_pressure_Pa);
+        CHECK(a[i].figures.peak_temperature_C == b[i].figures.peak_temperature_C);
+        CHECK(a[i].cumulative_energy_J == b[i].cumulative_energy_J);
+        CHECK(a[i].started == b[i].started);
+        CHECK(a[i].config_hash == b[i].config_hash);
+        CHECK(a[i].figures.mean_torque_Nm != c[i].figures.mean_torque_Nm);
+    }
+    CHECK(content_of(directory / "a.sqlite") == content_of(directory / "b.sqlite"));
+}
+
+TEST_CASE("a campaign that was stopped goes on with the next maneuver and the brake as worn as it was",
+          "[STUDY-076]") {
+    const TemporaryDirectory directory;
+    const auto ledger = directory / "ledger.sqlite";
+    std::atomic<bool> stop{false};
+    const CampaignResult first = endurance::run_campaign(
+        setup("endurance"), {.maneuvers = 5, .seed = 1, .ledger = ledger, .stop = &stop},
+        [&](const rig::Summary& summary, std::int64_t) { stop = summary.number == 3; });
+    REQUIRE(first.finished.size() == 3);
+    const CampaignResult second = campaign(ledger, 5);
+    CHECK(second.already == 3);
+    REQUIRE(second.finished.size() == 5);
+    for (std::size_t i = 0; i < 5; ++i) {
+        CHECK(second.finished[i].number == static_cast<std::int64_t>(i + 1));
+        if (i > 0)
+            CHECK(second.finished[i].cumulative_energy_J ==
+                  Approx(second.finished[i - 1].cumulative_energy_J +
+                         second.finished[i].figures.energy_brake_J));
+    }
+    // The same draws and the same wear as without the stop; the sensors' noise and the brake's temperature are new.
+    const TemporaryDirectory other;
+    const auto whole = campaign(other / "ledger.sqlite", 5).finished;
+    for (std::size_t i = 3; i < 5; ++i) {
+        CHECK(second.finished[i].figures.brake_on_mps == Approx(whole[i].figures.brake_on_mps).margin(0.02));
+        CHECK(second.finished[i].figures.mean_torque_Nm ==
+              Approx(whole[i].figures.mean_torque_Nm).epsilon(0.01));
+    }
+    CHECK(campaign(ledger, 5).already == 5);
+    CHECK_THROWS_AS(campaign(ledger, 5, 2), settings::Error);
+}
+
+TEST_CASE("an aborted maneuver stops the campaign and is entered as such", "[STUDY-077]") {
+    const TemporaryDirectory directory;
+    endurance::Setup s = setup("endurance");
+    s.scenario.mean.braking_limit_s = 3.0;
+    const CampaignResult result =
+        endurance::run_campaign(s, {.maneuvers = 5, .seed = 1, .ledger = directory / "ledger.sqlite"});
+    CHECK(result.aborted);
+    CHECK(result.finished.empty());
+    CHECK(result.last.number == 1);
+    CHECK(result.last.outcome == "phase_timeout");
+    const auto rows = rig::read_ledger(directory / "ledger.sqlite", "endurance");
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0].state == rig::RowState::aborted);
+}
+
+TEST_CASE("the table's statistics are those of the textbook", "[STUDY-078]") {
+    std::vector<rig::Summary> maneuvers(4);
+    const double torques[] = {2.0, 4.0, 4.0, 6.0};
+    for (std::size_t i = 0; i < 4; ++i) maneuvers[i].figures.mean_torque_Nm = torques[i];
+    const TableThree t = endurance::measured_table(maneuvers);
+    CHECK(t[0].mean == 4.0);
+    CHECK(t[0].deviation == Approx(std::sqrt(8.0 / 3.0)));
+    CHECK(endurance::measured_table({})[0].mean == 0.0);
+    CHECK(endurance::measured_table({maneuvers.data(), 1})[0].deviation == 0.0);
+
+    const TableThree printed = endurance::printed_table("config");
+    for (std::size_t i = 0; i < printed.size(); ++i) {
+        CHECK(printed[i].mean == kMeans[i]);
+        CHECK(printed[i].deviation == kDeviations[i]);
+    }
+    const auto json = nlohmann::json::parse(endurance::to_json(
+        {.scenario = "endurance", .config_hash = "h", .version = "v", .seed = 9}, maneuvers, printed));
+    CHECK(json["maneuvers"] == 4);
+    CHECK(json["seed"] == 9);
+    CHECK(json["quantities"]["torque_Nm"]["mean"] == 4.0);
+    CHECK(json["quantities"]["length_m"]["printed_deviation"] == 5.46);
+    CHECK_THAT(endurance::to_text(t, printed), ContainsSubstring("630.37"));
+    CHECK_THAT(endurance::to_text(t, std::nullopt), !ContainsSubstring("630.37"));
+}

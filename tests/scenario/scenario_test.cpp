@@ -1,0 +1,179 @@
+/// Scenario files: the shipped ones, what is drawn, what is refused.
+#include "rig_bridge/scenario/scenario.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "rig_bridge/scenario/meter_parameters.hpp"
+#include "tests/catch.hpp"
+#include "tests/config/refusal.hpp"
+
+using rig::Scenario;
+
+namespace {
+
+Scenario shipped(const std::string& name) {
+    return rig::load_scenario("config/scenarios/" + name + ".toml");
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}
+
+/// The refusal of a shipped scenario with one change.
+settings::Error refused(const std::string& name, const std::string& from, const std::string& to) {
+    const TemporaryDirectory directory;
+    const auto file = directory / (name + ".toml");
+    put(file, replaced(content_of("config/scenarios/" + name + ".toml"), from, to));
+    return refusal_of([&] { return rig::load_scenario(file); });
+}
+
+}  // namespace
+
+TEST_CASE("the shipped scenarios are those of Table II, Fig. 5, Table III and an open loop", "[BRG-120]") {
+    std::set<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator("config/scenarios"))
+        names.insert(entry.path().stem().string());
+    CHECK(names == std::set<std::string>{"light", "medium_a", "medium_b", "heavy", "rejected_takeoff",
+                                         "open_loop", "endurance"});
+    struct Landing {
+        const char* name;
+        double mass_kg, speed_mps;
+    };
+    for (const Landing& l : {Landing{"light", 2800.0, 49.0}, Landing{"medium_a", 3150.0, 52.0},
+                             Landing{"medium_b", 3300.0, 53.0}, Landing{"heavy", 4450.0, 61.0}}) {
+        const Scenario s = shipped(l.name);
+        CHECK(s.name == l.name);
+        CHECK(s.mean.speed_mps == l.speed_mps);
+        CHECK(s.mean.load_base_N == Approx(l.mass_kg * 9.80665));
+        CHECK(s.mean.load_lift_Ns2pm2 == Approx(0.5 * 1.225 * 5.9));
+        CHECK(s.mean.law == sequencer::BrakeLaw::slip);
+        CHECK(s.mean.slip_reference == 0.24);
+        CHECK(s.rig.rig.load.lag_s > 0.0);  // a loading device, not an aircraft
+        CHECK_FALSE(s.endurance());
+    }
+    CHECK(shipped("rejected_takeoff").mean.speed_mps == Approx(60.0 / 3.6).epsilon(1e-4));
+    CHECK(shipped("open_loop").mean.current.size() == 4);
+
+    const Scenario e = shipped("endurance");
+    CHECK(e.endurance());
+    CHECK(e.mean.speed_mps == 54.86);
+    CHECK(e.mean.load_base_N == 23532.78);
+    CHECK(e.mean.load_lift_Ns2pm2 == 0.0);
+    CHECK(e.mean.deceleration_mps2 == 3.2423);
+    CHECK(e.scatter.speed_mps == 0.18);
+    CHECK(e.scatter.load_N == 198.90);
+    CHECK(e.controller.filename() == "controller_endurance.toml");
+}
+
+TEST_CASE("numbers shared by all come from sequencer.toml, a scenario's own stand above them", "[BRG-121]") {
+    CHECK(shipped("heavy").mean.cool_to_C == 250.0);
+    CHECK(shipped("endurance").mean.cool_to_C == 60.0);
+    CHECK(shipped("heavy").mean.settle_s == 1.0);
+    CHECK(shipped("rejected_takeoff").mean.settle_s == 3.3);
+    CHECK(shipped("heavy").mean.abort_limit_s == 600.0);
+}
+
+TEST_CASE("overspeed is what the wheel's spin-up and drag cost", "[BRG-122]") {
+    const Scenario s = shipped("endurance");
+    // m (v' - v) = J v / r^2 with m = 228.10 / 0.6^2, J = 1.3, r = 0.30: Table III's rig.
+    const double cost = 54.86 * 1.3 / (228.10 / 0.36 * 0.30 * 0.30);
+    CHECK(s.mean.overspeed_mps == Approx(cost + s.coasting_mps).epsilon(1e-4));
+    CHECK(s.rolling_radius_m(23532.78) == Approx(0.30).epsilon(1e-5));
+}
+
+TEST_CASE("a maneuver follows from seed and number alone", "[BRG-123]") {
+    const Scenario s = shipped("endurance");
+    const auto a = rig::plan(s, 5, 17);
+    (void)rig::plan(s, 5, 18);
+    const auto b = rig::plan(s, 5, 17);
+    CHECK(a.speed_mps == b.speed_mps);
+    CHECK(a.load_base_N == b.load_base_N);
+    CHECK(a.deceleration_mps2 == b.deceleration_mps2);
+    CHECK(rig::plan(s, 5, 18).speed_mps != a.speed_mps);
+    CHECK(rig::plan(s, 6, 17).speed_mps != a.speed_mps);
+    CHECK(rig::plan(s, 5, 17).overspeed_mps != s.mean.overspeed_mps);  // of its own speed
+
+    const Scenario landing = shipped("heavy");
+    CHECK(rig::plan(landing, 1, 1).speed_mps == landing.mean.speed_mps);
+    CHECK(rig::plan(landing, 1, 1).overspeed_mps == landing.mean.overspeed_mps);
+}
+
+TEST_CASE("what is drawn has the mean and deviation asked for, each for itself", "[BRG-123]") {
+    const Scenario s = shipped("endurance");
+    constexpr int kMany = 20'000;
+    double sum[3] = {}, squares[3] = {}, speed_load = 0.0, speed_before = 0.0, serial = 0.0;
+    for (int i = 1; i <= kMany; ++i) {
+        const auto p = rig::plan(s, 3, i);
+        const double x[3] = {(p.speed_mps - s.mean.speed_mps) / s.scatter.speed_mps,
+                             (p.load_base_N - s.mean.load_base_N) / s.scatter.load_N,
+                             (p.deceleration_mps2 - s.mean.deceleration_mps2) / s.scatter.deceleration_mps2};
+        for (int k = 0; k < 3; ++k) {
+            sum[k] += x[k];
+            squares[k] += x[k] * x[k];
+        }
+        speed_load += x[0] * x[1];
+        serial += x[0] * speed_before;
+        speed_before = x[0];
+    }
+    const double tolerance = 4.0 / std::sqrt(double{kMany});
+    for (int k = 0; k < 3; ++k) {
+        CHECK(std::abs(sum[k] / kMany) < tolerance);
+        CHECK(std::sqrt(squares[k] / kMany) == Approx(1.0).epsilon(tolerance));
+    }
+    CHECK(std::abs(speed_load / kMany) < tolerance);
+    CHECK(std::abs(serial / kMany) < tolerance);
+}
+
+TEST_CASE("the files for the hash are those that were read", "[BRG-124]") {
+    const Scenario s = shipped("heavy");
+    for (const char* name : {"heavy.toml", "sequencer.toml", "maneuvers.toml", "surfaces.toml",
+                             "landing_gear.toml", "flywheel_rig.toml"}) {
+        INFO(name);
+        CHECK(std::count_if(s.files.begin(), s.files.end(),
+                            [&](const auto& f) { return f.filename() == name; }) == 1);
+    }
+    CHECK(s.files.size() == 6);
+}
+
+TEST_CASE("the meter knows the rig", "[BRG-124]") {
+    const Scenario s = shipped("endurance");
+    const rig::MeterParameters p = rig::meter_parameters(s, 1e-3);
+    CHECK(p.flywheel_mass_kg == Approx(633.61).epsilon(1e-4));
+    CHECK(p.brake_gain_m3 == Approx(5.067e-4 * 4 * 0.11));
+    CHECK(p.peak_friction == Approx(1.170).epsilon(1e-3));
+    CHECK(p.wheel_radius_m == 0.308716);
+}
+
+TEST_CASE("a wrong scenario is refused with file, line and key", "[BRG-125]") {
+    const auto line_of = [](const settings::Error& e) { return e.line(); };
+    const auto unknown = refused("heavy", "slip_reference", "slip_refrence");
+    CHECK(line_of(unknown) > 0);
+    CHECK_THAT(unknown.what(), ContainsSubstring("slip_ref"));
+
+    CHECK_THAT(refused("heavy", "slip_reference = 0.24", "slip_reference = 0.9").what(),
+               ContainsSubstring("0.9"));
+    CHECK(refused("heavy", "slip_reference = 0.24", "slip_reference = 0.9").key() == "law.slip_reference");
+    CHECK_THAT(refused("heavy", "law = \"slip\"", "law = \"slipp\"").what(), ContainsSubstring("slip"));
+    CHECK_THAT(refused("heavy", "name = \"heavy\"", "name = \"hevy\"").what(),
+               ContainsSubstring("there are"));
+    CHECK_THAT(refused("heavy", "surface = \"dry_asphalt\"", "surface = \"mud\"").what(),
+               ContainsSubstring("wet_asphalt"));
+    CHECK(refused("heavy", "title", "titel").line() > 0);
+    CHECK_THAT(refused("endurance", "cool_to_C = 60.0", "cool_to_C = 90.0").what(),
+               ContainsSubstring("brake_on_limit_C"));
+    CHECK_THAT(refused("open_loop", "current_mA = [3.0, 8.0", "current_mA = [8.0").what(),
+               ContainsSubstring("as many points"));
+    CHECK_THAT(refused("open_loop", "[0.0, 1.0, 2.0", "[0.0, 2.0, 1.0").what(),
+               ContainsSubstring("current_time_s"));
+    CHECK_THAT(refused("heavy", "law = \"slip\"", "law = \"deceleration\"").what(),
+               ContainsSubstring("deceleration_mps2"));
+    CHECK_THAT(refused("endurance", "speed_deviation_mps = 0.18", "speed_deviation_mps = -1").what(),
+               ContainsSubstring("speed_deviation_mps"));
+    CHECK_THAT(refused("endurance", "[scatter]", "[scater]").what(), ContainsSubstring("scat"));
+    CHECK_THROWS_AS(rig::load_scenario("config/scenarios/nothing.toml"), settings::Error);
+    CHECK_THROWS_AS(rig::load_scenario("config/scenarios/heavy.toml", "nowhere"), settings::Error);
+}
