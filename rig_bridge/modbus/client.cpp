@@ -44,7 +44,7 @@ std::string_view name(LinkState state) {
 
 class ModbusClient::Impl {
   public:
-    Impl(RegisterMap map, PlcAddress address, std::function<ClockTime()> now)
+    Impl(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now)
         : map_(std::move(map)),
           now_(std::move(now)),
           connection_(map_, address),
@@ -75,14 +75,12 @@ class ModbusClient::Impl {
         const std::lock_guard lock(mutex_);
         desk_.want(wanted, now);
         user_at_ = now;
-        user_seen_ = true;
     }
 
     void alive() {
         const ClockTime now = now_();
         const std::lock_guard lock(mutex_);
         user_at_ = now;
-        user_seen_ = true;
     }
 
     [[nodiscard]] Snapshot snapshot() const {
@@ -238,7 +236,7 @@ class ModbusClient::Impl {
         const ClockTime now = now_();
         {
             const std::lock_guard lock(mutex_);
-            if (!user_seen_ || now - user_at_ > map_.link.user_timeout) {
+            if (!user_at_ || now - *user_at_ > map_.link.user_timeout) {
                 unsupervised();
                 return std::nullopt;
             }
@@ -291,7 +289,7 @@ class ModbusClient::Impl {
     RegisterImage inputs_;
     std::uint16_t watchdog_ = 0;
     std::optional<ClockTime>
-        watchdog_at_;  // last moved; none: not since the link was opened or the user came back
+        watchdog_at_;  // moved last; none: not since the link was opened, or the user came back
     std::optional<double> plc_watchdog_before_;
     bool supervised_ = false;  // the PLC has seen our watchdog move
 
@@ -299,8 +297,7 @@ class ModbusClient::Impl {
     mutable std::mutex mutex_;  // guards what follows; never held while waiting for the PLC
     Snapshot shown_;
     CommandDesk desk_;
-    ClockTime user_at_{};
-    bool user_seen_ = false;
+    std::optional<ClockTime> user_at_;
     bool plc_seen_running_ = false;  // since the link was opened
     std::optional<double> plc_watchdog_;
     ClockTime plc_moved_at_{};
@@ -308,8 +305,8 @@ class ModbusClient::Impl {
     std::thread thread_;
 };
 
-ModbusClient::ModbusClient(RegisterMap map, PlcAddress address, std::function<ClockTime()> now)
-    : impl_(std::make_unique<Impl>(std::move(map), std::move(address), std::move(now))) {}
+ModbusClient::ModbusClient(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now)
+    : impl_(std::make_unique<Impl>(std::move(map), address, std::move(now))) {}
 ModbusClient::~ModbusClient() = default;
 void ModbusClient::command(const CommandedValues& wanted) {
     impl_->command(wanted);

@@ -78,7 +78,7 @@ class ModbusClient {
     /// Starts the thread; connecting is its business. `now` is asked from both threads and does not fall. Throws
     /// std::invalid_argument for an address that is none, or a map that this link cannot carry.
     ModbusClient(
-        RegisterMap map, PlcAddress address,
+        RegisterMap map, const PlcAddress& address,
         std::function<ClockTime()> now = [] { return std::chrono::steady_clock::now().time_since_epoch(); });
     /// Ends after the request that is on its way, at most a connect or response time-out. Commands nothing.
     ~ModbusClient();

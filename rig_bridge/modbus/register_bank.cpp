@@ -29,7 +29,6 @@ RegisterBank::RegisterBank(const RegisterMap& map)
       inputs_there_(map.measured),
       holdings_there_(holding_fields(map)),
       holdings_(holding_fields(map), map.word_order),
-      mapping_(),
       inputs_(map.measured, map.word_order) {
     mapping_.reset(new_mapping(holdings_, inputs_));
     for (const Field& field : holding_fields(map)) static_cast<void>(holdings_.write(field, 0.0));
