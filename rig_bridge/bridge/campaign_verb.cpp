@@ -139,7 +139,7 @@ int run_campaign(const CampaignCommand& command) {
     const std::string name = command.name.empty() ? setup.scenario.name : command.name;
     const std::filesystem::path file = ledger_file(command.rig.out);
     StopRequests stops;
-    Terminal terminal(STDERR_FILENO);
+    Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
     std::filesystem::create_directories(command.rig.out);
     Ledger ledger(file);
     const Resumed resumed = ledger.open_campaign({.name = name,

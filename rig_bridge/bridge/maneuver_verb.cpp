@@ -35,7 +35,7 @@ std::filesystem::path folder(const Setup& setup) {
 int run_maneuver(const ManeuverCommand& command) {
     const Setup setup = load_setup(command.rig);
     StopRequests stops;
-    Terminal terminal(STDERR_FILENO);
+    Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
     const Order order{.plan = plan(setup.scenario, setup.options.seed, 1),
                       .campaign = {},
                       .number = 1,

@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <map>
+
 namespace rig {
 
 namespace {
@@ -44,6 +46,12 @@ void add_rig_options(CLI::App& app, RigOptions& o, PlcOptions& plc, const char* 
     app.add_option("--priority", o.priority, "SCHED_FIFO priority; 0: ordinary scheduling")
         ->check(CLI::Range(0, 99))
         ->capture_default_str();
+    app.add_option(
+           "--view", o.view,
+           "live: a block that is drawn over itself; plain: a line a second; auto: live on a terminal")
+        ->transform(CLI::CheckedTransformer(std::map<std::string, View>{
+            {"auto", View::automatic}, {"live", View::live}, {"plain", View::plain}}))
+        ->default_str("auto");
 }
 
 void choose_plc(const PlcOptions& plc, RigOptions& o) {

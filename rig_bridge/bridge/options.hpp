@@ -11,6 +11,13 @@
 
 namespace rig {
 
+enum class View : std::uint8_t { automatic, live, plain };  ///< automatic: live on a terminal
+
+/// As Terminal takes it.
+[[nodiscard]] constexpr std::optional<bool> wanted(View view) {
+    return view == View::automatic ? std::nullopt : std::optional(view == View::live);
+}
+
 /// What every verb that moves the rig needs.
 struct RigOptions {
     std::filesystem::path scenario;
@@ -22,6 +29,7 @@ struct RigOptions {
     std::filesystem::path dbc, binding, registers;  ///< empty: those of `config`
     bool reset = true;  ///< a tripped PLC is led back while nothing is on and every interlock is good
     int priority = 50;
+    View view = View::automatic;
 };
 
 struct ManeuverCommand {

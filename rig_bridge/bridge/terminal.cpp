@@ -6,16 +6,20 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace rig {
 
-Terminal::Terminal(int descriptor) : descriptor_(descriptor), live_(::isatty(descriptor) == 1) {}
+Terminal::Terminal(int descriptor, std::optional<bool> live)
+    : descriptor_(descriptor), live_(live.value_or(::isatty(descriptor) == 1)) {}
 
 std::size_t Terminal::columns() const {
     constexpr std::size_t kUsual = 100;
     winsize size{};
-    if (ioctl(descriptor_, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kUsual;
-    return size.ws_col;
+    if (ioctl(descriptor_, TIOCGWINSZ, &size) == 0 && size.ws_col != 0) return size.ws_col;
+    const char* const said = std::getenv("COLUMNS");
+    const int columns = said == nullptr ? 0 : std::atoi(said);
+    return columns > 0 ? static_cast<std::size_t>(columns) : kUsual;
 }
 
 /// A pipe that can take anything takes PIPE_BUF bytes at once.

@@ -2,6 +2,7 @@
 /// phase. Never waits for whoever reads: what does not fit now is left out.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "rig_bridge/bridge/view.hpp"
@@ -10,8 +11,8 @@ namespace rig {
 
 class Terminal {
   public:
-    /// `descriptor`: where to, e.g. STDERR_FILENO.
-    explicit Terminal(int descriptor);
+    /// `descriptor`: where to, e.g. STDERR_FILENO. `live`: whatever it is.
+    explicit Terminal(int descriptor, std::optional<bool> live = std::nullopt);
 
     /// Whether show() would draw now: building a ViewModel costs.
     [[nodiscard]] bool due(double now_s, sequencer::Phase phase, sequencer::Abort abort) const;
@@ -22,6 +23,7 @@ class Terminal {
     void leave();
 
   private:
+    /// Of the terminal, else of the environment's COLUMNS.
     [[nodiscard]] std::size_t columns() const;
     void write(const std::string& text);
 

@@ -1,0 +1,166 @@
+#!/usr/bin/python3
+"""What each open interlock and each dead peer does to a maneuver, in each phase: three real programs in paced lockstep. Asserts names and that
+the valve ends at its safe current; times are measured and never asserted. Runs inside `./rig vcan`.
+
+usage: peers.py BUILD_DIR PHASE [--write]    one of spin_up, settling, braking, retract
+--write keeps the rows in docs/peers/PHASE.csv and makes docs/peers.md from all of them.
+"""
+import csv
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from three_programs import Bus, Rig, check, eventually, in_guest_memory, quick_rig, words
+
+BUILD = pathlib.Path(sys.argv[1]).resolve()
+PHASES = ("spin_up", "settling", "braking", "retract")
+INTERLOCKS = {"emergency_stop_clear": "emergency_stop", "guard_closed": "guard_open", "hydraulics_ready": "hydraulics_lost",
+              "drive_healthy": "drive_fault"}
+
+
+class Case:
+    def __init__(self, cause, act, undo, outcomes, note):
+        self.cause, self.act, self.undo, self.outcomes, self.note = cause, act, undo, outcomes, note
+
+
+def link(state):
+    subprocess.run(["ip", "link", "set", "vcan0", state], check=True)
+
+
+def cases(rig):
+    """Cause, how it comes, how it goes, the outcomes that are right, who makes the rig safe."""
+    nothing = lambda: None
+    for name, outcome in INTERLOCKS.items():
+        yield Case(f"interlock {name} opens", lambda name=name: rig.plc.fault("open_interlocks", rig.plc.interlock(name)),
+                   lambda: rig.plc.fault("open_interlocks", 0), {outcome}, "bridge: emergency stop; PLC trips")
+    yield Case("controller SIGSTOP", lambda: rig.controller.send_signal(signal.SIGSTOP), lambda: rig.controller.send_signal(signal.SIGCONT),
+               {"controller_silent"}, "valve driver: no command for 20 ms; bridge aborts")
+    yield Case("controller SIGKILL", lambda: (rig.controller.kill(), rig.controller.wait()), nothing, {"controller_silent"},
+               "valve driver: no command for 20 ms; bridge aborts")
+    yield Case("virtual-rig SIGSTOP", lambda: rig.virtual_rig.send_signal(signal.SIGSTOP),
+               lambda: rig.virtual_rig.send_signal(signal.SIGCONT), {"plc_silent", "sensors_lost"}, "controller: no SYNC; bridge aborts")
+    yield Case("virtual-rig SIGKILL", lambda: (rig.virtual_rig.kill(), rig.virtual_rig.wait()), nothing, {"plc_silent", "sensors_lost"},
+               "controller: no SYNC; bridge aborts")
+    yield Case("bridge SIGSTOP", None, None, {"plc_silent", "plc_tripped"}, "controller: no maneuver command; PLC: watchdog")
+    yield Case("bridge SIGKILL", None, None, {"-"}, "controller: no maneuver command; PLC: watchdog")
+    yield Case("interface down", lambda: link("down"), lambda: link("up"), {"bus_lost"}, "valve driver: no command for 20 ms; bridge aborts")
+    yield Case("Modbus server hangs", lambda: (rig.plc.fault("hang_s", 2.0)), nothing, {"plc_silent"},
+               "bridge: emergency stop; PLC: watchdog")
+
+
+def outcome(said):
+    marks = [line.rsplit("aborted: ", 1)[1].split(";")[0].strip() for line in said.splitlines() if "aborted: " in line]
+    return marks[-1] if marks else "finished" if "finished" in said else "-"
+
+
+def run(rig, bus, folder, phase, case, number):
+    """The row of one case, or None when the maneuver was over before the cause came: a host that stood still."""
+    rig.start()
+    out = folder / f"run{number}"
+    bridge = rig.bridge("maneuver", out)
+    if not bus.await_phase((phase,), 90) or bridge.poll() is not None:
+        check(bridge.poll() is not None, f"no {phase}: {words(bridge)}")
+        return None
+    time.sleep(0.05)
+    if phase == "braking":  # with the brake well on
+        eventually(lambda: bus.pressure_Pa > 3e6 or bus.phase != phase, "no pressure")
+    if bus.phase != phase:
+        bridge.kill()
+        bridge.wait()
+        return None
+    bus.safe_since = bus.released_since = began = time.monotonic()
+    if case.act:
+        case.act()
+    else:
+        bridge.send_signal(getattr(signal, case.cause.split()[1]))
+    brake = "-"
+    rig_is_there = not case.cause.startswith("virtual-rig")
+    if rig_is_there and case.cause != "interface down":
+        eventually(lambda: bus.pressure_Pa < 0.5e6, f"{case.cause}: the brake is not released: {bus.pressure_Pa}")
+    if not case.cause.startswith("controller") and case.cause != "interface down":
+        eventually(lambda: bus.valve_raw == 0, f"{case.cause}: last valve command is not the safe current")
+    if phase == "braking" and case.cause != "interface down":
+        brake = f"{1e3 * (max(bus.safe_since, began) - began if not case.cause.startswith('controller') else bus.released_since - began):.0f}"
+    safe = "-"
+    if rig_is_there and case.cause not in ("interface down", "Modbus server hangs"):
+        eventually(rig.plc.sledge_back, f"{case.cause}: the sledge does not go back")
+        safe = f"{time.monotonic() - began:.1f}"
+    if case.cause in ("interface down", "virtual-rig SIGSTOP", "Modbus server hangs"):
+        time.sleep(0.8)
+    if case.undo:
+        case.undo()
+    if case.cause == "bridge SIGSTOP":
+        bridge.send_signal(signal.SIGCONT)
+    bridge.wait(timeout=120)
+    if case.cause == "interface down":
+        eventually(lambda: bus.valve_raw == 0 and bus.pressure_Pa < 0.5e6, "the valve is not safe after the interface came back")
+    if rig_is_there:
+        eventually(rig.plc.sledge_back, f"{case.cause}: the sledge does not go back")
+        if safe == "-":
+            safe = f"{time.monotonic() - began:.1f}"
+    name = outcome(words(bridge)) if case.cause != "bridge SIGKILL" else "-"
+    check(name in case.outcomes, f"{case.cause} in {phase}: {name}, expected {case.outcomes}\n{words(bridge)}")
+    check(bridge.returncode == (-signal.SIGKILL if case.cause == "bridge SIGKILL" else 1), f"exit status {bridge.returncode}")
+    rig.plc.client.close()
+    rig.start()
+    if rig.virtual_rig.poll() is None:
+        eventually(rig.plc.client.connect, "no Modbus connection")
+    return [case.cause, phase, name, brake, safe, case.note]
+
+
+def peers(folder, phase):
+    """[BRG-450] Each interlock and each dead peer ends in its own name and in a safe rig."""
+    scenario, config = quick_rig(folder, patient=False)
+    rig = Rig(BUILD, folder, scenario, config)
+    bus = Bus()
+    rows = []
+    for case in cases(rig):
+        row, tries = None, 0
+        while row is None:
+            tries += 1
+            check(tries <= 4, f"{case.cause} in {phase}: four maneuvers ended before it came")
+            row = run(rig, bus, folder, phase, case, f"{len(rows)}.{tries}")
+        rows.append(row)
+        print("  ".join(row), flush=True)
+    rig.end()
+    return rows
+
+
+def write(rows, phase):
+    folder = pathlib.Path("docs/peers")
+    folder.mkdir(exist_ok=True)
+    with open(folder / f"{phase}.csv", "w", newline="") as file:
+        csv.writer(file).writerows(rows)
+    text = """# Interlocks and dead peers
+
+What an open interlock, a dead program, a dead interface or a hung Modbus server does to a maneuver, in each phase. Made by
+`tests/vcan/peers.py` (`--write`), which runs controller, virtual rig and bridge as real programs over vcan and Modbus TCP and asserts the
+names and the safe valve. The times are what that run measured: wall clock, in paced lockstep on a shared machine that stretched time, where
+the guest has one processor for everything; they are no limits. In rig time the limits are those of the controller (docs/faults.md), of
+`config/bridge.toml` and of the watchdogs in `config/registers.toml`.
+
+`valve` is the time from the cause to the safe current (a dead controller: to the brake without pressure), where there was current.
+`safe end` is the time until the sledge was back, where that could be seen; after a hang or with the interface down, when it had ended.
+
+"""
+    text += "| cause | in phase | outcome | valve, ms | safe end, s | who makes it safe |\n|---|---|---|---|---|---|\n"
+    for name in PHASES:
+        path = folder / f"{name}.csv"
+        if path.exists():
+            with open(path, newline="") as file:
+                text += "".join("| " + " | ".join(row) + " |\n" for row in csv.reader(file))
+    text += """
+A bridge that is killed has no outcome; `rig-bridge campaign` finds the maneuver unfinished when it comes back, and runs it again.
+"""
+    pathlib.Path("docs/peers.md").write_text(text)
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory(**in_guest_memory()) as name:
+        result = peers(pathlib.Path(name), sys.argv[2])
+    if "--write" in sys.argv:
+        write(result, sys.argv[2])
+    print(f"{sys.argv[2]}: passed")

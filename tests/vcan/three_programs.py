@@ -1,0 +1,192 @@
+"""The three programs on one rig for the tests beside it: antiskid-controller, virtual-rig serve, rig-bridge; over vcan0 and Modbus TCP."""
+import os
+import pathlib
+import re
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import threading
+import time
+import tomllib
+
+from pymodbus.client import ModbusTcpClient
+
+PHASES = ("idle", "spin_up", "touchdown", "settling", "braking", "standstill", "retract", "cool_down", "finished", "aborting", "aborted")
+VALVE, PRESSURE, STATE = 0x100, 0x112, 0x191
+PRESSURE_GONE_PA = 0.5e6
+
+
+def check(truth, what):
+    if not truth:
+        raise SystemExit(f"FAILED: {what}")
+
+
+def eventually(ask, what, seconds=60.0, every=0.02):
+    deadline = time.monotonic() + seconds
+    while not ask():
+        check(time.monotonic() < deadline, what)
+        time.sleep(every)
+
+
+def changed(text, **numbers):
+    """TOML with other numbers; each key must be there."""
+    for key, value in numbers.items():
+        text, count = re.subn(rf"(?m)^{key} = [-+.0-9e]+", f"{key} = {value}", text)
+        check(count > 0, f"no {key} to change")
+    return text
+
+
+def quick_rig(folder, patient=True):
+    """A configuration whose maneuvers take four seconds: strong drive, quick sledge, 12 m/s; patient with a host that stands still for a
+    while. Returns the scenario and its directory."""
+    config = folder / "config"
+    shutil.copytree("config", config, ignore=shutil.ignore_patterns("vcan", "reader"))
+    edits = {
+        "rig_machinery.toml": dict(torque_Nm="120.0e3", power_W="10.0e6", response_s=0.05, speed_mps=0.5, heat_capacity_JpK="20.0e6"),
+        "controller.toml": dict(spin_up_mps=6.0, touchdown_timeout_s=0.3),
+        "sequencer.toml": dict(settle_s=0.4, settle_hold_s=0.1, coasting_mps=0.03, idle_s=20.0, abort_s=4.0, speed_tolerance_mps=0.1),
+    }
+    if patient:
+        edits["bridge.toml"] = dict(sensors_ms=3000, controller_ms=3000, registers_ms=3000, commit_ms=5000)
+        edits["registers.toml"] = dict(plc_timeout_ms=3000, response_timeout_ms=2000, bridge_timeout_ms=2000, user_timeout_ms=1000)
+    for name, numbers in edits.items():
+        path = config / name
+        path.write_text(changed(path.read_text(), **numbers))
+    scenario = config / "scenarios" / "quick.toml"
+    scenario.write_text(changed((config / "scenarios" / "heavy.toml").read_text().replace('name = "heavy"', 'name = "heavy"\nspeed_mps = 0'),
+                                speed_mps=12.0))
+    return scenario, config
+
+
+class Bus:
+    """Phase, valve current and pressure from the bus, by a socket of its own, with the wall-clock instants of their changes."""
+
+    def __init__(self):
+        self.socket = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+        wanted = b"".join(struct.pack("=II", identifier, 0x7FF) for identifier in (VALVE, PRESSURE, STATE))
+        self.socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, wanted)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 23)
+        self.socket.bind(("vcan0",))
+        self.phase, self.valve_raw, self.pressure_Pa = "idle", 0, 0.0
+        self.since = {}  # phase -> instant
+        self.safe_since = self.released_since = time.monotonic()
+        self.changed = threading.Condition()
+        threading.Thread(target=self.listen, daemon=True).start()
+
+    def listen(self):
+        while True:
+            try:
+                frame = self.socket.recv(16)
+            except OSError:  # the interface is down
+                time.sleep(0.01)
+                continue
+            now = time.monotonic()
+            identifier = struct.unpack_from("=I", frame)[0] & 0x7FF
+            data = frame[8:]
+            if identifier == STATE:
+                phase = PHASES[data[1] >> 4]
+                with self.changed:
+                    if phase != self.phase:
+                        self.phase, self.since[phase] = phase, now
+                        self.changed.notify_all()
+            elif identifier == VALVE:
+                raw = struct.unpack_from("<H", data, 2)[0]
+                if raw == 0 and self.valve_raw != 0:
+                    self.safe_since = now
+                self.valve_raw = raw
+            else:
+                pressure = struct.unpack_from("<H", data, 2)[0] * 500.0
+                if pressure < PRESSURE_GONE_PA <= self.pressure_Pa:
+                    self.released_since = now
+                self.pressure_Pa = pressure
+
+    def await_phase(self, phases, seconds=60.0):
+        with self.changed:
+            return self.changed.wait_for(lambda: self.phase in phases, seconds)
+
+
+class Plc:
+    """The PLC's registers by pymodbus, beside the bridge."""
+
+    def __init__(self, port, config):
+        self.map = tomllib.loads((config / "registers.toml").read_text())
+        self.client = ModbusTcpClient("127.0.0.1", port=port, timeout=8)
+        check(self.client.connect(), "no Modbus connection")
+
+    def read(self, name):
+        field = self.map["input"][name]
+        raw = self.client.read_input_registers(field["address"], count=1, slave=self.map["unit_id"]).registers[0]
+        return (raw - 65536 if field["type"] == "i16" and raw > 32767 else raw) * field.get("scale", 1.0)
+
+    def fault(self, name, value):
+        field = self.map["virtual"][name]
+        raw = round(value / field.get("scale", 1.0))
+        check(not self.client.write_register(field["address"], raw, slave=self.map["unit_id"]).isError(), f"{name} is not taken")
+
+    def interlock(self, name):
+        return 1 << self.map["interlocks"][name]
+
+    def sledge_back(self):
+        return self.read("sledge_position") < 0.01 and self.read("wheel_on_rim") == 0
+
+
+class Rig:
+    """Controller and virtual rig, started again when they have died; bridges on demand."""
+
+    def __init__(self, build, folder, scenario, config, clock="sync", sync_timeout_ms=300):
+        self.build, self.folder, self.scenario, self.config = build, folder, scenario, config
+        self.clock, self.sync_timeout_ms = clock, sync_timeout_ms
+        self.controller = self.virtual_rig = self.plc = None
+        self.runs = 0
+        self.start()
+
+    def start(self):
+        if self.virtual_rig is None or self.virtual_rig.poll() is not None:
+            self.start_virtual_rig()
+        if self.controller is None or self.controller.poll() is not None:
+            name = "controller_endurance.toml" if "endurance" in self.scenario.name else "controller.toml"
+            self.controller = subprocess.Popen(
+                [self.build / "firmware/linux/antiskid-controller", "--can", "vcan0", "--clock", self.clock, "--config", self.config / name,
+                 "--sync-timeout", str(self.sync_timeout_ms), "--report", self.folder / "controller.json"],
+                stdout=open(self.folder / "controller.log", "a"), stderr=subprocess.STDOUT)
+
+    def start_virtual_rig(self):
+        port_file = self.folder / "port"
+        port_file.unlink(missing_ok=True)
+        self.virtual_rig = subprocess.Popen(
+            [self.build / "plant_sim/virtual-rig", "serve", "--can", "vcan0", "--scenario", self.scenario, "--config", self.config, "--clock",
+             self.clock, "--modbus", "127.0.0.1:1502", "--port-file", port_file],
+            stdout=open(self.folder / "virtual-rig.log", "a"), stderr=subprocess.STDOUT)
+        eventually(lambda: port_file.exists() or self.virtual_rig.poll() is not None, "nothing is served")
+        check(self.virtual_rig.poll() is None, "virtual-rig ended: " + (self.folder / "virtual-rig.log").read_text())
+        self.plc = Plc(1502, self.config)
+
+    def command(self, verb, out, *more):
+        return [self.build / "rig_bridge/bridge/rig-bridge", verb, self.scenario, "--can", "vcan0", "--plc", "127.0.0.1:1502", "--config",
+                self.config, "--out", out, "--priority", "0", *more]
+
+    def bridge(self, verb, out, *more):
+        """Started; its words are in .log of the result."""
+        self.runs += 1
+        log = self.folder / f"bridge{self.runs}.log"
+        process = subprocess.Popen(self.command(verb, out, *more), stdout=open(log, "w"), stderr=subprocess.STDOUT)
+        process.log = log
+        return process
+
+    def end(self):
+        for process in (self.virtual_rig, self.controller):
+            if process.poll() is None:
+                process.send_signal(signal.SIGCONT)
+                process.terminate()
+                process.wait(timeout=30)
+
+
+def words(process):
+    return process.log.read_text()
+
+
+def in_guest_memory():
+    """A directory in memory; the guest has 384 MiB in all."""
+    return dict(dir="/dev/shm") if os.path.isdir("/dev/shm") else {}
