@@ -20,7 +20,9 @@ refused 2 "there is no 'frobnicate'" frobnicate
 refused 2 "'now'" setup now
 refused 2 "'debug'" build debug
 refused 2 "--colour" demo --colour red
-refused 2 "--slip needs a value" demo --slip
+refused 2 "--slip needs a value" demo --lockstep --slip
+refused 2 "--scenario needs a value" demo --scenario
+refused 2 "no scenario" demo --scenario moon
 refused 2 "a command is missing" vcan
 refused 2 "a command is missing" vcan --timeout 3 --
 refused 2 "--timeout" vcan --timeout soon -- true
