@@ -44,7 +44,7 @@ enum class Commanded : std::uint8_t {
 };
 inline constexpr std::size_t kCommandedCount = 9;
 
-/// Bits of Measured::interlocks, numbered as here unless the map says otherwise.
+/// Bits of Measured::interlocks, numbered as here; in the register they stand where the map says.
 enum class Interlock : std::uint8_t { emergency_stop_clear, guard_closed, hydraulics_ready, drive_healthy };
 inline constexpr std::size_t kInterlockCount = 4;
 

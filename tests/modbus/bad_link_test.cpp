@@ -209,6 +209,28 @@ TEST_CASE("Answers that nobody asked for are not taken for the next one's", "[BR
     });
 }
 
+TEST_CASE("The confirmation of another write is not believed", "[BRG-035]") {
+    const auto at = GENERATE(std::size_t{9}, std::size_t{11});  // low bytes of address and count
+    std::atomic<bool> spoil{true};
+    fake::TcpPlc plc([&](const Request& request) {
+        Bytes answer = request.honest;
+        if (spoil && answer[7] == 16) answer[at] ^= 2;
+        raw::send(request.line, answer);
+        return true;
+    });
+    rig::ModbusClient client(impatient(), rig::TcpServer{"127.0.0.1", plc.port()});
+    REQUIRE(eventually([&] {
+        client.command({});
+        return client.snapshot().error.find("confirmation of another write") != std::string::npos;
+    }));
+    CHECK(client.snapshot().command == rig::CommandState::pending);
+    spoil = false;
+    REQUIRE(eventually([&] {
+        client.command({});
+        return client.snapshot().command == rig::CommandState::applied;
+    }));
+}
+
 TEST_CASE("Exceptions are named with the registers they concern", "[BRG-036]") {
     check_only_truth("exception 2, illegal data address", [](const Request& request) {
         Bytes answer(request.honest.begin(), request.honest.begin() + 9);
