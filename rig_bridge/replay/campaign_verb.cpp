@@ -29,7 +29,8 @@ struct CampaignCommand {
             return antiskid::can::load_layout(dbc.empty() ? config / "antiskid.dbc" : dbc,
                                               binding.empty() ? config / "antiskid_binding.toml" : binding);
         });
-        const std::vector<ManeuverFolder> folders = maneuver_folders(folder);
+        const fs::path place = campaign_folder();
+        const std::vector<ManeuverFolder> folders = maneuver_folders(place);
         std::map<std::string, MeterParameters> known;
         CampaignSources sources{
             .layout = layout,
@@ -37,21 +38,41 @@ struct CampaignCommand {
             .ledger = {},
             .with_ledger = false,
             .warnings = warnings_of};
-        const fs::path beside = fs::absolute(folder / "").parent_path();
-        const fs::path file = ledger.empty() ? beside.parent_path() / "ledger.sqlite" : ledger;
-        if (!ledger.empty() || fs::exists(file)) {
-            sources.ledger = read_ledger(file, beside.filename().string());
+        const fs::path file = ledger.empty() ? ledger_in(place.parent_path()) : ledger;
+        if (!file.empty()) {
+            sources.ledger = read_ledger(file, place.filename().string());
             sources.with_ledger = true;
         } else {
-            fmt::print(stderr, "rig-replay: warning: no ledger {}: compared with the summaries only\n",
-                       file.string());
+            fmt::print(stderr, "rig-replay: warning: no ledger in {}: compared with the summaries only\n",
+                       place.parent_path().string());
         }
         const CampaignTable table = rebuild_campaign(folders, sources);
         if (json != "-") fmt::print("{}", to_text(table));
-        deliver(json, to_json(table, beside.filename().string()));
+        deliver(json, to_json(table, place.filename().string()));
         deliver(csv, to_csv(table));
         if (!picture.empty()) draw(table);
         return table.different() == 0 ? 0 : 1;
+    }
+
+    /// Empty: none there.
+    [[nodiscard]] static fs::path ledger_in(const fs::path& directory) {
+        for (const char* name : {"campaign.sqlite", "ledger.sqlite"})
+            if (fs::exists(directory / name)) return directory / name;
+        return {};
+    }
+
+    /// The folder that holds the maneuvers: `folder`, or the one campaign of the ledger in it.
+    [[nodiscard]] fs::path campaign_folder() const {
+        const fs::path given = fs::absolute(folder / "").parent_path();
+        const fs::path inside = ledger_in(given);
+        if (inside.empty()) return given;
+        const std::vector<Campaign> campaigns = read_campaigns(inside);
+        if (campaigns.size() == 1) return given / campaigns.front().name;
+        std::string names;
+        for (const Campaign& campaign : campaigns)
+            names.append(names.empty() ? "" : ", ").append(campaign.name);
+        throw UsageError(fmt::format("{} holds {} campaigns ({}); give the folder of one, like {}",
+                                     inside.string(), campaigns.size(), names, (given / "NAME").string()));
     }
 
     [[nodiscard]] MeterParameters parameters(std::map<std::string, MeterParameters>& known,
@@ -88,9 +109,11 @@ ReplayVerb campaign_verb(CLI::App& app) {
                                         "The table of Fig. 7 rebuilt from the raw logs of a campaign, held "
                                         "against summaries and ledger bit by bit.");
     verb->add_option("DIR", c->folder,
-                     "folder of the campaign: 0001/bus.log (or bus.log.gz), 0001/summary.json, ...")
+                     "folder of the campaign (0001/bus.log or bus.log.gz, 0001/summary.json, ...), or the "
+                     "directory with its ledger")
         ->required();
-    verb->add_option("--ledger", c->ledger, "its ledger (default: ledger.sqlite beside the folder)");
+    verb->add_option("--ledger", c->ledger,
+                     "its ledger (default: campaign.sqlite or ledger.sqlite beside the folder)");
     verb->add_option("--config", c->config, "directory of the configuration files")->capture_default_str();
     verb->add_option("--dbc", c->dbc, "bus layout (default: CONFIG/antiskid.dbc)");
     verb->add_option("--binding", c->binding,
@@ -100,7 +123,7 @@ ReplayVerb campaign_verb(CLI::App& app) {
     verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG)");
     verb->footer(
         "Examples:\n"
-        "  rig-replay campaign out/campaign/endurance\n"
+        "  rig-replay campaign out/campaign\n"
         "  rig-replay campaign runs/night --ledger runs/ledger.sqlite --picture fig7.png\n"
         "Exit status: 0 equal to summaries and ledger; 1 something differs or cannot be read; 2 mistake in "
         "command line or "

@@ -12,6 +12,7 @@
 #include "rig_bridge/replay/plant_validation.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
 #include "rig_bridge/replay/validation_picture.hpp"
+#include "rig_bridge/scenario/scenario.hpp"
 
 namespace rig {
 
@@ -26,24 +27,46 @@ fs::path or_default(const fs::path& given, const fs::path& otherwise) {
 struct PlantCommand {
     std::string log;
     std::string interface;
+    fs::path scenario;
     plant::ManeuverChoice choice;
     fs::path config = "config";
     fs::path controller, dbc, binding;
     std::string json, csv, picture;
 
-    [[nodiscard]] antiskid::rt::Options setup() const {
+    /// The rig, and the configuration of the controller that was on it.
+    struct Known {
+        plant::RigParameters rig;
+        fs::path controller;
+        std::vector<fs::path> files;
+        std::string title;
+    };
+
+    [[nodiscard]] Known known() const {
+        if (!scenario.empty()) {
+            const Scenario s = load_scenario(scenario, config);
+            Known k{.rig = s.rig.rig, .controller = s.controller, .files = s.files, .title = s.name};
+            if (choice.friction) k.rig.mean_friction = *choice.friction;
+            return k;
+        }
+        const plant::LoadedRig loaded = plant::load_rig(config, choice);
         const bool endurance = choice.maneuver == plant::kEndurance;
+        return {.rig = loaded.rig,
+                .controller = config / (endurance ? "controller_endurance.toml" : "controller.toml"),
+                .files = loaded.files,
+                .title = choice.maneuver + " on " + choice.surface};
+    }
+
+    [[nodiscard]] antiskid::rt::Setup setup(const Known& k) const {
         antiskid::rt::Options o;
-        o.config =
-            or_default(controller, config / (endurance ? "controller_endurance.toml" : "controller.toml"));
+        o.config = or_default(controller, k.controller);
         o.dbc = or_default(dbc, config / "antiskid.dbc");
         o.binding = or_default(binding, config / "antiskid_binding.toml");
-        return o;
+        return antiskid::rt::load_setup(o);
     }
 
     int run() const {
-        const antiskid::rt::Setup loaded = configured([&] { return antiskid::rt::load_setup(setup()); });
-        const plant::LoadedRig rig = configured([&] { return plant::load_rig(config, choice); });
+        const Known rig = configured([&] { return known(); });
+        const antiskid::rt::Setup loaded = configured([&] { return setup(rig); });
         LogWarnings warnings = warnings_of(log);
         LogOptions options;
         if (!interface.empty()) options.interface = interface;
@@ -59,24 +82,23 @@ struct PlantCommand {
             if (warnings.any()) fmt::print("warnings of the log: {}\n", warnings.summary());
         }
         const nlohmann::ordered_json head{{"log", log},
-                                          {"maneuver", choice.maneuver},
-                                          {"surface", choice.surface},
+                                          {"rig", rig.title},
                                           {"version", ANTISKID_VERSION},
                                           {"config_hash", settings::hash(rig.files)},
                                           {"warnings", warnings.summary()}};
         deliver(json, to_json(v, head.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
         if (!csv.empty()) deliver(csv, to_csv(v));
-        if (!picture.empty()) draw(v);
+        if (!picture.empty()) draw(v, rig.title);
         return 0;
     }
 
-    void draw(const Validation& v) const {
+    void draw(const Validation& v, const std::string& title) const {
         const std::string rows = csv.empty() || csv == "-" ? picture + ".csv" : csv;
         if (rows != csv) settings::write_file(rows, to_csv(v));
         draw_validation(
             rows, picture,
-            fmt::format("{} on {}: recorded against simulated, pressure in feed-forward from {:.1f} m/s",
-                        choice.maneuver, choice.surface, v.brake_on_mps));
+            fmt::format("{}: recorded against simulated, pressure in feed-forward from {:.1f} m/s", title,
+                        v.brake_on_mps));
     }
 };
 
@@ -88,12 +110,16 @@ ReplayVerb plant_verb(CLI::App& app) {
         "plant", "The plant under the recorded brake pressure, held against the recorded motion (Fig. 5).");
     verb->add_option("LOG", c->log, "bus log, candump format, plain or gzip; its first braking is compared")
         ->required();
+    CLI::Option* const by_scenario =
+        verb->add_option("--scenario", c->scenario, "rig and maneuver: a file of config/scenarios");
     verb->add_option("--maneuver", c->choice.maneuver,
                      "mass and friction class: a table of maneuvers.toml, or endurance")
+        ->excludes(by_scenario)
         ->capture_default_str();
     verb->add_option("--surface", c->choice.surface, "runway, a table of surfaces.toml")
+        ->excludes(by_scenario)
         ->capture_default_str();
-    verb->add_option("--mass", c->choice.mass_kg, "kg, instead of the maneuver's");
+    verb->add_option("--mass", c->choice.mass_kg, "kg, instead of the maneuver's")->excludes(by_scenario);
     verb->add_option("--mu-b", c->choice.friction, "mean brake friction instead of a new brake's");
     verb->add_option(
         "--speed", c->choice.speed_mps,
@@ -116,7 +142,8 @@ ReplayVerb plant_verb(CLI::App& app) {
     verb->footer(
         "Examples:\n"
         "  rig-replay plant out/landing/bus.log --maneuver light --surface wet_asphalt --picture fig5.png\n"
-        "  rig-replay plant bus.log.gz --maneuver endurance --mu-b 0.27 --json -\n"
+        "  rig-replay plant out/campaign/night/0001/bus.log --scenario config/scenarios/endurance.toml "
+        "--mu-b 0.27\n"
         "Exit status: 0 compared; 1 the log cannot be read or holds no braking; 2 mistake in command line or "
         "configuration.");
     return {verb, [c] { return c->run(); }};

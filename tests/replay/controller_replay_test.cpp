@@ -3,7 +3,7 @@
 
 #include "firmware/control/controller.hpp"
 #include "tests/catch.hpp"
-#include "tests/replay/logs.hpp"
+#include "tests/replay/landings.hpp"
 
 using namespace replay_test;
 using antiskid::can::Role;

@@ -10,7 +10,7 @@
 #include "rig_bridge/replay/plant_validation.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
 #include "tests/catch.hpp"
-#include "tests/replay/logs.hpp"
+#include "tests/replay/landings.hpp"
 
 using namespace replay_test;
 

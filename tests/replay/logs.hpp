@@ -1,4 +1,4 @@
-/// Bus logs made in process, and files to keep them in.
+/// Bus logs as text, and files to keep them in.
 #pragma once
 
 #include <zlib.h>
@@ -10,7 +10,6 @@
 #include "firmware/can/candump.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 #include "tests/can/layouts.hpp"
-#include "tests/study/scenarios.hpp"
 
 namespace replay_test {
 
@@ -20,14 +19,6 @@ inline std::string line(const antiskid::can::Frame& frame, const std::string& in
     std::array<char, antiskid::can::kCandumpLineMost> text{};
     return std::string(text.data(), antiskid::can::format_candump(frame.received, interface, frame, text)) +
            "\n";
-}
-
-/// Every frame of a landing in lockstep.
-inline std::string landing(const plant_sim::ScenarioOptions& options) {
-    std::string log;
-    (void)scenarios::run(options, study::Link::frames, {},
-                         [&](const antiskid::can::Frame& frame) { log += line(frame); });
-    return log;
 }
 
 inline std::filesystem::path write_gzip(const std::filesystem::path& path, const std::string& text) {

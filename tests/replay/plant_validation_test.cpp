@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/catch.hpp"
-#include "tests/replay/logs.hpp"
+#include "tests/replay/landings.hpp"
 
 using namespace replay_test;
 
