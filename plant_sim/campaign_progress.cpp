@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -16,7 +17,7 @@ constexpr milliseconds kEveryLine{2000};
 constexpr std::int64_t kWidth = 40;
 
 std::string clock_text(double seconds) {
-    const auto s = static_cast<std::int64_t>(seconds + 0.5);
+    const std::int64_t s = std::llround(seconds);
     return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
                     : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }

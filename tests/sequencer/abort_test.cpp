@@ -248,7 +248,7 @@ TEST_CASE("a rig that does not reach its safe end is given up after the limit, a
 TEST_CASE("a clock that stands, falls or is no number breaks nothing", "[BRG-118]") {
     Reached r(Phase::braking);
     const Inputs in = r.rig.inputs;
-    for (const double t : {double{r.now_s}, r.now_s - 1e6, kNan, -double{INFINITY}}) {
+    for (const double t : {double{r.now_s}, r.now_s - 1e6, kNan, -std::numeric_limits<double>::infinity()}) {
         const Outputs out = r.sequencer.step(in, t);
         CHECK(out.phase == Phase::braking);
         CHECK(std::isfinite(out.current_mA));
@@ -265,7 +265,8 @@ Inputs disturbed(Inputs in, plant::Random& random, unsigned one_in) {
     const auto hit = [&] { return random.bits() % one_in == 0; };
     const auto number = [&](double& value) {
         if (!hit()) return;
-        const double nonsense[] = {kNan, INFINITY, -INFINITY, 0.0, -1.0, 1e9, 1e-320, 50.0};
+        constexpr double kInfinite = std::numeric_limits<double>::infinity();
+        const double nonsense[] = {kNan, kInfinite, -kInfinite, 0.0, -1.0, 1e9, 1e-320, 50.0};
         value = nonsense[random.bits() % 8];
     };
     for (bool* flag :
