@@ -154,6 +154,20 @@ plot $density using 1:2:3 with image notitle, $contours using 1:2 with lines lw 
     study::run_gnuplot(png, 1100, 700, script);
 }
 
+void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& simulated,
+                       const std::filesystem::path& png) {
+    const auto block = [](const char* name, const wear::Campaign& campaign) {
+        std::string out = fmt::format("${} << EOD\n", name);
+        for (const wear::Point& p : campaign.points)
+            fmt::format_to(std::back_inserter(out), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
+        return out + "EOD\n";
+    };
+    study::run_gnuplot(png, 1100, 700,
+                       kStyle + block("recorded", recorded) + block("simulated", simulated) +
+                           "plot $recorded with points pt 7 ps 0.6 lc rgb '#1f4e79' title 'recorded', \\\n"
+                           "     $simulated with points pt 1 ps 0.8 lc rgb '#c55a11' title 'simulated'\n");
+}
+
 void draw_bic(const wear::Model& model, const std::filesystem::path& png) {
     std::string script =
         "set grid lc rgb '#dddddd'\nset border lc rgb '#555555'\nset xtics 1\nset offsets 0.5, 0.5, graph "

@@ -76,7 +76,7 @@ EmRun em(const StandardPoints& points, const StandardMixture& start, const EmSet
          const std::function<void(double)>& watch) {
     EmRun run;
     run.mixture = start;
-    std::array<Whitened, kMostComponents> whitened;
+    std::array<Whitened, kMostComponents> whitened{};
     Pass sums;
     double before = 0.0;
     for (run.iterations = 1; run.iterations <= settings.most_iterations; ++run.iterations) {
@@ -123,7 +123,7 @@ StandardMixture mixture_of(const StandardPoints& points, std::span<const std::si
 }
 
 double log_likelihood(const StandardPoints& points, const StandardMixture& mixture) {
-    std::array<Whitened, kMostComponents> whitened;
+    std::array<Whitened, kMostComponents> whitened{};
     Pass sums;
     whiten(mixture, whitened);
     pass(points, whitened.data(), mixture.components, sums);
