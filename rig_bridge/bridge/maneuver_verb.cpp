@@ -16,6 +16,8 @@ namespace rig {
 
 namespace {
 
+constexpr double kAnyTemperature_C = 1e4;
+
 std::filesystem::path folder(const Setup& setup) {
     if (setup.options.out.empty()) {
         const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
@@ -36,7 +38,9 @@ int run_maneuver(const ManeuverCommand& command) {
     const Setup setup = load_setup(command.rig);
     StopRequests stops;
     Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
-    const Order order{.plan = plan(setup.scenario, setup.options.seed, 1),
+    sequencer::Plan planned = plan(setup.scenario, setup.options.seed, 1);
+    if (!command.cool_down) planned.cool_to_C = kAnyTemperature_C;
+    const Order order{.plan = planned,
                       .campaign = {},
                       .number = 1,
                       .folder = folder(setup),

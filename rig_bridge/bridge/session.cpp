@@ -1,5 +1,6 @@
 #include "rig_bridge/bridge/session.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -33,6 +34,16 @@ std::vector<std::string> fault_names(antiskid::control::FaultSet faults) {
             names.emplace_back(antiskid::can::kFaultNames[i]);
     }
     return names;
+}
+
+/// At the abort: the phase that it ended, and what PLC, bus or controller said then.
+std::string how_it_was(Phase phase, const Moment& moment) {
+    const std::string note = note_of(moment);
+    const auto state = static_cast<std::size_t>(moment.bus.view.controller.state);
+    std::string text = "in " + std::string(name(phase));
+    if (moment.inputs.controller_fresh)
+        text += ", controller in " + std::string(antiskid::can::kStateNames[state]);
+    return note.empty() ? text : text + ", " + note;
 }
 
 bool rests(Phase phase) {
@@ -95,7 +106,8 @@ void Session::await_cold_brake(const Order& order) {
         const Moment& m = step(nullptr, &order);
         const double waited_s = m.rig_s - began_s_;
         if (!m.inputs.plc_fresh && waited_s > kFirstReading_s) return;  // the sequencer says so
-        const bool hot = m.inputs.brake_temperature_C > order.plan.cool_to_C;
+        const bool hot =
+            m.inputs.brake_temperature_C > std::min(order.plan.cool_to_C, order.plan.brake_on_limit_C);
         if (m.inputs.plc_fresh && (!hot || waited_s > order.plan.cool_down_limit_s)) return;
         show(order, m, m.inputs.plc_fresh ? "waits for the brake to cool" : "waits for the PLC");
     }
@@ -110,6 +122,7 @@ void Session::write_sample(SampleLog& samples, const Moment& moment) {
 void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, SampleLog& samples) {
     constexpr int kTail = 15;  // steps, so that the record has the last phase
     int resting = 0;
+    Phase before = sequencer.phase();
     while (!sequencer.over() || resting <= kTail) {
         const Moment& m = step(&sequencer, &order);
         if (resting <= kTail) write_sample(samples, m);
@@ -118,6 +131,8 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
             record_error_ = lost;
             abort_ = true;
         }
+        if (sequencer.phase() == Phase::aborting && before != Phase::aborting) note_ = how_it_was(before, m);
+        before = sequencer.phase();
         if (rests(m.outputs.phase) && resting <= kTail && ++resting > kTail) recorder_.end();
         show(order, m, record_error_);
     }
@@ -126,6 +141,7 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
 Ran Session::run(const Order& order) {
     abort_ = false;
     record_error_.clear();
+    note_.clear();
     phase_ = Phase::idle;
     began_s_ = phase_began_s_ = step(nullptr, &order).rig_s;
     await_cold_brake(order);
@@ -135,7 +151,7 @@ Ran Session::run(const Order& order) {
     recorder_.begin(order.folder / "bus.log");
     SampleLog samples(order.folder / "modbus.csv");
     sequence(order, sequencer, samples);
-    Ran ran{.summary = {}, .record_error = {}, .note = note_of(node_.moment())};
+    Ran ran{.summary = {}, .record_error = {}, .note = note_};
     std::unique_ptr<Recording> recording;
     while (!recording) {
         (void)step(&sequencer, &order);

@@ -36,7 +36,7 @@ struct Ran {
     Summary summary;
     /// Why the record is not whole (the disk is full): the maneuver does not count then. Empty: it is.
     std::string record_error;
-    std::string note;  ///< what PLC or bus said last, where the maneuver was aborted
+    std::string note;  ///< where it was aborted, and what was seen then
 };
 
 /// The second Ctrl-C.
@@ -76,6 +76,7 @@ class Session {
     // Of the maneuver that runs.
     bool abort_ = false;
     std::string record_error_;
+    std::string note_;
     std::uint64_t polls_ = 0;
     double began_s_ = 0.0;
     double phase_began_s_ = 0.0;

@@ -27,6 +27,7 @@ TEST_CASE("The command line says which rig, which maneuver and where to", "[BRG-
     CHECK(one.rig.plc == "127.0.0.1:1502");
     CHECK(one.rig.seed == 1);
     CHECK(one.rig.reset);
+    CHECK(one.cool_down);
     const auto many = command<rig::CampaignCommand>({"campaign", "e.toml", "--can", "can0", "--plc-rtu",
                                                      "/dev/ttyUSB0", "--out", "runs/1", "--maneuvers", "500",
                                                      "--retry", "2", "--min-friction", "0.15", "--no-reset"});

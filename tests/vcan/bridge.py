@@ -215,7 +215,7 @@ def realtime(folder):
     check((summary["outcome"] == "finished") == (status == 0), f"exit status {status}, outcome {summary['outcome']}")
     if status != 0:
         check(status == 1 and f"aborted: {summary['outcome']}" in words(run), words(run))
-        check(summary["outcome"] in ("controller_fault", "controller_silent", "sensors_lost", "plc_silent", "plc_tripped"), summary)
+        check(summary["outcome"] in ("controller_fault", "controller_silent", "sensors_lost", "plc_silent", "plc_tripped", "phase_timeout"), summary)
         lateness = {"overrun", "wheel_lost", "flywheel_lost", "pressure_lost", "maneuver_lost", "heartbeat_lost", "pressure_off_command",
                     "emergency_stop", "wheel_corrupt", "flywheel_corrupt", "pressure_corrupt", "maneuver_corrupt"}
         check(set(summary["faults"]) <= lateness, f"faults that lateness does not explain: {summary['faults']}")

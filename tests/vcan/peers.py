@@ -60,6 +60,7 @@ def run(rig, bus, folder, phase, case, number):
     """The row of one case, or None when the maneuver was over before the cause came: a host that stood still."""
     rig.start()
     out = folder / f"run{number}"
+    bus.phase = "idle"  # a bridge that was killed never said that it ended
     bridge = rig.bridge("maneuver", out)
     if not bus.await_phase((phase,), 90) or bridge.poll() is not None:
         check(bridge.poll() is not None, f"no {phase}: {words(bridge)}")
