@@ -9,7 +9,6 @@
 using namespace std::chrono_literals;
 using fake::Bytes;
 using fake::Request;
-using rig::at;
 using rig::LinkState;
 using rig::Measured;
 using stub::eventually;
