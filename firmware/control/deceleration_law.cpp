@@ -35,7 +35,7 @@ float DecelerationLaw::guarded_Pa(const Estimate& e, float ceiling_Pa) {
 
 float DecelerationLaw::pressure_Pa(const Estimate& e, float deceleration_mps2, float ceiling_Pa) {
     // The filter differentiates the speed itself: its integral over a build-up is the speed that was lost. The estimator's
-    // acceleration believes the brake before it believes the road, and counts a tenth more.
+    // acceleration believes the brake before it believes the road, and adds up to more.
     const float gain = config_.filter_radps * period_s_ / (1.0F + config_.filter_radps * period_s_);
     behind_radps_ = (behind_radps_ + omega_before_radps_ - e.omega_radps) * (1.0F - gain);
     omega_before_radps_ = e.omega_radps;
