@@ -6,6 +6,8 @@
 #include <exception>
 #include <filesystem>
 
+#include "config/reader/atomic_file.hpp"
+#include "plant_sim/study/picture.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
 #include "rig_bridge/bridge/session.hpp"
 #include "rig_bridge/bridge/setup.hpp"
@@ -32,6 +34,11 @@ std::filesystem::path folder(const Setup& setup) {
     return setup.options.out;
 }
 
+void draw(const std::filesystem::path& place, const std::string& title, const Trace& trace) {
+    settings::write_file(place / "trajectory.csv", trace.csv());
+    study::draw_stop(place / "trajectory.csv", place / "maneuver.png", title, trace.brake_on_s());
+}
+
 }  // namespace
 
 int run_maneuver(const ManeuverCommand& command) {
@@ -50,7 +57,10 @@ int run_maneuver(const ManeuverCommand& command) {
     Session session(setup, stops, terminal);
     try {
         const Ran ran = session.run(order);
-        session.meanwhile([&] { write_summary(order.folder / "summary.json", ran.summary); });
+        session.meanwhile([&] {
+            write_summary(order.folder / "summary.json", ran.summary);
+            if (command.picture && !ran.trace.empty()) draw(order.folder, setup.scenario.title, ran.trace);
+        });
         fmt::print("{}Written to {}: bus.log, modbus.csv, summary.json\n", summary_table(ran.summary),
                    order.folder.string());
         if (!ran.record_error.empty()) {

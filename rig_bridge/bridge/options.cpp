@@ -81,6 +81,7 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     PlcOptions campaign_plc;
     CLI::App* const one = app.add_subcommand("maneuver", "one maneuver into a folder");
     add_rig_options(*one, maneuver.rig, maneuver_plc, "folder of this maneuver (default: out/SCENARIO-TIME)");
+    one->add_flag("--picture", maneuver.picture, "draw maneuver.png there, from trajectory.csv");
     one->add_flag("!--no-cool-down", maneuver.cool_down,
                   "do not wait until the brake is cold enough for the next maneuver");
     CLI::App* const many =

@@ -34,6 +34,7 @@ struct RigOptions {
 
 struct ManeuverCommand {
     RigOptions rig;
+    bool picture = false;
     bool cool_down = true;  ///< end with a brake that is cold enough for the next
 };
 struct CampaignCommand {

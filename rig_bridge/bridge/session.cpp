@@ -102,9 +102,16 @@ void Session::show(const Order& order, const Moment& moment, const std::string& 
 
 void Session::await_cold_brake(const Order& order) {
     constexpr double kFirstReading_s = 3.0;
+    // The controller refuses the first frames of a bridge whose counters go on elsewhere than those of the last one: it needs a few
+    // heartbeats before it may be armed.
+    constexpr double kIntroduction_s = 0.5;
     while (stops_.count() == 0) {
         const Moment& m = step(nullptr, &order);
         const double waited_s = m.rig_s - began_s_;
+        if (waited_s < kIntroduction_s) {
+            show(order, m, "");
+            continue;
+        }
         if (!m.inputs.plc_fresh && waited_s > kFirstReading_s) return;  // the sequencer says so
         const bool hot =
             m.inputs.brake_temperature_C > std::min(order.plan.cool_to_C, order.plan.brake_on_limit_C);
@@ -125,6 +132,7 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
     Phase before = sequencer.phase();
     while (!sequencer.over() || resting <= kTail) {
         const Moment& m = step(&sequencer, &order);
+        trace_.record(m);
         if (resting <= kTail) write_sample(samples, m);
         const std::string lost = m.bus.missing != 0 ? m.bus.recording_error : samples.error();
         if (!lost.empty() && resting <= kTail && record_error_.empty()) {
@@ -142,6 +150,7 @@ Ran Session::run(const Order& order) {
     abort_ = false;
     record_error_.clear();
     note_.clear();
+    trace_ = {};
     phase_ = Phase::idle;
     began_s_ = phase_began_s_ = step(nullptr, &order).rig_s;
     await_cold_brake(order);
@@ -151,7 +160,8 @@ Ran Session::run(const Order& order) {
     recorder_.begin(order.folder / "bus.log");
     SampleLog samples(order.folder / "modbus.csv");
     sequence(order, sequencer, samples);
-    Ran ran{.summary = {}, .record_error = {}, .note = note_};
+    Ran ran{.summary = {}, .record_error = {}, .trace = {}, .note = note_};
+    ran.trace = std::move(trace_);
     std::unique_ptr<Recording> recording;
     while (!recording) {
         (void)step(&sequencer, &order);

@@ -17,6 +17,7 @@
 #include "rig_bridge/bridge/setup.hpp"
 #include "rig_bridge/bridge/stop_requests.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
+#include "rig_bridge/bridge/trace.hpp"
 #include "rig_bridge/record/sample_log.hpp"
 #include "rig_bridge/record/summary.hpp"
 
@@ -36,6 +37,7 @@ struct Ran {
     Summary summary;
     /// Why the record is not whole (the disk is full): the maneuver does not count then. Empty: it is.
     std::string record_error;
+    Trace trace;
     std::string note;  ///< where it was aborted, and what was seen then
 };
 
@@ -77,6 +79,7 @@ class Session {
     bool abort_ = false;
     std::string record_error_;
     std::string note_;
+    Trace trace_;
     std::uint64_t polls_ = 0;
     double began_s_ = 0.0;
     double phase_began_s_ = 0.0;

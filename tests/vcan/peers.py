@@ -62,9 +62,11 @@ def run(rig, bus, folder, phase, case, number):
     out = folder / f"run{number}"
     bus.phase = "idle"  # a bridge that was killed never said that it ended
     bridge = rig.bridge("maneuver", out)
-    if not bus.await_phase((phase,), 90) or bridge.poll() is not None:
-        check(bridge.poll() is not None, f"no {phase}: {words(bridge)}")
-        return None
+    deadline = time.monotonic() + 120
+    while not bus.await_phase((phase,), 0.2):
+        check(time.monotonic() < deadline, f"no {phase}: {words(bridge)}")
+        if bridge.poll() is not None:
+            return None
     time.sleep(0.05)
     if phase == "braking":  # with the brake well on
         eventually(lambda: bus.pressure_Pa > 3e6 or bus.phase != phase, "no pressure")

@@ -1,0 +1,31 @@
+/// The course of a maneuver from touchdown to retract as the main loop saw it, every step: for a picture, not for figures.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rig_bridge/bridge/node.hpp"
+
+namespace rig {
+
+class Trace {
+  public:
+    void record(const Moment& moment);
+
+    /// Time since touchdown began; the columns of a stop's picture (plant_sim/study/picture.hpp), load and torque.
+    [[nodiscard]] std::string csv() const;
+    /// On the same clock; 0 without brake-on.
+    [[nodiscard]] double brake_on_s() const { return brake_on_s_.value_or(0.0); }
+    [[nodiscard]] bool empty() const { return rows_.empty(); }
+
+  private:
+    struct Row {
+        double time_s, rim_mps, wheel_mps, slip, slip_reference, demand_Pa, pressure_Pa, load_N, torque_Nm;
+    };
+    double began_s_ = 0.0;
+    std::optional<double> brake_on_s_;
+    std::vector<Row> rows_;
+};
+
+}  // namespace rig
