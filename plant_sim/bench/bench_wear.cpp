@@ -6,6 +6,7 @@
 /// that bound. Log-likelihoods are of the standardised points.
 
 #include <fmt/format.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
@@ -55,7 +56,10 @@ std::string output_of(const std::string& command) {
     std::array<char, 4096> chunk{};
     while (const std::size_t got = std::fread(chunk.data(), 1, chunk.size(), pipe))
         out.append(chunk.data(), got);
-    if (::pclose(pipe) != 0)
+    const int status = ::pclose(pipe);
+    if (WIFSIGNALED(status) || WEXITSTATUS(status) > 128)
+        throw std::runtime_error(command + " was ended by a signal");
+    if (status != 0)
         throw std::runtime_error(command + " failed; is python3-sklearn installed (./rig bench does that)?");
     return out;
 }
