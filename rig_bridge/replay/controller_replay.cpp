@@ -92,6 +92,7 @@ ControllerReplayReport replay_controller(const std::filesystem::path& file, cons
     report.lockstep = m->pacer.lockstep();
     report.steps = loop->statistics().steps;
     report.unsynchronised = m->pacer.unsynchronised();
+    report.steps_before_log = m->pacer.steps_before_log();
     report.unanswered = m->pacer.unanswered();
     for (const Role role : antiskid::can::kToRig)
         report.counts[static_cast<std::size_t>(role)] = m->comparison.count(role);

@@ -19,6 +19,7 @@ struct ControllerReplayReport {
     std::uint64_t steps = 0;
     std::uint64_t unsynchronised = 0;
     std::uint64_t unanswered = 0;
+    std::optional<std::uint64_t> steps_before_log;  ///< see RecordedPacer
     std::array<FrameComparison::Count, antiskid::can::kRoleCount> counts{};
     std::optional<FrameDifference> first;
     double recorded_s = 0.0;  ///< rig time from first to last command

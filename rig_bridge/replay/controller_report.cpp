@@ -46,6 +46,18 @@ std::string to_text(const ControllerReplayReport& r, const antiskid::can::Layout
             "  A frame that came between the controller's wake-up and its command is one step early here, "
             "and inputs are "
             "older by\n  that time: single commands may differ by a small amount.\n";
+    if (r.steps_before_log.value_or(1) != 0) {
+        std::uint64_t settling = 0;
+        for (const FrameComparison::Count& c : r.counts) settling += c.settling;
+        fmt::format_to(
+            out,
+            "  {}: the replayed one starts anew at the log's first sample;\n  {} frames beside commands "
+            "were not compared while it tested itself\n",
+            r.steps_before_log
+                ? "the controller was running when the log began, as its counters say"
+                : "the controller's counters follow no session: frames are missing at the log's start",
+            settling);
+    }
     if (r.unsynchronised > 0)
         fmt::format_to(out, "  {} steps by the controller's own clock: SYNC failed to come\n",
                        r.unsynchronised);
@@ -79,6 +91,7 @@ std::string to_json(const ControllerReplayReport& r, const antiskid::can::Layout
         const FrameComparison::Count& c = r.count(role);
         messages[std::string(antiskid::can::name(role))] = {{"compared", c.compared},
                                                             {"different", c.different},
+                                                            {"settling", c.settling},
                                                             {"only_recorded", c.only_recorded},
                                                             {"only_replayed", c.only_replayed}};
     }
@@ -89,6 +102,7 @@ std::string to_json(const ControllerReplayReport& r, const antiskid::can::Layout
                                 {"steps", r.steps},
                                 {"unsynchronised_steps", r.unsynchronised},
                                 {"unanswered_samples", r.unanswered},
+                                {"within_session", r.steps_before_log.value_or(1) != 0},
                                 {"messages", messages},
                                 {"first_difference", nullptr},
                                 {"recorded_s", r.recorded_s},

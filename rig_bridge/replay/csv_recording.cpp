@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -95,8 +97,8 @@ class CsvRecording final : public Recording {
                 std::string there;
                 for (const std::string_view cell : cells_)
                     there.append(there.empty() ? "" : ", ").append(cell);
-                throw std::runtime_error(name_ + ":" + std::to_string(map_.header_row) + ": no column '" +
-                                         column + "'; there are: " + there);
+                throw std::runtime_error(fmt::format("{}:{}: no column '{}'; there are: {}", name_,
+                                                     map_.header_row, column, there));
             }
             places_.push_back(static_cast<std::size_t>(found - cells_.begin()));
         }

@@ -4,7 +4,6 @@
 
 namespace rig {
 
-using antiskid::can::Message;
 using antiskid::can::Payload;
 using antiskid::can::Role;
 
@@ -43,6 +42,21 @@ int FrameComparison::behind(Role role, const Frame& recorded, const Frame& repla
     return distance <= modulo / 2 ? distance : distance - modulo;
 }
 
+bool FrameComparison::past_self_test(const Frame& status) const {
+    return Payload(status.data).read(layout_.status.state) !=
+           static_cast<std::int64_t>(antiskid::control::State::self_test);
+}
+
+void FrameComparison::note(Role role, const LogFrame& recorded, const Frame& replayed) {
+    ++sides_[static_cast<std::size_t>(role)].count.different;
+    if (first_ && recorded.line > first_->line) return;
+    first_ = {.role = role,
+              .line = recorded.line,
+              .time = recorded.frame.received,
+              .recorded = recorded.frame,
+              .replayed = replayed};
+}
+
 void FrameComparison::match(Role role) {
     Sides& s = sides_[static_cast<std::size_t>(role)];
     while (!s.recorded.empty() && !s.replayed.empty()) {
@@ -59,15 +73,13 @@ void FrameComparison::match(Role role) {
             s.recorded.pop_front();
             continue;
         }
-        ++s.count.compared;
-        if (ours.frame.length != theirs.length || ours.frame.data != theirs.data) {
-            ++s.count.different;
-            if (!first_ || ours.line < first_->line)
-                first_ = {.role = role,
-                          .line = ours.line,
-                          .time = ours.frame.received,
-                          .recorded = ours.frame,
-                          .replayed = theirs};
+        const bool same = ours.frame.length == theirs.length && ours.frame.data == theirs.data;
+        if (same && role == Role::status && past_self_test(theirs)) settling_ = false;
+        if (!same && settling_ && role != Role::valve) {
+            ++s.count.settling;
+        } else {
+            ++s.count.compared;
+            if (!same) note(role, ours, theirs);
         }
         s.recorded.pop_front();
         s.replayed.pop_front();

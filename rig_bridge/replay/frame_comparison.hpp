@@ -27,12 +27,17 @@ class FrameComparison {
     struct Count {
         std::uint64_t compared = 0;
         std::uint64_t different = 0;
+        std::uint64_t settling = 0;  ///< not compared: see expect_self_test()
         std::uint64_t only_recorded = 0;
         std::uint64_t only_replayed = 0;
     };
 
     /// `layout` must outlive the comparison.
     explicit FrameComparison(const antiskid::can::Layout& layout);
+
+    /// The recorded controller was running when the log began, the replayed one tests itself first: what else than commands
+    /// differs until both say that they have passed it is not counted as different.
+    void expect_self_test() { settling_ = true; }
 
     void recorded(antiskid::can::Role role, const LogFrame& frame);
     /// Frames of unknown identifiers are ignored.
@@ -58,6 +63,8 @@ class FrameComparison {
         std::deque<Frame> replayed;
         Count count;
     };
+    [[nodiscard]] bool past_self_test(const Frame& status) const;
+    void note(antiskid::can::Role role, const LogFrame& recorded, const Frame& replayed);
     void match(antiskid::can::Role role);
     /// By how many frames the replayed one is behind the recorded one; negative: ahead.
     [[nodiscard]] int behind(antiskid::can::Role role, const Frame& recorded, const Frame& replayed) const;
@@ -65,6 +72,7 @@ class FrameComparison {
     const antiskid::can::Layout& layout_;
     std::array<Sides, antiskid::can::kRoleCount> sides_;
     std::optional<FrameDifference> first_;
+    bool settling_ = false;
 };
 
 }  // namespace rig

@@ -1,6 +1,7 @@
 #include "rig_bridge/replay/recorded_pacer.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "firmware/can/roles.hpp"
 #include "firmware/linux/control_loop.hpp"
@@ -16,7 +17,8 @@ namespace {
 
 constexpr std::size_t kMostSamples = 64;  // unanswered; a controller that hangs longer is not followed
 constexpr std::size_t kMostLoose = antiskid::rt::FrameIntake::kMost;
-constexpr std::size_t kLookAhead = 1024;
+constexpr std::size_t kLookAhead = 16384;  // lines
+constexpr std::size_t kJoining = 256;      // steps: more than two periods of the slowest message
 
 std::optional<Role> role_of(const antiskid::can::Layout& layout, std::uint32_t id) {
     for (std::size_t i = 0; i < antiskid::can::kRoleCount; ++i)
@@ -53,6 +55,7 @@ std::optional<Wake> RecordedPacer::next(const std::atomic<bool>& stop) {
         comparison_.recorded(*role, frame);
         if (*role != Role::valve) continue;
         if (!started_ && settings_.clock == ReplayClock::automatic) lockstep_ = !samples_.empty();
+        if (!started_) join_session(frame.frame);
         if (samples_.empty() && is_closing(frame)) {
             for (const LogFrame& rest : ahead_) {
                 if (const auto other = role_of(layout_, rest.frame.id);
@@ -98,6 +101,49 @@ void RecordedPacer::drop_oldest_sample() {
     frames_.erase(frames_.begin(), frames_.begin() + static_cast<std::ptrdiff_t>(samples_.front().frames));
     samples_.pop_front();
     ++unanswered_;
+}
+
+void RecordedPacer::look_ahead() {
+    std::size_t valves = 0;
+    for (LogFrame f; valves < kJoining && ahead_.size() < kLookAhead && log_.next(f);) {
+        ahead_.push_back(f);
+        if (f.frame.id == layout_[Role::valve].id) ++valves;
+    }
+}
+
+std::vector<SentAtStep> RecordedPacer::sent_ahead(const Frame& first_valve, bool valve_last) const {
+    const auto counter = [&](Role role, const Frame& frame) {
+        const antiskid::can::E2e& protection = layout_[role].protection;
+        return protection.protection == antiskid::can::Protection::none
+                   ? 0
+                   : static_cast<int>(Payload(frame.data).read(protection.counter));
+    };
+    SentAtStep nothing;
+    nothing.counter.fill(SentAtStep::kNotSent);
+    // With the valve command last, what came before the first one may be missing.
+    std::vector<SentAtStep> steps{valve_last ? SentAtStep() : nothing};
+    steps.back()[Role::valve] = counter(Role::valve, first_valve);
+    SentAtStep next = nothing;
+    for (const LogFrame& f : ahead_) {
+        const auto role = role_of(layout_, f.frame.id);
+        if (!role || !contains(antiskid::can::kToRig, *role)) continue;
+        SentAtStep& step = *role == Role::valve || valve_last ? next : steps.back();
+        step[*role] = counter(*role, f.frame);
+        if (*role == Role::valve) steps.push_back(std::exchange(next, nothing));
+    }
+    if (!valve_last) steps.pop_back();  // what came after the last one has not been read
+    return steps;
+}
+
+void RecordedPacer::join_session(const Frame& first_valve) {
+    look_ahead();
+    // The valve command goes last in lockstep, first by the timer.
+    before_log_ = steps_before(layout_, settings_.period, sent_ahead(first_valve, lockstep_));
+    if (!before_log_)
+        before_log_ = steps_before(layout_, settings_.period, sent_ahead(first_valve, !lockstep_));
+    if (before_log_.value_or(1) != 0) comparison_.expect_self_test();
+    std::array<Frame, antiskid::can::ControllerPort::kMostFrames> sent_before{};
+    for (std::uint64_t i = 0; i < before_log_.value_or(0); ++i) (void)port_.due_frames({}, sent_before);
 }
 
 bool RecordedPacer::carries_safe_current(const Frame& valve) const {

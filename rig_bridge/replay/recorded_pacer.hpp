@@ -10,6 +10,9 @@
 /// controller itself took in what had arrived when it woke, some tens of microseconds earlier: a frame that came in between is
 /// one step early here, and ages of inputs are longer by that time.
 ///
+/// A log that begins within a session of the controller: counters and slow messages are brought to where they were at the first
+/// recorded command. The controller itself starts anew there.
+///
 /// The last valve commands of a log, up to three, that carry the safe current and have no sample are taken for those with which
 /// the controller ends.
 #pragma once
@@ -17,11 +20,13 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <vector>
 
 #include "firmware/can/controller_port.hpp"
 #include "firmware/linux/pacer.hpp"
 #include "rig_bridge/replay/frame_comparison.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
+#include "rig_bridge/replay/session_start.hpp"
 
 namespace rig {
 
@@ -46,6 +51,8 @@ class RecordedPacer final : public antiskid::rt::Pacer {
     [[nodiscard]] std::uint64_t unsynchronised() const { return unsynchronised_; }
     /// Samples that got no answer, those before the first answer included.
     [[nodiscard]] std::uint64_t unanswered() const { return unanswered_; }
+    /// Steps that the controller had made before the log begins, as far as its counters tell; none: they tell nothing.
+    [[nodiscard]] std::optional<std::uint64_t> steps_before_log() const { return before_log_; }
     /// From the first valve command to the last, rig time in lockstep, stamps otherwise.
     [[nodiscard]] Time duration() const { return last_now_ - first_now_; }
 
@@ -57,6 +64,10 @@ class RecordedPacer final : public antiskid::rt::Pacer {
     [[nodiscard]] bool read(LogFrame& out);
     void rig_frame(const Frame& frame, bool sync);
     void drop_oldest_sample();
+    /// Brings the port's schedule and counters to where the recorded controller's were at its first command here.
+    void join_session(const Frame& first_valve);
+    void look_ahead();
+    [[nodiscard]] std::vector<SentAtStep> sent_ahead(const Frame& first_valve, bool valve_last) const;
     [[nodiscard]] bool is_closing(const LogFrame& valve);
     [[nodiscard]] bool carries_safe_current(const Frame& valve) const;
     [[nodiscard]] antiskid::rt::Wake step(Time stamp);
@@ -78,6 +89,7 @@ class RecordedPacer final : public antiskid::rt::Pacer {
     bool ended_ = false;
     bool any_number_ = false;
     std::uint32_t last_number_ = 0;
+    std::optional<std::uint64_t> before_log_;
     Time first_now_{};
     Time last_now_{};
     std::uint64_t steps_ = 0;

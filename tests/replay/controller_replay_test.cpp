@@ -65,6 +65,7 @@ TEST_CASE("lockstep logs of every law and layout: no command frame differs", "[B
             CHECK(report.count(role).different == 0);
         CHECK(report.steps == commands.compared);
         CHECK(report.unsynchronised == 0);
+        CHECK(report.steps_before_log == 0);
         const auto packed =
             replay(write_gzip(dir.write("x", "").parent_path() / "a.gz", text), setup_of(options));
         CHECK(packed.count(Role::valve).compared == commands.compared);
@@ -160,6 +161,29 @@ TEST_CASE("a rig that repeats its first sample, and a controller that came later
     const auto repeated = replay(dir.write("bus.log", first + first + first + wet_landing()), setup);
     CHECK(repeated.same());
     CHECK(repeated.unanswered == 3);
+}
+
+TEST_CASE("a log that begins within a session of the controller", "[BRG-316]") {
+    const TempDir dir;
+    const auto setup = setup_of({});
+    for (const bool with_sync : {true, false}) {
+        INFO((with_sync ? "SYNC" : "timer"));
+        std::string text;
+        for (const std::string& line : lines_of(wet_landing()))
+            if (line >= "(0000000000.003" && (with_sync || !is(line, "080"))) text += line;
+        const auto report = replay(dir.write("bus.log", text), setup);
+        CHECK(report.lockstep == with_sync);
+        CHECK(report.steps_before_log == 3);
+        const auto& commands = report.count(Role::valve);
+        CHECK(commands.compared > 9000);
+        CHECK(commands.only_recorded == 0);
+        CHECK(commands.only_replayed == 0);
+        // Brake-on comes 1.5 s later: the estimators still remember a little of what the log lacks.
+        CHECK(commands.different < commands.compared / 20);
+        CHECK(report.count(Role::status).settling < 20);  // it has passed its test when it is armed at 0.2 s
+        CHECK(report.count(Role::status).different <= 2);
+        CHECK_THAT(rig::to_text(report, setup.layout), ContainsSubstring("was running when the log began"));
+    }
 }
 
 TEST_CASE("steps without SYNC and the closing commands of the controller", "[BRG-314]") {
