@@ -9,7 +9,6 @@ namespace rig {
 
 using antiskid::can::Frame;
 using antiskid::can::RigPort;
-using antiskid::can::Role;
 using antiskid::can::Time;
 
 namespace {
