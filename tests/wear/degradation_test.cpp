@@ -34,6 +34,7 @@ TEST_CASE("friction of the next maneuver is drawn at the energy taken so far, fo
     CHECK(brake.state() == wear::BrakeState{5, 2, 100.975e6});
     // Draws over many seeds have the model's conditional distribution.
     std::vector<double> draws;
+    draws.reserve(3000);
     for (std::uint64_t seed = 0; seed < 3000; ++seed)
         draws.push_back(wear::Degradation(model, kMixture, {seed, 7, 100e6}).next_friction());
     const wear::Conditional c = wear::friction_given_energy(model, 100e6, kMixture);

@@ -201,6 +201,7 @@ TEST_CASE("draws of the conditional have its distribution", "[WEAR-010]") {
         const wear::Conditional c = wear::friction_given_energy(mixture, 60e6, rule);
         wear::Generator generator = wear::generator_of(21, 0);
         std::vector<double> draws;
+        draws.reserve(20000);
         for (int i = 0; i < 20000; ++i) draws.push_back(c.sample(generator));
         CHECK(kolmogorov::distance(draws, [&](double x) { return c.cumulative(x); }) <
               kolmogorov::bound_at_0_001(draws.size()));
