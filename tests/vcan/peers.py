@@ -69,7 +69,8 @@ def run(rig, bus, folder, phase, case, number):
             return None
     time.sleep(0.05)
     if phase == "braking":  # with the brake well on
-        eventually(lambda: bus.pressure_Pa > 3e6 or bus.phase != phase, "no pressure")
+        time.sleep(0.25)
+        eventually(lambda: (bus.pressure_Pa > 3e6 and bus.valve_raw > 0) or bus.phase != phase, "no pressure")
     if bus.phase != phase:
         bridge.kill()
         bridge.wait()
