@@ -92,8 +92,11 @@ def run(rig, bus, folder, phase, case, number):
     if rig_is_there and case.cause not in ("interface down", "Modbus server hangs"):
         eventually(rig.plc.sledge_back, f"{case.cause}: the sledge does not go back")
         safe = f"{time.monotonic() - began:.1f}"
-    if case.cause in ("interface down", "virtual-rig SIGSTOP", "Modbus server hangs"):
+    # The cause stays until the bridge has seen it; where the bridge is the cause, or cannot be heard, for a while.
+    if case.cause.startswith("bridge") or case.cause == "interface down":
         time.sleep(0.8)
+    else:
+        eventually(lambda: bus.phase in ("aborting", "aborted") or bridge.poll() is not None, f"{case.cause}: no abort: {words(bridge)}")
     if case.undo:
         case.undo()
     if case.cause == "bridge SIGSTOP":

@@ -165,13 +165,13 @@ class Rig:
 
     def command(self, verb, out, *more):
         return [self.build / "rig_bridge/bridge/rig-bridge", verb, self.scenario, "--can", "vcan0", "--plc", "127.0.0.1:1502", "--config",
-                self.config, "--out", out, "--priority", "0", *more]
+                self.config, "--out", out, *more]
 
-    def bridge(self, verb, out, *more):
+    def bridge(self, verb, out, *more, priority=0):
         """Started; its words are in .log of the result."""
         self.runs += 1
         log = self.folder / f"bridge{self.runs}.log"
-        process = subprocess.Popen(self.command(verb, out, *more), stdout=open(log, "w"), stderr=subprocess.STDOUT)
+        process = subprocess.Popen(self.command(verb, out, "--priority", str(priority), *more), stdout=open(log, "w"), stderr=subprocess.STDOUT)
         process.log = log
         return process
 
