@@ -58,6 +58,9 @@ def outcome(said):
 
 def run(rig, bus, folder, phase, case, number):
     """The row of one case, or None when the maneuver was over before the cause came: a host that stood still."""
+    if phase == "spin_up":  # a flywheel at rest: nothing else would stop it for minutes
+        rig.virtual_rig.terminate()
+        rig.virtual_rig.wait()
     rig.start()
     out = folder / f"run{number}"
     bus.phase = "idle"  # a bridge that was killed never said that it ended
