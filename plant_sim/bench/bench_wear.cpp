@@ -94,7 +94,7 @@ int run() {
     double other_processor_s = 0.0;
     double other_wall_s = 0.0;
     double least_lead = 1e300;
-    fmt::print("{:>10}{:>16}{:>16}{:>12}{:>16}\n", "components", "ours", "scikit-learn", "lead",
+    fmt::print("{:>10}{:>16}{:>16}{:>12}{:>20}\n", "components", "ours", "scikit-learn", "lead",
                "scikit-learn (s)");
     for (std::size_t i = 0; i < fit.orders.size(); ++i) {
         const double ours = fit.orders[i].log_likelihood + n * per_point;
@@ -103,7 +103,7 @@ int run() {
         other_processor_s += o.at("processor_s").get<double>();
         other_wall_s += o.at("seconds").get<double>();
         least_lead = std::min(least_lead, ours - theirs);
-        fmt::print("{:>10}{:>16.4f}{:>16.4f}{:>12.4f}{:>16.2f}\n", fit.orders[i].components, ours, theirs,
+        fmt::print("{:>10}{:>16.4f}{:>16.4f}{:>12.4f}{:>20.2f}\n", fit.orders[i].components, ours, theirs,
                    ours - theirs, o.at("processor_s").get<double>());
         rows.push_back({{"components", fit.orders[i].components},
                         {"ours_log_likelihood", ours},
