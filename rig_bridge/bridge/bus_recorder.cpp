@@ -32,7 +32,9 @@ BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layo
       parameters_(parameters),
       housekeeping_(std::move(housekeeping)),
       capture_(std::make_unique<Capture>(interface)),
-      live_(std::make_unique<BusMeter>(layout_, parameters_)),
+      live_(layout_),
+      wheel_(parameters.wheel_teeth),
+      flywheel_(parameters.flywheel_teeth),
       thread_([this] { run(); }) {}
 
 BusRecorder::~BusRecorder() {
@@ -68,7 +70,6 @@ void BusRecorder::change_record() {
     if (next_) {
         recording_ = std::move(next_);
         recording_->dropped_before = dropped(capture_ ? capture_->status() : CaptureStatus{});
-        live_ = std::make_unique<BusMeter>(layout_, parameters_);
     }
     if (end_asked_ && recording_) {
         ended_ = std::move(recording_);
@@ -85,7 +86,7 @@ void BusRecorder::hear(std::span<const CapturedFrame> frames, bool drained) {
         if (layout_[Role::sync].bound && one.frame.id == layout_[Role::sync].id) ++syncs_;
         Frame frame = one.frame;
         frame.received -= offset;
-        live_->accept(frame);
+        (void)live_.accept(frame);
     }
     publish(drained);
 }
@@ -101,16 +102,27 @@ void BusRecorder::publish(bool drained) {
     const std::lock_guard lock(mutex_);
     now_.up = status.up;
     now_.error = status.interface_error;
-    now_.view = live_->view();
+    now_.view = live_.view();
     if (drained) now_.looked = steady_now();
-    now_.rim_mps = live_->meter().speed_mps();
-    now_.slip = live_->meter().slip();
+    measure_speeds();
     now_.syncs = syncs_;
     if (!recording_) return;
     now_.frames = recording_->log.frames();
     now_.dropped = recording_->dropped;
     now_.missing = recording_->log.missing();
     if (now_.missing != 0) now_.recording_error = recording_->log.error();
+}
+
+void BusRecorder::measure_speeds() {
+    const Time now = steady_now();
+    const antiskid::can::BusView& view = live_.view();
+    wheel_.update(view.wheel, now);
+    flywheel_.update(view.flywheel, now);
+    const double radius_m = parameters_.wheel_radius_m -
+                            static_cast<double>(view.load_cells.vertical_N) / parameters_.wheel_stiffness_Npm;
+    now_.rim_mps = flywheel_.radps() * parameters_.flywheel_radius_m;
+    now_.wheel_rim_mps = wheel_.radps() * radius_m;
+    now_.slip = now_.rim_mps > 0.0 ? 1.0 - now_.wheel_rim_mps / now_.rim_mps : 0.0;
 }
 
 /// A socket on an interface that was removed stays dead: a new one, as soon as there is an interface again.

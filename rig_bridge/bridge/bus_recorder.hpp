@@ -1,4 +1,4 @@
-/// The thread that hears everything on the bus: what is known of it now, the live figures, and bus.log of each maneuver.
+/// The thread that hears everything on the bus: what is known of it now, the live speeds, and bus.log of each maneuver.
 #pragma once
 
 #include <atomic>
@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "firmware/can/layout.hpp"
+#include "rig_bridge/bridge/live_speed.hpp"
 #include "rig_bridge/bridge/parts.hpp"
 #include "rig_bridge/record/bus_log.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
@@ -53,6 +54,7 @@ class BusRecorder final : public BusFeed {
     void run();
     void hear(std::span<const CapturedFrame> frames, bool drained);
     void publish(bool drained);
+    void measure_speeds();
     void change_record();
     void keep_capture();
     [[nodiscard]] std::uint64_t dropped(const CaptureStatus& status) const {
@@ -66,7 +68,9 @@ class BusRecorder final : public BusFeed {
 
     // The thread's own.
     std::unique_ptr<Capture> capture_;
-    std::unique_ptr<BusMeter> live_;
+    antiskid::can::Observer live_;
+    LiveSpeed wheel_;
+    LiveSpeed flywheel_;
     std::unique_ptr<Recording> recording_;
     std::uint64_t syncs_ = 0;
     std::uint64_t dropped_before_ = 0;  // by captures that are no more

@@ -72,7 +72,7 @@ Inputs look(const Snapshot& plc, const BusNow& bus, Time now, const Freshness& l
     in.sensors_fresh = heard(v.wheel.received, bus.looked, limits.sensors_s) &&
                        heard(v.flywheel.received, bus.looked, limits.sensors_s) &&
                        heard(v.pressure.received, bus.looked, limits.sensors_s);
-    in.wheel_rim_mps = bus.rim_mps * (1.0 - bus.slip);
+    in.wheel_rim_mps = bus.wheel_rim_mps;
     in.pressure_Pa = static_cast<double>(v.pressure.pressure_Pa);
     in.controller_fresh = heard(v.controller.status_received, bus.looked, limits.controller_s);
     in.controller_standby = v.controller.state == State::standby;

@@ -1,0 +1,70 @@
+/// The speed of one shaft for view, picture and settling: mean between edges some milliseconds apart, by the sensor's own clock, so that a
+/// frame that comes late changes nothing. Figures are the meter's (rig_bridge/record/meter.hpp).
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <numbers>
+
+#include "firmware/control/types.hpp"
+
+namespace rig {
+
+class LiveSpeed {
+  public:
+    explicit LiveSpeed(double teeth) : pitch_rad_(2.0 * std::numbers::pi / teeth) {}
+
+    /// The newest input and when that is known, by the clock of this machine.
+    void update(const antiskid::control::SpeedInput& input, antiskid::control::Time now) {
+        using antiskid::control::SpeedSource;
+        if (input.received == antiskid::control::kNever) return;
+        if (input.source == SpeedSource::speed) {
+            radps_ = static_cast<double>(input.speed_radps);
+            return;
+        }
+        const std::uint32_t edges = input.edge_count - from_count_;
+        const double length_s = seconds(input.edge_time - from_time_);
+        if (!started_ || edges > kMostEdges || length_s < 0.0) {
+            started_ = true;
+            radps_ = 0.0;
+            begin(input);
+            news_ = now;
+            newest_count_ = input.edge_count;
+            return;
+        }
+        if (input.edge_count != newest_count_) {
+            newest_count_ = input.edge_count;
+            news_ = now;
+        }
+        if (edges > 0 && length_s >= kWindow_s) {
+            radps_ = static_cast<double>(edges) * pitch_rad_ / length_s;
+            begin(input);
+        }
+        // Nothing new for long: at most one edge in that time.
+        const double silent_s = seconds(now - news_) - kLate_s;
+        if (silent_s > 0.0) radps_ = std::min(radps_, pitch_rad_ / silent_s);
+    }
+
+    [[nodiscard]] double radps() const { return radps_; }
+
+  private:
+    static constexpr double kWindow_s = 0.005;
+    static constexpr double kLate_s = 0.03;               // a frame may be so late without meaning anything
+    static constexpr std::uint32_t kMostEdges = 1 << 20;  // more is another sensor, or one that started again
+
+    static double seconds(antiskid::control::Time t) { return static_cast<double>(t.count()) * 1e-9; }
+    void begin(const antiskid::control::SpeedInput& input) {
+        from_count_ = input.edge_count;
+        from_time_ = input.edge_time;
+    }
+
+    double pitch_rad_;
+    bool started_ = false;
+    std::uint32_t from_count_ = 0;
+    std::uint32_t newest_count_ = 0;
+    antiskid::control::Time from_time_{};
+    antiskid::control::Time news_{};
+    double radps_ = 0.0;
+};
+
+}  // namespace rig

@@ -1,0 +1,76 @@
+#include "rig_bridge/bridge/live_speed.hpp"
+
+#include <cmath>
+#include <random>
+
+#include "tests/catch.hpp"
+
+using antiskid::control::SpeedInput;
+using antiskid::control::Time;
+
+namespace {
+
+constexpr double kTeeth = 60.0;
+const double kPitch = 2.0 * std::numbers::pi / kTeeth;
+
+Time at(double s) {
+    return Time(std::llround(s * 1e9));
+}
+
+/// A shaft of constant speed, as its encoder says it at `t`; a third of a pitch in at t = 0.
+SpeedInput shaft(double radps, double t) {
+    SpeedInput in;
+    in.received = at(t);
+    const double edges = std::floor(radps * t / kPitch + 1.0 / 3.0);
+    in.edge_count = static_cast<std::uint32_t>(edges) + 4'294'967'000U;  // rolls over
+    in.edge_time = at(edges > 0.0 ? (edges - 1.0 / 3.0) * kPitch / radps : 0.0);
+    return in;
+}
+
+}  // namespace
+
+TEST_CASE("A constant speed is measured exactly, however late its frames are", "[BRG-425]") {
+    for (const double radps : {100.0, 30.0, 10.0, 4.0}) {
+        CAPTURE(radps);
+        rig::LiveSpeed speed(kTeeth);
+        std::mt19937_64 random(1);
+        std::uniform_real_distribution<double> late(0.0, 0.025);
+        double now = 0.0;
+        for (int i = 0; i < 2000; ++i) {
+            const double t = i * 1e-3;
+            now = std::max(now, t + late(random));
+            speed.update(shaft(radps, t), at(now));
+            if (t > 1.0) CHECK(speed.radps() == Approx(radps).epsilon(1e-6));
+        }
+    }
+}
+
+TEST_CASE("A shaft that stops is soon seen to stop", "[BRG-425]") {
+    rig::LiveSpeed speed(kTeeth);
+    for (int i = 0; i < 1000; ++i) speed.update(shaft(100.0, i * 1e-3), at(i * 1e-3));
+    const SpeedInput last = shaft(100.0, 0.999);
+    speed.update(last, at(0.999 + 0.03));
+    CHECK(speed.radps() == Approx(100.0));
+    speed.update(last, at(0.999 + 0.03 + 0.1));
+    CHECK(speed.radps() < 1.1);
+    speed.update(last, at(0.999 + 10.0));
+    CHECK(speed.radps() < 0.02);
+}
+
+TEST_CASE("Nothing is measured before the first frame, and a sensor that starts again starts again",
+          "[BRG-425]") {
+    rig::LiveSpeed speed(kTeeth);
+    speed.update(SpeedInput{}, at(1.0));
+    CHECK(speed.radps() == 0.0);
+    for (int i = 0; i < 1000; ++i) speed.update(shaft(100.0, 50.0 + i * 1e-3), at(i * 1e-3));
+    SpeedInput again;
+    again.received = at(1.0);
+    speed.update(again, at(1.0));
+    CHECK(speed.radps() == 0.0);
+    SpeedInput reported;
+    reported.received = at(1.0);
+    reported.source = antiskid::control::SpeedSource::speed;
+    reported.speed_radps = 12.5F;
+    speed.update(reported, at(1.0));
+    CHECK(speed.radps() == 12.5);
+}
