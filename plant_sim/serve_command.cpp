@@ -48,6 +48,7 @@ struct Options {
     double taken_MJ = 0.0;
     std::uint64_t seed = 1;
     int priority = 70;
+    int answer_timeout_ms = 100;
 };
 
 /// All that is read from files and the command line, checked.
@@ -84,6 +85,11 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
                    "timer: real time; sync: lockstep with antiskid-controller --clock sync, never faster "
                    "than real time")
         ->check(CLI::IsMember({"timer", "sync"}))
+        ->capture_default_str();
+    app.add_option("--answer-timeout", o.answer_timeout_ms,
+                   "with --clock sync: the controller is silent when a valve command takes longer")
+        ->check(CLI::Range(1, 3'600'000))
+        ->type_name("MS")
         ->capture_default_str();
     app.add_option("--brake-energy", o.taken_MJ,
                    "energy that the brake has taken before, for a campaign that goes on")
@@ -205,7 +211,7 @@ int run(const Options& o, const Served& s) {
             node.state(), bus, o.interface, s.rig.period_s,
             [](const std::string& line) { fmt::print(stderr, "virtual-rig: {}\n", line); });
         if (o.clock == "sync") {
-            node.run_lockstep(signals.stop());
+            node.run_lockstep(signals.stop(), Time(o.answer_timeout_ms * std::int64_t{1'000'000}));
         } else {
             enter_realtime(o.priority);
             node.run_realtime(signals.stop());

@@ -39,7 +39,7 @@ void ServeNode::send_sample() {
 /// A SYNC that finds the queue full is worth waiting for: without it the controller would not step.
 void ServeNode::send_sync(const std::atomic<bool>& stop) {
     const Frame frame = port_.sync(sync_++);
-    const Time deadline = clock_.now() + kAnswerTimeout;
+    const Time deadline = clock_.now() + answer_timeout_;
     while (!bus_.send(frame)) {
         if (!bus_.status().up || stop || clock_.now() >= deadline) {
             ++state_.frames_lost;
@@ -59,7 +59,7 @@ void ServeNode::receive() {
 }
 
 void ServeNode::await_answer(const std::atomic<bool>& stop) {
-    const Time deadline = clock_.now() + kAnswerTimeout;
+    const Time deadline = clock_.now() + answer_timeout_;
     receive();
     while (port_.stats(Role::valve).accepted == commands_ && state_.link_up && !stop) {
         const Time left = deadline - clock_.now();
@@ -71,7 +71,7 @@ void ServeNode::await_answer(const std::atomic<bool>& stop) {
 
 /// It answers the SYNCs that it missed: only the last answer belongs to this period.
 void ServeNode::catch_up(const std::atomic<bool>& stop) {
-    const Time deadline = clock_.now() + kAnswerTimeout;
+    const Time deadline = clock_.now() + answer_timeout_;
     std::uint32_t heard = commands_;
     while (port_.stats(Role::valve).accepted != heard && !stop && clock_.now() < deadline) {
         heard = port_.stats(Role::valve).accepted;
@@ -95,7 +95,8 @@ void ServeNode::advance() {
     ++state_.periods;
 }
 
-void ServeNode::run_lockstep(const std::atomic<bool>& stop) {
+void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout) {
+    answer_timeout_ = answer_timeout;
     bool silent = true;
     Time next = clock_.now();
     while (!stop) {

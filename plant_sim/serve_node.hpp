@@ -36,9 +36,9 @@ class ServeNode {
               antiskid::rt::Clock& clock, antiskid::control::Time period, Exchange exchange);
 
     /// Paced lockstep: one sample, one SYNC, one valve command, never faster than real time. A command that does not come within
-    /// kAnswerTimeout makes the controller silent: then periods go on in real time without waiting for it, until it is heard again and has
+    /// `answer_timeout` makes the controller silent: then periods go on in real time without waiting for it, until it is heard again and has
     /// caught up with the SYNCs that it missed.
-    void run_lockstep(const std::atomic<bool>& stop);
+    void run_lockstep(const std::atomic<bool>& stop, antiskid::control::Time answer_timeout = kAnswerTimeout);
 
     /// By the machine's clock.
     void run_realtime(const std::atomic<bool>& stop);
@@ -63,6 +63,7 @@ class ServeNode {
     antiskid::can::Bus& bus_;
     antiskid::rt::Clock& clock_;
     antiskid::control::Time period_;
+    antiskid::control::Time answer_timeout_ = kAnswerTimeout;
     Exchange exchange_;
     antiskid::can::RigPort port_;
     std::uint32_t sync_ = 0;

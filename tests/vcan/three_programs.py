@@ -38,22 +38,31 @@ def changed(text, **numbers):
     return text
 
 
+PATIENT = {
+    "bridge.toml": dict(sensors_ms=3000, controller_ms=3000, registers_ms=3000, commit_ms=5000),
+    "registers.toml": dict(plc_timeout_ms=3000, response_timeout_ms=2000, bridge_timeout_ms=2000, user_timeout_ms=1000),
+}
+
+
+def configuration(folder, edits):
+    """A copy of the configuration with other numbers."""
+    config = folder / "config"
+    shutil.copytree("config", config, ignore=shutil.ignore_patterns("vcan", "reader"))
+    for name, numbers in edits.items():
+        path = config / name
+        path.write_text(changed(path.read_text(), **numbers))
+    return config
+
+
 def quick_rig(folder, patient=True):
     """A configuration whose maneuvers take four seconds: strong drive, quick sledge, 12 m/s; patient with a host that stands still for a
     while. Returns the scenario and its directory."""
-    config = folder / "config"
-    shutil.copytree("config", config, ignore=shutil.ignore_patterns("vcan", "reader"))
     edits = {
         "rig_machinery.toml": dict(torque_Nm="120.0e3", power_W="10.0e6", response_s=0.05, speed_mps=0.5, heat_capacity_JpK="20.0e6"),
         "controller.toml": dict(spin_up_mps=6.0, touchdown_timeout_s=0.3),
         "sequencer.toml": dict(settle_s=0.4, settle_hold_s=0.1, coasting_mps=0.03, idle_s=20.0, abort_s=4.0, speed_tolerance_mps=0.1),
     }
-    if patient:
-        edits["bridge.toml"] = dict(sensors_ms=3000, controller_ms=3000, registers_ms=3000, commit_ms=5000)
-        edits["registers.toml"] = dict(plc_timeout_ms=3000, response_timeout_ms=2000, bridge_timeout_ms=2000, user_timeout_ms=1000)
-    for name, numbers in edits.items():
-        path = config / name
-        path.write_text(changed(path.read_text(), **numbers))
+    config = configuration(folder, edits | (PATIENT if patient else {}))
     scenario = config / "scenarios" / "quick.toml"
     scenario.write_text(changed((config / "scenarios" / "heavy.toml").read_text().replace('name = "heavy"', 'name = "heavy"\nspeed_mps = 0'),
                                 speed_mps=12.0))
@@ -135,9 +144,9 @@ class Plc:
 class Rig:
     """Controller and virtual rig, started again when they have died; bridges on demand."""
 
-    def __init__(self, build, folder, scenario, config, clock="sync", sync_timeout_ms=300):
+    def __init__(self, build, folder, scenario, config, clock="sync", sync_timeout_ms=300, answer_timeout_ms=100):
         self.build, self.folder, self.scenario, self.config = build, folder, scenario, config
-        self.clock, self.sync_timeout_ms = clock, sync_timeout_ms
+        self.clock, self.sync_timeout_ms, self.answer_timeout_ms = clock, sync_timeout_ms, answer_timeout_ms
         self.controller = self.virtual_rig = self.plc = None
         self.runs = 0
         self.start()
@@ -157,7 +166,7 @@ class Rig:
         port_file.unlink(missing_ok=True)
         self.virtual_rig = subprocess.Popen(
             [self.build / "plant_sim/virtual-rig", "serve", "--can", "vcan0", "--scenario", self.scenario, "--config", self.config, "--clock",
-             self.clock, "--modbus", "127.0.0.1:1502", "--port-file", port_file],
+             self.clock, "--answer-timeout", str(self.answer_timeout_ms), "--modbus", "127.0.0.1:1502", "--port-file", port_file],
             stdout=open(self.folder / "virtual-rig.log", "a"), stderr=subprocess.STDOUT)
         eventually(lambda: port_file.exists() or self.virtual_rig.poll() is not None, "nothing is served")
         check(self.virtual_rig.poll() is None, "virtual-rig ended: " + (self.folder / "virtual-rig.log").read_text())
