@@ -83,6 +83,31 @@ TEST_CASE("Nobody at the address: named, tried again, nothing believed", "[BRG-0
     CHECK_FALSE(now.fresh(Measured::flywheel_speed_mps, 1e9));
 }
 
+TEST_CASE("The client waits between attempts, longer each time, also where a connection opens and is useless",
+          "[BRG-042]") {
+    auto map = impatient();
+    map.link.backoff_min = 20ms;
+    map.link.backoff_max = 80ms;
+    const auto begin = std::chrono::steady_clock::now();
+    SECTION("nobody there") {
+        std::uint16_t port = 0;
+        { port = rig::ModbusServer(stub::shipped_map(), {}).port(); }
+        const rig::ModbusClient client(map, rig::TcpServer{"127.0.0.1", port});
+        REQUIRE(eventually([&] { return client.snapshot().counters.failed_connects >= 5; }));
+    }
+    SECTION("closed at the first request") {
+        fake::TcpPlc plc([](const Request&) { return false; });
+        const rig::ModbusClient client(map, rig::TcpServer{"127.0.0.1", plc.port()});
+        REQUIRE(eventually([&] { return plc.requests() >= 5; }));
+    }
+    SECTION("closed at the poll") {
+        fake::TcpPlc plc([](const Request& request) { return !is_poll(request) && fake::honest(request); });
+        const rig::ModbusClient client(map, rig::TcpServer{"127.0.0.1", plc.port()});
+        REQUIRE(eventually([&] { return client.snapshot().counters.connects >= 5; }));
+    }
+    CHECK(std::chrono::steady_clock::now() - begin >= 20ms + 40ms + 80ms + 80ms);
+}
+
 TEST_CASE("A server that accepts and never answers", "[BRG-033]") {
     fake::TcpPlc plc([](const Request&) { return true; });
     const rig::ModbusClient client(impatient(), rig::TcpServer{"127.0.0.1", plc.port()});
