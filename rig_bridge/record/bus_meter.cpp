@@ -26,7 +26,10 @@ BusMeter::BusMeter(const antiskid::can::Layout& layout, const MeterParameters& p
 void BusMeter::accept(const antiskid::can::Frame& frame) {
     const auto role = observer_.accept(frame);
     if (!role) return;
-    if (*role == Role::faults && view().maneuver_state.phase != 0) faults_.insert(view().controller.faults);
+    // Until spin-up ends with arming, the controller still names what an earlier maneuver left.
+    constexpr std::uint8_t kSpinUp = 1;
+    if (*role == Role::faults && view().maneuver_state.phase > kSpinUp)
+        faults_.insert(view().controller.faults);
     if (*role == Role::sync) {
         count_sync();
     } else if (*role == Role::pressure && !sync_) {

@@ -32,7 +32,7 @@ class BusMeter {
     [[nodiscard]] const Meter& meter() const { return meter_; }
     [[nodiscard]] const antiskid::can::BusView& view() const { return observer_.view(); }
     [[nodiscard]] const antiskid::can::Observer& observer() const { return observer_; }
-    /// Every fault that the controller named since the first phase after `idle`.
+    /// Every fault that the controller named since the end of spin-up, where it is armed.
     [[nodiscard]] antiskid::control::FaultSet faults() const { return faults_; }
     /// Frames missing as their counters say, of all messages: on the bus, or between bus and recorder.
     [[nodiscard]] std::uint64_t frames_lost() const;

@@ -74,7 +74,7 @@ TEST_CASE("numbers shared by all come from sequencer.toml, a scenario's own stan
     CHECK(shipped("endurance").mean.cool_to_C == 60.0);
     CHECK(shipped("heavy").mean.settle_s == 1.0);
     CHECK(shipped("rejected_takeoff").mean.settle_s == 3.3);
-    CHECK(shipped("heavy").mean.abort_limit_s == 600.0);
+    CHECK(shipped("heavy").mean.abort_limit_s == 60.0);
 }
 
 TEST_CASE("overspeed is what the wheel's spin-up and drag cost", "[BRG-122]") {
