@@ -28,11 +28,11 @@ class Session {
     [[nodiscard]] const can::ControllerPort& port() const { return port_; }
 
   private:
+    CycleRing ring_;
     can::ControllerPort port_;
     control::Controller controller_;
     FrameIntake intake_;
     std::unique_ptr<Pacer> pacer_;
-    CycleRing ring_;
     ControlLoop loop_;
 };
 

@@ -63,7 +63,7 @@ struct CampaignCommand {
 
     /// The folder that holds the maneuvers: `folder`, or the one campaign of the ledger in it.
     [[nodiscard]] fs::path campaign_folder() const {
-        const fs::path given = fs::absolute(folder / "").parent_path();
+        fs::path given = fs::absolute(folder / "").parent_path();
         const fs::path inside = ledger_in(given);
         if (inside.empty()) return given;
         const std::vector<Campaign> campaigns = read_campaigns(inside);

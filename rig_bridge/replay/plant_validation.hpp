@@ -36,10 +36,10 @@ struct ValidationErrors {
 };
 
 struct ValidationRow {
-    double time_s;  ///< since brake-on
-    double speed_mps, simulated_speed_mps;
+    double time_s = 0.0;  ///< since brake-on
+    double speed_mps = 0.0, simulated_speed_mps = 0.0;
     std::optional<double> wheel_rim_mps, simulated_wheel_rim_mps, slip, simulated_slip;
-    double pressure_Pa;
+    double pressure_Pa = 0.0;
 };
 
 struct Validation {

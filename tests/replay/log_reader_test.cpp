@@ -50,7 +50,7 @@ TEST_CASE("a log gives its frames in order, plain and gzip alike, over many bloc
     std::mt19937_64 random(3001);
     std::vector<rig::Frame> frames;
     const std::string text = random_log(random, 50'000, frames);
-    REQUIRE(text.size() > 5 * 256 * 1024);
+    REQUIRE(text.size() > std::size_t{5} * 256 * 1024);
     expect(Reading(dir.write("plain.log", text)), frames);
     expect(Reading(write_gzip(dir.write("x", "").parent_path() / "a.log.gz", text)), frames);
     // The name does not matter, and members of gzip files may follow each other.
@@ -164,7 +164,7 @@ TEST_CASE("mutated logs: every line is a frame or a counted warning", "[BRG-303]
     std::mt19937_64 random(303);
     constexpr std::array kOfAll{LogTrouble::malformed_line, LogTrouble::long_line, LogTrouble::not_text,
                                 LogTrouble::fd_frame, LogTrouble::other_interface};
-    const std::string alphabet = "0123456789ABCDEFabcdefRT#().\r\n \t\0\xFF\x80xvcan";
+    const std::string alphabet = std::string("0123456789ABCDEFabcdefRT#().\r\n \t") + '\0' + "\xFF\x80xvcan";
     for (int round = 0; round < 300; ++round) {
         std::vector<rig::Frame> frames;
         std::string text = random_log(random, 200, frames);
