@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -9,6 +10,7 @@
 #include "firmware/can/load_layout.hpp"
 #include "firmware/linux/controller_config.hpp"
 #include "plant_sim/study/drive.hpp"
+#include "plant_sim/wear/brake_state.hpp"
 
 namespace plant_sim {
 
@@ -73,7 +75,10 @@ void ScenarioOptions::add_to(CLI::App& app) {
     app.add_option("--profile", profile, "current of the open-loop law: CSV time_s,current_mA from brake-on");
     app.add_option("--mass", choice.mass_kg, "mass on the wheel, kg, instead of the maneuver's");
     app.add_option("--speed", choice.speed_mps, "brake-on speed, m/s, instead of the maneuver's");
-    app.add_option("--mu-b", choice.friction, "mean brake friction instead of a new brake's");
+    app.add_option("--mu-b", choice.friction, "mean brake friction of this maneuver, whatever the brake");
+    app.add_option(
+        "--friction-curves", choice.friction_curves,
+        "TOML with [brake.relative_friction] instead of the rig's, as `rig-lab wear dynamics` writes it");
     app.add_option("--carrier", choice.carrier,
                    "aircraft, or flywheel: the loading device lags behind eq. (2)")
         ->transform(CLI::CheckedTransformer(std::map<std::string, plant::Carrier>{
@@ -100,7 +105,15 @@ Scenario load_scenario(const ScenarioOptions& o) {
                .controller = antiskid::load_controller_config(controller_file),
                .layout = antiskid::can::load_layout(dbc_file, binding_file),
                .session = {},
-               .config_hash = {}};
+               .config_hash = {},
+               .brake = {}};
+    if (o.brake.given()) {
+        s.brake = o.brake.brake_of(s.plant.wear, o.seed);
+        plant::RigParameters& rig = s.plant.rig;
+        if (!o.choice.friction)
+            rig.mean_friction =
+                std::max(s.brake->next_friction(), plant::least_mean_friction(rig.friction_curve));
+    }
     std::vector<std::filesystem::path> files = s.plant.files;
     files.insert(files.end(), {controller_file, dbc_file, binding_file});
     s.config_hash = settings::hash(files);
@@ -111,6 +124,13 @@ Scenario load_scenario(const ScenarioOptions& o) {
     return s;
 }
 
+void Scenario::keep_brake(const ScenarioOptions& o, double energy_J) const {
+    if (!brake || o.brake.state.empty()) return;
+    wear::WearingBrake after = *brake;
+    after.take(energy_J);
+    wear::keep_brake_state(o.brake.state, after.state(), after.wear());
+}
+
 study::StopReport Scenario::report(const ScenarioOptions& o) const {
     return {.maneuver = o.choice.maneuver,
             .surface = o.choice.surface,
@@ -118,6 +138,7 @@ study::StopReport Scenario::report(const ScenarioOptions& o) const {
             .slip_reference = o.slip,
             .mass_kg = plant.rig.wheel.mass_kg,
             .speed_mps = plant.rig.brake_on_mps,
+            .brake_taken_J = brake ? std::optional(brake->state().c_e_J) : std::nullopt,
             .figures = {},
             .faults = {},
             .seed = o.seed,

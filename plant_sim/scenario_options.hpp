@@ -9,6 +9,7 @@
 
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"
+#include "plant_sim/brake_options.hpp"
 #include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/study/report.hpp"
 #include "plant_sim/study/rig_session.hpp"
@@ -26,7 +27,9 @@ struct ScenarioOptions {
     std::optional<double> deceleration_mps2;
     std::filesystem::path profile;  ///< current over time since brake-on, for the open-loop law
     std::uint64_t seed = 1;
+    BrakeOptions brake;
 
+    /// All but `brake`, whose own add_to() is for programs that keep the brake's state.
     void add_to(CLI::App& app);
 };
 
@@ -37,7 +40,10 @@ struct Scenario {
     antiskid::can::Layout layout;
     study::SessionOptions session;
     std::string config_hash;
+    std::optional<wear::WearingBrake> brake;  ///< where one was asked for; before the maneuver
 
+    /// Where the options say so: the brake after it took `energy_J`, to its state file. Throws settings::Error.
+    void keep_brake(const ScenarioOptions& options, double energy_J) const;
     /// The report's head: what was run.
     [[nodiscard]] study::StopReport report(const ScenarioOptions& options) const;
     /// As a picture's title.

@@ -24,9 +24,11 @@
 #include "firmware/linux/realtime.hpp"
 #include "firmware/linux/stop_signals.hpp"
 #include "firmware/linux/supervised_can.hpp"
+#include "plant_sim/brake_options.hpp"
 #include "plant_sim/plc/load_served_rig.hpp"
 #include "plant_sim/serve_node.hpp"
 #include "plant_sim/serve_reporter.hpp"
+#include "plant_sim/wear/brake_state.hpp"
 #include "rig_bridge/modbus/server.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
 
@@ -45,7 +47,7 @@ struct Options {
     std::filesystem::path dbc, binding, registers;
     std::filesystem::path port_file;
     std::filesystem::path scenario;
-    double taken_MJ = 0.0;
+    BrakeOptions brake;
     std::uint64_t seed = 1;
     int priority = 70;
     int answer_timeout_ms = 100;
@@ -91,11 +93,7 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         ->check(CLI::Range(1, 3'600'000))
         ->type_name("MS")
         ->capture_default_str();
-    app.add_option("--brake-energy", o.taken_MJ,
-                   "energy that the brake has taken before, for a campaign that goes on")
-        ->check(CLI::Range(0.0, 1e6))
-        ->type_name("MJ")
-        ->capture_default_str();
+    o.brake.add_to(app);
     app.add_option("--seed", o.seed, "seed of every random draw")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
@@ -116,7 +114,10 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         "  virtual-rig serve --can vcan0 --scenario config/scenarios/endurance.toml --clock sync --modbus "
         "127.0.0.1:0 --port-file "
         "port\n"
-        "Exit status: 0 stopped by SIGTERM; 1 interface or port not to be had; 2 mistake on the command line "
+        "  virtual-rig serve --can vcan0 --scenario config/scenarios/endurance.toml --brake-state "
+        "brake.json\n"
+        "Exit status: 0 stopped by SIGTERM; 1 interface or port not to be had, or the brake's state not "
+        "kept; 2 mistake on the command line "
         "or in a configuration "
         "file; 130 stopped by Ctrl-C.");
     try {
@@ -163,7 +164,9 @@ Served load(const Options& o) {
     s.rig.period_s = static_cast<double>(antiskid::load_controller_config(scenario.controller).period_s);
     s.rig.watchdog_s = std::chrono::duration<double>(s.map.bridge_timeout).count();
     s.rig.map_version = s.map.version;
-    s.rig.taken_J = o.taken_MJ * 1e6;
+    s.rig.brake = o.brake.brake_of(s.plant.wear, o.seed);
+    if (!o.brake.state.empty())  // a place that cannot be written shows before anything runs
+        wear::keep_brake_state(o.brake.state, s.rig.brake->state(), s.plant.wear);
     return s;
 }
 
@@ -191,7 +194,42 @@ void summarise(const ServeState& state, const plc::ServedRig& rig, const rig::Se
         rig.maneuvers(), rig.cumulative_energy_J() * 1e-6);
 }
 
+/// Keeps the brake after each maneuver. Runs in the reporter's thread.
+class BrakeKeeper {
+  public:
+    BrakeKeeper(const Options& options, const wear::WearingBrake& brake)
+        : file_(options.brake.state), brake_(brake), said_(brake.extrapolates()) {}
+
+    /// What there is to say about it.
+    std::string keep(const wear::BrakeState& state) {
+        std::string text;
+        if (!file_.empty()) {
+            try {
+                wear::keep_brake_state(file_, state, brake_.wear());
+                failed_ = false;
+            } catch (const settings::Error& e) {
+                text = fmt::format("the brake's state could not be kept: {}", e.what());
+                failed_ = true;
+            }
+        }
+        const std::string beyond = extrapolation_notice({brake_.wear(), brake_.rule(), state});
+        if (!beyond.empty() && !said_) text += (text.empty() ? "" : "; ") + beyond;
+        said_ = !beyond.empty();
+        return text;
+    }
+    [[nodiscard]] bool failed() const { return failed_; }
+
+  private:
+    std::filesystem::path file_;
+    wear::WearingBrake brake_;
+    bool said_;
+    bool failed_ = false;
+};
+
 int run(const Options& o, const Served& s) {
+    BrakeKeeper keeper(o, *s.rig.brake);
+    if (const std::string beyond = extrapolation_notice(*s.rig.brake); !beyond.empty())
+        fmt::print(stderr, "virtual-rig: {}\n", beyond);
     antiskid::rt::StopSignals signals;
     const antiskid::can::IdList wanted = antiskid::can::ids(s.layout, std::array{antiskid::can::Role::valve});
     antiskid::rt::SupervisedCan bus(
@@ -208,8 +246,9 @@ int run(const Options& o, const Served& s) {
     announce(o, server);
     {
         const ServeReporter reporter(
-            node.state(), bus, o.interface, s.rig.period_s,
-            [](const std::string& line) { fmt::print(stderr, "virtual-rig: {}\n", line); });
+            node, bus, o.interface, s.rig.period_s,
+            [](const std::string& line) { fmt::print(stderr, "virtual-rig: {}\n", line); },
+            [&keeper](const wear::BrakeState& brake) { return keeper.keep(brake); });
         if (o.clock == "sync") {
             node.run_lockstep(signals.stop(), Time(o.answer_timeout_ms * std::int64_t{1'000'000}));
         } else {
@@ -218,6 +257,7 @@ int run(const Options& o, const Served& s) {
         }
     }
     summarise(node.state(), rig, server.counters());
+    if (keeper.failed()) return 1;
     return signals.number() == SIGINT ? 130 : 0;
 }
 

@@ -93,6 +93,10 @@ void ServeNode::advance() {
     state_.trip = plc.state() == rig::PlcState::tripped ? plc.trip() : plc::Trip::none;
     state_.refused = plc.refused_commit() * 256U + static_cast<std::uint32_t>(plc.refusal());
     ++state_.periods;
+    if (rig_.brake() && rig_.brake()->state().maneuvers != maneuvers_) {
+        brake_states_.push(rig_.brake()->state());
+        maneuvers_ = rig_.brake()->state().maneuvers;
+    }
 }
 
 void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout) {

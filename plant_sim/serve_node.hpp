@@ -10,6 +10,7 @@
 #include "firmware/can/layout.hpp"
 #include "firmware/can/rig_port.hpp"
 #include "firmware/linux/clock.hpp"
+#include "firmware/linux/spsc_ring.hpp"
 #include "plant_sim/plc/served_rig.hpp"
 
 namespace plant_sim {
@@ -25,6 +26,9 @@ struct ServeState {
         0};  ///< periods that were not sent in time; they have passed all the same
     std::atomic<std::uint64_t> frames_lost{0};
 };
+
+/// The brake after each maneuver, for whoever keeps it: one reader.
+using BrakeStates = antiskid::rt::SpscRing<wear::BrakeState, 16>;
 
 class ServeNode {
   public:
@@ -44,6 +48,7 @@ class ServeNode {
     void run_realtime(const std::atomic<bool>& stop);
 
     [[nodiscard]] const ServeState& state() const { return state_; }
+    [[nodiscard]] BrakeStates& brake_states() { return brake_states_; }
 
     /// The valve's driver gives no current when no command came for so long, in rig time.
     static constexpr antiskid::control::Time kDriverWatchdog{20'000'000};
@@ -59,6 +64,7 @@ class ServeNode {
     void catch_up(const std::atomic<bool>& stop);
     void advance();
 
+    BrakeStates brake_states_;  // first: its lines of cache leave no gap here
     plc::ServedRig& rig_;
     antiskid::can::Bus& bus_;
     antiskid::rt::Clock& clock_;
@@ -70,6 +76,7 @@ class ServeNode {
     std::uint32_t commands_ = 0;  ///< valve commands that have acted
     antiskid::control::Time command_age_ = 2 * kDriverWatchdog;
     ServeState state_;
+    std::uint64_t maneuvers_ = 0;  ///< of the brake
 };
 
 }  // namespace plant_sim

@@ -7,13 +7,15 @@
 
 namespace plant_sim {
 
-ServeReporter::ServeReporter(const ServeState& state, antiskid::rt::SupervisedCan& bus, std::string interface,
-                             double period_s, Say say)
-    : state_(state),
+ServeReporter::ServeReporter(ServeNode& node, antiskid::rt::SupervisedCan& bus, std::string interface,
+                             double period_s, Say say, ManeuverEnded maneuver_ended)
+    : state_(node.state()),
+      brakes_(node.brake_states()),
       bus_(bus),
       interface_(std::move(interface)),
       period_s_(period_s),
       say_(std::move(say)),
+      maneuver_ended_(std::move(maneuver_ended)),
       thread_([this] { run(); }) {}
 
 ServeReporter::~ServeReporter() {
@@ -34,6 +36,10 @@ void ServeReporter::run() {
 }
 
 void ServeReporter::look() {
+    for (wear::BrakeState brake; brakes_.pop(brake);) {
+        const std::string text = maneuver_ended_ ? maneuver_ended_(brake) : std::string();
+        if (!text.empty()) say(text);
+    }
     if (bus_.lost()) {
         const std::string error = bus_.service();
         if (!error.empty() && error != link_error_) say(error);

@@ -18,9 +18,12 @@ class ServeReporter {
     /// Called with each line, rig time in front, from the reporter's thread.
     using Say = std::function<void(const std::string&)>;
 
-    /// State and bus must outlive it. `period_s` is the node's.
-    ServeReporter(const ServeState& state, antiskid::rt::SupervisedCan& bus, std::string interface,
-                  double period_s, Say say);
+    /// Called with the brake after each maneuver; what comes back is said, unless it is empty.
+    using ManeuverEnded = std::function<std::string(const wear::BrakeState&)>;
+
+    /// Node and bus must outlive it. `period_s` is the node's.
+    ServeReporter(ServeNode& node, antiskid::rt::SupervisedCan& bus, std::string interface, double period_s,
+                  Say say, ManeuverEnded maneuver_ended = {});
     ~ServeReporter();
     ServeReporter(const ServeReporter&) = delete;
     ServeReporter& operator=(const ServeReporter&) = delete;
@@ -31,10 +34,12 @@ class ServeReporter {
     void say(const std::string& what) const;
 
     const ServeState& state_;
+    BrakeStates& brakes_;
     antiskid::rt::SupervisedCan& bus_;
     std::string interface_;
     double period_s_;
     Say say_;
+    ManeuverEnded maneuver_ended_;
     bool link_up_ = true;
     bool controller_heard_ = false;
     plc::Trip trip_ = plc::Trip::none;

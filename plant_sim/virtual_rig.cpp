@@ -63,10 +63,12 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         ->check(CLI::Range(0, 99))
         ->capture_default_str();
     o.scenario.add_to(app);
+    o.scenario.brake.add_to(app);
     app.footer(
         "Examples:\n"
         "  virtual-rig --can vcan0 --maneuver heavy --surface dry_asphalt --slip 0.24 --out out/stop\n"
         "  virtual-rig --can vcan0 --clock timer --surface snow --law threshold\n"
+        "  virtual-rig --can vcan0 --brake-state brake.json\n"
         "Exit status: 0 the maneuver ran to standstill; 1 it did not (controller silent, interface gone, no "
         "standstill);\n"
         "2 mistake on the command line or in a configuration file; 130 stopped by Ctrl-C.");
@@ -84,6 +86,10 @@ int exit_status(plant_sim::Ending ending) {
 }
 
 int run(const Options& o, const plant_sim::Scenario& s) {
+    if (s.brake) {
+        const std::string notice = plant_sim::extrapolation_notice(*s.brake);
+        if (!notice.empty()) fmt::print(stderr, "virtual-rig: {}\n", notice);
+    }
     antiskid::rt::StopSignals signals;
     const antiskid::can::IdList wanted = antiskid::can::ids(s.layout, antiskid::can::kToRig);
     antiskid::can::SocketCan bus(o.interface, wanted.span());
@@ -130,6 +136,9 @@ int run(const Options& o, const plant_sim::Scenario& s) {
                              session.pilot().brake_on_s());
         }
     }
+    // A maneuver that never reached its brake-on wears nothing and is none.
+    const double taken_J = session.rig().wheel().energy_brake_J;
+    if (taken_J > 0.0) s.keep_brake(o.scenario, taken_J);
     if (!result.reason.empty()) fmt::print(stderr, "virtual-rig: {}\n", result.reason);
     return exit_status(result.ending);
 }

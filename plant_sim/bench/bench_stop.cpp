@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -16,85 +15,30 @@
 #include <vector>
 
 #include "config/reader/atomic_file.hpp"
-#include "firmware/can/rounded_link.hpp"
 #include "firmware/control/controller.hpp"
+#include "plant_sim/bench/closed_loop.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/odeint_plant.hpp"
 #include "plant_sim/scenario_options.hpp"
-#include "plant_sim/study/in_process.hpp"
-#include "plant_sim/study/pilot.hpp"
 
 namespace {
 
-using antiskid::control::Command;
 using antiskid::control::Controller;
 using antiskid::control::Sensors;
-using antiskid::control::Time;
 
-constexpr Time kPeriod{1'000'000};
+using bench::kPeriod;
 constexpr double kOdeTolerance = 1e-6;
 constexpr int kRounds = 7;
-
-antiskid::can::SpeedSample speed(const plant::Encoder& encoder, double now_s) {
-    return {.edge_count = encoder.edge_count(),
-            .edge_time = Time(std::llround(encoder.edge_time_s() * 1e9)),
-            .speed_radps = static_cast<float>(encoder.speed_radps(now_s))};
-}
-
-double speed_of(const plant::Rig& rig) {
-    return rig.wheel().v_mps;
-}
-double speed_of(const bench::OdeintRig& rig) {
-    return rig.v_mps();
-}
-double distance_of(const plant::Rig& rig) {
-    return rig.wheel().distance_m;
-}
-double distance_of(const bench::OdeintRig& rig) {
-    return rig.distance_m();
-}
-
-struct Stop {
-    std::int64_t steps = 0;
-    double distance_m = 0.0;
-    std::vector<Sensors> seen;  // kept on request
-};
-
-/// The same loop for either plant, down to drop-out.
-template <typename Plant>
-Stop stop(Plant& rig, const plant_sim::Scenario& s, bool keep) {
-    study::Pilot pilot(s.session.plan);
-    antiskid::can::RoundedLink link(s.layout, kPeriod);
-    Controller controller(s.controller);
-    antiskid::can::RigSample sample;
-    Stop out;
-    bool touched = false;
-    while (speed_of(rig) > s.plant.drop_out_mps && rig.time_s() < 600.0) {
-        sample.wheel = speed(rig.wheel_encoder(), rig.time_s());
-        sample.flywheel = speed(rig.flywheel_encoder(), rig.time_s());
-        sample.pressure_Pa = static_cast<float>(rig.measured_pressure_Pa());
-        sample.maneuver = pilot.command();
-        const Time now = kPeriod * out.steps;
-        const Sensors& sensors = link.sense(sample, now);
-        if (keep) out.seen.push_back(sensors);
-        const Command command = controller.step(sensors, now);
-        rig.advance_current(static_cast<double>(link.current_mA(command)));
-        pilot.update(rig.time_s(), false);
-        if (!touched && pilot.phase() != study::Phase::approach) {
-            rig.touch_down();
-            touched = true;
-        }
-        ++out.steps;
-    }
-    out.distance_m = distance_of(rig);
-    return out;
-}
 
 plant_sim::Scenario scenario(const char* maneuver, const char* surface) {
     plant_sim::ScenarioOptions o;
     o.choice.maneuver = maneuver;
     o.choice.surface = surface;
     return plant_sim::load_scenario(o);
+}
+
+bench::Loop loop_of(const plant_sim::Scenario& s) {
+    return {s.controller, s.layout, s.session.plan, s.plant.drop_out_mps};
 }
 
 /// Instructions that this thread retires, where the machine can count them.
@@ -119,7 +63,7 @@ std::optional<std::uint64_t> instructions_of(const auto& run) {
 /// Single steps by the clock, less what the clock itself takes.
 nlohmann::ordered_json step_cost(const plant_sim::Scenario& s) {
     plant::Rig rig(s.plant.rig, 1e-3, 1);
-    const std::vector<Sensors> seen = stop(rig, s, true).seen;
+    const std::vector<Sensors> seen = bench::stop(rig, loop_of(s), true).seen;
     using Clock = std::chrono::steady_clock;
     std::vector<double> ns;
     std::vector<double> empty;
@@ -167,16 +111,16 @@ int run() {
         std::vector<double> ours;
         std::vector<double> theirs;
         std::vector<double> ratios;
-        Stop a;
-        Stop b;
+        bench::Stop a;
+        bench::Stop b;
         for (int round = 0; round < kRounds; ++round) {
             ours.push_back(bench::processor_s_of([&] {
                 plant::Rig rig(s.plant.rig, 1e-3, 1);
-                a = stop(rig, s, false);
+                a = bench::stop(rig, loop_of(s), false);
             }));
             theirs.push_back(bench::processor_s_of([&] {
                 bench::OdeintRig rig(s.plant.rig, kOdeTolerance, 1);
-                b = stop(rig, s, false);
+                b = bench::stop(rig, loop_of(s), false);
             }));
             ratios.push_back(theirs.back() / ours.back());
             all.push_back(ratios.back());

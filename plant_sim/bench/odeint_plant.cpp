@@ -8,7 +8,7 @@ namespace odeint = boost::numeric::odeint;
 
 Equations::Equations(const plant::RigParameters& rig)
     : brake_(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps),
-      surface_(rig.surface),
+      tyre_(rig.surface.law()),
       base_N_(rig.load.base_N),
       lift_(rig.load.lift_Ns2pm2),
       free_radius_(rig.wheel.free_radius_m),

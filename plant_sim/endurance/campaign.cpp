@@ -4,9 +4,13 @@
 
 #include <array>
 #include <chrono>
+#include <optional>
 
+#include "config/reader/hash.hpp"
 #include "firmware/can/value_names.hpp"
 #include "plant_sim/endurance/test_cell.hpp"
+#include "plant_sim/wear/brake_state.hpp"
+#include "rig_bridge/health/health_watch.hpp"
 
 namespace endurance {
 
@@ -33,13 +37,46 @@ std::vector<std::string> names(antiskid::control::FaultSet faults) {
     return list;
 }
 
+/// Files and options: a campaign goes on with both as they were.
+std::string configuration(const Setup& setup, const CampaignOptions& o) {
+    if (o.rule == wear::ConditionalRule{} && o.taken_J == 0.0) return setup.config_hash;
+    const std::string brake = fmt::format("{} {} {}", static_cast<int>(o.rule.variance),
+                                          static_cast<int>(o.rule.choice), o.taken_J);
+    const std::array<std::string_view, 2> parts{setup.config_hash, brake};
+    return settings::hash_bytes(parts);
+}
+
+/// The brake before the next maneuver. Its energy is what the ledger says; the state file may be a maneuver behind, where the program was
+/// killed between the two.
+wear::BrakeState brake_before(const CampaignOptions& o, const wear::BrakeWear& wear,
+                              const rig::Ledger& ledger, const std::string& campaign) {
+    std::optional<wear::BrakeState> kept;
+    if (!o.brake_state.empty()) kept = wear::find_brake_state(o.brake_state, wear);
+    std::vector<double> energies_J;
+    for (const rig::LedgerRow& row : rig::read_ledger(o.ledger, campaign)) {
+        if (row.state == rig::RowState::finished || row.state == rig::RowState::aborted)
+            energies_J.push_back(row.summary.cumulative_energy_J);
+    }
+    if (energies_J.empty()) return kept.value_or(wear::BrakeState{o.seed, 0, o.taken_J});
+    const double now_J = ledger.cumulative_energy_J();
+    if (!kept) return {o.seed, energies_J.size(), now_J};
+    if (kept->c_e_J == now_J) return *kept;
+    if (energies_J.size() > 1 && kept->c_e_J == energies_J[energies_J.size() - 2])
+        return {kept->seed, kept->maneuvers + 1, now_J};
+    throw settings::Error(
+        o.brake_state.string(), 0, "cumulative_energy_J",
+        fmt::format("{} J is not where the campaign in {} stands ({} J); the brake has been "
+                    "used elsewhere since, or never was this one",
+                    kept->c_e_J, o.ledger.string(), now_J));
+}
+
 rig::Summary head(const Setup& setup, const CampaignOptions& options) {
     rig::Summary summary;
     summary.campaign = setup.scenario.name;
     summary.scenario = setup.scenario.name;
     summary.seed = options.seed;
     summary.version = ANTISKID_VERSION;
-    summary.config_hash = setup.config_hash;
+    summary.config_hash = configuration(setup, options);
     return summary;
 }
 
@@ -63,30 +100,44 @@ CampaignResult run_campaign(const Setup& setup, const CampaignOptions& options,
                           .scenario = next.scenario,
                           .seed = options.seed,
                           .planned = options.maneuvers,
-                          .config_hash = setup.config_hash,
+                          .config_hash = next.config_hash,
                           .version = next.version,
                           .created = rig_clock(0.0)},
                          rig::IfChanged::refuse);
     CampaignResult result;
     result.already = ledger.finished_count();
     plc::ServedRigOptions machinery = setup.machinery;
-    machinery.taken_J = next.cumulative_energy_J = ledger.cumulative_energy_J();
+    const wear::BrakeWear& wear = setup.scenario.rig.wear;
+    wear::BrakeState brake = brake_before(options, wear, ledger, next.campaign);
+    next.cumulative_energy_J = brake.c_e_J;
+    machinery.brake.emplace(wear, options.rule, brake);
     TestCell cell(setup.scenario, setup.controller, setup.layout, machinery, options.seed);
+    std::optional<rig::HealthWatch> watch;
+    if (!options.wear_model.empty()) {
+        watch.emplace(options.wear_model);
+        rig::catch_up(*watch, ledger, rig::read_ledger(options.ledger, next.campaign));
+    }
     while (const auto number = ledger.next_number()) {
         if (options.stop != nullptr && options.stop->load()) break;
         next.number = *number;
         next.started = rig_clock(cell.time_s());
         (void)ledger.begin(*number, next.started);
+        cell.rig().take_up(brake);
         result.last = summary_of(next, cell.run(rig::plan(setup.scenario, options.seed, *number)));
         ledger.finish(result.last);
+        if (watch && result.last.outcome == "finished") ledger.judge(*number, watch->after(result.last));
         next.cumulative_energy_J = result.last.cumulative_energy_J;
+        brake = {brake.seed, brake.maneuvers + 1, next.cumulative_energy_J};
+        if (!options.brake_state.empty()) wear::keep_brake_state(options.brake_state, brake, wear);
         if (observe) observe(result.last, options.maneuvers);
         result.aborted = result.last.outcome != "finished";
         if (result.aborted) break;
     }
+    if (watch) result.health = watch->newest();
     for (rig::LedgerRow& row : rig::read_ledger(options.ledger, next.campaign)) {
         if (row.state == rig::RowState::finished) result.finished.push_back(std::move(row.summary));
     }
+    result.brake.emplace(wear, options.rule, brake);
     return result;
 }
 

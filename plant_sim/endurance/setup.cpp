@@ -14,12 +14,14 @@ Setup load_setup(const std::filesystem::path& scenario, const std::filesystem::p
     const auto dbc = config / "antiskid.dbc";
     const auto binding = config / "antiskid_binding.toml";
     std::vector<std::filesystem::path> files = loaded.files;
+    plc::ServedRigOptions machinery =
+        plc::load_served_rig(config, loaded.endurance() ? plc::Bench::endurance : plc::Bench::landing);
+    machinery.brake.emplace(loaded.rig.wear, wear::ConditionalRule{}, wear::BrakeState{});
     files.insert(files.end(), {loaded.controller, plc::machinery_file(config), dbc, binding});
     return {.scenario = loaded,
             .controller = antiskid::load_controller_config(loaded.controller),
             .layout = antiskid::can::load_layout(dbc, binding),
-            .machinery = plc::load_served_rig(
-                config, loaded.endurance() ? plc::Bench::endurance : plc::Bench::landing),
+            .machinery = machinery,
             .config_hash = settings::hash(files)};
 }
 

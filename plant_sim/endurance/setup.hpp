@@ -15,8 +15,8 @@ struct Setup {
     rig::Scenario scenario;
     antiskid::control::Config controller;
     antiskid::can::Layout layout;
-    plc::ServedRigOptions machinery;
-    std::string config_hash;  ///< of every file that was read
+    plc::ServedRigOptions machinery;  ///< with a new brake
+    std::string config_hash;          ///< of every file that was read
 };
 
 /// Throws settings::Error naming file, line and key, or std::invalid_argument.

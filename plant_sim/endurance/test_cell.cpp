@@ -58,6 +58,18 @@ rig::ShaftSample shaft(const antiskid::can::SpeedSample& sample) {
             .speed_radps = static_cast<double>(sample.speed_radps)};
 }
 
+antiskid::can::LoadCellSample load_cells(const rig::MeasuredValues& m) {
+    return {.vertical_N = static_cast<float>(rig::at(m, Measured::vertical_load_N)),
+            .longitudinal_N = static_cast<float>(rig::at(m, Measured::longitudinal_force_N)),
+            .brake_torque_Nm = static_cast<float>(rig::at(m, Measured::brake_torque_Nm))};
+}
+
+antiskid::can::ManeuverStateSample maneuver_state(Phase phase, const rig::MeasuredValues& m) {
+    return {.phase = static_cast<std::uint8_t>(phase),
+            .number = 1,
+            .brake_temperature_C = static_cast<float>(rig::at(m, Measured::brake_temperature_C))};
+}
+
 /// The meter needs some 50 ms before brake-on and nothing after the brake.
 bool metered(Phase phase) {
     return phase == Phase::settling || phase == Phase::braking || phase == Phase::standstill ||
@@ -102,14 +114,20 @@ void TestCell::measure(Phase phase, const antiskid::can::RigSample& sample, rig:
                                         .brake_temperature_C = rig::at(m, Measured::brake_temperature_C)}));
 }
 
-void TestCell::period(const sequencer::Outputs& outputs, rig::Meter& meter) {
+void TestCell::period(const sequencer::Outputs& outputs, rig::Meter& meter, const PeriodObserver& observe) {
     antiskid::can::RigSample sample = rig_.sample();
     sample.maneuver = maneuver(outputs);
     sample.emergency_stop = outputs.emergency_stop;
     if (metered(outputs.phase)) measure(outputs.phase, sample, meter);
     command_ = controller_.step(link_.sense(sample, now_), now_);
     faults_.insert(command_.faults);
-    rig_.advance(static_cast<double>(link_.current_mA(command_)));
+    const auto current_mA = static_cast<double>(link_.current_mA(command_));
+    if (observe) {
+        sample.load_cells = load_cells(rig_.measured());
+        sample.maneuver_state = maneuver_state(outputs.phase, rig_.measured());
+        observe({.time_s = rig_.time_s(), .sample = sample, .command = command_, .current_mA = current_mA});
+    }
+    rig_.advance(current_mA);
     now_ += period_;
 }
 
@@ -118,7 +136,7 @@ void TestCell::cool(const sequencer::Plan& plan) {
     if (std::isfinite(wait_s)) rig_.pass_idle(wait_s);
 }
 
-Outcome TestCell::run(const sequencer::Plan& plan) {
+Outcome TestCell::run(const sequencer::Plan& plan, const PeriodObserver& observe) {
     sequencer::Sequencer sequencer(plan);
     rig::Meter meter(rig::meter_parameters(scenario_, seconds(period_)));
     faults_ = {};
@@ -126,7 +144,7 @@ Outcome TestCell::run(const sequencer::Plan& plan) {
         const sequencer::Outputs outputs = sequencer.step(look(meter), rig_.time_s());
         rig_.command(plc_.command(outputs, rig_.time_s()));
         if (outputs.phase == Phase::cool_down && rig_.idle()) cool(plan);
-        for (std::int64_t i = 0; i < periods_per_step_; ++i) period(outputs, meter);
+        for (std::int64_t i = 0; i < periods_per_step_; ++i) period(outputs, meter, observe);
     }
     return {.phase = sequencer.phase(),
             .abort = sequencer.abort(),

@@ -8,6 +8,8 @@
 /// passes in one piece and the controller sleeps.
 #pragma once
 
+#include <functional>
+
 #include "firmware/can/layout.hpp"
 #include "firmware/can/rounded_link.hpp"
 #include "firmware/control/controller.hpp"
@@ -25,6 +27,15 @@ struct Outcome {
     antiskid::control::FaultSet faults;  ///< the controller's, latched at any time
 };
 
+/// One control period: what rig and bridge said (load cells and phase among it), and what the controller answered.
+struct Period {
+    double time_s;  ///< of the rig
+    const antiskid::can::RigSample& sample;
+    const antiskid::control::Command& command;
+    double current_mA;  ///< as the valve driver decodes it, held to the next period
+};
+using PeriodObserver = std::function<void(const Period&)>;
+
 class TestCell {
   public:
     static constexpr double kSequencer_s = 0.01;
@@ -34,8 +45,8 @@ class TestCell {
     TestCell(const rig::Scenario& scenario, const antiskid::control::Config& controller,
              const antiskid::can::Layout& layout, plc::ServedRigOptions options, std::uint64_t seed);
 
-    /// One maneuver from idle to its end.
-    [[nodiscard]] Outcome run(const sequencer::Plan& plan);
+    /// One maneuver from idle to its end. `observe` sees every period that is not slept through.
+    [[nodiscard]] Outcome run(const sequencer::Plan& plan, const PeriodObserver& observe = {});
 
     /// The rig, e.g. to open an interlock or to look at the truth.
     [[nodiscard]] plc::ServedRig& rig() { return rig_; }
@@ -44,7 +55,7 @@ class TestCell {
   private:
     void measure(sequencer::Phase phase, const antiskid::can::RigSample& sample, rig::Meter& meter) const;
     [[nodiscard]] sequencer::Inputs look(const rig::Meter& meter) const;
-    void period(const sequencer::Outputs& outputs, rig::Meter& meter);
+    void period(const sequencer::Outputs& outputs, rig::Meter& meter, const PeriodObserver& observe);
     void cool(const sequencer::Plan& plan);
 
     rig::Scenario scenario_;

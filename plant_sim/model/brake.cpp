@@ -16,9 +16,14 @@ double least_friction(const FrictionCurve& curve, double friction) {
     return least;
 }
 
+double least_mean_friction(const FrictionCurve& curve) {
+    constexpr double kLeft = 0.01;
+    return kLeft - least_friction(curve, 0.0);
+}
+
 BrakeTorque::BrakeTorque(const BrakeGeometry& geometry, const FrictionCurve& curve, double mean_friction,
                          double brake_on_mps)
-    : c_(curve), inverse_speed_(1.0 / brake_on_mps), full_speed_gain_(0.0) {
+    : c_(curve), inverse_speed_(1.0 / brake_on_mps) {
     // At constant deceleration time and speed are proportional: the mean over time is the mean over x in [0,
     // 1].
     double mean = 0.0;

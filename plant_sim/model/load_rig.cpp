@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "config/reader/settings.hpp"
+#include "plant_sim/wear/load_brake_wear.hpp"
 
 namespace plant {
 
@@ -106,18 +107,45 @@ BrakeGeometry brake(const Table& t) {
             .effective_radius_m = t.number("effective_radius_m", {.min = 0.01, .max = 2.0})};
 }
 
+/// One class's curve, relative to its mean.
+FrictionCurve relative_curve(const Table& t, std::string_view name) {
+    FrictionCurve curve{};
+    const auto c = t.numbers(
+        name, {.range = {.min = -10.0, .max = 10.0}, .count = {.min = curve.size(), .max = curve.size()}});
+    std::copy(c.begin(), c.end(), curve.begin());
+    if (least_friction(curve, 1.0) <= 0.0)
+        t.fail(name, "falls to zero within the stop; mu_b must stay positive");
+    return curve;
+}
+
+FrictionCurve scaled(FrictionCurve curve, double friction) {
+    for (double& c : curve) c *= friction;
+    return curve;
+}
+
 /// All classes are read, so that a mistake in any of them shows; the chosen one comes back, times the new brake's friction.
 FrictionCurve friction_curve(const Table& t, std::size_t chosen, double friction) {
-    FrictionCurve curve{};
+    std::array<FrictionCurve, kFrictionClasses.size()> curves{};
+    for (std::size_t i = 0; i < curves.size(); ++i) curves[i] = relative_curve(t, kFrictionClasses[i]);
+    return scaled(curves[chosen], friction);
+}
+
+/// The chosen class of a file that need not have all of them; `otherwise` where it is not in it.
+FrictionCurve learnt_curve(const std::filesystem::path& path, std::size_t chosen, double friction,
+                           const FrictionCurve& otherwise) {
+    const Document doc = Document::load(path);
+    const Table t = doc.root().table("brake").table("relative_friction");
+    FrictionCurve out = otherwise;
+    bool any = false;
     for (std::size_t i = 0; i < kFrictionClasses.size(); ++i) {
-        const auto c = t.numbers(kFrictionClasses[i], {.range = {.min = -10.0, .max = 10.0},
-                                                       .count = {.min = curve.size(), .max = curve.size()}});
-        if (least_friction({c[0], c[1], c[2], c[3]}, 1.0) <= 0.0)
-            t.fail(kFrictionClasses[i], "falls to zero within the stop; mu_b must stay positive");
-        if (i != chosen) continue;
-        for (std::size_t k = 0; k < curve.size(); ++k) curve[k] = friction * c[k];
+        if (!t.has(kFrictionClasses[i])) continue;
+        any = true;
+        const FrictionCurve curve = relative_curve(t, kFrictionClasses[i]);
+        if (i == chosen) out = scaled(curve, friction);
     }
-    return curve;
+    doc.finish();
+    if (!any) t.fail("", "has no class; expected one or more of light, medium, heavy");
+    return out;
 }
 
 PressureMap pressure_map(const Table& t) {
@@ -141,7 +169,8 @@ ValveParameters valve(const Table& t) {
     return {.natural_frequency_radps =
                 2.0 * std::numbers::pi * t.number("natural_frequency_Hz", {.min = 1.0, .max = 100.0}),
             .damping = t.number("damping", {.min = 0.05, .max = 0.99}),
-            .delay_s = t.number("delay_ms", {.min = 0.0, .max = 100.0}) * 1e-3};
+            .delay_s = t.number("delay_ms", {.min = 0.0, .max = 100.0}) * 1e-3,
+            .hysteresis_mA = t.find_number("hysteresis_mA", {.min = 0.0, .max = 20.0}).value_or(0.0)};
 }
 
 TransducerParameters transducer(const Table& t) {
@@ -173,6 +202,11 @@ RigParameters common_parts(const Table& root, std::size_t friction_class, const 
         .brake_on_mps = 0.0};
 }
 
+/// The model's file stands relative to the rig's.
+wear::BrakeWear wear_of(const Table& root, const std::filesystem::path& rig_file) {
+    return wear::load_brake_wear(root.table("brake").table("wear"), rig_file.parent_path());
+}
+
 double loading_lag_s(const Table& root) {
     return root.table("loading_device").number("lag_ms", {.min = 0.0, .max = 10000.0}) * 1e-3;
 }
@@ -188,13 +222,14 @@ void check_radius(const Table& root, const WheelParameters& wheel, double load_N
 
 struct Landing {
     RigParameters rig;
+    wear::BrakeWear wear;
     double drop_out_mps;
 };
 
 Landing landing(const std::filesystem::path& path, const Maneuver& maneuver, const Surface& runway) {
     const Document doc = Document::load(path);
     const Table root = doc.root();
-    Landing landing{common_parts(root, maneuver.friction_class, runway),
+    Landing landing{common_parts(root, maneuver.friction_class, runway), wear_of(root, path),
                     root.table("evaluation").number("drop_out_mps", {.min = 0.1, .max = 50.0})};
     const Table environment = root.table("environment");
     const double rho = environment.number("air_density_kgpm3", {.min = 0.0, .max = 2.0});
@@ -224,6 +259,8 @@ double before_spin_up_mps(const RigParameters& rig) {
 
 struct FlywheelRig {
     RigParameters rig;
+    wear::BrakeWear wear;
+    std::size_t friction_class;
     double deceleration_mps2;
     double lag_s;
 };
@@ -232,7 +269,8 @@ FlywheelRig flywheel_rig(const std::filesystem::path& path, const Surface& runwa
     const Document doc = Document::load(path);
     const Table root = doc.root();
     const Table test = root.table("endurance");
-    FlywheelRig out{common_parts(root, friction_class(test), runway),
+    const std::size_t chosen = friction_class(test);
+    FlywheelRig out{common_parts(root, chosen, runway), wear_of(root, path), chosen,
                     test.number("deceleration_mps2", {.min = 0.1, .max = 20.0}), loading_lag_s(root)};
     const double inertia = root.table("flywheel").number("inertia_kgm2", {.min = 0.1, .max = 1e6});
     out.rig.wheel.mass_kg = inertia / (out.rig.flywheel_radius_m * out.rig.flywheel_radius_m);
@@ -292,7 +330,11 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
     override_with(choice.mass_kg, kMass_kg, "mass", maneuver.mass_kg);
     override_with(choice.speed_mps, kSpeed_mps, "speed", maneuver.speed_mps);
 
-    LoadedRig out{.rig = bench.rig, .files = {surface_file, maneuver_file, landing_file, flywheel_file}};
+    const std::size_t chosen = choice.maneuver == kEndurance ? bench.friction_class : maneuver.friction_class;
+    LoadedRig out{.rig = bench.rig,
+                  .friction_class = std::string(kFrictionClasses[chosen]),
+                  .wear = bench.wear,
+                  .files = {surface_file, maneuver_file, landing_file, flywheel_file}};
     const Landing gear =
         landing(landing_file, choice.maneuver == kEndurance ? known.front() : maneuver, runway);
     out.drop_out_mps = gear.drop_out_mps;
@@ -303,7 +345,13 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
         out.rig.touchdown_mps = before_spin_up_mps(out.rig);
     } else {
         out.rig = gear.rig;
+        out.wear = gear.wear;
         if (choice.carrier == Carrier::flywheel) out.rig.load.lag_s = bench.lag_s;
+    }
+    if (!choice.friction_curves.empty()) {
+        out.rig.friction_curve =
+            learnt_curve(choice.friction_curves, chosen, out.rig.mean_friction, out.rig.friction_curve);
+        out.files.push_back(choice.friction_curves);
     }
     override_with(choice.friction, {.min = 0.01, .max = 1.0}, "mu_b", out.rig.mean_friction);
     if (least_friction(out.rig.friction_curve, out.rig.mean_friction) <= 0.0) {
@@ -311,8 +359,13 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
             "mu_b: a mean of " + std::to_string(out.rig.mean_friction) +
             " takes the friction curve of this maneuver below zero; expected a larger one");
     }
+    out.files.push_back(out.wear.file);
     out.full_pressure_Pa = out.rig.pressure_map.points().back().pressure_Pa;
     return out;
+}
+
+std::vector<std::string> friction_class_names() {
+    return {kFrictionClasses.begin(), kFrictionClasses.end()};
 }
 
 std::vector<std::string> surface_names(const std::filesystem::path& directory) {

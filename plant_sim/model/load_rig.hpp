@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plant_sim/model/rig.hpp"
+#include "plant_sim/wear/wearing_brake.hpp"
 
 namespace plant {
 
@@ -27,6 +28,8 @@ struct ManeuverChoice {
     std::optional<double> mass_kg;        ///< instead of the maneuver's
     std::optional<double> speed_mps;
     std::optional<double> friction;  ///< mean mu_b instead of the new brake's
+    /// A TOML file with [brake.relative_friction], as `rig-lab wear dynamics` writes it; its classes go before those of the rig. Empty: none.
+    std::filesystem::path friction_curves;
 };
 
 struct LoadedRig {
@@ -34,11 +37,16 @@ struct LoadedRig {
     double drop_out_mps = 0.0;                 ///< end of eq. (16)
     double full_pressure_Pa = 0.0;             ///< what the valve gives at most: a full demand
     double deceleration_mps2 = 0.0;            ///< prescribed for `endurance`, else 0
+    std::string friction_class;                ///< of the maneuver: whose curve of mu_b it follows
+    wear::BrakeWear wear;                      ///< of this rig's brake
     std::vector<std::filesystem::path> files;  ///< that the parameters came from, for the hash of results
 };
 
 /// Reads `directory`/*.toml. Throws settings::Error naming file, line and key; an unknown maneuver or surface names those there are.
 [[nodiscard]] LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice& choice);
+
+/// light, medium, heavy: the keys of [brake.relative_friction].
+[[nodiscard]] std::vector<std::string> friction_class_names();
 
 /// Names in file order.
 [[nodiscard]] std::vector<std::string> surface_names(const std::filesystem::path& directory);

@@ -12,6 +12,7 @@ Rig::Rig(const RigParameters& parameters, double step_s, std::uint64_t seed)
                 BrakeTorque(parameters.brake, parameters.friction_curve, parameters.mean_friction,
                             parameters.brake_on_mps),
                 parameters.surface),
+      play_(parameters.valve.hysteresis_mA),
       valve_(parameters.valve, step_s),
       wheel_encoder_(parameters.wheel_encoder),
       flywheel_encoder_(parameters.flywheel_encoder),
@@ -138,17 +139,27 @@ void Rig::sense(double wheel_before, double flywheel_before, double since_s) {
     measured_pressure_Pa_ = reading_Pa(parameters_.transducer, pressure_Pa_, random_);
 }
 
-void Rig::advance_current(double start_mA, double end_mA) {
+Rig::Step Rig::begin(double start_mA, double end_mA) {
     const double wheel_before = state_.omega_radps;
     const double flywheel_before = state_.v_mps;
     if (pushed_) push();
-    const double start_Pa = parameters_.pressure_map.pressure_Pa(start_mA);
-    const double end_Pa = end_mA == start_mA ? start_Pa : parameters_.pressure_map.pressure_Pa(end_mA);
+    const double start_Pa = parameters_.pressure_map.pressure_Pa(play_.follow(start_mA));
+    const double end_Pa =
+        end_mA == start_mA ? start_Pa : parameters_.pressure_map.pressure_Pa(play_.follow(end_mA));
     const Valve::Arcs arcs = valve_.advance(start_Pa, end_Pa);
     if (valve_.first_s() > 0.0) move(arcs.first, valve_.first_s());
-    move(arcs.second, valve_.second_s());
+    return {wheel_before, flywheel_before, arcs.second, load_arc(valve_.second_s()), valve_.second_s()};
+}
+
+void Rig::end(const Step& step) {
     pressure_Pa_ = valve_.pressure_Pa();
-    sense(wheel_before, flywheel_before, step_s_);
+    sense(step.wheel_before_radps, step.flywheel_before_mps, step_s_);
+}
+
+void Rig::advance_current(double start_mA, double end_mA) {
+    const Step step = begin(start_mA, end_mA);
+    dynamics_.advance(state_, step.pressure, step.load, step.h);
+    end(step);
 }
 
 void Rig::advance_pressure(std::span<const PressurePart> parts) {

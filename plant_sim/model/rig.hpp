@@ -120,6 +120,17 @@ class Rig {
     [[nodiscard]] double measured_pressure_Pa() const { return measured_pressure_Pa_; }
 
   private:
+    friend class RigLanes;
+
+    /// A step under way: valve and load have moved, the wheel has not yet.
+    struct Step {
+        double wheel_before_radps = 0.0, flywheel_before_mps = 0.0;
+        PressureArc pressure;
+        LoadArc load;
+        double h = 0.0;
+    };
+    [[nodiscard]] Step begin(double start_mA, double end_mA);
+    void end(const Step& step);
     [[nodiscard]] LoadArc load_arc(double h);
     [[nodiscard]] double load_decay(double h);
     void push();
@@ -128,6 +139,7 @@ class Rig {
 
     RigParameters parameters_;
     Wheel dynamics_;
+    Play play_;
     Valve valve_;
     Encoder wheel_encoder_;
     Encoder flywheel_encoder_;

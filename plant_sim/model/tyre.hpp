@@ -4,15 +4,25 @@
 #include <cmath>
 #include <string>
 
+#include "plant_sim/wear/fast_exp.hpp"
+
 namespace plant {
 
-/// One runway surface: mu(lambda) = c1 (1 - exp(-c2 lambda)) - c3 lambda for lambda >= 0, eq. (4).
-/// c1, c2 > 0, c3 >= 0, all dimensionless.
+/// mu(lambda) = c1 (1 - exp(-c2 lambda)) - c3 lambda for lambda >= 0, eq. (4). c1, c2 > 0, c3 >= 0, all dimensionless.
+struct FrictionLaw {
+    double c1 = 0.0;
+    double c2 = 0.0;
+    double c3 = 0.0;
+};
+
+/// One runway surface.
 struct Surface {
     std::string name;
     double c1 = 0.0;
     double c2 = 0.0;
     double c3 = 0.0;
+
+    [[nodiscard]] FrictionLaw law() const { return {c1, c2, c3}; }
 };
 
 /// Friction coefficient and its slope mu_1 = d mu / d lambda.
@@ -21,11 +31,14 @@ struct Friction {
     double mu_1;
 };
 
-/// mu and mu_1 at slip lambda; odd in lambda: C1 at zero, the second derivative jumps there.
-inline Friction friction(const Surface& s, double lambda) {
-    const double e = std::exp(-s.c2 * std::abs(lambda));
-    const double magnitude = s.c1 * (1.0 - e) - s.c3 * std::abs(lambda);
-    return {std::copysign(magnitude, lambda), s.c1 * s.c2 * e - s.c3};
+/// mu and mu_1 at slip lambda; odd in lambda: C1 at zero, the second derivative jumps there. Same bits on every machine, unlike libm's exp.
+[[gnu::always_inline]] inline Friction friction(const FrictionLaw& law, double lambda) {
+    const double e = wear::exp_not_positive(-law.c2 * std::abs(lambda));
+    const double magnitude = law.c1 * (1.0 - e) - law.c3 * std::abs(lambda);
+    return {std::copysign(magnitude, lambda), law.c1 * law.c2 * e - law.c3};
+}
+inline Friction friction(const Surface& surface, double lambda) {
+    return friction(surface.law(), lambda);
 }
 
 /// The slip in (0, 1] with the largest friction, and that friction. With c3 = 0 the curve has no interior

@@ -30,6 +30,25 @@ struct ValveParameters {
     double natural_frequency_radps = 0.0;  ///< omega_n
     double damping = 0.0;                  ///< xi, in (0, 1)
     double delay_s = 0.0;                  ///< tau
+    double hysteresis_mA = 0.0;            ///< width of the Play before the static map, >= 0
+};
+
+/// Hysteresis of the static map as play: the current in effect follows the commanded one only at the edges of a band of this width, so
+/// that the branch of rising current lies half a width to the right of the map and the falling one half a width to the left. Width 0: no
+/// play, to the last bit.
+class Play {
+  public:
+    explicit Play(double width_mA) : half_mA_(0.5 * width_mA) {}
+
+    /// The current in effect after the commanded one has gone to `current_mA` without turning.
+    double follow(double current_mA) {
+        effect_mA_ = std::clamp(effect_mA_, current_mA - half_mA_, current_mA + half_mA_);
+        return effect_mA_;
+    }
+
+  private:
+    double half_mA_;
+    double effect_mA_ = 0.0;
 };
 
 /// Eq. (6) without its delay, solved exactly for a static pressure that is linear in time.

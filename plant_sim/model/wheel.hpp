@@ -6,11 +6,10 @@
 /// loading device's force on a rig, zero in the air.
 #pragma once
 
-#include <array>
-#include <cstddef>
-
 #include "plant_sim/model/brake.hpp"
 #include "plant_sim/model/tyre.hpp"
+#include "plant_sim/model/wheel_arcs.hpp"
+#include "plant_sim/model/wheel_step.hpp"
 
 namespace plant {
 
@@ -33,46 +32,6 @@ struct WheelState {
     bool held = true;                  ///< wheel at rest, held by the brake or not yet spun up
 };
 
-/// Brake pressure over one step of length h as a cubic in x = t/h in [0, 1], never negative where it is used.
-/// Exact for a linear profile; for the valve of eq. (6) at 1 ms the cubic through value and rate at both ends
-/// is within 1e-6.
-struct PressureArc {
-    double c0 = 0.0, c1 = 0.0, c2 = 0.0, c3 = 0.0;
-
-    [[nodiscard]] static PressureArc linear(double p0, double p1) { return {p0, p1 - p0, 0.0, 0.0}; }
-    /// Rates are per second, `h` in seconds.
-    [[nodiscard]] static PressureArc hermite(double p0, double rate0, double p1, double rate1, double h) {
-        const double m0 = rate0 * h;
-        const double m1 = rate1 * h;
-        return {p0, m0, 3.0 * (p1 - p0) - 2.0 * m0 - m1, 2.0 * (p0 - p1) + m0 + m1};
-    }
-    [[nodiscard]] double at(double x) const {
-        const double p = c0 + x * (c1 + x * (c2 + x * c3));
-        return p > 0.0 ? p : 0.0;
-    }
-    /// dp/dx; nothing where the pressure is held at zero.
-    [[nodiscard]] double slope(double x) const {
-        return c0 + x * (c1 + x * (c2 + x * c3)) < 0.0 ? 0.0 : c1 + x * (2.0 * c2 + x * 3.0 * c3);
-    }
-    /// The part of the arc between x0 and x1, again over [0, 1].
-    [[nodiscard]] PressureArc part(double x0, double x1) const;
-};
-
-/// Vertical load over one step: F_z = base + x * change - lift * v^2, x = t/h in [0, 1].
-struct LoadArc {
-    double base_N = 0.0;       ///< m g in a landing, the loading device's force on a rig, 0 in the air
-    double change_N = 0.0;     ///< of the base over the whole step
-    double lift_Ns2pm2 = 0.0;  ///< rho S C_l / 2 of eq. (2); 0 where the load does not depend on speed
-
-    [[nodiscard]] double base_at(double x) const { return base_N + x * change_N; }
-    [[nodiscard]] double force_N(double x, double v_mps) const {
-        return base_at(x) - lift_Ns2pm2 * v_mps * v_mps;
-    }
-    [[nodiscard]] LoadArc part(double x0, double x1) const {
-        return {base_at(x0), (x1 - x0) * change_N, lift_Ns2pm2};
-    }
-};
-
 /// Forces at one instant, for recording.
 struct Forces {
     double slip;  ///< eq. (3)
@@ -83,8 +42,7 @@ struct Forces {
     double brake_torque_Nm;  ///< torque that acts: at a held wheel only what balances the tyre
 };
 
-/// Integrates the wheel with an L-stable Rosenbrock method of order three and two evaluations a step (ROS3: Sandu et al., Atmospheric
-/// Environment 31, 1997, p. 3459) with exact Jacobian. Where the wheel speed misses a fourth-order quadrature of its
+/// Integrates the wheel with ROS3 (wheel_step.hpp) and exact Jacobian. Where the wheel speed misses a fourth-order quadrature of its
 /// own rates by too much, or eq. (8) misses eq. (9) (spin-up, locking), the step is halved inside, to 1/16384 at the most; locking and
 /// release are located.
 ///
@@ -92,7 +50,7 @@ struct Forces {
 class Wheel {
   public:
     /// Slip divides by max(v, kSlowest_mps): at and below it the maneuver is at standstill and nothing moves any more.
-    static constexpr double kSlowest_mps = 0.05;
+    static constexpr double kSlowest_mps = wheel_step::kSlowest_mps;
 
     /// Of the wheel speed relative to free rolling, and of the wheel's energy, in one step or part of it.
     static constexpr double kTolerance = 1e-7;
@@ -105,10 +63,15 @@ class Wheel {
     /// The same in one piece or not at all: returns the share of the tolerance that it took; above 1 `state` is as it was.
     double attempt(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h);
 
+    /// Takes a step over all of an arc that was computed beside others (WheelLanes), where `advance` would have come to the same.
+    /// Otherwise nothing has happened: then `advance` has to do it.
+    bool take(WheelState& state, const wheel_step::Step& step);
+    [[nodiscard]] const wheel_step::Law& law() const { return law_; }
+
     /// Another brake from here on.
     void set_brake(const BrakeTorque& brake) {
-        brake_ = brake;
-        instants_ = {};
+        law_.brake = brake;
+        last_ = {};
     }
 
     /// At the arc's start.
@@ -118,31 +81,18 @@ class Wheel {
     [[nodiscard]] double kinetic_energy_J(const WheelState& state) const;
 
   private:
-    /// Everything at one instant that does not depend on pressure: first what it follows from, then forces, then partial derivatives.
-    struct Instant {
-        double v = -1.0, omega = 0.0, base_N = 0.0, load_slope = 0.0, lift = 0.0;
-        double per_v = 0.0, F_z = 0.0, r = 0.0, slip = 0.0, mu = 0.0, mu_1 = 0.0, F_x = 0.0, k_b = 0.0,
-               k_b1 = 0.0, v_dot = 0.0;
-        double r_1 = 0.0, r_t = 0.0, slip_v = 0.0, slip_omega = 0.0, slip_t = 0.0, F_v = 0.0, F_omega = 0.0,
-               F_t = 0.0;
-    };
-    struct Rates;
-
-    [[nodiscard]] Instant instant(double v, double omega, double base_N, double load_slope,
-                                  double lift) const;
-    /// What a step adds to the sums in WheelState.
-    struct Sums;
+    using Instant = wheel_step::Instant;
+    using Step = wheel_step::Step;
 
     [[nodiscard]] static bool same(const Instant& at, const WheelState& state, double base_N,
                                    double load_slope, double lift);
     /// The instant at x, remembered or evaluated now.
     const Instant& start_of(const WheelState& state, const LoadArc& load, double x, double h);
-    [[nodiscard]] Rates rates(const Instant& at, double pressure, double pressure_slope) const;
-    /// One Rosenbrock step of length h with a turning wheel from `start` to `end`; returns the error estimate of omega, as a share of free
-    /// rolling.
-    double turn(const Instant& start, const PressureArc& pressure, const LoadArc& load, double h,
-                Instant& end, Sums& sums) const;
-    static void move(WheelState& state, const Instant& end, const Sums& sums);
+    /// One step of length h with a turning wheel.
+    [[nodiscard]] Step turn(const Instant& start, const PressureArc& pressure, const LoadArc& load,
+                            double h) const;
+    /// To the end of a step that was taken.
+    void move(WheelState& state, const Step& step);
     /// Whether the wheel, turning before, would rest or turn backwards at `reached`.
     [[nodiscard]] static bool comes_to_rest(const WheelState& state, const Instant& reached);
     /// Whether the wheel turns from `x` on: it does already, or the tyre overcomes the brake.
@@ -161,11 +111,9 @@ class Wheel {
                                            double x) const;
 
     WheelParameters parameters_;
-    BrakeTorque brake_;
-    Surface surface_;
-    double per_mass_, per_inertia_, per_stiffness_, tolerance_;
-    std::array<Instant, 2> instants_{};  // start and end of the step under way, in turns
-    std::size_t start_ = 0;              // which of them is the start
+    wheel_step::Law law_;
+    double tolerance_;
+    Instant last_{};  // evaluated most recently at the start or the end of a step
 };
 
 }  // namespace plant

@@ -1,9 +1,6 @@
 #include "plant_sim/plc/load_served_rig.hpp"
 
-#include <optional>
-
 #include "config/reader/settings.hpp"
-#include "plant_sim/wear/stand_in_law.hpp"
 
 namespace plc {
 
@@ -11,11 +8,6 @@ namespace {
 
 using settings::Document;
 using settings::Table;
-
-struct Loaded {
-    Machinery machinery;
-    std::optional<wear::StandInParameters> wear;
-};
 
 Drive drive(const Table& t) {
     return {.torque_Nm = t.number("torque_Nm", {.min = 1.0, .max = 1e6}),
@@ -50,40 +42,21 @@ Gauge gauge(const Table& t, const char* noise, const char* resolution, double mo
             .resolution = t.number(resolution, {.min = 1e-9, .max = most})};
 }
 
-wear::StandInParameters wear_stand_in(const Table& t) {
-    constexpr settings::Range kFriction{.min = 0.0, .max = 1.0};
-    constexpr settings::Range kEnergy_J{.min = 1.0, .max = 1e15};
-    return {.friction = t.number("friction", kFriction),
-            .bedding_in = t.number("bedding_in", kFriction),
-            .bedding_in_J = t.number("bedding_in_J", kEnergy_J),
-            .slow_loss = t.number("slow_loss", kFriction),
-            .wear_out = t.number("wear_out", kFriction),
-            .wear_out_J = t.number("wear_out_J", kEnergy_J),
-            .life_J = t.number("life_J", kEnergy_J),
-            .deviation = t.number("deviation", {.min = 0.0, .max = 0.1}),
-            .least = t.number("least", {.min = 0.06, .max = 1.0})};
-}
-
 /// Both benches are read, so that a mistake in either shows.
-Loaded bench(const Table& t) {
+Machinery bench(const Table& t) {
     const Table cells = t.table("cells");
     const Table supply = t.table("hydraulics");
-    Loaded out{
-        .machinery = {.drive = drive(t.table("drive")),
-                      .sledge = sledge(t.table("sledge")),
-                      .loading = loading(t.table("loading_device")),
-                      .thermal = thermal(t.table("brake_thermal")),
-                      .gauges = {.force = gauge(cells, "force_noise_N", "force_resolution_N", 1e5),
-                                 .torque = gauge(cells, "torque_noise_Nm", "torque_resolution_Nm", 1e5),
-                                 .speed = gauge(cells, "speed_noise_mps", "speed_resolution_mps", 10.0),
-                                 .temperature =
-                                     gauge(t.table("brake_thermal"), "noise_C", "resolution_C", 100.0),
-                                 .hydraulics = gauge(supply, "noise_Pa", "resolution_Pa", 1e7)},
-                      .hydraulics = {.pressure_Pa = supply.number("pressure_Pa", {.min = 1e5, .max = 1e8}),
-                                     .ready_Pa = supply.number("ready_Pa", {.min = 1e4, .max = 1e8})}},
-        .wear = {}};
-    if (const auto law = t.find_table("wear_stand_in")) out.wear = wear_stand_in(*law);
-    return out;
+    return {.drive = drive(t.table("drive")),
+            .sledge = sledge(t.table("sledge")),
+            .loading = loading(t.table("loading_device")),
+            .thermal = thermal(t.table("brake_thermal")),
+            .gauges = {.force = gauge(cells, "force_noise_N", "force_resolution_N", 1e5),
+                       .torque = gauge(cells, "torque_noise_Nm", "torque_resolution_Nm", 1e5),
+                       .speed = gauge(cells, "speed_noise_mps", "speed_resolution_mps", 10.0),
+                       .temperature = gauge(t.table("brake_thermal"), "noise_C", "resolution_C", 100.0),
+                       .hydraulics = gauge(supply, "noise_Pa", "resolution_Pa", 1e7)},
+            .hydraulics = {.pressure_Pa = supply.number("pressure_Pa", {.min = 1e5, .max = 1e8}),
+                           .ready_Pa = supply.number("ready_Pa", {.min = 1e4, .max = 1e8})}};
 }
 
 }  // namespace
@@ -94,17 +67,10 @@ std::filesystem::path machinery_file(const std::filesystem::path& directory) {
 
 ServedRigOptions load_served_rig(const std::filesystem::path& directory, Bench which) {
     const Document doc = Document::load(machinery_file(directory));
-    const Loaded landing = bench(doc.root().table("landing"));
-    const Loaded endurance = bench(doc.root().table("endurance"));
+    const Machinery landing = bench(doc.root().table("landing"));
+    const Machinery endurance = bench(doc.root().table("endurance"));
     doc.finish();
-    const Loaded& chosen = which == Bench::landing ? landing : endurance;
-    ServedRigOptions options{.machinery = chosen.machinery, .friction = {}};
-    if (chosen.wear) {
-        options.friction = [law = wear::StandInLaw(*chosen.wear)](double cumulative_energy_J, double draw) {
-            return law.mean_friction(cumulative_energy_J, draw);
-        };
-    }
-    return options;
+    return {.machinery = which == Bench::landing ? landing : endurance, .brake = {}};
 }
 
 }  // namespace plc

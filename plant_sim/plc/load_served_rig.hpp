@@ -15,8 +15,7 @@ enum class Bench {
 /// The file in `directory`, e.g. for the hash of results.
 [[nodiscard]] std::filesystem::path machinery_file(const std::filesystem::path& directory);
 
-/// Machinery and, for a bench that has [wear_stand_in], its friction law; everything else as ServedRigOptions has it. Throws
-/// settings::Error naming file, line and key.
+/// Machinery; everything else as ServedRigOptions has it. Throws settings::Error naming file, line and key.
 [[nodiscard]] ServedRigOptions load_served_rig(const std::filesystem::path& directory, Bench bench);
 
 }  // namespace plc

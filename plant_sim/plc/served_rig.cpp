@@ -1,6 +1,6 @@
 #include "plant_sim/plc/served_rig.hpp"
 
-#include <bit>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -45,7 +45,7 @@ ServedRig::ServedRig(const plant::LoadedRig& loaded, ServedRigOptions options, s
       rig_(loaded.rig, kStep_s, seed),
       plc_(limits(options_)),
       gauge_noise_(plant::Random(seed).bits()),
-      seed_(seed),
+      brake_(options_.brake),
       temperature_C_(options_.machinery.thermal.ambient_C),
       decay_(options_.machinery.thermal.decay(kStep_s)) {
     rig_.start_at_rest();
@@ -74,12 +74,9 @@ void ServedRig::touch_down() {
     ++maneuvers_;
     rig_.touch_down();
     const plant::RigParameters& p = rig_.parameters();
-    double friction = p.mean_friction;
-    if (options_.friction) {
-        const double taken_J = cumulative_energy_J();
-        plant::Random draw(plant::Random(seed_).bits() ^ std::bit_cast<std::uint64_t>(taken_J));
-        friction = options_.friction(taken_J, draw.noise());
-    }
+    const double friction =
+        brake_ ? std::max(brake_->next_friction(), plant::least_mean_friction(p.friction_curve))
+               : p.mean_friction;
     // m v and J omega / r are shared out until wheel and rim run alike.
     const double r = p.wheel.free_radius_m;
     const double share = p.wheel.inertia_kgm2 / (p.wheel.mass_kg * r * r);
@@ -88,17 +85,30 @@ void ServedRig::touch_down() {
     if (rolling_mps > plant::Wheel::kSlowest_mps) rig_.set_brake(friction, rolling_mps);
 }
 
+void ServedRig::lift_off() {
+    on_rim_ = false;
+    rig_.lift_off();
+    if (!brake_) return;
+    const double energy_J = rig_.wheel().energy_brake_J;
+    brake_->take(energy_J - accounted_J_);
+    accounted_J_ = energy_J;
+}
+
+void ServedRig::take_up(const wear::BrakeState& state) {
+    if (!brake_) throw std::invalid_argument("this rig has no brake that wears");
+    *brake_ = wear::WearingBrake(brake_->wear(), brake_->rule(), state);
+    accounted_J_ = rig_.wheel().energy_brake_J;
+}
+
 void ServedRig::move_sledge() {
     const Sledge& sledge = options_.machinery.sledge;
     sledge_m_ = sledge.moved(sledge_m_, plc_.orders().advance, kStep_s);
     const bool touches = sledge_m_ >= sledge.contact_m;
     if (touches == on_rim_) return;
-    if (touches) {
+    if (touches)
         touch_down();
-    } else {
-        on_rim_ = false;
-        rig_.lift_off();
-    }
+    else
+        lift_off();
 }
 
 void ServedRig::run_machines() {

@@ -10,31 +10,30 @@
 ///
 /// At the start everything is at rest and off, the brake at ambient temperature, the PLC ready. It scans every kScan_s: a command acts, and
 /// measured values change, at the next scan. Touchdown, where the sledge reaches its contact position, begins a maneuver for the brake: its
-/// mean friction is asked of `friction`, and its curve over v begins at the rim speed that is left when the wheel has spun up.
+/// mean friction is asked of it, and its curve over v begins at the rim speed that is left when the wheel has spun up. Lift-off ends the
+/// maneuver: the brake has taken its energy then.
 ///
 /// One object, one thread. Same seed, same calls: same values.
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <optional>
 
 #include "firmware/can/rig_sample.hpp"
 #include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/model/rig.hpp"
 #include "plant_sim/plc/machinery.hpp"
 #include "plant_sim/plc/virtual_plc.hpp"
+#include "plant_sim/wear/wearing_brake.hpp"
 #include "rig_bridge/registers/quantities.hpp"
 
 namespace plc {
 
-/// Mean mu_b of the maneuver that begins now; `draw` is random, mean 0, standard deviation 1, and follows from seed and energy alone: a
-/// campaign that is resumed goes on as if it had never been interrupted.
-using FrictionLaw = std::function<double(double cumulative_energy_J, double draw)>;
-
 struct ServedRigOptions {
     Machinery machinery;
-    FrictionLaw friction;      ///< none: always that of the loaded rig
-    double taken_J = 0.0;      ///< energy that the brake took in earlier lives of this object
+    /// None: always the friction of the loaded rig. A brake that is worn out so far that its friction curve would fall to zero keeps
+    /// plant::least_mean_friction().
+    std::optional<wear::WearingBrake> brake{};
     double period_s = 1e-3;    ///< of advance(), a whole multiple of 1 ms
     double watchdog_s = 0.5;   ///< of the bridge, in rig time: the register map's
     double map_version = 1.0;  ///< as measured
@@ -55,6 +54,10 @@ class ServedRig {
 
     /// One period with the valve current held.
     void advance(double valve_current_mA);
+
+    /// The brake as it is after maneuvers of another object, e.g. those of a ledger. Between two maneuvers only. Throws
+    /// std::invalid_argument as WearingBrake does, and where the rig has none.
+    void take_up(const wear::BrakeState& state);
 
     /// Whether pass_idle() may be used: sledge back, wheel at rest, no pressure, drive and its orders off.
     [[nodiscard]] bool idle() const;
@@ -78,9 +81,12 @@ class ServedRig {
     [[nodiscard]] bool wheel_on_rim() const { return on_rim_; }
     [[nodiscard]] double sledge_m() const { return sledge_m_; }
     [[nodiscard]] double brake_temperature_C() const { return temperature_C_; }
+    /// Of the brake, what it took before this object included.
     [[nodiscard]] double cumulative_energy_J() const {
-        return options_.taken_J + rig_.wheel().energy_brake_J;
+        return (brake_ ? brake_->state().c_e_J : 0.0) + rig_.wheel().energy_brake_J - accounted_J_;
     }
+    /// After the last maneuver that ended.
+    [[nodiscard]] const std::optional<wear::WearingBrake>& brake() const { return brake_; }
     [[nodiscard]] std::uint32_t maneuvers() const { return maneuvers_; }  ///< touchdowns so far
     [[nodiscard]] double mean_friction() const { return rig_.parameters().mean_friction; }
 
@@ -89,6 +95,7 @@ class ServedRig {
     void run_machines();
     void move_sledge();
     void touch_down();
+    void lift_off();
     void measure();
     [[nodiscard]] unsigned interlocks() const;
 
@@ -97,7 +104,8 @@ class ServedRig {
     plant::Rig rig_;
     VirtualPlc plc_;
     plant::Random gauge_noise_;
-    std::uint64_t seed_;
+    std::optional<wear::WearingBrake> brake_;
+    double accounted_J_ = 0.0;  // of the plant's brake energy, in brake_
     rig::CommandedValues commanded_{};
     rig::MeasuredValues measured_{};
     unsigned forced_open_ = 0;

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/rig_port.hpp"
-#include "firmware/can/rounded_link.hpp"
 #include "firmware/control/controller.hpp"
+#include "plant_sim/study/rounded_loop.hpp"
 
 namespace study {
 
@@ -33,10 +32,6 @@ antiskid::can::ControllerView view_of(const Command& command, double current_mA,
             .faults_received = now,
             .faults = command.faults,
             .heartbeat_received = now};
-}
-
-Time period(const antiskid::control::Config& controller) {
-    return Time(std::llround(static_cast<double>(controller.period_s) * 1e6) * 1000);
 }
 
 /// Both ends of the bus, frame by frame, in the order of the lockstep protocol: sensors, SYNC, the
@@ -84,40 +79,49 @@ class FrameLink {
     const Layout& layout_;
 };
 
+RunResult run_frames(const antiskid::control::Config& config, const Layout& layout,
+                     const plant::RigParameters& rig, const SessionOptions& options,
+                     const StepObserver& on_step, const FrameObserver& on_frame) {
+    RunResult result;
+    RigSession session(rig, options);
+    Controller controller(config);
+    const Time period = period_of(config);
+    FrameLink frames(layout, period);
+    while (!session.done()) {
+        const Time now = period * static_cast<std::int64_t>(result.steps);
+        const Command command = frames.cycle(session, controller, result.steps, now, result, on_frame);
+        const antiskid::can::ControllerView& view = frames.view();
+        const auto current_mA = static_cast<double>(view.current_mA);
+        result.faults.insert(command.faults);
+        session.advance(current_mA, view.state);
+        ++result.steps;
+        if (on_step) on_step(session, view, current_mA);
+    }
+    result.figures = session.figures();
+    result.came_to_rest = result.figures.standstill;
+    return result;
+}
+
+RunResult run_rounded(const antiskid::control::Config& config, const Layout& layout,
+                      const plant::RigParameters& rig, const SessionOptions& options,
+                      const StepObserver& on_step) {
+    RoundedLoop loop(config, layout, rig, options);
+    RigSession& session = loop.session();
+    while (!session.done()) {
+        const Command& command = loop.control();
+        session.advance(loop.current_mA(), command.state);
+        if (on_step) on_step(session, view_of(command, loop.current_mA(), loop.now()), loop.current_mA());
+    }
+    return loop.result();
+}
+
 }  // namespace
 
 RunResult run_in_process(const antiskid::control::Config& config, const Layout& layout,
                          const plant::RigParameters& rig, const SessionOptions& options, Link link,
                          const StepObserver& on_step, const FrameObserver& on_frame) {
-    RunResult result;
-    RigSession session(rig, options);
-    Controller controller(config);
-    const Time step = period(config);
-    antiskid::can::RoundedLink rounded(layout, step);
-    FrameLink frames(layout, step);
-    antiskid::control::FaultSet faults;
-    while (!session.done()) {
-        const Time now = step * static_cast<std::int64_t>(result.steps);
-        Command command;
-        double current_mA = 0.0;
-        if (link == Link::rounded) {
-            command = controller.step(rounded.sense(session.sample(), now), now);
-            current_mA = static_cast<double>(rounded.current_mA(command));
-        } else {
-            command = frames.cycle(session, controller, result.steps, now, result, on_frame);
-            current_mA = static_cast<double>(frames.view().current_mA);
-        }
-        faults.insert(command.faults);
-        session.advance(current_mA, link == Link::frames ? frames.view().state : command.state);
-        ++result.steps;
-        if (on_step)
-            on_step(session, link == Link::frames ? frames.view() : view_of(command, current_mA, now),
-                    current_mA);
-    }
-    result.figures = session.figures();
-    result.faults = faults;
-    result.came_to_rest = session.figures().standstill;
-    return result;
+    return link == Link::rounded ? run_rounded(config, layout, rig, options, on_step)
+                                 : run_frames(config, layout, rig, options, on_step, on_frame);
 }
 
 }  // namespace study

@@ -31,6 +31,7 @@ struct RunResult {
     std::uint64_t frames_received = 0;   ///< by the rig
     std::uint64_t steps = 0;
     bool came_to_rest = false;
+    bool operator==(const RunResult&) const = default;
 };
 
 /// Runs to the end of the maneuver. `layout` must outlive the call. Observers may be empty.

@@ -23,6 +23,8 @@ std::vector<std::string> names(antiskid::control::FaultSet faults) {
 
 std::string to_json(const StopReport& r) {
     const StopFigures& f = r.figures;
+    const nlohmann::ordered_json taken_J =
+        r.brake_taken_J ? nlohmann::ordered_json(*r.brake_taken_J) : nlohmann::ordered_json();
     const nlohmann::ordered_json json{
         {"maneuver", r.maneuver},
         {"surface", r.surface},
@@ -30,15 +32,18 @@ std::string to_json(const StopReport& r) {
         {"slip_reference", r.slip_reference},
         {"mass_kg", r.mass_kg},
         {"speed_mps", r.speed_mps},
+        {"brake_taken_J", taken_J},
         {"standstill", f.standstill},
         {"stop_distance_m", f.stop_distance_m},
         {"duration_s", f.duration_s},
         {"j_mu", f.j_mu},
+        {"slip_efficiency", f.slip_efficiency},
         {"energy_brake_J", f.energy_brake_J},
         {"energy_tyre_J", f.energy_tyre_J},
         {"energy_residual", f.energy_residual},
         {"peak_slip", f.peak_slip},
         {"tracked_share", f.tracked_share},
+        {"tracked_tyre_share", f.tracked_tyre_share},
         {"longest_lock_s", f.longest_lock_s},
         {"mean_friction", f.mean_friction},
         {"mean_torque_Nm", f.mean_torque_Nm},
@@ -68,13 +73,17 @@ std::string to_table(const StopReport& r) {
         fmt::format("{:.1f}", f.stop_distance_m), "m");
     row("time from brake-on", fmt::format("{:.2f}", f.duration_s), "s");
     row("J_mu, eq. (16)", fmt::format("{:.4f}", f.j_mu), "");
+    row("wheel-slip efficiency", fmt::format("{:.4f}", f.slip_efficiency), "");
     row("energy to the brake", fmt::format("{:.3f}", f.energy_brake_J * 1e-6), "MJ");
+    if (r.brake_taken_J)
+        row("that it had taken before", fmt::format("{:.3f}", *r.brake_taken_J * 1e-6), "MJ");
     row("energy to the tyre", fmt::format("{:.3f}", f.energy_tyre_J * 1e-6), "MJ");
     row("energy residual, eq. (8) - (9)", fmt::format("{:.1e}", f.energy_residual), "of the total");
     row("peak slip above drop-out", fmt::format("{:.3f}", f.peak_slip), "");
     row("longest lock above drop-out", fmt::format("{:.0f}", f.longest_lock_s * 1e3), "ms");
     row("distance within 0.05 of reference", fmt::format("{:.1f}", f.tracked_share * 100.0),
         "% (from 0.5 s down to 20 m/s)");
+    row("mean brake friction, eq. (7)", fmt::format("{:.4f}", f.mean_friction), "");
     row("frames sent / received / lost",
         fmt::format("{} / {} / {}", r.frames_sent, r.frames_received, r.frames_lost), "");
     row("periods missed by the rig", fmt::format("{}", r.overruns), "");

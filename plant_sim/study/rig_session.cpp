@@ -46,16 +46,25 @@ antiskid::can::LoadCellSample RigSession::load_cells() const {
 }
 
 void RigSession::advance(double current_mA, antiskid::control::State controller) {
-    const bool given_up = controller == antiskid::control::State::safe && pilot_.phase() == Phase::braking;
-    safe_s_ = given_up ? safe_s_ + options_.period_s : 0.0;
     for (int i = 0; i < plant_steps_; ++i) {
         rig_.advance_current(current_mA);
-        if (meter_.started() && pilot_.phase() == Phase::braking) {
-            meter_.update(rig_, kPlantStep_s);
-            result_ = rig_.standstill() ? meter_.figures(rig_) : result_;
-            if (rig_.standstill()) break;
-        }
+        if (!measure()) break;
     }
+    close_period(controller);
+}
+
+/// False where the stop is over.
+bool RigSession::measure() {
+    if (!meter_.started() || pilot_.phase() != Phase::braking) return true;
+    meter_.update(rig_, kPlantStep_s);
+    if (!rig_.standstill()) return true;
+    result_ = meter_.figures(rig_);
+    return false;
+}
+
+void RigSession::close_period(antiskid::control::State controller) {
+    const bool given_up = controller == antiskid::control::State::safe && pilot_.phase() == Phase::braking;
+    safe_s_ = given_up ? safe_s_ + options_.period_s : 0.0;
     const Phase before = pilot_.phase();
     pilot_.update(rig_.time_s(), rig_.standstill());
     if (pilot_.phase() != Phase::approach && before == Phase::approach) rig_.touch_down();

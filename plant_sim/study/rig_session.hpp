@@ -40,11 +40,17 @@ class RigSession {
     static constexpr double kPatience_s = 1.0;
     [[nodiscard]] bool timed_out() const { return rig_.time_s() >= options_.longest_s; }
     [[nodiscard]] const plant::Rig& rig() const { return rig_; }
+    /// Whether a period is one step of the plant.
+    [[nodiscard]] bool single_steps() const { return plant_steps_ == 1; }
     [[nodiscard]] const Pilot& pilot() const { return pilot_; }
     [[nodiscard]] StopFigures figures() const { return result_; }
     [[nodiscard]] double distance_m() const { return meter_.started() ? meter_.distance_m(rig_) : 0.0; }
 
   private:
+    friend class SessionLanes;
+
+    bool measure();
+    void close_period(antiskid::control::State controller);
     void sense();
 
     SessionOptions options_;

@@ -13,6 +13,7 @@ void StopMeter::start(const plant::Rig& rig) {
     start_ = last_ = drop_out_ = rig.wheel();
     start_s_ = rig.time_s();
     start_energy_J_ = rig.kinetic_energy_J();
+    optimum_slip_ = plant::peak(rig.parameters().surface).slip;
 }
 
 void StopMeter::update(const plant::Rig& rig, double step_s) {
@@ -27,10 +28,13 @@ void StopMeter::update(const plant::Rig& rig, double step_s) {
         drop_out_ = now;
         dropped_out_ = now.v_mps <= drop_out_mps_;
         peak_slip_ = std::max(peak_slip_, forces.slip);
+        efficiency_m_ += slip_efficiency(forces.slip, optimum_slip_) * metres;
         lock_s_ = forces.slip > kLockSlip ? lock_s_ + step_s : 0.0;
         longest_lock_s_ = std::max(longest_lock_s_, lock_s_);
         if (rig.time_s() - start_s_ > kTrackingStarts_s && now.v_mps > kTrackingEnds_mps) {
             tracking_m_ += metres;
+            tracking_brake_J_ += now.energy_brake_J - last_.energy_brake_J;
+            tracking_tyre_J_ += now.energy_tyre_J - last_.energy_tyre_J;
             if (std::abs(forces.slip - slip_reference_) <= kTrackingBand) tracked_m_ += metres;
         }
     }
@@ -48,6 +52,7 @@ StopFigures StopMeter::figures(const plant::Rig& rig) const {
     f.j_mu = to_drop_out > 0.0
                  ? (drop_out_.friction_distance_m - start_.friction_distance_m) / (mu_max * to_drop_out)
                  : 0.0;
+    f.slip_efficiency = to_drop_out > 0.0 ? efficiency_m_ / to_drop_out : 0.0;
     f.energy_brake_J = now.energy_brake_J - start_.energy_brake_J;
     f.energy_tyre_J = now.energy_tyre_J - start_.energy_tyre_J;
     const double work = start_energy_J_ - rig.kinetic_energy_J();
@@ -55,6 +60,8 @@ StopFigures StopMeter::figures(const plant::Rig& rig) const {
     f.peak_slip = peak_slip_;
     f.longest_lock_s = longest_lock_s_;
     f.tracked_share = tracking_m_ > 0.0 ? tracked_m_ / tracking_m_ : 1.0;
+    const double tracking_J = tracking_brake_J_ + tracking_tyre_J_;
+    f.tracked_tyre_share = tracking_J > 0.0 ? tracking_tyre_J_ / tracking_J : 0.0;
     if (pressure_Pas_ > 0.0)
         f.mean_friction = sliding_torque_Nms_ / pressure_Pas_ / rig.parameters().brake.gain_m3();
     if (f.duration_s > 0.0) {

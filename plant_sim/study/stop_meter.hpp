@@ -17,16 +17,28 @@ struct StopFigures {
     double energy_residual = 0.0;      ///< (eq. 8 - eq. 9) / eq. 8
     double peak_slip = 0.0;            ///< above drop-out speed
     double longest_lock_s = 0.0;       ///< longest time with slip above 0.95, above drop-out speed
+    double slip_efficiency = 0.0;      ///< wheel-slip efficiency, over the distance down to drop-out
     double tracked_share = 0.0;  ///< share of the distance with slip within 0.05 of the reference, see below
+    double tracked_tyre_share =
+        0.0;                     ///< the tyre's share of what brake and tyre took over that distance, eq. (9)
     double mean_friction = 0.0;  ///< eq. (7) down to drop-out: mean torque over mean pressure and geometry
     double mean_torque_Nm = 0.0;
     double mean_load_N = 0.0;
     bool standstill = false;
+    bool operator==(const StopFigures&) const = default;
 };
+
+/// Wheel-slip efficiency at an instant, 0 to 1, as certification counts it (FAA AC 25-7): `optimum` is the slip of the greatest friction,
+/// above 0 and at most 1. Zero at negative slip: an overspeeding wheel does not brake.
+[[nodiscard]] inline double slip_efficiency(double slip, double optimum) {
+    if (slip > optimum) return 0.5 * (1.0 + (1.0 - slip) / (1.0 - optimum));
+    const double q = slip > 0.0 ? slip / optimum : 0.0;
+    return q * (1.5 - 0.5 * q * q);
+}
 
 class StopMeter {
   public:
-    /// `tracked_share` counts from 0.5 s after brake-on down to 20 m/s.
+    /// `tracked_share` and `tracked_tyre_share` count from 0.5 s after brake-on down to 20 m/s.
     static constexpr double kTrackingStarts_s = 0.5;
     static constexpr double kTrackingEnds_mps = 20.0;
     static constexpr double kTrackingBand = 0.05;
@@ -60,6 +72,10 @@ class StopMeter {
     double longest_lock_s_ = 0.0;
     double tracking_m_ = 0.0;
     double tracked_m_ = 0.0;
+    double tracking_brake_J_ = 0.0;
+    double tracking_tyre_J_ = 0.0;
+    double optimum_slip_ = 1.0;
+    double efficiency_m_ = 0.0;
     double torque_Nms_ = 0.0;
     double sliding_torque_Nms_ = 0.0;  // down to drop-out, as the pressure: a held wheel shows no friction
     double pressure_Pas_ = 0.0;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -28,6 +29,14 @@ constexpr std::string_view kEnergyMJ = "cumulative_energy_MJ";
 constexpr std::string_view kEnergyJ = "cumulative_energy_J";
 constexpr std::string_view kFriction = "mean_friction";
 
+struct BrakingColumn {
+    std::string_view name;
+    double Braking::*value;
+};
+constexpr std::array<BrakingColumn, 3> kBraking{{{"brake_on_mps", &Braking::brake_on_mps},
+                                                 {"mean_torque_Nm", &Braking::mean_torque_Nm},
+                                                 {"mean_load_N", &Braking::mean_load_N}}};
+
 std::string_view trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
     if (first == std::string_view::npos) return {};
@@ -51,6 +60,7 @@ struct Columns {
     std::size_t friction = 0;
     double energy_unit_J = 1.0;
     std::string_view energy_name = kEnergyJ;
+    std::optional<std::array<std::size_t, kBraking.size()>> braking;
 };
 
 std::optional<std::size_t> find(const std::vector<std::string_view>& header, std::string_view name,
@@ -95,6 +105,13 @@ Columns columns_of(const std::string& file, unsigned line, const std::vector<std
     const auto friction = find(header, kFriction, file, line);
     if (!friction) throw Error(file, line, "", missing(header, kFriction, kFriction));
     c.friction = *friction;
+    std::array<std::size_t, kBraking.size()> braking{};
+    for (std::size_t i = 0; i < kBraking.size(); ++i) {
+        const auto at = find(header, kBraking[i].name, file, line);
+        if (!at) return c;
+        braking[i] = *at;
+    }
+    c.braking = braking;
     return c;
 }
 
@@ -106,6 +123,18 @@ double number(const std::string& file, unsigned line, std::string_view column, s
                     text.empty() ? std::string("no value")
                                  : fmt::format("'{}' is no finite number", settings::printable(text)));
     return value;
+}
+
+Braking braking_of(const std::string& file, unsigned line, const Columns& columns,
+                   const std::vector<std::string_view>& fields) {
+    Braking out;
+    for (std::size_t i = 0; i < kBraking.size(); ++i) {
+        const double value = number(file, line, kBraking[i].name, fields[(*columns.braking)[i]]);
+        if (value <= 0.0)
+            throw Error(file, line, std::string(kBraking[i].name), fmt::format("{} must be positive", value));
+        out.*kBraking[i].value = value;
+    }
+    return out;
 }
 
 void check_point(const std::string& file, unsigned line, const Point& point, const Point* before) {
@@ -186,6 +215,7 @@ Campaign parse_campaign(const std::string& name, std::string_view csv) {
             number(name, line_number, kFriction, fields[columns->friction])};
         check_point(name, line_number, point, campaign.points.empty() ? nullptr : &campaign.points.back());
         campaign.points.push_back(point);
+        if (columns->braking) campaign.brakings.push_back(braking_of(name, line_number, *columns, fields));
     }
     if (!columns) throw Error(name, 0, "", "empty: no header and no maneuver");
     check(campaign);
@@ -203,19 +233,35 @@ double brake_energy_J(const Campaign& campaign, std::size_t i) {
     return p[0].c_e_J <= 1.5 * mean_step_J ? p[0].c_e_J : std::numeric_limits<double>::quiet_NaN();
 }
 
+double taken_before_J(const Campaign& campaign) {
+    if (!std::isnan(brake_energy_J(campaign, 0))) return 0.0;
+    const std::vector<Point>& p = campaign.points;
+    return p.front().c_e_J - (p.back().c_e_J - p.front().c_e_J) / static_cast<double>(p.size() - 1);
+}
+
 std::string to_csv(const Campaign& campaign) {
-    std::string csv = "maneuver,mean_friction,brake_energy_J,cumulative_energy_J\n";
+    const bool brakings = !campaign.brakings.empty();
+    std::string csv = "maneuver,mean_friction,brake_energy_J,cumulative_energy_J";
+    if (brakings) {
+        for (const BrakingColumn& column : kBraking) csv.append(",").append(column.name);
+    }
+    csv += "\n";
     for (std::size_t i = 0; i < campaign.points.size(); ++i) {
         const Point& p = campaign.points[i];
         const double energy_J = brake_energy_J(campaign, i);
-        fmt::format_to(std::back_inserter(csv), "{},{},{},{}\n", i + 1, p.mean_friction,
+        fmt::format_to(std::back_inserter(csv), "{},{},{},{}", i + 1, p.mean_friction,
                        std::isnan(energy_J) ? std::string() : fmt::format("{}", energy_J), p.c_e_J);
+        if (brakings) {
+            for (const BrakingColumn& column : kBraking)
+                fmt::format_to(std::back_inserter(csv), ",{}", campaign.brakings[i].*column.value);
+        }
+        csv += "\n";
     }
     return csv;
 }
 
 std::string data_hash(const Campaign& campaign) {
-    const std::string csv = to_csv(campaign);
+    const std::string csv = to_csv({campaign.source, campaign.points});
     const std::string_view bytes = csv;
     return settings::hash_bytes({&bytes, 1});
 }

@@ -18,14 +18,23 @@ struct Point {
     bool operator==(const Point&) const = default;
 };
 
+/// What else a maneuver was, for those who make it again.
+struct Braking {
+    double brake_on_mps = 0.0;    ///< rim speed at brake-on
+    double mean_torque_Nm = 0.0;  ///< of the brake, from brake-on to standstill
+    double mean_load_N = 0.0;     ///< F_z, likewise
+    bool operator==(const Braking&) const = default;
+};
+
 struct Campaign {
-    std::string source;         ///< where it was read, for people
-    std::vector<Point> points;  ///< in the order of the maneuvers
+    std::string source;               ///< where it was read, for people
+    std::vector<Point> points;        ///< in the order of the maneuvers
+    std::vector<Braking> brakings{};  ///< one a point where they were recorded, else none
     bool operator==(const Campaign&) const = default;
 };
 
 /// CSV with a header. Columns, in any order, others are passed over: `cumulative_energy_MJ` or `cumulative_energy_J` (one of them), and
-/// `mean_friction`. Empty lines and lines that begin with # are passed over. At least two maneuvers; energy positive and strictly
+/// `mean_friction`. Where there are `brake_on_mps`, `mean_torque_Nm` and `mean_load_N`, all three and positive, too. Empty lines and lines that begin with # are passed over. At least two maneuvers; energy positive and strictly
 /// increasing by at most 1e9 J a maneuver and by at least 100 J on average; friction within 0.001 to 1.5, and not the same everywhere.
 /// Throws settings::Error with `name` and the line of what is wrong otherwise. `name` becomes the source.
 [[nodiscard]] Campaign parse_campaign(const std::string& name, std::string_view csv);
@@ -36,12 +45,15 @@ struct Campaign {
 /// The same demands on points that came another way; row i is said to be line `first_line` + i of `campaign.source`.
 void check(const Campaign& campaign, unsigned first_line = 1);
 
-/// CSV that read_campaign() reads back to the last bit: maneuver,mean_friction,brake_energy_J,cumulative_energy_J. The first
-/// maneuver's brake energy is left empty where energy was counted before it.
+/// CSV that read_campaign() reads back to the last bit: maneuver,mean_friction,brake_energy_J,cumulative_energy_J, and the brakings where there
+/// are some. The first maneuver's brake energy is left empty where energy was counted before it.
 [[nodiscard]] std::string to_csv(const Campaign& campaign);
 
-/// settings::hash_bytes of to_csv(): the same for the same points, wherever they came from.
+/// Of the points: the same for the same ones, wherever they came from and whatever else was recorded.
 [[nodiscard]] std::string data_hash(const Campaign& campaign);
+
+/// J that the brake had taken before the first maneuver: 0 for one that was new (see brake_energy_J()), else a mean maneuver less than after it.
+[[nodiscard]] double taken_before_J(const Campaign& campaign);
 
 /// J that maneuver `i` of the campaign took. The first is what energy was counted up to it, when that is no more than 1.5 times the mean
 /// of the others (a brake that was new), else NaN.

@@ -16,6 +16,7 @@ enum class Choice { nearest, mixture };
 struct ConditionalRule {
     Variance variance = Variance::exact;
     Choice choice = Choice::nearest;
+    bool operator==(const ConditionalRule&) const = default;
 };
 
 /// P(mean mu_b | c_e = a): a mixture of normal distributions; weights are positive and add up to 1.

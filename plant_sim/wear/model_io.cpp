@@ -8,6 +8,7 @@
 
 #include "config/reader/input_file.hpp"
 #include "config/reader/near_miss.hpp"
+#include "plant_sim/wear/json_object.hpp"
 
 namespace wear {
 
@@ -15,69 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using settings::Error;
-
-/// An object of the file and where it stands; every key of it must be asked for.
-class Reader {
-  public:
-    Reader(std::string file, std::string path, const Json& json)
-        : file_(std::move(file)), path_(std::move(path)), json_(json) {
-        if (!json_.is_object()) throw Error(file_, 0, path_, "must be an object");
-    }
-
-    const Json& get(const std::string& key) {
-        const auto at = json_.find(key);
-        if (at == json_.end()) throw Error(file_, 0, path_of(key), "is missing");
-        ++asked_;
-        return *at;
-    }
-    Reader object(const std::string& key) { return {file_, path_of(key), get(key)}; }
-    std::vector<Reader> objects(const std::string& key) {
-        const Json& list = get(key);
-        if (!list.is_array() || list.empty())
-            throw Error(file_, 0, path_of(key), "must be an array of objects, not empty");
-        std::vector<Reader> out;
-        out.reserve(list.size());
-        for (std::size_t i = 0; i < list.size(); ++i)
-            out.emplace_back(file_, fmt::format("{}[{}]", path_of(key), i), list[i]);
-        return out;
-    }
-    double number(const std::string& key) {
-        const Json& value = get(key);
-        if (!value.is_number() || !std::isfinite(value.get<double>()))
-            throw Error(file_, 0, path_of(key), "must be a finite number");
-        return value.get<double>();
-    }
-    double positive(const std::string& key) {
-        const double value = number(key);
-        if (value <= 0.0) throw Error(file_, 0, path_of(key), fmt::format("{} must be positive", value));
-        return value;
-    }
-    std::uint64_t count(const std::string& key, std::uint64_t least = 0) {
-        const Json& value = get(key);
-        if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least)
-            throw Error(file_, 0, path_of(key), fmt::format("must be an integer of at least {}", least));
-        return value.get<std::uint64_t>();
-    }
-    std::string text(const std::string& key) {
-        const Json& value = get(key);
-        if (!value.is_string()) throw Error(file_, 0, path_of(key), "must be a string");
-        return value.get<std::string>();
-    }
-    /// To be called when every key was asked for once.
-    void finish() const {
-        if (asked_ != json_.size()) throw Error(file_, 0, path_, "has a key that this format does not know");
-    }
-
-  private:
-    [[nodiscard]] std::string path_of(const std::string& key) const {
-        return path_.empty() ? key : path_ + "." + key;
-    }
-
-    std::string file_;
-    std::string path_;
-    const Json& json_;
-    std::size_t asked_ = 0;
-};
+using Reader = JsonObject;
 
 Model::Data data_of(Reader r, const std::string& file) {
     Model::Data d;

@@ -9,16 +9,8 @@ namespace {
 
 constexpr std::size_t kBands = 10;
 
-/// c_e before the first maneuver.
-double start_J(const Campaign& campaign) {
-    const double first_J = brake_energy_J(campaign, 0);
-    if (!std::isnan(first_J)) return 0.0;
-    const std::vector<Point>& p = campaign.points;
-    return p.front().c_e_J - (p.back().c_e_J - p.front().c_e_J) / static_cast<double>(p.size() - 1);
-}
-
 double energy_before_J(const Campaign& campaign, std::size_t i) {
-    return i == 0 ? start_J(campaign) : campaign.points[i - 1].c_e_J;
+    return i == 0 ? taken_before_J(campaign) : campaign.points[i - 1].c_e_J;
 }
 
 struct Moments {
@@ -72,10 +64,10 @@ Campaign resimulated(const Campaign& recorded, const Model& model, const Conditi
     Campaign out;
     out.source = recorded.source + ", simulated";
     out.points.reserve(recorded.points.size());
-    Degradation brake(model, rule, {seed, 0, start_J(recorded)});
     for (std::size_t i = 0; i < recorded.points.size(); ++i) {
-        out.points.push_back({recorded.points[i].c_e_J, brake.next_friction()});
-        brake.take(recorded.points[i].c_e_J - energy_before_J(recorded, i));
+        Generator generator = generator_of(seed, i);
+        out.points.push_back({recorded.points[i].c_e_J,
+                              friction_at(model, {}, rule, energy_before_J(recorded, i), generator)});
     }
     return out;
 }

@@ -19,17 +19,20 @@ bool made_by_a_person(const std::string& outcome) {
 
 }  // namespace
 
-Decision CampaignJudge::wear(const Summary& summary) const {
+Decision CampaignJudge::brake(const Summary& summary, const Health& health) const {
+    if (rules_.stop_on_abnormal && health.state == HealthState::abnormal)
+        return {Verdict::abnormal,
+                fmt::format("maneuver {}: the brake is abnormal: {}", summary.number, health.reason)};
     const double friction = summary.figures.mean_friction;
     if (!rules_.min_friction || friction >= *rules_.min_friction) return {};
     return {Verdict::worn, fmt::format("maneuver {}: mean friction {:.4f} is below the wear limit {:.4f}",
                                        summary.number, friction, *rules_.min_friction)};
 }
 
-Decision CampaignJudge::after(const Summary& summary) {
+Decision CampaignJudge::after(const Summary& summary, const Health& health) {
     if (summary.outcome == "finished") {
         failures_ = 0;
-        return wear(summary);
+        return brake(summary, health);
     }
     failures_ = failing_ == summary.number ? failures_ + 1 : 1;
     failing_ = summary.number;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "rig_bridge/record/health.hpp"
 #include "rig_bridge/record/summary.hpp"
 
 namespace rig {
@@ -15,9 +16,10 @@ struct CampaignRules {
     int retries = 0;  ///< of one maneuver, after it was aborted
     std::optional<double>
         min_friction{};  ///< wear limit: mean friction of a finished maneuver below it ends the campaign
+    bool stop_on_abnormal = false;  ///< an abnormal brake ends the campaign
 };
 
-enum class Verdict : std::uint8_t { go_on, fault, worn };
+enum class Verdict : std::uint8_t { go_on, fault, worn, abnormal };
 
 struct Decision {
     Verdict verdict = Verdict::go_on;
@@ -30,13 +32,15 @@ class CampaignJudge {
 
     /// After a maneuver, in the order in which they were run. Causes that a person makes (emergency_stop, guard_open, requested) are never
     /// retried: a person decides when the rig may move again.
-    [[nodiscard]] Decision after(const Summary& summary);
+    [[nodiscard]] Decision after(const Summary& summary, const Health& health = {});
 
-    /// Before the first: the last finished one of an earlier session may have reached the wear limit.
-    [[nodiscard]] Decision before(const Summary& last_finished) const { return wear(last_finished); }
+    /// Before the first: the last finished one of an earlier session may have reached the wear limit or shown an abnormal brake.
+    [[nodiscard]] Decision before(const Summary& last_finished, const Health& health = {}) const {
+        return brake(last_finished, health);
+    }
 
   private:
-    [[nodiscard]] Decision wear(const Summary& summary) const;
+    [[nodiscard]] Decision brake(const Summary& summary, const Health& health) const;
 
     CampaignRules rules_;
     std::int64_t failing_ = 0;  // number of the maneuver that failed last

@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <optional>
 
 #include "rig_bridge/bridge/realtime.hpp"
 #include "rig_bridge/bridge/session.hpp"
 #include "rig_bridge/bridge/status.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
+#include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
+#include "rig_bridge/bridge/wear_regulation.hpp"
+#include "rig_bridge/health/health_watch.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 
@@ -25,13 +29,16 @@ std::string now_text() {
 class CampaignRun {
   public:
     CampaignRun(const Setup& setup, const CampaignCommand& command, std::string name, StopRequests& stops,
-                Terminal& terminal, Ledger& ledger)
+                Terminal& terminal, Ledger& ledger, const std::optional<WearRegulation>& regulation,
+                HealthWatch* watch)
         : setup_(setup),
           command_(command),
           name_(std::move(name)),
           stops_(stops),
           terminal_(terminal),
           ledger_(ledger),
+          regulation_(regulation),
+          watch_(watch),
           judge_(command.rules),
           session_(setup, stops, terminal) {}
 
@@ -41,6 +48,7 @@ class CampaignRun {
     [[nodiscard]] std::optional<Attempt> next();
     [[nodiscard]] Order order(const Attempt& attempt) const;
     [[nodiscard]] Ran one(const Attempt& attempt);
+    [[nodiscard]] regulation::Regulator regulator() const;
     [[nodiscard]] int interrupted() const { return 128 + stops_.number(); }
 
     const Setup& setup_;
@@ -49,22 +57,42 @@ class CampaignRun {
     StopRequests& stops_;
     Terminal& terminal_;
     Ledger& ledger_;
+    const std::optional<WearRegulation>& regulation_;
+    std::optional<double> slip_reference_;  // of the maneuver that runs, where the law is slip
+    std::string shared_;                    // how wear is shared, for people
+    HealthWatch* watch_;                    // none: nobody judges the brake
     CampaignJudge judge_;
     Pace pace_;
     Session session_;
 };
 
+/// From the ledger alone, so that a bridge that was killed goes on with the same reference.
+regulation::Regulator CampaignRun::regulator() const {
+    return regulation_->after(read_ledger(ledger_file(command_.rig.out), name_));
+}
+
 std::optional<Attempt> CampaignRun::next() {
     std::optional<Attempt> attempt;
     session_.meanwhile([&] {
-        if (const auto number = ledger_.next_number()) attempt = ledger_.begin(*number, now_text());
+        const auto number = ledger_.next_number();
+        if (!number) return;
+        if (setup_.scenario.mean.law == sequencer::BrakeLaw::slip)
+            slip_reference_ = setup_.scenario.mean.slip_reference;
+        if (regulation_) {
+            const regulation::Regulator shares = regulator();
+            slip_reference_ = shares.reference();
+            shared_ = line(shares);
+        }
+        attempt = ledger_.begin(*number, now_text(), slip_reference_);
     });
     return attempt;
 }
 
 Order CampaignRun::order(const Attempt& attempt) const {
     const std::int64_t finished = ledger_.finished_count();
-    return {.plan = plan(setup_.scenario, setup_.options.seed, attempt.number),
+    sequencer::Plan maneuver = plan(setup_.scenario, setup_.options.seed, attempt.number);
+    maneuver.slip_reference = slip_reference_.value_or(maneuver.slip_reference);
+    return {.plan = std::move(maneuver),
             .campaign = name_,
             .number = attempt.number,
             .folder = attempt.folder,
@@ -72,7 +100,9 @@ Order CampaignRun::order(const Attempt& attempt) const {
             .view = CampaignView{.number = attempt.number,
                                  .finished = finished,
                                  .planned = command_.rules.maneuvers,
-                                 .left_s = pace_.left_s(command_.rules.maneuvers - finished)}};
+                                 .left_s = pace_.left_s(command_.rules.maneuvers - finished),
+                                 .regulation = shared_,
+                                 .health = watch_ == nullptr ? "" : health_text(watch_->newest())}};
 }
 
 Ran CampaignRun::one(const Attempt& attempt) {
@@ -87,6 +117,13 @@ Ran CampaignRun::one(const Attempt& attempt) {
         }
         write_summary(attempt.folder / "summary.json", ran.summary);
         ledger_.finish(ran.summary);
+        if (watch_ != nullptr && ran.summary.outcome == name(sequencer::Phase::finished))
+            ledger_.judge(ran.summary.number, watch_->after(ran.summary));
+        if (regulation_) {
+            const regulation::Regulator shares = regulator();
+            shared_ = line(shares);
+            write_regulation(regulation_file(command_.rig.out, name_), shares);
+        }
     });
     pace_.add(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     return ran;
@@ -100,16 +137,19 @@ int CampaignRun::run() {
                                       attempt->number, ran.record_error));
             return stops_.count() > 0 ? interrupted() : 1;
         }
-        const Decision decision = judge_.after(ran.summary);
+        const Health health = watch_ == nullptr ? Health{} : watch_->newest();
+        const Decision decision = judge_.after(ran.summary, health);
         const std::string reason = decision.reason + (ran.note.empty() ? "" : "; " + ran.note);
         if (!decision.reason.empty()) terminal_.say("rig-bridge: " + reason);
         if (ran.summary.outcome == name(sequencer::Phase::finished))
             terminal_.say(fmt::format(
-                "maneuver {} finished: mean torque {:.1f} N m, mean friction {:.4f}, {:.3f} MJ in all",
+                "maneuver {} finished: mean torque {:.1f} N m, mean friction {:.4f}, {:.3f} MJ in all{}",
                 ran.summary.number, ran.summary.figures.mean_torque_Nm, ran.summary.figures.mean_friction,
-                ran.summary.cumulative_energy_J * 1e-6));
+                ran.summary.cumulative_energy_J * 1e-6,
+                watch_ == nullptr ? "" : "; brake " + health_text(health)));
+        if (regulation_) terminal_.say(shared_);
         if (stops_.count() > 0) return interrupted();
-        if (decision.verdict == Verdict::fault) return 1;
+        if (decision.verdict == Verdict::fault || decision.verdict == Verdict::abnormal) return 1;
         if (decision.verdict == Verdict::worn) return 0;
     }
     return 0;
@@ -124,18 +164,24 @@ void tell(const Resumed& resumed, std::int64_t finished, Terminal& terminal) {
     if (!resumed.created) terminal.say(fmt::format("rig-bridge: resumes, {} maneuvers finished", finished));
 }
 
-/// The wear limit may have been reached by the last maneuver before the bridge died.
+/// The last maneuver before the bridge died may have reached the wear limit or shown an abnormal brake.
 Decision before(const CampaignRules& rules, const std::filesystem::path& file, const std::string& name) {
     const std::vector<LedgerRow> rows = read_ledger(file, name);
     const auto last = std::find_if(rows.rbegin(), rows.rend(),
                                    [](const LedgerRow& row) { return row.state == RowState::finished; });
-    return last == rows.rend() ? Decision{} : CampaignJudge(rules).before(last->summary);
+    return last == rows.rend() ? Decision{} : CampaignJudge(rules).before(last->summary, last->health);
 }
 
 }  // namespace
 
 int run_campaign(const CampaignCommand& command) {
-    const Setup setup = load_setup(command.rig);
+    std::optional<regulation::Order> asked;
+    if (command.regulate)
+        asked = regulation::load_order(command.regulation.empty() ? command.rig.config / "regulation.toml"
+                                                                  : command.regulation);
+    const Setup setup = load_setup(command.rig, asked ? asked->files : std::vector<std::filesystem::path>{});
+    std::optional<WearRegulation> shared;
+    if (asked) shared.emplace(*asked, setup.scenario);
     const std::string name = command.name.empty() ? setup.scenario.name : command.name;
     const std::filesystem::path file = ledger_file(command.rig.out);
     StopRequests stops;
@@ -151,9 +197,14 @@ int run_campaign(const CampaignCommand& command) {
                                                   .created = now_text()},
                                                  command.changed ? IfChanged::go_on : IfChanged::refuse);
     tell(resumed, ledger.finished_count(), terminal);
+    std::optional<HealthWatch> watch;
+    if (!command.wear_model.empty()) {
+        watch.emplace(command.wear_model);
+        catch_up(*watch, ledger, read_ledger(file, name));
+    }
     if (const Decision decision = before(command.rules, file, name); decision.verdict != Verdict::go_on) {
         terminal.say("rig-bridge: " + decision.reason);
-        return 0;
+        return decision.verdict == Verdict::worn ? 0 : 1;
     }
     if (!ledger.next_number()) {
         fmt::print("{}", status_text(file));
@@ -162,7 +213,7 @@ int run_campaign(const CampaignCommand& command) {
     int status = 1;
     try {
         enter_realtime(setup.options.priority, terminal);
-        CampaignRun run(setup, command, name, stops, terminal, ledger);
+        CampaignRun run(setup, command, name, stops, terminal, ledger, shared, watch ? &*watch : nullptr);
         status = run.run();
     } catch (const EndAtOnce&) {
         terminal.say(

@@ -12,6 +12,7 @@ constexpr auto kFooter = R"(Examples:
   rig-bridge maneuver config/scenarios/heavy.toml --can can0 --plc 192.168.1.10:502
   rig-bridge maneuver config/scenarios/heavy.toml --can vcan0 --plc 127.0.0.1:1502 --out out/heavy
   rig-bridge campaign config/scenarios/endurance.toml --can can0 --plc-rtu /dev/ttyUSB0 --maneuvers 500 --out runs/brake7
+  rig-bridge campaign config/scenarios/heavy.toml --can can0 --plc 192.168.1.10:502 --maneuvers 160 --regulate --out runs/pair3
   rig-bridge status runs/brake7
 Ctrl-C brings the maneuver to its safe end first; a second one ends the program at once, and the PLC's watchdog and the controller's
 time-outs make the rig safe. The same campaign command goes on where it was, whatever ended it.
@@ -98,6 +99,20 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     many->add_option("--min-friction", campaign.rules.min_friction,
                      "wear limit: stop when the mean friction of a maneuver is below")
         ->check(CLI::Range(0.0, 1.0));
+    auto* const regulate = many->add_flag(
+        "--regulate", campaign.regulate,
+        "after each maneuver the next slip reference, so that brake and tyre reach their limits together");
+    many->add_option("--regulation", campaign.regulation,
+                     "plan and rules of that (default: CONFIG/regulation.toml)")
+        ->needs(regulate)
+        ->type_name("FILE");
+    auto* const model = many->add_option(
+        "--wear-model", campaign.wear_model,
+        "judge the brake after each maneuver by this population.json or model.json of rig-lab wear");
+    model->check(CLI::ExistingFile)->type_name("FILE");
+    many->add_flag("--stop-on-abnormal", campaign.rules.stop_on_abnormal,
+                   "end the campaign, with status 1, when the brake is abnormal")
+        ->needs(model);
     many->add_option("--name", campaign.name, "of the campaign in its ledger (default: the scenario's)");
     many->add_flag("--go-on-changed", campaign.changed,
                    "resume although scenario, seed or configuration differ from before");

@@ -40,8 +40,11 @@ struct ManeuverCommand {
 struct CampaignCommand {
     RigOptions rig;
     CampaignRules rules;
-    std::string name;      ///< empty: the scenario's
-    bool changed = false;  ///< go on although scenario, seed or configuration changed
+    std::string name;       ///< empty: the scenario's
+    bool changed = false;   ///< go on although scenario, seed or configuration changed
+    bool regulate = false;  ///< the slip reference shares wear between brake and tyre, maneuver by maneuver
+    std::filesystem::path regulation;  ///< plan and rules; empty: regulation.toml of the configuration
+    std::filesystem::path wear_model;  ///< that judges the brake; empty: nobody does
 };
 struct StatusCommand {
     std::filesystem::path directory;

@@ -33,7 +33,7 @@ Freshness load_freshness(const std::filesystem::path& file, const RegisterMap& m
 
 }  // namespace
 
-Setup load_setup(const RigOptions& o) {
+Setup load_setup(const RigOptions& o, const std::vector<std::filesystem::path>& also) {
     const auto dbc = o.dbc.empty() ? o.config / "antiskid.dbc" : o.dbc;
     const auto binding = o.binding.empty() ? o.config / "antiskid_binding.toml" : o.binding;
     const auto registers = o.registers.empty() ? o.config / "registers.toml" : o.registers;
@@ -54,6 +54,7 @@ Setup load_setup(const RigOptions& o) {
     s.limits = load_freshness(bridge, s.map);
     std::vector<std::filesystem::path> files = s.scenario.files;
     files.insert(files.end(), {dbc, binding, registers, bridge});
+    files.insert(files.end(), also.begin(), also.end());
     s.config_hash = settings::hash(files);
     return s;
 }

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <vector>
 
 #include "rig_bridge/bridge/verbs.hpp"
+#include "rig_bridge/bridge/view.hpp"
+#include "rig_bridge/bridge/wear_regulation.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/ledger.hpp"
 
@@ -42,14 +45,25 @@ std::int64_t count(const std::vector<LedgerRow>& rows, RowState state) {
                          [state](const LedgerRow& row) { return row.state == state; });
 }
 
+/// What the bridge left beside the ledger; null where the campaign is not regulated.
+nlohmann::ordered_json regulation_of(const std::filesystem::path& ledger, const std::string& campaign) {
+    std::ifstream in(regulation_file(ledger.parent_path(), campaign), std::ios::binary);
+    if (!in) return nullptr;
+    auto json = nlohmann::ordered_json::parse(in, nullptr, false);
+    return json.is_object() && json.contains("line") && json["line"].is_string() ? json
+                                                                                 : nlohmann::ordered_json();
+}
+
 std::string row_text(const LedgerRow& row) {
     const Figures& f = row.summary.figures;
     std::string text = fmt::format("  {:>6} {:>7}  {:<10} {:<20}", row.attempt.number, row.attempt.attempt,
                                    name(row.state), row.summary.started);
     if (row.state == RowState::finished)
-        text += fmt::format(" {:8.2f} {:8.2f} {:8.1f} {:9.1f} {:8.4f} {:10.3f}", f.brake_on_mps, f.duration_s,
-                            f.length_m, f.mean_torque_Nm, f.mean_friction,
-                            row.summary.cumulative_energy_J * 1e-6);
+        text += fmt::format(
+            " {:8.2f} {:8.2f} {:8.1f} {:9.1f} {:8.4f} {:10.3f} {:>6}  {}", f.brake_on_mps, f.duration_s,
+            f.length_m, f.mean_torque_Nm, f.mean_friction, row.summary.cumulative_energy_J * 1e-6,
+            std::isfinite(row.slip_reference) ? fmt::format("{:.3f}", row.slip_reference) : "-",
+            name(row.health.state));
     else if (row.state == RowState::aborted)
         text += " " + row.summary.outcome;
     return text + "\n";
@@ -73,8 +87,14 @@ std::string campaign_text(const Campaign& campaign, const std::vector<LedgerRow>
         }
     }
     if (rows.empty()) return text;
-    text += fmt::format("  {:>6} {:>7}  {:<10} {:<20} {:>8} {:>8} {:>8} {:>9} {:>8} {:>10}\n", "number",
-                        "attempt", "state", "started", "m/s", "s", "m", "N m", "mu_b", "MJ in all");
+    const auto judged = std::find_if(rows.rbegin(), rows.rend(),
+                                     [](const LedgerRow& row) { return !row.health.model.empty(); });
+    if (judged != rows.rend())
+        text += fmt::format("  brake after maneuver {}: {}\n", judged->attempt.number,
+                            health_text(judged->health));
+    text += fmt::format("  {:>6} {:>7}  {:<10} {:<20} {:>8} {:>8} {:>8} {:>9} {:>8} {:>10} {:>6}  {}\n",
+                        "number", "attempt", "state", "started", "m/s", "s", "m", "N m", "mu_b", "MJ in all",
+                        "slip", "brake");
     for (std::size_t i = rows.size() - std::min(rows.size(), kShown); i < rows.size(); ++i)
         text += row_text(rows[i]);
     return text;
@@ -84,8 +104,11 @@ std::string campaign_text(const Campaign& campaign, const std::vector<LedgerRow>
 
 std::string status_text(const std::filesystem::path& ledger) {
     std::string text;
-    for (const Campaign& campaign : read_campaigns(ledger))
+    for (const Campaign& campaign : read_campaigns(ledger)) {
         text += campaign_text(campaign, read_ledger(ledger, campaign.name));
+        if (const auto regulation = regulation_of(ledger, campaign.name); regulation.is_object())
+            text += fmt::format("  regulation: {}\n", regulation["line"].get<std::string>());
+    }
     return text;
 }
 
@@ -110,8 +133,16 @@ std::string status_json(const std::filesystem::path& ledger) {
                 {"outcome", row.summary.outcome}, {"cumulative_energy_J", row.summary.cumulative_energy_J}};
             for (const FigureField& field : kFigureFields)
                 entry[field.key] = row.summary.figures.*field.value;
+            if (std::isfinite(row.slip_reference)) entry["slip_reference"] = row.slip_reference;
+            entry["health"] = name(row.health.state);
+            if (!row.health.model.empty()) {
+                entry["health_statistic"] = row.health.statistic;
+                entry["health_reason"] = row.health.reason;
+                entry["health_model"] = row.health.model;
+            }
             list.push_back(std::move(entry));
         }
+        one["regulation"] = regulation_of(ledger, campaign.name);
         one["maneuvers"] = std::move(list);
         campaigns.push_back(std::move(one));
     }

@@ -61,6 +61,13 @@ std::string duration_text(double seconds) {
     return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
 }
 
+std::string health_text(const Health& health) {
+    std::string text = name(health.state);
+    if (std::isfinite(health.statistic)) text += fmt::format(" ({:.2f} of its limit)", health.statistic);
+    if (!health.reason.empty()) text += ": " + health.reason;
+    return text;
+}
+
 std::string fit(std::string_view line, std::size_t columns) {
     std::size_t width = 0;
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -73,6 +80,7 @@ std::string fit(std::string_view line, std::size_t columns) {
 std::vector<std::string> screen(const ViewModel& v, std::size_t columns) {
     std::vector<std::string> lines;
     lines.push_back(v.campaign ? fmt::format("{}  {}", v.scenario, campaign_text(*v.campaign)) : v.scenario);
+    if (v.campaign && !v.campaign->regulation.empty()) lines.push_back(v.campaign->regulation);
     lines.push_back(fmt::format("{:<10} {:7.2f} s  [{}]  {:.1f} s in this phase{}", name(v.phase), v.time_s,
                                 bar(share(v)), v.phase_s, abort_text(v)));
     lines.push_back(
@@ -83,6 +91,7 @@ std::vector<std::string> screen(const ViewModel& v, std::size_t columns) {
     lines.push_back(fmt::format("controller {:<20}  PLC {:<10}  bus {:<4}  {} frames, {} dropped",
                                 v.controller, v.plc, v.bus, v.frames, v.dropped));
     lines.push_back(fmt::format("faults: {}{}{}", fault_text(v), v.note.empty() ? "" : "   ", v.note));
+    if (v.campaign && !v.campaign->health.empty()) lines.push_back("brake " + v.campaign->health);
     for (std::string& line : lines) line = fit(line, columns);
     return lines;
 }
@@ -100,6 +109,7 @@ std::string plain_line(const ViewModel& v) {
         line += "  " + fmt::format("[{} of {}, {}]", v.campaign->number, v.campaign->planned,
                                    v.campaign->left_s ? duration_text(*v.campaign->left_s) + " left"
                                                       : "time left unknown");
+    if (v.campaign && !v.campaign->health.empty()) line += "  brake " + v.campaign->health;
     return line;
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "rig_bridge/record/health.hpp"
 #include "rig_bridge/sequencer/sequencer.hpp"
 
 namespace rig {
@@ -16,6 +17,8 @@ struct CampaignView {
     std::int64_t finished = 0;
     std::int64_t planned = 0;
     std::optional<double> left_s;  ///< unknown before the first has finished
+    std::string regulation{};      ///< how wear is shared, one line; empty where it is not regulated
+    std::string health{};          ///< of the brake, as health_text() says it; empty: nobody judges it
 };
 
 struct ViewModel {
@@ -49,6 +52,8 @@ struct ViewModel {
 
 /// "3 h 12 min", "4 min 05 s", "12 s".
 [[nodiscard]] std::string duration_text(double seconds);
+/// "suspect (0.81 of its limit): friction has dropped".
+[[nodiscard]] std::string health_text(const Health& health);
 /// At most `columns` characters of UTF-8.
 [[nodiscard]] std::string fit(std::string_view line, std::size_t columns);
 

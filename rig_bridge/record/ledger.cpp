@@ -241,7 +241,7 @@ std::int64_t Ledger::finished_count() const {
     return count.bind(1, impl_->id).step() ? count.integer(0) : 0;
 }
 
-Attempt Ledger::begin(std::int64_t number, const std::string& started) {
+Attempt Ledger::begin(std::int64_t number, const std::string& started, std::optional<double> slip_reference) {
     impl_->need_campaign();
     LedgerDatabase::Transaction transaction(impl_->database);
     Statement last = impl_->database.prepare(
@@ -259,8 +259,8 @@ Attempt Ledger::begin(std::int64_t number, const std::string& started) {
     impl_->database
         .prepare(
             "INSERT INTO maneuvers (campaign, number, attempt, state, folder, scenario, started, seed, "
-            "version, config_hash) "
-            "VALUES (?1, ?2, ?3, 'running', ?4, ?5, ?6, ?7, ?8, ?9)")
+            "version, config_hash, slip_reference) "
+            "VALUES (?1, ?2, ?3, 'running', ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
         .bind(1, impl_->id)
         .bind(2, number)
         .bind(3, attempt)
@@ -270,6 +270,7 @@ Attempt Ledger::begin(std::int64_t number, const std::string& started) {
         .bind(7, static_cast<std::int64_t>(campaign.seed))
         .bind(8, campaign.version)
         .bind(9, campaign.config_hash)
+        .bind(10, slip_reference.value_or(std::numeric_limits<double>::quiet_NaN()))  // NaN is NULL
         .run();
     transaction.commit();
     return {.number = number, .attempt = attempt, .folder = impl_->path.parent_path() / folder};
@@ -287,6 +288,26 @@ void Ledger::finish(const Summary& summary) {
     if (!running.bind(1, impl_->id).bind(2, summary.number).step())
         throw LedgerError(where + " is not running");
     impl_->enter(summary, running.integer(0));
+    transaction.commit();
+}
+
+void Ledger::judge(std::int64_t number, const Health& health) {
+    impl_->need_campaign();
+    LedgerDatabase::Transaction transaction(impl_->database);
+    Statement update = impl_->database.prepare(
+        "UPDATE maneuvers SET health = ?3, health_statistic = ?4, health_reason = ?5, health_model = ?6 "
+        "WHERE campaign = ?1 AND number = ?2 AND state = 'finished' RETURNING id");
+    update.bind(1, impl_->id)
+        .bind(2, number)
+        .bind(3, std::string_view(name(health.state)))
+        .bind(4, health.statistic)
+        .bind(5, health.reason)
+        .bind(6, health.model);
+    if (!update.step())
+        throw LedgerError(impl_->path.string() + ": maneuver " + std::to_string(number) +
+                          " is not finished, so its brake cannot be judged");
+    while (update.step()) {
+    }
     transaction.commit();
 }
 

@@ -18,12 +18,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "rig_bridge/record/health.hpp"
 #include "rig_bridge/record/summary.hpp"
 
 namespace rig {
@@ -61,6 +63,9 @@ struct LedgerRow {
     RowState state = RowState::running;
     Attempt attempt;
     Summary summary;  ///< of a running or unfinished one only what was known at its begin
+    Health health;    ///< unknown unless it finished and was judged
+    /// In force; NaN: another law than slip, or a maneuver of a ledger that did not keep it.
+    double slip_reference = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct LedgerOptions {
@@ -79,8 +84,8 @@ struct Resumed {
 
 class Ledger {
   public:
-    /// Opens `path`, or makes it. Throws settings::Error when the file is something else or of a newer schema, LedgerError when
-    /// it is held, damaged or cannot be written.
+    /// Opens `path`, or makes it; a ledger of an older schema is brought to this one, all of its rows kept. Throws settings::Error when the
+    /// file is something else or of a newer schema, LedgerError when it is held, damaged or cannot be written.
     explicit Ledger(const std::filesystem::path& path, const LedgerOptions& options = {});
     ~Ledger();
     Ledger(const Ledger&) = delete;
@@ -96,11 +101,14 @@ class Ledger {
     [[nodiscard]] double cumulative_energy_J() const;
     [[nodiscard]] std::int64_t finished_count() const;
 
-    /// `started`: wall clock, ISO 8601 UTC. Throws LedgerError when one is running.
-    [[nodiscard]] Attempt begin(std::int64_t number, const std::string& started);
+    /// `started`: wall clock, ISO 8601 UTC. `slip_reference`: that of the slip law. Throws LedgerError when one is running.
+    [[nodiscard]] Attempt begin(std::int64_t number, const std::string& started,
+                                std::optional<double> slip_reference = {});
     /// Enters the running maneuver of that number: `finished` when that is the outcome, else `aborted`. Throws LedgerError when
     /// none is running, or campaign or number is another.
     void finish(const Summary& summary);
+    /// What is thought of the brake after a finished maneuver. Throws LedgerError when no such maneuver is finished.
+    void judge(std::int64_t number, const Health& health);
     /// The running maneuver ended without figures.
     void mark_unfinished();
 
@@ -109,8 +117,8 @@ class Ledger {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Every row of a campaign, oldest first, without taking the lock. Throws settings::Error when the file is no ledger of this
-/// schema or has no such campaign.
+/// Every row of a campaign, oldest first, without taking the lock; a ledger of an older schema is read and left as it is. Throws
+/// settings::Error when the file is no ledger, is of a newer schema or has no such campaign.
 [[nodiscard]] std::vector<LedgerRow> read_ledger(const std::filesystem::path& path,
                                                  const std::string& campaign);
 /// The campaigns of a ledger, oldest first.

@@ -1,5 +1,6 @@
 #include "rig_bridge/record/ledger_database.hpp"
 
+#include <array>
 #include <limits>
 
 #include "config/reader/error.hpp"
@@ -39,7 +40,20 @@ constexpr std::int64_t kApplicationId = 0x41534c47;  // "ASLG"
     throw LedgerError(path + ": " + why + ")");
 }
 
-std::string schema() {
+/// Element i brings schema i + 1 to schema i + 2. A new ledger is schema 1 brought to the newest, so that there is one way to each.
+constexpr std::array<const char*, kLedgerSchema - 1> kMigrations{
+    R"(
+ALTER TABLE maneuvers ADD COLUMN health TEXT NOT NULL DEFAULT 'unknown'
+    CHECK (health IN ('unknown', 'healthy', 'suspect', 'abnormal'));
+ALTER TABLE maneuvers ADD COLUMN health_statistic REAL;
+ALTER TABLE maneuvers ADD COLUMN health_reason TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN health_model TEXT NOT NULL DEFAULT '';
+)",
+    "ALTER TABLE maneuvers ADD COLUMN slip_reference REAL;",
+};
+
+/// Of a ledger of schema 1.
+std::string first_schema() {
     std::string figures;
     for (const FigureField& field : kFigureFields) figures += std::string(field.key) + " REAL,\n";
     return R"(
@@ -158,7 +172,7 @@ std::int64_t LedgerDatabase::pragma(const char* name) const {
     return statement.step() ? statement.integer(0) : 0;
 }
 
-void LedgerDatabase::check_identity(Access access) const {
+void LedgerDatabase::check_identity(Access access) {
     std::int64_t application = 0;
     std::int64_t version = 0;
     std::int64_t tables = 0;
@@ -170,8 +184,10 @@ void LedgerDatabase::check_identity(Access access) const {
         if (code == SQLITE_NOTADB)
             throw settings::Error(path_, 0, "", "is no SQLite file, so it is no campaign ledger");
     }
-    Statement count = prepare("SELECT count(*) FROM sqlite_schema");
-    if (count.step()) tables = count.integer(0);
+    {
+        Statement count = prepare("SELECT count(*) FROM sqlite_schema");
+        if (count.step()) tables = count.integer(0);
+    }
     application = pragma("application_id");
     version = pragma("user_version");
     if (tables == 0 && application == 0 && version == 0 && access == Access::write) {
@@ -180,24 +196,51 @@ void LedgerDatabase::check_identity(Access access) const {
     }
     if (application != kApplicationId)
         throw settings::Error(path_, 0, "", "is an SQLite file of another program, not a campaign ledger");
-    if (version != kLedgerSchema) {
+    if (version < 1 || version > kLedgerSchema) {
         throw settings::Error(path_, 0, "user_version",
                               "ledger of schema " + std::to_string(version) + "; this program knows schema " +
-                                  std::to_string(kLedgerSchema) +
+                                  std::to_string(kLedgerSchema) + " and older" +
                                   (version > kLedgerSchema ? ": use the newer program that made it" : ""));
     }
-    Statement check = prepare("PRAGMA quick_check(1)");
-    if (check.step() && check.text(0) != "ok")
-        throw LedgerError(path_ + ": is damaged; `sqlite3 FILE .recover` may save what is left (" +
-                          check.text(0) + ")");
+    {
+        Statement check = prepare("PRAGMA quick_check(1)");
+        if (check.step() && check.text(0) != "ok")
+            throw LedgerError(path_ + ": is damaged; `sqlite3 FILE .recover` may save what is left (" +
+                              check.text(0) + ")");
+    }
+    if (version == kLedgerSchema) return;
+    if (access == Access::read) copy_to_memory();
+    Transaction transaction(*this);
+    migrate(version);
+    transaction.commit();
 }
 
 void LedgerDatabase::make_schema() const {
     Transaction transaction(*this);
-    run(schema().c_str());
+    run(first_schema().c_str());
     run(("PRAGMA application_id = " + std::to_string(kApplicationId)).c_str());
-    run(("PRAGMA user_version = " + std::to_string(kLedgerSchema)).c_str());
+    migrate(1);
     transaction.commit();
+}
+
+void LedgerDatabase::migrate(std::int64_t from) const {
+    for (auto i = static_cast<std::size_t>(from - 1); i < kMigrations.size(); ++i) run(kMigrations.at(i));
+    run(("PRAGMA user_version = " + std::to_string(kLedgerSchema)).c_str());
+}
+
+void LedgerDatabase::copy_to_memory() {
+    sqlite3* memory = nullptr;
+    int code = sqlite3_open(":memory:", &memory);
+    std::unique_ptr<sqlite3, Closer> copy(memory);
+    if (code != SQLITE_OK) fail(memory, path_, code);
+    sqlite3_extended_result_codes(memory, 1);
+    if (sqlite3_backup* const backup = sqlite3_backup_init(memory, "main", database_.get(), "main")) {
+        sqlite3_backup_step(backup, -1);
+        sqlite3_backup_finish(backup);
+    }
+    code = sqlite3_extended_errcode(memory);
+    if (code != SQLITE_OK) fail(memory, path_, code);
+    database_ = std::move(copy);
 }
 
 LedgerDatabase::Transaction::Transaction(const LedgerDatabase& database) : database_(database) {

@@ -52,7 +52,8 @@ class LedgerDatabase {
   public:
     enum class Access : std::uint8_t { read, write };
 
-    /// Checks that the file is a ledger of this schema; with `write` makes one where there is no file or an empty one.
+    /// Checks that the file is a ledger. With `write`: makes one where there is no file or an empty one, and brings an older schema to this one
+    /// in one transaction. With `read`: an older one is copied to memory and brought to this schema there.
     LedgerDatabase(const std::filesystem::path& path, Access access, const LedgerOptions& options);
 
     [[nodiscard]] Statement prepare(std::string_view sql) const { return {database_.get(), path_, sql}; }
@@ -83,14 +84,16 @@ class LedgerDatabase {
     struct Closer {
         void operator()(sqlite3* database) const { sqlite3_close(database); }
     };
-    void check_identity(Access access) const;
+    void check_identity(Access access);
     void make_schema() const;
+    void migrate(std::int64_t from) const;
+    void copy_to_memory();
     [[nodiscard]] std::int64_t pragma(const char* name) const;
 
     std::string path_;
     std::unique_ptr<sqlite3, Closer> database_;
 };
 
-inline constexpr std::int64_t kLedgerSchema = 1;
+inline constexpr std::int64_t kLedgerSchema = 3;
 
 }  // namespace rig

@@ -29,7 +29,8 @@ std::string columns() {
     std::string list = "state, number, attempt, folder, scenario, outcome, started";
     for (const FigureField& field : kFigureFields) list += std::string(", ") + field.key;
     return list +
-           ", standstill, cumulative_energy_J, faults, frames, frames_dropped, seed, version, config_hash";
+           ", standstill, cumulative_energy_J, faults, frames, frames_dropped, seed, version, config_hash, "
+           "health, health_statistic, health_reason, health_model, slip_reference";
 }
 
 LedgerRow read_row(const Statement& row, const std::filesystem::path& ledger, const std::string& campaign) {
@@ -61,6 +62,14 @@ LedgerRow read_row(const Statement& row, const std::filesystem::path& ledger, co
     s.seed = static_cast<std::uint64_t>(row.integer(c++));
     s.version = row.text(c++);
     s.config_hash = row.text(c++);
+    const std::string health = row.text(c++);
+    for (std::size_t i = 0; i < kHealthNames.size(); ++i) {
+        if (health == kHealthNames[i]) out.health.state = static_cast<HealthState>(i);
+    }
+    out.health.statistic = row.real(c++);
+    out.health.reason = row.text(c++);
+    out.health.model = row.text(c++);
+    out.slip_reference = row.real(c++);
     return out;
 }
 

@@ -1,5 +1,6 @@
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "config/reader/settings.hpp"
@@ -53,7 +54,7 @@ void read_sequence(const Layered& t, Scenario& scenario) {
     plan.settle_hold_s = t.number("settle_hold_s", kTime_s);
     plan.load_band = t.number("load_band", {.min = 0.01, .max = 1.0});
     plan.standstill_mps = t.number("standstill_mps", {.min = 0.001, .max = 1.0});
-    plan.hold_s = t.number("hold_s", kTime_s);
+    plan.hold_s = t.number("hold_s", {.min = 0.0, .max = 600.0});
     plan.sledge_back_m = t.number("sledge_back_m", {.min = 1e-4, .max = 1.0});
     plan.pressure_gone_Pa = t.number("pressure_gone_Pa", {.min = 1e4, .max = 5e6});
     constexpr Range kTemperature_C{.min = -50.0, .max = 2000.0};
@@ -82,6 +83,31 @@ void read_limits(const Layered& t, Plan& plan) {
 
 constexpr Range kDeceleration_mps2{.min = 0.0, .max = 15.0};
 
+/// A sine whose frequency rises steadily, in points as close as the sequencer's steps.
+void add_sweep(const Table& t, std::vector<sequencer::CurrentPoint>& points) {
+    constexpr double kStep_s = 0.01;
+    const double begin_s = t.number("begin_s", {.min = 0.0, .max = 3600.0});
+    const double duration_s = t.number("duration_s", {.min = 1.0, .max = 600.0});
+    // Above half the rate of the command's frames (20 ms) the samples would show another frequency.
+    constexpr Range kFrequency_Hz{.min = 0.01, .max = 25.0};
+    const double from_Hz = t.number("from_Hz", kFrequency_Hz);
+    const double to_Hz = t.number("to_Hz", kFrequency_Hz);
+    const double mean_mA = t.number("mean_mA", {.min = 0.0, .max = 1000.0});
+    const double amplitude_mA = t.number("amplitude_mA", {.min = 0.0, .max = mean_mA});
+    if (begin_s <= points.back().time_s) {
+        t.fail("begin_s",
+               "must lie behind the last of current_time_s, " + std::to_string(points.back().time_s) + " s");
+    }
+    const auto steps = static_cast<std::size_t>(std::llround(duration_s / kStep_s));
+    points.reserve(points.size() + steps + 1);
+    for (std::size_t i = 0; i <= steps; ++i) {
+        const double since_s = static_cast<double>(i) * kStep_s;
+        const double turns = from_Hz * since_s + 0.5 * (to_Hz - from_Hz) / duration_s * since_s * since_s;
+        points.push_back({.time_s = begin_s + since_s,
+                          .current_mA = mean_mA + amplitude_mA * std::sin(2.0 * std::numbers::pi * turns)});
+    }
+}
+
 std::vector<sequencer::CurrentPoint> current(const Table& t) {
     const auto time_s =
         t.numbers("current_time_s", {.range = {.min = 0.0, .max = 3600.0}, .strictly_increasing = true});
@@ -90,6 +116,7 @@ std::vector<sequencer::CurrentPoint> current(const Table& t) {
     std::vector<sequencer::CurrentPoint> points;
     points.reserve(time_s.size());
     for (std::size_t i = 0; i < time_s.size(); ++i) points.push_back({time_s[i], current_mA[i]});
+    if (const auto sweep = t.find_table("sweep")) add_sweep(*sweep, points);
     return points;
 }
 

@@ -75,3 +75,18 @@ TEST_CASE("Time left follows the newest maneuvers", "[BRG-413]") {
     CHECK(pace.left_s(10).value() == Approx(50.0));
     CHECK(pace.left_s(0).value() == 0.0);
 }
+
+TEST_CASE(
+    "An abnormal brake stops the campaign where that is asked for, also when it was found before a resume",
+    "[BRG-503]") {
+    const rig::Health abnormal{rig::HealthState::abnormal, 1.2, "friction has dropped", "f00d"};
+    const rig::Health suspect{rig::HealthState::suspect, 0.8, "friction has dropped", "f00d"};
+    CampaignJudge judge({.maneuvers = 500, .stop_on_abnormal = true});
+    CHECK(judge.after(summary(6, "finished"), suspect).verdict == Verdict::go_on);
+    const rig::Decision decision = judge.after(summary(7, "finished"), abnormal);
+    CHECK(decision.verdict == Verdict::abnormal);
+    CHECK(decision.reason == "maneuver 7: the brake is abnormal: friction has dropped");
+    CHECK(judge.before(summary(7, "finished"), abnormal).verdict == Verdict::abnormal);
+    CampaignJudge lenient({.maneuvers = 500});
+    CHECK(lenient.after(summary(7, "finished"), abnormal).verdict == Verdict::go_on);
+}

@@ -36,6 +36,7 @@ TEST_CASE("The command line says which rig, which maneuver and where to", "[BRG-
     CHECK(many.rules.retries == 2);
     CHECK(many.rules.min_friction.value() == 0.15);
     CHECK_FALSE(many.rig.reset);
+    CHECK(many.wear_model.empty());
     CHECK(command<rig::StatusCommand>({"status", "runs/1", "--json"}).json);
     CHECK(rig::ledger_file("runs/1") == "runs/1/campaign.sqlite");
 }
@@ -51,6 +52,9 @@ TEST_CASE("Mistakes end with status 2 or say what would be right", "[BRG-430]") 
     CHECK(std::get<int>(parse({"campaign", "x.toml", "--can", "c", "--plc", "1.2.3.4:5", "--out", "o",
                                "--maneuvers", "0"})) == 2);
     CHECK(std::get<int>(parse({"--help"})) == 0);
+    // Nobody to say that it is abnormal.
+    CHECK(std::get<int>(parse({"campaign", "x.toml", "--can", "c", "--plc", "1.2.3.4:5", "--out", "o",
+                               "--maneuvers", "1", "--stop-on-abnormal"})) == 2);
     CHECK_THROWS_WITH(parse({"maneuver", "x.toml", "--can", "c"}),
                       ContainsSubstring("--plc IP:PORT or --plc-rtu DEVICE"));
     CHECK_THROWS_WITH(parse({"maneuver", "x.toml", "--can", "c", "--plc-rtu", "COM3"}),

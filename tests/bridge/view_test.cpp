@@ -152,3 +152,14 @@ TEST_CASE("A reader who does not read holds nobody up", "[BRG-422]") {
     close(ends[1]);
     SUCCEED("5000 lines into a full pipe");
 }
+
+TEST_CASE("In a campaign with a wear model the view has the brake's health", "[BRG-502]") {
+    ViewModel v = braking();
+    v.campaign = CampaignView{.number = 7, .finished = 6, .planned = 500, .left_s = 60.0};
+    CHECK(screen(v, 200).size() == 6);
+    v.campaign->health = rig::health_text({rig::HealthState::suspect, 0.812, "friction has dropped", "f00d"});
+    REQUIRE(screen(v, 200).size() == 7);
+    CHECK(screen(v, 200)[6] == "brake suspect (0.81 of its limit): friction has dropped");
+    CHECK_THAT(plain_line(v), ContainsSubstring("brake suspect (0.81 of its limit)"));
+    CHECK(rig::health_text({}) == "unknown");
+}

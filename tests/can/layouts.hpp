@@ -53,6 +53,7 @@ class TempDir {
         std::ofstream(path_ / name, std::ios::binary) << text;
         return path_ / name;
     }
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
   private:
     std::filesystem::path path_;

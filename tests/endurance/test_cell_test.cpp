@@ -1,4 +1,5 @@
 /// Every shipped scenario through sequencer, controller, PLC and plant in one process.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/catch.hpp"
@@ -11,8 +12,8 @@ using sequencer::Abort;
 using sequencer::Phase;
 
 TEST_CASE("every shipped scenario runs to its end, twice on the same rig", "[STUDY-070]") {
-    const std::string name =
-        GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance");
+    const std::string name = GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff",
+                                      "open_loop", "endurance", "ramp", "step", "sweep", "slow_braking");
     CAPTURE(name);
     const endurance::Setup s = setup(name);
     auto rig = cell(s);
@@ -24,9 +25,10 @@ TEST_CASE("every shipped scenario runs to its end, twice on the same rig", "[STU
         CHECK(out.figures.standstill);
         // The speed at brake-on is the prescribed one.
         CHECK(out.figures.brake_on_mps == Approx(plan.speed_mps).margin(0.05));
-        // Eq. (8) and (9): what the flywheel and the wheel had is what brake and tyre took, as measured.
+        // Eq. (8) and (9): what the flywheel and the wheel had is what brake and tyre took, as measured. The way of one edge is
+        // uncertain at both ends, which shows from 6 m/s on: 0.05 m times 27 kN of load, half of it used.
         CHECK(out.figures.energy_brake_J + out.figures.energy_tyre_J ==
-              Approx(out.figures.kinetic_energy_J).epsilon(0.01));
+              Approx(out.figures.kinetic_energy_J).epsilon(0.01).margin(700.0));
     }
     CHECK(rig.rig().maneuvers() == 2);
 }
@@ -65,4 +67,26 @@ TEST_CASE("an interlock that opens while the sequencer runs ends the maneuver, a
     CHECK(out.abort == kCauses[bit]);
     CHECK(rig.rig().maneuvers() == 0);
     CHECK(rig.rig().rig().wheel().v_mps == 0.0);
+}
+
+TEST_CASE("the valve's experiments run at standstill", "[BRG-520]") {
+    const std::string name = GENERATE("ramp", "step", "sweep");
+    CAPTURE(name);
+    const endurance::Setup s = setup(name);
+    auto rig = cell(s);
+    double still_s = 0.0;
+    double least_mA = 100.0;
+    double most_mA = 0.0;
+    const Outcome out = rig.run(rig::plan(s.scenario, 1, 1), [&](const endurance::Period& p) {
+        if (p.sample.maneuver_state.phase != static_cast<std::uint8_t>(Phase::standstill)) return;
+        still_s += 1e-3;
+        CHECK(rig.rig().rig().wheel().v_mps < 0.1);
+        least_mA = std::min(least_mA, p.current_mA);
+        most_mA = std::max(most_mA, p.current_mA);
+    });
+    CHECK(out.phase == Phase::finished);
+    CHECK(out.faults.empty());
+    CHECK(still_s > 20.0);
+    CHECK(most_mA == Approx(name == "ramp" ? 40.0 : name == "step" ? 36.0 : 22.0).margin(0.1));
+    CHECK(least_mA <= 8.0);
 }

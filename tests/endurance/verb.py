@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""rig-lab endurance as its users meet it: results, exit status, Ctrl-C and SIGKILL, resumption. [STUDY-079]
+"""rig-lab endurance as its users meet it: results, exit status, Ctrl-C and SIGKILL, resumption; the brake that it keeps.
+[STUDY-079] [RIG-305] [RIG-307]
 
 usage: verb.py RIG_LAB
 """
@@ -31,9 +32,9 @@ def rows(out, what="number"):
         return [r[0] for r in db.execute(f"select {what} from maneuvers where state = 'finished' order by number")]
 
 
-def interrupt(out, maneuvers, number, at_least):
+def interrupt(out, maneuvers, number, at_least, *more):
     """Sends a signal once so many maneuvers are in the ledger; the exit status."""
-    child = start(out, maneuvers)
+    child = start(out, maneuvers, *more)
     deadline = time.monotonic() + 120
     while child.poll() is None and time.monotonic() < deadline:
         if (out / "ledger.sqlite").exists():
@@ -86,6 +87,24 @@ with tempfile.TemporaryDirectory() as scratch:
     each = rows(out, "energy_brake_J")
     check("the brake's energy counts on", all(abs(b - a - e) < 1.0 for a, b, e in zip(energies, energies[1:], each[1:])),
           str(energies))
+
+    brake = scratch / "brake.json"
+    keeps = ("--brake", "100", "--brake-state", str(brake))
+    out = scratch / "kept"
+    for at_least in (2, 4, 6):
+        status, text = interrupt(out, 5000, signal.SIGKILL, at_least, *keeps)
+        check("killed while it keeps its brake", status == -signal.SIGKILL, f"{status} {text}")
+    planned = len(rows(out)) + 1
+    status, text, stderr = run(out, planned, *keeps)
+    check("a campaign that keeps its brake goes on after SIGKILL", status == 0, text + stderr)
+    kept = json.loads(brake.read_text())
+    check("the kept brake has every maneuver and the ledger's energy", kept["maneuvers"] == planned
+          and kept["cumulative_energy_J"] == rows(out, "cumulative_energy_J")[-1] > 100e6, str(kept))
+    brake.write_text(brake.read_text().replace('"maneuvers": ', '"maneuvers": 1'))
+    status, _, stderr = run(out, planned + 1, *keeps)
+    check("a damaged brake is refused by name", status == 2 and str(brake) in stderr and "check_sum" in stderr, stderr)
+    status, _, stderr = run(scratch / "far", 1, "--brake", "700")
+    check("beyond the data the brake is said to be so", "beyond the wear model's data" in stderr, stderr)
 
     status, _, stderr = run(scratch / "x", 0)
     check("no maneuvers is a mistake", status == 2 and "--maneuvers" in stderr, stderr)

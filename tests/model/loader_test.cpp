@@ -118,6 +118,7 @@ class ConfigCopy {
         for (const auto& file : fs::directory_iterator("config")) {
             if (file.path().extension() == ".toml") fs::copy(file.path(), path() / file.path().filename());
         }
+        fs::copy("config/wear", path() / "wear");
     }
     [[nodiscard]] const fs::path& path() const { return directory_.path(); }
 
@@ -315,7 +316,7 @@ TEST_CASE("loader: what is in the files is what the plant gets", "[RIG-095]") {
     CHECK(rig.brake_on_mps == 52.0);
     CHECK(loaded.drop_out_mps == 5.0);
     CHECK(loaded.full_pressure_Pa == 2.07e7);
-    CHECK(loaded.files.size() == 4);
+    CHECK(loaded.files.size() == 5);
 
     choice.mass_kg = 3000.0;
     choice.speed_mps = 40.0;

@@ -200,3 +200,29 @@ TEST_CASE("static map: dead zone, points, linear between, saturating", "[RIG-047
     CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 0.0}, {std::nan(""), 1.0}}), std::invalid_argument);
     CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 0.0}, {4.0, std::nan("")}}), std::invalid_argument);
 }
+
+TEST_CASE("valve: play before the map shows as two branches", "[STUDY-110]") {
+    constexpr double kWidth_mA = 0.8;
+    plant::RigParameters parameters = plant::load_rig("config", {}).rig;
+    parameters.valve.hysteresis_mA = kWidth_mA;
+    plant::Rig rig(parameters, 1e-3, 1);
+    rig.start_at_rest();
+    const auto settle = [&rig](double from_mA, double to_mA) {
+        for (int i = 0; i <= 1000; ++i)
+            rig.advance_current(from_mA + (to_mA - from_mA) * std::min(1.0, i / 200.0));
+        return rig.pressure_Pa();
+    };
+    const plant::PressureMap& map = parameters.pressure_map;
+    CHECK(settle(0.0, 20.0) == Approx(map.pressure_Pa(20.0 - 0.5 * kWidth_mA)));
+    static_cast<void>(settle(20.0, 40.0));
+    CHECK(settle(40.0, 20.0) == Approx(map.pressure_Pa(20.0 + 0.5 * kWidth_mA)));
+    // Turning within the band moves nothing.
+    CHECK(settle(20.0, 20.0 + 0.9 * kWidth_mA) == Approx(map.pressure_Pa(20.0 + 0.5 * kWidth_mA)));
+
+    plant::Play none(0.0);
+    plant::Random random(7);
+    for (int i = 0; i < 1000; ++i) {
+        const double current_mA = 20.0 + 5.0 * random.noise();
+        CHECK(none.follow(current_mA) == current_mA);
+    }
+}

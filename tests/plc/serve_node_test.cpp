@@ -10,6 +10,7 @@
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/loopback.hpp"
 #include "firmware/can/roles.hpp"
+#include "plant_sim/serve_reporter.hpp"
 #include "tests/catch.hpp"
 #include "tests/plc/operator.hpp"
 
@@ -132,6 +133,45 @@ TEST_CASE("the served rig sends its sensors and SYNC, and nothing that is the br
         CHECK(s.count(role) == 0);
     // Never faster than real time.
     CHECK(s.clock.now() >= (static_cast<std::int64_t>(periods) - 1) * kMillisecond);
+}
+
+TEST_CASE("the brake is handed out after each maneuver, to a reporter on another thread", "[RIG-308]") {
+    plc::ServedRigOptions options = plc::load_served_rig("config", Bench::endurance);
+    options.brake.emplace(plc_test::loaded(Bench::endurance).wear, wear::ConditionalRule{},
+                          wear::BrakeState{.seed = 4});
+    Stand s;
+    plc::ServedRig rig(s.op.plant, options, 1);
+    plant_sim::ServeNode node(rig, s.layout, s.bus, s.clock, kMillisecond,
+                              [&s](plc::ServedRig& r) { s.exchange(r); });
+    s.end_s = 24.0;
+    s.current_mA = 20.0;
+    s.on_period = [&] {
+        const auto at = [&](double time_s) { return std::abs(rig.time_s() - time_s) < 5e-4; };
+        if (at(0.1) || at(12.1)) s.op.wish({.drive = true, .speed_mps = 2.0});
+        if (at(4.0) || at(16.0)) s.op.wish({.advance = true, .load = true});
+        if (at(9.0) || at(21.0)) s.op.wish({});
+    };
+    std::vector<wear::BrakeState> kept;
+    antiskid::rt::SupervisedCan idle([&]() -> std::unique_ptr<antiskid::can::Bus> {
+        return std::make_unique<WaitingBus>(s.hub.connect(), s.clock);
+    });
+    std::vector<std::string> said;
+    {
+        const plant_sim::ServeReporter reporter(
+            node, idle, "can7", 1e-3, [&](const std::string& line) { said.push_back(line); },
+            [&](const wear::BrakeState& state) {
+                kept.push_back(state);
+                return kept.size() == 2 ? std::string("second") : std::string();
+            });
+        node.run_lockstep(s.stop);
+    }
+    REQUIRE(kept.size() == 2);
+    CHECK(kept[0].maneuvers == 1);
+    CHECK(kept[0].c_e_J > 100.0);
+    CHECK(kept[1].c_e_J > kept[0].c_e_J);
+    CHECK(kept[1] == rig.brake()->state());
+    CHECK(std::count_if(said.begin(), said.end(),
+                        [](const std::string& line) { return line.ends_with("s: second"); }) == 1);
 }
 
 TEST_CASE("the valve command of the period acts in it", "[RIG-271]") {

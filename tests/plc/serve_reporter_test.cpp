@@ -78,11 +78,10 @@ TEST_CASE("refusal, trip, reset, a lost interface and its return are said once e
     };
     plant_sim::ServeNode node(op.rig, layout, bus, clock, kMillisecond, play);
     {
-        const plant_sim::ServeReporter reporter(node.state(), bus, "can7", 1e-3,
-                                                [&](const std::string& line) {
-                                                    const std::lock_guard lock(mutex);
-                                                    said.push_back(line);
-                                                });
+        const plant_sim::ServeReporter reporter(node, bus, "can7", 1e-3, [&](const std::string& line) {
+            const std::lock_guard lock(mutex);
+            said.push_back(line);
+        });
         node.run_realtime(stop);
     }
     CHECK(has_said("can7 does not exist") == 1);

@@ -1,78 +1,77 @@
-#include "plant_sim/wear/stand_in_law.hpp"
-
+/// The served rig's brake wears by the model, from touchdown to lift-off.
 #include "tests/catch.hpp"
 #include "tests/plc/operator.hpp"
 
 namespace {
 
-constexpr wear::StandInParameters kLaw{.friction = 0.25,
-                                       .bedding_in = 0.05,
-                                       .bedding_in_J = 30e6,
-                                       .slow_loss = 0.03,
-                                       .wear_out = 0.05,
-                                       .wear_out_J = 25e6,
-                                       .life_J = 488e6,
-                                       .deviation = 0.003,
-                                       .least = 0.14};
+using plc::Bench;
+using plc_test::maneuver;
+using plc_test::Operator;
+
+Operator worn(Bench bench, const wear::BrakeState& state, std::uint64_t seed = 5) {
+    plc::ServedRigOptions options = plc::load_served_rig("config", bench);
+    options.brake.emplace(plc_test::loaded(bench).wear, wear::ConditionalRule{}, state);
+    return {bench, options, seed};
+}
 
 }  // namespace
 
-TEST_CASE("the stand-in for wear falls fast, then slowly, then wears out", "[RIG-250]") {
-    const wear::StandInLaw law(kLaw);
-    const auto mean = [&law](double E) { return law.mean_friction(E, 0.0); };
-    CHECK(mean(0.0) == Approx(0.30).margin(1e-6));
-    CHECK(mean(488e6) == Approx(0.17).margin(1e-6));
-    const auto slope = [&mean](double E) { return (mean(E + 1e6) - mean(E)) / 1e6; };
-    for (double E = 0.0; E < 488e6; E += 5e6) CHECK(slope(E) < 0.0);
-    CHECK(slope(0.0) < 5.0 * slope(200e6));
-    CHECK(slope(480e6) < 5.0 * slope(200e6));
-    CHECK(mean(600e6) == 0.14);
-    CHECK(law.mean_friction(100e6, 2.0) - mean(100e6) == Approx(0.006));
-    CHECK(law.mean_friction(480e6, -100.0) == 0.14);
+TEST_CASE("friction of each maneuver is the model's at the energy taken so far; lift-off ends it",
+          "[RIG-300]") {
+    const auto bench = GENERATE(Bench::landing, Bench::endurance);
+    Operator op = worn(bench, {.seed = 5, .maneuvers = 7, .c_e_J = 50e6});
+    wear::BrakeState expected = op.rig.brake()->state();
+    double energy_J = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        const double friction = op.rig.brake()->next_friction();
+        REQUIRE(maneuver(op, 30.0, 16.0));
+        CHECK(op.rig.mean_friction() == friction);
+        const double now_J = op.rig.rig().wheel().energy_brake_J;
+        CHECK(now_J > energy_J);
+        // Before lift-off, plus the little that the discs took after it.
+        const wear::BrakeState& state = op.rig.brake()->state();
+        CHECK(state.maneuvers == ++expected.maneuvers);
+        CHECK(state.c_e_J == Approx(50e6 + now_J).epsilon(1e-9));
+        CHECK(op.rig.cumulative_energy_J() == Approx(50e6 + now_J).epsilon(1e-12));
+        energy_J = now_J;
+    }
 }
 
-TEST_CASE(
-    "scatter follows from seed and energy: a resumed campaign gets the friction that an unbroken one gets",
-    "[RIG-251]") {
-    using plc::Bench;
-    using plc_test::Operator;
-    plc::ServedRigOptions options = plc::load_served_rig("config", Bench::endurance);
-    REQUIRE(options.friction);
-    Operator unbroken(Bench::endurance, options, 5);
-    REQUIRE(plc_test::maneuver(unbroken, 30.0, 18.0));
-    const double first = unbroken.rig.mean_friction();
-    options.taken_J = unbroken.rig.cumulative_energy_J();
-    REQUIRE(plc_test::maneuver(unbroken, 30.0, 18.0));
-    const double second = unbroken.rig.mean_friction();
-    CHECK(first != second);
-    Operator resumed(Bench::endurance, options, 5);
-    REQUIRE(plc_test::maneuver(resumed, 30.0, 18.0));
-    CHECK(resumed.rig.mean_friction() == second);
-    Operator other(Bench::endurance, options, 6);
-    REQUIRE(plc_test::maneuver(other, 30.0, 18.0));
-    CHECK(other.rig.mean_friction() != second);
+TEST_CASE("a brake that is taken up again meets the friction of one that never was put down", "[RIG-301]") {
+    Operator whole = worn(Bench::endurance, {.seed = 5});
+    REQUIRE(maneuver(whole, 30.0, 18.0));
+    const wear::BrakeState kept = whole.rig.brake()->state();
+    REQUIRE(maneuver(whole, 30.0, 18.0));
+    Operator resumed = worn(Bench::endurance, kept, 77);
+    REQUIRE(maneuver(resumed, 30.0, 18.0));
+    CHECK(resumed.rig.mean_friction() == whole.rig.mean_friction());
+    Operator taken_up = worn(Bench::endurance, {.seed = 5});
+    REQUIRE(maneuver(taken_up, 20.0, 18.0));
+    taken_up.rig.take_up(kept);
+    CHECK(taken_up.rig.cumulative_energy_J() == kept.c_e_J);
+    REQUIRE(maneuver(taken_up, 30.0, 18.0));
+    CHECK(taken_up.rig.mean_friction() == whole.rig.mean_friction());
+    Operator other = worn(Bench::endurance, {.seed = 6, .maneuvers = kept.maneuvers, .c_e_J = kept.c_e_J});
+    REQUIRE(maneuver(other, 30.0, 18.0));
+    CHECK(other.rig.mean_friction() != whole.rig.mean_friction());
 }
 
-TEST_CASE("the campaign's scatter has the given deviation", "[RIG-251]") {
-    plc::ServedRigOptions options = plc::load_served_rig("config", plc::Bench::endurance);
-    std::vector<double> draws;
-    options.friction = [&draws](double, double draw) {
-        draws.push_back(draw);
-        return 0.3;
-    };
-    // One touchdown at rest each, from another energy.
-    for (int i = 0; i < 400; ++i) {
-        options.taken_J = 0.975e6 * i;
-        plc_test::Operator op(plc::Bench::endurance, options, 9);
-        op.wish({.advance = true});
-        REQUIRE(op.until([&op] { return op.rig.wheel_on_rim(); }, 5.0));
-    }
-    double sum = 0.0;
-    double squares = 0.0;
-    for (const double d : draws) {
-        sum += d;
-        squares += d * d;
-    }
-    CHECK(sum / 400.0 == Approx(0.0).margin(0.2));
-    CHECK(std::sqrt(squares / 400.0) == Approx(1.0).epsilon(0.15));
+TEST_CASE("a brake worn beyond all use keeps a friction curve above zero, and no rig fails over it",
+          "[RIG-302]") {
+    Operator op = worn(Bench::endurance, {.seed = 5, .maneuvers = 0, .c_e_J = 1e12});
+    REQUIRE(op.rig.brake()->extrapolates());
+    op.wish({.drive = true, .speed_mps = 10.0});
+    REQUIRE(op.until([&op] { return op.v() > 9.9; }, 60.0));
+    op.wish({.advance = true, .load = true});
+    REQUIRE(op.until([&op] { return op.rig.wheel_on_rim(); }, 10.0));
+    const plant::FrictionCurve& curve = op.plant.rig.friction_curve;
+    CHECK(op.rig.mean_friction() == plant::least_mean_friction(curve));
+    CHECK(plant::least_friction(curve, op.rig.mean_friction()) == Approx(0.01).margin(1e-12));
+}
+
+TEST_CASE("a rig without a wearing brake keeps the friction that it was given", "[RIG-300]") {
+    Operator op(Bench::endurance);
+    REQUIRE(maneuver(op, 30.0, 18.0));
+    CHECK(op.rig.mean_friction() == 0.30);
+    CHECK_THROWS_AS(op.rig.take_up({}), std::invalid_argument);
 }

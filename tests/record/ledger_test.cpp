@@ -1,6 +1,7 @@
 #include <sqlite3.h>
 #include <sys/resource.h>
 
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <memory>
@@ -251,10 +252,10 @@ TEST_CASE("foreign, newer and damaged files are refused by name, and left as the
         }
     }
     const std::string whole = can_test::contents(path);
-    sql(path, "PRAGMA user_version = 2");
-    CHECK_THROWS_WITH(Ledger(path),
-                      ContainsSubstring("ledger of schema 2; this program knows schema 1: use the newer"));
-    CHECK_THROWS_WITH(read_ledger(path, "endurance"), ContainsSubstring("ledger of schema 2"));
+    sql(path, "PRAGMA user_version = 99");
+    CHECK_THROWS_WITH(Ledger(path), ContainsSubstring("ledger of schema 99; this program knows schema") &&
+                                        ContainsSubstring("and older: use the newer"));
+    CHECK_THROWS_WITH(read_ledger(path, "endurance"), ContainsSubstring("ledger of schema 99"));
 
     std::string damaged = whole;
     for (std::size_t i = 8192; i < 16384 && i < damaged.size(); ++i) damaged[i] = 'Z';
@@ -311,4 +312,73 @@ TEST_CASE("a disk without room is an error that says so; the ledger stays whole"
     for (const LedgerRow& row : read_ledger(path, "endurance"))
         entered += row.state == RowState::finished ? 1 : 0;
     CHECK(entered == finished + 1);
+}
+
+TEST_CASE("a finished maneuver keeps what was thought of its brake", "[BRG-500]") {
+    const TempDir dir;
+    const auto path = place(dir);
+    Ledger ledger(path);
+    ledger.open_campaign(some_campaign(), IfChanged::refuse);
+    for (int i = 0; i < 3; ++i) {
+        static_cast<void>(ledger.begin(*ledger.next_number(), "t"));
+        ledger.finish(summary_of(*ledger.next_number(), ledger));
+    }
+    ledger.judge(2, {HealthState::suspect, 0.625, "friction falls", "f00d"});
+    ledger.judge(3, {HealthState::abnormal, 1.5, "friction has dropped", "f00d"});
+    const std::vector<LedgerRow> rows = read_ledger(path, "endurance");
+    REQUIRE(rows.size() == 3);
+    CHECK(rows[0].health.state == HealthState::unknown);
+    CHECK(std::isnan(rows[0].health.statistic));
+    CHECK(rows[1].health.state == HealthState::suspect);
+    CHECK(rows[1].health.statistic == 0.625);
+    CHECK(rows[1].health.reason == "friction falls");
+    CHECK(rows[1].health.model == "f00d");
+    CHECK(rows[2].health.state == HealthState::abnormal);
+    static_cast<void>(ledger.begin(4, "t"));
+    CHECK_THROWS_WITH(ledger.judge(4, {}), ContainsSubstring("maneuver 4 is not finished"));
+    CHECK_THROWS_WITH(ledger.judge(5, {}), ContainsSubstring("maneuver 5 is not finished"));
+}
+
+TEST_CASE(
+    "a ledger of schema 1 is read as it is, and brought to the newest when it is written; nothing is lost",
+    "[BRG-501]") {
+    // Two maneuvers and an aborted third, as the program of that schema wrote them.
+    const TempDir dir;
+    const auto path = dir.write("old.sqlite", "");
+    sql(path, can_test::contents("tests/record/ledger_schema_1.sql"));
+    sql(path,
+        "INSERT INTO maneuvers (campaign, number, attempt, state, folder, scenario, started, seed, version, "
+        "config_hash) VALUES (1, 3, 1, 'running', 'endurance/0003', 'endurance', 't', 3, '0.1.0', 'h')");
+    const std::string before = can_test::contents(path);
+    const std::vector<LedgerRow> read = read_ledger(path, "endurance");
+    CHECK(can_test::contents(path) == before);
+    const Campaign campaign = read_campaigns(path).at(0);
+    CHECK(campaign.seed == 3);
+    {
+        Ledger ledger(path);
+        const Resumed resumed = ledger.open_campaign(campaign, IfChanged::refuse);
+        CHECK_FALSE(resumed.created);
+        CHECK(resumed.unfinished == std::vector<std::int64_t>{3});
+        ledger.judge(2, {HealthState::healthy, 0.25, "", "f00d"});
+    }
+    const std::vector<LedgerRow> migrated = read_ledger(path, "endurance");
+    REQUIRE(read.size() == 3);
+    REQUIRE(migrated.size() == 3);
+    CHECK(read[2].state == RowState::running);
+    CHECK(migrated[2].state == RowState::unfinished);
+    for (std::size_t i = 0; i < 2; ++i) {
+        CHECK(read[i].state == RowState::finished);
+        CHECK(read[i].health.state == HealthState::unknown);
+        CHECK(std::isnan(read[i].slip_reference));
+        CHECK(read[i].attempt.folder == migrated[i].attempt.folder);
+        CHECK(read[i].summary.started == migrated[i].summary.started);
+        CHECK(read[i].summary.config_hash == migrated[i].summary.config_hash);
+        CHECK(read[i].summary.cumulative_energy_J == migrated[i].summary.cumulative_energy_J);
+        for (const FigureField& field : kFigureFields)
+            CHECK(read[i].summary.figures.*field.value == migrated[i].summary.figures.*field.value);
+    }
+    // As printed in the dump.
+    CHECK(migrated[0].summary.figures.mean_torque_Nm == 631.3551978069459);
+    CHECK(migrated[0].summary.cumulative_energy_J == 968989.5573412941);
+    CHECK(migrated[1].health.state == HealthState::healthy);
 }

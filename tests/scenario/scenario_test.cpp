@@ -38,7 +38,7 @@ TEST_CASE("the shipped scenarios are those of Table II, Fig. 5, Table III and an
     for (const auto& entry : std::filesystem::directory_iterator("config/scenarios"))
         names.insert(entry.path().stem().string());
     CHECK(names == std::set<std::string>{"light", "medium_a", "medium_b", "heavy", "rejected_takeoff",
-                                         "open_loop", "endurance"});
+                                         "open_loop", "endurance", "ramp", "step", "sweep", "slow_braking"});
     struct Landing {
         const char* name;
         double mass_kg, speed_mps;
@@ -131,12 +131,12 @@ TEST_CASE("what is drawn has the mean and deviation asked for, each for itself",
 TEST_CASE("the files for the hash are those that were read", "[BRG-124]") {
     const Scenario s = shipped("heavy");
     for (const char* name : {"heavy.toml", "sequencer.toml", "maneuvers.toml", "surfaces.toml",
-                             "landing_gear.toml", "flywheel_rig.toml"}) {
+                             "landing_gear.toml", "flywheel_rig.toml", "model.json"}) {
         INFO(name);
         CHECK(std::count_if(s.files.begin(), s.files.end(),
                             [&](const auto& f) { return f.filename() == name; }) == 1);
     }
-    CHECK(s.files.size() == 6);
+    CHECK(s.files.size() == 7);
 }
 
 TEST_CASE("the meter knows the rig", "[BRG-124]") {
@@ -176,4 +176,35 @@ TEST_CASE("a wrong scenario is refused with file, line and key", "[BRG-125]") {
     CHECK_THAT(refused("endurance", "[scatter]", "[scater]").what(), ContainsSubstring("scat"));
     CHECK_THROWS_AS(rig::load_scenario("config/scenarios/nothing.toml"), settings::Error);
     CHECK_THROWS_AS(rig::load_scenario("config/scenarios/heavy.toml", "nowhere"), settings::Error);
+}
+
+TEST_CASE("a sweep is a sine of steadily rising frequency behind the points", "[BRG-521]") {
+    const Scenario s = shipped("sweep");
+    const auto& points = s.mean.current;
+    const auto at = [&points](double time_s) {
+        const auto it = std::find_if(points.begin(), points.end(),
+                                     [time_s](const auto& p) { return p.time_s > time_s - 1e-6; });
+        REQUIRE(it != points.end());
+        CHECK(it->time_s == Approx(time_s));
+        return it->current_mA;
+    };
+    CHECK(at(7.0) == Approx(18.0));
+    // Phase after t seconds: 0.3 t + (15 - 0.3) / 30 t^2 / 2 turns.
+    constexpr double kTurn = 6.283185307179586;
+    CHECK(at(8.0) == Approx(18.0 + 4.0 * std::sin(kTurn * (0.3 + 0.245))));
+    CHECK(at(17.0) == Approx(18.0 + 4.0 * std::sin(kTurn * (3.0 + 24.5))));
+    CHECK(points.back().time_s == Approx(37.0));
+    // Turns towards the end: 15 Hz.
+    int crossings = 0;
+    for (std::size_t i = points.size() - 100; i < points.size(); ++i)
+        crossings += (points[i - 1].current_mA - 18.0) * (points[i].current_mA - 18.0) < 0.0 ? 1 : 0;
+    CHECK(crossings >= 28);
+    CHECK(crossings <= 31);
+
+    CHECK_THAT(refused("sweep", "begin_s = 7.0", "begin_s = 5.0").what(),
+               ContainsSubstring("begin_s") && ContainsSubstring("behind the last"));
+    CHECK_THAT(refused("sweep", "to_Hz = 15.0", "to_Hz = 40.0").what(), ContainsSubstring("to_Hz"));
+    CHECK_THAT(refused("sweep", "amplitude_mA = 4.0", "amplitude_mA = 19.0").what(),
+               ContainsSubstring("amplitude_mA"));
+    CHECK_THAT(refused("sweep", "from_Hz", "from_hz").what(), ContainsSubstring("from_hz"));
 }

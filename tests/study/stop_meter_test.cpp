@@ -31,6 +31,8 @@ TEST_CASE(
     CHECK(f.energy_brake_J == 0.0);
     CHECK(f.energy_tyre_J == Approx(0.5 * p.wheel.mass_kg * v0 * v0).epsilon(1e-5));
     CHECK(f.peak_slip == 1.0);
+    CHECK(f.slip_efficiency == Approx(0.5).epsilon(1e-9));
+    CHECK(f.tracked_tyre_share == 1.0);
     CHECK(f.longest_lock_s == Approx((v0 - 5.0) / (mu_1 * 9.80665)).margin(2e-3));
     CHECK(f.tracked_share == 0.0);
     CHECK(f.mean_load_N == Approx(p.load.base_N).epsilon(1e-9));
@@ -49,4 +51,25 @@ TEST_CASE("eq. (7) gives back the friction that the brake had", "[STUDY-031]") {
         meter.update(rig, 1e-3);
     }
     CHECK(meter.figures(rig).mean_friction == Approx(0.27).epsilon(1e-6));
+}
+
+TEST_CASE("wheel-slip efficiency: the printed formula at its corners", "[STUDY-032]") {
+    CHECK(study::slip_efficiency(-0.2, 0.16) == 0.0);
+    CHECK(study::slip_efficiency(0.0, 0.16) == 0.0);
+    CHECK(study::slip_efficiency(0.08, 0.16) == Approx(1.5 * 0.5 - 0.5 * 0.125).epsilon(1e-12));
+    CHECK(study::slip_efficiency(0.16, 0.16) == 1.0);
+    CHECK(study::slip_efficiency(0.58, 0.16) == Approx(0.75).epsilon(1e-12));
+    CHECK(study::slip_efficiency(1.0, 0.16) == 0.5);
+    CHECK(study::slip_efficiency(1.0, 1.0) == 1.0);  // a curve without an interior peak
+}
+
+TEST_CASE("a slip that is held: efficiency and the tyre's share of the energy are those of that slip",
+          "[STUDY-032]") {
+    constexpr double kSlip = 0.24;
+    auto options = scenarios::options({"wet_asphalt", "heavy"});
+    const auto run = scenarios::run(options);
+    const double optimum = plant::peak(plant_sim::load_scenario(options).plant.rig.surface).slip;
+    // Pressure build-up and the lowering of the reference below 23.6 m/s stand between the two.
+    CHECK(run.figures.slip_efficiency == Approx(study::slip_efficiency(kSlip, optimum)).margin(0.02));
+    CHECK(run.figures.tracked_tyre_share == Approx(kSlip).margin(0.005));
 }

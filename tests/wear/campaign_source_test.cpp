@@ -1,4 +1,5 @@
-#include "plant_sim/campaign_source.hpp"
+#include "plant_sim/lab/campaign_source.hpp"
+#include "plant_sim/lab/landing_mix.hpp"
 
 #include <unistd.h>
 
@@ -89,4 +90,56 @@ TEST_CASE("what is no ledger is read as CSV", "[WEAR-014]") {
     CHECK_THROWS_WITH(plant_sim::load_campaign(folder / "data.csv", "x"),
                       ContainsSubstring("--campaign is for ledgers"));
     CHECK_THROWS_AS(plant_sim::load_campaign(folder.path(), ""), settings::Error);
+}
+
+TEST_CASE("the bridge's directory is a campaign, and a directory of CSV files is many", "[WEAR-014]") {
+    const Folder folder("wear_many");
+    {
+        rig::Ledger ledger(folder / "campaign.sqlite", {.durable = false});
+        ledger.open_campaign(campaign("first"), rig::IfChanged::refuse);
+        enter(ledger, "first", 1, "finished", 1.0e6, 0.31);
+        enter(ledger, "first", 2, "finished", 2.4e6, 0.30);
+    }
+    CHECK(plant_sim::load_campaign(folder.path(), "").points.size() == 2);
+    std::filesystem::create_directories(folder / "many");
+    std::ofstream(folder / "many/b.csv") << "cumulative_energy_MJ,mean_friction\n1,0.3\n2,0.29\n";
+    std::ofstream(folder / "many/a.csv") << "cumulative_energy_MJ,mean_friction\n1,0.4\n2,0.29\n";
+    const auto all = plant_sim::load_campaigns({folder / "many", folder.path()});
+    REQUIRE(all.size() == 3);
+    CHECK(all[0].points[0].mean_friction == 0.4);
+    CHECK(all[2].points.size() == 2);
+    std::filesystem::create_directories(folder / "none");
+    CHECK_THROWS_AS(plant_sim::load_campaigns({folder / "none"}), settings::Error);
+}
+
+TEST_CASE("a landing's energy and the torque reserve are those of the configuration", "[WEAR-056]") {
+    // By hand: light 2800 kg at 49 m/s, medium_a 3150 at 52, medium_b 3300 at 53, 76 % to the brake, an eighth on the model's axis.
+    const plant_sim::ConfiguredMix c = plant_sim::configured_mix("config", "light=1,medium=3", 0.24);
+    REQUIRE(c.mix.size() == 3);
+    CHECK(c.mix[0].name == "light");
+    CHECK(c.mix[0].share == Approx(0.25));
+    CHECK(c.mix[0].energy_J == Approx(0.5 * 2800.0 * 49.0 * 49.0 * 0.76 / 8.0));
+    CHECK(c.mix[2].name == "medium_b");
+    CHECK(c.mix[2].share == Approx(0.375));
+    CHECK(c.mix[2].energy_J == Approx(0.5 * 3300.0 * 53.0 * 53.0 * 0.76 / 8.0));
+    CHECK_THROWS_WITH(plant_sim::configured_mix("config", "lihgt=1", 0.24),
+                      ContainsSubstring("no maneuver 'lihgt'"));
+    CHECK_THROWS_WITH(plant_sim::configured_mix("config", "light", 0.24), ContainsSubstring("is no share"));
+    CHECK_THROWS_WITH(plant_sim::configured_mix("config", "light=-1", 0.24),
+                      ContainsSubstring("is no share"));
+
+    // Heavy: 4450 kg. At the limit the torque at the speed named is that of full pressure, by the heavy curve of landing_gear.toml shifted to the
+    // mean, and a dry runway's 1.17 F_z r.
+    const plant_sim::ReserveLimit r = plant_sim::reserve_limit("config");
+    const double v = r.speed_mps;
+    const double F_z = 4450.0 * 9.80665 - 0.5 * 1.225 * 5.9 * v * v;
+    const double wanted_Nm = 1.170 * F_z * (0.335 - F_z / 2.7e6);
+    CHECK(r.torque_Nm == Approx(wanted_Nm).epsilon(2e-3));
+    const double x = v / 61.0;
+    const double relative = 1.22 - 1.02 * x + 0.72 * x * x + 0.20 * x * x * x;
+    // The curve is 0.30 times the relative one for a new brake, moved down as a whole.
+    const double mu = r.friction + 0.30 * (relative - 1.0);
+    CHECK(2.07e7 * 8.04e-4 * 36.0 * 0.12 * mu == Approx(wanted_Nm).epsilon(5e-3));
+    CHECK(r.friction > 0.15);
+    CHECK(r.friction < 0.30);
 }

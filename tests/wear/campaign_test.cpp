@@ -110,3 +110,23 @@ TEST_CASE("units that are mixed up are refused", "[WEAR-002]") {
     CHECK_THAT(refusal("cumulative_energy_MJ;mean_friction\n1;0.3\n"),
                ContainsSubstring("separated by commas"));
 }
+
+TEST_CASE("speed, torque and load of each maneuver are read where all three stand, and written back exactly",
+          "[WEAR-034]") {
+    const std::string head = "cumulative_energy_MJ,mean_friction,mean_load_N,brake_on_mps";
+    const wear::Campaign c =
+        parse_campaign("a", head + ",mean_torque_Nm\n1,0.3,23500.1,54.9,630.4\n2,0.29,23600,54.7,629\n");
+    REQUIRE(c.brakings.size() == 2);
+    CHECK(c.brakings[0] == wear::Braking{54.9, 630.4, 23500.1});
+    CHECK(c.brakings[1] == wear::Braking{54.7, 629.0, 23600.0});
+    const wear::Campaign back = parse_campaign("a", wear::to_csv(c));
+    CHECK(back == c);
+    // Two of three are no braking; the points, and their hash, are the same.
+    const wear::Campaign two = parse_campaign("a", head + "\n1,0.3,23500.1,54.9\n2,0.29,23600,54.7\n");
+    CHECK(two.brakings.empty());
+    CHECK(wear::data_hash(two) == wear::data_hash(c));
+    CHECK_THAT(refusal(head + ",mean_torque_Nm\n1,0.3,23500,54.9,630\n2,0.29,23600,54.7,-629\n"),
+               ContainsSubstring("data.csv:3: mean_torque_Nm: -629 must be positive"));
+    CHECK_THAT(refusal(head + ",mean_torque_Nm\n1,0.3,,54.9,630\n2,0.29,23600,54.7,629\n"),
+               ContainsSubstring("data.csv:2: mean_load_N: no value"));
+}

@@ -1,0 +1,155 @@
+/// The set-point study's stops, drawn from the sweep's plan by a seed, ours against the same with the plant on boost::odeint's dopri5 at
+/// 1e-6: same controller, sensors, codec rounding and cores. In turns, so that what else the machine does hits both. Table on standard
+/// output, JSON in out/bench/sweep.json.
+///
+/// Times are processor time per simulated period: ours runs to rest and measures everything that a row of the sweep says, odeint stops at
+/// drop-out and measures the distance.
+
+#include <fmt/core.h>
+
+#include <atomic>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "config/reader/atomic_file.hpp"
+#include "plant_sim/bench/closed_loop.hpp"
+#include "plant_sim/bench/measure.hpp"
+#include "plant_sim/study/in_process.hpp"
+#include "plant_sim/study/side_by_side.hpp"
+#include "plant_sim/study/sweep/run.hpp"
+#include "plant_sim/study/sweep/setup.hpp"
+
+namespace {
+
+constexpr double kOdeTolerance = 1e-6;
+constexpr std::size_t kStops = 120;
+constexpr int kRounds = 3;
+
+struct Spent {
+    double processor_s = 0.0, wall_s = 0.0;
+    std::uint64_t periods = 0;
+
+    [[nodiscard]] double ns_per_period() const { return processor_s * 1e9 / static_cast<double>(periods); }
+};
+
+/// `work(i)` for every stop on every core; what it returns is counted.
+template <typename Work>
+Spent spend(unsigned threads, const Work& work) {
+    Spent spent;
+    std::atomic<std::uint64_t> periods{0};
+    const auto begun = std::chrono::steady_clock::now();
+    spent.processor_s = bench::processor_s_of([&] {
+        std::vector<std::jthread> others;
+        for (unsigned i = 1; i < threads; ++i) others.emplace_back([&] { periods += work(); });
+        periods += work();
+    });
+    spent.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    spent.periods = periods;
+    return spent;
+}
+
+Spent side_by_side(const sweep::Plan& plan, const std::vector<std::size_t>& numbers, unsigned threads) {
+    std::atomic<std::size_t> next{0};
+    return spend(threads, [&] {
+        std::uint64_t periods = 0;
+        study::run_side_by_side(
+            plan.layout,
+            [&]() -> std::optional<study::Maneuver> {
+                const std::size_t i = next.fetch_add(1);
+                if (i >= numbers.size()) return std::nullopt;
+                return study::Maneuver{plan.controller, plan.rig(numbers[i]), plan.session(numbers[i])};
+            },
+            [&periods](std::size_t, const study::RunResult& result) { periods += result.steps; });
+        return periods;
+    });
+}
+
+/// One stop at a time, `stop(number)` returning its periods.
+template <typename Stop>
+Spent one_by_one(const std::vector<std::size_t>& numbers, unsigned threads, const Stop& stop) {
+    std::atomic<std::size_t> next{0};
+    return spend(threads, [&] {
+        std::uint64_t periods = 0;
+        for (std::size_t i = next.fetch_add(1); i < numbers.size(); i = next.fetch_add(1))
+            periods += stop(numbers[i]);
+        return periods;
+    });
+}
+
+struct Engine {
+    const char* name;
+    std::vector<double> ns, wall_s;
+    Spent last;
+
+    void add(const Spent& spent) {
+        ns.push_back(spent.ns_per_period());
+        wall_s.push_back(spent.wall_s);
+        last = spent;
+    }
+};
+
+int run() {
+    const sweep::Plan plan = sweep::load_plan({});
+    const std::vector<std::size_t> order = sweep::order_of_work(plan.stops());
+    const std::vector<std::size_t> numbers(order.begin(), order.begin() + kStops);
+    const unsigned threads = std::max(std::thread::hardware_concurrency(), 1U);
+
+    Engine ours{"ours, side by side", {}, {}, {}};
+    Engine alone{"ours, one by one", {}, {}, {}};
+    Engine odeint{"boost::odeint dopri5 1e-6", {}, {}, {}};
+    std::vector<double> ratios;
+    for (int round = 0; round < kRounds; ++round) {
+        ours.add(side_by_side(plan, numbers, threads));
+        odeint.add(one_by_one(numbers, threads, [&](std::size_t number) {
+            const study::SessionOptions session = plan.session(number);
+            bench::OdeintRig rig(plan.rig(number), kOdeTolerance, session.seed);
+            return static_cast<std::uint64_t>(
+                bench::stop(rig, {plan.controller, plan.layout, session.plan, plan.drop_out_mps}).steps);
+        }));
+        alone.add(one_by_one(numbers, threads, [&](std::size_t number) {
+            return study::run_in_process(plan.controller, plan.layout, plan.rig(number), plan.session(number),
+                                         study::Link::rounded)
+                .steps;
+        }));
+        ratios.push_back(odeint.ns.back() / ours.ns.back());
+    }
+
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    fmt::print("{} of the sweep's {} stops, {} threads\n{:<28}{:>12}{:>16}{:>10}\n", kStops, plan.stops(),
+               threads, "", "periods", "ns per period", "wall (s)");
+    for (const Engine* engine : {&ours, &alone, &odeint}) {
+        const double ns = bench::median(engine->ns);
+        const double wall_s = bench::median(engine->wall_s);
+        fmt::print("{:<28}{:>12}{:>16.0f}{:>10.2f}\n", engine->name, engine->last.periods, ns, wall_s);
+        rows.push_back({{"engine", engine->name},
+                        {"periods", engine->last.periods},
+                        {"processor_ns_per_period", ns},
+                        {"wall_s", wall_s}});
+    }
+    const double stops_4500_s = bench::median(ours.wall_s) * 4500.0 / static_cast<double>(kStops);
+    fmt::print("ratio to odeint {:.2f}; 4,500 stops at this pace {:.1f} s\n", bench::median(ratios),
+               stops_4500_s);
+    const nlohmann::ordered_json json{{"stops", kStops},
+                                      {"threads", threads},
+                                      {"config_hash", plan.config_hash},
+                                      {"seed", plan.seed},
+                                      {"version", plan.version},
+                                      {"engines", rows},
+                                      {"ratio", bench::median(ratios)},
+                                      {"stops_4500_s", stops_4500_s}};
+    settings::write_file("out/bench/sweep.json", json.dump(2) + "\n");
+    return 0;
+}
+
+}  // namespace
+
+int main() {
+    try {
+        return run();
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "bench_sweep: %s\n", e.what());
+        return 1;
+    }
+}

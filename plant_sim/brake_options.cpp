@@ -1,0 +1,95 @@
+#include "plant_sim/brake_options.hpp"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "plant_sim/wear/brake_state.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+constexpr double kMost_MJ = 1e9;
+
+/// Nothing where `text` is no energy in MJ.
+std::optional<double> energy_J(const std::string& text) {
+    double value_MJ = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value_MJ);
+    if (error != std::errc() || end != text.data() + text.size() ||
+        !(value_MJ >= 0.0 && value_MJ <= kMost_MJ))
+        return std::nullopt;
+    return value_MJ * 1e6;
+}
+
+std::string check_brake(const std::string& text) {
+    if (text == "new" || text == "worn" || energy_J(text)) return {};
+    return fmt::format("expected new, worn, or the energy taken so far, 0 to {:g} MJ; got '{}'", kMost_MJ,
+                       text);
+}
+
+}  // namespace
+
+void add_rule_options(CLI::App& app, wear::ConditionalRule& rule) {
+    static const std::map<std::string, wear::Variance> kVariances{{"exact", wear::Variance::exact},
+                                                                  {"printed", wear::Variance::printed}};
+    app.add_option("--variance", rule.variance,
+                   "exact: (1 - rho^2) sigma_b^2; printed: (1 - rho) sigma_b^2 as in the paper's eq. (14)")
+        ->transform(CLI::CheckedTransformer(kVariances))
+        ->default_str("exact");
+    static const std::map<std::string, wear::Choice> kChoices{{"nearest", wear::Choice::nearest},
+                                                              {"mixture", wear::Choice::mixture}};
+    app.add_option("--component", rule.choice,
+                   "nearest: of the component nearest in energy (the paper); mixture: the exact conditional")
+        ->transform(CLI::CheckedTransformer(kChoices))
+        ->default_str("nearest");
+}
+
+void BrakeOptions::add_to(CLI::App& app) {
+    app.add_option("--brake", brake,
+                   "mean friction drawn by the wear model of [brake.wear]: new, worn (at the end of its "
+                   "life), or what it has taken so far in MJ")
+        ->check(CLI::Validator(check_brake, "new|worn|MJ"))
+        ->type_name("");
+    app.add_option("--brake-state", state,
+                   "the brake from one run to the next: read at the start where it is there, written after "
+                   "each maneuver")
+        ->type_name("FILE");
+    add_rule_options(app, rule);
+}
+
+double BrakeOptions::taken_J(const wear::BrakeWear& wear) const {
+    if (brake.empty() || brake == "new") return 0.0;
+    return brake == "worn" ? wear.life_J : energy_J(brake).value();
+}
+
+wear::WearingBrake BrakeOptions::brake_of(const wear::BrakeWear& wear, std::uint64_t seed) const {
+    if (!state.empty()) {
+        if (const auto kept = wear::find_brake_state(state, wear)) {
+            if (!brake.empty())
+                throw std::invalid_argument(
+                    fmt::format("--brake {}: {} holds a brake already; leave --brake out to go on with it, "
+                                "or name another "
+                                "file",
+                                brake, state.string()));
+            return {wear, rule, *kept};
+        }
+    }
+    return {wear, rule, {.seed = seed, .maneuvers = 0, .c_e_J = taken_J(wear)}};
+}
+
+std::string extrapolation_notice(const wear::WearingBrake& brake) {
+    if (!brake.extrapolates()) return {};
+    const wear::BrakeWear& w = brake.wear();
+    return fmt::format(
+        "the brake has taken {:.1f} MJ, which is beyond the wear model's data ({:.1f} to {:.1f} MJ of this "
+        "brake): {}",
+        brake.state().c_e_J * 1e-6, w.model->data.first_c_e_J * w.scale.energy * 1e-6,
+        w.model->data.last_c_e_J * w.scale.energy * 1e-6, wear::kHowItExtrapolates);
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,35 @@
+/// Which brake a program runs with, and how it wears: the same options wherever one does.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "plant_sim/wear/wearing_brake.hpp"
+
+namespace plant_sim {
+
+/// `--variance` and `--component`.
+void add_rule_options(CLI::App& app, wear::ConditionalRule& rule);
+
+struct BrakeOptions {
+    std::string brake;            ///< new, worn, or the energy taken so far in MJ; empty: not said
+    std::filesystem::path state;  ///< empty: none is kept
+    wear::ConditionalRule rule;
+
+    void add_to(CLI::App& app);
+    /// Whether a wearing brake was asked for.
+    [[nodiscard]] bool given() const { return !brake.empty() || !state.empty(); }
+    /// What --brake says, new where it says nothing.
+    [[nodiscard]] double taken_J(const wear::BrakeWear& wear) const;
+    /// The brake of the state file where there is one (its seed with it), else of --brake and `seed`. Throws std::invalid_argument where both
+    /// say something, settings::Error for a file that is none of this brake.
+    [[nodiscard]] wear::WearingBrake brake_of(const wear::BrakeWear& wear, std::uint64_t seed) const;
+};
+
+/// For people: that the brake is beyond the model's data, and how the model goes on there. Empty where it is not.
+[[nodiscard]] std::string extrapolation_notice(const wear::WearingBrake& brake);
+
+}  // namespace plant_sim

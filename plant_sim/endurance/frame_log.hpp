@@ -1,0 +1,37 @@
+/// The bus log of a maneuver in process: the frames that rig, bridge and controller would have sent, as candump writes them. In lockstep:
+/// every sample ends with its SYNC, and the controller's answer follows.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "firmware/can/controller_port.hpp"
+#include "firmware/can/rig_port.hpp"
+#include "plant_sim/endurance/test_cell.hpp"
+#include "rig_bridge/record/bus_log.hpp"
+
+namespace endurance {
+
+class FrameLog {
+  public:
+    /// A new file. `layout` must outlive the log.
+    FrameLog(const antiskid::can::Layout& layout, antiskid::control::Time period,
+             const std::filesystem::path& file);
+
+    void add(const Period& period);
+    /// Throws std::runtime_error when frames are missing.
+    void finish();
+    [[nodiscard]] std::uint64_t frames() const { return log_.frames(); }
+
+  private:
+    void write(antiskid::can::Frame frame);
+
+    antiskid::can::RigPort rig_;
+    antiskid::can::ControllerPort controller_;
+    rig::BusLog log_;
+    antiskid::control::Time period_;
+    antiskid::control::Time now_{};
+    std::uint32_t number_ = 0;
+};
+
+}  // namespace endurance

@@ -1,0 +1,57 @@
+#include "plant_sim/lab/campaign_progress.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace plant_sim {
+
+namespace {
+
+using std::chrono::milliseconds;
+constexpr milliseconds kEvery{100};
+constexpr milliseconds kEveryLine{2000};
+constexpr std::int64_t kWidth = 40;
+
+std::string clock_text(double seconds) {
+    const std::int64_t s = std::llround(seconds);
+    return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
+                    : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+}  // namespace
+
+CampaignProgress::CampaignProgress(std::int64_t planned, std::int64_t already)
+    : terminal_(::isatty(STDERR_FILENO) == 1),
+      planned_(planned),
+      already_(already),
+      begin_(Clock::now()),
+      next_(begin_ + (terminal_ ? milliseconds(0) : kEveryLine)) {}
+
+void CampaignProgress::show(std::int64_t done) {
+    const auto now = Clock::now();
+    if (now < next_ && done < planned_) return;
+    next_ = now + (terminal_ ? kEvery : kEveryLine);
+    const double passed_s = std::chrono::duration<double>(now - begin_).count();
+    const auto run = static_cast<double>(done - already_);
+    const double left_s = run > 0.0 ? passed_s / run * static_cast<double>(planned_ - done) : 0.0;
+    const std::string text = fmt::format("{} of {} maneuvers, {} left", done, planned_, clock_text(left_s));
+    if (terminal_) {
+        const auto filled = static_cast<std::size_t>(planned_ > 0 ? kWidth * done / planned_ : kWidth);
+        const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
+        fmt::print(stderr, "\r[{}] {}\033[K", bar, text);
+        (void)std::fflush(stderr);
+        shown_ = true;
+    } else {
+        fmt::print(stderr, "{}\n", text);
+    }
+}
+
+void CampaignProgress::finish() const {
+    if (shown_) fmt::print(stderr, "\n");
+}
+
+}  // namespace plant_sim

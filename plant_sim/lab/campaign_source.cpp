@@ -1,0 +1,92 @@
+#include "plant_sim/lab/campaign_source.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+#include <vector>
+
+#include "rig_bridge/record/ledger.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+bool is_sqlite(const std::filesystem::path& path) {
+    constexpr std::string_view kMagic = "SQLite format 3";
+    std::array<char, kMagic.size()> head{};
+    std::ifstream file(path, std::ios::binary);
+    return file.read(head.data(), head.size()) && std::string_view(head.data(), head.size()) == kMagic;
+}
+
+std::string chosen_campaign(const std::filesystem::path& ledger, const std::string& wanted) {
+    if (!wanted.empty()) return wanted;
+    const std::vector<rig::Campaign> all = rig::read_campaigns(ledger);
+    if (all.size() == 1) return all.front().name;
+    std::string names;
+    for (const rig::Campaign& c : all) {
+        names += names.empty() ? "" : ", ";
+        names += c.name;
+    }
+    throw settings::Error(
+        ledger.string(), 0, "",
+        all.empty() ? std::string("no campaign in this ledger")
+                    : fmt::format("holds {} campaigns; choose one with --campaign: {}", all.size(), names));
+}
+
+wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::string& wanted) {
+    const std::string name = chosen_campaign(ledger, wanted);
+    wear::Campaign out;
+    out.source = fmt::format("{}, campaign {}", ledger.string(), name);
+    const std::vector<rig::LedgerRow> rows = rig::read_ledger(ledger, name);
+    out.points.reserve(rows.size());
+    out.brakings.reserve(rows.size());
+    for (const rig::LedgerRow& row : rows) {
+        if (row.state != rig::RowState::finished) continue;
+        const rig::Figures& f = row.summary.figures;
+        out.points.push_back({row.summary.cumulative_energy_J, f.mean_friction});
+        out.brakings.push_back({f.brake_on_mps, f.mean_torque_Nm, f.mean_load_N});
+    }
+    wear::check(out);
+    return out;
+}
+
+/// rig-lab's own name of a ledger, or the bridge's.
+std::filesystem::path ledger_in(const std::filesystem::path& directory) {
+    const std::filesystem::path bridges = directory / "campaign.sqlite";
+    return std::filesystem::exists(bridges) ? bridges : directory / "ledger.sqlite";
+}
+
+}  // namespace
+
+wear::Campaign load_campaign(const std::filesystem::path& where, const std::string& campaign) {
+    const std::filesystem::path file = std::filesystem::is_directory(where) ? ledger_in(where) : where;
+    if (is_sqlite(file)) return from_ledger(file, campaign);
+    if (!campaign.empty())
+        throw settings::Error(file.string(), 0, "", "--campaign is for ledgers; this file is none");
+    return wear::read_campaign(file);
+}
+
+std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::path>& sources) {
+    std::vector<std::filesystem::path> files;
+    for (const std::filesystem::path& source : sources) {
+        if (!std::filesystem::is_directory(source) || std::filesystem::exists(ledger_in(source))) {
+            files.push_back(source);
+            continue;
+        }
+        const std::size_t before = files.size();
+        for (const auto& entry : std::filesystem::directory_iterator(source))
+            if (entry.path().extension() == ".csv") files.push_back(entry.path());
+        if (files.size() == before)
+            throw settings::Error(source.string(), 0, "", "neither a ledger nor a *.csv in this directory");
+        std::sort(files.begin() + static_cast<std::ptrdiff_t>(before), files.end());
+    }
+    std::vector<wear::Campaign> campaigns;
+    campaigns.reserve(files.size());
+    for (const std::filesystem::path& file : files) campaigns.push_back(load_campaign(file, ""));
+    return campaigns;
+}
+
+}  // namespace plant_sim

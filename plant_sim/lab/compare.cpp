@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/study/in_process.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+constexpr std::array<const char*, 2> kLaws{"slip", "threshold"};
+
+struct CompareCommand {
+    ScenarioOptions scenario;
+    std::string json;
+
+    [[nodiscard]] study::StopReport stop(const std::string& surface, const std::string& maneuver,
+                                         const char* law) const {
+        ScenarioOptions options = scenario;
+        options.choice.surface = surface;
+        options.choice.maneuver = maneuver;
+        options.law = law;
+        const Scenario s = load_scenario(options);
+        const study::RunResult result =
+            study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
+        study::StopReport report = s.report(options);
+        report.figures = result.figures;
+        report.faults = result.faults;
+        return report;
+    }
+
+    /// Markdown, so that the table can stand in a page as it is.
+    int run() const {
+        const auto surfaces = plant::surface_names(scenario.config);
+        const auto maneuvers = plant::maneuver_names(scenario.config);
+        const std::size_t all = surfaces.size() * maneuvers.size();
+        std::string table =
+            "| surface | maneuver | slip law: J_mu | distance (m) | longest lock (ms) | threshold law: J_mu "
+            "| distance (m) |\n"
+            "|---|---|---|---|---|---|---|\n";
+        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        std::array<double, kLaws.size()> sums{};
+        std::size_t done = 0;
+        for (const std::string& surface : surfaces) {
+            for (const std::string& maneuver : maneuvers) {
+                std::array<study::StopFigures, kLaws.size()> f;
+                for (std::size_t i = 0; i < kLaws.size(); ++i) {
+                    const study::StopReport report = stop(surface, maneuver, kLaws[i]);
+                    f[i] = report.figures;
+                    sums[i] += f[i].j_mu / static_cast<double>(all);
+                    rows.push_back(nlohmann::ordered_json::parse(study::to_json(report)));
+                }
+                fmt::format_to(std::back_inserter(table),
+                               "| {} | {} | {:.4f} | {:.1f} | {:.0f} | {:.4f} | {:.1f} |\n", surface,
+                               maneuver, f[0].j_mu, f[0].stop_distance_m, f[0].longest_lock_s * 1e3,
+                               f[1].j_mu, f[1].stop_distance_m);
+                ++done;
+                if (::isatty(STDERR_FILENO) == 1)
+                    fmt::print(stderr, "\r{} of {} scenarios{}", done, all, done == all ? "\n" : "");
+            }
+        }
+        fmt::format_to(std::back_inserter(table), "| mean | | {:.4f} | | | {:.4f} | |\n", sums[0], sums[1]);
+        if (json != "-") fmt::print("{}", table);
+        if (!json.empty()) deliver(json, rows.dump(2) + "\n");
+        return 0;
+    }
+};
+
+}  // namespace
+
+LabVerb compare_verb(CLI::App& lab) {
+    const auto compare = std::make_shared<CompareCommand>();
+    CLI::App* verb = lab.add_subcommand(
+        "compare", "The slip law against the threshold law on all surfaces and maneuvers.");
+    verb->add_option("--slip", compare->scenario.slip, "slip reference")
+        ->check(CLI::Range(0.0, 0.5))
+        ->capture_default_str();
+    verb->add_option("--seed", compare->scenario.seed, "seed of every random draw")->capture_default_str();
+    verb->add_option("--config", compare->scenario.config, "directory of the configuration files")
+        ->capture_default_str();
+    verb->add_option("--mu-b", compare->scenario.choice.friction,
+                     "mean brake friction instead of a new brake's");
+    verb->add_option("--json", compare->json, "every stop as JSON: a file, or - for standard output");
+    verb->footer("Example:\n  rig-lab compare --slip 0.24 --json compare.json");
+    return {verb, [compare] { return compare->run(); }};
+}
+
+}  // namespace plant_sim

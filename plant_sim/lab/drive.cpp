@@ -1,0 +1,47 @@
+#include <memory>
+
+#include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/model/load_rig.hpp"
+#include "plant_sim/study/drive.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+struct DriveCommand {
+    plant::ManeuverChoice choice;
+    std::filesystem::path config = "config";
+    std::filesystem::path input;
+    std::string output;
+
+    int run() const {
+        const plant::LoadedRig rig = plant::load_rig(config, choice);
+        deliver(output, study::drive(rig.rig, study::read_profile(input)));
+        return 0;
+    }
+};
+
+}  // namespace
+
+LabVerb drive_verb(CLI::App& lab) {
+    const auto drive = std::make_shared<DriveCommand>();
+    CLI::App* verb =
+        lab.add_subcommand("drive", "Open loop: the plant alone under a pressure or current profile.");
+    verb->add_option("--maneuver", drive->choice.maneuver, "mass and speed")->capture_default_str();
+    verb->add_option("--surface", drive->choice.surface, "runway")->capture_default_str();
+    verb->add_option("--input", drive->input,
+                     "CSV: time_s,pressure_Pa or time_s,current_mA, linear between rows")
+        ->required();
+    verb->add_option("--output", drive->output, "CSV, or - for standard output")->required();
+    verb->add_option("--mass", drive->choice.mass_kg, "kg, instead of the maneuver's");
+    verb->add_option("--speed", drive->choice.speed_mps, "m/s, instead of the maneuver's");
+    verb->add_option("--mu-b", drive->choice.friction, "mean brake friction instead of a new brake's");
+    verb->add_option("--config", drive->config, "directory of the configuration files")
+        ->capture_default_str();
+    verb->footer(
+        "Example:\n  rig-lab drive --maneuver light --surface wet_asphalt --input pressure.csv --output "
+        "motion.csv");
+    return {verb, [drive] { return drive->run(); }};
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,34 @@
+/// What was learnt about mu_b within a stop, for people, programs and the plant.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "plant_sim/lab/recorded_stops.hpp"
+#include "plant_sim/wear/dynamics.hpp"
+
+namespace plant_sim {
+
+struct ClassDynamics {
+    ClassStops data;
+    wear::FrictionDynamics found;
+    wear::Curve in_force{};  ///< of the configuration, mean 1
+};
+
+struct DynamicsHead {
+    std::string config_hash;
+    std::string data_hash;  ///< of every sample
+};
+
+/// Two decimals more than the intervals have.
+[[nodiscard]] std::string to_text(const std::vector<ClassDynamics>& classes);
+[[nodiscard]] std::string to_json(const std::vector<ClassDynamics>& classes, const DynamicsHead& head);
+/// [brake.relative_friction], for `--friction-curves` and the rig's own file.
+[[nodiscard]] std::string to_toml(const std::vector<ClassDynamics>& classes, const DynamicsHead& head);
+/// Fig. 6: samples of the stops, relative to each stop's mean, and the curve, over speed; a panel for each class. Throws std::runtime_error
+/// when gnuplot is not installed or fails.
+void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::DynamicsSettings& settings,
+                   const std::filesystem::path& png);
+
+}  // namespace plant_sim

@@ -1,0 +1,142 @@
+#include <fmt/core.h>
+
+#include <memory>
+#include <optional>
+
+#include "config/reader/atomic_file.hpp"
+#include "firmware/linux/stop_signals.hpp"
+#include "plant_sim/brake_options.hpp"
+#include "plant_sim/endurance/campaign.hpp"
+#include "plant_sim/endurance/table_three.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
+#include "plant_sim/lab/verbs.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+struct EnduranceCommand {
+    std::filesystem::path config = "config";
+    std::filesystem::path scenario;
+    std::filesystem::path out;
+    std::int64_t maneuvers = 500;
+    std::uint64_t seed = 1;
+    BrakeOptions brake;
+    std::filesystem::path wear_model;
+
+    [[nodiscard]] int run() const;
+
+  private:
+    void report(const endurance::Setup& setup, const endurance::CampaignResult& result,
+                const std::filesystem::path& directory) const;
+};
+
+void EnduranceCommand::report(const endurance::Setup& setup, const endurance::CampaignResult& result,
+                              const std::filesystem::path& directory) const {
+    std::optional<endurance::TableThree> printed;
+    if (setup.scenario.endurance()) printed = endurance::printed_table(config);
+    const auto& done = result.finished;
+    fmt::print("{}: {} maneuvers finished, seed {}\n", setup.scenario.title, done.size(), seed);
+    if (!done.empty()) {
+        fmt::print("{}", endurance::to_text(endurance::measured_table(done), printed));
+        fmt::print("  brake energy {:.1f} MJ, mean friction {:.4f} in the first, {:.4f} in the last\n",
+                   done.back().cumulative_energy_J * 1e-6, done.front().figures.mean_friction,
+                   done.back().figures.mean_friction);
+    }
+    if (!wear_model.empty())
+        fmt::print("  brake {}{}{}\n", rig::name(result.health.state),
+                   result.health.reason.empty() ? "" : ": ", result.health.reason);
+    const auto json = directory / "table.json";
+    settings::write_file(json, endurance::to_json({.scenario = setup.scenario.name,
+                                                   .config_hash = setup.config_hash,
+                                                   .version = ANTISKID_VERSION,
+                                                   .seed = seed},
+                                                  done, printed));
+    fmt::print("  {}, {}\n", (directory / "ledger.sqlite").string(), json.string());
+}
+
+int EnduranceCommand::run() const {
+    const auto file = scenario.empty() ? config / "scenarios" / "endurance.toml" : scenario;
+    const endurance::Setup setup = endurance::load_setup(file, config);
+    const auto directory =
+        out.empty() ? std::filesystem::path("out") / fmt::format("{}-{}", setup.scenario.name, seed) : out;
+    std::filesystem::create_directories(directory);
+    const double taken_J = brake.taken_J(setup.scenario.rig.wear);
+    if (!std::filesystem::exists(directory / "ledger.sqlite"))
+        (void)brake.brake_of(setup.scenario.rig.wear, seed);  // refuses what contradicts
+    antiskid::rt::StopSignals signals;
+    std::optional<CampaignProgress> progress;
+    const auto observe = [&progress](const rig::Summary& summary, std::int64_t planned) {
+        if (!progress) progress.emplace(planned, summary.number);
+        progress->show(summary.number);
+    };
+    const endurance::CampaignResult result = endurance::run_campaign(setup,
+                                                                     {.maneuvers = maneuvers,
+                                                                      .seed = seed,
+                                                                      .ledger = directory / "ledger.sqlite",
+                                                                      .wear_model = wear_model,
+                                                                      .stop = &signals.stop(),
+                                                                      .taken_J = taken_J,
+                                                                      .rule = brake.rule,
+                                                                      .brake_state = brake.state},
+                                                                     observe);
+    if (progress) progress->finish();
+    if (result.already > 0)
+        fmt::print("{} maneuvers were in the ledger already; remove {} to begin anew\n", result.already,
+                   directory.string());
+    report(setup, result, directory);
+    if (const std::string beyond = extrapolation_notice(*result.brake); !beyond.empty())
+        fmt::print(stderr, "rig-lab: {}\n", beyond);
+    if (result.aborted) {
+        fmt::print(stderr, "rig-lab: maneuver {} was aborted: {}\n", result.last.number, result.last.outcome);
+        return 1;
+    }
+    if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
+    return 0;
+}
+
+}  // namespace
+
+LabVerb endurance_verb(CLI::App& lab) {
+    const auto command = std::make_shared<EnduranceCommand>();
+    CLI::App* verb = lab.add_subcommand(
+        "endurance",
+        "A campaign of identical maneuvers until the brake is worn: sequencer, controller, PLC, plant and "
+        "wear in one "
+        "process. Leaves ledger.sqlite and table.json; a campaign that was stopped goes on.");
+    constexpr std::int64_t kMost = 1'000'000;
+    verb->add_option("--maneuvers", command->maneuvers, "how many in all")
+        ->check(CLI::Range(std::int64_t{1}, kMost))
+        ->capture_default_str();
+    verb->add_option("--seed", command->seed, "seed of every random draw")
+        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}))
+        ->capture_default_str();
+    verb->add_option("--scenario", command->scenario,
+                     "scenario file (default: CONFIG/scenarios/endurance.toml)");
+    verb->add_option("--out", command->out, "directory of the results (default: out/SCENARIO-SEED)");
+    command->brake.add_to(*verb);
+    verb->add_option("--wear-model", command->wear_model,
+                     "judge the brake after each maneuver by this population.json or model.json of `wear`")
+        ->check(CLI::ExistingFile);
+    verb->add_option("--config", command->config, "directory of the configuration files")
+        ->capture_default_str();
+    verb->footer(
+        "Examples:\n"
+        "  rig-lab endurance --maneuvers 500\n"
+        "  rig-lab endurance --maneuvers 20 --seed 7 --out /tmp/campaign\n"
+        "  rig-lab endurance --maneuvers 20 --brake 300 --brake-state brake.json\n"
+        "  rig-lab endurance --scenario config/scenarios/heavy.toml --maneuvers 10\n"
+        "Exit status: 0 all maneuvers finished; 1 one was aborted, or the ledger could not be written; 2 "
+        "mistake on the "
+        "command line or in a configuration file; 130 stopped by Ctrl-C, goes on when started again.");
+    return {verb, [command] {
+                try {
+                    return command->run();
+                } catch (const rig::LedgerError& e) {
+                    fmt::print(stderr, "rig-lab: {}\n", e.what());
+                    return 1;
+                }
+            }};
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,213 @@
+#include "plant_sim/lab/identify_pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "config/reader/atomic_file.hpp"
+#include "plant_sim/study/gnuplot.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+namespace fs = std::filesystem;
+using study::gnuplot_quoted;
+
+constexpr const char* kStyle = R"(set datafile separator ','
+set datafile missing ''
+set style line 1 lc rgb '#1f4e79' lw 2
+set style line 2 lc rgb '#e07b39' lw 2
+set style line 3 lc rgb '#9ab8d6' pt 7 ps 0.3
+set style line 4 lc rgb '#e9b48f' pt 7 ps 0.3
+set grid lc rgb '#dddddd'
+set border lc rgb '#555555'
+set lmargin 11
+set rmargin 3
+)";
+
+std::string script(const fs::path& csv, const std::string& title, const std::string& plots, int rows) {
+    return fmt::format("{}data = {}\nset multiplot layout {},1 title {} noenhanced\n{}unset multiplot\n",
+                       kStyle, gnuplot_quoted(csv.string()), rows, gnuplot_quoted(title), plots);
+}
+
+/// Readings on ramps against current, and the fitted branches.
+std::string draw_map(const identification::ValveFit& v, const fs::path& directory) {
+    const fs::path csv = directory / "static_map.csv";
+    std::string text = "current_mA,rising_MPa,falling_MPa,rising_error_kPa,falling_error_kPa,map_MPa\n";
+    constexpr std::size_t kSettled = 300;
+    constexpr std::size_t kEvery = 25;
+    constexpr double kRamp_mA = 2.0;  // over kSettled samples
+    for (const auto& r : v.residuals) {
+        for (std::size_t k = kSettled; k < r.used.size(); k += kEvery) {
+            const double change = r.current_mA[k] - r.current_mA[k - kSettled];
+            const double half = r.current_mA[k] - r.current_mA[k - kSettled / 2];
+            const bool ramp =
+                std::abs(change) > 0.1 && std::abs(change) < kRamp_mA && std::abs(half - 0.5 * change) < 0.06;
+            if (r.used[k] == 0 || !ramp) continue;
+            const std::string reading = fmt::format("{:.5f}", r.measured_Pa[k] * 1e-6);
+            const std::string error = fmt::format("{:.3f}", (r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3);
+            fmt::format_to(std::back_inserter(text),
+                           fmt::runtime(change > 0.0 ? "{0:.4f},{1},,{2},,\n" : "{0:.4f},,{1},,{2},\n"),
+                           r.current_mA[k], reading, error);
+        }
+    }
+    const plant::PressureMap map = v.map();
+    for (const auto& point : map.points())
+        fmt::format_to(std::back_inserter(text), "{:.5f},,,,,{:.5f}\n", point.current_mA,
+                       point.pressure_Pa * 1e-6);
+    settings::write_file(csv, text);
+    study::run_gnuplot(
+        directory / "static_map.png", 1100, 900,
+        script(csv,
+               fmt::format("static map: dead zone {:.3f} mA, hysteresis {:.4f} mA (95 %: {:.4f} to {:.4f})",
+                           v.dead_zone_mA.value, v.hysteresis_mA.value, v.hysteresis_mA.low,
+                           v.hysteresis_mA.high),
+               R"(set key top left
+set xrange [0:*]
+set ylabel 'pressure (MPa)'
+plot data using 'current_mA':'rising_MPa' with points ls 3 title 'measured, current rising', \
+     data using 'current_mA':'falling_MPa' with points ls 4 title 'measured, current falling', \
+     data using 'current_mA':'map_MPa' with linespoints ls 1 pt 6 ps 1 title 'identified map'
+set key top right
+set xlabel 'valve current (mA)'
+set ylabel 'measured - modelled (kPa)'
+plot data using 'current_mA':'rising_error_kPa' with points ls 3 title 'current rising', \
+     data using 'current_mA':'falling_error_kPa' with points ls 4 title 'current falling'
+)",
+               2));
+    return "static_map.png";
+}
+
+std::string draw_valve(const identification::ValveResiduals& r, const fs::path& directory) {
+    const std::string name = "valve_" + r.recording;
+    const fs::path csv = directory / (name + ".csv");
+    std::string text = "time_s,current_mA,measured_MPa,modelled_MPa,error_kPa\n";
+    // As many points as the picture has columns twice over show everything; steps need theirs.
+    const std::size_t every = std::max<std::size_t>(1, r.time_s.size() / 12000);
+    for (std::size_t k = 0; k < r.time_s.size(); k += every) {
+        fmt::format_to(std::back_inserter(text), "{:.3f},{:.3f},{:.5f},{:.5f},", r.time_s[k], r.current_mA[k],
+                       r.measured_Pa[k] * 1e-6, r.modelled_Pa[k] * 1e-6);
+        if (r.used[k] != 0)
+            fmt::format_to(std::back_inserter(text), "{:.3f}", (r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3);
+        text += '\n';
+    }
+    settings::write_file(csv, text);
+    study::run_gnuplot(
+        directory / (name + ".png"), 1100, 900,
+        script(csv, fmt::format("{}: residuals of {:.1f} kPa RMS", r.recording, r.rms_Pa * 1e-3),
+               R"(set key top right
+stats data using 'time_s' nooutput
+set xrange [0:STATS_max]
+set ylabel 'pressure (MPa)'
+plot data using 'time_s':'measured_MPa' with points ls 3 title 'measured', \
+     data using 'time_s':'modelled_MPa' with lines ls 2 title 'modelled'
+set xlabel 'time since brake-on (s)'
+set ylabel 'measured - modelled (kPa)'
+plot data using 'time_s':'error_kPa' with points ls 3 notitle
+)",
+               2));
+    return name + ".png";
+}
+
+std::string draw_wheel(const identification::WheelFit& w, const fs::path& directory) {
+    const fs::path csv = directory / "wheel.csv";
+    std::string text = "time_s,stop_mmps,touchdown_mmps\n";
+    for (const auto& r : w.residuals) {
+        for (std::size_t k = 0; k < r.time_s.size(); ++k)
+            fmt::format_to(std::back_inserter(text),
+                           fmt::runtime(r.braking ? "{:.3f},{:.4f},\n" : "{:.3f},,{:.4f}\n"), r.time_s[k],
+                           r.error_mps[k] * 1e3);
+    }
+    settings::write_file(csv, text);
+    study::run_gnuplot(
+        directory / "wheel.png", 1100, 560,
+        script(csv,
+               fmt::format("momentum of wheel and flywheel: J_w = {:.4f} kg m2, k_b = {:.5g} m3",
+                           w.inertia_kgm2.value, w.gain_m3.value),
+               R"(set key top right
+set xlabel 'time since brake-on (s)'
+set ylabel 'measured - modelled rim speed (mm/s)'
+plot data using 'time_s':'stop_mmps' with points ls 3 title 'stops', \
+     data using 'time_s':'touchdown_mmps' with points ls 4 title 'touchdowns alone'
+)",
+               1));
+    return "wheel.png";
+}
+
+std::string draw_friction(const identification::FrictionFit& f, const fs::path& directory) {
+    const std::string name = "friction_" + f.surface;
+    const fs::path csv = directory / (name + ".csv");
+    std::string text = "slip,mu,error\n";
+    const plant::Surface curve = f.curve();
+    for (std::size_t k = 0; k < f.slip.size(); ++k)
+        fmt::format_to(std::back_inserter(text), "{:.6f},{:.6f},{:.6f}\n", f.slip[k], f.mu[k],
+                       f.mu[k] - plant::friction(curve, f.slip[k]).mu);
+    settings::write_file(csv, text);
+    const std::string plots = fmt::format(R"(c1 = {}
+c2 = {}
+c3 = {}
+mu(x) = c1 * (1 - exp(-c2 * x)) - c3 * x
+set key bottom right
+stats data using 'slip' nooutput
+set xrange [0:STATS_max * 1.05]
+set samples 500
+set ylabel 'friction F_x / F_z'
+plot data using 'slip':'mu' with points ls 3 title 'load cells over encoders', mu(x) with lines ls 2 title 'eq. (4), identified'
+set xlabel 'slip'
+set ylabel 'measured - fitted'
+plot data using 'slip':'error' with points ls 3 notitle
+)",
+                                          f.c1.value, f.c2.value, f.c3.value);
+    study::run_gnuplot(directory / (name + ".png"), 1100, 900,
+                       script(csv,
+                              fmt::format("{}: c1 = {:.4f}, c2 = {:.3f}, c3 = {:.4f}", f.surface, f.c1.value,
+                                          f.c2.value, f.c3.value),
+                              plots, 2));
+    return name + ".png";
+}
+
+}  // namespace
+
+std::vector<std::string> draw_identified(const identification::Identified& found, const fs::path& directory) {
+    std::vector<std::string> names{draw_map(found.valve, directory)};
+    for (const auto& r : found.valve.residuals) names.push_back(draw_valve(r, directory));
+    if (found.wheel) names.push_back(draw_wheel(*found.wheel, directory));
+    for (const auto& f : found.surfaces) names.push_back(draw_friction(f, directory));
+    return names;
+}
+
+void draw_friction_curves(const std::vector<plant::Surface>& surfaces,
+                          const std::vector<std::string>& identified, const fs::path& directory) {
+    std::string text = "slip";
+    for (const plant::Surface& s : surfaces) text += "," + s.name;
+    text += '\n';
+    constexpr int kPoints = 500;
+    for (int i = 0; i <= kPoints; ++i) {
+        const double slip = static_cast<double>(i) / kPoints;
+        fmt::format_to(std::back_inserter(text), "{:.4f}", slip);
+        for (const plant::Surface& s : surfaces)
+            fmt::format_to(std::back_inserter(text), ",{:.5f}", plant::friction(s, slip).mu);
+        text += '\n';
+    }
+    const fs::path csv = directory / "friction_curves.csv";
+    settings::write_file(csv, text);
+    std::string plot = "plot ";
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+        const bool strong =
+            std::find(identified.begin(), identified.end(), surfaces[i].name) != identified.end();
+        fmt::format_to(std::back_inserter(plot), "{}data using 1:{} with lines lw {} title {} noenhanced",
+                       i == 0 ? "" : ", ", i + 2, strong ? 4 : 2,
+                       gnuplot_quoted(surfaces[i].name + (strong ? " (identified)" : "")));
+    }
+    study::run_gnuplot(directory / "friction_curves.png", 1100, 700,
+                       script(csv, "friction over slip, eq. (4) (Fig. 3)",
+                              "set key outside right center\nset rmargin 30\nset xrange [0:1]\nset yrange "
+                              "[0:1.25]\nset xlabel 'slip'\nset ylabel 'friction coefficient'\n" +
+                                  plot + "\n",
+                              1));
+}
+
+}  // namespace plant_sim

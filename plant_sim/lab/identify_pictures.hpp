@@ -1,0 +1,21 @@
+/// The pictures of rig-lab identify: what was measured, what was fitted, and what is left.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "plant_sim/study/identification/identified.hpp"
+
+namespace plant_sim {
+
+/// Into `directory`, each beside the CSV that it is drawn from: static_map.png, valve_NAME.png for every valve recording, wheel.png and
+/// friction_SURFACE.png where there are those fits. Returns their names.
+std::vector<std::string> draw_identified(const identification::Identified& found,
+                                         const std::filesystem::path& directory);
+
+/// All surfaces' curves of eq. (4), Fig. 3; `identified` ones drawn strong.
+void draw_friction_curves(const std::vector<plant::Surface>& surfaces,
+                          const std::vector<std::string>& identified, const std::filesystem::path& directory);
+
+}  // namespace plant_sim

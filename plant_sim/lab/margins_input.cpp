@@ -1,0 +1,33 @@
+#include "plant_sim/lab/margins_input.hpp"
+
+#include "config/reader/hash.hpp"
+
+namespace plant_sim {
+
+MarginsInput load_margins_input(const ScenarioOptions& options) {
+    const std::filesystem::path file = options.config / "margins.toml";
+    MarginsInput input{.settings = study::margins::load_margins_settings(file),
+                       .scenarios = {},
+                       .cases = {},
+                       .config_hash = {}};
+    for (const std::string& surface : plant::surface_names(options.config)) {
+        for (const std::string& maneuver : plant::maneuver_names(options.config)) {
+            ScenarioOptions one = options;
+            one.choice.surface = surface;
+            one.choice.maneuver = maneuver;
+            Scenario& s = input.scenarios.emplace_back(load_scenario(one));
+            input.cases.push_back({.surface = surface,
+                                   .maneuver = maneuver,
+                                   .rig = s.plant.rig,
+                                   .drop_out_mps = s.plant.drop_out_mps,
+                                   .full_pressure_Pa = s.plant.full_pressure_Pa});
+        }
+    }
+    std::vector<std::filesystem::path> files = input.scenarios.front().plant.files;
+    files.push_back(options.controller.empty() ? options.config / "controller.toml" : options.controller);
+    files.push_back(file);
+    input.config_hash = settings::hash(files);
+    return input;
+}
+
+}  // namespace plant_sim

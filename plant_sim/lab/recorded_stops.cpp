@@ -1,0 +1,289 @@
+#include "plant_sim/lab/recorded_stops.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <numbers>
+#include <optional>
+
+#include "config/reader/input_file.hpp"
+#include "firmware/can/load_layout.hpp"
+#include "plant_sim/model/load_rig.hpp"
+#include "rig_bridge/record/bus_meter.hpp"
+#include "rig_bridge/record/summary_file.hpp"
+#include "rig_bridge/replay/log_reader.hpp"
+#include "rig_bridge/scenario/scenario.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+namespace fs = std::filesystem;
+using antiskid::can::Time;
+using settings::Error;
+
+bool contains(const std::vector<std::string>& all, const std::string& one) {
+    return std::find(all.begin(), all.end(), one) != all.end();
+}
+
+std::string listed(const std::vector<std::string>& names) {
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// bus.log or bus.log.gz of a maneuver's folder.
+std::optional<fs::path> log_in(const fs::path& folder) {
+    for (const char* name : {"bus.log", "bus.log.gz"})
+        if (fs::exists(folder / name)) return folder / name;
+    return std::nullopt;
+}
+
+/// Folders with a log in them, at most two levels below a ledger's directory: CAMPAIGN/0001.
+std::vector<fs::path> maneuvers_below(const fs::path& directory, int levels) {
+    std::vector<fs::path> found;
+    for (const fs::directory_entry& entry : fs::directory_iterator(directory)) {
+        if (!entry.is_directory()) continue;
+        if (log_in(entry.path())) {
+            found.push_back(entry.path());
+        } else if (levels > 1) {
+            const std::vector<fs::path> deeper = maneuvers_below(entry.path(), levels - 1);
+            found.insert(found.end(), deeper.begin(), deeper.end());
+        }
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+bool is_csv(const fs::path& file) {
+    std::string ending = file.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return ending == ".csv";
+}
+
+/// Beyond this slip the wheel stands, and a held disc shows no friction.
+constexpr double kStands = 0.9;
+
+double seconds(Time time) {
+    return static_cast<double>(time.count()) * 1e-9;
+}
+
+rig::MeterParameters meter_parameters(const plant::RigParameters& r) {
+    rig::MeterParameters parameters;
+    parameters.wheel_teeth = r.wheel_encoder.teeth;
+    parameters.flywheel_teeth = r.flywheel_encoder.teeth;
+    parameters.flywheel_radius_m = r.flywheel_radius_m;
+    parameters.wheel_radius_m = r.wheel.free_radius_m;
+    parameters.wheel_stiffness_Npm = r.wheel.stiffness_Npm;
+    return parameters;
+}
+
+/// The road's way by edges or, where the sensor reports that, by its speed.
+class RoadWay {
+  public:
+    explicit RoadWay(const plant::RigParameters& r)
+        : radius_m_(r.flywheel_radius_m),
+          track_(2.0 * std::numbers::pi / r.flywheel_encoder.teeth * r.flywheel_radius_m) {}
+
+    void update(const antiskid::control::SpeedInput& input, Time now) {
+        if (input.received == antiskid::control::kNever) return;
+        edges_ = input.source == antiskid::control::SpeedSource::edges;
+        if (edges_) {
+            track_.update(input.edge_count, input.edge_time, seconds(now));
+            return;
+        }
+        if (known_) integrated_m_ += speed_mps_ * (seconds(now) - now_s_);
+        known_ = true;
+        now_s_ = seconds(now);
+        speed_mps_ = static_cast<double>(input.speed_radps) * radius_m_;
+    }
+    [[nodiscard]] double way_m(double now_s) const { return edges_ ? track_.way(now_s) : integrated_m_; }
+
+  private:
+    double radius_m_;
+    rig::EdgeTrack track_;
+    bool edges_ = true;
+    bool known_ = false;
+    double integrated_m_ = 0.0, now_s_ = 0.0, speed_mps_ = 0.0;
+};
+
+struct Raw {
+    double time_s, way_m, pressure_Pa, torque_Nm;
+    bool stands;
+};
+
+/// With the mean speed between the neighbours of each row: a speed measured over the newest edges would lag behind the torque.
+std::vector<wear::BrakeSample> samples_of(const std::vector<Raw>& rows) {
+    std::vector<wear::BrakeSample> out;
+    out.reserve(rows.size());
+    for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
+        const double passed_s = rows[i + 1].time_s - rows[i - 1].time_s;
+        // The recorder's clock was set: no speed can be had across that.
+        if (rows[i].stands || !(passed_s > 0.0) || (!out.empty() && rows[i].time_s < out.back().time_s))
+            continue;
+        out.push_back({rows[i].time_s, (rows[i + 1].way_m - rows[i - 1].way_m) / passed_s,
+                       rows[i].pressure_Pa, rows[i].torque_Nm});
+    }
+    return out;
+}
+
+class Loader {
+  public:
+    explicit Loader(const StopFiles& files)
+        : files_(files),
+          layout_(antiskid::can::load_layout(
+              files.dbc.empty() ? files.config / "antiskid.dbc" : files.dbc,
+              files.binding.empty() ? files.config / "antiskid_binding.toml" : files.binding)) {
+        for (const std::string& name : plant::friction_class_names()) classes_.push_back({name, {}});
+    }
+
+    void add(const StopSource& source) {
+        if (!fs::exists(source.path)) throw Error(source.path.string(), 0, "", "is not there");
+        fs::path path = source.path;
+        if (path.extension() == ".sqlite") path = path.has_parent_path() ? path.parent_path() : fs::path(".");
+        if (!fs::is_directory(path)) {
+            add_file(path, source.kind);
+        } else if (log_in(path)) {
+            add_maneuver(path, source.kind);
+        } else {
+            const std::vector<fs::path> folders = maneuvers_below(path, 2);
+            if (folders.empty())
+                throw Error(path.string(), 0, "",
+                            "holds no recorded maneuver: neither bus.log nor folders with one; a ledger of "
+                            "rig-lab endurance has "
+                            "no logs");
+            for (const fs::path& folder : folders) add_maneuver(folder, source.kind);
+        }
+    }
+
+    [[nodiscard]] std::vector<ClassStops> take() {
+        std::erase_if(classes_, [](const ClassStops& c) { return c.stops.empty(); });
+        return std::move(classes_);
+    }
+
+  private:
+    void enter(const plant::LoadedRig& rig, wear::RecordedStop stop) {
+        const auto at = std::find_if(classes_.begin(), classes_.end(), [&](const ClassStops& c) {
+            return c.friction_class == rig.friction_class;
+        });
+        at->stops.push_back(std::move(stop));
+    }
+
+    void add_file(const fs::path& file, const std::string& kind) {
+        if (kind.empty())
+            throw Error(file.string(), 0, "",
+                        fmt::format("which maneuver was it? Write e.g. light={}", file.string()));
+        const plant::LoadedRig rig = rig_of(kind, file);
+        if (is_csv(file))
+            enter(rig, parse_stop(file.string(), settings::read_file(file), rig.rig.brake.gain_m3()));
+        else
+            enter(rig, read_log(file, rig));
+    }
+
+    void add_maneuver(const fs::path& folder, const std::string& kind) {
+        const fs::path summary_file = folder / "summary.json";
+        if (fs::exists(summary_file)) {
+            const rig::Summary summary = rig::read_summary(summary_file);
+            if (summary.outcome != "finished") {
+                files_.warn(fmt::format("{}: {}: passed over", folder.string(), summary.outcome));
+                return;
+            }
+            if (kind.empty()) {
+                const rig::Scenario scenario = rig::load_scenario(
+                    files_.config / "scenarios" / (summary.scenario + ".toml"), files_.config);
+                enter(scenario.rig, read_log(*log_in(folder), scenario.rig));
+                return;
+            }
+        }
+        if (kind.empty())
+            throw Error(
+                folder.string(), 0, "",
+                fmt::format("has no summary.json that says which maneuver it was; write e.g. light={}",
+                            folder.string()));
+        const plant::LoadedRig rig = rig_of(kind, folder);
+        enter(rig, read_log(*log_in(folder), rig));
+    }
+
+    [[nodiscard]] plant::LoadedRig rig_of(const std::string& kind, const fs::path& of) const {
+        const std::vector<std::string> maneuvers = plant::maneuver_names(files_.config);
+        plant::ManeuverChoice choice;
+        choice.maneuver = kind;
+        if (kind == plant::kEndurance) return plant::load_rig(files_.config, choice);
+        const std::vector<std::string> classes = plant::friction_class_names();
+        if (!contains(classes, kind)) {
+            if (contains(maneuvers, kind)) return plant::load_rig(files_.config, choice);
+            throw Error(of.string(), 0, "",
+                        fmt::format("'{}' is neither a friction class ({}) nor a maneuver ({}, {})", kind,
+                                    listed(classes), listed(maneuvers), plant::kEndurance));
+        }
+        for (const std::string& maneuver : maneuvers) {
+            choice.maneuver = maneuver;
+            plant::LoadedRig rig = plant::load_rig(files_.config, choice);
+            if (rig.friction_class == kind) return rig;
+        }
+        throw Error(of.string(), 0, "",
+                    fmt::format("no maneuver of maneuvers.toml is of the class {}", kind));
+    }
+
+    /// The first braking of the log, sampled with every frame of the load cells.
+    [[nodiscard]] wear::RecordedStop read_log(const fs::path& log, const plant::LoadedRig& rig) const {
+        rig::LogWarnings warnings(log.string(), files_.warn);
+        rig::LogOptions options;
+        options.layout = &layout_;
+        rig::LogReader reader(log, options, warnings);
+        const plant::RigParameters& r = rig.rig;
+        rig::BusMeter meter(layout_, meter_parameters(r));
+        RoadWay road(r);
+        std::vector<Raw> rows;
+        double brake_on_mps = 0.0;
+        Time newest = antiskid::control::kNever;
+        bool loads_are_new = false;
+        bool braking = false;
+        for (rig::LogFrame frame; reader.next(frame);) {
+            meter.accept(frame.frame);
+            const antiskid::can::BusView& v = meter.view();
+            road.update(v.flywheel, frame.frame.received);
+            const bool demanded = v.maneuver.arm && v.maneuver.demand_Pa > 0.0F;
+            if (demanded && !braking) brake_on_mps = meter.meter().speed_mps();
+            if (braking && !demanded) break;
+            braking = demanded;
+            if (v.load_cells_received != newest) {
+                newest = v.load_cells_received;
+                loads_are_new = true;
+            }
+            // Torque and pressure of one period: the load cells' frame may be ahead of that of the pressure.
+            if (!braking || !loads_are_new || v.pressure.received < newest) continue;
+            loads_are_new = false;
+            rows.push_back({.time_s = seconds(newest),
+                            .way_m = road.way_m(seconds(newest)),
+                            .pressure_Pa = static_cast<double>(v.pressure.pressure_Pa),
+                            .torque_Nm = static_cast<double>(v.load_cells.brake_torque_Nm),
+                            .stands = meter.meter().slip() > kStands});
+        }
+        if (rows.empty())
+            throw Error(log.string(), 0, "",
+                        braking ? "no load cells' frame while it brakes: the torque was not recorded"
+                                : "no braking in it: no maneuver command that is armed and demands pressure");
+        return {log.string(), brake_on_mps, r.brake.gain_m3(), samples_of(rows)};
+    }
+
+    const StopFiles& files_;
+    antiskid::can::Layout layout_;
+    std::vector<ClassStops> classes_;
+};
+
+}  // namespace
+
+StopSource parse_source(const std::string& text) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || fs::exists(text)) return {"", text};
+    return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+std::vector<ClassStops> load_stops(const std::vector<StopSource>& sources, const StopFiles& files) {
+    Loader loader(files);
+    for (const StopSource& source : sources) loader.add(source);
+    return loader.take();
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,202 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "config/reader/atomic_file.hpp"
+#include "config/reader/hash.hpp"
+#include "firmware/linux/stop_signals.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
+#include "plant_sim/lab/regulate_report.hpp"
+#include "plant_sim/lab/regulate_stops.hpp"
+#include "plant_sim/lab/verbs.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+using regulation::Mix;
+
+constexpr int kStopped = 130;
+
+struct RegulateCommand {
+    std::filesystem::path config = "config";
+    std::filesystem::path order;
+    std::filesystem::path out = "out/regulate";
+    std::filesystem::path characterised;  ///< write the floor table here instead
+    int lives = 8;
+    std::vector<double> fixed{0.10, 0.24, 0.40};
+    int landings = 0;  ///< 0: the order's
+    std::uint64_t seed = 1;
+    Mix mix = Mix::random;
+    double missing = 0.0;
+    double brake_deviation = 0.0;
+    int inspection = 32;
+    bool floor_check = true;
+    unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+
+    [[nodiscard]] int run() const;
+
+  private:
+    [[nodiscard]] int characterise() const;
+    [[nodiscard]] std::vector<regulation::Policy> policies(const regulation::Order& asked,
+                                                           const regulation::Plan& plan,
+                                                           const regulation::Range& range) const;
+};
+
+int RegulateCommand::characterise() const {
+    const LandingSites sites = load_sites(config);
+    antiskid::rt::StopSignals signals;
+    CharacteriseOptions options{.references = {}, .seed = seed, .threads = threads, .stop = &signals.stop()};
+    constexpr int kFirst = 6;  // hundredths, as in the paper's study
+    constexpr int kLast = 50;
+    for (int k = kFirst; k <= kLast; k += 2) options.references.push_back(k / 100.0);
+    CampaignProgress progress(characterising_stops(sites, options), 0);
+    options.on_stop = [&](int stops) { progress.show(stops); };
+    const regulation::Characterisation c = plant_sim::characterise(sites, options);
+    progress.finish();
+    if (c.floor.rows.empty()) return kStopped;
+    settings::write_file(
+        characterised,
+        regulation::to_toml(c, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
+    fmt::print("{}: J_mu of {} references on {} surfaces\n", characterised.string(), c.floor.reference.size(),
+               c.floor.rows.size());
+    return 0;
+}
+
+std::vector<regulation::Policy> RegulateCommand::policies(const regulation::Order& asked,
+                                                          const regulation::Plan& plan,
+                                                          const regulation::Range& range) const {
+    const double best = regulation::best_fixed(plan, asked.floor.reference, asked.tyre_share, range);
+    std::vector<regulation::Policy> all{{"regulated", std::nullopt}};
+    for (const double reference : fixed) {
+        if (std::abs(reference - best) > 1e-6)
+            all.push_back({fmt::format("fixed {:.2f}", reference), reference});
+    }
+    all.push_back({fmt::format("best fixed {:.2f}", best), best});
+    return all;
+}
+
+int RegulateCommand::run() const {
+    if (!characterised.empty()) return characterise();
+    const regulation::Order asked =
+        regulation::load_order(order.empty() ? config / "regulation.toml" : order);
+    const LandingSites sites = load_sites(config);
+    const wear::BrakeWear& brake = sites.sites.front().rig.wear;
+    RegulateReport report;
+    report.plan = regulation::plan_of(asked, brake.life_J, sites.mean_J(), sites.deviation_J());
+    if (landings > 0) report.plan.landings = landings;
+    report.rules = asked.rules;
+    report.range = asked.range();
+    for (const LandingSite& site : sites.sites) {
+        const regulation::Range also = asked.range(site.surface);
+        report.range = {std::max(report.range.lowest, also.lowest),
+                        std::min(report.range.highest, also.highest)};
+    }
+    report.outlook = regulation::outlook(regulation::Regulator(report.plan, report.rules, report.range));
+    antiskid::rt::StopSignals signals;
+    const std::vector<regulation::Policy> all = policies(asked, report.plan, report.range);
+    const int stops_a_life = static_cast<int>(all.size()) + (floor_check ? 2 : 0);
+    const std::int64_t planned = std::int64_t{lives} * stops_a_life * report.plan.landings;
+    CampaignProgress progress(planned, 0);
+    report.options = {.lives = lives,
+                      .seed = seed,
+                      .mix = mix,
+                      .missing = missing,
+                      .brake_deviation = brake_deviation,
+                      .inspection = inspection,
+                      .scenarios = sites.sites.size(),
+                      .worst_stops = floor_check,
+                      .threads = threads,
+                      .stop = &signals.stop(),
+                      .on_landing = [&](int done) {  // lives that bring less than planned go on beyond it
+                          if (done <= planned) progress.show(done);
+                      }};
+    report.policies =
+        regulation::run_fleet(report.plan, report.rules, report.range, all, brake, report.options, [&sites] {
+            return [&sites](const regulation::Draw& draw, double reference, double friction) {
+                return land(sites, draw, reference, friction);
+            };
+        });
+    progress.finish();
+    if (report.policies.empty()) return kStopped;
+    std::vector<std::filesystem::path> files = sites.files;
+    files.insert(files.end(), asked.files.begin(), asked.files.end());
+    report.config_hash = settings::hash(files);
+    std::filesystem::create_directories(out);
+    fmt::print("{}", to_text(report));
+    settings::write_file(out / "results.json", to_json(report));
+    settings::write_file(out / "landings.csv", to_csv(report));
+    draw(report, out / "regulate.png");
+    fmt::print("  {}, {}, {}\n", (out / "results.json").string(), (out / "landings.csv").string(),
+               (out / "regulate.png").string());
+    return report.all_met() ? 0 : 1;
+}
+
+}  // namespace
+
+LabVerb regulate_verb(CLI::App& lab) {
+    const auto command = std::make_shared<RegulateCommand>();
+    CLI::App* verb = lab.add_subcommand(
+        "regulate",
+        "Regulation of wear: landing by landing the next slip reference from measured brake and tyre energy, "
+        "so that both reach "
+        "their limits together; seeded lives of random landings against fixed references.");
+    verb->add_option("--lives", command->lives, "how many")
+        ->check(CLI::Range(1, 10'000))
+        ->capture_default_str();
+    verb->add_option("--fixed", command->fixed,
+                     "references to compare with, beside the one that the characterised shares call best")
+        ->check(CLI::Range(0.01, 0.5))
+        ->capture_default_str();
+    verb->add_option("--landings", command->landings, "planned landing, instead of the plan's")
+        ->check(CLI::Range(2, 1'000'000));
+    verb->add_option("--seed", command->seed, "seed of every random draw")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    verb->add_option(
+            "--mix", command->mix,
+            "random: each landing any surface and maneuver; balanced: all equally often, in random order")
+        ->transform(CLI::CheckedTransformer(
+            std::map<std::string, Mix>{{"random", Mix::random}, {"balanced", Mix::balanced}}))
+        ->default_str("random");
+    verb->add_option("--missing", command->missing, "share of landings whose measurements are lost")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    verb->add_option("--brake-deviation", command->brake_deviation,
+                     "brakes differ in what they can still take by this share, standard deviation")
+        ->check(CLI::Range(0.0, 0.5))
+        ->capture_default_str();
+    verb->add_option("--inspection", command->inspection,
+                     "landings between two inspections that tell a brake's true wear and life; 0: none")
+        ->check(CLI::Range(0, 1'000'000))
+        ->capture_default_str();
+    verb->add_flag("!--no-floor-check", command->floor_check,
+                   "do not make every regulated landing again at both ends of the range");
+    verb->add_option("--order", command->order, "plan and rules (default: CONFIG/regulation.toml)");
+    verb->add_option("--characterise", command->characterised,
+                     "only measure J_mu over reference and surface, and write the floor table to this file")
+        ->type_name("FILE");
+    verb->add_option("--out", command->out, "directory for results.json, landings.csv, regulate.png")
+        ->capture_default_str();
+    verb->add_option("--config", command->config, "directory of the configuration files")
+        ->capture_default_str();
+    verb->add_option("--threads", command->threads, "of the computation; the results do not depend on it")
+        ->check(CLI::Range(1U, 1024U));
+    verb->footer(
+        "Examples:\n"
+        "  rig-lab regulate\n"
+        "  rig-lab regulate --lives 4 --mix balanced --out out/balanced\n"
+        "  rig-lab regulate --brake-deviation 0.05 --missing 0.1\n"
+        "  rig-lab regulate --characterise config/regulation_floor.toml\n"
+        "Exit status: 0 both limits met in every life where that was feasible, and no stop beyond the floor; "
+        "1 not so; 2 mistake on "
+        "the command line or in a configuration file; 130 stopped by Ctrl-C.");
+    return {verb, [command] { return command->run(); }};
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,33 @@
+/// What `rig-lab regulate` leaves: table, results.json, landings.csv, regulate.png.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "plant_sim/study/regulation/fleet.hpp"
+#include "plant_sim/study/regulation/outlook.hpp"
+
+namespace plant_sim {
+
+struct RegulateReport {
+    regulation::Plan plan;
+    regulation::Rules rules;
+    regulation::Range range;
+    regulation::Outlook outlook;  ///< at the plan's begin
+    regulation::FleetOptions options;
+    std::vector<regulation::PolicyLives> policies;  ///< the regulated one first
+    std::string config_hash;
+
+    [[nodiscard]] std::vector<bool> feasible() const;  ///< of each life
+    [[nodiscard]] bool all_met() const;                ///< in every feasible life, and the floor was held
+};
+
+[[nodiscard]] std::string to_text(const RegulateReport& report);
+[[nodiscard]] std::string to_json(const RegulateReport& report);
+/// Every landing of every life under every policy.
+[[nodiscard]] std::string to_csv(const RegulateReport& report);
+/// Throws std::runtime_error when gnuplot fails.
+void draw(const RegulateReport& report, const std::filesystem::path& png);
+
+}  // namespace plant_sim

@@ -1,0 +1,140 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "config/reader/hash.hpp"
+#include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/study/paper/page.hpp"
+#include "plant_sim/study/paper/run.hpp"
+#include "plant_sim/study/paper/sections.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// rig-lab is this program; others lie beside it, or beside its folder in the folder of their own room.
+fs::path program_of(const std::string& name) {
+    fs::path self = fs::read_symlink("/proc/self/exe");
+    if (name == "rig-lab") return self;
+    for (const fs::path& place :
+         {self.parent_path() / name, self.parent_path().parent_path() / "rig_bridge" / "replay" / name}) {
+        if (fs::is_regular_file(place)) return place;
+    }
+    return {};
+}
+
+/// A bar on a terminal; a line a section elsewhere.
+void show_progress(const paper::SectionResult& result, std::size_t done, std::size_t all) {
+    constexpr std::size_t kWidth = 30;
+    const char* state = result.failed() ? "failed" : result.answered_yes() ? "done" : "answers no";
+    const std::size_t full = done * kWidth / all;
+    const bool terminal = ::isatty(STDERR_FILENO) == 1;
+    fmt::print(stderr, "{}[{}{}] {} of {} sections; {}: {}{}", terminal ? "\r\x1b[K" : "",
+               std::string(full, '#'), std::string(kWidth - full, '.'), done, all, result.section->id, state,
+               terminal && done < all ? "" : "\n");
+}
+
+struct ReportCommand {
+    fs::path config = "config";
+    fs::path sections;
+    fs::path out = "out/report";
+    std::vector<std::string> only;
+    bool quick = false;
+    unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
+
+    /// The wanted sections and those that they come after.
+    [[nodiscard]] paper::Contents contents(const fs::path& file) const {
+        paper::Contents all = paper::load_contents(file);
+        if (only.empty()) return all;
+        std::vector<std::string> wanted = only;
+        for (const std::string& id : only)
+            if (std::none_of(all.sections.begin(), all.sections.end(),
+                             [&](const auto& s) { return s.id == id; }))
+                throw settings::Error(file.string(), 0, "section", "there is no section '" + id + "'");
+        for (std::size_t i = all.sections.size(); i-- > 0;) {
+            const paper::Section& s = all.sections[i];
+            if (std::find(wanted.begin(), wanted.end(), s.id) != wanted.end() && !s.after.empty())
+                wanted.push_back(s.after);
+        }
+        std::erase_if(all.sections, [&](const auto& s) {
+            return std::find(wanted.begin(), wanted.end(), s.id) == wanted.end();
+        });
+        return all;
+    }
+
+    [[nodiscard]] int run() const {
+        const fs::path file = sections.empty() ? config / "report.toml" : sections;
+        const paper::Contents found = contents(file);
+        const std::vector<paper::SectionResult> results =
+            paper::run_sections(found, {.out = out,
+                                        .config = config,
+                                        .quick = quick,
+                                        .jobs = jobs,
+                                        .program = program_of,
+                                        .progress = show_progress});
+        const std::vector<paper::Compared> rows = paper::compared(results);
+        std::vector<fs::path> files{file};
+        for (const char* name :
+             {"landing_gear.toml", "flywheel_rig.toml", "maneuvers.toml", "surfaces.toml", "controller.toml",
+              "controller_endurance.toml", "antiskid.dbc", "antiskid_binding.toml"})
+            files.push_back(config / name);
+        const paper::PageHead head{
+            .version = ANTISKID_VERSION,
+            .config_hash = settings::hash(files),
+            .command = fmt::format("rig-lab report{} --out {}", quick ? " --quick" : "", out.string()),
+            .quick = quick};
+        deliver((out / "report.html").string(), paper::to_html(found, results, rows, head));
+        deliver((out / "results.json").string(), paper::to_json(results, rows, head));
+        bool all_well = true;
+        for (const paper::SectionResult& r : results) {
+            if (r.answered_yes()) continue;
+            all_well = false;
+            for (const paper::CommandResult& c : r.commands)
+                if (c.status != 0)
+                    fmt::print("{}: exit status {}: {}\n{}", r.section->id, c.status, c.line, c.errors);
+        }
+        for (const paper::Compared& row : rows) {
+            if (row.ours) continue;
+            all_well = false;
+            fmt::print("no figure for '{}': {}\n", row.what->quantity, row.why);
+        }
+        fmt::print("Written to {}: report.html results.json\n", out.string());
+        return all_well ? 0 : 1;
+    }
+};
+
+}  // namespace
+
+LabVerb report_verb(CLI::App& lab) {
+    const auto command = std::make_shared<ReportCommand>();
+    CLI::App* verb = lab.add_subcommand(
+        "report",
+        "Every figure and table of the paper that this project reproduces, as one HTML page, made afresh.");
+    verb->add_flag("--quick", command->quick, "fewer stops, starts and maneuvers; the page says so");
+    verb->add_option("--only", command->only, "only these sections, and those that they build on");
+    verb->add_option("--sections", command->sections,
+                     "what the report consists of (default: CONFIG/report.toml)");
+    verb->add_option("--jobs", command->jobs, "sections at a time; the page does not depend on it")
+        ->check(CLI::Range(1U, 64U))
+        ->capture_default_str();
+    verb->add_option("--config", command->config, "directory of the configuration files")
+        ->capture_default_str();
+    verb->add_option("--out", command->out,
+                     "directory of report.html, results.json and a folder for each section")
+        ->capture_default_str();
+    verb->footer(
+        "Examples:\n  rig-lab report\n  rig-lab report --quick --out /tmp/report\n  rig-lab report --only "
+        "fig12\n"
+        "Exit status: 0 every study answers yes; 1 one answers no or failed, which the page says; 2 mistake "
+        "on the command line or in "
+        "a configuration file.");
+    return {verb, [command] { return command->run(); }};
+}
+
+}  // namespace plant_sim

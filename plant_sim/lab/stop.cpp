@@ -1,0 +1,86 @@
+#include <fmt/core.h>
+
+#include <array>
+#include <memory>
+
+#include "config/reader/atomic_file.hpp"
+#include "firmware/can/candump.hpp"
+#include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/study/in_process.hpp"
+#include "plant_sim/study/picture.hpp"
+#include "plant_sim/study/trajectory.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+struct StopCommand {
+    ScenarioOptions scenario;
+    std::string json;
+    std::string trajectory;
+    std::string picture;
+    std::string bus_log;
+
+    int run() const {
+        const Scenario s = load_scenario(scenario);
+        if (s.brake) {
+            const std::string notice = extrapolation_notice(*s.brake);
+            if (!notice.empty()) fmt::print(stderr, "rig-lab: {}\n", notice);
+        }
+        study::Trajectory rows;
+        std::string log;
+        const auto on_step = [&](const study::RigSession& session, const antiskid::can::ControllerView& view,
+                                 double current_mA) {
+            if (!trajectory.empty() || !picture.empty()) rows.record(session, view, current_mA);
+        };
+        const auto on_frame = [&](const antiskid::can::Frame& frame) {
+            if (bus_log.empty()) return;
+            std::array<char, antiskid::can::kCandumpLineMost + 1> line{};
+            const std::size_t length = antiskid::can::format_candump(frame.received, "vcan0", frame, line);
+            log.append(line.data(), length).push_back('\n');
+        };
+        const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session,
+                                                              study::Link::frames, on_step, on_frame);
+        study::StopReport report = s.report(scenario);
+        report.figures = result.figures;
+        report.faults = result.faults;
+        report.frames_sent = result.frames_sent;
+        report.frames_received = result.frames_received;
+        if (json != "-") fmt::print("{}", study::to_table(report));
+        if (!json.empty()) deliver(json, study::to_json(report));
+        if (!bus_log.empty()) deliver(bus_log, log);
+        if (!trajectory.empty()) deliver(trajectory, rows.csv());
+        if (!picture.empty()) {
+            const std::string csv = trajectory.empty() || trajectory == "-" ? picture + ".csv" : trajectory;
+            if (csv != trajectory) settings::write_file(csv, rows.csv());
+            study::draw_stop(csv, picture, s.title(scenario),
+                             s.session.plan.touchdown_s + s.session.plan.settle_s);
+        }
+        s.keep_brake(scenario, result.figures.energy_brake_J);
+        return result.came_to_rest ? 0 : 1;
+    }
+};
+
+}  // namespace
+
+LabVerb stop_verb(CLI::App& lab) {
+    const auto stop = std::make_shared<StopCommand>();
+    CLI::App* verb = lab.add_subcommand(
+        "stop", "One braking maneuver in closed loop: the real controller against the plant.");
+    stop->scenario.add_to(*verb);
+    stop->scenario.brake.add_to(*verb);
+    verb->add_option("--json", stop->json, "result as JSON: a file, or - for standard output");
+    verb->add_option("--trajectory", stop->trajectory, "trajectory as CSV");
+    verb->add_option("--picture", stop->picture, "picture of speeds, slip and pressures (PNG)");
+    verb->add_option("--bus-log", stop->bus_log, "every frame, as candump writes them");
+    verb->footer(
+        "Examples:\n"
+        "  rig-lab stop --maneuver heavy --surface wet_asphalt --slip 0.24 --json -\n"
+        "  rig-lab stop --surface ice --law threshold --picture ice.png\n"
+        "  rig-lab stop --brake worn\n"
+        "  rig-lab stop --brake-state brake.json   # each stop wears it");
+    return {verb, [stop] { return stop->run(); }};
+}
+
+}  // namespace plant_sim

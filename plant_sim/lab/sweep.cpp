@@ -1,0 +1,237 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <memory>
+#include <optional>
+#include <span>
+#include <thread>
+
+#include "config/reader/atomic_file.hpp"
+#include "firmware/linux/stop_signals.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
+#include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/study/sweep/pictures.hpp"
+#include "plant_sim/study/sweep/setup.hpp"
+#include "plant_sim/study/sweep/summary.hpp"
+#include "plant_sim/study/sweep/team.hpp"
+#include "plant_sim/study/sweep/together.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+constexpr const char* kFooter =
+    "Leaves stops.csv (every stop), results.json, fig13.png and fig14.png in OUT; a shard leaves "
+    "shard-I-of-N.csv.\n"
+    "Ctrl-C leaves what is finished in a .part file, from which the same command goes on.\n"
+    "Examples:\n"
+    "  rig-lab sweep\n"
+    "  rig-lab sweep --references 0.24 --landings 20 --no-pictures\n"
+    "  rig-lab sweep --shard 1/2        on one machine, --shard 2/2 on another, then\n"
+    "  rig-lab sweep merge out/sweep/shard-1-of-2.csv out/sweep/shard-2-of-2.csv\n"
+    "  mpirun -n 4 rig-lab sweep        the same bytes\n"
+    "Exit status: 0 what Section VI says holds; 1 some of it does not, or a file could not be written; 2 "
+    "mistake on the command line "
+    "or in a file; 130 stopped by Ctrl-C.";
+
+/// "0.06:0.50:0.01", or values with commas between.
+std::vector<double> parse_references(const std::string& text) {
+    const auto refuse = [&text]() -> std::vector<double> {
+        throw std::invalid_argument(
+            "--references '" + text +
+            "': expected FIRST:LAST:STEP or values with commas between, increasing, from "
+            "0.01 to 0.5");
+    };
+    const char separator = text.find(':') == std::string::npos ? ',' : ':';
+    std::vector<double> values;
+    for (std::size_t at = 0; at <= text.size();) {
+        const std::size_t end = std::min(text.find(separator, at), text.size());
+        std::size_t used = 0;
+        double value = 0.0;
+        try {
+            value = std::stod(text.substr(at, end - at), &used);
+        } catch (const std::logic_error&) {
+            return refuse();
+        }
+        if (used != end - at || !std::isfinite(value)) return refuse();
+        values.push_back(value);
+        at = end + 1;
+    }
+    // Whole steps of 1e-6: the same numbers whichever way they were given.
+    const auto rounded = [](double value) { return std::round(value * 1e6) / 1e6; };
+    if (separator == ':') {
+        if (values.size() != 3 || values[2] < 1e-4 || values[1] < values[0]) return refuse();
+        const double first = values[0];
+        const double step = values[2];
+        const auto steps = static_cast<std::size_t>(std::floor((values[1] - first) / step + 1e-6));
+        values.clear();
+        for (std::size_t i = 0; i <= steps; ++i) values.push_back(first + static_cast<double>(i) * step);
+    }
+    std::transform(values.begin(), values.end(), values.begin(), rounded);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (values[i] < 0.01 || values[i] > 0.5 || (i > 0 && values[i] <= values[i - 1])) return refuse();
+    }
+    return values;
+}
+
+sweep::Shard parse_shard(const std::string& text) {
+    sweep::Shard shard;
+    const auto refuse = [&text]() -> sweep::Shard {
+        throw std::invalid_argument("--shard '" + text +
+                                    "': expected I/N with I from 1 to N, N at most 10000");
+    };
+    constexpr std::size_t kMost = 10000;
+    const std::size_t slash = text.find('/');
+    if (slash == std::string::npos || text.find_first_not_of("0123456789/") != std::string::npos ||
+        text.size() > 11)
+        return refuse();
+    try {
+        shard = {std::stoul(text.substr(0, slash)), std::stoul(text.substr(slash + 1))};
+    } catch (const std::logic_error&) {
+        return refuse();
+    }
+    if (shard.index < 1 || shard.index > shard.count || shard.count > kMost) return refuse();
+    return shard;
+}
+
+/// Files and table of a whole sweep; the exit status.
+int deliver_sweep(const sweep::Identity& identity, std::span<const sweep::Row> rows,
+                  const std::filesystem::path& out, bool pictures) {
+    const sweep::Summary summary = sweep::summarised(identity, rows);
+    settings::write_file(out / "stops.csv", sweep::to_csv(identity, {}, rows));
+    settings::write_file(out / "results.json", sweep::to_json(summary));
+    if (pictures) {
+        sweep::draw_fig13(summary, out / "fig13.png");
+        sweep::draw_fig14(summary, out / "fig14.png");
+    }
+    fmt::print("{}  seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
+               sweep::to_table(summary), identity.seed, identity.config_hash, identity.version, out.string(),
+               pictures ? " fig13.png fig14.png" : "");
+    return summary.passed() ? 0 : 1;
+}
+
+struct SweepCommand {
+    sweep::PlanOptions plan;
+    std::string references;
+    std::string shard = "1/1";
+    unsigned threads = 0;
+    std::filesystem::path out = "out/sweep";
+    bool pictures = true;
+
+    [[nodiscard]] int run();
+
+  private:
+    [[nodiscard]] int run_with(sweep::Team& team) const;
+};
+
+int SweepCommand::run_with(sweep::Team& team) const {
+    antiskid::rt::StopSignals signals;
+    const sweep::Plan study = sweep::load_plan(plan);
+    const sweep::Shard part = parse_shard(shard);
+    const bool whole = part.count == 1;
+    const std::string name = whole ? "stops" : fmt::format("shard-{}-of-{}", part.index, part.count);
+    std::optional<CampaignProgress> progress;
+    sweep::Work work{.shard = part, .part = out / (name + ".part"), .stop = &signals.stop()};
+    // mpirun is told how many processes there shall be: one thread each, unless more are asked for.
+    const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+    work.threads = threads > 0 ? threads : (team.size() > 1 ? 1 : cores);
+    work.progress = [&progress](std::size_t done, std::size_t all, std::size_t before) {
+        if (!progress) progress.emplace(static_cast<std::int64_t>(all), static_cast<std::int64_t>(before));
+        progress->show(static_cast<std::int64_t>(done));
+    };
+    const std::vector<sweep::Row> rows = sweep::run_together(study, work, team);
+    if (progress) progress->finish();
+    const bool interrupted = signals.stop().load();
+    if (team.rank() != 0) return 0;
+    const std::size_t all = sweep::numbers_of(study.stops(), part).size();
+    if (rows.size() < all) {
+        fmt::print(stderr, "rig-lab: {} of {} stops are in {}; the same command goes on\n", rows.size(), all,
+                   work.part.string());
+        return interrupted && signals.number() == SIGINT ? 130 : 1;
+    }
+    const sweep::Identity identity = sweep::identity_of(study);
+    int status = 0;
+    if (whole) {
+        status = deliver_sweep(identity, rows, out, pictures);
+    } else {
+        const auto file = out / (name + ".csv");
+        settings::write_file(file, sweep::to_csv(identity, part, rows));
+        fmt::print("{}: {} stops, shard {} of {}; `rig-lab sweep merge` makes the sweep of all shards\n",
+                   file.string(), rows.size(), part.index, part.count);
+    }
+    std::filesystem::remove(work.part);
+    return status;
+}
+
+int SweepCommand::run() {
+    if (!references.empty()) plan.references = parse_references(references);
+    const std::unique_ptr<sweep::Team> team = sweep::join_team();
+    try {
+        return run_with(*team);
+    } catch (const std::exception& e) {
+        if (team->size() == 1) throw;
+        // The others would wait for this one for ever.
+        fmt::print(stderr, "rig-lab: process {}: {}\n", team->rank(), e.what());
+        team->end_all(2);
+        return 2;
+    }
+}
+
+struct MergeCommand {
+    std::vector<std::filesystem::path> shards;
+    std::filesystem::path out = "out/sweep";
+    bool pictures = true;
+
+    [[nodiscard]] int run() const {
+        std::vector<sweep::StopsTable> tables;
+        tables.reserve(shards.size());
+        for (const auto& shard : shards) tables.push_back(sweep::read_stops(shard));
+        const sweep::StopsTable all = sweep::merged(tables);
+        return deliver_sweep(all.identity, all.rows, out, pictures);
+    }
+};
+
+}  // namespace
+
+LabVerb sweep_verb(CLI::App& lab) {
+    const auto command = std::make_shared<SweepCommand>();
+    const auto merge = std::make_shared<MergeCommand>();
+    CLI::App* verb =
+        lab.add_subcommand("sweep",
+                           "The set-point study of Section VI: landings drawn at random over surfaces, "
+                           "maneuvers and wear of the "
+                           "brake, each with every slip reference and by the threshold law. Fig. 13 and 14.");
+    constexpr std::size_t kMostLandings = 100'000;
+    verb->add_option(
+        "--references", command->references,
+        "slip references, FIRST:LAST:STEP or values with commas between (default: 0.06:0.50:0.01)");
+    verb->add_option("--landings", command->plan.landings, "how many are drawn; each reference has the same")
+        ->check(CLI::Range(std::size_t{1}, kMostLandings))
+        ->capture_default_str();
+    verb->add_flag("!--no-threshold", command->plan.threshold, "without the threshold law");
+    verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
+    verb->add_option("--threads", command->threads,
+                     "results do not depend on it (default: all cores; 1 for each process of mpirun)")
+        ->check(CLI::Range(1U, 1024U));
+    verb->add_option("--shard", command->shard, "only part I of N, as I/N")->capture_default_str();
+    verb->add_option("--out", command->out, "directory of the results")->capture_default_str();
+    verb->add_option("--config", command->plan.config, "directory of the configuration files")
+        ->capture_default_str();
+    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
+    verb->footer(kFooter);
+    CLI::App* merging = verb->add_subcommand("merge", "All shards of a sweep as one.");
+    merging->add_option("SHARDS", merge->shards, "shard-I-of-N.csv, every I once")
+        ->required()
+        ->check(CLI::ExistingFile);
+    merging->add_option("--out", merge->out, "directory of the results")->capture_default_str();
+    merging->add_flag("!--no-pictures", merge->pictures, "without gnuplot");
+    merging->footer(
+        "Leaves what `rig-lab sweep` leaves, byte for byte.\n"
+        "Example:\n  rig-lab sweep merge out/sweep/shard-*-of-4.csv --out out/sweep\n"
+        "Exit status as of `rig-lab sweep`; 2 for shards that are missing, there twice or not of one sweep.");
+    return {verb, [merging, command, merge] { return merging->parsed() ? merge->run() : command->run(); }};
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,53 @@
+/// The verbs of rig-lab, one a file: each adds its own command line and says how to run it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace plant_sim {
+
+struct LabVerb {
+    CLI::App* app;             ///< the subcommand
+    std::function<int()> run;  ///< its exit status
+};
+
+/// Runs the verb that the command line named; 2 if it named none.
+int run_parsed(std::span<const LabVerb> verbs);
+
+/// One braking maneuver in closed loop.
+LabVerb stop_verb(CLI::App& lab);
+/// Open loop: the plant alone under a profile.
+LabVerb drive_verb(CLI::App& lab);
+/// The slip law against the threshold law on all surfaces and maneuvers.
+LabVerb compare_verb(CLI::App& lab);
+/// An endurance campaign in process.
+LabVerb endurance_verb(CLI::App& lab);
+/// The set-point study of Section VI.
+LabVerb sweep_verb(CLI::App& lab);
+/// Regulation of wear through the slip reference, over seeded lives.
+LabVerb regulate_verb(CLI::App& lab);
+/// The cheapest fixed slip reference, from a sweep.
+LabVerb trade_verb(CLI::App& lab);
+/// Phase and gain margins of the slip loop.
+LabVerb margins_verb(CLI::App& lab);
+/// Gains by their margins.
+LabVerb tune_verb(CLI::App& lab);
+/// A scenario on the virtual rig, recorded as the bridge records it.
+LabVerb maneuver_verb(CLI::App& lab);
+/// Valve, brake, wheel and road from recordings.
+LabVerb identify_verb(CLI::App& lab);
+/// Friction over slip of every surface: Fig. 3.
+LabVerb surfaces_verb(CLI::App& lab);
+/// Every figure and table of the paper as one page.
+LabVerb report_verb(CLI::App& lab);
+/// What an endurance campaign says about the brake; its verbs are in wear.hpp.
+LabVerb wear_verb(CLI::App& lab);
+
+/// Text to a file, whole or not at all; "-" is standard output.
+void deliver(const std::string& where, std::string_view text);
+
+}  // namespace plant_sim

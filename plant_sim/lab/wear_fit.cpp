@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <thread>
+
+#include "plant_sim/lab/campaign_source.hpp"
+#include "plant_sim/lab/step_progress.hpp"
+#include "plant_sim/lab/wear.hpp"
+#include "plant_sim/lab/wear_pictures.hpp"
+#include "plant_sim/wear/model_io.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+std::string table_of(const wear::Fit& fit, const wear::Model& model) {
+    std::string out = fmt::format("{:>10}{:>20}{:>16}{:>8}\n", "components", "log_likelihood", "BIC", "runs");
+    for (std::size_t i = 0; i < fit.orders.size(); ++i) {
+        const wear::OrderFit& o = fit.orders[i];
+        fmt::format_to(std::back_inserter(out), "{:>10}{:>20.4f}{:>16.2f}{:>8}{}{}\n", o.components,
+                       o.log_likelihood, o.bic, o.runs, i == fit.chosen ? "  chosen" : "",
+                       o.not_converged > 0 ? fmt::format("  {} runs did not converge", o.not_converged) : "");
+    }
+    fmt::format_to(std::back_inserter(out), "\n{:>10}{:>10}{:>16}{:>16}{:>16}{:>18}{:>14}\n", "component",
+                   "weight", "energy_MJ", "deviation_MJ", "mean_friction", "deviation", "correlation");
+    const std::vector<wear::Component>& components = model.mixture.components();
+    for (std::size_t j = 0; j < components.size(); ++j) {
+        const wear::Component& c = components[j];
+        fmt::format_to(std::back_inserter(out),
+                       "{:>10}{:>10.4f}{:>16.3f}{:>16.3f}{:>16.5f}{:>18.5f}{:>14.4f}\n", j + 1, c.weight,
+                       c.mean_c_e_J * 1e-6, std::sqrt(c.variance_c_e_J2) * 1e-6, c.mean_friction,
+                       std::sqrt(c.variance_friction), c.correlation());
+    }
+    return out;
+}
+
+struct FitCommand {
+    std::filesystem::path source;
+    std::string campaign;
+    wear::FitSettings settings;
+    unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+    std::filesystem::path out = "out/wear";
+    bool pictures = true;
+
+    int run() const {
+        const wear::Campaign data = load_campaign(source, campaign);
+        const wear::Fit fit = wear::fit(data, settings, {threads, {}, [](std::size_t done, std::size_t all) {
+                                                             show_steps(done, all, "EM runs");
+                                                         }});
+        const wear::Model model = wear::model_of(data, fit, settings);
+        fmt::print("{}\nBetween {:.3f} and {:.3f} MJ the model has seen data; {}.\n", table_of(fit, model),
+                   model.data.first_c_e_J * 1e-6, model.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);
+        if (fit.best().components == settings.most_components && settings.most_components > 1)
+            fmt::print("The least BIC is at the most components allowed: the best order may lie beyond.\n");
+        deliver((out / "model.json").string(), wear::to_json(model));
+        deliver((out / "campaign.csv").string(), wear::to_csv(data));
+        if (pictures) {
+            draw_campaign(data, model, out / "campaign.png");
+            draw_density(data, model, out / "density.png");
+            draw_bic(model, out / "bic.png");
+        }
+        fmt::print("Written to {}: model.json campaign.csv{}\n", out.string(),
+                   pictures ? " campaign.png density.png bic.png" : "");
+        return 0;
+    }
+};
+
+}  // namespace
+
+LabVerb wear_fit_verb(CLI::App& wear) {
+    const auto fit = std::make_shared<FitCommand>();
+    CLI::App* verb = wear.add_subcommand(
+        "fit", "Gaussian mixtures of eq. (10) to (13) on a campaign; BIC chooses the number of components.");
+    verb->add_option("SOURCE", fit->source, "as for `wear table`")->required()->check(CLI::ExistingPath);
+    verb->add_option("--campaign", fit->campaign, "which of a ledger's campaigns; may be left out for one");
+    verb->add_option("--components", fit->settings.most_components, "the most that are tried")
+        ->check(CLI::Range(std::size_t{1}, wear::kMostComponents))
+        ->capture_default_str();
+    verb->add_option("--starts", fit->settings.starts, "random starts for each number of components")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    verb->add_option("--seed", fit->settings.seed, "seed of every random draw")->capture_default_str();
+    verb->add_option("--floor", fit->settings.em.covariance_floor,
+                     "least eigenvalue of a covariance matrix on standardised data")
+        ->check(CLI::Range(1e-9, 1.0))
+        ->capture_default_str();
+    verb->add_option("--threads", fit->threads, "the result does not depend on it")
+        ->check(CLI::Range(1U, 1024U))
+        ->capture_default_str();
+    verb->add_option("--out", fit->out, "directory of model.json, campaign.csv and the pictures")
+        ->capture_default_str();
+    verb->add_flag("!--no-pictures", fit->pictures, "without gnuplot");
+    verb->footer(
+        "Examples:\n  rig-lab wear fit out/endurance\n  rig-lab wear fit measured.csv --components 6 --out "
+        "out/mine");
+    return {verb, [fit] { return fit->run(); }};
+}
+
+}  // namespace plant_sim

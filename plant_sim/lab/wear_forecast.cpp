@@ -1,0 +1,267 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "config/reader/hash.hpp"
+#include "plant_sim/lab/campaign_source.hpp"
+#include "plant_sim/lab/foresight_pictures.hpp"
+#include "plant_sim/lab/landing_mix.hpp"
+#include "plant_sim/lab/step_progress.hpp"
+#include "plant_sim/lab/wear.hpp"
+#include "plant_sim/wear/back_test.hpp"
+#include "plant_sim/wear/population_io.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <typename T>
+Json or_null(const std::optional<T>& value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+std::string landings(const std::optional<int>& left) {
+    return left ? fmt::format("{}", *left) : std::string("none within the horizon");
+}
+
+struct ForecastCommand {
+    std::filesystem::path source;
+    std::string campaign;
+    std::filesystem::path model = "config/wear/population.json";
+    std::filesystem::path config = "config";
+    std::optional<double> limit;
+    bool reserve = false;
+    std::string mix;
+    double slip = 0.24;
+    std::optional<double> energy_MJ;
+    std::size_t last = 0;
+    wear::ForecastSettings settings;
+    std::filesystem::path back_test;
+    std::filesystem::path out = "out/wear";
+    bool pictures = true;
+
+    int run() {
+        if (limit.has_value() == reserve)
+            throw std::invalid_argument("say which limit: --limit MU or --reserve");
+        const wear::PopulationFile file = wear::read_population(model);
+        settings.limit = reserve ? reserve_friction() : *limit;
+        if (!back_test.empty()) return run_back_test(file);
+        if (source.empty()) throw std::invalid_argument("SOURCE is missing: the brake's campaign so far");
+        return run_forecast(file);
+    }
+
+  private:
+    double reserve_friction() {
+        const ReserveLimit r = reserve_limit(config);
+        files_.insert(files_.end(), r.files.begin(), r.files.end());
+        fmt::print(
+            "Torque reserve: below mean friction {:.4f} full pressure does not give the {:.0f} N m that a "
+            "heavy stop on "
+            "dry asphalt can use at {:.0f} m/s.\n",
+            r.friction, r.torque_Nm, r.speed_mps);
+        return r.friction;
+    }
+
+    [[nodiscard]] wear::LandingMix landings_to_come(const wear::Campaign& recorded) {
+        constexpr std::size_t kNewest = 100;
+        if (energy_MJ) return {{"given", 1.0, *energy_MJ * 1e6, 0.0}};
+        if (mix.empty()) return wear::mix_of(recorded, kNewest);
+        const ConfiguredMix configured = configured_mix(config, mix, slip);
+        files_.insert(files_.end(), configured.files.begin(), configured.files.end());
+        return configured.mix;
+    }
+
+    int run_forecast(const wear::PopulationFile& file);
+    int run_back_test(const wear::PopulationFile& file) const;
+    [[nodiscard]] Json head(const wear::PopulationFile& file) const {
+        Json json{{"version", ANTISKID_VERSION},
+                  {"seed", settings.seed},
+                  {"model_hash", file.hash},
+                  {"limit", settings.limit}};
+        if (!files_.empty()) json["config_hash"] = settings::hash(files_);
+        return json;
+    }
+
+    std::vector<std::filesystem::path> files_;  // of the configuration that went in
+};
+
+std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& settings,
+                    const wear::LandingMix& mix) {
+    double energy_J = 0.0;
+    for (const wear::LandingKind& kind : mix) energy_J += kind.share * kind.energy_J;
+    std::string text = fmt::format(
+        "Mean friction after {:.3f} MJ: {:.4f} ({:.4f} to {:.4f}, 10 to 90 %), without the scatter of single "
+        "maneuvers. Limit {:.4f}.\n",
+        f.c_e_J * 1e-6, f.friction_now[1], f.friction_now[0], f.friction_now[2], settings.limit);
+    if (f.already_crossed())
+        return text +
+               fmt::format("Already below the limit, with a probability of {:.0f} %: no landing left.\n",
+                           100.0 * f.crossed_now);
+    fmt::format_to(std::back_inserter(text), "Landings left, {:.3f} MJ each on average:\n{:>8}{:>24}{:>16}\n",
+                   energy_J * 1e-6, "", "landings", "at MJ");
+    constexpr std::array kNames{"10 %", "50 %", "90 %"};
+    for (std::size_t q = 0; q < kNames.size(); ++q)
+        fmt::format_to(std::back_inserter(text), "{:>8}{:>24}{:>16}\n", kNames.at(q),
+                       landings(f.landings_left.at(q)),
+                       f.crossing_J.at(q) ? fmt::format("{:.1f}", *f.crossing_J.at(q) * 1e-6) : "-");
+    if (f.crossed_ever < 1.0)
+        fmt::format_to(std::back_inserter(text),
+                       "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
+                       f.never_crosses() ? "Not crossed" : "Crossed", settings.horizon,
+                       100.0 * (f.never_crosses() ? 1.0 - f.crossed_ever : f.crossed_ever));
+    if (f.extrapolated > 0.0)
+        fmt::format_to(std::back_inserter(text),
+                       "{:.0f} % of the draws go beyond the data that the model was learnt from: {}.\n",
+                       std::ceil(100.0 * f.extrapolated), wear::kHowItExtrapolates);
+    return text;
+}
+
+int ForecastCommand::run_forecast(const wear::PopulationFile& file) {
+    const wear::Campaign recorded = load_campaign(source, campaign);
+    const wear::LandingMix to_come = landings_to_come(recorded);
+    wear::BrakeFilter filter(file.population);
+    const std::size_t n = recorded.points.size();
+    for (std::size_t i = last == 0 || last >= n ? 0 : n - last; i < n; ++i) filter.learn(recorded.points[i]);
+    const wear::Forecast f = wear::forecast(filter, recorded.points.back().c_e_J, to_come, settings);
+    fmt::print("{}", text_of(f, settings, to_come));
+    Json json = head(file);
+    json["data_hash"] = wear::data_hash(recorded);
+    json["maneuvers"] = n;
+    json["cumulative_energy_J"] = f.c_e_J;
+    Json mix_json = Json::array();
+    for (const wear::LandingKind& kind : to_come)
+        mix_json.push_back({{"name", kind.name},
+                            {"share", kind.share},
+                            {"energy_J", kind.energy_J},
+                            {"deviation_J", kind.deviation_J}});
+    json["landings_to_come"] = std::move(mix_json);
+    json["horizon"] = settings.horizon;
+    json["draws"] = settings.draws;
+    json["already_below"] = f.crossed_now;
+    json["below_within_horizon"] = f.crossed_ever;
+    json["extrapolated"] = f.extrapolated;
+    constexpr std::array kKeys{"10", "50", "90"};
+    for (std::size_t q = 0; q < kKeys.size(); ++q) {
+        json["mean_friction_now"][kKeys.at(q)] = f.friction_now.at(q);
+        json["landings_left"][kKeys.at(q)] = or_null(f.landings_left.at(q));
+        json["crossing_J"][kKeys.at(q)] = or_null(f.crossing_J.at(q));
+    }
+    deliver((out / "forecast.json").string(), json.dump(2) + "\n");
+    if (pictures) draw_forecast(recorded, f, settings.limit, out / "forecast.png");
+    fmt::print("Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");
+    return 0;
+}
+
+int ForecastCommand::run_back_test(const wear::PopulationFile& file) const {
+    const std::vector<wear::Campaign> campaigns = load_campaigns({back_test});
+    wear::FitSettings fit;
+    fit.most_components = 8;
+    fit.starts = 10;
+    std::vector<wear::HeldOut> brakes;
+    brakes.reserve(campaigns.size());
+    std::size_t without_end = 0;
+    for (std::size_t i = 0; i < campaigns.size(); ++i) {
+        if (const auto life = wear::life_by_fit(campaigns[i], settings.limit, fit))
+            brakes.push_back({campaigns[i], *life});
+        else
+            ++without_end;
+        show_steps(i + 1, campaigns.size(), "campaigns fitted");
+    }
+    const wear::BackTest t =
+        wear::back_test(file.population, brakes, settings,
+                        [](std::size_t done, std::size_t all) { show_steps(done, all, "brakes forecast"); });
+    std::string table = fmt::format("{:>14}{:>8}{:>10}{:>12}{:>10}{:>14}{:>16}\n", "part of life", "asked",
+                                    "within", "earlier", "later", "mean width", "error of 50 %");
+    Json rows = Json::array();
+    const auto add = [&](const wear::BackTestRow& r, const std::string& part) {
+        fmt::format_to(std::back_inserter(table), "{:>14}{:>8}{:>10.3f}{:>12}{:>10}{:>14.1f}{:>16.1f}\n",
+                       part, r.asked, r.coverage(), r.earlier, r.later, r.mean_width, r.mean_error);
+        rows.push_back({{"part_of_life", part},
+                        {"asked", r.asked},
+                        {"held", r.held},
+                        {"earlier", r.earlier},
+                        {"later", r.later},
+                        {"coverage", r.coverage()},
+                        {"mean_width_landings", r.mean_width},
+                        {"mean_error_landings", r.mean_error}});
+    };
+    for (const wear::BackTestRow& r : t.rows) add(r, fmt::format("{:.0f} %", 100.0 * r.share_of_life));
+    add(t.pooled, "all");
+    fmt::print("{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}",
+               brakes.size(), table);
+    if (without_end > 0)
+        fmt::print("{} campaigns never come below {:.4f} and are left out.\n", without_end, settings.limit);
+    Json json = head(file);
+    json["brakes"] = brakes.size();
+    json["rows"] = std::move(rows);
+    deliver((out / "back_test.json").string(), json.dump(2) + "\n");
+    fmt::print("Written to {}: back_test.json\n", out.string());
+    const double pooled = t.pooled.coverage();
+    return pooled >= 0.7 && pooled <= 0.9 ? 0 : 1;
+}
+
+}  // namespace
+
+LabVerb wear_forecast_verb(CLI::App& wear) {
+    const auto f = std::make_shared<ForecastCommand>();
+    CLI::App* verb = wear.add_subcommand("forecast",
+                                         "Landings left until the brake's mean friction, without the scatter "
+                                         "of single maneuvers, is below a limit.");
+    verb->add_option("SOURCE", f->source, "the brake's campaign so far, as for `wear table`")
+        ->check(CLI::ExistingPath);
+    verb->add_option("--campaign", f->campaign, "which of a ledger's campaigns; may be left out for one");
+    verb->add_option("--model", f->model, "population.json of `wear population`, or model.json of `wear fit`")
+        ->check(CLI::ExistingFile)
+        ->capture_default_str();
+    auto* const limit = verb->add_option("--limit", f->limit, "mean friction")->check(CLI::Range(0.001, 1.5));
+    verb->add_flag("--reserve", f->reserve,
+                   "the limit is where full pressure no longer gives the torque that a heavy stop on dry "
+                   "asphalt can use")
+        ->excludes(limit);
+    auto* const mix =
+        verb->add_option("--mix", f->mix,
+                         "landings to come, by maneuvers of config/, e.g. light=0.5,medium=0.3,heavy=0.2; "
+                         "their brake energy over "
+                         "[brake.wear] energy_scale (default: as the newest 100 of the campaign)");
+    verb->add_option("--slip", f->slip, "that those landings are held at: the tyre's share of the energy")
+        ->check(CLI::Range(0.0, 0.99))
+        ->capture_default_str();
+    verb->add_option("--energy", f->energy_MJ, "MJ of each landing to come, instead")
+        ->check(CLI::Range(1e-4, 1e3))
+        ->excludes(mix);
+    verb->add_option("--last", f->last, "learn from the newest N maneuvers only; 0: all")
+        ->capture_default_str();
+    verb->add_option("--horizon", f->settings.horizon, "landings")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    verb->add_option("--draws", f->settings.draws, "possible futures")
+        ->check(CLI::Range(100, 1'000'000))
+        ->capture_default_str();
+    verb->add_option("--seed", f->settings.seed, "seed of every random draw")->capture_default_str();
+    verb->add_option("--config", f->config, "directory of the configuration files")->capture_default_str();
+    verb->add_option(
+            "--back-test", f->back_test,
+            "directory of whole campaigns as CSV: forecasts at 20, 40, 60 and 80 % of each brake's life "
+            "against its end; status 0 when 70 to 90 % are held")
+        ->check(CLI::ExistingDirectory);
+    verb->add_option("--out", f->out, "directory of forecast.json and forecast.png, or back_test.json")
+        ->capture_default_str();
+    verb->add_flag("!--no-pictures", f->pictures, "without gnuplot");
+    verb->footer(
+        "Examples:\n"
+        "  rig-lab wear forecast out/endurance --limit 0.2\n"
+        "  rig-lab wear forecast measured.csv --reserve --mix light=0.5,medium=0.3,heavy=0.2\n"
+        "  rig-lab wear forecast --back-test campaigns/ --limit 0.2");
+    return {verb, [f] { return f->run(); }};
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,189 @@
+#include "plant_sim/lab/wear_pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <string>
+
+#include "plant_sim/study/gnuplot.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+constexpr std::array<const char*, 15> kColours{"#1f4e79", "#c55a11", "#548235", "#7f3f98", "#bf9000",
+                                               "#00808a", "#a61c3c", "#5b5b5b", "#2e86de", "#e58e26",
+                                               "#78a22f", "#b56bd0", "#806000", "#33b5c1", "#e0647f"};
+
+const char* colour(std::size_t component) {
+    return kColours[component % kColours.size()];
+}
+
+constexpr const char* kStyle = R"(set grid lc rgb '#dddddd'
+set border lc rgb '#555555'
+set xlabel 'cumulative brake energy (MJ)'
+set ylabel 'mean brake friction'
+)";
+
+/// Blocks $points0, $points1, ...: the points by their most likely component.
+std::string members(const wear::Campaign& campaign, const wear::Mixture& mixture) {
+    std::vector<std::string> blocks(mixture.components().size());
+    for (const wear::Point& p : campaign.points)
+        fmt::format_to(std::back_inserter(blocks[mixture.member(p)]), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6,
+                       p.mean_friction);
+    std::string out;
+    for (std::size_t j = 0; j < blocks.size(); ++j)
+        // An empty block would be an error of gnuplot's.
+        fmt::format_to(std::back_inserter(out), "$points{} << EOD\n{}EOD\n", j,
+                       blocks[j].empty() ? "NaN NaN\n" : blocks[j]);
+    return out;
+}
+
+std::string member_plots(std::size_t components) {
+    std::string out;
+    for (std::size_t j = 0; j < components; ++j)
+        fmt::format_to(std::back_inserter(out),
+                       ", $points{} using 1:2 with points pt 7 ps 0.5 lc rgb '{}' notitle", j, colour(j));
+    return out;
+}
+
+/// x = mean + 2 L [cos, sin].
+std::string ellipse(const wear::Component& c) {
+    constexpr int kSteps = 72;
+    const double l11 = std::sqrt(c.variance_c_e_J2);
+    const double l21 = c.covariance_J / l11;
+    const double l22 = std::sqrt(c.variance_friction - l21 * l21);
+    std::string out;
+    for (int i = 0; i <= kSteps; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / kSteps;
+        const double u = 2.0 * std::cos(angle);
+        const double v = 2.0 * std::sin(angle);
+        fmt::format_to(std::back_inserter(out), "{:.6f} {:.7f}\n", (c.mean_c_e_J + l11 * u) * 1e-6,
+                       c.mean_friction + l21 * u + l22 * v);
+    }
+    return out;
+}
+
+struct Frame {
+    double c_least_MJ, c_greatest_MJ, mu_least, mu_greatest;
+};
+
+Frame frame_of(const wear::Model::Data& d) {
+    const double c = 0.03 * (d.last_c_e_J - d.first_c_e_J) * 1e-6;
+    const double mu = 0.12 * (d.greatest_friction - d.least_friction);
+    return {d.first_c_e_J * 1e-6 - c, d.last_c_e_J * 1e-6 + c, d.least_friction - mu,
+            d.greatest_friction + mu};
+}
+
+std::string ranges(const Frame& f) {
+    return fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", f.c_least_MJ, f.c_greatest_MJ, f.mu_least,
+                       f.mu_greatest);
+}
+
+}  // namespace
+
+void draw_campaign(const wear::Campaign& campaign, const wear::Model& model,
+                   const std::filesystem::path& png) {
+    constexpr int kSteps = 400;
+    const std::vector<wear::Component>& components = model.mixture.components();
+    std::string script =
+        kStyle + members(campaign, model.mixture) + ranges(frame_of(model.data)) + "$mean << EOD\n";
+    for (int i = 0; i <= kSteps; ++i) {
+        const double a_J =
+            model.data.first_c_e_J + (model.data.last_c_e_J - model.data.first_c_e_J) * i / kSteps;
+        const wear::Conditional c =
+            wear::friction_given_energy(model, a_J, {wear::Variance::exact, wear::Choice::mixture});
+        fmt::format_to(std::back_inserter(script), "{:.6f} {:.7f}\n", a_J * 1e-6, c.mean());
+    }
+    script += "EOD\n";
+    for (std::size_t j = 0; j < components.size(); ++j)
+        fmt::format_to(std::back_inserter(script), "$ellipse{} << EOD\n{}EOD\n", j, ellipse(components[j]));
+    fmt::format_to(std::back_inserter(script), "set title {} noenhanced\nplot NaN notitle{}",
+                   study::gnuplot_quoted(
+                       fmt::format("{} maneuvers, {} components", model.data.maneuvers, components.size())),
+                   member_plots(components.size()));
+    for (std::size_t j = 0; j < components.size(); ++j)
+        fmt::format_to(std::back_inserter(script), ", $ellipse{} with lines lw 1.5 lc rgb '{}' title '{}'", j,
+                       colour(j), j == 0 ? "two-sigma ellipse of a component" : "");
+    script += ", $mean with lines lw 2 lc rgb 'black' title 'mean given the energy'\n";
+    study::run_gnuplot(png, 1100, 700, script);
+}
+
+void draw_density(const wear::Campaign& campaign, const wear::Model& model,
+                  const std::filesystem::path& png) {
+    constexpr int kColumns = 240;
+    constexpr int kRows = 180;
+    const Frame f = frame_of(model.data);
+    std::string script = kStyle + members(campaign, model.mixture) + ranges(f) + "$density << EOD\n";
+    double greatest = -1e300;
+    for (int row = 0; row <= kRows; ++row) {
+        for (int column = 0; column <= kColumns; ++column) {
+            const double c_MJ = f.c_least_MJ + (f.c_greatest_MJ - f.c_least_MJ) * column / kColumns;
+            const double mu = f.mu_least + (f.mu_greatest - f.mu_least) * row / kRows;
+            const double density =
+                std::log10(1e6) + model.mixture.log_density({c_MJ * 1e6, mu}) / std::log(10.0);
+            greatest = std::max(greatest, density);
+            fmt::format_to(std::back_inserter(script), "{:.5f} {:.7f} {:.4f}\n", c_MJ, mu, density);
+        }
+        script += "\n";
+    }
+    constexpr double kDecades = 4.0;
+    fmt::format_to(
+        std::back_inserter(script), R"(EOD
+set contour base
+set cntrparam levels incremental {least},0.5,{greatest}
+unset surface
+set table $contours
+splot $density
+unset table
+set palette defined (0 '#ffffff', 0.4 '#c9dcee', 1 '#7fa8cf')
+set cbrange [{least}:{greatest}]
+set cblabel 'log_{{10}} density (per MJ)'
+set title {title} noenhanced
+plot $density using 1:2:3 with image notitle, $contours using 1:2 with lines lw 1 lc rgb '#444444' notitle{points}
+)",
+        fmt::arg("least", greatest - kDecades), fmt::arg("greatest", greatest),
+        fmt::arg("title", study::gnuplot_quoted(fmt::format(
+                              "density of {} components, and the points by their most likely component",
+                              model.mixture.components().size()))),
+        fmt::arg("points", member_plots(model.mixture.components().size())));
+    study::run_gnuplot(png, 1100, 700, script);
+}
+
+void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& simulated,
+                       const std::filesystem::path& png) {
+    const auto block = [](const char* name, const wear::Campaign& campaign) {
+        std::string out = fmt::format("${} << EOD\n", name);
+        for (const wear::Point& p : campaign.points)
+            fmt::format_to(std::back_inserter(out), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
+        return out + "EOD\n";
+    };
+    study::run_gnuplot(png, 1100, 700,
+                       kStyle + block("recorded", recorded) + block("simulated", simulated) +
+                           "plot $recorded with points pt 7 ps 0.6 lc rgb '#1f4e79' title 'recorded', \\\n"
+                           "     $simulated with points pt 1 ps 0.8 lc rgb '#c55a11' title 'simulated'\n");
+}
+
+void draw_bic(const wear::Model& model, const std::filesystem::path& png) {
+    std::string script =
+        "set grid lc rgb '#dddddd'\nset border lc rgb '#555555'\nset xtics 1\nset offsets 0.5, 0.5, graph "
+        "0.05, graph 0.05\n"
+        "set xlabel 'components'\nset ylabel 'BIC (less is better)'\n$bic << EOD\n";
+    const auto least = std::min_element(
+        model.orders.begin(), model.orders.end(),
+        [](const wear::Model::Order& a, const wear::Model::Order& b) { return a.bic < b.bic; });
+    for (const wear::Model::Order& o : model.orders)
+        fmt::format_to(std::back_inserter(script), "{} {:.6f}\n", o.components, o.bic);
+    fmt::format_to(std::back_inserter(script),
+                   "EOD\n$least << EOD\n{} {:.6f}\nEOD\n"
+                   "plot $bic with linespoints pt 7 ps 0.8 lw 1.5 lc rgb '#1f4e79' notitle, \\\n"
+                   "     $least with points pt 6 ps 2.5 lw 2 lc rgb '#c55a11' title 'chosen: {}'\n",
+                   least->components, least->bic, least->components);
+    study::run_gnuplot(png, 900, 600, script);
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,77 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+#include "plant_sim/lab/campaign_source.hpp"
+#include "plant_sim/lab/step_progress.hpp"
+#include "plant_sim/lab/wear.hpp"
+#include "plant_sim/wear/learn_population.hpp"
+#include "plant_sim/wear/population_io.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+struct PopulationCommand {
+    std::vector<std::filesystem::path> sources;
+    std::vector<std::filesystem::path> healthy;
+    wear::LearnSettings settings;
+    std::filesystem::path out = "out/wear/population.json";
+
+    int run() {
+        const std::vector<wear::Campaign> campaigns = load_campaigns(sources);
+        settings.healthy = load_campaigns(healthy);
+        const wear::Population p = wear::learn_population(
+            campaigns, settings, [](std::size_t done, std::size_t all) { show_steps(done, all, "steps"); });
+        fmt::print(
+            "{}: scatter {:.5f} of which {:.5f} remembers, by {:.2f} from one maneuver to the next; offset "
+            "of a brake "
+            "{:.5f}, drift {:.6f} in 1 MJ; log of its energy {:.3f} about a member's; health limits {:.2f} "
+            "gradual, "
+            "{:.2f} sudden\n",
+            p.source, std::hypot(p.scatter.remembered, p.scatter.fresh), p.scatter.remembered,
+            p.scatter.memory, p.spread.offset, p.scatter.drift_per_root_MJ, p.spread.log_energy_scale,
+            p.limits.gradual, p.limits.sudden);
+        deliver(out.string(), wear::to_json(p));
+        fmt::print("Written to {}\n", out.string());
+        return 0;
+    }
+};
+
+}  // namespace
+
+LabVerb wear_population_verb(CLI::App& wear) {
+    const auto command = std::make_shared<PopulationCommand>();
+    command->settings.threads = std::max(1U, std::thread::hardware_concurrency());
+    CLI::App* verb = wear.add_subcommand(
+        "population",
+        "What several brakes that were worn out have in common and how they differ: for forecast and watch.");
+    verb->add_option("SOURCE", command->sources,
+                     "campaigns as for `wear table`, or directories of CSV files; three brakes at least, "
+                     "better twenty")
+        ->required()
+        ->check(CLI::ExistingPath);
+    verb->add_option("--limit", command->settings.limit,
+                     "mean friction that forecasts will ask about; intervals are calibrated for it "
+                     "(default: between the middle and the end of the brakes' lives)")
+        ->check(CLI::Range(0.001, 1.5));
+    verb->add_option(
+            "--healthy", command->healthy,
+            "campaigns of other brakes that were healthy: health limits are learnt from them (default: "
+            "from the same brakes, each given the others)")
+        ->check(CLI::ExistingPath);
+    verb->add_option("--seed", command->settings.fit.seed, "seed of every random draw")
+        ->capture_default_str();
+    verb->add_option("--threads", command->settings.threads, "the result does not depend on it")
+        ->check(CLI::Range(1U, 1024U))
+        ->capture_default_str();
+    verb->add_option("--out", command->out, "the population, JSON")->capture_default_str();
+    verb->footer(
+        "Example:\n  rig-lab wear population campaigns/ --healthy healthy/ --limit 0.2 --out "
+        "out/wear/population.json");
+    return {verb, [command] { return command->run(); }};
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,162 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "plant_sim/lab/campaign_source.hpp"
+#include "plant_sim/lab/foresight_pictures.hpp"
+#include "plant_sim/lab/step_progress.hpp"
+#include "plant_sim/lab/wear.hpp"
+#include "plant_sim/wear/fault_trial.hpp"
+#include "plant_sim/wear/population_io.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct WatchCommand {
+    std::filesystem::path source;
+    std::string campaign;
+    std::filesystem::path model = "config/wear/population.json";
+    bool trial = false;
+    std::uint64_t seed = 1;
+    std::filesystem::path out = "out/wear";
+    bool pictures = true;
+
+    int run() const {
+        const wear::PopulationFile file = wear::read_population(model);
+        return trial ? run_trial(file) : watch(file);
+    }
+
+  private:
+    int watch(const wear::PopulationFile& file) const;
+    int run_trial(const wear::PopulationFile& file) const;
+};
+
+int WatchCommand::watch(const wear::PopulationFile& file) const {
+    const wear::Campaign recorded = load_campaign(source, campaign);
+    wear::HealthMonitor monitor(file.population);
+    std::vector<wear::Verdict> verdicts;
+    verdicts.reserve(recorded.points.size());
+    Json list = Json::array();
+    wear::Condition before = wear::Condition::unknown;
+    for (std::size_t i = 0; i < recorded.points.size(); ++i) {
+        const wear::Point& p = recorded.points[i];
+        const wear::Verdict& v = verdicts.emplace_back(monitor.after(p));
+        if (v.condition != before)
+            fmt::print("maneuver {:>5}, {:9.3f} MJ: {}{}{}\n", i + 1, p.c_e_J * 1e-6, wear::name(v.condition),
+                       v.reason.empty() ? "" : ": ", v.reason);
+        before = v.condition;
+        list.push_back({{"maneuver", i + 1},
+                        {"health", wear::name(v.condition)},
+                        {"statistic", v.statistic},
+                        {"score", v.score},
+                        {"mean_friction", p.mean_friction},
+                        {"expected", v.expected},
+                        {"deviation", v.deviation},
+                        {"reason", v.reason}});
+    }
+    fmt::print("{} after {} maneuvers, statistic {:.2f} of its limit\n", wear::name(before), verdicts.size(),
+               verdicts.back().statistic);
+    const Json json{{"version", ANTISKID_VERSION},
+                    {"model_hash", file.hash},
+                    {"data_hash", wear::data_hash(recorded)},
+                    {"health", wear::name(before)},
+                    {"maneuvers", std::move(list)}};
+    deliver((out / "health.json").string(), json.dump(2) + "\n");
+    if (pictures) draw_health(recorded, verdicts, out / "health.png");
+    fmt::print("Written to {}: health.json{}\n", out.string(), pictures ? " health.png" : "");
+    return before == wear::Condition::abnormal ? 1 : 0;
+}
+
+int WatchCommand::run_trial(const wear::PopulationFile& file) const {
+    using wear::Fault;
+    struct Case {
+        Fault fault;
+        double size;
+    };
+    constexpr std::array kCases{
+        Case{Fault::glazing, 0.05}, Case{Fault::glazing, 0.10}, Case{Fault::glazing, 0.20},
+        Case{Fault::drop, 0.05},    Case{Fault::drop, 0.10},    Case{Fault::drop, 0.20},
+        Case{Fault::drag, 0.05},    Case{Fault::drag, 0.10},    Case{Fault::drag, 0.20}};
+    const std::vector<wear::Campaign> healthy = load_campaigns({source});
+    const wear::HealthyTrial h = wear::try_healthy(file.population, healthy);
+    show_steps(1, kCases.size() + 1, "trials");
+    std::string table = fmt::format(
+        "{} healthy brakes, {} maneuvers: {} called abnormal ({:.2f} % of the brakes), {:.2f} % of maneuvers "
+        "suspect\n"
+        "{:<14}{:>8}{:>10}{:>10}{:>12}{:>12}\n",
+        h.campaigns, h.maneuvers, h.flagged,
+        100.0 * static_cast<double>(h.flagged) / static_cast<double>(h.campaigns),
+        100.0 * static_cast<double>(h.suspected_maneuvers) / static_cast<double>(h.maneuvers), "fault",
+        "size", "brakes", "flagged", "50 % after", "90 % after");
+    Json rows = Json::array();
+    for (std::size_t i = 0; i < kCases.size(); ++i) {
+        const wear::FaultTrial t =
+            wear::try_fault(file.population, healthy, kCases.at(i).fault, kCases.at(i).size, seed);
+        fmt::format_to(std::back_inserter(table), "{:<14}{:>6.0f} %{:>10}{:>8.1f} %{:>12}{:>12}\n",
+                       wear::name(t.fault), 100.0 * t.size, t.campaigns,
+                       100.0 * static_cast<double>(t.flagged) /
+                           static_cast<double>(std::max<std::size_t>(1, t.campaigns)),
+                       t.median, t.ninety == 0 ? std::string("-") : fmt::format("{}", t.ninety));
+        rows.push_back({{"fault", wear::name(t.fault)},
+                        {"size", t.size},
+                        {"brakes", t.campaigns},
+                        {"flagged", t.flagged},
+                        {"median_maneuvers", t.median},
+                        {"ninety_maneuvers", t.ninety}});
+        show_steps(i + 2, kCases.size() + 1, "trials");
+    }
+    fmt::print("{}", table);
+    const Json json{{"version", ANTISKID_VERSION},
+                    {"seed", seed},
+                    {"model_hash", file.hash},
+                    {"healthy",
+                     {{"brakes", h.campaigns},
+                      {"maneuvers", h.maneuvers},
+                      {"flagged", h.flagged},
+                      {"suspected_maneuvers", h.suspected_maneuvers}}},
+                    {"faults", std::move(rows)}};
+    deliver((out / "watch_trial.json").string(), json.dump(2) + "\n");
+    fmt::print("Written to {}: watch_trial.json\n", out.string());
+    return 0;
+}
+
+}  // namespace
+
+LabVerb wear_watch_verb(CLI::App& wear) {
+    const auto watch = std::make_shared<WatchCommand>();
+    CLI::App* verb = wear.add_subcommand("watch",
+                                         "Health of a brake after each maneuver: does its friction go on as "
+                                         "that of brakes like those the model knows?");
+    verb->add_option("SOURCE", watch->source,
+                     "as for `wear table`; with --trial a directory of healthy brakes' campaigns as CSV")
+        ->required()
+        ->check(CLI::ExistingPath);
+    verb->add_option("--campaign", watch->campaign, "which of a ledger's campaigns; may be left out for one");
+    verb->add_option("--model", watch->model,
+                     "population.json of `wear population`, or model.json of `wear fit`")
+        ->check(CLI::ExistingFile)
+        ->capture_default_str();
+    verb->add_flag(
+        "--trial", watch->trial,
+        "false alarms on healthy brakes, and how soon glazing, a sudden drop and a dragging piston are "
+        "flagged when they are put into the same campaigns");
+    verb->add_option("--seed", watch->seed, "of the trial: where the faults begin")->capture_default_str();
+    verb->add_option("--out", watch->out, "directory of health.json and health.png, or watch_trial.json")
+        ->capture_default_str();
+    verb->add_flag("!--no-pictures", watch->pictures, "without gnuplot");
+    verb->footer(
+        "Examples:\n  rig-lab wear watch runs/brake7\n  rig-lab wear watch measured.csv --model "
+        "out/wear/model.json\n"
+        "  rig-lab wear watch --trial healthy/\n"
+        "Exit status: 0 not abnormal, 1 abnormal, 2 mistake on the command line or in a file.");
+    return {verb, [watch] { return watch->run(); }};
+}
+
+}  // namespace plant_sim

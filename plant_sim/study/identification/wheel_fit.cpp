@@ -1,0 +1,331 @@
+#include "plant_sim/study/identification/wheel_fit.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+
+namespace identification {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr std::size_t kPowers = 4;
+constexpr double kWindow_s = 0.02;
+constexpr double kBefore_s = 1.0;        // of the rim's coasting before contact
+constexpr double kSlowest_mps = 6.0;     // of a stop that counts: below, drop-out may lock the wheel
+constexpr double kLeastStop_mps = 20.0;  // a stop from less shows no friction over speed
+constexpr double kSettle_s = 0.05;
+constexpr double kContact_s =
+    5e-3;  // what the instant of contact may be off: half of the time between two load readings
+
+/// One window: everything that the balance is linear in.
+struct Row {
+    double time_s = 0.0, v_mps = 0.0;
+    double momentum_Nms = 0.0;  // integral of r m dv since the start
+    double omega_radps = 0.0;
+    double coasting_s = 0.0;                // time off the rim since the start
+    std::array<double, kPowers> impulse{};  // integral of G P x^k dt, mean over the window
+};
+
+struct Segment {
+    std::string name;
+    bool braking = false;
+    double brake_on_s = 0.0;
+    double to_mps = 1.0;  // N m s per m/s
+    std::vector<Row> rows;
+    Eigen::LLT<Eigen::MatrixXd> noise;  // of the rows' expected covariance, (N m s)^2
+};
+
+/// Rim speed linear between the centres of windows.
+double speed_at(const std::vector<Row>& rows, double time_s) {
+    const auto next = std::lower_bound(rows.begin(), rows.end(), time_s,
+                                       [](const Row& r, double t) { return r.time_s < t; });
+    if (next == rows.begin()) return rows.front().v_mps;
+    if (next == rows.end()) return rows.back().v_mps;
+    const Row& a = *(next - 1);
+    return a.v_mps + (next->v_mps - a.v_mps) * (time_s - a.time_s) / (next->time_s - a.time_s);
+}
+
+/// The mean of the running integral over each window, from integrals of integrals: a window need not begin at a sample.
+void add_impulses(const Run& run, const Motion& motion, Segment& segment) {
+    std::array<double, kPowers> power_last{}, sum{}, sum_of_sums{};
+    std::array<double, kPowers> at_start{};  // sum_of_sums at the start of the window
+    double last_s = 0.0;
+    bool begun = false;
+    std::size_t row = 0;
+    bool inside = false;
+    for (const Sample& s : run.recording.samples) {
+        if (s.time_s < segment.rows.front().time_s - kWindow_s || s.phase > phase::kBraking) continue;
+        if (row == segment.rows.size()) return;
+        // Before brake-on the gauge shows its noise above zero.
+        double power = s.time_s < motion.brake_on_s() ? 0.0 : run.rig.brake_gain_m3 * s.pressure_Pa;
+        const double x = std::min(speed_at(segment.rows, s.time_s) / motion.brake_on_mps(), 1.0);
+        const double step_s = begun ? s.time_s - last_s : 0.0;
+        std::array<double, kPowers> before = sum_of_sums;
+        for (std::size_t k = 0; k < kPowers; ++k) {
+            const double sum_before = sum[k];
+            sum[k] += 0.5 * (power_last[k] + power) * step_s;
+            sum_of_sums[k] += 0.5 * (sum_before + sum[k]) * step_s;
+            power_last[k] = power;
+            power *= x;
+        }
+        const auto at = [&](std::size_t k, double time_s) {
+            const double share = step_s > 0.0 ? (time_s - last_s) / step_s : 1.0;
+            return before[k] + share * (sum_of_sums[k] - before[k]);
+        };
+        while (row < segment.rows.size()) {
+            const double edge_s = segment.rows[row].time_s + (inside ? 0.5 : -0.5) * kWindow_s;
+            if (edge_s > s.time_s) break;
+            for (std::size_t k = 0; k < kPowers; ++k) {
+                if (inside) segment.rows[row].impulse[k] = (at(k, edge_s) - at_start[k]) / kWindow_s;
+                at_start[k] = at(k, edge_s);
+            }
+            if (inside) ++row;
+            inside = true;
+        }
+        last_s = s.time_s;
+        begun = true;
+    }
+    segment.rows.resize(row);
+}
+
+/// Noise of one pressure reading: third differences, in which what a valve does in 1 ms hardly shows.
+double gauge_noise_Pa(const Recording& recording) {
+    std::vector<double> differences;
+    const auto& s = recording.samples;
+    for (std::size_t i = 3; i < s.size(); ++i) {
+        if (s[i - 3].phase != phase::kBraking || s[i].phase != phase::kBraking) continue;
+        differences.push_back(std::abs(
+            s[i].pressure_Pa - 3.0 * (s[i - 1].pressure_Pa - s[i - 2].pressure_Pa) - s[i - 3].pressure_Pa));
+    }
+    if (differences.empty()) return 0.0;
+    const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+    std::nth_element(differences.begin(), middle, differences.end());
+    constexpr double kMedianOfNormal = 0.6745;
+    return *middle / kMedianOfNormal / std::sqrt(20.0);
+}
+
+/// Jitter at a border of windows counts in both of them, with opposite signs; the gauge's noise is summed up by the integral and never
+/// forgotten. Residuals divided by this covariance are about white.
+Eigen::MatrixXd covariance(const Run& run, const Motion& motion, const Segment& segment) {
+    constexpr double kLikelyFriction = 0.3;
+    const auto n = static_cast<Index>(segment.rows.size());
+    const double per_reading = kLikelyFriction * run.rig.brake_gain_m3 * gauge_noise_Pa(run.recording);
+    const double walk = per_reading * per_reading * run.recording.period_s;  // per s of braking
+    Eigen::MatrixXd v(n, n);
+    std::vector<double> border(segment.rows.size());
+    std::vector<double> walked(segment.rows.size());
+    for (std::size_t i = 0; i < segment.rows.size(); ++i) {
+        const double noise = segment.to_mps * segment.rows[i].v_mps * run.rig.edge_jitter_s / kWindow_s;
+        border[i] = noise * noise;
+        walked[i] = walk * std::max(segment.rows[i].time_s - motion.brake_on_s(), 0.0);
+    }
+    // What the rim lost to drag before contact is as uncertain as the instant of contact, for all windows before it alike.
+    const std::size_t off = static_cast<std::size_t>(std::count_if(
+        segment.rows.begin(), segment.rows.end(), [](const Row& row) { return row.coasting_s < 0.0; }));
+    double contact = 0.0;
+    if (off > 1) {
+        const Row& first = segment.rows.front();
+        const Row& last = segment.rows[off - 1];
+        contact = segment.to_mps * (first.v_mps - last.v_mps) / (last.time_s - first.time_s) * kContact_s;
+    }
+    constexpr double kFloor = 0.05;  // of the jitter: what the balance leaves out
+    for (Index i = 0; i < n; ++i) {
+        const auto a = static_cast<std::size_t>(i);
+        for (Index j = 0; j <= i; ++j) {
+            const bool both_off = a < off;
+            v(i, j) = v(j, i) = walked[static_cast<std::size_t>(j)] + (both_off ? contact * contact : 0.0);
+        }
+        v(i, i) += (2.0 + kFloor) * border[a];
+        const bool neighbours =
+            i > 0 && segment.rows[a].time_s - segment.rows[a - 1].time_s < 1.5 * kWindow_s;
+        if (neighbours) {
+            v(i, i - 1) -= border[a - 1];
+            v(i - 1, i) -= border[a - 1];
+        }
+    }
+    return v;
+}
+
+Segment segment(const Run& run, const Motion& motion, bool braking) {
+    Segment s{.name = run.recording.name,
+              .braking = braking,
+              .brake_on_s = motion.brake_on_s(),
+              .to_mps = 1.0,
+              .rows = {},
+              .noise = {}};
+    const double m = run.rig.mass_kg;
+    const double r = motion.radius_m(motion.brake_on_s());
+    s.to_mps = m * r;
+    // The radius falls within some 10 ms while the wheel spins up, so r dv is summed up in parts of a window. Jitter cancels from part to
+    // part.
+    constexpr int kParts = 10;
+    constexpr double kPart_s = kWindow_s / kParts;
+    double momentum = 0.0;
+    double last_mps = 0.0;
+    const double end_s = braking ? motion.end_s() : motion.brake_on_s() - kWindow_s;
+    for (double t = std::max(motion.contact_s() - kBefore_s, run.recording.samples.front().time_s);
+         t + kWindow_s < end_s; t += kWindow_s) {
+        const double v = motion.v_mps(t, t + kWindow_s);
+        if (braking && t > motion.brake_on_s() && v < kSlowest_mps) break;
+        const double middle_s = t + 0.5 * kWindow_s;
+        const bool off = middle_s < motion.contact_s();
+        double mean = 0.0;
+        for (int part = 0; part < kParts; ++part) {
+            const double from_s = t + part * kPart_s;
+            const double part_mps = motion.v_mps(from_s, from_s + kPart_s);
+            if (last_mps > 0.0) momentum += m * motion.radius_m(from_s) * (part_mps - last_mps);
+            last_mps = part_mps;
+            mean += momentum / kParts;
+        }
+        s.rows.push_back({.time_s = middle_s,
+                          .v_mps = v,
+                          .momentum_Nms = mean,
+                          .omega_radps = off ? 0.0 : motion.omega_radps(t, t + kWindow_s),
+                          .coasting_s = std::min(middle_s - motion.contact_s(), 0.0)});
+    }
+    if (s.rows.empty()) return s;
+    add_impulses(run, motion, s);
+    // Around contact a window lies on both sides of it.
+    std::erase_if(s.rows,
+                  [&](const Row& row) { return std::abs(row.time_s - motion.contact_s()) < kSettle_s; });
+    s.noise.compute(covariance(run, motion, s));
+    return s;
+}
+
+/// theta: J_w, the kPowers friction coefficients where a stop counts, then offset and drag of every segment.
+class Balance {
+  public:
+    explicit Balance(std::vector<Segment> segments) : segments_(std::move(segments)) {
+        stops_ = std::any_of(segments_.begin(), segments_.end(), [](const Segment& s) { return s.braking; });
+        for (const Segment& s : segments_) rows_ += s.rows.size();
+    }
+
+    [[nodiscard]] Index common() const { return 1 + (stops_ ? static_cast<Index>(kPowers) : 0); }
+    [[nodiscard]] Index parameters() const { return common() + 2 * static_cast<Index>(segments_.size()); }
+
+    void residuals(const VectorXd& theta, VectorXd& out) const {
+        out.resize(static_cast<Index>(rows_));
+        Index n = 0;
+        Index own = common();
+        for (const Segment& s : segments_) {
+            const auto count = static_cast<Index>(s.rows.size());
+            for (Index i = 0; i < count; ++i)
+                out[n + i] = error_Nms(s.rows[static_cast<std::size_t>(i)], theta, own);
+            s.noise.matrixL().solveInPlace(out.segment(n, count));
+            n += count;
+            own += 2;
+        }
+    }
+    [[nodiscard]] double error_Nms(const Row& row, const VectorXd& theta, Index own) const {
+        double balance =
+            row.momentum_Nms + theta[0] * row.omega_radps - theta[own] - theta[own + 1] * row.coasting_s;
+        for (std::size_t k = 0; stops_ && k < kPowers; ++k)
+            balance += theta[1 + static_cast<Index>(k)] * row.impulse[k];
+        return balance;
+    }
+    [[nodiscard]] std::vector<WheelResiduals> report(const VectorXd& theta) const {
+        std::vector<WheelResiduals> all;
+        all.reserve(segments_.size());
+        Index own = common();
+        for (const Segment& s : segments_) {
+            WheelResiduals r{
+                .recording = s.name, .braking = s.braking, .time_s = {}, .speed_mps = {}, .error_mps = {}};
+            for (const Row& row : s.rows) {
+                r.time_s.push_back(row.time_s - s.brake_on_s);
+                r.speed_mps.push_back(row.v_mps);
+                r.error_mps.push_back(error_Nms(row, theta, own) / s.to_mps);
+            }
+            own += 2;
+            all.push_back(std::move(r));
+        }
+        return all;
+    }
+
+  private:
+    std::vector<Segment> segments_;
+    bool stops_ = false;
+    std::size_t rows_ = 0;
+};
+
+}  // namespace
+
+WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class) {
+    for (const Run& run : runs) check(run.recording);
+    std::vector<Segment> segments;
+    bool stops = false;
+    const double age_s = cell_age_s(runs);
+    for (const Run& run : runs) {
+        const auto motion = Motion::of(run, age_s);
+        if (!motion) continue;
+        const bool braking = run.friction_class == friction_class && motion->brake_on_mps() >= kLeastStop_mps;
+        stops = stops || braking;
+        Segment s = segment(run, *motion, braking);
+        if (!s.rows.empty()) segments.push_back(std::move(s));
+    }
+    if (!stops) {
+        throw NotIdentifiable(
+            fmt::format("no stop of friction class '{}' from {:.0f} m/s or more: k_b needs a landing "
+                        "(config/scenarios/heavy.toml, "
+                        "slow_braking.toml), J_w its touchdown",
+                        friction_class, kLeastStop_mps));
+    }
+    const Balance balance(std::move(segments));
+    const Index n = balance.parameters();
+    LeastSquares least;
+    least.start = VectorXd::Zero(n);
+    least.start[0] = 1.0;
+    least.start[1] = 0.3;
+    least.scale = VectorXd::Constant(n, 10.0);
+    least.scale[0] = 0.1;
+    least.scale.segment(1, static_cast<Index>(kPowers)).setConstant(0.1);
+    least.least = VectorXd::Constant(n, -1e9);
+    least.most = VectorXd::Constant(n, 1e9);
+    std::vector<std::string> names{"the wheel's inertia"};
+    for (Index i = 1; i < n; ++i)
+        names.emplace_back(i < balance.common() ? "the brake's friction over speed"
+                                                : "the rim's drag before touchdown");
+    const Fit found =
+        fit(least, names, [&balance](const VectorXd& theta, VectorXd& r) { balance.residuals(theta, r); });
+
+    WheelFit out;
+    out.inertia_kgm2 = found.estimate(0);
+    VectorXd mean = VectorXd::Zero(n);
+    for (std::size_t k = 0; k < kPowers; ++k)
+        mean[1 + static_cast<Index>(k)] = 1.0 / static_cast<double>(k + 1);
+    out.friction = found.combination(mean);
+    const double mu = out.friction.value;
+    for (std::size_t k = 0; k < kPowers; ++k) {
+        const Index i = 1 + static_cast<Index>(k);
+        const VectorXd gradient = (VectorXd::Unit(n, i) - found.theta[i] / mu * mean) / mu;
+        Estimate e = found.combination(gradient);
+        const double shift = found.theta[i] / mu - e.value;  // of a quotient, about its value
+        e.value += shift;
+        e.low += shift;
+        e.high += shift;
+        out.relative_friction[k] = e;
+    }
+    const double gain = runs.front().rig.brake_gain_m3;
+    out.gain_m3 = {.value = mu * gain,
+                   .deviation = out.friction.deviation * gain,
+                   .low = out.friction.low * gain,
+                   .high = out.friction.high * gain};
+    out.friction_class = friction_class;
+    out.lags_s = found.lags * kWindow_s;
+    out.residuals = balance.report(found.theta);
+    if (!(out.inertia_kgm2.low > 0.0)) {
+        throw NotIdentifiable(
+            fmt::format("the wheel's inertia is {:.3g} to {:.3g} kg m2, which says nothing: expected "
+                        "recordings that begin before "
+                        "touchdown with the wheel at rest",
+                        out.inertia_kgm2.low, out.inertia_kgm2.high));
+    }
+    return out;
+}
+
+}  // namespace identification

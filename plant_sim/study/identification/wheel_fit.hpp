@@ -1,0 +1,40 @@
+/// Wheel inertia J_w and brake gain k_b from the balance of eq. (1), with the road's force taken out of it:
+///
+///     J_w domega/dt + r m dv/dt = -k_b(v) P,      k_b(v) = G (a0 + a1 x + a2 x^2 + a3 x^3),  x = v / v_brake_on
+///
+/// integrated from before the wheel touches the rim: spin-up shows J_w, braking k_b. Speeds are ways of the encoders over windows, m is the
+/// flywheel's, G the brake's geometry of eq. (5). The rim's drag counts while the wheel is off it.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "plant_sim/study/identification/estimate.hpp"
+#include "plant_sim/study/identification/motion.hpp"
+
+namespace identification {
+
+struct WheelResiduals {
+    std::string recording;
+    bool braking = false;           ///< counted through the stop, else up to brake-on
+    std::vector<double> time_s;     ///< since brake-on
+    std::vector<double> speed_mps;  ///< measured rim speed
+    std::vector<double> error_mps;  ///< measured minus modelled
+};
+
+struct WheelFit {
+    Estimate inertia_kgm2;  ///< J_w
+    Estimate gain_m3;       ///< k_b, mean over a stop of constant deceleration
+    Estimate friction;      ///< mean mu_b, k_b without geometry
+    std::string friction_class;
+    std::array<Estimate, 4> relative_friction;  ///< mu_b over its mean, powers of x
+    double lags_s = 0.0;
+    std::vector<WheelResiduals> residuals;
+};
+
+/// Touchdowns of all runs; stops of those of `friction_class`. Throws NotIdentifiable.
+[[nodiscard]] WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class);
+
+}  // namespace identification

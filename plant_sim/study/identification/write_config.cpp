@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "config/reader/atomic_file.hpp"
+#include "plant_sim/study/identification/identified.hpp"
+
+namespace identification {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A TOML file whose values are replaced where they stand, so that comments and order survive. Knows the form that the shipped files have:
+/// `[table]` and `key = value` on lines of their own; an array may go over lines.
+class EditedToml {
+  public:
+    explicit EditedToml(fs::path file) : file_(std::move(file)) {
+        std::ifstream in(file_);
+        if (!in) throw settings::Error(file_.string(), 0, "", "cannot be read");
+        for (std::string line; std::getline(in, line);) lines_.push_back(line);
+    }
+
+    /// `optional`: a key that is not there is added.
+    void set(const std::string& table, const std::string& key, const std::string& value,
+             const std::string& note, bool optional = false) {
+        const std::size_t head = header(table);
+        const std::string line = fmt::format("{} = {}  # identified{}", key, value, note);
+        for (std::size_t i = head + 1; i < lines_.size() && !lines_[i].starts_with('['); ++i) {
+            if (!is_key(lines_[i], key)) continue;
+            std::size_t end = i;
+            while (opens(lines_[i]) && lines_[end].find(']') == std::string::npos && end + 1 < lines_.size())
+                ++end;
+            lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                         lines_.begin() + static_cast<std::ptrdiff_t>(end) + 1);
+            lines_[i] = line;
+            return;
+        }
+        if (!optional)
+            throw settings::Error(file_.string(), static_cast<int>(head) + 1, table + "." + key,
+                                  "is missing");
+        lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(head) + 1, line);
+    }
+    void set(const std::string& table, const std::string& key, const Estimate& e, double factor = 1.0) {
+        set(table, key, fmt::format("{:.8g}", e.value * factor),
+            fmt::format(", 95 %: {:.6g} to {:.6g}", e.low * factor, e.high * factor));
+    }
+    void write() const { settings::write_file(file_, fmt::format("{}\n", fmt::join(lines_, "\n"))); }
+
+  private:
+    [[nodiscard]] std::size_t header(const std::string& table) const {
+        const std::string head = "[" + table + "]";
+        for (std::size_t i = 0; i < lines_.size(); ++i) {
+            if (lines_[i].starts_with(head)) return i;
+        }
+        throw settings::Error(file_.string(), 0, table, "is missing");
+    }
+    [[nodiscard]] static bool is_key(const std::string& line, const std::string& key) {
+        if (!line.starts_with(key)) return false;
+        const std::size_t next = line.find_first_not_of(' ', key.size());
+        return next != std::string::npos && line[next] == '=';
+    }
+    [[nodiscard]] static bool opens(const std::string& line) {
+        const std::size_t value = line.find_first_not_of(' ', line.find('=') + 1);
+        return value != std::string::npos && line[value] == '[';
+    }
+
+    fs::path file_;
+    std::vector<std::string> lines_;
+};
+
+/// The same keys in the plant's file and in the controller's.
+void set_valve(EditedToml& file, const ValveFit& v) {
+    std::vector<std::string> current{fmt::format("{:.6g}", v.dead_zone_mA.value)};
+    std::vector<std::string> pressure{"0.0"};
+    current.reserve(v.current_mA.size() + 1);
+    pressure.reserve(v.current_mA.size() + 1);
+    for (std::size_t i = 0; i < v.current_mA.size(); ++i) {
+        current.push_back(fmt::format("{:.6g}", v.current_mA[i]));
+        pressure.push_back(fmt::format("{:.7g}", v.pressure_Pa[i].value));
+    }
+    file.set("valve", "current_mA", fmt::format("[{}]", fmt::join(current, ", ")), "");
+    file.set("valve", "pressure_Pa", fmt::format("[{}]", fmt::join(pressure, ", ")), "");
+    file.set("valve", "natural_frequency_Hz", v.natural_frequency_Hz);
+    file.set("valve", "damping", v.damping);
+    file.set("valve", "delay_ms", v.delay_s, 1e3);
+}
+
+}  // namespace
+
+void write_config(const Identified& found, const ConfigFiles& files, const fs::path& from,
+                  const fs::path& to) {
+    if (fs::exists(to))
+        throw settings::Error(
+            to.string(), 0, "",
+            "exists already; a configuration that was identified gets a directory of its own");
+    fs::create_directories(to.parent_path());
+    fs::copy(from, to, fs::copy_options::recursive);
+    EditedToml plant(to / files.rig);
+    EditedToml controller(to / files.controller);
+    const ValveFit& v = found.valve;
+    set_valve(plant, v);
+    set_valve(controller, v);
+    controller.set("valve", "full_pressure_Pa", v.pressure_Pa.back());
+    if (v.hysteresis_mA.low > 0.0)
+        plant.set("valve", "hysteresis_mA", fmt::format("{:.6g}", v.hysteresis_mA.value),
+                  fmt::format(", 95 %: {:.6g} to {:.6g}", v.hysteresis_mA.low, v.hysteresis_mA.high), true);
+    if (found.wheel) {
+        const WheelFit& w = *found.wheel;
+        plant.set("wheel", "inertia_kgm2", w.inertia_kgm2);
+        plant.set("brake", "friction", w.friction);
+        std::vector<std::string> relative;
+        relative.reserve(w.relative_friction.size());
+        for (const Estimate& e : w.relative_friction) relative.push_back(fmt::format("{:.7g}", e.value));
+        plant.set("brake.relative_friction", w.friction_class, fmt::format("[{}]", fmt::join(relative, ", ")),
+                  "");
+        controller.set("wheel", "inertia_kgm2", w.inertia_kgm2);
+        controller.set("wheel", "brake_gain_m3", w.gain_m3);
+    }
+    plant.write();
+    controller.write();
+    EditedToml surfaces(to / "surfaces.toml");
+    for (const FrictionFit& f : found.surfaces) {
+        surfaces.set("surfaces." + f.surface, "c1", f.c1);
+        surfaces.set("surfaces." + f.surface, "c2", f.c2);
+        surfaces.set("surfaces." + f.surface, "c3", f.c3);
+    }
+    surfaces.write();
+}
+
+}  // namespace identification

@@ -1,0 +1,62 @@
+#include "plant_sim/study/margins/cells.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "plant_sim/study/margins/law_loop.hpp"
+
+namespace study::margins {
+
+namespace {
+
+constexpr double kUndecided_per_s = 1e-3;  // growth this slow is the limit of stability itself
+
+Margins law_margins(const antiskid::control::Config& controller, const Scenario& scenario,
+                    const OperatingPoint& at, Linearisation linearisation) {
+    const SampledLoop loop(law_system(controller, scenario.rig, at, linearisation));
+    const Margins m = margins(loop);
+    const double growth = loop.closed_poles().front().real();
+    if (std::abs(growth) > kUndecided_per_s && m.stable != (growth < 0.0))
+        throw std::logic_error("Nyquist's count disagrees with the closed loop's eigenvalues on " +
+                               scenario.surface + ", " + scenario.maneuver);
+    return m;
+}
+
+}  // namespace
+
+bool meets(const Margins& m, const Requirement& r) {
+    return m.stable && m.phase_deg >= r.phase_deg && m.gain_up_dB >= r.gain_dB && m.gain_down_dB >= r.gain_dB;
+}
+
+std::vector<Cell> study_cells(const std::vector<Scenario>& scenarios,
+                              const antiskid::control::Config& controller, const Pid& pid,
+                              const StudyOptions& options, const Progress& progress) {
+    std::vector<Cell> cells;
+    cells.reserve(scenarios.size() * static_cast<std::size_t>(options.speeds));
+    for (std::size_t i = 0; i < scenarios.size(); ++i) {
+        const Scenario& s = scenarios[i];
+        for (const double v : speed_grid(s.rig.brake_on_mps, s.drop_out_mps, options.speeds)) {
+            Cell c;
+            c.scenario = i;
+            const double slip = options.low_speed_fall
+                                    ? scheduled_slip(controller.slip, options.slip_reference, v)
+                                    : options.slip_reference;
+            c.at = operating_point(s.rig, v, slip);
+            c.printed_pole_radps = c.at.wheel_pole_radps(Linearisation::printed);
+            c.full_pole_radps = c.at.wheel_pole_radps(Linearisation::full);
+            c.reachable = c.at.pressure_Pa <= s.full_pressure_Pa;
+            c.limits =
+                limits(c.full_pole_radps, s.rig.valve.delay_s, static_cast<double>(controller.period_s));
+            c.pid = {margins(pid_loop(pid, s.rig.valve, c.at, Linearisation::printed)),
+                     margins(pid_loop(pid, s.rig.valve, c.at, Linearisation::full))};
+            c.edge_periods = law_system(controller, s.rig, c.at, Linearisation::full).a.size();
+            c.law = {law_margins(controller, s, c.at, Linearisation::printed),
+                     law_margins(controller, s, c.at, Linearisation::full)};
+            cells.push_back(c);
+        }
+        if (progress) progress(i + 1, scenarios.size());
+    }
+    return cells;
+}
+
+}  // namespace study::margins

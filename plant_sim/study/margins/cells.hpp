@@ -1,0 +1,59 @@
+/// The study: every scenario at every speed, both loops, both linearisations, beside what is possible at all.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "firmware/control/config.hpp"
+#include "plant_sim/study/margins/limits.hpp"
+#include "plant_sim/study/margins/margins.hpp"
+#include "plant_sim/study/margins/pid_loop.hpp"
+
+namespace study::margins {
+
+struct Scenario {
+    std::string surface;
+    std::string maneuver;
+    plant::RigParameters rig;
+    double drop_out_mps = 0.0;
+    double full_pressure_Pa = 0.0;
+};
+
+struct StudyOptions {
+    double slip_reference = 0.24;
+    int speeds = 8;  ///< from brake-on down to drop-out
+    bool low_speed_fall =
+        true;  ///< at the reference in force; false: at `slip_reference` at every speed, the paper's exact law
+    Requirement requirement;
+};
+
+/// The two of Linearisation, in its order.
+struct BothMargins {
+    Margins printed, full;
+};
+
+struct Cell {
+    std::size_t scenario = 0;  ///< index
+    OperatingPoint at;
+    double printed_pole_radps = 0.0;
+    double full_pole_radps = 0.0;
+    bool reachable = true;  ///< the valve's full pressure can hold this slip
+    Limits limits;          ///< of any controller with this period, full linearisation
+    BothMargins pid;
+    BothMargins law;
+    std::size_t edge_periods = 1;  ///< periods between two edges of the wheel's encoder, N of law_loop.hpp
+};
+
+[[nodiscard]] bool meets(const Margins& margins, const Requirement& requirement);
+
+/// Called after each scenario with how many are done.
+using Progress = std::function<void(std::size_t done, std::size_t all)>;
+
+/// Cells scenario by scenario, fastest first. Throws std::logic_error if Nyquist's count and the closed loop's eigenvalues ever disagree.
+[[nodiscard]] std::vector<Cell> study_cells(const std::vector<Scenario>& scenarios,
+                                            const antiskid::control::Config& controller, const Pid& pid,
+                                            const StudyOptions& options, const Progress& progress = {});
+
+}  // namespace study::margins

@@ -1,0 +1,368 @@
+#include "plant_sim/study/margins/law_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <unsupported/Eigen/MatrixFunctions>
+
+namespace study::margins {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix2d;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kGone = 1e-9;  // an eigenvalue this small is a pipe that has run empty
+
+/// The lag of eq. (6) over `h` with a held input: state (p, p'), unit static gain.
+struct Lag {
+    Matrix2d phi;
+    Vector2d gamma;
+};
+
+Lag lag(double omega_n, double xi, double h) {
+    Matrix2d a;
+    a << 0.0, 1.0, -omega_n * omega_n, -2.0 * xi * omega_n;
+    const Matrix2d phi = (a * h).exp();
+    return {phi, {1.0 - phi(0, 0), -phi(1, 0)}};
+}
+
+/// Valve and wheel over one period: pressure and its rate, slip, and the integral of slip since the period began.
+struct Plant {
+    Eigen::Matrix4d phi;
+    Eigen::Vector4d old_input, new_input;  // before and after the broken part of the delay
+};
+
+Plant plant(const plant::ValveParameters& valve, double wheel_pole, double per_pressure, double valve_gain,
+            double h, double broken) {
+    const double w = valve.natural_frequency_radps;
+    Eigen::Matrix<double, 5, 5> a = Eigen::Matrix<double, 5, 5>::Zero();
+    a(0, 1) = 1.0;
+    a(1, 0) = -w * w;
+    a(1, 1) = -2.0 * valve.damping * w;
+    a(1, 4) = w * w * valve_gain;
+    a(2, 0) = per_pressure;
+    a(2, 2) = -wheel_pole;
+    a(3, 2) = 1.0;
+    const Eigen::Matrix<double, 5, 5> first = (a * broken).exp();
+    const Eigen::Matrix<double, 5, 5> second = (a * (h - broken)).exp();
+    return {second.topLeftCorner<4, 4>() * first.topLeftCorner<4, 4>(),
+            second.topLeftCorner<4, 4>() * first.topRightCorner<4, 1>(), second.topRightCorner<4, 1>()};
+}
+
+std::size_t whole_periods(double delay_s, double period_s) {
+    return static_cast<std::size_t>(std::floor(delay_s / period_s + 1e-3));
+}
+
+/// dP/di of a polyline at pressure `p`.
+double slope(const std::vector<plant::PressureMap::Point>& points, double p) {
+    std::size_t i = 1;
+    while (i + 1 < points.size() && points[i].pressure_Pa < p) ++i;
+    return (points[i].pressure_Pa - points[i - 1].pressure_Pa) /
+           (points[i].current_mA - points[i - 1].current_mA);
+}
+
+/// Valve gain of the plant over the one that the controller divides by, at pressure `p`.
+double valve_gain(const antiskid::control::ValveConfig& config, const plant::PressureMap& map, double p) {
+    std::vector<plant::PressureMap::Point> believed;
+    believed.reserve(config.points);
+    for (std::size_t i = 0; i < config.points; ++i)
+        believed.push_back(
+            {static_cast<double>(config.current_mA[i]), static_cast<double>(config.pressure_Pa[i])});
+    return slope(map.points(), p) / slope(believed, p);
+}
+
+/// One period of controller and plant, step by step as their code does it, in units of slip: pressure as the slip rate that it causes
+/// by the controller's numbers, q = (r k_b / (J v_late)) P; wheel speed as slip, -(r / v_late) omega.
+class Period {
+  public:
+    Period(const antiskid::control::Config& config, const plant::RigParameters& rig, const OperatingPoint& at,
+           Linearisation linearisation)
+        : law_(config.slip), h_(static_cast<double>(config.period_s)) {
+        const auto& valve = config.valve;
+        const double delay = static_cast<double>(valve.delay_s);
+        whole_ = whole_periods(delay, h_);
+        part_ = std::max(delay / h_ - static_cast<double>(whole_), 0.0);
+        if (part_ < 1e-3) part_ = 0.0;
+        ahead_ = static_cast<double>(whole_) * h_;
+        model_ =
+            lag(static_cast<double>(valve.natural_frequency_radps), static_cast<double>(valve.damping), h_);
+        const double l = static_cast<double>(config.estimator.pressure_bandwidth_radps);
+        correct_p_ = l * h_ / (1.0 + l * h_);
+        correct_r_ = 0.5 * l * correct_p_;
+
+        const double edge_s =
+            2.0 * kPi * at.radius_m / (rig.wheel_encoder.teeth * (1.0 - at.slip) * at.speed_mps);
+        news_every_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(edge_s / h_)));
+        edge_age_ = news_every_ == 1 ? std::min(edge_s / h_, 1.0) / 2.0 : 0.5;
+        const double interval = static_cast<double>(news_every_) * h_;
+        reading_age_ = 0.5 * (interval + h_);
+        const double memory =
+            1.0 / (1.0 + static_cast<double>(config.estimator.wheel_bandwidth_radps) * interval);
+        correct_speed_ = 1.0 - memory * memory;
+        correct_acceleration_ = (1.0 - memory) * (1.0 - memory) / interval;
+        deceleration_per_s_ = at.deceleration_mps2 / at.speed_mps;
+
+        const double believed =
+            static_cast<double>(config.wheel.brake_gain_m3) / static_cast<double>(config.wheel.inertia_kgm2);
+        const double true_per_believed = at.brake_gain_m3 / at.inertia_kgm2 / believed;
+        pipe_ = whole_periods(rig.valve.delay_s, h_);
+        const double broken = std::max(rig.valve.delay_s - static_cast<double>(pipe_) * h_, 0.0);
+        plant_ = plant(rig.valve, at.wheel_pole_radps(linearisation), true_per_believed,
+                       valve_gain(valve, rig.pressure_map, at.pressure_Pa), h_, broken);
+    }
+
+    // The state, in this order: commands in the controller's pipe, its valve state, tracker, integral; commands in the valve's pipe,
+    // valve state and slip, mean slip over the last periods, newest first.
+    [[nodiscard]] Index size() const { return means_at() + static_cast<Index>(news_every_) + 1; }
+    [[nodiscard]] std::size_t news_every() const { return news_every_; }
+
+    /// The command that this period's step gives; `x` moves on with `w` acting on the valve.
+    double step(VectorXd& x, double w, bool news) const {
+        const double u = control(x, news);
+        move(x, w);
+        return u;
+    }
+
+  private:
+    [[nodiscard]] Index valve_at() const { return static_cast<Index>(whole_) + 2; }
+    [[nodiscard]] Index plant_at() const { return valve_at() + 5; }
+    [[nodiscard]] Index motion_at() const { return plant_at() + static_cast<Index>(pipe_) + 2; }
+    [[nodiscard]] Index means_at() const { return motion_at() + 3; }
+
+    /// ValveModel::input.
+    [[nodiscard]] double input(const VectorXd& x, std::size_t ahead) const {
+        const auto age = static_cast<Index>(whole_ - ahead);
+        return (1.0 - part_) * x[age] + part_ * x[age + 1];
+    }
+
+    /// The encoder: mean slip over `news_every_` periods, up to the last edge.
+    [[nodiscard]] double reading(const VectorXd& x) const {
+        double sum = 0.0;
+        const auto n = static_cast<Index>(news_every_);
+        for (Index i = 0; i <= n; ++i) {
+            const double weight = i == 0 ? 1.0 - edge_age_ : (i == n ? edge_age_ : 1.0);
+            sum += weight * x[means_at() + i];
+        }
+        return sum / static_cast<double>(n);
+    }
+
+    double control(VectorXd& x, bool news) const {
+        const Index v = valve_at();
+        const double before = x[v];
+        Vector2d valve = model_.phi * x.segment<2>(v) + model_.gamma * input(x, 0);
+        const double innovation = x[motion_at()] - valve[0];
+        valve[0] += correct_p_ * innovation;
+        valve[1] += correct_r_ * innovation;
+
+        double slip = x[v + 2];
+        double road = x[v + 3];  // slip rate by the road
+        slip += road * h_ + 0.5 * (before + valve[0]) * h_;
+        if (news) {
+            const double surprise = reading(x) - (slip - (road + valve[0]) * reading_age_);
+            slip += correct_speed_ * surprise;
+            road += correct_acceleration_ * surprise;
+        }
+
+        Vector2d late = valve;
+        double impulse = 0.0;
+        for (std::size_t i = 1; i <= whole_; ++i) {
+            const double from = late[0];
+            late = (model_.phi * late + model_.gamma * input(x, i)).eval();
+            impulse += 0.5 * (from + late[0]) * h_;
+        }
+        const double balance = -road - deceleration_per_s_ * slip;
+        const double late_slip = slip + road * ahead_ + impulse;
+        const double u = static_cast<double>(law_.road_torque_share) * balance -
+                         static_cast<double>(law_.k_p_per_s) * late_slip + x[v + 4] -
+                         static_cast<double>(law_.k_d) * (late[0] - balance) -
+                         static_cast<double>(law_.k_dd_s) * late[1];
+        x.segment<2>(v) = valve;
+        x[v + 2] = slip;
+        x[v + 3] = road;
+        x[v + 4] -= static_cast<double>(law_.k_i_per_s2) * late_slip * h_;
+        for (Index i = v - 1; i > 0; --i) x[i] = x[i - 1];
+        x[0] = u;
+        return u;
+    }
+
+    void move(VectorXd& x, double w) const {
+        const Index p = plant_at(), m = motion_at();
+        for (Index i = m - 1; i > p; --i) x[i] = x[i - 1];
+        x[p] = w;
+        // The command of `pipe_` periods ago acts once the broken part of the delay has passed, until then the one before it.
+        const Index acting = p + static_cast<Index>(pipe_);
+        Eigen::Vector4d motion;
+        motion << x.segment<3>(m), 0.0;
+        motion =
+            (plant_.phi * motion + plant_.new_input * x[acting] + plant_.old_input * x[acting + 1]).eval();
+        x.segment<3>(m) = motion.head<3>();
+        for (Index i = size() - 1; i > means_at(); --i) x[i] = x[i - 1];
+        x[means_at()] = motion[3] / h_;
+    }
+
+    antiskid::control::SlipConfig law_;
+    double h_;
+    std::size_t whole_ = 0, pipe_ = 0, news_every_ = 1;
+    double part_ = 0.0, ahead_ = 0.0;
+    double correct_p_ = 0.0, correct_r_ = 0.0, correct_speed_ = 0.0, correct_acceleration_ = 0.0;
+    double edge_age_ = 0.0, reading_age_ = 0.0, deceleration_per_s_ = 0.0;
+    Lag model_;
+    Plant plant_;
+};
+
+/// Solves (z I - H) X = B for upper Hessenberg H.
+MatrixXcd solve_hessenberg(const MatrixXd& h, Complex z, const MatrixXd& b) {
+    const Index n = h.rows();
+    MatrixXcd m = -h.cast<Complex>();
+    m.diagonal().array() += z;
+    MatrixXcd x = b.cast<Complex>();
+    for (Index i = 0; i + 1 < n; ++i) {
+        if (std::abs(m(i + 1, i)) > std::abs(m(i, i))) {
+            m.row(i).tail(n - i).swap(m.row(i + 1).tail(n - i));
+            x.row(i).swap(x.row(i + 1));
+        }
+        if (m(i, i) == 0.0)
+            continue;  // the whole column is zero: z is a pole, and the division below says so
+        const Complex f = m(i + 1, i) / m(i, i);
+        if (f == 0.0) continue;
+        m.row(i + 1).tail(n - i) -= f * m.row(i).tail(n - i);
+        x.row(i + 1) -= f * x.row(i);
+    }
+    m.triangularView<Eigen::Upper>().solveInPlace(x);
+    return x;
+}
+
+/// As growth rate and frequency, the most unstable first; pipes that have run empty are left out.
+std::vector<Complex> rates(const MatrixXd& monodromy, double h) {
+    std::vector<Complex> s;
+    const auto values = monodromy.eigenvalues();
+    s.reserve(static_cast<std::size_t>(values.size()));
+    for (const Complex& v : values)
+        if (std::abs(v) > kGone) s.push_back(std::log(v) / h);
+    std::sort(s.begin(), s.end(), [](Complex a, Complex b) {
+        return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag();
+    });
+    return s;
+}
+
+}  // namespace
+
+SampledLoop::SampledLoop(const PeriodicSystem& system) : system_(system) {
+    const std::size_t n = system.a.size();
+    if (n == 0 || system.c.size() != n || !(system.period_s > 0.0))
+        throw std::invalid_argument("a periodic system needs as many matrices A as rows C, and a period");
+    const Index states = system.b.size();
+    const auto columns = static_cast<Index>(n);
+    MatrixXd monodromy = MatrixXd::Identity(states, states);
+    MatrixXd b = MatrixXd::Zero(states, columns);
+    MatrixXd c(columns, states);
+    through_ = MatrixXd::Zero(columns, columns);
+    for (Index i = 0; i < columns; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        if (system.a[k].rows() != states || system.a[k].cols() != states || system.c[k].size() != states)
+            throw std::invalid_argument("matrices of a periodic system differ in size");
+        c.row(i) = system.c[k] * monodromy;
+        through_.row(i) = system.c[k] * b;
+        b = (system.a[k] * b).eval();
+        b.col(i) += system.b;
+        monodromy = (system.a[k] * monodromy).eval();
+    }
+    const Eigen::HessenbergDecomposition<MatrixXd> decomposition(monodromy);
+    const MatrixXd q = decomposition.matrixQ();
+    hessenberg_ = decomposition.matrixH();
+    into_ = q.transpose() * b;
+    out_ = c * q;
+    const std::vector<Complex> poles = rates(monodromy, system.period_s * static_cast<double>(n));
+    unstable_poles_ = static_cast<int>(std::count_if(
+        poles.begin(), poles.end(), [](Complex s) { return s.real() > 0.0 && std::abs(s) > kIndent_radps; }));
+}
+
+double SampledLoop::end_radps() const {
+    return kPi / (system_.period_s * static_cast<double>(system_.a.size()));
+}
+
+MatrixXcd SampledLoop::lifted(Complex s) const {
+    const Complex z = std::exp(s * system_.period_s * static_cast<double>(system_.a.size()));
+    return -(through_.cast<Complex>() + out_.cast<Complex>() * solve_hessenberg(hessenberg_, z, into_));
+}
+
+void SampledLoop::at(Complex s, std::vector<Complex>& loci) const {
+    const MatrixXcd l = lifted(s);
+    if (l.size() == 1) {
+        loci.assign(1, l(0, 0));
+        return;
+    }
+    const Eigen::ComplexEigenSolver<MatrixXcd> solver(l, false);
+    loci.assign(solver.eigenvalues().begin(), solver.eigenvalues().end());
+}
+
+double SampledLoop::most_approach(Complex from, Complex to, const std::vector<Complex>& loci) const {
+    std::vector<Complex> there;
+    double most = 0.0;
+    for (const Complex s : {0.5 * (from + to), to}) {
+        at(s, there);
+        for (const Complex l : loci) {
+            double nearest = std::numeric_limits<double>::infinity();
+            for (const Complex t : there) nearest = std::min(nearest, std::abs(t - l));
+            most = std::max(most, nearest / std::abs(1.0 + l));
+        }
+    }
+    return 2.0 * most;
+}
+
+Complex SampledLoop::response(double frequency_radps) const {
+    const Complex turn(0.0, frequency_radps * system_.period_s);
+    const MatrixXcd l = lifted({0.0, frequency_radps});
+    Complex sum = 0.0;
+    for (Index i = 0; i < l.rows(); ++i)
+        for (Index j = 0; j < l.cols(); ++j) sum += l(i, j) * std::exp(turn * static_cast<double>(j - i));
+    return sum / static_cast<double>(l.rows());
+}
+
+std::vector<Complex> SampledLoop::closed_poles(double gain) const {
+    MatrixXd monodromy = MatrixXd::Identity(system_.b.size(), system_.b.size());
+    for (std::size_t i = 0; i < system_.a.size(); ++i)
+        monodromy = ((system_.a[i] + gain * system_.b * system_.c[i]) * monodromy).eval();
+    return rates(monodromy, system_.period_s * static_cast<double>(system_.a.size()));
+}
+
+PeriodicSystem law_system(const antiskid::control::Config& config, const plant::RigParameters& rig,
+                          const OperatingPoint& at, Linearisation linearisation) {
+    const Period period(config, rig, at, linearisation);
+    const Index n = period.size();
+    PeriodicSystem s;
+    s.period_s = static_cast<double>(config.period_s);
+    s.b = VectorXd::Zero(n);
+    static_cast<void>(period.step(s.b, 1.0, false));
+    for (std::size_t k = 0; k < period.news_every(); ++k) {
+        MatrixXd a = MatrixXd::Identity(n, n);
+        RowVectorXd c(n);
+        for (Index i = 0; i < n; ++i) {
+            VectorXd x = a.col(i);
+            c[i] = period.step(x, 0.0, k == 0);
+            a.col(i) = x;
+        }
+        s.a.push_back(std::move(a));
+        s.c.push_back(std::move(c));
+    }
+    return s;
+}
+
+double scheduled_slip(const antiskid::control::SlipConfig& config, double slip_reference, double speed_mps) {
+    const auto low_speed = static_cast<double>(config.low_speed_mps);
+    if (speed_mps >= low_speed) return slip_reference;
+    const double low = std::min(slip_reference, static_cast<double>(config.low_speed_slip));
+    const auto floor = static_cast<double>(config.low_speed_floor_mps);
+    return low + std::clamp((speed_mps - floor) / (low_speed - floor), 0.0, 1.0) * (slip_reference - low);
+}
+
+}  // namespace study::margins

@@ -1,0 +1,67 @@
+/// The shipped law as a linear loop: what control::Estimator, control::SlipLaw and the plant do to small motions around an equilibrium.
+///
+/// Opened at the valve current, period by period, exact: the plant's wheel and valve as sampled, its delay in whole and broken periods; the
+/// controller's valve model with the commands in its pipe, its tracker, its outlook over the delay, the law. An encoder whose edges are
+/// further apart than a period gives news only in every N-th, N = round(T_edge / h): the loop is periodic then, and margins() takes its N
+/// characteristic loci. Factor in front of L: an error of valve gain, brake gain (to first order) or current map.
+///
+/// Neglected: limits of pressure and integral, the build-up at brake-on, the rate limit of the reference; noise, jitter and rounding; the
+/// motion of the aircraft's speed and of its estimate; changes of load, radius and k_b while the loop settles; an edge interval that
+/// is no whole number of periods (rounded) and its beat with the period; edges bound to the angle instead of time.
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "firmware/control/config.hpp"
+#include "plant_sim/study/margins/loop.hpp"
+#include "plant_sim/study/margins/operating_point.hpp"
+
+namespace study::margins {
+
+/// x(k+1) = A(k) x(k) + B w(k), u(k) = C(k) x(k), of period N in k; closed by w = u. Opened for L = -(transfer from w to u).
+struct PeriodicSystem {
+    std::vector<Eigen::MatrixXd> a;  ///< N of them, as many as `c`
+    Eigen::VectorXd b;
+    std::vector<Eigen::RowVectorXd> c;
+    double period_s = 0.0;
+};
+
+class SampledLoop final : public Loop {
+  public:
+    /// Throws std::invalid_argument where sizes do not fit.
+    explicit SampledLoop(const PeriodicSystem& system);
+
+    void at(Complex s, std::vector<Complex>& loci) const override;
+    [[nodiscard]] int unstable_poles() const override { return unstable_poles_; }
+    [[nodiscard]] double end_radps() const override;
+    /// By what the loci do half the way and the whole way, doubled: no bound, but the count is checked against the eigenvalues of the closed
+    /// loop wherever it is used.
+    [[nodiscard]] double most_approach(Complex from, Complex to,
+                                       const std::vector<Complex>& loci) const override;
+
+    /// The answer at the frequency of the question, of a sine w(k) = e^{j w k h}: what a frequency analyser measures of L.
+    [[nodiscard]] Complex response(double frequency_radps) const;
+
+    /// Closed-loop poles with the loop's gain times `gain`, as growth rates 1/s (real part) and frequencies rad/s, the most
+    /// unstable first: from the monodromy matrix, without Nyquist.
+    [[nodiscard]] std::vector<Complex> closed_poles(double gain = 1.0) const;
+    [[nodiscard]] std::size_t loci() const { return system_.a.size(); }
+
+  private:
+    [[nodiscard]] Eigen::MatrixXcd lifted(Complex s) const;
+
+    PeriodicSystem system_;
+    Eigen::MatrixXd hessenberg_, into_, out_, through_;  // of the system lifted over its N periods
+    int unstable_poles_ = 0;
+};
+
+/// Linearised at `at`: `config` is the controller, `rig` the plant.
+[[nodiscard]] PeriodicSystem law_system(const antiskid::control::Config& config,
+                                        const plant::RigParameters& rig, const OperatingPoint& at,
+                                        Linearisation linearisation);
+
+/// The reference in force at this speed, SlipLaw::scheduled.
+[[nodiscard]] double scheduled_slip(const antiskid::control::SlipConfig& config, double slip_reference,
+                                    double speed_mps);
+
+}  // namespace study::margins

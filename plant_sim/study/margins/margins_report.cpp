@@ -1,0 +1,161 @@
+#include "plant_sim/study/margins/margins_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+namespace study::margins {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json to_json(const Margins& m) {
+    // Not-a-number and infinity become null.
+    return {{"stable", m.stable},
+            {"unstable_open_loop_poles", m.unstable_poles},
+            {"encirclements", m.encirclements},
+            {"phase_margin_deg", m.phase_deg},
+            {"gain_margin_up_dB", m.gain_up_dB},
+            {"gain_margin_down_dB", m.gain_down_dB},
+            {"modulus_margin", m.modulus},
+            {"crossover_radps", m.crossover_radps},
+            {"upward_oscillation_radps", m.upward_radps},
+            {"downward_oscillation_radps", m.downward_radps}};
+}
+
+ordered_json to_json(const BothMargins& m) {
+    return {{"printed", to_json(m.printed)}, {"full", to_json(m.full)}};
+}
+
+/// The worst of one loop over the speeds of a scenario.
+class Worst {
+  public:
+    void add(const Margins& m, double speed_mps) {
+        if (!m.stable) {
+            unstable_below_ = std::max(unstable_below_, speed_mps);
+            return;
+        }
+        take(phase_, m.phase_deg, speed_mps);
+        take(up_, m.gain_up_dB, speed_mps);
+        take(down_, m.gain_down_dB, speed_mps);
+    }
+    /// Three columns.
+    [[nodiscard]] std::string text() const {
+        if (unstable_below_ > 0.0)
+            return fmt::format("unstable from {:.0f} m/s | {} | {}", unstable_below_, one(up_), one(down_));
+        return fmt::format("{} | {} | {}", one(phase_), one(up_), one(down_));
+    }
+
+  private:
+    struct At {
+        double value = std::numeric_limits<double>::infinity();
+        double speed_mps = 0.0;
+    };
+    static void take(At& worst, double value, double speed_mps) {
+        if (value < worst.value) worst = {value, speed_mps};
+    }
+    static std::string one(const At& a) {
+        return std::isfinite(a.value) ? fmt::format("{:.1f} at {:.0f}", a.value, a.speed_mps) : "-";
+    }
+    At phase_, up_, down_;
+    double unstable_below_ = 0.0;
+};
+
+/// The fastest speed of a scenario at which `bad` holds, with how many; "-" where it never does.
+template <typename Bad>
+std::string from_speed(const std::vector<Cell>& cells, std::size_t scenario, const Bad& bad) {
+    double fastest = 0.0;
+    int count = 0;
+    for (const Cell& c : cells) {
+        if (c.scenario != scenario || !bad(c)) continue;
+        fastest = std::max(fastest, c.at.speed_mps);
+        ++count;
+    }
+    return count == 0 ? "-" : fmt::format("{} from {:.1f}", count, fastest);
+}
+
+}  // namespace
+
+std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells,
+                     const ReportHead& head) {
+    const Requirement& r = head.options.requirement;
+    std::string t = fmt::format(
+        "Worst margins over the speeds from brake-on to drop-out, full linearisation, slip reference "
+        "{:.2f}{}: value at speed (m/s)\n\n"
+        "| surface | maneuver | law: PM (deg) | up (dB) | down (dB) | PID: PM (deg) | up (dB) | down (dB) | "
+        "cells below {:.0f} deg or {:.0f} dB: law | PID | "
+        "infeasible for any controller |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+        head.options.slip_reference,
+        head.options.low_speed_fall ? ", falling at low speed" : " at every speed", r.phase_deg, r.gain_dB);
+    const auto law_fails = [&](const Cell& c) { return !meets(c.law.full, r); };
+    const auto pid_fails = [&](const Cell& c) { return !meets(c.pid.full, r); };
+    const auto infeasible = [&](const Cell& c) { return !c.limits.allow(r); };
+    for (std::size_t i = 0; i < scenarios.size(); ++i) {
+        Worst law, pid;
+        for (const Cell& c : cells) {
+            if (c.scenario != i) continue;
+            law.add(c.law.full, c.at.speed_mps);
+            pid.add(c.pid.full, c.at.speed_mps);
+        }
+        fmt::format_to(std::back_inserter(t), "| {} | {} | {} | {} | {} | {} | {} |\n", scenarios[i].surface,
+                       scenarios[i].maneuver, law.text(), pid.text(), from_speed(cells, i, law_fails),
+                       from_speed(cells, i, pid_fails), from_speed(cells, i, infeasible));
+    }
+    const auto count = [&](const auto& bad) { return std::count_if(cells.begin(), cells.end(), bad); };
+    fmt::format_to(
+        std::back_inserter(t),
+        "\nOf {} cells: law stable in {}, {:.0f} deg and {:.0f} dB both ways in {}; PID stable in {}, "
+        "meets in {}; no controller can in {}.\n",
+        cells.size(), count([](const Cell& c) { return c.law.full.stable; }), r.phase_deg, r.gain_dB,
+        cells.size() - static_cast<std::size_t>(count(law_fails)),
+        count([](const Cell& c) { return c.pid.full.stable; }),
+        cells.size() - static_cast<std::size_t>(count(pid_fails)), count(infeasible));
+    return t;
+}
+
+std::string to_json(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells,
+                    const ReportHead& head) {
+    ordered_json rows = ordered_json::array();
+    for (const Cell& c : cells) {
+        const bool limited = c.full_pole_radps < 0.0;
+        rows.push_back(
+            {{"surface", scenarios[c.scenario].surface},
+             {"maneuver", scenarios[c.scenario].maneuver},
+             {"speed_mps", c.at.speed_mps},
+             {"slip", c.at.slip},
+             {"pressure_Pa", c.at.pressure_Pa},
+             {"reachable", c.reachable},
+             {"pole_printed_radps", -c.printed_pole_radps},
+             {"pole_full_radps", -c.full_pole_radps},
+             {"wheel_edge_periods", c.edge_periods},
+             {"limit_phase_margin_deg", limited ? ordered_json(c.limits.phase_deg) : ordered_json()},
+             {"limit_gain_range_dB", limited ? ordered_json(c.limits.gain_range_dB) : ordered_json()},
+             {"feasible", c.limits.allow(head.options.requirement)},
+             {"pid", to_json(c.pid)},
+             {"law", to_json(c.law)}});
+    }
+    const ordered_json json{
+        {"study", "margins"},
+        {"config_hash", head.config_hash},
+        {"version", head.version},
+        {"seed", nullptr},  // nothing is drawn
+        {"slip_reference", head.options.slip_reference},
+        {"low_speed_fall", head.options.low_speed_fall},
+        {"required_phase_margin_deg", head.options.requirement.phase_deg},
+        {"required_gain_margin_dB", head.options.requirement.gain_dB},
+        {"pid",
+         {{"k_p_per_s", head.pid.k_p_per_s},
+          {"k_i_per_s2", head.pid.k_i_per_s2},
+          {"k_d", head.pid.k_d},
+          {"filter_s", head.pid.filter_s},
+          {"schedule", head.pid.schedule}}},
+        {"cells", std::move(rows)},
+    };
+    return json.dump(2) + "\n";
+}
+
+}  // namespace study::margins

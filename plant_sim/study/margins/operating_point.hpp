@@ -1,0 +1,40 @@
+/// Where the loop is linearised: one speed and one slip of one maneuver on one surface, held in equilibrium.
+#pragma once
+
+#include <vector>
+
+#include "plant_sim/model/rig.hpp"
+
+namespace study::margins {
+
+/// Which pole the linearised wheel has. Both neglect that speed, load, radius and brake gain change while the loop settles.
+enum class Linearisation {
+    printed,  ///< eq. (15): v constant, so that only the slope of mu counts
+    full,     ///< d lambda' / d lambda with v, F_z and r frozen, v' not: eq. (15) plus the term - mu (lambda)
+};
+
+/// An equilibrium: slip constant, lambda' = 0.
+struct OperatingPoint {
+    double speed_mps = 0.0;
+    double slip = 0.0;
+    double mass_kg = 0.0;
+    double inertia_kgm2 = 0.0;
+    double load_N = 0.0;         ///< F_z of eq. (2)
+    double radius_m = 0.0;       ///< r(F_z)
+    double brake_gain_m3 = 0.0;  ///< k_b of eq. (5) at this speed
+    double mu = 0.0;
+    double mu_1 = 0.0;               ///< d mu / d lambda
+    double pressure_Pa = 0.0;        ///< that holds the slip; may be more than the valve can give
+    double deceleration_mps2 = 0.0;  ///< F_x / m
+
+    /// a of G(s) = (r / (J v)) / (s + a): below zero past the peak, where the wheel runs away.
+    [[nodiscard]] double wheel_pole_radps(Linearisation linearisation) const;
+};
+
+/// `speed_mps` > 0, `slip` from 0 (exclusive) to 1; load by eq. (2), new brake or whatever `rig` has.
+[[nodiscard]] OperatingPoint operating_point(const plant::RigParameters& rig, double speed_mps, double slip);
+
+/// `count` >= 2 speeds from `first_mps` down to `last_mps`, each the same share of the one before: the pole goes as 1/v.
+[[nodiscard]] std::vector<double> speed_grid(double first_mps, double last_mps, int count);
+
+}  // namespace study::margins

@@ -1,0 +1,109 @@
+#include "plant_sim/study/margins/tune.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "plant_sim/study/margins/law_loop.hpp"
+
+namespace study::margins {
+
+namespace {
+
+constexpr double kCoarse =
+    1.2;  // step of the walk along the axis: the margins stay exact, what is found between steps is not near -1
+
+template <typename LoopAt>
+WorstScore worst(const std::vector<TuningCell>& cells, const Requirement& requirement,
+                 const LoopAt& loop_at) {
+    WorstScore w;
+    double least = 1e3;
+    for (const TuningCell& c : cells) {
+        const double s = score(margins(loop_at(c), kCoarse), requirement);
+        ++w.counted;
+        if (s < 0.0) ++w.unstable;
+        if (s >= 1.0) ++w.met;
+        least = std::min(least, s);
+    }
+    w.value = w.unstable > 0 ? -static_cast<double>(w.unstable) / w.counted : least;
+    return w;
+}
+
+Knob around(const char* name, double start, double low, double high) {
+    return {name, low, high, std::clamp(start, low, high)};
+}
+
+}  // namespace
+
+double score(const Margins& m, const Requirement& r) {
+    if (!m.stable) return -1.0;
+    return std::min({m.phase_deg / r.phase_deg, m.gain_up_dB / r.gain_dB, m.gain_down_dB / r.gain_dB});
+}
+
+std::vector<TuningCell> tuning_cells(const std::vector<Scenario>& scenarios,
+                                     const antiskid::control::Config& controller,
+                                     const StudyOptions& options) {
+    std::vector<TuningCell> cells;
+    for (std::size_t i = 0; i < scenarios.size(); ++i) {
+        const Scenario& s = scenarios[i];
+        for (const double v : speed_grid(s.rig.brake_on_mps, s.drop_out_mps, options.speeds)) {
+            const double slip = options.low_speed_fall
+                                    ? scheduled_slip(controller.slip, options.slip_reference, v)
+                                    : options.slip_reference;
+            const OperatingPoint at = operating_point(s.rig, v, slip);
+            const Limits l = limits(at.wheel_pole_radps(Linearisation::full), s.rig.valve.delay_s,
+                                    static_cast<double>(controller.period_s));
+            if (l.allow(options.requirement)) cells.push_back({i, at});
+        }
+    }
+    return cells;
+}
+
+WorstScore pid_score(const Pid& pid, const std::vector<Scenario>& scenarios,
+                     const std::vector<TuningCell>& cells, const Requirement& requirement) {
+    return worst(cells, requirement, [&](const TuningCell& c) {
+        return pid_loop(pid, scenarios[c.scenario].rig.valve, c.at, Linearisation::full);
+    });
+}
+
+WorstScore law_score(const antiskid::control::Config& controller, const std::vector<Scenario>& scenarios,
+                     const std::vector<TuningCell>& cells, const Requirement& requirement) {
+    return worst(cells, requirement, [&](const TuningCell& c) {
+        return SampledLoop(law_system(controller, scenarios[c.scenario].rig, c.at, Linearisation::full));
+    });
+}
+
+std::vector<Knob> pid_knobs(const Pid& start) {
+    return {around("k_p_per_s", start.k_p_per_s, 5.0, 200.0),
+            around("k_i_per_s2", start.k_i_per_s2, 5.0, 500.0), around("k_d", start.k_d, 0.01, 5.0),
+            around("schedule", start.schedule, 0.25, 2.0)};
+}
+
+Pid with(Pid pid, const std::vector<double>& values) {
+    pid.k_p_per_s = values.at(0);
+    pid.k_i_per_s2 = values.at(1);
+    pid.k_d = values.at(2);
+    pid.schedule = values.at(3);
+    return pid;
+}
+
+std::vector<Knob> law_knobs(const antiskid::control::Config& start) {
+    return {around("k_p_per_s", static_cast<double>(start.slip.k_p_per_s), 20.0, 200.0),
+            around("k_i_per_s2", static_cast<double>(start.slip.k_i_per_s2), 20.0, 500.0),
+            around("k_d", static_cast<double>(start.slip.k_d), 0.3, 10.0),
+            around("k_dd_s", static_cast<double>(start.slip.k_dd_s), 0.001, 0.02),
+            around("road_torque_share", static_cast<double>(start.slip.road_torque_share), 0.5, 1.0),
+            around("wheel_bandwidth_radps", static_cast<double>(start.estimator.wheel_bandwidth_radps), 150.0,
+                   800.0)};
+}
+
+antiskid::control::Config with(antiskid::control::Config config, const std::vector<double>& values) {
+    config.slip.k_p_per_s = static_cast<float>(values.at(0));
+    config.slip.k_i_per_s2 = static_cast<float>(values.at(1));
+    config.slip.k_d = static_cast<float>(values.at(2));
+    config.slip.k_dd_s = static_cast<float>(values.at(3));
+    config.slip.road_torque_share = static_cast<float>(values.at(4));
+    config.estimator.wheel_bandwidth_radps = static_cast<float>(values.at(5));
+    return config;
+}
+
+}  // namespace study::margins

@@ -1,0 +1,48 @@
+/// Gains by their margins: what `rig-lab tune` maximises.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "plant_sim/study/margins/cells.hpp"
+#include "plant_sim/study/margins/search.hpp"
+
+namespace study::margins {
+
+/// How much of what is asked a loop has: the least of phase margin, upward and downward gain margin, each over the requirement; below zero
+/// where the loop is unstable. 1 and more meets it.
+[[nodiscard]] double score(const Margins& margins, const Requirement& requirement);
+
+/// Score of a loop over all cells that `Limits` allow. Where some are unstable: minus their share; else the least.
+struct WorstScore {
+    double value = 0.0;
+    int unstable = 0;
+    int met = 0;
+    int counted = 0;
+};
+
+/// Operating points of a study, without their margins: what tuning goes over again and again.
+struct TuningCell {
+    std::size_t scenario = 0;
+    OperatingPoint at;
+};
+[[nodiscard]] std::vector<TuningCell> tuning_cells(const std::vector<Scenario>& scenarios,
+                                                   const antiskid::control::Config& controller,
+                                                   const StudyOptions& options);
+
+[[nodiscard]] WorstScore pid_score(const Pid& pid, const std::vector<Scenario>& scenarios,
+                                   const std::vector<TuningCell>& cells, const Requirement& requirement);
+[[nodiscard]] WorstScore law_score(const antiskid::control::Config& controller,
+                                   const std::vector<Scenario>& scenarios,
+                                   const std::vector<TuningCell>& cells, const Requirement& requirement);
+
+/// k_p, k_i, k_d and the schedule's power, within the bounds that docs/margins.md states; the filter stays.
+[[nodiscard]] std::vector<Knob> pid_knobs(const Pid& start);
+[[nodiscard]] Pid with(Pid pid, const std::vector<double>& values);
+
+/// k_p, k_i, k_d, k_dd and the road torque's share of [slip], and the wheel's estimator bandwidth.
+[[nodiscard]] std::vector<Knob> law_knobs(const antiskid::control::Config& start);
+[[nodiscard]] antiskid::control::Config with(antiskid::control::Config config,
+                                             const std::vector<double>& values);
+
+}  // namespace study::margins

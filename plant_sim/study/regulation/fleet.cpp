@@ -1,0 +1,153 @@
+#include "plant_sim/study/regulation/fleet.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "plant_sim/wear/draw.hpp"
+
+namespace regulation {
+
+namespace {
+
+/// The brake of one life as it really is: it can take more or less until it is worn out, and wears the slower or faster for it.
+wear::BrakeWear brake_of(const Plan& plan, const wear::BrakeWear& brake, const FleetOptions& options,
+                         std::uint64_t life) {
+    constexpr std::uint64_t kStream = 1U << 20U;  // beyond those of the lives' landings
+    wear::Generator generator = wear::generator_of(options.seed, kStream + life);
+    const double budget = std::max(1.0 + options.brake_deviation * wear::normal(generator), 0.5);
+    wear::BrakeWear own = brake;
+    own.life_J = plan.brake_taken_J + budget * plan.brake_budget_J();
+    own.scale.energy *= own.life_J / plan.brake_life_J;
+    return own;
+}
+
+struct Stopped {};
+
+struct Work {
+    const Plan& plan;
+    const Rules& rules;
+    const Range& range;
+    const wear::BrakeWear& brake;
+    const FleetOptions& options;
+
+    [[nodiscard]] Life run(const Policy& policy, std::uint64_t life, const Lander& land) const {
+        constexpr std::size_t kBeyond = 2;  // times the plan: even a life of light landings is over by then
+        const auto planned = static_cast<std::size_t>(plan.landings);
+        const std::vector<Draw> draws = draw_life(options.seed, life, kBeyond * planned, planned,
+                                                  options.scenarios, options.mix, options.missing);
+        return live(plan, rules, range, draws,
+                    {.fixed = policy.fixed,
+                     .brake = brake_of(plan, brake, options, life),
+                     .rule = {},
+                     .brake_seed = options.seed + life,
+                     .inspection = options.inspection,
+                     .worst_stops = options.worst_stops && !policy.fixed},
+                    land);
+    }
+};
+
+}  // namespace
+
+std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const Range& range,
+                                   const std::vector<Policy>& policies, const wear::BrakeWear& brake,
+                                   const FleetOptions& options, const std::function<Lander()>& lander) {
+    const Work work{plan, rules, range, brake, options};
+    const auto lives = static_cast<std::size_t>(options.lives);
+    std::vector<PolicyLives> all;
+    all.reserve(policies.size());
+    for (const Policy& policy : policies) all.push_back({policy, std::vector<Life>(lives)});
+    std::mutex mutex;  // of done, failure and on_landing
+    int done = 0;
+    std::exception_ptr failure;
+    std::atomic<std::size_t> next{0};
+    std::atomic<bool> over{false};
+    const auto run = [&] {
+        try {
+            const Lander own = lander();
+            const Lander counted = [&](const Draw& draw, double reference, double friction) {
+                if (options.stop != nullptr && options.stop->load()) throw Stopped{};
+                Stop stop = own(draw, reference, friction);
+                const std::scoped_lock lock(mutex);
+                if (options.on_landing) options.on_landing(++done);
+                return stop;
+            };
+            while (!over.load()) {
+                const std::size_t i = next.fetch_add(1);
+                if (i >= lives * policies.size()) return;
+                const std::size_t life = i / policies.size();
+                const std::size_t policy = i % policies.size();
+                all[policy].lives[life] = work.run(policies[policy], life, counted);
+            }
+        } catch (const Stopped&) {
+            over.store(true);
+        } catch (...) {
+            const std::scoped_lock lock(mutex);
+            if (!failure) failure = std::current_exception();
+            over.store(true);
+        }
+    };
+    {
+        std::vector<std::jthread> threads;
+        for (unsigned i = 1; i < options.threads; ++i) threads.emplace_back(run);
+        run();
+    }
+    if (failure) std::rethrow_exception(failure);
+    if (over.load()) return {};
+    return all;
+}
+
+Summary summary(const PolicyLives& policy, const std::vector<bool>& feasible, double tolerance) {
+    Summary s;
+    const auto lives = static_cast<double>(policy.lives.size());
+    double stops = 0.0;
+    for (std::size_t i = 0; i < policy.lives.size(); ++i) {
+        const Life& life = policy.lives[i];
+        if (feasible[i]) ++s.feasible;
+        if (feasible[i] && life.met) ++s.met;
+        if (life.other_left <= tolerance) ++s.together;
+        s.first_landing += life.first_landing / lives;
+        s.other_left += life.other_left / lives;
+        s.worst_other_left = std::max(s.worst_other_left, life.other_left);
+        s.brake_at_plan += life.brake_at_plan / lives;
+        s.tyre_at_plan += life.tyre_at_plan / lives;
+        s.floor_held = s.floor_held && life.floor_held;
+        for (const LifeRow& row : life.rows) {
+            s.j_mu += row.j_mu;
+            s.least_j_mu = std::min(s.least_j_mu, row.j_mu);
+            s.distance_m += row.distance_m;
+            stops += 1.0;
+        }
+    }
+    s.j_mu /= stops;
+    s.distance_m /= stops;
+    return s;
+}
+
+double best_fixed(const Plan& plan, const std::vector<double>& grid, const std::vector<double>& tyre_share,
+                  const Range& range) {
+    constexpr double kStep = 0.01;  // as references are set
+    const double wanted = plan.tyre_budget_J() / (plan.tyre_budget_J() + plan.brake_budget_J());
+    double best = 0.0;
+    double least = 2.0;
+    const int first = static_cast<int>(std::ceil(range.lowest / kStep - 1e-9));
+    const int last = static_cast<int>(std::floor(range.highest / kStep + 1e-9));
+    for (int k = first; k <= last; ++k) {
+        const double reference = k * kStep;
+        const auto above =
+            std::clamp<std::ptrdiff_t>(std::upper_bound(grid.begin(), grid.end(), reference) - grid.begin(),
+                                       1, static_cast<std::ptrdiff_t>(grid.size()) - 1);
+        const auto j = static_cast<std::size_t>(above);
+        const double t = (reference - grid[j - 1]) / (grid[j] - grid[j - 1]);
+        const double share = tyre_share[j - 1] + t * (tyre_share[j] - tyre_share[j - 1]);
+        if (const double off = std::abs(share - wanted); off < least) {
+            least = off;
+            best = reference;
+        }
+    }
+    return best;
+}
+
+}  // namespace regulation

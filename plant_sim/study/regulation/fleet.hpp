@@ -1,0 +1,68 @@
+/// Many lives under several policies, on every core: what regulation is worth against fixed references.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plant_sim/study/regulation/life.hpp"
+
+namespace regulation {
+
+struct Policy {
+    std::string name;
+    std::optional<double> fixed;  ///< none: regulated
+};
+
+struct FleetOptions {
+    int lives = 8;
+    std::uint64_t seed = 1;
+    Mix mix = Mix::random;
+    double missing = 0.0;  ///< share of landings whose figures are lost
+    double brake_deviation =
+        0.0;             ///< of what a brake really can take more, over the plan's budget, from life to life
+    int inspection = 0;  ///< see LifeOptions
+    std::size_t scenarios = 0;
+    bool worst_stops = true;  ///< of the regulated lives
+    unsigned threads = 1;
+    const std::atomic<bool>* stop = nullptr;  ///< once true nothing more is begun
+    std::function<void(int landings)>
+        on_landing{};  ///< landings so far of all lives; one call at a time, by any thread
+};
+
+struct PolicyLives {
+    Policy policy;
+    std::vector<Life> lives;
+};
+
+/// The figures do not depend on `threads`. Empty when it was stopped. Each thread calls `lander` once for a lander of its own.
+[[nodiscard]] std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const Range& range,
+                                                 const std::vector<Policy>& policies,
+                                                 const wear::BrakeWear& brake, const FleetOptions& options,
+                                                 const std::function<Lander()>& lander);
+
+struct Summary {
+    int feasible = 0;  ///< lives in which both limits could be met at the planned landing
+    int met = 0;       ///< of those, lives in which they were
+    int together =
+        0;  ///< lives, feasible or not, in which at the first limit no more than the tolerance was left of the other
+    double first_landing = 0.0;  ///< mean
+    double other_left = 0.0;     ///< mean
+    double worst_other_left = 0.0;
+    double brake_at_plan = 0.0, tyre_at_plan = 0.0;  ///< means
+    double j_mu = 0.0, least_j_mu = 1.0;             ///< mean and least of all stops
+    double distance_m = 0.0;                         ///< mean
+    bool floor_held = true;
+};
+
+/// `feasible`: of each life; the same for every policy, since it is about what was possible.
+[[nodiscard]] Summary summary(const PolicyLives& lives, const std::vector<bool>& feasible, double tolerance);
+
+/// Of the fixed references on `grid` the one whose mean tyre share `tyre_share` brings both limits nearest to each other: the best that can be
+/// chosen once, with the shares known beforehand.
+[[nodiscard]] double best_fixed(const Plan& plan, const std::vector<double>& grid,
+                                const std::vector<double>& tyre_share, const Range& range);
+
+}  // namespace regulation

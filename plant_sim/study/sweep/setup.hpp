@@ -1,0 +1,21 @@
+/// A sweep's plan from the files in config/.
+#pragma once
+
+#include <filesystem>
+
+#include "plant_sim/study/sweep/plan.hpp"
+
+namespace sweep {
+
+struct PlanOptions {
+    std::filesystem::path config = "config";
+    std::vector<double> references = paper_references();
+    std::size_t landings = kPaperLandings;
+    bool threshold = true;
+    std::uint64_t seed = 1;
+};
+
+/// All surfaces times all maneuvers of `config`. Throws settings::Error naming file, line and key.
+[[nodiscard]] Plan load_plan(const PlanOptions& options);
+
+}  // namespace sweep

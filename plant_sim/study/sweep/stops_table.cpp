@@ -1,0 +1,329 @@
+#include "plant_sim/study/sweep/stops_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+
+#include "firmware/can/value_names.hpp"
+
+namespace sweep {
+
+namespace {
+
+using settings::Error;
+using study::StopFigures;
+
+constexpr std::string_view kFormat = "# antiskid sweep 1 ";
+constexpr std::string_view kStopColumns =
+    "stop,law,slip_reference,landing,surface,maneuver,c_e_J,mean_friction,sensor_seed,standstill,faults";
+
+struct Figure {
+    std::string_view name;
+    double StopFigures::*value;
+};
+
+constexpr std::array<Figure, 15> kFigures{{{"j_mu", &StopFigures::j_mu},
+                                           {"stop_distance_m", &StopFigures::stop_distance_m},
+                                           {"duration_s", &StopFigures::duration_s},
+                                           {"drop_out_distance_m", &StopFigures::drop_out_distance_m},
+                                           {"energy_brake_J", &StopFigures::energy_brake_J},
+                                           {"energy_tyre_J", &StopFigures::energy_tyre_J},
+                                           {"energy_residual", &StopFigures::energy_residual},
+                                           {"slip_efficiency", &StopFigures::slip_efficiency},
+                                           {"tracked_share", &StopFigures::tracked_share},
+                                           {"tracked_tyre_share", &StopFigures::tracked_tyre_share},
+                                           {"peak_slip", &StopFigures::peak_slip},
+                                           {"longest_lock_s", &StopFigures::longest_lock_s},
+                                           {"measured_friction", &StopFigures::mean_friction},
+                                           {"mean_torque_Nm", &StopFigures::mean_torque_Nm},
+                                           {"mean_load_N", &StopFigures::mean_load_N}}};
+
+std::string column_names() {
+    std::string names(kStopColumns);
+    for (const Figure& figure : kFigures) names.append(",").append(figure.name);
+    return names + "\n";
+}
+
+/// One line's fields, taken from left to right; every refusal names file, line and column.
+class Fields {
+  public:
+    Fields(const std::string& name, std::uint32_t line, std::string_view text)
+        : name_(name), line_(line), left_(text) {}
+
+    std::string_view next(std::string_view column) {
+        if (done_) throw Error(name_, line_, std::string(column), "the line ends before it");
+        const auto comma = left_.find(',');
+        const std::string_view field = left_.substr(0, comma);
+        done_ = comma == std::string_view::npos;
+        left_ = done_ ? std::string_view{} : left_.substr(comma + 1);
+        return field;
+    }
+
+    template <typename Number>
+    Number number(std::string_view column) {
+        const std::string_view text = next(column);
+        Number value{};
+        const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+        bool good = failure == std::errc() && end == text.data() + text.size();
+        if constexpr (std::is_floating_point_v<Number>) good = good && std::isfinite(value);
+        if (!good) refuse(column, text, "a number");
+        return value;
+    }
+
+    bool choice(std::string_view column, std::string_view yes, std::string_view no) {
+        const std::string_view text = next(column);
+        if (text != yes && text != no) refuse(column, text, fmt::format("{} or {}", yes, no));
+        return text == yes;
+    }
+
+    void finish() const {
+        if (!done_) throw Error(name_, line_, "", "the line has more fields than the table has columns");
+    }
+
+    [[noreturn]] void refuse(std::string_view column, std::string_view got, std::string_view expected) const {
+        constexpr std::size_t kShown = 40;
+        throw Error(name_, line_, std::string(column),
+                    fmt::format("'{}': expected {}", got.substr(0, kShown), expected));
+    }
+
+  private:
+    const std::string& name_;
+    std::uint32_t line_;
+    std::string_view left_;
+    bool done_ = false;
+};
+
+std::string fault_names(antiskid::control::FaultSet faults) {
+    std::string names;
+    for (std::uint8_t i = 0; i < antiskid::control::kFaultCount; ++i) {
+        if (!faults.contains(static_cast<antiskid::control::Fault>(i))) continue;
+        names.append(names.empty() ? "" : " ").append(antiskid::can::kFaultNames[i]);
+    }
+    return names.empty() ? "none" : names;
+}
+
+antiskid::control::FaultSet faults_of(Fields& fields) {
+    antiskid::control::FaultSet faults;
+    const std::string_view all = fields.next("faults");
+    for (std::string_view left = all; left != "none";) {
+        const auto space = left.find(' ');
+        const auto* known = std::find(antiskid::can::kFaultNames.begin(), antiskid::can::kFaultNames.end(),
+                                      left.substr(0, space));
+        if (known == antiskid::can::kFaultNames.end())
+            fields.refuse("faults", all, "names of faults, or none");
+        faults.insert(
+            static_cast<antiskid::control::Fault>(std::distance(antiskid::can::kFaultNames.begin(), known)));
+        if (space == std::string_view::npos) break;
+        left.remove_prefix(space + 1);
+    }
+    return faults;
+}
+
+void check_provenance(const std::string& name, const Identity& id, const Shard& shard) {
+    constexpr std::size_t kMost = 100'000'000;
+    const bool increasing = std::adjacent_find(id.references.begin(), id.references.end(),
+                                               std::greater_equal<>()) == id.references.end();
+    if (id.landings == 0 || id.landings > kMost || id.references.size() > kMost / id.landings || !increasing)
+        throw Error(name, 1, "references", "no sweep has such references and landings");
+    if (shard.index < 1 || shard.index > shard.count)
+        throw Error(name, 1, "shard", "expected [part, parts] with a part from 1 to parts");
+}
+
+}  // namespace
+
+Identity identity_of(const Plan& plan) {
+    return {.version = plan.version,
+            .config_hash = plan.config_hash,
+            .seed = plan.seed,
+            .references = plan.references,
+            .landings = plan.landings.size(),
+            .threshold = plan.threshold};
+}
+
+std::string difference(const Identity& got, const Identity& wanted) {
+    if (got.version != wanted.version)
+        return fmt::format("version {} instead of {}", got.version, wanted.version);
+    if (got.config_hash != wanted.config_hash)
+        return fmt::format("configuration {} instead of {}", got.config_hash, wanted.config_hash);
+    if (got.seed != wanted.seed) return fmt::format("seed {} instead of {}", got.seed, wanted.seed);
+    if (got.landings != wanted.landings)
+        return fmt::format("{} landings instead of {}", got.landings, wanted.landings);
+    if (got.references != wanted.references)
+        return fmt::format("other slip references ({} from {} to {} instead of {} from {} to {})",
+                           got.references.size(), got.references.empty() ? 0.0 : got.references.front(),
+                           got.references.empty() ? 0.0 : got.references.back(), wanted.references.size(),
+                           wanted.references.empty() ? 0.0 : wanted.references.front(),
+                           wanted.references.empty() ? 0.0 : wanted.references.back());
+    if (got.threshold != wanted.threshold)
+        return got.threshold ? "with the threshold law instead of without"
+                             : "without the threshold law instead of with it";
+    return {};
+}
+
+std::vector<std::size_t> numbers_of(std::size_t stops, const Shard& shard) {
+    const std::vector<std::size_t> all = order_of_work(stops);
+    std::vector<std::size_t> ours;
+    ours.reserve(stops / shard.count + 1);
+    for (std::size_t i = shard.index - 1; i < stops; i += shard.count) ours.push_back(all[i]);
+    return ours;
+}
+
+std::string head(const Identity& identity, const Shard& shard) {
+    const nlohmann::ordered_json json{{"version", identity.version},
+                                      {"config_hash", identity.config_hash},
+                                      {"seed", identity.seed},
+                                      {"references", identity.references},
+                                      {"landings", identity.landings},
+                                      {"threshold", identity.threshold},
+                                      {"shard", {shard.index, shard.count}}};
+    return fmt::format("{}{}\n{}", kFormat, json.dump(), column_names());
+}
+
+std::string line(const Row& row) {
+    const Stop& s = row.stop;
+    std::string out =
+        fmt::format("{},{},{},{},{},{},{},{},{},{},{}", s.number, s.threshold ? "threshold" : "slip",
+                    s.slip_reference, s.landing, s.surface, s.maneuver, s.c_e_J, s.mean_friction,
+                    s.sensor_seed, row.figures.standstill ? "yes" : "no", fault_names(row.faults));
+    for (const Figure& figure : kFigures)
+        fmt::format_to(std::back_inserter(out), ",{}", row.figures.*figure.value);
+    out.push_back('\n');
+    return out;
+}
+
+std::string to_csv(const Identity& identity, const Shard& shard, std::span<const Row> rows) {
+    std::string csv = head(identity, shard);
+    for (const Row& row : rows) csv += line(row);
+    return csv;
+}
+
+Row parse_row(const std::string& name, std::uint32_t line_number, std::string_view text) {
+    Fields fields(name, line_number, text);
+    Row row;
+    Stop& s = row.stop;
+    s.number = fields.number<std::size_t>("stop");
+    s.threshold = fields.choice("law", "threshold", "slip");
+    s.slip_reference = fields.number<double>("slip_reference");
+    s.landing = fields.number<std::size_t>("landing");
+    s.surface = fields.next("surface");
+    s.maneuver = fields.next("maneuver");
+    s.c_e_J = fields.number<double>("c_e_J");
+    s.mean_friction = fields.number<double>("mean_friction");
+    s.sensor_seed = fields.number<std::uint64_t>("sensor_seed");
+    row.figures.standstill = fields.choice("standstill", "yes", "no");
+    row.faults = faults_of(fields);
+    for (const Figure& figure : kFigures) row.figures.*figure.value = fields.number<double>(figure.name);
+    fields.finish();
+    return row;
+}
+
+StopsTable parse_stops(const std::string& name, std::string_view csv) {
+    StopsTable table{.name = name};
+    std::set<std::size_t> expected;
+    std::uint32_t number = 0;
+    while (!csv.empty()) {
+        const auto end = csv.find('\n');
+        if (end == std::string_view::npos) break;
+        const std::string_view text = csv.substr(0, end);
+        csv.remove_prefix(end + 1);
+        table.whole += end + 1;
+        ++number;
+        if (number == 1) {
+            if (!text.starts_with(kFormat))
+                throw Error(name, 1, "",
+                            "this is no table of a sweep's stops; its first line begins with '" +
+                                std::string(kFormat) + "'");
+            try {
+                const auto json = nlohmann::json::parse(text.substr(kFormat.size()));
+                table.identity = {.version = json.at("version").get<std::string>(),
+                                  .config_hash = json.at("config_hash").get<std::string>(),
+                                  .seed = json.at("seed").get<std::uint64_t>(),
+                                  .references = json.at("references").get<std::vector<double>>(),
+                                  .landings = json.at("landings").get<std::size_t>(),
+                                  .threshold = json.at("threshold").get<bool>()};
+                table.shard = {json.at("shard").at(0).get<std::size_t>(),
+                               json.at("shard").at(1).get<std::size_t>()};
+            } catch (const nlohmann::json::exception& e) {
+                throw Error(name, 1, "", std::string("damaged first line: ") + e.what());
+            }
+            check_provenance(name, table.identity, table.shard);
+            const auto numbers = numbers_of(table.identity.stops(), table.shard);
+            expected.insert(numbers.begin(), numbers.end());
+            continue;
+        }
+        if (number == 2) {
+            if (std::string(text) + "\n" != column_names())
+                throw Error(name, 2, "", "other columns than this version's: " + column_names());
+            continue;
+        }
+        Row row = parse_row(name, number, text);
+        const std::size_t reference = row.stop.number / table.identity.landings;
+        if (expected.erase(row.stop.number) == 0)
+            throw Error(
+                name, number, "stop",
+                fmt::format("{} stands in the table twice, or is not of this shard", row.stop.number));
+        if (row.stop.landing != row.stop.number % table.identity.landings ||
+            row.stop.threshold != (reference == table.identity.references.size()) ||
+            row.stop.slip_reference != (row.stop.threshold ? 0.0 : table.identity.references[reference]))
+            throw Error(
+                name, number, "stop",
+                fmt::format("{} has another law, reference or landing in this sweep", row.stop.number));
+        table.rows.push_back(std::move(row));
+    }
+    if (number < 2)
+        throw Error(name, 0, "", "this is no table of a sweep's stops: its first two lines are not whole");
+    return table;
+}
+
+StopsTable read_stops(const std::filesystem::path& csv) {
+    std::ifstream file(csv, std::ios::binary);
+    if (!file) throw Error(csv.string(), 0, "", "cannot be read");
+    const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    return parse_stops(csv.string(), text);
+}
+
+StopsTable merged(std::span<const StopsTable> shards) {
+    if (shards.empty()) throw std::invalid_argument("there is nothing to merge");
+    const StopsTable& first = shards.front();
+    std::vector<const StopsTable*> have(first.shard.count, nullptr);
+    StopsTable all{.name = "the merged sweep", .identity = first.identity};
+    for (const StopsTable& shard : shards) {
+        const std::string differs = difference(shard.identity, first.identity);
+        if (!differs.empty())
+            throw std::invalid_argument(
+                fmt::format("{}: {} as in {}: not the same sweep", shard.name, differs, first.name));
+        if (shard.shard.count != first.shard.count)
+            throw std::invalid_argument(fmt::format("{} is one of {} shards, {} one of {}", shard.name,
+                                                    shard.shard.count, first.name, first.shard.count));
+        const StopsTable*& place = have[shard.shard.index - 1];
+        if (place != nullptr)
+            throw std::invalid_argument(fmt::format("{} and {} are both shard {} of {}", place->name,
+                                                    shard.name, shard.shard.index, shard.shard.count));
+        place = &shard;
+        const std::size_t wanted = numbers_of(shard.identity.stops(), shard.shard).size();
+        if (shard.rows.size() != wanted)
+            throw std::invalid_argument(
+                fmt::format("{} has {} of its {} stops; the command that made it goes on where it ended",
+                            shard.name, shard.rows.size(), wanted));
+        all.rows.insert(all.rows.end(), shard.rows.begin(), shard.rows.end());
+    }
+    std::string missing;
+    for (std::size_t i = 0; i < have.size(); ++i) {
+        if (have[i] == nullptr)
+            missing += fmt::format("{}{}/{}", missing.empty() ? "" : ", ", i + 1, have.size());
+    }
+    if (!missing.empty()) throw std::invalid_argument("missing: shard " + missing);
+    std::sort(all.rows.begin(), all.rows.end(),
+              [](const Row& a, const Row& b) { return a.stop.number < b.stop.number; });
+    return all;
+}
+
+}  // namespace sweep

@@ -1,0 +1,210 @@
+#include <fmt/format.h>
+
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "plant_sim/study/gnuplot.hpp"
+#include "plant_sim/study/sweep/trade.hpp"
+
+namespace sweep {
+
+namespace {
+
+const char* name_of(Decides decides) {
+    switch (decides) {
+        case Decides::nothing:
+            return "nothing";
+        case Decides::least_j_mu:
+            return "least_j_mu";
+        case Decides::most_distance:
+            return "most_distance";
+        case Decides::end_of_references:
+            return "end_of_references";
+        case Decides::no_cost:
+            return "no_cost";
+    }
+    return "";
+}
+
+const char* words_of(Decides decides) {
+    switch (decides) {
+        case Decides::nothing:
+            return "neither a bound nor the end of the references holds it: cost is least there";
+        case Decides::least_j_mu:
+            return "the floor on J_mu decides: beyond it would be cheaper";
+        case Decides::most_distance:
+            return "the ceiling on distance decides: beyond it would be cheaper";
+        case Decides::end_of_references:
+            return "the end of the sweep's references decides: beyond may be cheaper";
+        case Decides::no_cost:
+            return "nothing costs anything: the greatest J_mu within the bounds";
+    }
+    return "";
+}
+
+nlohmann::ordered_json json_of(const Offer& o) {
+    nlohmann::ordered_json json;
+    if (o.slip_reference > 0.0) json["slip_reference"] = o.slip_reference;
+    json.update({{"j_mu", o.j_mu},
+                 {"stop_distance_m", o.stop_distance_m},
+                 {"energy_brake_J", o.energy_brake_J},
+                 {"energy_tyre_J", o.energy_tyre_J},
+                 {"cost", o.cost}});
+    return json;
+}
+
+nlohmann::ordered_json json_of(const Saving& s) {
+    return {{"share", s.share}, {"interval_95", {s.interval.low, s.interval.high}}};
+}
+
+bool by_life(const TradeOptions& options) {
+    return std::holds_alternative<Lives>(options.tariff);
+}
+
+/// Small numbers stay readable, whatever the currency.
+std::string cost_text(const Offer& o, const TradeOptions& options) {
+    return by_life(options) ? fmt::format("{:.1f}", 1.0 / o.cost) : fmt::format("{:.5g}", o.cost);
+}
+
+std::string saving_text(const Saving& s, const char* than, const TradeOptions& options) {
+    if (!by_life(options))
+        return fmt::format("  saves against {}: {:.2f} % (95 %: {:.2f} to {:.2f})\n", than, s.share * 100.0,
+                           s.interval.low * 100.0, s.interval.high * 100.0);
+    // A cost that is smaller by s makes 1 / (1 - s) times the landings.
+    const auto more = [](double share) { return (1.0 / (1.0 - share) - 1.0) * 100.0; };
+    return fmt::format("  landings more than with {}: {:.2f} % (95 %: {:.2f} to {:.2f})\n", than,
+                       more(s.share), more(s.interval.low), more(s.interval.high));
+}
+
+std::string bounds_text(const Bounds& bounds) {
+    std::string text;
+    if (bounds.least_j_mu) text += fmt::format("mean J_mu at least {}", *bounds.least_j_mu);
+    if (bounds.most_distance_m)
+        text +=
+            fmt::format("{}mean distance at most {} m", text.empty() ? "" : ", ", *bounds.most_distance_m);
+    return text.empty() ? "no bound" : text;
+}
+
+std::string point(const Offer& o) {
+    return fmt::format("{:.9g} {:.7f} {:.4f} {:.3f}\n", o.cost, o.j_mu, o.stop_distance_m, o.slip_reference);
+}
+
+std::string block(const char* name, const std::optional<Offer>& o) {
+    // An empty block would be an error of gnuplot's.
+    return fmt::format("${} << EOD\n{}EOD\n", name, o ? point(*o) : std::string("NaN NaN NaN NaN\n"));
+}
+
+std::string panel(int column, const char* label, const std::optional<double>& bound) {
+    std::string text = fmt::format("set ylabel '{}'\n", label);
+    text += fmt::format(
+        "plot $all using 1:{y} with lines lw 2 lc rgb '#9db4cc' title 'slip references', "
+        "$within using 1:{y} with points pt 7 ps 0.5 lc rgb '#1f4e79' title 'within the bounds', "
+        "$labels using 1:{y}:(sprintf('%.2f', $4)) with labels left offset 0.6,0.5 font ',9' tc rgb "
+        "'#555555' notitle, "
+        "$labels using 1:{y} with points pt 7 ps 0.8 lc rgb '#555555' notitle, "
+        "$threshold using 1:{y} with points pt 2 ps 1.6 lw 2 lc rgb '#c55a11' title 'threshold law', "
+        "$paper using 1:{y} with points pt 6 ps 2 lw 2 lc rgb 'black' title 'reference 0.24', "
+        "$best using 1:{y} with points pt 5 ps 1.5 lc rgb '#548235' title 'best'",
+        fmt::arg("y", column));
+    if (bound) text += fmt::format(", {} with lines dt 2 lw 1.5 lc rgb '#a61c3c' title 'bound'", *bound);
+    return text + "\n";
+}
+
+}  // namespace
+
+std::string to_json(const Trade& t, const StopsTable& sweep, const TradeOptions& options) {
+    nlohmann::ordered_json json{{"study", "trade"},
+                                {"version", sweep.identity.version},
+                                {"config_hash", sweep.identity.config_hash},
+                                {"sweep", sweep.name},
+                                {"sweep_seed", sweep.identity.seed},
+                                {"landings", sweep.identity.landings},
+                                {"seed", options.seed},
+                                {"resamples", options.resamples}};
+    if (const auto* price = std::get_if<Prices>(&options.tariff))
+        json.update({{"brake_price_per_MJ", price->brake_per_MJ}, {"tyre_price_per_MJ", price->tyre_per_MJ}});
+    else
+        json.update({{"brake_life_MJ", std::get<Lives>(options.tariff).brake_MJ},
+                     {"tyre_life_MJ", std::get<Lives>(options.tariff).tyre_MJ}});
+    if (options.bounds.least_j_mu) json["least_j_mu"] = *options.bounds.least_j_mu;
+    if (options.bounds.most_distance_m) json["most_distance_m"] = *options.bounds.most_distance_m;
+    json["feasible"] = t.best.has_value();
+    json["feasible_share_of_resamples"] = t.feasible_share;
+    if (t.best) {
+        json["best"] = json_of(*t.best);
+        json["best"]["slip_reference_interval_95"] = {t.best_interval.low, t.best_interval.high};
+        json["decided_by"] = name_of(t.decides);
+    }
+    if (t.paper) json["reference_0_24"] = json_of(*t.paper);
+    if (t.threshold) json["threshold"] = json_of(*t.threshold);
+    if (t.against_paper) json["saves_against_0_24"] = json_of(*t.against_paper);
+    if (t.against_threshold) json["saves_against_threshold"] = json_of(*t.against_threshold);
+    json["greatest_j_mu"] = json_of(t.greatest_j_mu);
+    json["least_distance"] = json_of(t.least_distance);
+    return json.dump(2) + "\n";
+}
+
+std::string to_text(const Trade& t, const TradeOptions& options) {
+    std::string text = fmt::format("Bounds: {}.\n", bounds_text(options.bounds));
+    if (!t.best)
+        text += fmt::format(
+            "No fixed slip reference is within them: mean J_mu is at most {:.4f} (at {:.3f}), mean distance "
+            "at "
+            "least {:.1f} m (at {:.3f}).\n",
+            t.greatest_j_mu.j_mu, t.greatest_j_mu.slip_reference, t.least_distance.stop_distance_m,
+            t.least_distance.slip_reference);
+    else
+        text += fmt::format("Best fixed slip reference {:.3f} (95 %: {:.3f} to {:.3f}); {}.\n",
+                            t.best->slip_reference, t.best_interval.low, t.best_interval.high,
+                            words_of(t.decides));
+    fmt::format_to(std::back_inserter(text), "{:<16}{:>10}{:>12}{:>11}{:>10}{:>14}\n", "", "J_mu",
+                   "distance_m", "brake_MJ", "tyre_MJ", by_life(options) ? "landings" : "cost");
+    const auto row = [&](const std::string& name, const std::optional<Offer>& o) {
+        if (!o) return;
+        fmt::format_to(std::back_inserter(text), "{:<16}{:>10.4f}{:>12.1f}{:>11.3f}{:>10.3f}{:>14}\n", name,
+                       o->j_mu, o->stop_distance_m, o->energy_brake_J * 1e-6, o->energy_tyre_J * 1e-6,
+                       cost_text(*o, options));
+    };
+    row("best", t.best);
+    row("reference 0.24", t.paper);
+    row("threshold law", t.threshold);
+    if (t.against_paper) text += saving_text(*t.against_paper, "0.24", options);
+    if (t.against_threshold) text += saving_text(*t.against_threshold, "the threshold law", options);
+    if (t.best && t.feasible_share < 1.0)
+        text += fmt::format("  in {:.1f} % of the resamples no reference is within the bounds\n",
+                            (1.0 - t.feasible_share) * 100.0);
+    return text;
+}
+
+void draw_trade(const Trade& t, const TradeOptions& options, const std::filesystem::path& png) {
+    std::string all = "$all << EOD\n";
+    std::string inside = "$within << EOD\n";
+    std::string labels = "$labels << EOD\n";
+    double next_label = 0.0;
+    bool any = false;
+    for (const Offer& o : t.offers) {
+        all += point(o);
+        const bool good =
+            !(options.bounds.least_j_mu && o.j_mu < *options.bounds.least_j_mu) &&
+            !(options.bounds.most_distance_m && o.stop_distance_m > *options.bounds.most_distance_m);
+        if (good) inside += point(o);
+        any = any || good;
+        if (o.slip_reference < next_label - 1e-9) continue;
+        labels += point(o);
+        next_label = o.slip_reference + 0.1;
+    }
+    if (!any) inside += "NaN NaN NaN NaN\n";
+    const char* cost = by_life(options) ? "share of the first worn part''s life that a landing takes"
+                                        : "cost of a landing at the given prices";
+    const std::string script =
+        "set grid lt 1 lc rgb '#e4e4e4'\nset border lc rgb '#555555'\n" + all + "EOD\n" + inside + "EOD\n" +
+        labels + "EOD\n" + block("best", t.best) + block("paper", t.paper) + block("threshold", t.threshold) +
+        "set key outside top center horizontal maxrows 2\n"
+        "set offsets graph 0.03, graph 0.08, graph 0.05, graph 0.05\nset multiplot layout 1,2\n" +
+        fmt::format("set xlabel '{}'\nset xtics rotate by -30\n", cost) +
+        panel(2, "mean J_{/Symbol m}", options.bounds.least_j_mu) +
+        panel(3, "mean braking distance (m)", options.bounds.most_distance_m) + "unset multiplot\n";
+    study::run_gnuplot(png, 1300, 640, script);
+}
+
+}  // namespace sweep

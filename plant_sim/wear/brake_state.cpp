@@ -1,0 +1,93 @@
+#include "plant_sim/wear/brake_state.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "config/reader/atomic_file.hpp"
+#include "config/reader/hash.hpp"
+#include "config/reader/input_file.hpp"
+#include "config/reader/near_miss.hpp"
+#include "plant_sim/wear/json_object.hpp"
+#include "plant_sim/wear/model_io.hpp"
+
+namespace wear {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using settings::Error;
+
+std::string check_sum(const std::string& wear_hash, const BrakeState& s) {
+    const std::string values = fmt::format("{} {} {} {}", wear_hash, s.seed, s.maneuvers, s.c_e_J);
+    const std::string_view bytes = values;
+    return settings::hash_bytes({&bytes, 1});
+}
+
+}  // namespace
+
+std::string wear_hash(const BrakeWear& wear) {
+    const std::string model = to_json(*wear.model);
+    const std::string scale = fmt::format("{} {}", wear.scale.energy, wear.scale.friction);
+    const std::array<std::string_view, 2> parts{model, scale};
+    return settings::hash_bytes(parts);
+}
+
+std::string to_json(const BrakeState& state, const BrakeWear& wear) {
+    const std::string hash = wear_hash(wear);
+    const Json json{{"format", kBrakeStateFormat},
+                    {"format_version", kBrakeStateFormatVersion},
+                    {"wear_hash", hash},
+                    {"seed", state.seed},
+                    {"maneuvers", state.maneuvers},
+                    {"cumulative_energy_J", state.c_e_J},
+                    {"check_sum", check_sum(hash, state)}};
+    return json.dump(2) + "\n";
+}
+
+BrakeState brake_state_from_json(const std::string& name, std::string_view text, const BrakeWear& wear) {
+    Json json;
+    try {
+        json = Json::parse(text);
+    } catch (const Json::parse_error& e) {
+        throw Error(name, 0, "", fmt::format("no JSON: {}", settings::printable(e.what())));
+    }
+    JsonObject root(name, "", json);
+    if (root.text("format") != kBrakeStateFormat)
+        throw Error(name, 0, "format", fmt::format("must be '{}'", kBrakeStateFormat));
+    if (const auto version = root.count("format_version"); version != kBrakeStateFormatVersion)
+        throw Error(name, 0, "format_version",
+                    fmt::format("{} is not the version that this program reads ({})", version,
+                                kBrakeStateFormatVersion));
+    const std::string hash = root.text("wear_hash");
+    const BrakeState state{.seed = root.count("seed"),
+                           .maneuvers = root.count("maneuvers"),
+                           .c_e_J = root.number("cumulative_energy_J")};
+    if (state.c_e_J < 0.0) throw Error(name, 0, "cumulative_energy_J", "must not be negative");
+    const std::string sum = root.text("check_sum");
+    root.finish();
+    if (sum != check_sum(hash, state))
+        throw Error(
+            name, 0, "check_sum",
+            "does not fit the values: the file is damaged, or was edited; to start from another energy "
+            "use --brake MJ with a new file");
+    if (hash != wear_hash(wear))
+        throw Error(name, 0, "wear_hash",
+                    fmt::format("this brake was kept with another wear model or scale than that of {}",
+                                wear.file.string()));
+    return state;
+}
+
+std::optional<BrakeState> find_brake_state(const std::filesystem::path& file, const BrakeWear& wear) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) return std::nullopt;
+    return brake_state_from_json(file.string(), settings::read_file(file), wear);
+}
+
+void keep_brake_state(const std::filesystem::path& file, const BrakeState& state, const BrakeWear& wear) {
+    settings::write_file(file, to_json(state, wear));
+}
+
+}  // namespace wear

@@ -1,0 +1,121 @@
+#include "rig_bridge/bridge/wear_regulation.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "config/reader/atomic_file.hpp"
+#include "config/reader/error.hpp"
+#include "plant_sim/study/regulation/outlook.hpp"
+
+namespace rig {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+double kinetic_J(const Scenario& scenario) {
+    const sequencer::Plan& plan = scenario.mean;
+    const plant::WheelParameters& wheel = scenario.rig.rig.wheel;
+    const double v = plan.speed_mps;
+    const double omega = v / scenario.rolling_radius_m(plan.load_base_N - plan.load_lift_Ns2pm2 * v * v);
+    return 0.5 * (wheel.mass_kg * v * v + wheel.inertia_kgm2 * omega * omega);
+}
+
+regulation::Landing landing(const LedgerRow& row, double reference, double wear_J) {
+    regulation::Landing landing{.reference = reference};
+    if (row.summary.frames_dropped > 0) return landing;
+    const Figures& figures = row.summary.figures;
+    landing.kinetic_J = figures.kinetic_energy_J;
+    landing.brake_J = figures.energy_brake_J;
+    landing.tyre_J = figures.energy_tyre_J;
+    landing.j_mu = figures.j_mu;
+    landing.brake_wear_J = wear_J;
+    return landing;
+}
+
+/// JSON has no NaN: null.
+ordered_json number(double value) {
+    return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+}  // namespace
+
+WearRegulation::WearRegulation(const regulation::Order& order, const Scenario& scenario)
+    : rules_(order.rules) {
+    const std::string file = scenario.files.front().string();
+    if (scenario.mean.law != sequencer::BrakeLaw::slip)
+        throw settings::Error(
+            file, 0, "law.law",
+            "--regulate moves the slip reference, which this law has not; expected \"slip\"");
+    const double energy_J = kinetic_J(scenario);
+    const double deviation_J = 2.0 * scenario.scatter.speed_mps / scenario.mean.speed_mps * energy_J;
+    plan_ = regulation::plan_of(order, scenario.rig.wear.life_J, energy_J, deviation_J);
+    try {
+        range_ = order.range(scenario.choice.surface);
+        static_cast<void>(regulation::Regulator(plan_, rules_, range_));
+    } catch (const std::invalid_argument& e) {
+        throw settings::Error(order.files.front().string(), 0, "", e.what());
+    }
+}
+
+regulation::Regulator WearRegulation::after(const std::vector<LedgerRow>& rows) const {
+    regulation::Regulator regulator(plan_, rules_, range_);
+    bool counted = true;  // the ledger's cumulative energy has every maneuver so far
+    for (const LedgerRow& row : rows) {
+        const Figures& figures = row.summary.figures;
+        if (row.state == RowState::aborted) {
+            counted = counted && std::isfinite(figures.energy_brake_J);
+            regulator.spent(figures.energy_brake_J, figures.energy_tyre_J);
+        } else if (row.state == RowState::finished) {
+            counted =
+                counted && row.summary.frames_dropped == 0 && std::isfinite(row.summary.cumulative_energy_J);
+            regulator.after(landing(
+                row, row.slip_reference,
+                counted ? plan_.brake_taken_J + row.summary.cumulative_energy_J : regulation::kUnknown));
+        }
+    }
+    return regulator;
+}
+
+std::string line(const regulation::Regulator& r) {
+    const regulation::Outlook o = regulation::outlook(r);
+    const std::string measured = std::isfinite(r.measured_share())
+                                     ? fmt::format("{:.3f} measured", r.measured_share())
+                                     : "none measured";
+    std::string text = fmt::format(
+        "slip reference {:.3f}; tyre share {}, {:.3f} wanted; limits at landing {:.0f} (brake), {:.0f} "
+        "(tyre) "
+        "of {}",
+        r.reference(), measured, o.required_share, o.brake.landing, o.tyre.landing, r.plan().landings);
+    if (o.verdict != regulation::Verdict::together) text += fmt::format("; {}", regulation::name(o.verdict));
+    if (r.missed() > 0)
+        text += fmt::format("; {} without measurement ({})", r.missed(), regulation::name(r.last_reading()));
+    return text;
+}
+
+void write_regulation(const std::filesystem::path& file, const regulation::Regulator& r) {
+    const regulation::Outlook o = regulation::outlook(r);
+    const ordered_json json{{"line", line(r)},
+                            {"outlook", regulation::sentence(o, r.plan())},
+                            {"verdict", regulation::name(o.verdict)},
+                            {"slip_reference", r.reference()},
+                            {"lowest_reference", r.range().lowest},
+                            {"highest_reference", r.range().highest},
+                            {"required_share", o.required_share},
+                            {"measured_share", number(r.measured_share())},
+                            {"brake_left_J", r.brake_left_J()},
+                            {"tyre_left_J", r.tyre_left_J()},
+                            {"landings", r.landings()},
+                            {"planned_landing", r.plan().landings},
+                            {"brake_limit_landing", o.brake.landing},
+                            {"brake_limit_deviation", o.brake.deviation},
+                            {"tyre_limit_landing", o.tyre.landing},
+                            {"tyre_limit_deviation", o.tyre.deviation},
+                            {"missed", r.missed()}};
+    settings::write_file(file, json.dump(2) + "\n");
+}
+
+}  // namespace rig

@@ -1,0 +1,166 @@
+/// How often the truth of the virtual rig lies in the 95 % intervals. A few seeds here; all 50, some minutes:
+///
+///     build/release/tests/identification/test_identification_coverage "[.fifty]"
+#include <Eigen/Core>
+
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+
+#include "plant_sim/model/random.hpp"
+#include "plant_sim/study/identification/identified.hpp"
+#include "tests/catch.hpp"
+#include "tests/identification/experiments.hpp"
+
+using identification::Estimate;
+using identification::Run;
+
+namespace {
+
+struct Hits {
+    int hits = 0, all = 0;
+    double sum = 0.0;  // of errors over deviations
+};
+using Coverage = std::map<std::string, Hits>;
+
+/// Every experiment with noise of its own.
+std::vector<Run> runs(std::uint64_t seed) {
+    std::vector<Run> all;
+    for (const char* name : {"ramp", "step", "sweep", "slow_braking", "heavy"}) {
+        const endurance::Setup s = identification_test::setup(name);
+        all.push_back({.recording = identification_test::record(s, 10 * seed + all.size()),
+                       .rig = identification_test::known(s),
+                       .surface = s.scenario.choice.surface,
+                       .friction_class = s.scenario.choice.maneuver});
+    }
+    return all;
+}
+
+void count(Coverage& coverage, const std::string& name, const Estimate& e, double truth) {
+    Hits& h = coverage[name];
+    h.hits += e.contains(truth) ? 1 : 0;
+    h.sum += (e.value - truth) / e.deviation;
+    ++h.all;
+}
+
+void add_seed(Coverage& coverage, std::uint64_t seed) {
+    const std::vector<Run> all = runs(seed);
+    std::vector<identification::Recording> recordings;
+    recordings.reserve(all.size());
+    for (const Run& run : all) recordings.push_back(run.recording);
+    const plant::RigParameters truth = identification_test::setup("heavy").scenario.rig.rig;
+
+    const auto valve = identification::fit_valve(recordings, all.front().rig);
+    count(coverage, "dead zone", valve.dead_zone_mA, truth.pressure_map.points()[0].current_mA);
+    for (std::size_t i = 0; i < valve.pressure_Pa.size(); ++i)
+        count(coverage, "map " + std::to_string(i + 1), valve.pressure_Pa[i],
+              truth.pressure_map.points()[i + 1].pressure_Pa);
+    count(coverage, "hysteresis", valve.hysteresis_mA, 0.0);
+    count(coverage, "omega_n", valve.natural_frequency_Hz, 20.0);
+    count(coverage, "xi", valve.damping, truth.valve.damping);
+    count(coverage, "tau", valve.delay_s, truth.valve.delay_s);
+
+    const auto wheel = identification::fit_wheel(all, "heavy");
+    count(coverage, "J_w", wheel.inertia_kgm2, truth.wheel.inertia_kgm2);
+    count(coverage, "k_b", wheel.gain_m3, truth.mean_friction * truth.brake.gain_m3());
+
+    const auto road = identification::fit_friction(all, "dry_asphalt");
+    count(coverage, "c1", road.c1, truth.surface.c1);
+    count(coverage, "c2", road.c2, truth.surface.c2);
+    count(coverage, "c3", road.c3, truth.surface.c3);
+    // And they say something.
+    CHECK(wheel.inertia_kgm2.deviation < 0.003 * truth.wheel.inertia_kgm2);
+    CHECK(wheel.friction.deviation < 0.001 * truth.mean_friction);
+    CHECK(road.c1.deviation < 0.01);
+    CHECK(road.c2.deviation < 0.2);
+    CHECK(road.c3.deviation < 0.03);
+}
+
+}  // namespace
+
+TEST_CASE("the truth lies in the intervals, for valve, wheel, brake and road",
+          "[STUDY-104][STUDY-105][STUDY-106]") {
+    Coverage coverage;
+    constexpr int kSeeds = 4;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) add_seed(coverage, seed);
+    int hits = 0;
+    int all = 0;
+    for (const auto& [name, h] : coverage) {
+        CAPTURE(name, h.hits, h.sum);
+        CHECK(h.hits >= kSeeds / 2);
+        CHECK(std::abs(h.sum) < 2.2 * kSeeds);
+        hits += h.hits;
+        all += h.all;
+    }
+    CHECK(hits >= 0.9 * all);
+}
+
+TEST_CASE("the truth lies in the interval of each parameter for 45 of 50 seeds or more", "[.fifty]") {
+    Coverage coverage;
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) add_seed(coverage, seed);
+    for (const auto& [name, h] : coverage) {
+        std::printf("%-12s %d of %d, mean error %+.2f deviations\n", name.c_str(), h.hits, h.all,
+                    h.sum / h.all);
+        CAPTURE(name);
+        CHECK(h.hits >= 45);
+    }
+}
+
+TEST_CASE("intervals count correlated residuals", "[STUDY-103]") {
+    // A straight line under first-order autoregressive noise: an interval that took residuals for independent would be less than half as wide.
+    constexpr int kTrials = 400;
+    constexpr Eigen::Index kRows = 400;
+    constexpr double kCorrelation = 0.7;
+    const double slope = 0.02;
+    plant::Random random(5);
+    const std::vector<std::string> names{"offset", "slope"};
+    int hits = 0;
+    double deviation = 0.0;
+    for (int trial = 0; trial < kTrials; ++trial) {
+        Eigen::VectorXd y(kRows);
+        double noise = random.noise() / std::sqrt(1.0 - kCorrelation * kCorrelation);
+        for (Eigen::Index i = 0; i < kRows; ++i) {
+            y[i] = 3.0 + slope * static_cast<double>(i) + noise;
+            noise = kCorrelation * noise + random.noise();
+        }
+        identification::LeastSquares least;
+        least.start = Eigen::Vector2d::Zero();
+        least.scale = Eigen::Vector2d(1.0, 0.01);
+        least.least = Eigen::Vector2d::Constant(-100.0);
+        least.most = Eigen::Vector2d::Constant(100.0);
+        const auto fit =
+            identification::fit(least, names, [&y](const Eigen::VectorXd& theta, Eigen::VectorXd& r) {
+                r.resize(kRows);
+                for (Eigen::Index i = 0; i < kRows; ++i)
+                    r[i] = y[i] - theta[0] - theta[1] * static_cast<double>(i);
+            });
+        hits += fit.estimate(1).contains(slope) ? 1 : 0;
+        deviation += fit.estimate(1).deviation / kTrials;
+    }
+    CHECK(hits >= 0.90 * kTrials);
+    CHECK(hits <= 0.99 * kTrials);
+    // The closed form for long records: white noise's deviation times 1 / (1 - correlation).
+    const double white = std::sqrt(12.0 / (static_cast<double>(kRows) * kRows * kRows));
+    CHECK(deviation == Approx(white / (1.0 - kCorrelation)).epsilon(0.2));
+}
+
+TEST_CASE("what a landing does not show is refused with the landing that is missing", "[STUDY-102]") {
+    const std::vector<Run> all = runs(9);
+    const auto refusal = [](const auto& fit) -> std::string {
+        try {
+            fit();
+        } catch (const identification::NotIdentifiable& e) {
+            return e.what();
+        }
+        return "";
+    };
+    const std::vector<Run> valve_only{all[0], all[1]};
+    CHECK_THAT(refusal([&] { (void)identification::fit_wheel(valve_only, "heavy"); }),
+               ContainsSubstring("heavy.toml") && ContainsSubstring("touchdown"));
+    CHECK_THAT(refusal([&] { (void)identification::fit_friction(valve_only, "snow"); }),
+               ContainsSubstring("snow") && ContainsSubstring("load cells"));
+    const std::vector<Run> below_peak{all[3]};
+    CHECK_THAT(refusal([&] { (void)identification::fit_friction(below_peak, "dry_asphalt"); }),
+               ContainsSubstring("beyond the peak"));
+}

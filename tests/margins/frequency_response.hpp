@@ -1,0 +1,148 @@
+/// A frequency analyser on the real estimator and slip law: sines added to the valve command while the loop is closed, against a wheel at
+/// a frozen speed that is integrated here in small steps, behind a toothed encoder.
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <numbers>
+
+#include "firmware/control/estimator.hpp"
+#include "firmware/control/slip_law.hpp"
+#include "plant_sim/study/margins/operating_point.hpp"
+#include "tests/control/shaft.hpp"
+#include "tests/control/valve_truth.hpp"
+
+namespace margins_test {
+
+/// Eq. (1b) and (3) at a constant speed, the aircraft's deceleration in v' only, the pressure by eq. (6), and the shipped law on it.
+class FrozenStop {
+  public:
+    FrozenStop(antiskid::control::Config config, const plant::RigParameters& rig,
+               const study::margins::OperatingPoint& at)
+        : at_(at),
+          surface_(rig.surface),
+          config_(with_radius(config, at)),
+          estimator_(config_.wheel, config_.flywheel, config_.valve, config_.estimator, config_.period_s),
+          law_(config_.slip, config_.period_s),
+          valve_(rig.valve.natural_frequency_radps, rig.valve.damping, rig.valve.delay_s),
+          wheel_(rig.wheel_encoder.teeth),
+          flywheel_(rig.flywheel_encoder.teeth),
+          flywheel_radius_m_(rig.flywheel_radius_m),
+          slip_(at.slip) {
+        config_.slip.low_speed_mps = 0.0F;
+        law_ = antiskid::control::SlipLaw(config_.slip, config_.period_s);
+        command_Pa_ = at.pressure_Pa;
+        // Long enough at the equilibrium for the trackers to have forgotten their start.
+        hold_ = true;
+        for (int k = 0; k < 600; ++k) step(0.0);
+        hold_ = false;
+        law_.start(estimator_.estimate());
+        for (int k = 0; k < 3000; ++k) step(0.0);
+    }
+
+    /// One period with `added_Pa` on top of the law's command; returns that command.
+    double step(double added_Pa) {
+        const double h = static_cast<double>(config_.period_s);
+        const double given = command_Pa_;
+        if (hold_) {
+            valve_.hold(at_.pressure_Pa, h);
+        } else {
+            valve_.hold(at_.pressure_Pa + gain_ * (given + added_Pa - at_.pressure_Pa), h,
+                        [this](double p, double dt) { slip_ += rate(p) * dt; });
+        }
+        now_ += antiskid::control::Time(std::llround(h * 1e9));
+        wheel_.turn_to((1.0 - slip_) * at_.speed_mps / at_.radius_m, h);
+        flywheel_.turn_to(at_.speed_mps / flywheel_radius_m_, h);
+        wheel_.report(sensors_.wheel, now_);
+        flywheel_.report(sensors_.flywheel, now_);
+        sensors_.pressure.received = now_;
+        sensors_.pressure.pressure_Pa = static_cast<float>(valve_.pressure_Pa());
+        const auto& e = estimator_.update(
+            sensors_, antiskid::control::valve_current_mA(config_.valve, static_cast<float>(given)));
+        if (!hold_)
+            command_Pa_ = static_cast<double>(
+                law_.pressure_Pa(e, static_cast<float>(at_.slip), config_.valve.full_pressure_Pa));
+        return command_Pa_;
+    }
+
+    /// L at `frequency_radps` (rounded to whole periods in the window): - (law's command) / (valve's command).
+    std::complex<double> loop(double& frequency_radps, double amplitude_Pa, double seconds) {
+        const double h = static_cast<double>(config_.period_s);
+        const double turns = std::max(1.0, std::round(frequency_radps * seconds / (2.0 * std::numbers::pi)));
+        frequency_radps = turns * 2.0 * std::numbers::pi / seconds;
+        const auto count = static_cast<std::int64_t>(std::llround(seconds / h));
+        std::complex<double> given = 0.0, acting = 0.0;
+        for (std::int64_t k = -count / 2; k < count; ++k) {
+            const double phase = frequency_radps * h * static_cast<double>(k);
+            const double added = amplitude_Pa * std::sin(phase);
+            const double command = command_Pa_ - at_.pressure_Pa;
+            if (k >= 0) {
+                given += command * std::polar(1.0, -phase);
+                acting += (command + added) * std::polar(1.0, -phase);
+            }
+            step(added);
+        }
+        return -given / acting;
+    }
+
+    /// By how much a swing at `frequency_radps` grows in `seconds`, once started and left alone, with the valve's gain times `gain`.
+    double growth(double gain, double frequency_radps, double amplitude_Pa, double seconds) {
+        const double h = static_cast<double>(config_.period_s);
+        gain_ = gain;
+        std::int64_t k = 0;
+        const auto count = static_cast<std::int64_t>(std::llround(seconds / h));
+        // Under a Hann window, which keeps what drifts slowly out of it.
+        const auto swing = [&](double added_Pa) {
+            std::complex<double> sum = 0.0;
+            for (std::int64_t i = 0; i < count; ++i, ++k) {
+                const double phase = frequency_radps * h * static_cast<double>(k);
+                const double window = 1.0 - std::cos(2.0 * std::numbers::pi * static_cast<double>(i) /
+                                                     static_cast<double>(count));
+                sum +=
+                    window * (step(added_Pa * std::sin(phase)) - at_.pressure_Pa) * std::polar(1.0, -phase);
+            }
+            return std::abs(sum);
+        };
+        swing(amplitude_Pa);
+        swing(0.0);
+        const double before = swing(0.0);
+        return swing(0.0) / before;
+    }
+
+    [[nodiscard]] double slip() const { return slip_; }
+    [[nodiscard]] double pressure_Pa() const { return valve_.pressure_Pa(); }
+
+  private:
+    static antiskid::control::Config with_radius(antiskid::control::Config c,
+                                                 const study::margins::OperatingPoint& at) {
+        const double lift =
+            static_cast<double>(c.wheel.lift_Ns2pm2) / static_cast<double>(c.wheel.stiffness_Npm);
+        c.wheel.nominal_radius_m = static_cast<float>(at.radius_m - lift * at.speed_mps * at.speed_mps);
+        return c;
+    }
+
+    [[nodiscard]] double rate(double pressure_Pa) const {
+        const double mu = plant::friction(surface_, slip_).mu;
+        const double ratio = at_.mass_kg * at_.radius_m * at_.radius_m / at_.inertia_kgm2;
+        return at_.radius_m * at_.brake_gain_m3 * pressure_Pa / (at_.inertia_kgm2 * at_.speed_mps) -
+               at_.load_N * mu / (at_.mass_kg * at_.speed_mps) * ((1.0 - slip_) + ratio);
+    }
+
+    study::margins::OperatingPoint at_;
+    plant::Surface surface_;
+    double gain_ = 1.0;
+    antiskid::control::Config config_;
+    antiskid::control::Estimator estimator_;
+    antiskid::control::SlipLaw law_;
+    control_test::ValveTruth valve_;
+    control_test::Shaft wheel_, flywheel_;
+    double flywheel_radius_m_;
+    antiskid::control::Sensors sensors_;
+    antiskid::control::Time now_{};
+    double slip_;
+    double command_Pa_ = 0.0;
+    bool hold_ = true;
+};
+
+}  // namespace margins_test

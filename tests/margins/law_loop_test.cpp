@@ -1,0 +1,114 @@
+/// The shipped law's linear loop, against the real estimator and law and against the closed loop's eigenvalues.
+#include "plant_sim/study/margins/law_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/study/margins/margins.hpp"
+#include "tests/catch.hpp"
+#include "tests/margins/frequency_response.hpp"
+
+using namespace study::margins;
+
+namespace {
+
+plant_sim::Scenario scenario(const std::string& surface) {
+    plant_sim::ScenarioOptions o;
+    o.choice.surface = surface;
+    o.choice.maneuver = "light";
+    return plant_sim::load_scenario(o);
+}
+
+/// The speed at which edges of the wheel's encoder are `periods` apart, at the slip in force.
+double speed_at(const plant_sim::Scenario& s, double periods) {
+    double v = 40.0;
+    for (int i = 0; i < 50; ++i) {
+        const OperatingPoint at = operating_point(s.plant.rig, v, scheduled_slip(s.controller.slip, 0.24, v));
+        const double apart = 2.0 * std::numbers::pi * at.radius_m /
+                             (s.plant.rig.wheel_encoder.teeth * (1.0 - at.slip) * v) /
+                             static_cast<double>(s.controller.period_s);
+        v *= std::sqrt(apart / periods);
+    }
+    return v;
+}
+
+}  // namespace
+
+TEST_CASE("frequency response of the real estimator and law in the loop", "[STUDY-123]") {
+    // Within 0.05 of L, or 5 % of it where it is larger than 1, from 15 to 300 rad/s: an error in gain of 0.4 dB or in phase of 3 degrees.
+    // Edges come nearly once in a whole number of periods; not exactly, or their phase would stand still.
+    for (const char* surface : {"dry_asphalt", "dry_cobblestone", "wet_asphalt"}) {
+        const plant_sim::Scenario s = scenario(surface);
+        for (const double periods : {0.97, 1.97, 2.97}) {
+            const double v = speed_at(s, periods);
+            const double slip = scheduled_slip(s.controller.slip, 0.24, v);
+            const OperatingPoint at = operating_point(s.plant.rig, v, slip);
+            const SampledLoop loop(law_system(s.controller, s.plant.rig, at, Linearisation::full));
+            REQUIRE(loop.loci() == static_cast<std::size_t>(std::lround(periods)));
+            margins_test::FrozenStop stop(s.controller, s.plant.rig, at);
+            for (const double w : {15.0, 40.0, 100.0, 200.0, 300.0}) {
+                double frequency = w;
+                const Complex measured = stop.loop(frequency, 2e4 * v / 40.0, 1.0);
+                const Complex computed = loop.response(frequency);
+                INFO(surface << ", " << v << " m/s, " << frequency << " rad/s: measured " << measured
+                             << ", computed " << computed);
+                CHECK(std::abs(measured - computed) < 0.05 * std::max(1.0, std::abs(computed)));
+            }
+        }
+    }
+}
+
+TEST_CASE("at each margin a pair of closed-loop poles stands on the axis, with the frequency that was said",
+          "[STUDY-124]") {
+    for (const char* surface : {"dry_asphalt", "dry_cobblestone", "wet_asphalt", "snow"}) {
+        const plant_sim::Scenario s = scenario(surface);
+        for (const double v : {48.0, 30.0, 20.0, 12.0, 6.0}) {
+            const OperatingPoint at =
+                operating_point(s.plant.rig, v, scheduled_slip(s.controller.slip, 0.24, v));
+            for (const auto linearisation : {Linearisation::printed, Linearisation::full}) {
+                const SampledLoop loop(law_system(s.controller, s.plant.rig, at, linearisation));
+                const Margins m = margins(loop);
+                INFO(surface << ", " << v << " m/s, up " << m.gain_up_dB << " dB, down " << m.gain_down_dB
+                             << " dB");
+                REQUIRE(m.stable);
+                CHECK(loop.closed_poles().front().real() < 0.0);
+                const auto on_axis = [&](double gain_dB, double frequency) {
+                    const auto poles = loop.closed_poles(std::pow(10.0, gain_dB / 20.0));
+                    return std::any_of(poles.begin(), poles.end(), [&](Complex p) {
+                        return std::abs(p.real()) < 1e-3 && std::abs(std::abs(p.imag()) - frequency) < 1e-2;
+                    });
+                };
+                CHECK(on_axis(m.gain_up_dB, m.upward_radps));
+                CHECK(loop.closed_poles(std::pow(10.0, (m.gain_up_dB + 0.1) / 20.0)).front().real() > 0.0);
+                CHECK(loop.closed_poles(std::pow(10.0, (m.gain_up_dB - 0.1) / 20.0)).front().real() < 0.0);
+                if (!std::isfinite(m.gain_down_dB)) continue;
+                CHECK(on_axis(-m.gain_down_dB, m.downward_radps));
+                CHECK(loop.closed_poles(std::pow(10.0, -(m.gain_down_dB + 0.1) / 20.0)).front().real() > 0.0);
+            }
+        }
+    }
+}
+
+TEST_CASE("past its margin the real loop oscillates, below it the oscillation dies", "[STUDY-125]") {
+    for (const char* surface : {"dry_asphalt", "wet_asphalt", "wet_cobblestone", "snow"}) {
+        const plant_sim::Scenario s = scenario(surface);
+        for (const double v : {47.0, 24.0}) {
+            const OperatingPoint at = operating_point(s.plant.rig, v, 0.24);
+            const SampledLoop loop(law_system(s.controller, s.plant.rig, at, Linearisation::full));
+            const Margins m = margins(loop);
+            const auto growth = [&](double gain_dB) {
+                margins_test::FrozenStop stop(s.controller, s.plant.rig, at);
+                return stop.growth(std::pow(10.0, gain_dB / 20.0), m.upward_radps, 500.0, 0.15);
+            };
+            const double past = growth(m.gain_up_dB + 0.5), below = growth(m.gain_up_dB - 0.5);
+            INFO(surface << ", " << v << " m/s, margin " << m.gain_up_dB << " dB at " << m.upward_radps
+                         << " rad/s, growth "
+                         << loop.closed_poles(std::pow(10.0, (m.gain_up_dB + 0.5) / 20.0)).front()
+                         << " 1/s: times " << past << " in 0.15 s, " << below);
+            CHECK(past > 1.2);
+            CHECK(below < 0.8);
+        }
+    }
+}

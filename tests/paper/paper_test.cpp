@@ -1,0 +1,249 @@
+#include <sys/stat.h>
+
+#include <atomic>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "plant_sim/study/paper/page.hpp"
+#include "plant_sim/study/paper/run.hpp"
+#include "plant_sim/study/paper/sections.hpp"
+#include "tests/can/layouts.hpp"
+#include "tests/catch.hpp"
+
+namespace {
+
+using can_test::TempDir;
+
+const std::string kHead = "title = \"T\"\n";
+
+std::string section(const std::string& id, const std::string& commands, const std::string& more = "") {
+    return "[[section]]\nid = \"" + id + "\"\ntitle = \"S <" + id + ">\"\ncommands = \"\"\"\n" + commands +
+           "\n\"\"\"\n" + more;
+}
+
+std::string refusal(const std::string& text) {
+    const TempDir dir;
+    try {
+        (void)paper::load_contents(dir.write("report.toml", text));
+    } catch (const std::exception& e) {
+        const std::string what = e.what();
+        return what.substr(what.find("report.toml"));
+    }
+    return "accepted";
+}
+
+/// sh as every program, by the names that the test uses.
+std::filesystem::path program(const std::string& name) {
+    return name == "nowhere" ? std::filesystem::path{} : std::filesystem::path("/bin") / name;
+}
+
+paper::RunOptions options(const TempDir& dir, unsigned jobs) {
+    return {.out = dir.path() / "out",
+            .config = "config",
+            .quick = false,
+            .jobs = jobs,
+            .program = program,
+            .progress = {}};
+}
+
+/// A PNG of one white dot.
+const std::string kDot(
+    "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\0\0\0\0:~"
+    "\x9bU\0\0\0\nIDATx\x9c\x63\xf8\x0f\0\x01\x01\x01\0\x1b\xb6\xeeV\0\0\0\0IEND\xae"
+    "B`\x82",
+    67);
+
+std::size_t count(const std::string& text, const std::string& what) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + what.size()))
+        ++n;
+    return n;
+}
+
+}  // namespace
+
+TEST_CASE("a report's sections are read, and mistakes refused with line and key", "[STUDY-180]") {
+    const TempDir dir;
+    const paper::Contents c = paper::load_contents(dir.write(
+        "r.toml",
+        kHead +
+            section("a", "  one {here}\n\n two ",
+                    "show = [2]\n[[section.picture]]\nfile = \"p.png\"\ncaption = \"P\"\n"
+                    "command = 1\n[[section.picture]]\nfile = \"q.png\"\ncaption = \"Q\"\n") +
+            section("b", "three",
+                    "after = \"a\"\n[[section.compare]]\nquantity = \"x\"\nsource = \"Table I\"\npaper = "
+                    "1\nfile = \"f\"\nat = \"/x\"\n")));
+    REQUIRE(c.sections.size() == 2);
+    CHECK(c.sections[0].commands == std::vector<std::string>{"one {here}", "two"});
+    CHECK(c.sections[0].shown == std::vector<std::size_t>{1});
+    CHECK(c.sections[0].pictures[0].command == 0);
+    CHECK(c.sections[0].pictures[1].command == 1);
+    CHECK(c.sections[1].after == "a");
+    CHECK(c.sections[1].comparisons[0].printed == 1.0);
+    CHECK_THAT(refusal(kHead), ContainsSubstring("section"));
+    CHECK_THAT(refusal(kHead + section("a", "x") + section("a", "x")),
+               ContainsSubstring("there are two sections 'a'"));
+    CHECK_THAT(refusal(kHead + section("../a", "x")),
+               ContainsSubstring("report.toml:3: section[0].id: names a directory"));
+    CHECK_THAT(refusal(kHead + section("a", "x", "after = \"z\"\n")),
+               ContainsSubstring("'z' is no section above"));
+    CHECK_THAT(refusal(kHead + section("a", "  ")), ContainsSubstring("no command"));
+    CHECK_THAT(refusal(kHead + section("a", "x", "quick_commands = \"\"\"\nx\ny\n\"\"\"\n")),
+               ContainsSubstring("as many as commands"));
+    CHECK_THAT(refusal(kHead + section("a", "x", "show = [2]\n")), ContainsSubstring("show"));
+    CHECK_THAT(refusal(kHead + section("a", "x", "pictures = 3\n")), ContainsSubstring("pictures"));
+}
+
+TEST_CASE(
+    "commands run after what they build on; 1 is an answer, 2 ends a section and those that wait for it",
+    "[STUDY-181]") {
+    const std::string text = kHead + section("no", "false\ntouch {here}/went_on") +
+                             section("bad", "sh {out}/../two\ntouch {here}/went_on") +
+                             section("waits", "touch {here}/ran", "after = \"bad\"\n") +
+                             section("first", "sh {out}/../slow {here}/made") +
+                             section("second", "cat {out}/first/made", "after = \"first\"\n") +
+                             section("gone", "nowhere x");
+    for (const unsigned jobs : {1U, 4U}) {
+        const TempDir dir;
+        dir.write("two", "echo said >&2\nexit 2\n");
+        dir.write("slow", "sleep 0.2\necho content > \"$1\"\n");
+        const paper::Contents contents = paper::load_contents(dir.write("r.toml", text));
+        std::atomic<std::size_t> told = 0;
+        paper::RunOptions o = options(dir, jobs);
+        o.progress = [&](const paper::SectionResult&, std::size_t done, std::size_t all) {
+            CHECK(done == ++told);
+            CHECK(all == 6);
+        };
+        const auto r = paper::run_sections(contents, o);
+        REQUIRE(r.size() == 6);
+        CHECK(told == 6);
+        CHECK(r[0].commands[0].status == 1);
+        CHECK(std::filesystem::exists(r[0].directory / "went_on"));
+        CHECK_FALSE(r[0].answered_yes());
+        CHECK_FALSE(r[0].failed());
+        CHECK(r[1].commands[0].status == 2);
+        CHECK(r[1].commands[0].errors == "said\n");
+        CHECK(r[1].commands[1].status == -1);
+        CHECK_FALSE(std::filesystem::exists(r[1].directory / "went_on"));
+        CHECK(r[2].failed());
+        CHECK_FALSE(std::filesystem::exists(r[2].directory / "ran"));
+        CHECK(r[4].answered_yes());
+        CHECK(r[4].commands[0].output == "content\n");
+        CHECK(r[4].commands[0].line == "cat " + (dir.path() / "out/first/made").string());
+        CHECK(r[5].failed());
+        CHECK_THAT(r[5].commands[0].errors, ContainsSubstring("nowhere: no such program"));
+    }
+}
+
+TEST_CASE("the quick form has its own commands, and a configuration of its own reaches them", "[STUDY-181]") {
+    const TempDir dir;
+    const paper::Contents contents = paper::load_contents(
+        dir.write("r.toml", kHead + section("a", "echo slow --config {config}",
+                                            "quick_commands = \"echo quick --config {config}\"\n")));
+    paper::RunOptions o = options(dir, 1);
+    CHECK(paper::run_sections(contents, o)[0].commands[0].output == "slow\n");
+    o.quick = true;
+    o.config = "my rig";
+    const auto quick = paper::run_sections(contents, o);
+    CHECK(quick[0].commands[0].output == "quick --config my rig\n");
+    CHECK(quick[0].commands[0].line == "echo quick --config 'my rig'");
+}
+
+TEST_CASE("figures are found in results by name, index, member and size", "[STUDY-182]") {
+    const std::string json =
+        R"({"a": {"b": [1.5, {"c": 2}]}, "rows": [{"r": 0.23, "v": 1}, {"r": 0.24, "v": 2, "n": "x"}]})";
+    CHECK(paper::value_at(json, "/a/b/0") == 1.5);
+    CHECK(paper::value_at(json, "/a/b/1/c") == 2.0);
+    CHECK(paper::value_at(json, "/rows[r=0.24]/v") == 2.0);
+    CHECK(paper::value_at(json, "/rows[n=x]/r") == 0.24);
+    CHECK(paper::value_at(json, "/rows/#") == 2.0);
+    CHECK_THROWS_WITH(paper::value_at(json, "/a/x"), ContainsSubstring("nothing at /a/x (no 'x')"));
+    CHECK_THROWS_WITH(paper::value_at(json, "/a/b/2"), ContainsSubstring("nothing at"));
+    CHECK_THROWS_WITH(paper::value_at(json, "/rows[r=0.5]/v"), ContainsSubstring("no element with r=0.5"));
+    CHECK_THROWS_WITH(paper::value_at(json, "/a"), ContainsSubstring("is no number"));
+    CHECK_THROWS(paper::value_at("{", "/a"));
+}
+
+TEST_CASE("base64 is that of RFC 4648, and text cannot become markup", "[STUDY-183]") {
+    CHECK(paper::base64("").empty());
+    CHECK(paper::base64("f") == "Zg==");
+    CHECK(paper::base64("fo") == "Zm8=");
+    CHECK(paper::base64("foo") == "Zm9v");
+    CHECK(paper::base64("foob") == "Zm9vYg==");
+    CHECK(paper::base64("fooba") == "Zm9vYmE=");
+    CHECK(paper::base64("foobar") == "Zm9vYmFy");
+    CHECK(paper::base64(std::string("\xFF\xFE\0\x01", 4)) == "//4AAQ==");
+    CHECK(paper::escaped("<a b=\"c\" d='e'>&") == "&lt;a b=&quot;c&quot; d=&#39;e&#39;&gt;&amp;");
+    CHECK(paper::escaped("a\xFF z") == "a\xEF\xBF\xBD z");
+}
+
+TEST_CASE("the page holds pictures, differences and every no; it needs nothing else", "[STUDY-184]") {
+    const TempDir dir;
+    dir.write("dot.png", kDot);
+    const std::string compare =
+        "[[section.compare]]\nquantity = \"length\"\nunit = \"m\"\nsource = \"Table III\"\npaper = "
+        "464.22\nfile = \"r.json\"\nat = "
+        "\"/length\"\ndecimals = 2\n[[section.compare]]\nquantity = \"width\"\nsource = \"Fig. 5\"\npaper = "
+        "1\nfile = \"r.json\"\nat = "
+        "\"/width\"\n";
+    const paper::Contents contents = paper::load_contents(dir.write(
+        "r.toml",
+        kHead +
+            section("yes",
+                    "cp {out}/../dot.png {here}/a.png\ncp {out}/../r.json {here}/r.json\necho <b>shown</b>",
+                    "show = [3]\ntext = \"first\\n\\nsecond\"\n[[section.picture]]\nfile = "
+                    "\"a.png\"\ncaption = \"A & "
+                    "B\"\ncommand = 1\n[[section.picture]]\nfile = \"b.png\"\ncaption = \"missing\"\n" +
+                        compare) +
+            section("no", "false")));
+    dir.write("r.json", R"({"length": 463.11})");
+    const auto results = paper::run_sections(contents, options(dir, 2));
+    const auto rows = paper::compared(results);
+    REQUIRE(rows.size() == 2);
+    CHECK(rows[0].ours == 463.11);
+    CHECK_FALSE(rows[1].ours.has_value());
+    const paper::PageHead head{
+        .version = "1.2.3", .config_hash = "abc", .command = "rig-lab report", .quick = true};
+    const std::string html = paper::to_html(contents, results, rows, head);
+    CHECK_THAT(html, ContainsSubstring("src=\"data:image/png;base64," + paper::base64(kDot) + "\""));
+    CHECK_THAT(html, ContainsSubstring("width=\"1\" height=\"1\""));
+    CHECK_THAT(html, ContainsSubstring("alt=\"A &amp; B\""));
+    CHECK_THAT(html, ContainsSubstring("<p>first</p>\n<p>second</p>"));
+    CHECK_THAT(html, ContainsSubstring("The picture b.png is not there"));
+    CHECK_THAT(
+        html,
+        ContainsSubstring(
+            ">464.22</td><td class=\"n\">463.11</td><td class=\"n\">-1.11</td><td class=\"n\">-0.24 %</td>"));
+    CHECK_THAT(html, ContainsSubstring("width: r.json: nothing at /width"));
+    CHECK_THAT(html, ContainsSubstring("The answer of this study is no"));
+    CHECK_THAT(html, ContainsSubstring("&lt;b&gt;shown&lt;/b&gt;"));
+    CHECK_THAT(html, ContainsSubstring("quick form"));
+    CHECK_THAT(html, ContainsSubstring("1.2.3"));
+    for (const char* foreign : {"http:", "https:", "<script", "@import", "url(", "<link", "<iframe"})
+        CHECK(count(html, foreign) == 0);
+    CHECK(count(html, "src=") == 1);
+    const auto json = nlohmann::json::parse(paper::to_json(results, rows, head));
+    CHECK(json["config_hash"] == "abc");
+    CHECK(json["comparisons"][0]["ours"] == 463.11);
+    CHECK(json["comparisons"][1]["ours"].is_null());
+    CHECK(json["sections"][1]["commands"][0]["status"] == 1);
+}
+
+TEST_CASE("the shipped report has every figure and table that is reproduced", "[STUDY-185]") {
+    const paper::Contents contents = paper::load_contents("config/report.toml");
+    std::string titles;
+    std::set<std::string> pictures;
+    for (const paper::Section& s : contents.sections) {
+        titles += s.title + "\n";
+        for (const paper::Picture& p : s.pictures) titles += p.caption + "\n";
+        for (const std::string& line : s.commands) {
+            CHECK((line.starts_with("rig-lab ") || line.starts_with("rig-replay ")));
+            CHECK((line.find("{here}") != std::string::npos));
+        }
+    }
+    for (const char* what : {"Fig. 3", "Fig. 5", "Fig. 6", "Fig. 7", "Fig. 8", "Fig. 9", "Fig. 11", "Fig. 12",
+                             "Fig. 13", "Fig. 14", "Table III"})
+        CHECK_THAT(titles, ContainsSubstring(what));
+}

@@ -1,0 +1,211 @@
+/// A regulated campaign of the bridge: its rows, its view, and the same logic on rig, PLC and controller in one process.
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "config/reader/atomic_file.hpp"
+#include "rig_bridge/bridge/status.hpp"
+#include "rig_bridge/bridge/view.hpp"
+#include "rig_bridge/bridge/wear_regulation.hpp"
+#include "tests/catch.hpp"
+#include "tests/endurance/truth.hpp"
+
+using regulation::Order;
+using rig::LedgerRow;
+using rig::RowState;
+using rig::WearRegulation;
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Order shipped() {
+    return regulation::load_order("config/regulation.toml");
+}
+
+LedgerRow row(RowState state, double reference, double share, double cumulative_J) {
+    LedgerRow row;
+    row.state = state;
+    row.slip_reference = reference;
+    row.summary.figures.kinetic_energy_J = 8.3e6;
+    row.summary.figures.energy_brake_J = (1.0 - share) * 8.3e6;
+    row.summary.figures.energy_tyre_J = share * 8.3e6;
+    row.summary.figures.j_mu = 0.95;
+    row.summary.cumulative_energy_J = cumulative_J;
+    return row;
+}
+
+/// A folder of this test alone.
+std::filesystem::path fresh(const char* name) {
+    const auto path = std::filesystem::temp_directory_path() / name;
+    std::filesystem::remove_all(path);
+    std::filesystem::create_directories(path);
+    return path;
+}
+
+rig::Campaign campaign(std::int64_t planned) {
+    return {.name = "pair",
+            .scenario = "heavy",
+            .seed = 1,
+            .planned = planned,
+            .config_hash = "h",
+            .version = "v",
+            .created = "t"};
+}
+
+}  // namespace
+
+TEST_CASE("the references follow from the rows alone, each as what it is", "[BRG-510]") {
+    const WearRegulation shares(shipped(), endurance_test::setup("heavy").scenario);
+    CHECK(shares.plan().landings == 256);
+    CHECK(shares.plan().landing_J == Approx(8.3e6).epsilon(0.01));
+    std::vector<LedgerRow> rows;
+    CHECK(shares.after(rows).reference() == 0.24);
+    double cumulative_J = 0.0;
+    for (int i = 0; i < 12; ++i) {
+        const double reference = shares.after(rows).reference();
+        cumulative_J += 0.77 * 8.3e6;
+        rows.push_back(row(RowState::finished, reference, 0.23, cumulative_J));
+    }
+    const regulation::Regulator finished = shares.after(rows);
+    CHECK(finished.landings() == 12);
+    CHECK(finished.brake_used_J() == Approx(2.98e9 + cumulative_J));
+    CHECK(finished.tyre_used_J() == Approx(12 * 0.23 * 8.3e6));
+    CHECK(finished.reference() > 0.26);  // more to the tyre: 0.303 is wanted
+
+    // What is running or was left unfinished has not been.
+    rows.push_back(row(RowState::unfinished, 0.3, 0.3, kNaN));
+    rows.push_back(row(RowState::running, 0.3, 0.3, kNaN));
+    CHECK(shares.after(rows).landings() == 12);
+    CHECK(shares.after(rows).reference() == finished.reference());
+    // An aborted one has spent energy, but is no landing.
+    rows.push_back(row(RowState::aborted, 0.3, 0.5, cumulative_J + 0.5 * 8.3e6));
+    const regulation::Regulator aborted = shares.after(rows);
+    CHECK(aborted.landings() == 12);
+    CHECK(aborted.tyre_used_J() == Approx(finished.tyre_used_J() + 0.5 * 8.3e6));
+    CHECK(aborted.brake_used_J() == Approx(finished.brake_used_J() + 0.5 * 8.3e6));
+    // Figures that lack frames, or are none, are not believed.
+    LedgerRow lossy = row(RowState::finished, 0.3, 0.3, cumulative_J + 10e6);
+    lossy.summary.frames_dropped = 3;
+    rows.push_back(lossy);
+    CHECK(shares.after(rows).missed() == 1);
+    rows.push_back(row(RowState::finished, 0.3, kNaN, kNaN));
+    CHECK(shares.after(rows).missed() == 2);
+    CHECK(shares.after(rows).last_reading() == regulation::Reading::missing);
+    // After those the ledger's sum is too small, and nobody takes it for a counter that went back.
+    rows.push_back(row(RowState::finished, 0.3, 0.28, cumulative_J + 11e6));
+    CHECK(shares.after(rows).last_reading() == regulation::Reading::measured);
+    CHECK(shares.after(rows).brake_used_J() > 2.98e9 + cumulative_J + 15e6);
+    // A sum that goes back without a reason is.
+    std::vector<LedgerRow> back{row(RowState::finished, 0.24, 0.23, 8e6),
+                                row(RowState::finished, 0.24, 0.23, 7e6)};
+    CHECK(shares.after(back).last_reading() == regulation::Reading::counter_back);
+}
+
+TEST_CASE("a campaign that cannot be regulated is refused with the file", "[BRG-511]") {
+    const Order order = shipped();
+    CHECK_THROWS_WITH(
+        WearRegulation(order, endurance_test::setup("endurance").scenario),
+        ContainsSubstring("endurance.toml") && ContainsSubstring("law.law") && ContainsSubstring("slip"));
+    rig::Scenario heavy = endurance_test::setup("heavy").scenario;
+    heavy.choice.surface = "grass";
+    CHECK_THROWS_WITH(WearRegulation(order, heavy),
+                      ContainsSubstring("regulation.toml") && ContainsSubstring("grass"));
+    heavy.choice.surface = "snow";
+    heavy.rig.wear.life_J = 1e9;
+    CHECK_THROWS_WITH(WearRegulation(order, heavy), ContainsSubstring("plan.brake_taken_J"));
+}
+
+TEST_CASE("the ledger keeps the reference in force", "[BRG-512]") {
+    const auto path = fresh("regulation_ledger") / "campaign.sqlite";
+    {
+        rig::Ledger ledger(path, {.durable = false});
+        static_cast<void>(ledger.open_campaign(campaign(2), rig::IfChanged::refuse));
+        static_cast<void>(ledger.begin(1, "t", 0.275));
+        ledger.mark_unfinished();
+        static_cast<void>(ledger.begin(1, "t"));
+    }
+    const auto rows = rig::read_ledger(path, "pair");
+    REQUIRE(rows.size() == 2);
+    CHECK(rows[0].slip_reference == 0.275);
+    CHECK(std::isnan(rows[1].slip_reference));
+}
+
+TEST_CASE("view and status show reference, shares and landings to the limits", "[BRG-513]") {
+    const WearRegulation shares(shipped(), endurance_test::setup("heavy").scenario);
+    const regulation::Regulator one = shares.after({row(RowState::finished, 0.24, 0.231, 6.4e6)});
+    const std::string text = rig::line(one);
+    CHECK_THAT(text, ContainsSubstring("slip reference 0.260") && ContainsSubstring("0.231 measured") &&
+                         ContainsSubstring("0.303 wanted") && ContainsSubstring("(brake)") &&
+                         ContainsSubstring("early"));  // 256 heavy landings bring more than is left
+    rig::ViewModel view;
+    view.campaign =
+        rig::CampaignView{.number = 2, .finished = 1, .planned = 3, .left_s = {}, .regulation = text};
+    CHECK(rig::screen(view, 200).at(1) == text);
+    view.campaign->regulation.clear();
+    CHECK(rig::screen(view, 200).size() == 6);
+
+    const auto folder = fresh("regulation_status");
+    {
+        rig::Ledger ledger(folder / "campaign.sqlite", {.durable = false});
+        static_cast<void>(ledger.open_campaign(campaign(2), rig::IfChanged::refuse));
+        static_cast<void>(ledger.begin(1, "t", 0.24));
+        rig::Summary summary = row(RowState::finished, 0.24, 0.231, 6.4e6).summary;
+        summary.campaign = "pair";
+        summary.number = 1;
+        summary.outcome = "finished";
+        ledger.finish(summary);
+    }
+    CHECK_THAT(rig::status_text(folder / "campaign.sqlite"),
+               !ContainsSubstring("regulation:") && ContainsSubstring(" 0.240"));
+    std::filesystem::create_directories(folder / "pair");
+    rig::write_regulation(rig::regulation_file(folder, "pair"), one);
+    CHECK_THAT(rig::status_text(folder / "campaign.sqlite"), ContainsSubstring("regulation: " + text));
+    CHECK_THAT(rig::status_json(folder / "campaign.sqlite"),
+               ContainsSubstring("\"slip_reference\": 0.24") && ContainsSubstring("\"brake_limit_landing\""));
+    // A torn file is no reason not to show the ledger.
+    settings::write_file(rig::regulation_file(folder, "pair"), "{\"line\": ");
+    CHECK_THAT(rig::status_text(folder / "campaign.sqlite"), !ContainsSubstring("regulation:"));
+}
+
+TEST_CASE("a regulated campaign in one process: rows, references, resumption", "[BRG-514]") {
+    const endurance::Setup setup = endurance_test::setup("light");
+    Order order = shipped();
+    order.plan.brake_taken_J = setup.scenario.rig.wear.life_J - 12 * 2.30e6;
+    order.plan.tyre_life_J = 12 * 1.06e6;
+    order.plan.landings = 12;
+    const WearRegulation shares(order, setup.scenario);
+    const auto path = fresh("regulation_cell") / "campaign.sqlite";
+    auto cell = endurance_test::cell(setup);
+    constexpr int kPlanned = 5;
+    double taken_J = 0.0;
+    for (int number = 1; number <= kPlanned; ++number) {
+        // As after a kill: nothing is left but the ledger.
+        rig::Ledger ledger(path, {.durable = false});
+        static_cast<void>(ledger.open_campaign(campaign(kPlanned), rig::IfChanged::refuse));
+        const regulation::Regulator before = shares.after(rig::read_ledger(path, "pair"));
+        static_cast<void>(ledger.begin(number, "t", before.reference()));
+        sequencer::Plan maneuver = rig::plan(setup.scenario, 1, number);
+        maneuver.slip_reference = before.reference();
+        const endurance::Outcome outcome = cell.run(maneuver);
+        REQUIRE(outcome.phase == sequencer::Phase::finished);
+        taken_J += outcome.figures.energy_brake_J;
+        rig::Summary summary;
+        summary.campaign = "pair";
+        summary.number = number;
+        summary.outcome = "finished";
+        summary.figures = outcome.figures;
+        summary.cumulative_energy_J = taken_J;
+        ledger.finish(summary);
+    }
+    const auto rows = rig::read_ledger(path, "pair");
+    REQUIRE(rows.size() == kPlanned);
+    const regulation::Regulator after = shares.after(rows);
+    CHECK(after.landings() == kPlanned);
+    CHECK(after.missed() == 0);
+    CHECK(rows[0].slip_reference == 0.24);
+    CHECK(rows[4].slip_reference ==
+          Approx(0.32).margin(0.011));  // by steps of 0.02 towards 0.315 of the energy
+    CHECK(after.measured_share() == Approx(rows[4].slip_reference * 0.97).margin(0.02));
+    CHECK(after.brake_used_J() - order.plan.brake_taken_J == Approx(taken_J));
+}

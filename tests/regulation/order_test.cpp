@@ -1,0 +1,95 @@
+#include "plant_sim/study/regulation/order.hpp"
+
+#include <fstream>
+#include <string>
+
+#include "tests/catch.hpp"
+
+using regulation::Order;
+
+namespace {
+
+constexpr const char* kShipped = "config/regulation.toml";
+
+std::string contents(const std::string& path) {
+    std::ifstream in(path);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// The shipped order with one text replaced, in a directory with the shipped floor table.
+class Changed {
+  public:
+    Changed(const std::string& what, const std::string& by) {
+        const auto here = std::filesystem::temp_directory_path();
+        file_ = here / "regulation_changed.toml";
+        std::string text = contents(kShipped);
+        REQUIRE(text.find(what) != std::string::npos);
+        text.replace(text.find(what), what.size(), by);
+        std::ofstream(file_) << text;
+        std::filesystem::copy_file("config/regulation_floor.toml", here / "regulation_floor.toml",
+                                   std::filesystem::copy_options::overwrite_existing);
+    }
+    [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+
+  private:
+    std::filesystem::path file_;
+};
+
+void refuses(const std::string& what, const std::string& by, const std::string& message) {
+    const Changed changed(what, by);
+    CAPTURE(by);
+    CHECK_THROWS_WITH(regulation::load_order(changed.file()),
+                      ContainsSubstring("regulation_changed.toml:") && ContainsSubstring(message));
+}
+
+}  // namespace
+
+TEST_CASE("the shipped order: a plan that is feasible within the range of its floor", "[STUDY-174]") {
+    const Order order = regulation::load_order(kShipped);
+    CHECK(order.surfaces.size() == 8);
+    const regulation::Range range = order.range();
+    CHECK(range.lowest < 0.24);
+    CHECK(range.highest > 0.30);
+    const regulation::Plan plan = regulation::plan_of(order, 3.90e9, 5.12e6, 1.87e6);
+    CHECK(plan.landings == 256);
+    const double share = plan.tyre_budget_J() / (plan.tyre_budget_J() + plan.brake_budget_J());
+    CHECK(share > range.lowest);
+    CHECK(share < range.highest * 0.93);
+    CHECK((plan.tyre_budget_J() + plan.brake_budget_J()) / (256 * 5.12e6) == Approx(1.0).margin(0.01));
+}
+
+TEST_CASE("a planned ratio without a planned landing is met when the landings bring it", "[STUDY-174]") {
+    const Changed changed("landings = 256\n", "");
+    const Order order = regulation::load_order(changed.file());
+    const regulation::Plan plan = regulation::plan_of(order, 3.90e9, 6.6e6, 1.9e6);
+    CHECK(plan.landings == 200);  // (0.92 + 0.40) GJ
+}
+
+TEST_CASE("what cannot be is refused with file, line and key", "[STUDY-174]") {
+    refuses("tyre_life_J = 0.40e9", "tyre_life_MJ = 400", "tyre_life_J");
+    refuses("tyre_taken_J = 0.0", "tyre_taken_J = 1e9", "plan.tyre_taken_J: is not below tyre_life_J");
+    refuses("landings = 256", "landings = 0", "plan.landings");
+    refuses("default = 0.24", "default = 0.9", "reference.default");
+    refuses("step = 0.02", "step = 0.02\nstride = 2", "reference.stride");
+    refuses("j_mu = 0.85", "j_mu = 0.99", "below the floor 0.99");
+    const Order order = regulation::load_order(kShipped);
+    CHECK_THROWS_WITH(regulation::plan_of(order, 1e9, 5e6, 1e6), ContainsSubstring("plan.brake_taken_J"));
+    CHECK_THROWS_WITH(order.range("grass"), ContainsSubstring("grass") && ContainsSubstring("snow"));
+    const Changed missing("regulation_floor.toml\"", "no_such_floor.toml\"");
+    CHECK_THROWS_WITH(regulation::load_order(missing.file()), ContainsSubstring("no_such_floor.toml"));
+}
+
+TEST_CASE("a characterisation comes back as it was written", "[STUDY-174]") {
+    const regulation::Characterisation c{
+        .floor = {.reference = {0.1, 0.24, 0.5},
+                  .rows = {{"snow", {0.9912, 0.9443, 0.8}}, {"ice", {0.99, 0.98, 0.97}}}},
+        .tyre_share = {0.1061, 0.2339, 0.48}};
+    const auto file = std::filesystem::temp_directory_path() / "regulation_characterised.toml";
+    std::ofstream(file) << regulation::to_toml(c, "rig-lab regulate");
+    const regulation::Characterisation read = regulation::load_characterisation(file);
+    CHECK(read.floor.reference == c.floor.reference);
+    CHECK(read.tyre_share == c.tyre_share);
+    REQUIRE(read.floor.rows.size() == 2);
+    CHECK(read.floor.rows[0].surface == "snow");
+    CHECK(read.floor.rows[0].j_mu == c.floor.rows[0].j_mu);
+}

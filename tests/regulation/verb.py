@@ -1,0 +1,56 @@
+#!/usr/bin/python3
+"""rig-lab regulate as its users meet it: results, exit status, threads, refusals. [STUDY-176]
+
+usage: verb.py RIG_LAB
+"""
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+LAB = sys.argv[1]
+
+
+def run(*arguments):
+    child = subprocess.run([LAB, "regulate", *map(str, arguments)], capture_output=True, text=True, timeout=500)
+    return child.returncode, child.stdout, child.stderr
+
+
+def check(what, good, detail=""):
+    print(("ok      " if good else "FAILED  ") + what, detail if not good else "")
+    if not good:
+        sys.exit(1)
+
+
+with tempfile.TemporaryDirectory() as scratch:
+    scratch = pathlib.Path(scratch)
+    short = ["--lives", 2, "--landings", 4, "--no-floor-check"]
+    # Four landings of a plan for 256 use hardly anything: said, and exit status 0, since nothing was feasible.
+    status, text, progress = run(*short, "--out", scratch / "one", "--threads", 1)
+    check("exit status", status == 0, text + progress)
+    check("what cannot be is said", "not feasible at landing 4" in text and "whatever the reference" in text, text)
+    check("how far it is", "of 40 maneuvers" in progress, progress)
+    status, _, _ = run(*short, "--out", scratch / "two", "--threads", 2)
+    for name in ("results.json", "landings.csv"):
+        check(f"{name}: the same bytes with two threads",
+              (scratch / "one" / name).read_bytes() == (scratch / "two" / name).read_bytes())
+    check("a picture", (scratch / "one/regulate.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n")
+    results = json.loads((scratch / "one/results.json").read_text())
+    check("what the results are of", all(results[key] for key in ("config_hash", "version", "seed")), results)
+    check("all policies", [p["name"] for p in results["policies"]][:4] ==
+          ["regulated", "fixed 0.10", "fixed 0.24", "fixed 0.40"], results["policies"])
+    rows = list(csv.DictReader((scratch / "one/landings.csv").open()))
+    regulated = [r for r in rows if r["policy"] == "regulated" and r["life"] == "1"]
+    check("it begins with the default and moves by the step",
+          regulated[0]["slip_reference"] == "0.240000" and regulated[1]["slip_reference"] == "0.260000", regulated[:2])
+    last = regulated[3]
+    life = results["policies"][0]["lives"][0]
+    check("table and results agree",
+          abs(float(last["brake_J"]) / life["brake_budget_J"] - life["brake_used_at_plan"]) < 1e-6, (last, life))
+
+    status, _, error = run("--missing", 2)
+    check("a share above 1 is refused", status == 2 and "--missing" in error, error)
+    status, _, error = run("--order", scratch / "nowhere.toml")
+    check("a plan that is not there is refused by name", status == 2 and "nowhere.toml" in error, error)

@@ -1,0 +1,265 @@
+/// However the stops are shared out, the table is the same, byte for byte.
+#include "plant_sim/study/sweep/run.hpp"
+
+#include <unistd.h>
+
+#include <condition_variable>
+#include <deque>
+#include <fstream>
+#include <iterator>
+#include <mutex>
+#include <numeric>
+#include <thread>
+
+#include "plant_sim/study/sweep/part_file.hpp"
+#include "plant_sim/study/sweep/together.hpp"
+#include "tests/catch.hpp"
+#include "tests/sweep/small_plan.hpp"
+
+namespace {
+
+std::string csv_of(const sweep::Plan& plan, std::span<const sweep::Row> rows) {
+    return sweep::to_csv(sweep::identity_of(plan), {}, rows);
+}
+
+/// By one thread, from the last stop to the first: what every other way is held against.
+const std::string& reference_csv() {
+    static const std::string kCsv = [] {
+        const sweep::Plan plan = small::plan();
+        std::vector<sweep::Row> rows;
+        for (std::size_t i = plan.stops(); i-- > 0;) rows.insert(rows.begin(), sweep::run_one(plan, i));
+        return csv_of(plan, rows);
+    }();
+    return kCsv;
+}
+
+struct Scratch {
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("sweep_test_" + std::to_string(::getpid()));
+    Scratch() { std::filesystem::create_directories(path); }
+    ~Scratch() { std::filesystem::remove_all(path); }
+    Scratch(const Scratch&) = delete;
+    Scratch& operator=(const Scratch&) = delete;
+};
+
+std::string text_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// A team of threads: messages through a queue instead of MPI.
+struct Wire {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::deque<std::string> to_leader;
+    std::optional<std::string> from_leader;
+};
+
+class Member : public sweep::Team {
+  public:
+    Member(Wire& wire, std::size_t rank, std::size_t size) : wire_(wire), rank_(rank), size_(size) {}
+    [[nodiscard]] std::size_t rank() const override { return rank_; }
+    [[nodiscard]] std::size_t size() const override { return size_; }
+    [[nodiscard]] std::string from_leader(std::string text) override {
+        std::unique_lock lock(wire_.mutex);
+        if (rank_ == 0) wire_.from_leader = text;
+        wire_.changed.notify_all();
+        wire_.changed.wait(lock, [this] { return wire_.from_leader.has_value(); });
+        return *wire_.from_leader;
+    }
+    void to_leader(std::string_view text) override {
+        const std::scoped_lock lock(wire_.mutex);
+        wire_.to_leader.emplace_back(text);
+        wire_.changed.notify_all();
+    }
+    [[nodiscard]] std::optional<std::string> received(bool wait) override {
+        std::unique_lock lock(wire_.mutex);
+        if (wait) wire_.changed.wait(lock, [this] { return !wire_.to_leader.empty(); });
+        if (wire_.to_leader.empty()) return std::nullopt;
+        std::string text = std::move(wire_.to_leader.front());
+        wire_.to_leader.pop_front();
+        return text;
+    }
+    void end_all(int) override {}
+
+  private:
+    Wire& wire_;
+    std::size_t rank_;
+    std::size_t size_;
+};
+
+}  // namespace
+
+TEST_CASE("the number of threads and the order of work change no byte", "[STUDY-142]") {
+    const sweep::Plan plan = small::plan();
+    std::vector<std::size_t> in_order(plan.stops());
+    std::iota(in_order.begin(), in_order.end(), std::size_t{0});
+    CHECK(csv_of(plan, sweep::run(plan, in_order, {.threads = 1})) == reference_csv());
+    CHECK(csv_of(plan, sweep::run(plan, sweep::order_of_work(plan.stops()), {.threads = 5})) ==
+          reference_csv());
+    const sweep::Plan other = small::plan(2);
+    CHECK(csv_of(other, sweep::run(other, in_order, {.threads = 2})) != reference_csv());
+}
+
+namespace {
+
+/// Enough stops that those which threads have begun together are not all.
+std::vector<double> many_references() {
+    std::vector<double> references;
+    for (int i = 10; i <= 30; ++i) references.push_back(i / 100.0);
+    return references;
+}
+
+}  // namespace
+
+TEST_CASE("what a stop or an observer throws ends the run and comes out of it", "[STUDY-142]") {
+    const sweep::Plan plan = small::plan(1, many_references());
+    const auto numbers = sweep::order_of_work(plan.stops());
+    std::size_t seen = 0;
+    const auto full_disk = [&seen](const sweep::Row&) {
+        if (++seen == 2) throw std::runtime_error("no space left on device");
+    };
+    CHECK_THROWS_WITH(sweep::run(plan, numbers, {.threads = 3, .on_row = full_disk}),
+                      "no space left on device");
+    CHECK(seen < plan.stops());
+}
+
+TEST_CASE("a sweep that is stopped or killed goes on: nothing twice, nothing lost, the same bytes",
+          "[STUDY-143]") {
+    const Scratch scratch;
+    const auto part = scratch.path / "new" / "stops.part";
+    const sweep::Plan plan = small::plan(1, many_references());
+    Wire wire;
+    Member team(wire, 0, 1);
+    std::atomic<bool> stop{false};
+    sweep::Work work{.part = part, .threads = 2, .stop = &stop};
+    work.progress = [&stop](std::size_t done, std::size_t all, std::size_t before) {
+        CHECK(all == 88);
+        CHECK(before == 0);
+        if (done == 4) stop.store(true);
+    };
+    const auto first = sweep::run_together(plan, work, team);
+    REQUIRE(first.size() >= 4);
+    REQUIRE(first.size() < 88);
+
+    // Killed in the middle of a line.
+    std::ofstream(part, std::ios::app | std::ios::binary) << "11,threshold,0,3,dry_as";
+    stop.store(false);
+    std::size_t ran = 0;
+    work.progress = [&](std::size_t, std::size_t, std::size_t before) {
+        CHECK(before == first.size());
+        ++ran;
+    };
+    const auto second = sweep::run_together(plan, work, team);
+    CHECK(ran == 88 - first.size());
+    const auto at_once = sweep::run(plan, sweep::order_of_work(plan.stops()), {.threads = 2});
+    CHECK(csv_of(plan, second) == csv_of(plan, at_once));
+    CHECK(sweep::read_stops(part).rows.size() == 88);
+
+    // Killed before the first lines were whole.
+    const std::string whole = text_of(part);
+    std::ofstream(part, std::ios::trunc | std::ios::binary) << whole.substr(0, 30);
+    CHECK(sweep::PartFile(part, plan, {}).rows().empty());
+    CHECK(whole.starts_with(text_of(part)));
+}
+
+TEST_CASE("what another sweep left is refused, and named; it is not touched", "[STUDY-143]") {
+    const Scratch scratch;
+    const auto part = scratch.path / "stops.part";
+    const sweep::Plan plan = small::plan();
+    {
+        sweep::PartFile file(part, plan, {});
+        file.append(sweep::line(sweep::run_one(plan, 0)));
+        CHECK_THROWS_WITH(sweep::PartFile(part, plan, {}),
+                          ContainsSubstring("another sweep is at work on it"));
+    }
+    const std::string before = text_of(part);
+    sweep::Plan other = plan;
+    other.seed = 2;
+    CHECK_THROWS_WITH(sweep::PartFile(part, other, {}), ContainsSubstring("seed 1 instead of 2"));
+    other = plan;
+    other.config_hash = "another";
+    CHECK_THROWS_WITH(sweep::PartFile(part, other, {}), ContainsSubstring("instead of another"));
+    other = plan;
+    other.version = "9";
+    CHECK_THROWS_WITH(sweep::PartFile(part, other, {}), ContainsSubstring("version"));
+    CHECK_THROWS_WITH(sweep::PartFile(part, plan, {1, 2}), ContainsSubstring("another shard"));
+    other = plan;
+    other.landings[0].sensor_seed += 1;
+    CHECK_THROWS_WITH(sweep::PartFile(part, other, {}), ContainsSubstring("is another stop"));
+    CHECK(text_of(part) == before);
+    std::ofstream(part, std::ios::trunc) << "notes of mine";
+    CHECK_THROWS_AS(sweep::PartFile(part, plan, {}), settings::Error);
+    CHECK(text_of(part) == "notes of mine");
+}
+
+TEST_CASE("three processes give the bytes of one, and go on where one was stopped", "[STUDY-145]") {
+    const Scratch scratch;
+    const sweep::Plan plan = small::plan();
+    const auto part = scratch.path / "stops.part";
+    {
+        sweep::PartFile file(part, plan, {});
+        file.append(sweep::line(sweep::run_one(plan, 5)));
+    }
+    Wire wire;
+    std::vector<sweep::Row> rows;
+    std::vector<std::size_t> others(3, 1);
+    {
+        std::vector<std::jthread> processes;
+        for (std::size_t rank = 0; rank < 3; ++rank)
+            processes.emplace_back([&, rank] {
+                Member member(wire, rank, 3);
+                auto found = sweep::run_together(plan, {.part = part, .threads = 1}, member);
+                if (rank == 0) rows = found;
+                others[rank] = found.size();
+            });
+    }
+    CHECK(others == std::vector<std::size_t>{12, 0, 0});
+    CHECK(csv_of(plan, rows) == reference_csv());
+}
+
+TEST_CASE("a process with another plan than the leader's refuses to work", "[STUDY-145]") {
+    Wire wire;
+    const sweep::Plan plan = small::plan();
+    wire.from_leader = csv_of(plan, {});
+    sweep::Plan other = plan;
+    other.config_hash = "another";
+    Member member(wire, 1, 2);
+    CHECK_THROWS_WITH(sweep::run_together(other, {}, member),
+                      ContainsSubstring("another sweep than the leading one"));
+}
+
+TEST_CASE("shards give the bytes of the whole", "[STUDY-144]") {
+    const sweep::Plan plan = small::plan();
+    std::vector<sweep::StopsTable> shards;
+    for (std::size_t i = 1; i <= 5; ++i) {
+        const auto numbers = sweep::numbers_of(plan.stops(), {i, 5});
+        const auto rows = sweep::run(plan, numbers, {.threads = 2});
+        shards.push_back(sweep::parse_stops("shard " + std::to_string(i),
+                                            sweep::to_csv(sweep::identity_of(plan), {i, 5}, rows)));
+    }
+    std::swap(shards[0], shards[3]);
+    CHECK(csv_of(plan, sweep::merged(shards).rows) == reference_csv());
+
+    // What does not belong together, by its names.
+    auto wrong = shards;
+    wrong[1] = wrong[2];
+    CHECK_THROWS_WITH(sweep::merged(wrong), ContainsSubstring("shard 3 and shard 3 are both shard 3 of 5"));
+    wrong = shards;
+    wrong.erase(wrong.begin() + 1);
+    CHECK_THROWS_WITH(sweep::merged(wrong), "missing: shard 2/5");
+    wrong = shards;
+    wrong[2].identity.seed = 2;
+    CHECK_THROWS_WITH(sweep::merged(wrong), ContainsSubstring("shard 3: seed 2 instead of 1 as in shard 4"));
+    wrong = shards;
+    wrong[2].identity.config_hash = "another";
+    CHECK_THROWS_WITH(sweep::merged(wrong), ContainsSubstring("shard 3: configuration another instead of"));
+    wrong = shards;
+    wrong[4].shard = {1, 2};
+    CHECK_THROWS_WITH(sweep::merged(wrong),
+                      ContainsSubstring("shard 5 is one of 2 shards, shard 4 one of 5"));
+    wrong = shards;
+    wrong[4].rows.pop_back();
+    CHECK_THROWS_WITH(sweep::merged(wrong), ContainsSubstring("shard 5 has 1 of its 2 stops"));
+    CHECK_THROWS_AS(sweep::merged({}), std::invalid_argument);
+}

@@ -1,0 +1,76 @@
+#include "plant_sim/wear/brake_state.hpp"
+
+#include <string>
+
+#include "plant_sim/wear/model_io.hpp"
+#include "tests/catch.hpp"
+#include "tests/config/refusal.hpp"
+
+namespace {
+
+wear::BrakeWear shipped(const wear::BrakeScale& scale = {}) {
+    return {std::make_shared<const wear::Model>(wear::read_model("config/wear/model.json")), scale, 488e6,
+            "config/wear/model.json"};
+}
+
+const wear::BrakeState kState{0xFFFF'FFFF'FFFF'FFFFU, 137, 133.123456789012345e6 / 3.0};
+
+std::string refusal(const std::string& json, const wear::BrakeWear& wear = shipped()) {
+    return refusal_of([&] { return wear::brake_state_from_json("brake.json", json, wear); }).what();
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}
+
+}  // namespace
+
+TEST_CASE("a kept brake comes back to the last bit, and there is none where there is no file", "[WEAR-033]") {
+    const TemporaryDirectory directory;
+    CHECK(wear::find_brake_state(directory / "brake.json", shipped()) == std::nullopt);
+    wear::keep_brake_state(directory / "brake.json", kState, shipped());
+    CHECK(wear::find_brake_state(directory / "brake.json", shipped()) == kState);
+    CHECK_THROWS_AS(wear::keep_brake_state(directory.path(), kState, shipped()), settings::Error);
+    CHECK_THROWS_AS(wear::find_brake_state(directory.path(), shipped()), settings::Error);
+}
+
+TEST_CASE("every byte of a kept brake that is damaged is noticed", "[WEAR-033]") {
+    const std::string json = wear::to_json(kState, shipped());
+    for (std::size_t i = 0; i < json.size(); ++i) {
+        CAPTURE(i, json.substr(0, i));
+        std::string damaged = json;
+        damaged[i] = damaged[i] == '1' ? '2' : '1';
+        if (json[i] == ' ' || json[i] == '\n') continue;  // between the values: may be anything blank
+        try {
+            (void)wear::brake_state_from_json("brake.json", damaged, shipped());
+            FAIL_CHECK("not noticed");
+        } catch (const settings::Error& error) {
+            CHECK(error.file() == "brake.json");
+        }
+        CHECK_THROWS_AS(wear::brake_state_from_json("brake.json", json.substr(0, i), shipped()),
+                        settings::Error);
+    }
+}
+
+TEST_CASE("a kept brake says what is wrong with it", "[WEAR-033]") {
+    const std::string json = wear::to_json(kState, shipped());
+    CHECK_THAT(refusal(""), ContainsSubstring("brake.json: no JSON"));
+    CHECK_THAT(refusal("[]"), ContainsSubstring("must be an object"));
+    CHECK_THAT(refusal(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
+               ContainsSubstring("format_version: 2 is not the version"));
+    CHECK_THAT(refusal(replaced(json, "brake state", "wear model")), ContainsSubstring("format: must be"));
+    CHECK_THAT(refusal(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": 138")),
+               ContainsSubstring("check_sum: does not fit"));
+    CHECK_THAT(refusal(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": -1")),
+               ContainsSubstring("maneuvers: must be an integer"));
+    CHECK_THAT(refusal(replaced(json, "\"seed\"", "\"sead\"")), ContainsSubstring("seed: is missing"));
+    CHECK_THAT(refusal(json, shipped({.energy = 8.0})),
+               ContainsSubstring("wear_hash: this brake was kept with another wear model or scale"));
+    wear::BrakeWear other = shipped();
+    wear::Model model = *other.model;
+    model.data.maneuvers = 499;
+    other.model = std::make_shared<const wear::Model>(model);
+    CHECK_THAT(refusal(json, other), ContainsSubstring("another wear model or scale"));
+}

@@ -1,0 +1,133 @@
+#include "plant_sim/wear/health.hpp"
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "plant_sim/wear/fault_trial.hpp"
+#include "plant_sim/wear/population_io.hpp"
+#include "plant_sim/wear/wearing_brake.hpp"
+#include "tests/catch.hpp"
+#include "tests/wear/fleet.hpp"
+
+namespace {
+
+using wear::Condition;
+using wear::Fault;
+
+const wear::Population& shipped() {
+    static const wear::Population p = wear::read_population("config/wear/population.json").population;
+    return p;
+}
+
+std::vector<wear::Campaign> fleet(std::uint64_t first, std::uint64_t count) {
+    std::vector<wear::Campaign> out;
+    for (std::uint64_t seed = first; seed < first + count; ++seed)
+        out.push_back(physical::worn_out(seed).campaign);
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("scores of healthy brakes are standard normal", "[WEAR-060]") {
+    double n = 0.0;
+    double sum = 0.0;
+    double squares = 0.0;
+    double beyond_two = 0.0;
+    for (const wear::Campaign& c : fleet(80000, 20)) {
+        wear::HealthMonitor monitor(shipped());
+        for (const wear::Point& p : c.points) {
+            const double z = monitor.after(p).score;
+            n += 1.0;
+            sum += z;
+            squares += z * z;
+            beyond_two += std::abs(z) > 2.0 ? 1.0 : 0.0;
+        }
+    }
+    // About 10,000 scores; the law is not the model, so a tenth is left to it.
+    CHECK(sum / n == Approx(0.0).margin(0.1));
+    CHECK(squares / n == Approx(1.0).margin(0.15));
+    CHECK(beyond_two / n == Approx(0.0455).margin(0.02));
+}
+
+TEST_CASE("healthy brakes are seldom called abnormal", "[WEAR-061]") {
+    const wear::HealthyTrial t = wear::try_healthy(shipped(), fleet(80000, 100));
+    CHECK(t.campaigns == 100);
+    CHECK(t.maneuvers > 40000);
+    CAPTURE(t.flagged, t.suspected_maneuvers);
+    // 4 % would be passed by 2 % of false alarms with a probability of 95 %.
+    CHECK(t.flagged <= 4);
+    CHECK(static_cast<double>(t.suspected_maneuvers) < 0.02 * static_cast<double>(t.maneuvers));
+}
+
+TEST_CASE("glazing, a sudden drop and a dragging piston are flagged within the stated number of maneuvers",
+          "[WEAR-062]") {
+    const std::vector<wear::Campaign> healthy = fleet(80000, 60);
+    struct Promise {
+        Fault fault;
+        double size;
+        std::size_t ninety;
+    };
+    for (const Promise& p :
+         {Promise{Fault::glazing, 0.20, 60}, Promise{Fault::drop, 0.10, 12}, Promise{Fault::drop, 0.20, 3},
+          Promise{Fault::drag, 0.10, 12}, Promise{Fault::drag, 0.20, 3}}) {
+        const wear::FaultTrial t = wear::try_fault(shipped(), healthy, p.fault, p.size, 1);
+        CAPTURE(wear::name(p.fault), p.size, t.flagged, t.campaigns, t.median, t.ninety);
+        CHECK(t.campaigns >= 57);
+        CHECK(t.ninety > 0);
+        CHECK(t.ninety <= p.ninety);
+    }
+}
+
+TEST_CASE("what is wrong is named by its direction, and abnormal is for good", "[WEAR-063]") {
+    const wear::Campaign healthy = physical::worn_out(80001).campaign;
+    const auto watch = [&](Fault fault, double size) {
+        wear::HealthMonitor monitor(shipped());
+        wear::Verdict last;
+        bool was_abnormal = false;
+        const wear::Campaign faulty = wear::with_fault(healthy, fault, size, 200);
+        for (std::size_t i = 0; i < 300; ++i) {
+            last = monitor.after(faulty.points[i]);
+            if (i < wear::HealthMonitor::kUnknownManeuvers) CHECK(last.condition == Condition::unknown);
+            if (was_abnormal) CHECK(last.condition == Condition::abnormal);
+            was_abnormal = last.condition == Condition::abnormal;
+        }
+        return last;
+    };
+    CHECK_THAT(watch(Fault::drop, 0.2).reason, ContainsSubstring("friction has dropped"));
+    CHECK_THAT(watch(Fault::drag, 0.2).reason, ContainsSubstring("torque without pressure"));
+    CHECK_THAT(watch(Fault::glazing, 0.2).reason, ContainsSubstring("falls away"));
+    CHECK(watch(Fault::drop, 0.0).condition != Condition::abnormal);
+}
+
+TEST_CASE("a fault is put in as it is described", "[WEAR-062]") {
+    const wear::Campaign healthy = physical::worn_out(80002).campaign;
+    const wear::Campaign drop = wear::with_fault(healthy, Fault::drop, 0.1, 50);
+    const wear::Campaign glazing = wear::with_fault(healthy, Fault::glazing, 0.1, 50);
+    CHECK(drop.points[49] == healthy.points[49]);
+    CHECK(drop.points[50].mean_friction == Approx(0.9 * healthy.points[50].mean_friction));
+    CHECK(glazing.points[69].mean_friction == Approx(0.95 * healthy.points[69].mean_friction));
+    CHECK(glazing.points[120].mean_friction == Approx(0.9 * healthy.points[120].mean_friction));
+    CHECK(glazing.points[120].c_e_J == healthy.points[120].c_e_J);
+}
+
+TEST_CASE("with a single model its own brake is healthy for all of its life, and its drop is flagged",
+          "[WEAR-064]") {
+    const wear::Population p = wear::read_population("config/wear/model.json").population;
+    int flagged = 0;
+    for (std::uint64_t seed = 1001; seed <= 1020; ++seed) {
+        wear::WearingBrake brake({std::make_shared<const wear::Model>(p.models.at(0)), {}, 488e6, {}}, {},
+                                 {seed, 0, 0.0});
+        wear::HealthMonitor monitor(p);
+        wear::HealthMonitor dropped(p);
+        for (int i = 0; i < 480; ++i) {
+            const double friction = brake.next_friction();
+            brake.take(0.975e6);
+            const double c_e_J = brake.state().c_e_J;
+            flagged += monitor.after({c_e_J, friction}).condition == Condition::abnormal ? 1 : 0;
+            const wear::Verdict v = dropped.after({c_e_J, friction * (i < 300 ? 1.0 : 0.8)});
+            if (i == 310) CHECK(v.condition == Condition::abnormal);
+        }
+    }
+    CHECK(flagged == 0);
+}

@@ -1,0 +1,56 @@
+/// The shipped campaign and model: made by what this says, and what the rigs' configurations take from them.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <string>
+
+#include "plant_sim/wear/fit.hpp"
+#include "plant_sim/wear/model_io.hpp"
+#include "plant_sim/wear/wearing_brake.hpp"
+#include "tests/catch.hpp"
+#include "tests/config/refusal.hpp"
+#include "tests/wear/physical_campaign.hpp"
+
+namespace {
+
+const std::string kCampaign = "config/wear/endurance_campaign.csv";
+const std::string kModel = "config/wear/model.json";
+
+std::string made_up_campaign() {
+    std::string csv =
+        "# MADE UP, not measured [A]: 500 maneuvers of Table III on the brake of flywheel_rig.toml, new to "
+        "worn "
+        "out, by the physical law of\n"
+        "# tests/wear/physical_campaign.hpp (contact that runs in, lining that wears, core that loses grip; "
+        "scatter that remembers), seed 1.\n"
+        "# Put your own rig's campaign in its place. Made by: build/release/tests/wear/test_wear_shipped "
+        "'[.regenerate]'\n"
+        "maneuver,mean_friction,cumulative_energy_MJ\n";
+    const wear::Campaign campaign = physical::campaign(physical::shipped_law(), 1);
+    for (std::size_t i = 0; i < campaign.points.size(); ++i)
+        fmt::format_to(std::back_inserter(csv), "{},{:.5f},{:.4f}\n", i + 1, campaign.points[i].mean_friction,
+                       campaign.points[i].c_e_J * 1e-6);
+    return csv;
+}
+
+std::string fitted_model() {
+    const wear::FitSettings settings{.seed = 1, .em = {}};
+    const wear::Campaign data = wear::read_campaign(kCampaign);
+    return wear::to_json(wear::model_of(data, wear::fit(data, settings, {2, {}, {}}), settings));
+}
+
+}  // namespace
+
+TEST_CASE("the shipped campaign is what the physical law makes of seed 1", "[WEAR-030]") {
+    CHECK(content_of(kCampaign) == made_up_campaign());
+}
+
+TEST_CASE("the shipped model is what `rig-lab wear fit` makes of the shipped campaign", "[WEAR-030]") {
+    CHECK(content_of(kModel) == fitted_model());
+}
+
+TEST_CASE("writes the shipped campaign and model anew", "[.regenerate]") {
+    put(kCampaign, made_up_campaign());
+    put(kModel, fitted_model());
+}
