@@ -21,10 +21,10 @@ namespace antiskid::can {
 
 namespace {
 
-constexpr std::int64_t kNanoseconds = 1'000'000'000;
+constexpr std::int64_t kPerSecond = 1'000'000'000;
 
 Time time_of(const timespec& t) {
-    return Time{std::int64_t{t.tv_sec} * kNanoseconds + t.tv_nsec};
+    return Time{std::int64_t{t.tv_sec} * kPerSecond + t.tv_nsec};
 }
 
 Time read_clock(clockid_t clock) {
@@ -169,7 +169,7 @@ bool SocketCan::send(const Frame& frame) {
 
 bool SocketCan::wait(Time timeout) {
     const std::int64_t left = std::max<std::int64_t>(timeout.count(), 0);
-    const timespec limit{.tv_sec = left / kNanoseconds, .tv_nsec = left % kNanoseconds};
+    const timespec limit{.tv_sec = left / kPerSecond, .tv_nsec = left % kPerSecond};
     pollfd descriptor{.fd = socket_, .events = POLLIN, .revents = 0};
     return ppoll(&descriptor, 1, &limit, nullptr) > 0;
 }

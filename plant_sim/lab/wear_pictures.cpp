@@ -23,7 +23,7 @@ const char* colour(std::size_t component) {
     return kColours[component % kColours.size()];
 }
 
-constexpr const char* kStyle = R"(set grid lc rgb '#dddddd'
+constexpr const char* kCampaignStyle = R"(set grid lc rgb '#dddddd'
 set border lc rgb '#555555'
 set xlabel 'cumulative brake energy (MJ)'
 set ylabel 'mean brake friction'
@@ -91,7 +91,7 @@ void draw_campaign(const wear::Campaign& campaign, const wear::Model& model,
     constexpr int kSteps = 400;
     const std::vector<wear::Component>& components = model.mixture.components();
     std::string script =
-        kStyle + members(campaign, model.mixture) + ranges(frame_of(model.data)) + "$mean << EOD\n";
+        kCampaignStyle + members(campaign, model.mixture) + ranges(frame_of(model.data)) + "$mean << EOD\n";
     for (int i = 0; i <= kSteps; ++i) {
         const double a_J =
             model.data.first_c_e_J + (model.data.last_c_e_J - model.data.first_c_e_J) * i / kSteps;
@@ -118,7 +118,7 @@ void draw_density(const wear::Campaign& campaign, const wear::Model& model,
     constexpr int kColumns = 240;
     constexpr int kRows = 180;
     const Frame f = frame_of(model.data);
-    std::string script = kStyle + members(campaign, model.mixture) + ranges(f) + "$density << EOD\n";
+    std::string script = kCampaignStyle + members(campaign, model.mixture) + ranges(f) + "$density << EOD\n";
     double greatest = -1e300;
     for (int row = 0; row <= kRows; ++row) {
         for (int column = 0; column <= kColumns; ++column) {
@@ -163,7 +163,7 @@ void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& sim
         return out + "EOD\n";
     };
     study::run_gnuplot(png, 1100, 700,
-                       kStyle + block("recorded", recorded) + block("simulated", simulated) +
+                       kCampaignStyle + block("recorded", recorded) + block("simulated", simulated) +
                            "plot $recorded with points pt 7 ps 0.6 lc rgb '#1f4e79' title 'recorded', \\\n"
                            "     $simulated with points pt 1 ps 0.8 lc rgb '#c55a11' title 'simulated'\n");
 }

@@ -10,7 +10,7 @@ namespace study {
 
 namespace {
 
-constexpr double kStep_s = 1e-3;
+constexpr double kReplayStep_s = 1e-3;
 
 plant::RigParameters rig_of(const plant::LoadedRig& loaded, const wear::Braking& braking) {
     if (!(braking.brake_on_mps > 0.0 && braking.mean_torque_Nm > 0.0 && braking.mean_load_N > 0.0))
@@ -26,7 +26,7 @@ plant::RigParameters rig_of(const plant::LoadedRig& loaded, const wear::Braking&
 TorqueStop stop_by_torque(const plant::LoadedRig& loaded, const wear::Braking& braking) {
     const plant::RigParameters p = rig_of(loaded, braking);
     const plant::BrakeTorque brake(p.brake, p.friction_curve, p.mean_friction, p.brake_on_mps);
-    plant::Rig rig(p, kStep_s, 1);
+    plant::Rig rig(p, kReplayStep_s, 1);
     rig.touch_down();
     rig.start_rolling();
     StopMeter meter(0.0, loaded.drop_out_mps);
@@ -37,7 +37,7 @@ TorqueStop stop_by_torque(const plant::LoadedRig& loaded, const wear::Braking& b
         out.short_of_pressure = out.short_of_pressure || wanted_Pa > loaded.full_pressure_Pa;
         const double pressure_Pa = std::min(wanted_Pa, loaded.full_pressure_Pa);
         rig.advance_pressure(pressure_Pa, pressure_Pa);
-        meter.update(rig, kStep_s);
+        meter.update(rig, kReplayStep_s);
     }
     const StopFigures f = meter.figures(rig);
     out.mean_friction = f.mean_friction;

@@ -22,8 +22,8 @@ using settings::Error;
 
 constexpr double kGreatestStep_J = 1e9;  // a heavy airliner's brake takes about 1e8 J in a rejected take-off
 constexpr double kLeastMeanStep_J = 100.0;
-constexpr double kLeastFriction = 0.001;
-constexpr double kGreatestFriction = 1.5;
+constexpr double kLeastPlausible = 0.001;
+constexpr double kGreatestPlausible = 1.5;
 
 constexpr std::string_view kEnergyMJ = "cumulative_energy_MJ";
 constexpr std::string_view kEnergyJ = "cumulative_energy_J";
@@ -142,10 +142,10 @@ void check_point(const std::string& file, unsigned line, const Point& point, con
         throw Error(
             file, line, "cumulative_energy",
             fmt::format("{} J: cumulative energy is positive from the first maneuver on", point.c_e_J));
-    if (!(point.mean_friction >= kLeastFriction && point.mean_friction <= kGreatestFriction))
+    if (!(point.mean_friction >= kLeastPlausible && point.mean_friction <= kGreatestPlausible))
         throw Error(file, line, std::string(kFriction),
                     fmt::format("{} is no friction coefficient of a brake ({} to {}); is it in percent?",
-                                point.mean_friction, kLeastFriction, kGreatestFriction));
+                                point.mean_friction, kLeastPlausible, kGreatestPlausible));
     if (before == nullptr) return;
     const double step_J = point.c_e_J - before->c_e_J;
     if (step_J <= 0.0)

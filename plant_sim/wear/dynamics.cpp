@@ -16,11 +16,11 @@ using settings::Error;
 
 constexpr std::size_t kLeastSamples = 40;  // ten for each coefficient
 constexpr double kLeastSpan = 0.5;         // of x in [0, 1]
-constexpr double kLeastFriction = 0.001;
-constexpr double kGreatestFriction = 1.5;
+constexpr double kLeastInStop = 0.001;
+constexpr double kGreatestInStop = 1.5;
 constexpr double kMostRejected = 0.5;
 /// With few stops: each is cut into this many bands of x, every kBandGroups-th band is one group.
-constexpr std::size_t kBands = 24;
+constexpr std::size_t kSpeedBands = 24;
 constexpr std::size_t kBandGroups = 6;
 
 void check(const RecordedStop& stop) {
@@ -78,7 +78,8 @@ Grouping grouping_of(std::size_t stops, const DynamicsSettings& settings) {
 
 std::size_t group_of(const Grouping& grouping, std::size_t stop, double x) {
     if (grouping.by_stops) return stop % grouping.groups;
-    const auto band = static_cast<std::size_t>(std::clamp(x, 0.0, 0.999999) * static_cast<double>(kBands));
+    const auto band =
+        static_cast<std::size_t>(std::clamp(x, 0.0, 0.999999) * static_cast<double>(kSpeedBands));
     return (band + stop) % grouping.groups;
 }
 
@@ -215,12 +216,12 @@ std::vector<FrictionSample> friction_samples(const RecordedStop& stop, const Dyn
     for (const FrictionSample& s : out) mu.push_back(s.mu_b);
     std::nth_element(mu.begin(), mu.begin() + static_cast<std::ptrdiff_t>(mu.size() / 2), mu.end());
     const double middle = mu[mu.size() / 2];
-    if (!(middle >= kLeastFriction && middle <= kGreatestFriction))
+    if (!(middle >= kLeastInStop && middle <= kGreatestInStop))
         throw Error(stop.source, 0, "",
                     fmt::format("mu_b is {:.4g} in the middle, expected {} to {}: check the units of torque "
                                 "and pressure, and the "
                                 "brake's geometry ({:.4g} m3)",
-                                middle, kLeastFriction, kGreatestFriction, stop.brake_gain_m3));
+                                middle, kLeastInStop, kGreatestInStop, stop.brake_gain_m3));
     if (out.size() <= settings.most_samples) return out;
     const std::size_t every = (out.size() + settings.most_samples - 1) / settings.most_samples;
     std::vector<FrictionSample> thinned;

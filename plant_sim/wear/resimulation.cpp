@@ -7,13 +7,13 @@ namespace wear {
 
 namespace {
 
-constexpr std::size_t kBands = 10;
+constexpr std::size_t kEnergyBands = 10;
 
 double energy_before_J(const Campaign& campaign, std::size_t i) {
     return i == 0 ? taken_before_J(campaign) : campaign.points[i - 1].c_e_J;
 }
 
-struct Moments {
+struct Scatter {
     double n = 0.0, sum = 0.0, squares = 0.0;
     void add(double value) {
         n += 1.0;
@@ -77,14 +77,14 @@ Comparison compare(const Campaign& recorded, const Campaign& simulated, const Mo
     constexpr double kTail = 0.05;
     Comparison out;
     const double first_J = recorded.points.front().c_e_J;
-    const double width_J = (recorded.points.back().c_e_J - first_J) / static_cast<double>(kBands);
-    std::vector<Moments> real(kBands);
-    std::vector<Moments> drawn(kBands);
-    std::vector<double> within(kBands, 0.0);
+    const double width_J = (recorded.points.back().c_e_J - first_J) / static_cast<double>(kEnergyBands);
+    std::vector<Scatter> real(kEnergyBands);
+    std::vector<Scatter> drawn(kEnergyBands);
+    std::vector<double> within(kEnergyBands, 0.0);
     for (std::size_t i = 0; i < recorded.points.size(); ++i) {
         const Point& p = recorded.points[i];
         const std::size_t band =
-            std::min(kBands - 1, static_cast<std::size_t>((p.c_e_J - first_J) / width_J));
+            std::min(kEnergyBands - 1, static_cast<std::size_t>((p.c_e_J - first_J) / width_J));
         real[band].add(p.mean_friction);
         drawn[band].add(simulated.points[i].mean_friction);
         const double place =
@@ -92,8 +92,8 @@ Comparison compare(const Campaign& recorded, const Campaign& simulated, const Mo
         within[band] += place >= kTail && place <= 1.0 - kTail ? 1.0 : 0.0;
     }
     double all_within = 0.0;
-    out.bands.reserve(kBands);
-    for (std::size_t b = 0; b < kBands; ++b) {
+    out.bands.reserve(kEnergyBands);
+    for (std::size_t b = 0; b < kEnergyBands; ++b) {
         EnergyBand band{first_J + width_J * static_cast<double>(b),
                         first_J + width_J * static_cast<double>(b + 1)};
         if (real[b].n > 0.0) {

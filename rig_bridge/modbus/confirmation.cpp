@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "rig_bridge/modbus/big_endian.hpp"
+
 namespace rig {
 namespace {
 
@@ -12,10 +14,6 @@ constexpr std::uint8_t kWrite = 16;
 void append(std::vector<std::uint8_t>& bytes, unsigned word) {
     bytes.push_back(static_cast<std::uint8_t>(word >> 8U));
     bytes.push_back(static_cast<std::uint8_t>(word & 0xFFU));
-}
-
-unsigned word(std::span<const std::uint8_t> bytes, std::size_t at) {
-    return static_cast<unsigned>(bytes[at]) << 8U | bytes[at + 1];
 }
 
 std::string differs(std::string_view what, unsigned got, unsigned expected) {
@@ -56,10 +54,10 @@ std::vector<std::uint8_t> tcp_request(std::uint16_t transaction, std::uint8_t un
 std::string tcp_header_fault(std::uint16_t transaction, std::uint8_t unit,
                              std::span<const std::uint8_t> frame) {
     if (frame.size() <= kHeader) return "answer without a function code";
-    if (word(frame, 0) != transaction) return differs("transaction", word(frame, 0), transaction);
-    if (word(frame, 2) != 0) return differs("protocol", word(frame, 2), 0);
+    if (word_at(frame, 0) != transaction) return differs("transaction", word_at(frame, 0), transaction);
+    if (word_at(frame, 2) != 0) return differs("protocol", word_at(frame, 2), 0);
     const auto rest = static_cast<unsigned>(frame.size() - 6);
-    if (word(frame, 4) != rest) return differs("length", word(frame, 4), rest);
+    if (word_at(frame, 4) != rest) return differs("length", word_at(frame, 4), rest);
     if (frame[6] != unit) return differs("unit", frame[6], unit);
     return {};
 }
@@ -76,7 +74,7 @@ std::string answer_fault(std::span<const std::uint8_t> request, std::span<const 
         const bool same = answer.size() == kEcho && std::equal(answer.begin(), answer.end(), request.begin());
         return same ? "" : "confirmation of another write";
     }
-    const unsigned bytes = 2 * word(request, 3);
+    const unsigned bytes = 2 * word_at(request, 3);
     if (answer.size() < 2) return "answer without values";
     if (answer[1] != bytes) return differs("byte count", answer[1], bytes);
     const auto values = static_cast<unsigned>(answer.size() - 2);

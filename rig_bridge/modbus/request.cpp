@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rig_bridge/modbus/big_endian.hpp"
 #include "rig_bridge/registers/blocks.hpp"
 
 namespace rig {
@@ -10,32 +11,28 @@ namespace {
 constexpr unsigned kSpace = 65536;
 constexpr unsigned kMostReadWritten = 121;  // written by one request of function code 23, 6.17
 
-unsigned word(std::span<const std::uint8_t> bytes, std::size_t at) {
-    return static_cast<unsigned>(bytes[at]) << 8U | bytes[at + 1];
-}
-
 Exception judge_read(std::span<const std::uint8_t> pdu, const RegisterSet& registers) {
     if (pdu.size() != 5) return Exception::illegal_data_value;
-    const unsigned count = word(pdu, 3);
+    const unsigned count = word_at(pdu, 3);
     if (count < 1 || count > kMostRead) return Exception::illegal_data_value;
-    return registers.contains(word(pdu, 1), count) ? Exception::none : Exception::illegal_data_address;
+    return registers.contains(word_at(pdu, 1), count) ? Exception::none : Exception::illegal_data_address;
 }
 
 Exception judge_write_one(std::span<const std::uint8_t> pdu, std::size_t length,
                           const RegisterSet& registers) {
     if (pdu.size() != length) return Exception::illegal_data_value;
-    return registers.contains(word(pdu, 1), 1) ? Exception::none : Exception::illegal_data_address;
+    return registers.contains(word_at(pdu, 1), 1) ? Exception::none : Exception::illegal_data_address;
 }
 
 /// `at`: where address, count, byte count and values stand.
 Exception judge_write(std::span<const std::uint8_t> pdu, std::size_t at, unsigned most,
                       const RegisterSet& registers) {
     if (pdu.size() < at + 5) return Exception::illegal_data_value;
-    const unsigned count = word(pdu, at + 2);
+    const unsigned count = word_at(pdu, at + 2);
     const unsigned bytes = pdu[at + 4];
     if (count < 1 || count > most || bytes != 2 * count || pdu.size() != at + 5 + bytes)
         return Exception::illegal_data_value;
-    return registers.contains(word(pdu, at), count) ? Exception::none : Exception::illegal_data_address;
+    return registers.contains(word_at(pdu, at), count) ? Exception::none : Exception::illegal_data_address;
 }
 
 }  // namespace
@@ -79,8 +76,8 @@ Exception judge(std::span<const std::uint8_t> pdu, const RegisterSet& inputs, co
 
 TcpFrame tcp_frame(std::span<const std::uint8_t> bytes) {
     if (bytes.size() < kTcpHeader) return {};
-    const unsigned protocol = word(bytes, 2);
-    const unsigned rest = word(bytes, 4);  // unit and PDU
+    const unsigned protocol = word_at(bytes, 2);
+    const unsigned rest = word_at(bytes, 4);  // unit and PDU
     if (protocol != 0 || rest < 2 || rest + 6 > kTcpMost) return {FrameState::broken, 0};
     const std::size_t length = 6 + rest;
     return {bytes.size() < length ? FrameState::incomplete : FrameState::whole, length};

@@ -20,7 +20,7 @@ using control::Time;
 
 namespace {
 
-constexpr Time kStep{1'000'000};
+constexpr Time kPeriod{1'000'000};
 
 RigSample sample_at(int step) {
     RigSample sample;
@@ -48,9 +48,9 @@ std::vector<Frame> due(RigPort& port, const RigSample& sample) {
 }  // namespace
 
 TEST_CASE("sensors and bridge together send what one rig sends, and the maneuver state", "[CAN-100]") {
-    RigPort whole(ours(), kStep);
-    RigPort sensors(ours(), kStep, kFromRigSensors);
-    RigPort bridge(ours(), kStep, kFromBridge);
+    RigPort whole(ours(), kPeriod);
+    RigPort sensors(ours(), kPeriod, kFromRigSensors);
+    RigPort bridge(ours(), kPeriod, kFromBridge);
     for (int step = 0; step < 2000; ++step) {
         RigSample sample = sample_at(step);
         sample.emergency_stop = step % 97 == 0;
@@ -73,7 +73,7 @@ TEST_CASE("sensors and bridge together send what one rig sends, and the maneuver
 
 TEST_CASE("the maneuver state is sent every 100 ms and once at every change", "[CAN-101]") {
     for (const int step_ms : {1, 10}) {
-        RigPort bridge(ours(), step_ms * kStep, kFromBridge);
+        RigPort bridge(ours(), step_ms * kPeriod, kFromBridge);
         RigSample sample;
         int sent = 0;
         const auto steps = [&](int count) {
@@ -94,14 +94,14 @@ TEST_CASE("the maneuver state is sent every 100 ms and once at every change", "[
         sample.maneuver_state.brake_temperature_C = 300.0F;  // comes with the period
         CHECK(steps(1) == 0);
     }
-    RigPort elsewhere(foreign(), kStep, kFromBridge);
+    RigPort elsewhere(foreign(), kPeriod, kFromBridge);
     std::size_t frames = 0;
     for (int step = 0; step < 20; ++step) frames += due(elsewhere, {}).size();
     CHECK(frames == 2);  // a layout without telemetry: maneuver command and heartbeat
 }
 
 TEST_CASE("a phase that does not exist is refused", "[CAN-101]") {
-    RigPort bridge(ours(), kStep, kFromBridge);
+    RigPort bridge(ours(), kPeriod, kFromBridge);
     Observer observer(ours());
     for (std::uint8_t phase = 0; phase < 16; ++phase) {
         const auto role = observer.accept(
@@ -113,18 +113,18 @@ TEST_CASE("a phase that does not exist is refused", "[CAN-101]") {
 }
 
 TEST_CASE("telemetry on the bus changes nothing that the controller knows", "[CAN-102]") {
-    RigPort rig(ours(), kStep);
-    RigPort sensors(ours(), kStep, kFromRigSensors);
-    RigPort bridge(ours(), kStep, kFromBridge);
-    ControllerPort without(ours(), kStep);
-    ControllerPort with(ours(), kStep);
+    RigPort rig(ours(), kPeriod);
+    RigPort sensors(ours(), kPeriod, kFromRigSensors);
+    RigPort bridge(ours(), kPeriod, kFromBridge);
+    ControllerPort without(ours(), kPeriod);
+    ControllerPort with(ours(), kPeriod);
     std::uint32_t telemetry = 0;
     const auto feed = [](ControllerPort& port, Frame frame, Time now) {
         frame.received = now;
         port.accept(frame);
     };
     for (int step = 0; step < 2000; ++step) {
-        const Time now = (step + 1) * kStep;
+        const Time now = (step + 1) * kPeriod;
         for (const Frame& frame : due(rig, sample_at(step))) {
             if (frame.id != ours()[Role::load_cells].id) feed(without, frame, now);
         }
@@ -155,13 +155,13 @@ TEST_CASE("telemetry on the bus changes nothing that the controller knows", "[CA
 
 TEST_CASE("the observer reads what the addressees read, in either direction", "[CAN-110]") {
     for (const Layout* layout : {&ours(), &foreign()}) {
-        RigPort rig(*layout, kStep);
-        RigPort bridge(*layout, kStep, kFromBridge);
-        ControllerPort port(*layout, kStep);
+        RigPort rig(*layout, kPeriod);
+        RigPort bridge(*layout, kPeriod, kFromBridge);
+        ControllerPort port(*layout, kPeriod);
         Observer observer(*layout);
         control::Command command;
         for (int step = 0; step < 3000; ++step) {
-            const Time now = (step + 1) * kStep;
+            const Time now = (step + 1) * kPeriod;
             const RigSample sample = sample_at(step);
             for (Frame frame : due(rig, sample)) {
                 frame.received = now;
@@ -217,8 +217,8 @@ TEST_CASE("the observer reads what the addressees read, in either direction", "[
 }
 
 TEST_CASE("the observer refuses what the addressees refuse", "[CAN-110]") {
-    RigPort rig(ours(), kStep);
-    ControllerPort port(ours(), kStep);
+    RigPort rig(ours(), kPeriod);
+    ControllerPort port(ours(), kPeriod);
     Observer observer(ours());
     std::mt19937 random(110);
     for (int step = 0; step < 5000; ++step) {

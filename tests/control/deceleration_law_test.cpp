@@ -9,11 +9,10 @@
 using namespace antiskid::control;
 using control_test::balanced;
 using control_test::fixed_config;
+using control_test::kFull_Pa;
+using control_test::kPeriod_s;
 
 namespace {
-
-constexpr float kPeriod_s = 1e-3F;
-constexpr float kFull_Pa = 20.7e6F;
 
 Estimate decelerating(const float v_mps, const float slip, const float pressure_Pa, const float mps2) {
     Estimate e = balanced(v_mps, slip, pressure_Pa);

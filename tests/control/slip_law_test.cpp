@@ -9,11 +9,11 @@
 using namespace antiskid::control;
 using control_test::balanced;
 using control_test::fixed_config;
+using control_test::kPeriod_s;
 using control_test::rate_per_Pa;
 
 namespace {
 
-constexpr float kPeriod_s = 1e-3F;
 constexpr float kCeiling_Pa = 20.7e6F;
 constexpr float kBalance_Pa = 8e6F;
 

@@ -7,12 +7,11 @@
 using namespace antiskid::control;
 using control_test::balanced;
 using control_test::fixed_config;
+using control_test::kFull_Pa;
+using control_test::kPeriod_s;
 using Action = ThresholdLaw::Action;
 
 namespace {
-
-constexpr float kPeriod_s = 1e-3F;
-constexpr float kFull_Pa = 20.7e6F;
 
 /// `mps2`: rim acceleration of the wheel. Thresholds: slip 0.2 and 0.4, deceleration 35, recovery above 2.
 Estimate at(const float slip, const float mps2, const float pressure_Pa = 5e6F) {

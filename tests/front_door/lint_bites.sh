@@ -13,9 +13,14 @@ export XDG_CACHE_HOME=$scratch/cache
 
 clean() {
     printf 'int twice(int x) {\n    return 2 * x;\n}\n' >"$source"
-    cat >"$tree/build/compile_commands.json" <<END
-[{"directory": "$tree/build", "file": "$source", "command": "c++ -std=c++20 -I$tree -o seeded.o -c $source"}]
+    cat >"$tree/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(seeded LANGUAGES CXX)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+add_library(seeded STATIC firmware/control/seeded.cpp firmware/control/other.cpp)
+target_include_directories(seeded PRIVATE .)
 END
+    printf 'int half(int x) {\n    return x / 2;\n}\n' >"$tree/firmware/control/other.cpp"
 }
 
 refuses() { # TEXT COMMAND...
@@ -37,7 +42,7 @@ check "shell: unquoted variable" refuses SC2086 "$lints/lint_shell.sh"
 
 clean
 check "tidy: clean tree" "$lints/lint_tidy.py" "$tree/build"
-check "tidy: clean files are remembered" grep -q "1 files: 1 unchanged" <<<"$("$lints/lint_tidy.py" "$tree/build")"
+check "tidy: clean files are remembered" grep -q "2 files in 1 targets: 1 unchanged" <<<"$("$lints/lint_tidy.py" "$tree/build")"
 cat >"$tree/firmware/control/header.hpp" <<'END'
 #pragma once
 inline int third(const int* x) { return x == 0 ? 0 : *x / 3; }
@@ -48,6 +53,13 @@ sed -i 's/x == 0/x == nullptr/' "$tree/firmware/control/header.hpp"
 check "tidy: the header put right" "$lints/lint_tidy.py" "$tree/build"
 sed -i 's/x == nullptr/x == 0/' "$tree/firmware/control/header.hpp"
 check "tidy: a change in a header alone is seen" refuses modernize-use-nullptr "$lints/lint_tidy.py" "$tree/build"
+clean
+printf 'int seventh(int x) {\n    int y = 0;\n    return x / y;\n}\n' >"$tree/firmware/control/other.cpp"
+check "tidy: what only the analyser sees, in another file of the target" refuses clang-analyzer-core.DivideZero \
+    "$lints/lint_tidy.py" "$tree/build"
+printf "InheritParentConfig: true\nChecks: '-clang-analyzer-core.DivideZero'\n" >"$tree/firmware/control/.clang-tidy"
+check "tidy: checks of the files' own folder are in force" "$lints/lint_tidy.py" "$tree/build"
+rm "$tree/firmware/control/.clang-tidy"
 
 clean
 check "target: clean tree" "$lints/lint_cortex_m7.sh" "$scratch/objects"

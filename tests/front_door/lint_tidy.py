@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""clang-tidy over the project's own files in a build's compile_commands.json, on all cores.
+"""clang-tidy over the project's own files, on all cores.
 
-A file that was clean is not checked again until something changes that the result depends on: the text of the file or of
-anything it includes, how it is compiled, the checks in force for it, or clang-tidy itself. The evidence is an empty file of that hash in
-the user's cache directory; it does not depend on where the project lies, so that another clone finds it too.
+What a target compiles is analysed as one translation unit (a CMake unity build): most of the time would go into the headers, again for
+every file. A target that was clean is not analysed again until something changes that the result depends on: the text of its files or of
+anything they include, how they are compiled, the checks in force for them, or clang-tidy itself. The evidence is an empty file of that
+hash in the user's cache directory; it does not depend on where the project lies, so that another clone finds it too.
 
-    lint_tidy.py BUILD_DIR
+    lint_tidy.py BUILD_DIR     its own unity build is configured in BUILD_DIR/tidy
 """
 
 import concurrent.futures
@@ -14,11 +15,14 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 import shlex
+import shutil
 import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 
 
 @functools.cache
@@ -26,62 +30,80 @@ def digest(path):
     return hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()
 
 
+def output_of(command, **more):
+    return subprocess.run(command, capture_output=True, text=True, check=True, **more).stdout
+
+
+def configure(build):
+    """The compile commands of the unity build, made anew; beside its files the checks of the folders that they stand for."""
+    output_of(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+               "-DCMAKE_UNITY_BUILD=ON", "-DCMAKE_UNITY_BUILD_BATCH_SIZE=0"])
+    entries = json.loads((build / "compile_commands.json").read_text())
+    folders = {folder for entry in entries for file in sources(entry) for folder in pathlib.Path(file).relative_to(ROOT).parents}
+    for folder in folders:
+        (build / folder / ".clang-tidy").unlink(missing_ok=True)
+        if (ROOT / folder / ".clang-tidy").exists():
+            shutil.copy(ROOT / folder / ".clang-tidy", build / folder)
+    return entries
+
+
+def sources(entry):
+    """The project's own files of a translation unit; none if CMake generated it otherwise."""
+    file = pathlib.Path(entry["file"])
+    if file.parent.name == "Unity":
+        return INCLUDE.findall(file.read_text())
+    return [] if pathlib.Path(entry["directory"]) in file.parents else [str(file)]
+
+
 def included_files(entry):
     """The source and everything it includes, system headers too, as the compiler sees it."""
     words = shlex.split(entry["command"])
-    if os.path.basename(words[0]) == "ccache":
-        words = words[1:]
     target = words.index("-o")
-    rule = subprocess.run([*words[:target], *words[target + 2:], "-M"], cwd=entry["directory"],
-                          capture_output=True, text=True, check=True).stdout
+    rule = output_of([*words[:target], *words[target + 2:], "-M"], cwd=entry["directory"])
     return sorted({os.path.realpath(os.path.join(entry["directory"], word))
                    for word in rule.split(":", 1)[1].replace("\\\n", " ").split()})
 
 
-def key(entry, tool):
-    checks = subprocess.run(["clang-tidy", "--dump-config", entry["file"], "--"],
-                            capture_output=True, text=True, check=True).stdout
-    parts = [tool, entry["command"], entry["file"], checks]
-    parts += [f"{path} {digest(path)}" for path in included_files(entry)]
-    return hashlib.sha256("\n".join(parts).replace(str(ROOT), ".").encode()).hexdigest()
-
-
 def check(entry, build, evidence, tool):
-    """Returns (source, what clang-tidy complained about or None, whether it was known to be clean)."""
-    name = os.path.relpath(entry["file"], ROOT)
+    """Returns (what clang-tidy complained about or None, whether it was known to be clean)."""
     try:
-        known = evidence / key(entry, tool)
+        checks = output_of(["clang-tidy", "--dump-config", entry["file"], "--"])
+        parts = [tool, entry["command"], checks] + [f"{path} {digest(path)}" for path in included_files(entry)]
     except subprocess.CalledProcessError as failure:
-        return name, failure.stderr, False
+        return failure.stderr, False
+    known = evidence / hashlib.sha256("\n".join(parts).replace(str(ROOT), ".").encode()).hexdigest()
     if known.exists():
-        return name, None, True
-    run = subprocess.run(["clang-tidy", "--quiet", "-p", build, entry["file"]], capture_output=True, text=True)
+        return None, True
+    run = subprocess.run(["clang-tidy", "--quiet", "-p", build,
+                          "--checks=-bugprone-suspicious-include",  # that a unity file includes sources
+                          entry["file"]], capture_output=True, text=True)
     if run.returncode != 0:
-        return name, run.stdout + run.stderr, False
+        return run.stdout + run.stderr, False
     known.touch()
-    return name, None, False
+    return None, False
 
 
 def main():
-    build = pathlib.Path(sys.argv[1]).resolve()
+    build = pathlib.Path(sys.argv[1]).resolve() / "tidy"
     cache = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
     evidence = pathlib.Path(cache) / "antiskid/clang-tidy"
     evidence.mkdir(parents=True, exist_ok=True)
-    entries = [entry for entry in json.loads((build / "compile_commands.json").read_text())
-               if pathlib.Path(entry["file"]).is_relative_to(ROOT) and build not in pathlib.Path(entry["file"]).parents]
+    entries = [entry for entry in configure(build) if sources(entry)]
     if not entries:
         sys.exit(f"{build}/compile_commands.json names no file of {ROOT}")
-    tool = subprocess.run(["clang-tidy", "--version"], capture_output=True, text=True, check=True).stdout
+    entries.sort(key=lambda entry: -len(sources(entry)))  # the longest must not come last
+    tool = output_of(["clang-tidy", "--version"])
     complaints = known = 0
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         jobs = [pool.submit(check, entry, build, evidence, tool) for entry in entries]
         for job in concurrent.futures.as_completed(jobs):
-            name, complaint, was_known = job.result()
+            complaint, was_known = job.result()
             known += was_known
             if complaint is not None:
                 complaints += 1
-                print(f"{name}:\n{complaint}", flush=True)
-    print(f"{len(entries)} files: {known} unchanged since they were clean, {complaints} with complaints")
+                print(complaint, flush=True)
+    files = sum(len(sources(entry)) for entry in entries)
+    print(f"{files} files in {len(entries)} targets: {known} unchanged since they were clean, {complaints} with complaints")
     return 1 if complaints else 0
 
 

@@ -14,10 +14,10 @@ using regulation::Verdict;
 
 namespace {
 
-constexpr Range kRange{0.18, 0.38};
+constexpr Range kWholeRange{0.18, 0.38};
 
 Outlook outlook_of(const regulation::Plan& plan) {
-    return regulation::outlook(Regulator(plan, Rules{}, kRange));
+    return regulation::outlook(Regulator(plan, Rules{}, kWholeRange));
 }
 
 /// Landing at which `life_J` is used up by landings of which `share` counts, over many lives: mean and deviation.
@@ -58,8 +58,8 @@ TEST_CASE("the landings at which limits come are those of many lives", "[STUDY-1
     const regulation::Plan plan = toy::plan(250, 0.5);  // out of reach: the brake comes first
     const Outlook o = outlook_of(plan);
     REQUIRE(o.verdict == Verdict::brake_first);
-    const regulation::When brake = brute_force(plan.brake_life_J, 1.0 - kRange.highest);
-    const regulation::When tyre = brute_force(plan.tyre_life_J, kRange.highest);
+    const regulation::When brake = brute_force(plan.brake_life_J, 1.0 - kWholeRange.highest);
+    const regulation::When tyre = brute_force(plan.tyre_life_J, kWholeRange.highest);
     CHECK(o.brake.landing == Approx(brake.landing).epsilon(0.005));
     CHECK(o.brake.deviation == Approx(brake.deviation).epsilon(0.05));
     CHECK(o.tyre.landing == Approx(tyre.landing).epsilon(0.005));
@@ -80,7 +80,7 @@ TEST_CASE("the chance that the landings bring the planned energy is that of many
 }
 
 TEST_CASE("nothing left is said", "[STUDY-166]") {
-    Regulator regulator(toy::plan(10, 0.3), Rules{}, kRange);
+    Regulator regulator(toy::plan(10, 0.3), Rules{}, kWholeRange);
     regulator.spent(0.0, 1e9);
     CHECK(regulation::outlook(regulator).verdict == Verdict::reached);
     CHECK(regulator.tyre_left_J() == 0.0);

@@ -2,20 +2,15 @@
 
 #include <string>
 
-#include "plant_sim/wear/model_io.hpp"
 #include "tests/catch.hpp"
 #include "tests/config/refusal.hpp"
+#include "tests/wear/shipped_wear.hpp"
 
 namespace {
 
-wear::BrakeWear shipped(const wear::BrakeScale& scale = {}) {
-    return {std::make_shared<const wear::Model>(wear::read_model("config/wear/model.json")), scale, 488e6,
-            "config/wear/model.json"};
-}
-
 const wear::BrakeState kState{0xFFFF'FFFF'FFFF'FFFFU, 137, 133.123456789012345e6 / 3.0};
 
-std::string refusal(const std::string& json, const wear::BrakeWear& wear = shipped()) {
+std::string refusal(const std::string& json, const wear::BrakeWear& wear = shipped_wear()) {
     return refusal_of([&] { return wear::brake_state_from_json("brake.json", json, wear); }).what();
 }
 
@@ -29,33 +24,33 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 TEST_CASE("a kept brake comes back to the last bit, and there is none where there is no file", "[WEAR-033]") {
     const TemporaryDirectory directory;
-    CHECK(wear::find_brake_state(directory / "brake.json", shipped()) == std::nullopt);
-    wear::keep_brake_state(directory / "brake.json", kState, shipped());
-    CHECK(wear::find_brake_state(directory / "brake.json", shipped()) == kState);
-    CHECK_THROWS_AS(wear::keep_brake_state(directory.path(), kState, shipped()), settings::Error);
-    CHECK_THROWS_AS(wear::find_brake_state(directory.path(), shipped()), settings::Error);
+    CHECK(wear::find_brake_state(directory / "brake.json", shipped_wear()) == std::nullopt);
+    wear::keep_brake_state(directory / "brake.json", kState, shipped_wear());
+    CHECK(wear::find_brake_state(directory / "brake.json", shipped_wear()) == kState);
+    CHECK_THROWS_AS(wear::keep_brake_state(directory.path(), kState, shipped_wear()), settings::Error);
+    CHECK_THROWS_AS(wear::find_brake_state(directory.path(), shipped_wear()), settings::Error);
 }
 
 TEST_CASE("every byte of a kept brake that is damaged is noticed", "[WEAR-033]") {
-    const std::string json = wear::to_json(kState, shipped());
+    const std::string json = wear::to_json(kState, shipped_wear());
     for (std::size_t i = 0; i < json.size(); ++i) {
         CAPTURE(i, json.substr(0, i));
         std::string damaged = json;
         damaged[i] = damaged[i] == '1' ? '2' : '1';
         if (json[i] == ' ' || json[i] == '\n') continue;  // between the values: may be anything blank
         try {
-            (void)wear::brake_state_from_json("brake.json", damaged, shipped());
+            (void)wear::brake_state_from_json("brake.json", damaged, shipped_wear());
             FAIL_CHECK("not noticed");
         } catch (const settings::Error& error) {
             CHECK(error.file() == "brake.json");
         }
-        CHECK_THROWS_AS(wear::brake_state_from_json("brake.json", json.substr(0, i), shipped()),
+        CHECK_THROWS_AS(wear::brake_state_from_json("brake.json", json.substr(0, i), shipped_wear()),
                         settings::Error);
     }
 }
 
 TEST_CASE("a kept brake says what is wrong with it", "[WEAR-033]") {
-    const std::string json = wear::to_json(kState, shipped());
+    const std::string json = wear::to_json(kState, shipped_wear());
     CHECK_THAT(refusal(""), ContainsSubstring("brake.json: no JSON"));
     CHECK_THAT(refusal("[]"), ContainsSubstring("must be an object"));
     CHECK_THAT(refusal(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
@@ -66,9 +61,9 @@ TEST_CASE("a kept brake says what is wrong with it", "[WEAR-033]") {
     CHECK_THAT(refusal(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": -1")),
                ContainsSubstring("maneuvers: must be an integer"));
     CHECK_THAT(refusal(replaced(json, "\"seed\"", "\"sead\"")), ContainsSubstring("seed: is missing"));
-    CHECK_THAT(refusal(json, shipped({.energy = 8.0})),
+    CHECK_THAT(refusal(json, shipped_wear({.energy = 8.0})),
                ContainsSubstring("wear_hash: this brake was kept with another wear model or scale"));
-    wear::BrakeWear other = shipped();
+    wear::BrakeWear other = shipped_wear();
     wear::Model model = *other.model;
     model.data.maneuvers = 499;
     other.model = std::make_shared<const wear::Model>(model);

@@ -6,22 +6,17 @@
 
 #include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/wear/load_brake_wear.hpp"
-#include "plant_sim/wear/model_io.hpp"
 #include "tests/catch.hpp"
 #include "tests/config/refusal.hpp"
 #include "tests/wear/kolmogorov.hpp"
+#include "tests/wear/shipped_wear.hpp"
 
 namespace {
 
 using wear::BrakeWear;
 using wear::WearingBrake;
 
-BrakeWear shipped(const wear::BrakeScale& scale = {}) {
-    return {std::make_shared<const wear::Model>(wear::read_model("config/wear/model.json")), scale, 488e6,
-            "config/wear/model.json"};
-}
-
-constexpr wear::ConditionalRule kMixture{wear::Variance::exact, wear::Choice::mixture};
+constexpr wear::ConditionalRule kExactMixture{wear::Variance::exact, wear::Choice::mixture};
 
 /// Of a rig file with this [brake.wear].
 BrakeWear loaded(const std::string& text, const std::filesystem::path& directory = "config") {
@@ -38,20 +33,20 @@ const std::string kGood =
 
 TEST_CASE("a brake of another size wears by the same model over its own energy, with its own friction",
           "[WEAR-031]") {
-    const BrakeWear small = shipped();
-    const BrakeWear large = shipped({.energy = 8.0, .friction = 1.2});
+    const BrakeWear small = shipped_wear();
+    const BrakeWear large = shipped_wear({.energy = 8.0, .friction = 1.2});
     std::vector<double> draws;
     draws.reserve(2000);
     for (std::uint64_t seed = 0; seed < 2000; ++seed) {
-        const double theirs = WearingBrake(small, kMixture, {seed, 3, 200e6}).next_friction();
-        const double ours = WearingBrake(large, kMixture, {seed, 3, 1600e6}).next_friction();
+        const double theirs = WearingBrake(small, kExactMixture, {seed, 3, 200e6}).next_friction();
+        const double ours = WearingBrake(large, kExactMixture, {seed, 3, 1600e6}).next_friction();
         CHECK(ours == Approx(1.2 * theirs).epsilon(1e-12));
         draws.push_back(ours);
     }
-    const wear::Conditional c = wear::friction_given_energy(*small.model, 200e6, kMixture);
+    const wear::Conditional c = wear::friction_given_energy(*small.model, 200e6, kExactMixture);
     CHECK(kolmogorov::distance(draws, [&](double x) { return c.cumulative(x / 1.2); }) <
           kolmogorov::bound_at_0_001(draws.size()));
-    CHECK(wear::expected_friction_at(*large.model, large.scale, kMixture, 1600e6) ==
+    CHECK(wear::expected_friction_at(*large.model, large.scale, kExactMixture, 1600e6) ==
           Approx(1.2 * c.mean()).epsilon(1e-12));
     CHECK_FALSE(WearingBrake(large, {}, {1, 0, 488e6 * 8.0}).extrapolates());
     CHECK(WearingBrake(large, {}, {1, 0, 490e6 * 8.0}).extrapolates());
@@ -59,7 +54,7 @@ TEST_CASE("a brake of another size wears by the same model over its own energy, 
 }
 
 TEST_CASE("the next friction follows from seed, number of the maneuver and energy alone", "[WEAR-020]") {
-    const BrakeWear wear = shipped({.energy = 8.0, .friction = 1.0});
+    const BrakeWear wear = shipped_wear({.energy = 8.0, .friction = 1.0});
     WearingBrake whole(wear, {}, {.seed = 9});
     for (int i = 0; i < 50; ++i) {
         const WearingBrake resumed(wear, {}, whole.state());
@@ -75,11 +70,11 @@ TEST_CASE("the next friction follows from seed, number of the maneuver and energ
 }
 
 TEST_CASE("a wearing brake that makes no sense is refused", "[WEAR-031]") {
-    WearingBrake brake(shipped(), {}, {});
+    WearingBrake brake(shipped_wear(), {}, {});
     CHECK_THROWS_AS(brake.take(-1.0), std::invalid_argument);
     CHECK_THROWS_AS(brake.take(std::nan("")), std::invalid_argument);
-    CHECK_THROWS_AS(WearingBrake(shipped(), {}, {1, 0, -1.0}), std::invalid_argument);
-    CHECK_THROWS_AS(WearingBrake(shipped({.energy = 0.0}), {}, {}), std::invalid_argument);
+    CHECK_THROWS_AS(WearingBrake(shipped_wear(), {}, {1, 0, -1.0}), std::invalid_argument);
+    CHECK_THROWS_AS(WearingBrake(shipped_wear({.energy = 0.0}), {}, {}), std::invalid_argument);
     CHECK_THROWS_AS(WearingBrake({}, {}, {}), std::invalid_argument);
 }
 
@@ -117,7 +112,7 @@ TEST_CASE("both rigs' brakes start at their nominal friction and are worn at the
         choice.maneuver = maneuver;
         const plant::LoadedRig rig = plant::load_rig("config", choice);
         const auto at = [&](double c_e_J) {
-            return wear::expected_friction_at(*rig.wear.model, rig.wear.scale, kMixture, c_e_J);
+            return wear::expected_friction_at(*rig.wear.model, rig.wear.scale, kExactMixture, c_e_J);
         };
         CHECK(at(0.0) == Approx(rig.rig.mean_friction).margin(0.01));
         CHECK(at(rig.wear.life_J) > 0.17);

@@ -90,6 +90,13 @@ void check_information(const MatrixXd& normal, std::span<const std::string> name
 
 }  // namespace
 
+Estimate scaled(const Estimate& e, double factor) {
+    return {.value = e.value * factor,
+            .deviation = e.deviation * factor,
+            .low = e.low * factor,
+            .high = e.high * factor};
+}
+
 double normal_quantile(double probability) {
     // Bisection of the distribution function: exact to the last digits, and nobody is in a hurry.
     double low = -40.0;

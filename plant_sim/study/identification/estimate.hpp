@@ -23,6 +23,9 @@ struct Estimate {
     [[nodiscard]] bool contains(double truth) const { return truth >= low && truth <= high; }
 };
 
+/// The same in another unit. `factor`: positive.
+[[nodiscard]] Estimate scaled(const Estimate& e, double factor);
+
 /// Of the normal distribution: 1.96 for 0.975.
 [[nodiscard]] double normal_quantile(double probability);
 

@@ -54,13 +54,6 @@ ordered_json json(const FrictionFit& f) {
             {"lags_s", f.lags_s},   {"largest_slip", f.largest_slip}};
 }
 
-Estimate scaled(const Estimate& e, double factor) {
-    return {.value = e.value * factor,
-            .deviation = e.deviation * factor,
-            .low = e.low * factor,
-            .high = e.high * factor};
-}
-
 }  // namespace
 
 std::vector<Quantity> quantities(const Identified& found) {

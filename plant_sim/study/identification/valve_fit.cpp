@@ -331,13 +331,6 @@ class Model {
     std::size_t count_ = 0;
 };
 
-Estimate scaled(const Estimate& e, double factor) {
-    return {.value = e.value * factor,
-            .deviation = e.deviation * factor,
-            .low = e.low * factor,
-            .high = e.high * factor};
-}
-
 /// dP/dI of the map where half the full pressure is.
 double middle_slope(const plant::PressureMap& map) {
     const auto& points = map.points();

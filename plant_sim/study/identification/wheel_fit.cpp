@@ -15,10 +15,10 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr std::size_t kPowers = 4;
-constexpr double kWindow_s = 0.02;
-constexpr double kBefore_s = 1.0;        // of the rim's coasting before contact
-constexpr double kSlowest_mps = 6.0;     // of a stop that counts: below, drop-out may lock the wheel
-constexpr double kLeastStop_mps = 20.0;  // a stop from less shows no friction over speed
+constexpr double kSpeedWindow_s = 0.02;
+constexpr double kBefore_s = 1.0;          // of the rim's coasting before contact
+constexpr double kSlowestStart_mps = 6.0;  // of a stop that counts: below, drop-out may lock the wheel
+constexpr double kLeastStop_mps = 20.0;    // a stop from less shows no friction over speed
 constexpr double kSettle_s = 0.05;
 constexpr double kContact_s =
     5e-3;  // what the instant of contact may be off: half of the time between two load readings
@@ -60,7 +60,7 @@ void add_impulses(const Run& run, const Motion& motion, Segment& segment) {
     std::size_t row = 0;
     bool inside = false;
     for (const Sample& s : run.recording.samples) {
-        if (s.time_s < segment.rows.front().time_s - kWindow_s || s.phase > phase::kBraking) continue;
+        if (s.time_s < segment.rows.front().time_s - kSpeedWindow_s || s.phase > phase::kBraking) continue;
         if (row == segment.rows.size()) return;
         // Before brake-on the gauge shows its noise above zero.
         double power = s.time_s < motion.brake_on_s() ? 0.0 : run.rig.brake_gain_m3 * s.pressure_Pa;
@@ -79,10 +79,10 @@ void add_impulses(const Run& run, const Motion& motion, Segment& segment) {
             return before[k] + share * (sum_of_sums[k] - before[k]);
         };
         while (row < segment.rows.size()) {
-            const double edge_s = segment.rows[row].time_s + (inside ? 0.5 : -0.5) * kWindow_s;
+            const double edge_s = segment.rows[row].time_s + (inside ? 0.5 : -0.5) * kSpeedWindow_s;
             if (edge_s > s.time_s) break;
             for (std::size_t k = 0; k < kPowers; ++k) {
-                if (inside) segment.rows[row].impulse[k] = (at(k, edge_s) - at_start[k]) / kWindow_s;
+                if (inside) segment.rows[row].impulse[k] = (at(k, edge_s) - at_start[k]) / kSpeedWindow_s;
                 at_start[k] = at(k, edge_s);
             }
             if (inside) ++row;
@@ -121,7 +121,7 @@ Eigen::MatrixXd covariance(const Run& run, const Motion& motion, const Segment& 
     std::vector<double> border(segment.rows.size());
     std::vector<double> walked(segment.rows.size());
     for (std::size_t i = 0; i < segment.rows.size(); ++i) {
-        const double noise = segment.to_mps * segment.rows[i].v_mps * run.rig.edge_jitter_s / kWindow_s;
+        const double noise = segment.to_mps * segment.rows[i].v_mps * run.rig.edge_jitter_s / kSpeedWindow_s;
         border[i] = noise * noise;
         walked[i] = walk * std::max(segment.rows[i].time_s - motion.brake_on_s(), 0.0);
     }
@@ -143,7 +143,7 @@ Eigen::MatrixXd covariance(const Run& run, const Motion& motion, const Segment& 
         }
         v(i, i) += (2.0 + kFloor) * border[a];
         const bool neighbours =
-            i > 0 && segment.rows[a].time_s - segment.rows[a - 1].time_s < 1.5 * kWindow_s;
+            i > 0 && segment.rows[a].time_s - segment.rows[a - 1].time_s < 1.5 * kSpeedWindow_s;
         if (neighbours) {
             v(i, i - 1) -= border[a - 1];
             v(i - 1, i) -= border[a - 1];
@@ -165,15 +165,15 @@ Segment segment(const Run& run, const Motion& motion, bool braking) {
     // The radius falls within some 10 ms while the wheel spins up, so r dv is summed up in parts of a window. Jitter cancels from part to
     // part.
     constexpr int kParts = 10;
-    constexpr double kPart_s = kWindow_s / kParts;
+    constexpr double kPart_s = kSpeedWindow_s / kParts;
     double momentum = 0.0;
     double last_mps = 0.0;
-    const double end_s = braking ? motion.end_s() : motion.brake_on_s() - kWindow_s;
+    const double end_s = braking ? motion.end_s() : motion.brake_on_s() - kSpeedWindow_s;
     for (double t = std::max(motion.contact_s() - kBefore_s, run.recording.samples.front().time_s);
-         t + kWindow_s < end_s; t += kWindow_s) {
-        const double v = motion.v_mps(t, t + kWindow_s);
-        if (braking && t > motion.brake_on_s() && v < kSlowest_mps) break;
-        const double middle_s = t + 0.5 * kWindow_s;
+         t + kSpeedWindow_s < end_s; t += kSpeedWindow_s) {
+        const double v = motion.v_mps(t, t + kSpeedWindow_s);
+        if (braking && t > motion.brake_on_s() && v < kSlowestStart_mps) break;
+        const double middle_s = t + 0.5 * kSpeedWindow_s;
         const bool off = middle_s < motion.contact_s();
         double mean = 0.0;
         for (int part = 0; part < kParts; ++part) {
@@ -186,7 +186,7 @@ Segment segment(const Run& run, const Motion& motion, bool braking) {
         s.rows.push_back({.time_s = middle_s,
                           .v_mps = v,
                           .momentum_Nms = mean,
-                          .omega_radps = off ? 0.0 : motion.omega_radps(t, t + kWindow_s),
+                          .omega_radps = off ? 0.0 : motion.omega_radps(t, t + kSpeedWindow_s),
                           .coasting_s = std::min(middle_s - motion.contact_s(), 0.0)});
     }
     if (s.rows.empty()) return s;
@@ -316,7 +316,7 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
                    .low = out.friction.low * gain,
                    .high = out.friction.high * gain};
     out.friction_class = friction_class;
-    out.lags_s = found.lags * kWindow_s;
+    out.lags_s = found.lags * kSpeedWindow_s;
     out.residuals = balance.report(found.theta);
     if (!(out.inertia_kgm2.low > 0.0)) {
         throw NotIdentifiable(

@@ -9,7 +9,6 @@ namespace study::margins {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kShortest = 1e-12;  // shortest step, relative
 constexpr double kOnPoint = 1e-9;    // a locus this close to -1 is on it
 constexpr double kReal = 1e-9;       // imaginary part of what counts as real, relative
@@ -43,7 +42,7 @@ Point point(const Loop& loop, Complex s, const Point& before) {
 }
 
 double wrapped_deg(double radians) {
-    return std::remainder(radians, 2.0 * kPi) * 180.0 / kPi;
+    return std::remainder(radians, 2.0 * std::numbers::pi) * 180.0 / std::numbers::pi;
 }
 
 /// Collects what the walk finds.
@@ -82,7 +81,7 @@ class Survey {
 
     [[nodiscard]] Margins margins() const {
         Margins m;
-        m.encirclements = static_cast<int>(std::lround(turn_ / kPi));
+        m.encirclements = static_cast<int>(std::lround(turn_ / std::numbers::pi));
         m.unstable_poles = loop_.unstable_poles();
         m.unstable_closed = m.unstable_poles - m.encirclements;
         m.stable = m.unstable_closed == 0 && least_ > kOnPoint;
@@ -116,7 +115,7 @@ class Survey {
     }
 
     void unit_circle(Complex l, double w) {
-        const double deg = std::abs(wrapped_deg(std::arg(l) - kPi));
+        const double deg = std::abs(wrapped_deg(std::arg(l) - std::numbers::pi));
         if (deg >= phase_deg_) return;
         phase_deg_ = deg;
         crossover_ = w;
@@ -168,7 +167,7 @@ Margins margins(const Loop& loop, double ratio) {
     survey.end(at_rest(loop, here), 0.0);
 
     // A quarter circle around s = 0, which leaves integrators on the left, then up the axis.
-    constexpr double kArc = 0.5 * kPi;
+    constexpr double kArc = 0.5 * std::numbers::pi;
     double angle = 0.0;
     double share = 1.0;
     while (angle < kArc) {

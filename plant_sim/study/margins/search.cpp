@@ -10,7 +10,7 @@ namespace study::margins {
 
 namespace {
 
-constexpr double kCrossing = 0.9;
+constexpr double kRecombination = 0.9;
 
 double uniform(plant::Random& random) {
     return static_cast<double>(random.bits() >> 11U) * 0x1p-53;
@@ -63,7 +63,7 @@ Found search(const std::vector<Knob>& knobs, const std::function<double(const st
             const std::size_t always = index(random, n);
             std::vector<double> trial = place[i];
             for (std::size_t k = 0; k < n; ++k) {
-                if (uniform(random) > kCrossing && k != always) continue;
+                if (uniform(random) > kRecombination && k != always) continue;
                 trial[k] = std::clamp(place[best][k] + f * (place[a][k] - place[b][k]),
                                       std::log(knobs[k].low), std::log(knobs[k].high));
             }

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <memory>
+
+#include "plant_sim/wear/model_io.hpp"
+#include "plant_sim/wear/wearing_brake.hpp"
+
+/// A brake of the shipped model, with the life of its campaign.
+inline wear::BrakeWear shipped_wear(const wear::BrakeScale& scale = {}) {
+    return {std::make_shared<const wear::Model>(wear::read_model("config/wear/model.json")), scale, 488e6,
+            "config/wear/model.json"};
+}
