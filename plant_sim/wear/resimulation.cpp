@@ -13,7 +13,7 @@ double energy_before_J(const Campaign& campaign, std::size_t i) {
     return i == 0 ? taken_before_J(campaign) : campaign.points[i - 1].c_e_J;
 }
 
-struct Scatter {
+struct BandMoments {
     double n = 0.0, sum = 0.0, squares = 0.0;
     void add(double value) {
         n += 1.0;
@@ -78,8 +78,8 @@ Comparison compare(const Campaign& recorded, const Campaign& simulated, const Mo
     Comparison out;
     const double first_J = recorded.points.front().c_e_J;
     const double width_J = (recorded.points.back().c_e_J - first_J) / static_cast<double>(kEnergyBands);
-    std::vector<Scatter> real(kEnergyBands);
-    std::vector<Scatter> drawn(kEnergyBands);
+    std::vector<BandMoments> real(kEnergyBands);
+    std::vector<BandMoments> drawn(kEnergyBands);
     std::vector<double> within(kEnergyBands, 0.0);
     for (std::size_t i = 0; i < recorded.points.size(); ++i) {
         const Point& p = recorded.points[i];
