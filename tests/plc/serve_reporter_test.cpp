@@ -54,7 +54,7 @@ TEST_CASE("refusal, trip, reset, a lost interface and its return are said once e
     std::atomic<bool> stop{false};
     int act = 0;
     antiskid::rt::MonotonicClock clock;
-    constexpr antiskid::control::Time kMillisecond{1'000'000};
+    constexpr antiskid::control::Time kStep{1'000'000};
     // Each act begins when the last one has been reported, however long that takes.
     const auto play = [&](plc::ServedRig& rig) {
         if (op.rig.plc().watchdog() % 10 == 0) rig::at(op.registers, rig::Commanded::bridge_watchdog) += 1.0;
@@ -76,7 +76,7 @@ TEST_CASE("refusal, trip, reset, a lost interface and its return are said once e
             stop = true;
         }
     };
-    plant_sim::ServeNode node(op.rig, layout, bus, clock, kMillisecond, play);
+    plant_sim::ServeNode node(op.rig, layout, bus, clock, kStep, play);
     {
         const plant_sim::ServeReporter reporter(node, bus, "can7", 1e-3, [&](const std::string& line) {
             const std::lock_guard lock(mutex);
