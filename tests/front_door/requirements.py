@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Every requirement in docs/requirements.md has a test that carries its tag, and every tag in tests/ is a requirement.
+"""Every requirement in docs/requirements.md has a test that carries its tag; every tag in tests/, and every id that another page of docs/
+names, is a requirement.
 
 usage: requirements.py [ROOT]
 """
@@ -22,6 +23,10 @@ for path in sorted((root / "tests").rglob("*")):
 wrong = [f"{document}: {i} is there {required.count(i)} times" for i in sorted(set(required)) if required.count(i) > 1]
 wrong += [f"{document}: {i} has no test" for i in sorted(set(required) - set(tagged))]
 wrong += [f"{tagged[tag]}: [{tag}] is no requirement in {document}" for tag in sorted(set(tagged) - set(required))]
+for page in sorted(set((root / "docs").glob("*.md")) - {document}):
+    for number, line in enumerate(page.read_text().splitlines(), 1):
+        named = set(re.findall(rf"\b(?:{prefixes})-\d{{3}}\b", line))
+        wrong += [f"{page.relative_to(root)}:{number}: {i} is no requirement" for i in sorted(named - set(required))]
 if not required:
     wrong.append(f"{document}: no requirements found")
 print("\n".join(wrong) or f"{len(required)} requirements, each with a test")

@@ -1,5 +1,7 @@
 /// Every abort cause in every phase, and random inputs: the outputs are safe in the same step, whatever happens.
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <string>
 
@@ -361,5 +363,15 @@ TEST_CASE("inputs that are nothing but noise: nothing unsafe, never", "[BRG-119]
             before = out.phase;
         }
         CHECK(before >= Phase::aborting);
+    }
+}
+
+TEST_CASE("the rig manual says of every abort cause what it means and what to do", "[BRG-130]") {
+    std::ifstream file("docs/rig_manual.md");
+    const std::string page{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    for (std::uint8_t i = 1; i < sequencer::kAbortCount; ++i) {
+        const std::string cause{sequencer::name(static_cast<Abort>(i))};
+        CAPTURE(cause);
+        CHECK(page.find('`' + cause + '`') != std::string::npos);
     }
 }
