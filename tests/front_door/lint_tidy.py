@@ -6,7 +6,7 @@ every file. A target that was clean is not analysed again until something change
 anything they include, how they are compiled, the checks in force for them, or clang-tidy itself. The evidence is an empty file of that
 hash in the user's cache directory; it does not depend on where the project lies, so that another clone finds it too.
 
-    lint_tidy.py BUILD_DIR     its own unity build is configured in BUILD_DIR/tidy
+    lint_tidy.py BUILD_DIR     its own unity build is configured in BUILD_DIR/UnifiedSource
 """
 
 import concurrent.futures
@@ -41,6 +41,7 @@ def configure(build):
     entries = json.loads((build / "compile_commands.json").read_text())
     folders = {folder for entry in entries for file in sources(entry) for folder in pathlib.Path(file).relative_to(ROOT).parents}
     for folder in folders:
+        (build / folder).mkdir(parents=True, exist_ok=True)
         (build / folder / ".clang-tidy").unlink(missing_ok=True)
         if (ROOT / folder / ".clang-tidy").exists():
             shutil.copy(ROOT / folder / ".clang-tidy", build / folder)
@@ -84,7 +85,8 @@ def check(entry, build, evidence, tool):
 
 
 def main():
-    build = pathlib.Path(sys.argv[1]).resolve() / "tidy"
+    # clang's analyzer follows paths in included sources only where the including file's name has this in it (isInCodeFile).
+    build = pathlib.Path(sys.argv[1]).resolve() / "UnifiedSource"
     cache = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
     evidence = pathlib.Path(cache) / "antiskid/clang-tidy"
     evidence.mkdir(parents=True, exist_ok=True)
