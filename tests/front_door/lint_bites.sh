@@ -17,8 +17,11 @@ clean() {
 cmake_minimum_required(VERSION 3.25)
 project(seeded LANGUAGES CXX)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
-add_library(seeded STATIC firmware/control/seeded.cpp firmware/control/other.cpp)
-target_include_directories(seeded PRIVATE .)
+add_subdirectory(firmware/control)
+END
+    cat >"$tree/firmware/control/CMakeLists.txt" <<'END'
+add_library(seeded STATIC seeded.cpp other.cpp)
+target_include_directories(seeded PRIVATE ${PROJECT_SOURCE_DIR})
 END
     printf 'int half(int x) {\n    return x / 2;\n}\n' >"$tree/firmware/control/other.cpp"
 }
