@@ -72,6 +72,19 @@ MatrixXd batched_scores(const MatrixXd& j, const VectorXd& r, int batch) {
     return scores;
 }
 
+/// The same of residuals whose correlation depends on nothing but how far they are apart.
+MatrixXd long_run_of_stationary(const MatrixXd& j, const VectorXd& r, int lags) {
+    const Index n = r.size();
+    MatrixXd sum = r.squaredNorm() / static_cast<double>(n) * (j.transpose() * j);
+    for (Index lag = 1; lag <= std::min<Index>(lags, n - 1); ++lag) {
+        const double weight = 1.0 - static_cast<double>(lag) / (lags + 1.0);
+        const double covariance = r.head(n - lag).dot(r.tail(n - lag)) / static_cast<double>(n);
+        const MatrixXd shifted = j.topRows(n - lag).transpose() * j.bottomRows(n - lag);
+        sum += weight * covariance * (shifted + shifted.transpose());
+    }
+    return sum;
+}
+
 void check_information(const MatrixXd& normal, std::span<const std::string> names) {
     constexpr double kLeast = 1e-12;
     const VectorXd size = normal.diagonal().cwiseSqrt();
@@ -120,7 +133,7 @@ Estimate Fit::estimate(Index i, int of) const {
 }
 
 Fit fit(const LeastSquares& problem, std::span<const std::string> names, const Residuals& residuals) {
-    constexpr double kSmallestStep = 1e-7;  // of the scale, Euclidean
+    constexpr double kSmallestStep = 1e-5;  // of the scale, Euclidean
     constexpr double kHopeless = 1e12;
     Fit out;
     out.theta = problem.start.cwiseMax(problem.least).cwiseMin(problem.most);
@@ -165,11 +178,14 @@ Fit fit(const LeastSquares& problem, std::span<const std::string> names, const R
     const MatrixXd normal = j.transpose() * j;
     check_information(normal, names);
     const MatrixXd bread = normal.ldlt().solve(MatrixXd::Identity(normal.rows(), normal.cols()));
-    const MatrixXd scores = batched_scores(j, out.residuals, problem.batch);
+    const MatrixXd scores =
+        problem.whitened ? MatrixXd(out.residuals) : batched_scores(j, out.residuals, problem.batch);
     out.lags = lags_for(scores);
+    const MatrixXd middle =
+        problem.whitened ? long_run_of_stationary(j, out.residuals, out.lags) : long_run(scores, out.lags);
     const auto n = static_cast<double>(out.residuals.size());
     const auto p = static_cast<double>(out.theta.size());
-    const MatrixXd unit = bread * long_run(scores, out.lags) * bread * (n / std::max(n - p, 1.0));
+    const MatrixXd unit = bread * middle * bread * (n / std::max(n - p, 1.0));
     out.covariance = problem.scale.asDiagonal() * unit * problem.scale.asDiagonal();
     // Kiefer and Vogelsang: critical value of the Bartlett window with lags b n, as a polynomial, two-sided 5 %.
     const double b = static_cast<double>(out.lags) / static_cast<double>(scores.rows());

@@ -5,6 +5,9 @@
 /// variances. Scores are first summed over batches of samples; the number of lags follows from the scores' own correlation (Andrews,
 /// Econometrica 59, 1991, AR(1) plug-in), and critical values are those of Kiefer and Vogelsang (Econometric Theory 21, 2005), which widen the
 /// interval where the lags are not few against the batches.
+///
+/// Where few samples decide, their scores show little of their own variance. Residuals that are white by their expected covariance may share
+/// theirs instead (LeastSquares::whitened): then M is the sum of J_s' g(s - t) J_t, with g the autocovariance of all residuals.
 #pragma once
 
 #include <Eigen/Core>
@@ -55,6 +58,8 @@ struct LeastSquares {
         scale;  ///< of each parameter: a change by it matters; differences are taken over 1e-4 of it
     Eigen::VectorXd least, most;
     int batch = 1;  ///< samples to a batch
+    /// The residuals are divided by their whole expected covariance: variance and correlation that are left count as the same everywhere.
+    bool whitened = false;
     int most_iterations = 60;
 };
 

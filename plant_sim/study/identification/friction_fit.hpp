@@ -1,6 +1,5 @@
-/// Burckhardt's c1, c2, c3 of eq. (4) from slip and force: mu = F_x / F_z by the load cells, slip by the encoders over a window around the
-/// instant of each reading. Both have errors; an error of slip counts by the slope of the curve (effective variance: Barker and Diana,
-/// American Journal of Physics 42, 1974), slip that moves fast by what the reading's instant may be off.
+/// Burckhardt's c1, c2, c3 of eq. (4) from slip and force, by generalised least squares: see friction_readings.hpp for the readings and their
+/// errors.
 #pragma once
 
 #include <span>

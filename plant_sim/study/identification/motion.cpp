@@ -48,15 +48,20 @@ ShaftTrack::ShaftTrack(const Recording& recording, Edges Sample::*shaft, double 
     for (Point& p : points_) p.time_s += offset_s;
 }
 
-double ShaftTrack::angle(double time_s) const {
+ShaftTrack::Place ShaftTrack::place(double time_s) const {
     const auto next = std::upper_bound(points_.begin(), points_.end(), time_s,
                                        [](double t, const Point& p) { return t < p.time_s; });
-    if (next == points_.begin()) return points_.front().angle_rad;
-    if (next == points_.end()) return points_.back().angle_rad;
-    const Point& a = *(next - 1);
-    const double length_s = next->time_s - a.time_s;
-    if (length_s > kRest_s) return a.angle_rad;
-    return a.angle_rad + (next->angle_rad - a.angle_rad) * (time_s - a.time_s) / length_s;
+    if (next == points_.begin()) return {0, 0.0};
+    const auto edge = static_cast<std::size_t>(next - points_.begin()) - 1;
+    if (next == points_.end()) return {edge, 0.0};
+    const double length_s = next->time_s - points_[edge].time_s;
+    return {edge, length_s > kRest_s ? 0.0 : (time_s - points_[edge].time_s) / length_s};
+}
+
+double ShaftTrack::angle(double time_s) const {
+    const Place at = place(time_s);
+    const double from_rad = points_[at.edge].angle_rad;
+    return at.share > 0.0 ? from_rad + (points_[at.edge + 1].angle_rad - from_rad) * at.share : from_rad;
 }
 
 std::optional<Motion> Motion::of(const Run& run, double cell_age_s) {
@@ -100,14 +105,21 @@ Motion::Motion(const Run& run, double cell_age_s, std::size_t from, std::size_t 
         throw NotIdentifiable(run.recording.name +
                               ": the wheel does not turn before brake-on; expected it to roll on the rim");
     double load = 0.0;
+    double squares = 0.0;
     double readings = 0.0;
     for (const CellReading& c : cells_) {
         if (c.time_s < rolling_from_s || c.time_s > brake_on_s_) continue;
         load += c.vertical_N;
+        squares += c.vertical_N * c.vertical_N;
         readings += 1.0;
     }
     if (readings > 0.0) load /= readings;
     free_radius_m_ = brake_on_mps_ / omega + load / stiffness_Npm_;
+    // Four borders, two of each shaft; an instant between two stamped edges has 2/3 of the variance of one.
+    const double rolling_s = brake_on_s_ - rolling_from_s;
+    const double by_edges = std::sqrt(4.0 * 2.0 / 3.0) * run.rig.edge_jitter_s / rolling_s * free_radius_m_;
+    const double variance = readings > 1.0 ? (squares / readings - load * load) / (readings - 1.0) : 0.0;
+    free_radius_deviation_m_ = std::hypot(by_edges, std::sqrt(std::max(variance, 0.0)) / stiffness_Npm_);
     find_contact();
 }
 

@@ -19,6 +19,12 @@ class ShaftTrack {
 
     /// rad since the first edge. A pause of more than kRest_s between two edges is a shaft at rest.
     [[nodiscard]] double angle(double time_s) const;
+    /// Where an instant lies among the stamped edges: after edge `edge`, by `share` of the way to the next.
+    struct Place {
+        std::size_t edge;
+        double share;
+    };
+    [[nodiscard]] Place place(double time_s) const;
     /// Mean over a window, rad/s.
     [[nodiscard]] double speed(double from_s, double to_s) const {
         return (angle(to_s) - angle(from_s)) / (to_s - from_s);
@@ -45,11 +51,15 @@ class Motion {
     [[nodiscard]] double free_radius_m() const {
         return free_radius_m_;
     }  ///< r_0, from free rolling before brake-on
+    /// Of free_radius_m(): jitter of the edges and noise of the load over the way that it was found on. All slips of the maneuver share it.
+    [[nodiscard]] double free_radius_deviation_m() const { return free_radius_deviation_m_; }
 
     [[nodiscard]] double v_mps(double from_s, double to_s) const {
         return flywheel_.speed(from_s, to_s) * R_f_m_;
     }
     [[nodiscard]] double omega_radps(double from_s, double to_s) const { return wheel_.speed(from_s, to_s); }
+    [[nodiscard]] const ShaftTrack& wheel() const { return wheel_; }
+    [[nodiscard]] const ShaftTrack& flywheel() const { return flywheel_; }
     [[nodiscard]] double load_N(double time_s) const;  ///< by the load cell, its age taken off
     [[nodiscard]] double radius_m(double time_s) const {
         return free_radius_m_ - load_N(time_s) / stiffness_Npm_;
@@ -71,7 +81,8 @@ class Motion {
 
     ShaftTrack wheel_, flywheel_;
     double R_f_m_, stiffness_Npm_;
-    double contact_s_ = 0.0, brake_on_s_ = 0.0, end_s_ = 0.0, brake_on_mps_ = 0.0, free_radius_m_ = 0.0;
+    double contact_s_ = 0.0, brake_on_s_ = 0.0, end_s_ = 0.0, brake_on_mps_ = 0.0;
+    double free_radius_m_ = 0.0, free_radius_deviation_m_ = 0.0;
     std::vector<CellReading> cells_;
 };
 

@@ -1,0 +1,70 @@
+/// The readings behind Burckhardt's coefficients: their errors are as large, and hang together, as the fit takes them to be.
+#include <Eigen/Cholesky>
+
+#include <cmath>
+
+#include "plant_sim/study/identification/friction_readings.hpp"
+#include "tests/catch.hpp"
+#include "tests/identification/experiments.hpp"
+
+using identification::FrictionReadings;
+using identification::Motion;
+using identification::Run;
+
+namespace {
+
+constexpr double kAge_s = 1e-3;  // the cells are read at the end of a PLC scan, one period before their frame
+
+Run run(const endurance::Setup& setup, std::uint64_t seed) {
+    return {.recording = identification_test::record(setup, seed),
+            .rig = identification_test::known(setup),
+            .surface = setup.scenario.choice.surface,
+            .friction_class = setup.scenario.choice.maneuver};
+}
+
+}  // namespace
+
+TEST_CASE("divided by their expected covariance, errors of friction readings are white and of unit size",
+          "[STUDY-320]") {
+    const char* name = GENERATE("slow_braking", "heavy");
+    const endurance::Setup setup = identification_test::setup(name);
+    const plant::Surface& truth = setup.scenario.rig.rig.surface;
+    constexpr int kSeeds = 3;
+    double square = 0.0;
+    double neighbours = 0.0;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+        const auto readings = FrictionReadings::of(run(setup, seed), kAge_s);
+        REQUIRE(readings);
+        REQUIRE(readings->all().size() > 500);
+        const auto n = static_cast<Eigen::Index>(readings->all().size());
+        Eigen::VectorXd error(n);
+        for (Eigen::Index i = 0; i < n; ++i) {
+            const auto& r = readings->all()[static_cast<std::size_t>(i)];
+            error[i] = r.mu - plant::friction(truth, r.slip).mu;
+        }
+        const auto v = readings->covariance(truth, setup.machinery.machinery.gauges.force.noise);
+        const Eigen::MatrixXd whole = v.own.toDense() + v.common * v.common.transpose();
+        Eigen::LLT<Eigen::MatrixXd>(whole).matrixL().solveInPlace(error);
+        square += error.squaredNorm() / static_cast<double>(n) / kSeeds;
+        neighbours += error.head(n - 1).dot(error.tail(n - 1)) / error.squaredNorm() / kSeeds;
+    }
+    // Some 2,000 readings: 3 % and 0.02 are one standard deviation.
+    CAPTURE(name);
+    CHECK(square == Approx(1.0).margin(0.12));
+    CHECK(std::abs(neighbours) < 0.08);
+}
+
+TEST_CASE("the free radius is as certain as it says", "[STUDY-320]") {
+    const endurance::Setup setup = identification_test::setup("heavy");
+    constexpr int kSeeds = 30;
+    double square = 0.0;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+        const auto motion = Motion::of(run(setup, seed), kAge_s);
+        REQUIRE(motion);
+        const double error = motion->free_radius_m() - setup.scenario.rig.rig.wheel.free_radius_m;
+        square += std::pow(error / motion->free_radius_deviation_m(), 2.0) / kSeeds;
+    }
+    // Chi-square of 30: 0.56 to 1.57 hold 95 %, 0.43 to 1.95 hold 99.8 %.
+    CHECK(square > 0.43);
+    CHECK(square < 1.95);
+}
