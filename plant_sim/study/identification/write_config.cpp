@@ -71,6 +71,11 @@ class EditedToml {
     std::vector<std::string> lines_;
 };
 
+/// One text for one pressure: the controller's full pressure must not exceed the last point of its map, not even by the rounding.
+std::string pascals(double pressure_Pa) {
+    return fmt::format("{:.7g}", pressure_Pa);
+}
+
 /// The same keys in the plant's file and in the controller's.
 void set_valve(EditedToml& file, const ValveFit& v) {
     std::vector<std::string> current{fmt::format("{:.6g}", v.dead_zone_mA.value)};
@@ -79,7 +84,7 @@ void set_valve(EditedToml& file, const ValveFit& v) {
     pressure.reserve(v.current_mA.size() + 1);
     for (std::size_t i = 0; i < v.current_mA.size(); ++i) {
         current.push_back(fmt::format("{:.6g}", v.current_mA[i]));
-        pressure.push_back(fmt::format("{:.7g}", v.pressure_Pa[i].value));
+        pressure.push_back(pascals(v.pressure_Pa[i].value));
     }
     file.set("valve", "current_mA", fmt::format("[{}]", fmt::join(current, ", ")), "");
     file.set("valve", "pressure_Pa", fmt::format("[{}]", fmt::join(pressure, ", ")), "");
@@ -103,7 +108,9 @@ void write_config(const Identified& found, const ConfigFiles& files, const fs::p
     const ValveFit& v = found.valve;
     set_valve(plant, v);
     set_valve(controller, v);
-    controller.set("valve", "full_pressure_Pa", v.pressure_Pa.back());
+    const Estimate& full_Pa = v.pressure_Pa.back();
+    controller.set("valve", "full_pressure_Pa", pascals(full_Pa.value),
+                   fmt::format(", 95 %: {:.6g} to {:.6g}", full_Pa.low, full_Pa.high));
     if (v.hysteresis_mA.low > 0.0)
         plant.set("valve", "hysteresis_mA", fmt::format("{:.6g}", v.hysteresis_mA.value),
                   fmt::format(", 95 %: {:.6g} to {:.6g}", v.hysteresis_mA.low, v.hysteresis_mA.high), true);

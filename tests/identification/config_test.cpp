@@ -1,0 +1,61 @@
+/// What was identified, as configuration: the readers of plant and controller take it, whatever the digits.
+#include "firmware/linux/controller_config.hpp"
+#include "plant_sim/model/load_rig.hpp"
+#include "plant_sim/study/identification/identified.hpp"
+#include "tests/catch.hpp"
+#include "tests/config/refusal.hpp"
+
+using identification::Estimate;
+
+namespace {
+
+Estimate about(double value) {
+    return {.value = value, .deviation = 0.01 * value, .low = 0.98 * value, .high = 1.02 * value};
+}
+
+identification::Identified found(double full_Pa) {
+    identification::Identified f;
+    f.valve.dead_zone_mA = about(3.1);
+    f.valve.current_mA = {5.0, 20.0, 40.0};
+    f.valve.pressure_Pa = {about(0.7e6), about(9.2e6), about(full_Pa)};
+    f.valve.hysteresis_mA = about(0.25);
+    f.valve.natural_frequency_Hz = about(19.0);
+    f.valve.damping = about(0.75);
+    f.valve.delay_s = about(5.5e-3);
+    f.surfaces.push_back({.surface = "snow",
+                          .c1 = about(0.2),
+                          .c2 = about(90.0),
+                          .c3 = about(0.06),
+                          .rms = 0.0,
+                          .largest_slip = 0.2,
+                          .lags_s = 0.0,
+                          .slip = {},
+                          .mu = {},
+                          .deviation = {}});
+    return f;
+}
+
+}  // namespace
+
+TEST_CASE("a written configuration is read by plant and controller, whatever the last digit of a pressure",
+          "[STUDY-107][STUDY-322]") {
+    const double full_Pa = GENERATE(20700152.4, 20700147.6, 20700149.96, 19999999.96);
+    const TemporaryDirectory directory;
+    const std::filesystem::path to = std::filesystem::path(directory / "config");
+    identification::write_config(found(full_Pa),
+                                 {.rig = "landing_gear.toml", .controller = "controller.toml"}, "config", to);
+    CAPTURE(full_Pa);
+    const antiskid::control::Config controller = antiskid::load_controller_config(to / "controller.toml");
+    CHECK(static_cast<double>(controller.valve.full_pressure_Pa) == Approx(full_Pa).epsilon(1e-6));
+    plant::ManeuverChoice choice;
+    choice.surface = "snow";
+    const plant::LoadedRig loaded = plant::load_rig(to, choice);
+    CHECK(loaded.full_pressure_Pa == Approx(full_Pa).epsilon(1e-6));
+    CHECK(loaded.rig.valve.hysteresis_mA == Approx(0.25));
+    CHECK(loaded.rig.valve.delay_s == Approx(5.5e-3));
+    CHECK(loaded.rig.surface.c2 == Approx(90.0));
+    CHECK_THROWS_WITH(
+        identification::write_config(
+            found(full_Pa), {.rig = "landing_gear.toml", .controller = "controller.toml"}, "config", to),
+        ContainsSubstring("exists already"));
+}
