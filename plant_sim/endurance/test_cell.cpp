@@ -138,7 +138,7 @@ void TestCell::cool(const sequencer::Plan& plan) {
 
 Outcome TestCell::run(const sequencer::Plan& plan, const PeriodObserver& observe) {
     sequencer::Sequencer sequencer(plan);
-    rig::Meter meter(rig::meter_parameters(scenario_, seconds(period_)));
+    rig::Meter meter(rig::meter_parameters(scenario_.rig, seconds(period_)));
     faults_ = {};
     while (!sequencer.over()) {
         const sequencer::Outputs outputs = sequencer.step(look(meter), rig_.time_s());

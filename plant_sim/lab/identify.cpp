@@ -14,6 +14,7 @@
 #include "firmware/linux/controller_config.hpp"
 #include "plant_sim/lab/identify_pictures.hpp"
 #include "plant_sim/lab/recorded_run.hpp"
+#include "plant_sim/lab/surface_picture.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/replay/plant_validation.hpp"
 #include "rig_bridge/replay/validation_picture.hpp"
@@ -147,7 +148,7 @@ void IdentifyCommand::draw(const Identified& found, const std::optional<Validate
     }
     names.reserve(found.surfaces.size());
     for (const auto& f : found.surfaces) names.push_back(f.surface);
-    draw_friction_curves(surfaces, names, out);
+    draw_surfaces(surfaces, names, out / "friction_curves.png");
     if (!validation || !validation->result.braked) return;
     settings::write_file(out / "validation.csv", rig::to_csv(validation->result));
     rig::draw_validation(

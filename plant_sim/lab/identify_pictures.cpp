@@ -33,20 +33,32 @@ std::string script(const fs::path& csv, const std::string& title, const std::str
                        kStyle, gnuplot_quoted(csv.string()), rows, gnuplot_quoted(title), plots);
 }
 
+constexpr std::size_t kSettled = 300;  // samples of a slow ramp after which the pressure is that of the map
+
+/// Whether the current has moved slowly and evenly up to sample `k`. A sweep's staircase does for some samples, not for all of kSettled.
+bool ramps(const std::vector<double>& current_mA, std::size_t k) {
+    constexpr double kLeast_mA = 0.1;
+    constexpr double kMost_mA = 2.0;
+    constexpr double kEven_mA = 0.06;
+    const double from = current_mA[k - kSettled];
+    const double change = current_mA[k] - from;
+    if (std::abs(change) < kLeast_mA || std::abs(change) > kMost_mA) return false;
+    for (std::size_t i = 0; i < kSettled; ++i) {
+        const double even = from + change * static_cast<double>(i) / static_cast<double>(kSettled);
+        if (std::abs(current_mA[k - kSettled + i] - even) > kEven_mA) return false;
+    }
+    return true;
+}
+
 /// Readings on ramps against current, and the fitted branches.
 std::string draw_map(const identification::ValveFit& v, const fs::path& directory) {
     const fs::path csv = directory / "static_map.csv";
     std::string text = "current_mA,rising_MPa,falling_MPa,rising_error_kPa,falling_error_kPa,map_MPa\n";
-    constexpr std::size_t kSettled = 300;
     constexpr std::size_t kEvery = 25;
-    constexpr double kRamp_mA = 2.0;  // over kSettled samples
     for (const auto& r : v.residuals) {
         for (std::size_t k = kSettled; k < r.used.size(); k += kEvery) {
             const double change = r.current_mA[k] - r.current_mA[k - kSettled];
-            const double half = r.current_mA[k] - r.current_mA[k - kSettled / 2];
-            const bool ramp =
-                std::abs(change) > 0.1 && std::abs(change) < kRamp_mA && std::abs(half - 0.5 * change) < 0.06;
-            if (r.used[k] == 0 || !ramp) continue;
+            if (r.used[k] == 0 || !ramps(r.current_mA, k)) continue;
             const std::string reading = fmt::format("{:.5f}", r.measured_Pa[k] * 1e-6);
             const std::string error = fmt::format("{:.3f}", (r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3);
             fmt::format_to(std::back_inserter(text),
@@ -68,14 +80,15 @@ std::string draw_map(const identification::ValveFit& v, const fs::path& director
                R"(set key top left
 set xrange [0:*]
 set ylabel 'pressure (MPa)'
-plot data using 'current_mA':'rising_MPa' with points ls 3 title 'measured, current rising', \
-     data using 'current_mA':'falling_MPa' with points ls 4 title 'measured, current falling', \
+plot data using 'current_mA':'rising_MPa' with points ls 3 notitle, \
+     data using 'current_mA':'falling_MPa' with points ls 4 notitle, \
+     keyentry with points ls 3 ps 1 title 'measured, current rising', \
+     keyentry with points ls 4 ps 1 title 'measured, current falling', \
      data using 'current_mA':'map_MPa' with linespoints ls 1 pt 6 ps 1 title 'identified map'
-set key top right
 set xlabel 'valve current (mA)'
 set ylabel 'measured - modelled (kPa)'
-plot data using 'current_mA':'rising_error_kPa' with points ls 3 title 'current rising', \
-     data using 'current_mA':'falling_error_kPa' with points ls 4 title 'current falling'
+plot data using 'current_mA':'rising_error_kPa' with points ls 3 notitle, \
+     data using 'current_mA':'falling_error_kPa' with points ls 4 notitle
 )",
                2));
     return "static_map.png";
@@ -101,9 +114,11 @@ std::string draw_valve(const identification::ValveResiduals& r, const fs::path& 
                R"(set key top right
 stats data using 'time_s' nooutput
 set xrange [0:STATS_max]
+set offsets graph 0, graph 0, graph 0.15, graph 0
 set ylabel 'pressure (MPa)'
-plot data using 'time_s':'measured_MPa' with points ls 3 title 'measured', \
+plot data using 'time_s':'measured_MPa' with points ls 3 notitle, keyentry with points ls 3 ps 1 title 'measured', \
      data using 'time_s':'modelled_MPa' with lines ls 2 title 'modelled'
+unset offsets
 set xlabel 'time since brake-on (s)'
 set ylabel 'measured - modelled (kPa)'
 plot data using 'time_s':'error_kPa' with points ls 3 notitle
@@ -130,8 +145,8 @@ std::string draw_wheel(const identification::WheelFit& w, const fs::path& direct
                R"(set key top right
 set xlabel 'time since brake-on (s)'
 set ylabel 'measured - modelled rim speed (mm/s)'
-plot data using 'time_s':'stop_mmps' with points ls 3 title 'stops', \
-     data using 'time_s':'touchdown_mmps' with points ls 4 title 'touchdowns alone'
+plot data using 'time_s':'stop_mmps' with points ls 3 notitle, keyentry with points ls 3 ps 1 title 'stops', \
+     data using 'time_s':'touchdown_mmps' with points ls 4 notitle, keyentry with points ls 4 ps 1 title 'touchdowns alone'
 )",
                1));
     return "wheel.png";
@@ -140,11 +155,11 @@ plot data using 'time_s':'stop_mmps' with points ls 3 title 'stops', \
 std::string draw_friction(const identification::FrictionFit& f, const fs::path& directory) {
     const std::string name = "friction_" + f.surface;
     const fs::path csv = directory / (name + ".csv");
-    std::string text = "slip,mu,error\n";
+    std::string text = "slip,mu,error,deviation\n";
     const plant::Surface curve = f.curve();
     for (std::size_t k = 0; k < f.slip.size(); ++k)
-        fmt::format_to(std::back_inserter(text), "{:.6f},{:.6f},{:.6f}\n", f.slip[k], f.mu[k],
-                       f.mu[k] - plant::friction(curve, f.slip[k]).mu);
+        fmt::format_to(std::back_inserter(text), "{:.6f},{:.6f},{:.6f},{:.6f}\n", f.slip[k], f.mu[k],
+                       f.mu[k] - plant::friction(curve, f.slip[k]).mu, f.deviation[k]);
     settings::write_file(csv, text);
     const std::string plots = fmt::format(R"(c1 = {}
 c2 = {}
@@ -155,10 +170,11 @@ stats data using 'slip' nooutput
 set xrange [0:STATS_max * 1.05]
 set samples 500
 set ylabel 'friction F_x / F_z'
-plot data using 'slip':'mu' with points ls 3 title 'load cells over encoders', mu(x) with lines ls 2 title 'eq. (4), identified'
+plot data using 'slip':'mu' with points ls 3 notitle, keyentry with points ls 3 ps 1 title 'load cells over encoders', \
+     mu(x) with lines ls 2 title 'eq. (4), identified'
 set xlabel 'slip'
-set ylabel 'measured - fitted'
-plot data using 'slip':'error' with points ls 3 notitle
+set ylabel '(measured - fitted) / expected deviation'
+plot data using 'slip':(column('error') / column('deviation')) with points ls 3 notitle
 )",
                                           f.c1.value, f.c2.value, f.c3.value);
     study::run_gnuplot(directory / (name + ".png"), 1100, 900,
@@ -177,37 +193,6 @@ std::vector<std::string> draw_identified(const identification::Identified& found
     if (found.wheel) names.push_back(draw_wheel(*found.wheel, directory));
     for (const auto& f : found.surfaces) names.push_back(draw_friction(f, directory));
     return names;
-}
-
-void draw_friction_curves(const std::vector<plant::Surface>& surfaces,
-                          const std::vector<std::string>& identified, const fs::path& directory) {
-    std::string text = "slip";
-    for (const plant::Surface& s : surfaces) text += "," + s.name;
-    text += '\n';
-    constexpr int kPoints = 500;
-    for (int i = 0; i <= kPoints; ++i) {
-        const double slip = static_cast<double>(i) / kPoints;
-        fmt::format_to(std::back_inserter(text), "{:.4f}", slip);
-        for (const plant::Surface& s : surfaces)
-            fmt::format_to(std::back_inserter(text), ",{:.5f}", plant::friction(s, slip).mu);
-        text += '\n';
-    }
-    const fs::path csv = directory / "friction_curves.csv";
-    settings::write_file(csv, text);
-    std::string plot = "plot ";
-    for (std::size_t i = 0; i < surfaces.size(); ++i) {
-        const bool strong =
-            std::find(identified.begin(), identified.end(), surfaces[i].name) != identified.end();
-        fmt::format_to(std::back_inserter(plot), "{}data using 1:{} with lines lw {} title {} noenhanced",
-                       i == 0 ? "" : ", ", i + 2, strong ? 4 : 2,
-                       gnuplot_quoted(surfaces[i].name + (strong ? " (identified)" : "")));
-    }
-    study::run_gnuplot(directory / "friction_curves.png", 1100, 700,
-                       script(csv, "friction over slip, eq. (4) (Fig. 3)",
-                              "set key outside right center\nset rmargin 30\nset xrange [0:1]\nset yrange "
-                              "[0:1.25]\nset xlabel 'slip'\nset ylabel 'friction coefficient'\n" +
-                                  plot + "\n",
-                              1));
 }
 
 }  // namespace plant_sim

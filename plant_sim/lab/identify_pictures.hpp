@@ -14,8 +14,4 @@ namespace plant_sim {
 std::vector<std::string> draw_identified(const identification::Identified& found,
                                          const std::filesystem::path& directory);
 
-/// All surfaces' curves of eq. (4), Fig. 3; `identified` ones drawn strong.
-void draw_friction_curves(const std::vector<plant::Surface>& surfaces,
-                          const std::vector<std::string>& identified, const std::filesystem::path& directory);
-
 }  // namespace plant_sim

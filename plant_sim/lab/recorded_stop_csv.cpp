@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 
 #include "config/reader/near_miss.hpp"
 #include "plant_sim/lab/recorded_stops.hpp"
+#include "plant_sim/wear/csv_rows.hpp"
 
 namespace plant_sim {
 
@@ -15,23 +14,6 @@ namespace {
 using settings::Error;
 
 constexpr std::array<std::string_view, 4> kColumns{"time_s", "speed_mps", "pressure_Pa", "brake_torque_Nm"};
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::vector<std::string_view> fields_of(std::string_view line) {
-    std::vector<std::string_view> fields;
-    fields.reserve(16);
-    for (;;) {
-        const auto comma = line.find(',');
-        fields.push_back(trimmed(line.substr(0, comma)));
-        if (comma == std::string_view::npos) return fields;
-        line.remove_prefix(comma + 1);
-    }
-}
 
 using Places = std::array<std::size_t, kColumns.size()>;
 
@@ -46,16 +28,6 @@ Places places_of(const std::vector<std::string_view>& header, const std::string&
         places[i] = static_cast<std::size_t>(at - header.begin());
     }
     return places;
-}
-
-double number(std::string_view field, const std::string& name, unsigned line, std::string_view column) {
-    double value = 0.0;
-    const char* const end = field.data() + field.size();
-    const auto [at, error] = std::from_chars(field.data(), end, value);
-    if (error != std::errc{} || at != end || !std::isfinite(value))
-        throw Error(name, line, std::string(column),
-                    fmt::format("'{}' is no finite number", settings::printable(field)));
-    return value;
 }
 
 double brake_on_mps(const wear::RecordedStop& stop) {
@@ -78,15 +50,9 @@ wear::RecordedStop parse_stop(const std::string& name, std::string_view csv, dou
     wear::RecordedStop stop{name, 0.0, brake_gain_m3, {}};
     std::vector<std::string_view> header;
     Places places{};
-    unsigned line = 0;
-    if (csv.starts_with("\xEF\xBB\xBF")) csv.remove_prefix(3);
-    while (!csv.empty()) {
-        const auto end = csv.find('\n');
-        const std::string_view text = trimmed(csv.substr(0, end));
-        csv.remove_prefix(end == std::string_view::npos ? csv.size() : end + 1);
-        ++line;
-        if (text.empty() || text.front() == '#') continue;
-        const std::vector<std::string_view> fields = fields_of(text);
+    for (wear::CsvRows rows(csv); rows.next();) {
+        const unsigned line = rows.line();
+        const std::vector<std::string_view>& fields = rows.fields();
         if (header.empty()) {
             header = fields;
             places = places_of(header, name, line);
@@ -97,7 +63,7 @@ wear::RecordedStop parse_stop(const std::string& name, std::string_view csv, dou
                         fmt::format("has {} fields, the header {}", fields.size(), header.size()));
         std::array<double, kColumns.size()> values{};
         for (std::size_t i = 0; i < values.size(); ++i)
-            values[i] = number(fields[places[i]], name, line, kColumns[i]);
+            values[i] = wear::csv_number(name, line, kColumns[i], fields[places[i]]);
         if (!stop.samples.empty() && values[0] < stop.samples.back().time_s)
             throw Error(name, line, "time_s", fmt::format("{} is before the row ahead of it", values[0]));
         stop.samples.push_back({values[0], values[1], values[2], values[3]});

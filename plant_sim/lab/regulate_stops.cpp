@@ -16,6 +16,7 @@
 #include "firmware/linux/controller_config.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "rig_bridge/record/meter.hpp"
+#include "rig_bridge/scenario/meter_parameters.hpp"
 
 namespace plant_sim {
 
@@ -42,21 +43,6 @@ std::uint8_t phase_code(study::Phase phase) {
             break;
     }
     return phase_code("retract");
-}
-
-rig::MeterParameters meter_parameters(const plant::LoadedRig& loaded, double period_s) {
-    const plant::RigParameters& r = loaded.rig;
-    return {.wheel_teeth = r.wheel_encoder.teeth,
-            .flywheel_teeth = r.flywheel_encoder.teeth,
-            .flywheel_radius_m = r.flywheel_radius_m,
-            .wheel_radius_m = r.wheel.free_radius_m,
-            .wheel_stiffness_Npm = r.wheel.stiffness_Npm,
-            .brake_gain_m3 = r.brake.gain_m3(),
-            .wheel_inertia_kgm2 = r.wheel.inertia_kgm2,
-            .flywheel_mass_kg = r.wheel.mass_kg,
-            .peak_friction = plant::peak(r.surface).mu,
-            .drop_out_mps = loaded.drop_out_mps,
-            .period_s = period_s};
 }
 
 rig::ShaftSample shaft(const antiskid::can::SpeedSample& sample) {
@@ -148,7 +134,7 @@ regulation::Stop land(const LandingSites& sites, const regulation::Draw& draw, d
     session.period_s = static_cast<double>(sites.controller.period_s);
     session.drop_out_mps = site.rig.drop_out_mps;
     session.seed = draw.sensor_seed;
-    rig::Meter meter(meter_parameters(site.rig, session.period_s));
+    rig::Meter meter(rig::meter_parameters(site.rig, session.period_s));
     const auto measure = [&](const study::RigSession& s, const antiskid::can::ControllerView&, double) {
         meter.feed(rig::as_on_bus(sites.layout, sample_of(s)));
     };

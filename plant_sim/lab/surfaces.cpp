@@ -2,37 +2,17 @@
 
 #include <array>
 #include <filesystem>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "config/reader/hash.hpp"
+#include "plant_sim/lab/surface_picture.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/model/load_rig.hpp"
-#include "plant_sim/study/gnuplot.hpp"
 
 namespace plant_sim {
 
 namespace {
-
-constexpr std::array<const char*, 8> kColours{"#1f4e79", "#c55a11", "#548235", "#7f3f98",
-                                              "#bf9000", "#00808a", "#a61c3c", "#5b5b5b"};
-
-void draw(const std::vector<plant::Surface>& surfaces, const std::filesystem::path& png) {
-    std::string script =
-        "set grid lc rgb '#dddddd'\nset border lc rgb '#555555'\nset key outside right top samplen 2 "
-        "noenhanced\n"
-        "set xlabel 'slip'\nset ylabel 'friction coefficient'\nset xrange [0:1]\nset yrange [0:*]\nset "
-        "samples 1000\nplot ";
-    for (std::size_t i = 0; i < surfaces.size(); ++i) {
-        const plant::Surface& s = surfaces[i];
-        fmt::format_to(std::back_inserter(script),
-                       "{}{} * (1 - exp(-{} * x)) - {} * x with lines lw 2 lc rgb '{}' title {}",
-                       i == 0 ? "" : ", \\\n     ", s.c1, s.c2, s.c3, kColours[i % kColours.size()],
-                       study::gnuplot_quoted(s.name));
-    }
-    study::run_gnuplot(png, 1000, 560, script + "\n");
-}
 
 struct SurfacesCommand {
     std::filesystem::path config = "config";
@@ -68,7 +48,7 @@ struct SurfacesCommand {
                                           {"config_hash", settings::hash(files)},
                                           {"surfaces", rows}};
         deliver((out / "results.json").string(), json.dump(2) + "\n");
-        if (pictures) draw(surfaces, out / "surfaces.png");
+        if (pictures) draw_surfaces(surfaces, {}, out / "surfaces.png");
         return 0;
     }
 };

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -13,6 +12,7 @@
 #include "config/reader/hash.hpp"
 #include "config/reader/input_file.hpp"
 #include "config/reader/near_miss.hpp"
+#include "plant_sim/wear/csv_rows.hpp"
 
 namespace wear {
 
@@ -36,23 +36,6 @@ struct BrakingColumn {
 constexpr std::array<BrakingColumn, 3> kBraking{{{"brake_on_mps", &Braking::brake_on_mps},
                                                  {"mean_torque_Nm", &Braking::mean_torque_Nm},
                                                  {"mean_load_N", &Braking::mean_load_N}}};
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::vector<std::string_view> fields_of(std::string_view line) {
-    std::vector<std::string_view> fields;
-    fields.reserve(8);
-    for (;;) {
-        const auto comma = line.find(',');
-        fields.push_back(trimmed(line.substr(0, comma)));
-        if (comma == std::string_view::npos) return fields;
-        line.remove_prefix(comma + 1);
-    }
-}
 
 struct Columns {
     std::size_t count = 0;
@@ -115,21 +98,11 @@ Columns columns_of(const std::string& file, unsigned line, const std::vector<std
     return c;
 }
 
-double number(const std::string& file, unsigned line, std::string_view column, std::string_view text) {
-    double value = 0.0;
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (failure != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-        throw Error(file, line, std::string(column),
-                    text.empty() ? std::string("no value")
-                                 : fmt::format("'{}' is no finite number", settings::printable(text)));
-    return value;
-}
-
 Braking braking_of(const std::string& file, unsigned line, const Columns& columns,
                    const std::vector<std::string_view>& fields) {
     Braking out;
     for (std::size_t i = 0; i < kBraking.size(); ++i) {
-        const double value = number(file, line, kBraking[i].name, fields[(*columns.braking)[i]]);
+        const double value = csv_number(file, line, kBraking[i].name, fields[(*columns.braking)[i]]);
         if (value <= 0.0)
             throw Error(file, line, std::string(kBraking[i].name), fmt::format("{} must be positive", value));
         out.*kBraking[i].value = value;
@@ -191,15 +164,9 @@ Campaign parse_campaign(const std::string& name, std::string_view csv) {
     Campaign campaign;
     campaign.source = name;
     std::optional<Columns> columns;
-    if (csv.starts_with("\xEF\xBB\xBF")) csv.remove_prefix(3);
-    unsigned line_number = 0;
-    while (!csv.empty()) {
-        const auto end = csv.find('\n');
-        const std::string_view line = trimmed(csv.substr(0, end));
-        csv.remove_prefix(end == std::string_view::npos ? csv.size() : end + 1);
-        ++line_number;
-        if (line.empty() || line.front() == '#') continue;
-        const std::vector<std::string_view> fields = fields_of(line);
+    for (CsvRows rows(csv); rows.next();) {
+        const unsigned line_number = rows.line();
+        const std::vector<std::string_view>& fields = rows.fields();
         if (!columns) {
             columns = columns_of(name, line_number, fields);
             continue;
@@ -210,9 +177,9 @@ Campaign parse_campaign(const std::string& name, std::string_view csv) {
                 fmt::format("{} fields, but the header names {} columns (decimal point, comma between "
                             "fields)",
                             fields.size(), columns->count));
-        const Point point{
-            number(name, line_number, columns->energy_name, fields[columns->energy]) * columns->energy_unit_J,
-            number(name, line_number, kFriction, fields[columns->friction])};
+        const Point point{csv_number(name, line_number, columns->energy_name, fields[columns->energy]) *
+                              columns->energy_unit_J,
+                          csv_number(name, line_number, kFriction, fields[columns->friction])};
         check_point(name, line_number, point, campaign.points.empty() ? nullptr : &campaign.points.back());
         campaign.points.push_back(point);
         if (columns->braking) campaign.brakings.push_back(braking_of(name, line_number, *columns, fields));

@@ -45,7 +45,7 @@ Setup load_setup(const RigOptions& o, const std::vector<std::filesystem::path>& 
             .limits = {},
             .config_hash = {}};
     const auto controller = antiskid::load_controller_config(s.scenario.controller);
-    s.meter = meter_parameters(s.scenario, static_cast<double>(controller.period_s));
+    s.meter = meter_parameters(s.scenario.rig, static_cast<double>(controller.period_s));
     if (!s.layout[Role::maneuver_state].bound)
         throw std::invalid_argument(
             binding.string() +

@@ -10,6 +10,7 @@
 #include "rig_bridge/replay/campaign_table.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
+#include "rig_bridge/scenario/scenario.hpp"
 
 namespace rig {
 
@@ -83,7 +84,7 @@ struct CampaignCommand {
                    const Scenario scenario = load_scenario(config / "scenarios" / (name + ".toml"), config);
                    const double period_s =
                        static_cast<double>(antiskid::load_controller_config(scenario.controller).period_s);
-                   return meter_parameters(scenario, period_s);
+                   return meter_parameters(scenario.rig, period_s);
                });
     }
 

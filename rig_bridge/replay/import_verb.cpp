@@ -7,6 +7,7 @@
 #include "rig_bridge/replay/importer.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
+#include "rig_bridge/scenario/scenario.hpp"
 
 namespace rig {
 
@@ -30,7 +31,7 @@ struct ImportCommand {
         std::vector<fs::path> files = scenario.files;
         files.insert(files.end(), {dbc_file, binding_file, map});
         const std::string hash = settings::hash(files);
-        const MeterParameters meter = meter_parameters(scenario, kPeriod_s);
+        const MeterParameters meter = meter_parameters(scenario.rig, kPeriod_s);
         const bool with_valve = loaded.channels[static_cast<std::size_t>(Channel::valve_current)].has_value();
         const ImportSettings settings{.file = file,
                                       .map = loaded,

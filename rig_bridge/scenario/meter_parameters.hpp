@@ -1,14 +1,14 @@
-/// What the meter must know of a scenario's rig.
+/// What the meter must know of a rig.
 #pragma once
 
+#include "plant_sim/model/load_rig.hpp"
 #include "rig_bridge/record/meter.hpp"
-#include "rig_bridge/scenario/scenario.hpp"
 
 namespace rig {
 
 /// `period_s`: the controller's.
-[[nodiscard]] inline MeterParameters meter_parameters(const Scenario& scenario, double period_s) {
-    const plant::RigParameters& r = scenario.rig.rig;
+[[nodiscard]] inline MeterParameters meter_parameters(const plant::LoadedRig& loaded, double period_s) {
+    const plant::RigParameters& r = loaded.rig;
     return {.wheel_teeth = r.wheel_encoder.teeth,
             .flywheel_teeth = r.flywheel_encoder.teeth,
             .flywheel_radius_m = r.flywheel_radius_m,
@@ -18,7 +18,7 @@ namespace rig {
             .wheel_inertia_kgm2 = r.wheel.inertia_kgm2,
             .flywheel_mass_kg = r.wheel.mass_kg,
             .peak_friction = plant::peak(r.surface).mu,
-            .drop_out_mps = scenario.rig.drop_out_mps,
+            .drop_out_mps = loaded.drop_out_mps,
             .period_s = period_s};
 }
 

@@ -12,8 +12,9 @@ using sequencer::Abort;
 using sequencer::Phase;
 
 TEST_CASE("every shipped scenario runs to its end, twice on the same rig", "[STUDY-070]") {
-    const std::string name = GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff",
-                                      "open_loop", "endurance", "ramp", "step", "sweep", "slow_braking");
+    const std::string name =
+        GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance",
+                 "ramp", "step", "sweep", "slow_braking", "below_peak");
     CAPTURE(name);
     const endurance::Setup s = setup(name);
     auto rig = cell(s);

@@ -9,6 +9,7 @@
 #include "rig_bridge/replay/importer.hpp"
 #include "rig_bridge/replay/plant_validation.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
+#include "rig_bridge/scenario/scenario.hpp"
 #include "tests/catch.hpp"
 #include "tests/replay/landings.hpp"
 
@@ -85,7 +86,7 @@ struct Import {
     }
     TempDir dir;
     rig::Scenario scenario = rig::load_scenario("config/scenarios/endurance.toml");
-    rig::MeterParameters meter = rig::meter_parameters(scenario, 1e-3);
+    rig::MeterParameters meter = rig::meter_parameters(scenario.rig, 1e-3);
     std::filesystem::path out = dir.write("x", "").parent_path() / "night";
     rig::ImportMap map;
     rig::ImportReport report;

@@ -38,7 +38,8 @@ TEST_CASE("the shipped scenarios are those of Table II, Fig. 5, Table III and an
     for (const auto& entry : std::filesystem::directory_iterator("config/scenarios"))
         names.insert(entry.path().stem().string());
     CHECK(names == std::set<std::string>{"light", "medium_a", "medium_b", "heavy", "rejected_takeoff",
-                                         "open_loop", "endurance", "ramp", "step", "sweep", "slow_braking"});
+                                         "open_loop", "endurance", "ramp", "step", "sweep", "slow_braking",
+                                         "below_peak"});
     struct Landing {
         const char* name;
         double mass_kg, speed_mps;
@@ -141,7 +142,7 @@ TEST_CASE("the files for the hash are those that were read", "[BRG-124]") {
 
 TEST_CASE("the meter knows the rig", "[BRG-124]") {
     const Scenario s = shipped("endurance");
-    const rig::MeterParameters p = rig::meter_parameters(s, 1e-3);
+    const rig::MeterParameters p = rig::meter_parameters(s.rig, 1e-3);
     CHECK(p.flywheel_mass_kg == Approx(633.61).epsilon(1e-4));
     CHECK(p.brake_gain_m3 == Approx(5.067e-4 * 4 * 0.11));
     CHECK(p.peak_friction == Approx(1.170).epsilon(1e-3));

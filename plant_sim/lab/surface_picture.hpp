@@ -1,0 +1,16 @@
+/// Fig. 3: friction over slip, eq. (4).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "plant_sim/model/tyre.hpp"
+
+namespace plant_sim {
+
+/// The curve of every surface; those whose names are `strong`, drawn so and called identified.
+void draw_surfaces(const std::vector<plant::Surface>& surfaces, const std::vector<std::string>& strong,
+                   const std::filesystem::path& png);
+
+}  // namespace plant_sim
