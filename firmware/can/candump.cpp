@@ -127,7 +127,8 @@ class LineParser {
     bool trailer() {
         if (position_ == text_.size()) return true;
         const std::string_view rest = text_.substr(position_);
-        return rest == " R" || rest == " T" || fail("expected the end of the line");
+        if (rest == " R" || rest == " T") return true;
+        return fail("expected the end of the line");
     }
 
     std::string_view text_;

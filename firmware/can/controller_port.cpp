@@ -41,16 +41,15 @@ bool ControllerPort::decode(Role role, const Payload& payload, control::Time rec
         case Role::rig_heartbeat:
             sensors_.rig_heartbeat_received = received;
             return true;
-        case Role::emergency_stop:
-            sensors_.emergency_stop = true;
-            return true;
         case Role::sync:
             sync_number_ = layout_.sync_counter.bound()
                                ? static_cast<std::uint32_t>(payload.read(layout_.sync_counter))
                                : 0U;
             return true;
-        default:
-            return false;
+        case Role::emergency_stop:
+        default:  // a message let in that nobody reads would be a mistake in kToController: stop
+            sensors_.emergency_stop = true;
+            return true;
     }
 }
 

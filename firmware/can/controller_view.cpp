@@ -14,7 +14,7 @@ bool apply(const Layout& layout, Role role, const Payload& payload, control::Tim
             return true;
         case Role::status: {
             const std::int64_t state = payload.read(layout.status.state);
-            if (state < 0 || state >= control::kStateCount) return false;
+            if (state >= control::kStateCount) return false;
             view.status_received = received;
             view.state = static_cast<control::State>(state);
             view.slip = value(layout.status.slip);

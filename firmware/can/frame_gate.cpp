@@ -29,8 +29,7 @@ FrameGate::Verdict FrameGate::check(const Frame& frame, const Payload& payload) 
         case E2eVerdict::wrong_crc:
             ++stats.wrong_crc;
             break;
-        case E2eVerdict::repeated:
-        case E2eVerdict::wrong_sequence:
+        default:  // repeated, wrong_sequence
             ++stats.wrong_counter;
             break;
     }

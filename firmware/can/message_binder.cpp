@@ -24,7 +24,8 @@ std::string suggestion(std::string_view word, const Items& items) {
     names.reserve(items.size());
     for (const auto& item : items) names.push_back(item.name);
     const std::string_view nearest = settings::nearest(word, names);
-    return nearest.empty() ? std::string() : "; did you mean '" + std::string(nearest) + "'?";
+    if (nearest.empty()) return {};
+    return "; did you mean '" + std::string(nearest) + "'?";
 }
 
 std::string bits(std::uint32_t count) {
@@ -177,7 +178,9 @@ const DbcSignal& MessageBinder::take(const settings::Table& table, std::string_v
     for (const Taken& other : taken_) {
         if ((other.bits & own) != 0) table.fail(key, at(*found) + " overlaps that of " + other.key);
     }
-    taken_.push_back({own, key == kSignalKey ? table.path() : table.path() + '.' + std::string(key)});
+    std::string path = table.path();
+    if (key != kSignalKey) path.append(1, '.').append(key);
+    taken_.push_back({own, std::move(path)});
     return *found;
 }
 
@@ -188,9 +191,8 @@ Signal MessageBinder::whole(std::string_view key, const Widths& widths) {
 Signal MessageBinder::whole(const settings::Table& table, std::string_view key, const Widths& widths) {
     const DbcSignal& signal = take(table, key, table.text(key));
     if (signal.bits < widths.least || signal.bits > widths.most) {
-        const std::string wanted = widths.least == widths.most ? bits(widths.least)
-                                                               : std::to_string(widths.least) + " to " +
-                                                                     std::to_string(widths.most) + " bits";
+        std::string wanted = bits(widths.most);
+        if (widths.least != widths.most) wanted.insert(0, std::to_string(widths.least) + " to ");
         table.fail(key, at(signal) + " has " + bits(signal.bits) + "; expected " + wanted);
     }
     if (signal.is_signed) table.fail(key, at(signal) + " is signed; expected an unsigned one");

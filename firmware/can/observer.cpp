@@ -68,13 +68,9 @@ bool Observer::decode(Role role, const Payload& payload, control::Time received)
                 .brake_temperature_C = read(payload, layout_.maneuver_state.brake_temperature_C)};
             return true;
         }
-        case Role::valve:
-        case Role::status:
-        case Role::faults:
-        case Role::controller_heartbeat:
+        default:
             return apply(layout_, role, payload, received, view_.controller);
     }
-    return false;
 }
 
 }  // namespace antiskid::can

@@ -19,15 +19,15 @@ bool is_virtual(const std::string& interface) {
 }
 
 std::string bring_up(const std::string& interface) {
-    return is_virtual(interface) ? "`ip link set " + interface + " up`"
-                                 : "`ip link set " + interface + " up type can bitrate 1000000`";
+    const char* const how = is_virtual(interface) ? " up`" : " up type can bitrate 1000000`";
+    return "`ip link set " + interface + how;
 }
 
 std::string make(const std::string& interface) {
-    return is_virtual(interface)
-               ? "make it with `ip link add dev " + interface + " type vcan` and " + bring_up(interface)
-               : "plug the adapter in, then " + bring_up(interface) +
-                     " (`ip -br link show type can` lists what is there)";
+    if (is_virtual(interface))
+        return "make it with `ip link add dev " + interface + " type vcan` and " + bring_up(interface);
+    return "plug the adapter in, then " + bring_up(interface) +
+           " (`ip -br link show type can` lists what is there)";
 }
 
 [[noreturn]] void refuse(const std::string& interface, const std::string& why) {

@@ -38,12 +38,11 @@ float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estim
             return slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa);
         case Law::deceleration:
             return deceleration_law_.pressure_Pa(estimate, maneuver.deceleration_mps2, ceiling_Pa);
-        case Law::threshold:
-            return threshold_law_.pressure_Pa(estimate, ceiling_Pa);
         case Law::open_loop:
             return limited(valve_pressure_Pa(valve_, maneuver.current_mA), 0.0F, ceiling_Pa);
+        default:  // threshold: Monitor lets no law through that does not exist
+            return threshold_law_.pressure_Pa(estimate, ceiling_Pa);
     }
-    return 0.0F;
 }
 
 /// Below drop-out the demand passes through, approached from the present pressure at a limited rate.

@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -9,6 +10,7 @@
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/rig_port.hpp"
 #include "firmware/can/roles.hpp"
+#include "firmware/can/units.hpp"
 #include "tests/can/layouts.hpp"
 #include "tests/catch.hpp"
 
@@ -152,6 +154,7 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-042]"
     const std::vector<Case> cases{
         {"\"WheelEncoder\"", "\"WheelEncodr\"", "a.toml:5: wheel.message: no message 'WheelEncodr'"},
         {"\"WheelEncoder\"", "\"WheelEncodr\"", "did you mean 'WheelEncoder'"},
+        {"\"WheelEncoder\"", "\"Qx\"", "no message 'Qx' in "},
         {"\"EdgeCount\"", "\"EdgeCuont\"",
          "wheel.edge_count: no signal 'EdgeCuont' in message 'WheelEncoder'"},
         {"\"EdgeTime\", unit = \"us\"", "\"EdgeTime\", unit = \"ms\"",
@@ -198,6 +201,26 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-042]"
         wheel("WheelEncoder: 8", "WheelEncoder: 7", "sticks out of the 7 bytes"),
         wheel("WheelEncoder: 8", "WheelEncoder: 12", "a classic CAN frame has at most 8"),
         wheel("BO_ 272", "BO_ 2147483920", "29-bit identifier"),
+        wheel("BO_ 272", "BO_ 2048", "29-bit identifier"),
+        wheel("8|4@1+", "8|1@1+", "has 1 bit; expected 4 to 8 bits"),
+        wheel("8|4@1+ (1,0)", "8|4@1+ (1,1)", "factor 1 and offset 0"),
+        wheel("32|32@1+ (0.1,0)", "32|32@1- (0.1,0)", "must be unsigned"),
+        wheel("32|32@1+ (0.1,0)", "32|32@1+ (-0.1,0)", "positive factor"),
+        wheel("SG_ Counter", "SG_ EdgeCount : 60|4@1+ (1,0) [0|0] \"\" Rig\n SG_ Counter",
+              "is defined twice in 'WheelEncoder'"),
+        wheel("WheelEncoder: 8", "WheelEncoder: 0", "sticks out of the 0 bytes"),
+        wheel("16|16@1+", "16|49@1+", "has 49 bits; at most 48 bits can be used"),
+        {"BrakePressure: 4 Rig\n SG_ Crc : 0|8@1+ (1,0) [0|255] \"\" Controller,Bridge\n SG_ Counter : "
+         "8|4@1+ (1,0) [0|14] \"\" Controller,Bridge\n SG_ Pressure : 16|16",
+         "BrakePressure: 8 Rig\n SG_ Crc : 0|8@1+ (1,0) [0|255] \"\" Controller,Bridge\n SG_ Counter : "
+         "8|4@1+ (1,0) [0|14] \"\" Controller,Bridge\n SG_ Pressure : 16|33",
+         "has 33 bits; at most 32 bits can be used", true},
+        {"BO_ 272 1;", "BO_ 272 1.5;", "which is 1.5 ms", true},
+        {"BO_ 272 1;", "BO_ 272 2;", "which is 2 ms", true},
+        {"[0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288", "[5e9|6e9] \"Pa\" Controller,Bridge\n\nBO_ 288",
+         "cannot hold any value", true},
+        {"[0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288", "[100|400] \"Pa\" Controller,Bridge\n\nBO_ 288",
+         "cannot hold any value", true},
         wheel("BO_ 272", "BO_ 273", "has the identifier that [wheel] uses"),
         {"BO_ 272 W", "BO_ 99 WheelEncoder: 8 Rig\n\nBO_ 272 W", "is defined twice in", true},
         {"VAL_ 288 Law 0 \"wheel_slip\"", "VAL_ 288 Law 0 \"threshold\"",
@@ -213,6 +236,9 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-042]"
                                           : refusal(kOurDbc, replaced(kOurs, c.from, c.to));
         CHECK_THAT(what, ContainsSubstring("a.toml:") && ContainsSubstring(c.expected));
     }
+    CHECK_THAT(refusal(replaced(kOurDbc, "[0|429496729.5] \"us\"", "[0|429496729.5] \"mA\""),
+                       replaced(kOurs, "\"EdgeTime\", unit = \"us\"", "\"EdgeTime\", unit = \"mA\"")),
+               ContainsSubstring("wheel.edge_time.unit: expected one of ns, us, ms, s"));
     CHECK_THAT(refusal(kOurDbc, "[wheel\n"), ContainsSubstring("a.toml:1"));
     CHECK_THAT(refusal("BO_ x", kOurs), ContainsSubstring("a.dbc:1"));
 }
@@ -227,6 +253,36 @@ TEST_CASE("what moves the valve is refused without counter and CRC", "[CAN-043]"
                                                    ContainsSubstring("this message can move the valve"));
         }
     }
+}
+
+TEST_CASE("a range wider than the field is the field's; names that are not ours say nothing",
+          "[CAN-042][CAN-201]") {
+    const auto loaded = [](const std::string& from, const std::string& to) {
+        const can_test::TempDir dir;
+        return load_layout(dir.write("a.dbc", replaced(kOurDbc, from, to)), dir.write("a.toml", kOurs));
+    };
+    const std::string pressure = "[0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288";
+    const Layout wide = loaded(pressure, "[-1e9|1e9] \"Pa\" Controller,Bridge\n\nBO_ 288");
+    CHECK(wide.pressure_Pa.raw_min == 0);
+    CHECK(wide.pressure_Pa.raw_max == 65535);
+    const Layout narrow = loaded(pressure, "[250|1000200] \"Pa\" Controller,Bridge\n\nBO_ 288");
+    CHECK(narrow.pressure_Pa.raw_min == 1);
+    CHECK(narrow.pressure_Pa.raw_max == 2000);
+    const Layout named = loaded("VAL_ 288 Law 0 \"wheel_slip\"", "VAL_ 288 Law 0 \"Schlupf\"");
+    CHECK(named.maneuver.law.bits == 3);
+}
+
+TEST_CASE("two units are the same when quantity and size are", "[CAN-044][CAN-201]") {
+    CHECK(find_unit("us") == find_unit("\xC2\xB5s"));
+    CHECK_FALSE(find_unit("mA") == find_unit("A"));
+    CHECK_FALSE(find_unit("m/s") == find_unit("rad/s"));
+    CHECK_FALSE(find_unit("furlong").has_value());
+}
+
+TEST_CASE("a list of identifiers leaves out what is not bound", "[CAN-045][CAN-201]") {
+    constexpr std::array kAsked{Role::valve, Role::wheel};
+    REQUIRE(ids(kCompiledIn, kAsked).span().size() == 1);
+    CHECK(ids(kCompiledIn, kAsked).span()[0] == 0x100);
 }
 
 TEST_CASE("units of the bus become the controller's", "[CAN-044]") {

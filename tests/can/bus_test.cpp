@@ -73,6 +73,16 @@ TEST_CASE("the bus carries our layout at 1 kHz with room to spare, and the docs 
     CHECK_THAT(docs, ContainsSubstring(load_table(can_test::foreign())));
 }
 
+TEST_CASE("SYNC loads the bus only where the layout has one", "[CAN-060][CAN-201]") {
+    Layout without = can_test::ours();
+    without[Role::sync].bound = false;
+    const auto mean = [](const Layout& layout, bool with_sync) {
+        return bus_load(layout, std::chrono::milliseconds(1), 1'000'000, with_sync).mean;
+    };
+    CHECK(mean(without, true) == mean(without, false));
+    CHECK(mean(can_test::ours(), true) > mean(can_test::ours(), false));
+}
+
 TEST_CASE("the loopback delivers to every other end, in order, with the time that was set", "[CAN-075]") {
     Loopback hub;
     Loopback::End& a = hub.connect();
@@ -116,6 +126,12 @@ TEST_CASE("a full receive queue drops the newest and counts; a link that is down
     CHECK(b.status().transmit_dropped == 1);
     CHECK(a.send({}));
     CHECK(b.receive(frames) == 0);
+    b.set_link(true, true);
+    CHECK(b.status().bus_off_events == 1);  // the same one still
+    b.set_link(false, false);
+    CHECK_FALSE(b.status().bus_off);
+    CHECK_FALSE(b.status().up);
+    CHECK_FALSE(b.send({}));
     b.set_link(true, false);
     CHECK(b.send({}));
     CHECK(a.receive(frames) == 1);
@@ -145,6 +161,11 @@ TEST_CASE("candump lines are read", "[CAN-090]") {
     CHECK(parsed("(1.5) can0 1F334455#1122334455667788 T").extended);
     CHECK(parsed("(1.5) can0 123#R8").remote);
     CHECK(parsed("(1.5) can0 123#R").frame.length == 0);
+    CHECK(parsed("(1.5)   can0   123#00").interface == "can0");
+    CHECK(parsed("(1436509053.650713)  vcan0 044#2A").interface == "vcan0");
+    CHECK(parsed("(1436509053.650713) vcan0 123#R").remote);
+    CHECK(parsed("(1436509053.650713) vcan0 1F334455#00").extended);
+    CHECK(parsed("(9000000000.999999) vcan0 044#2A").time == Time{9'000'000'000'999'999'000});
     const CandumpLine error = parsed("(1.5) can0 20000040#0000000000000000");
     CHECK(error.error);
     CHECK_FALSE(error.extended);
@@ -176,6 +197,57 @@ TEST_CASE("lines that are no candump lines are refused with the column", "[CAN-0
     refused("(1.5) can0 123#112233445566778899", 32, "at most eight");
     refused("(1.5) can0 123#00x", 18, "end of the line");
     refused("(1.1234567890) can0 123#00", 13, "nine decimals");
+    refused("(", 2, "time");
+    refused("(x.5) can0 123#00", 2, "time");
+    refused("(:.5) can0 123#00", 2, "time");
+    refused("(1.x) can0 123#00", 4, "time");
+    refused("(1.5 can0 123#00", 5, "time");
+    refused("(1.5) can0 12g#00", 14, "three or eight");
+    refused("(1.5) can0 123#R9", 17, "end of the line");
+    refused("(1.5) can0 123#R/", 17, "end of the line");
+    refused("(1.5) can0 123#00 X", 18, "end of the line");
+    // Of the length and form that nearly every line has, one character wrong at a time.
+    refused("[1436509053.650713) vcan0 044#2A", 1, "time");
+    refused("(1436509053,650713) vcan0 044#2A", 12, "time");
+    refused("(1436509053.650713] vcan0 044#2A", 19, "time");
+    refused("(1436509053.650713)_vcan0 044#2A", 20, "interface");
+    refused("(143650905x.650713) vcan0 044#2A", 11, "time");
+    refused("(1436509053.65071x) vcan0 044#2A", 18, "time");
+    refused("(9000000001.650713) vcan0 044#2A", 11, "below 9e9 s");
+    refused("(1436509053.650713) vcan0_044#2A", 33, "frame");
+    refused("(1436509053.650713) vcan0 04", 29, "three or eight");
+    refused("(1436509053.650713) vcan0 044_2A", 30, "expected #");
+    refused("(1436509053.650713) vcan0 0g4#2A", 28, "three or eight");
+    refused("(1436509053.650713) vcan0 944#2A", 30, "000 to 7FF");
+    refused("(1436509053.650713) vcan0 044#2", 32, "two hexadecimal digits");
+    refused("(1436509053.650713) vcan0 044#2x", 32, "two hexadecimal digits");
+    refused("(1436509053.650713) vcan0 044#112233445566778899", 47, "at most eight");
+}
+
+TEST_CASE("remote, extended and error frames are written as candump has them", "[CAN-090][CAN-201]") {
+    const auto written = [](const CandumpLine& line) {
+        std::array<char, kCandumpLineMost> text{};
+        return std::string(text.data(), format_candump(line, text));
+    };
+    CandumpLine line;
+    line.time = Time{1'500'000'000};
+    line.interface = "can0";
+    line.frame = {.id = 0x1A, .length = 0, .data = {}, .received = {}};
+    line.remote = true;
+    CHECK(written(line) == "(0000000001.500000) can0 01A#R");
+    line.frame.length = 8;
+    CHECK(written(line) == "(0000000001.500000) can0 01A#R8");
+    line.remote = false;
+    line.extended = true;
+    line.frame.length = 1;
+    CHECK(written(line) == "(0000000001.500000) can0 0000001A#00");
+    line.extended = false;
+    line.error = true;
+    CHECK(written(line) == "(0000000001.500000) can0 2000001A#00");
+    for (const std::string& text :
+         {std::string("(0000000001.500000) can0 01A#R8"), std::string("(0000000001.500000) can0 0000001A#00"),
+          std::string("(0000000001.500000) can0 2000001A#00")})
+        CHECK(written(std::get<CandumpLine>(parse_candump(text))) == text);
 }
 
 TEST_CASE("what is written is read again, and fits or is refused whole", "[CAN-090]") {

@@ -78,6 +78,21 @@ TEST_CASE("a DBC as tools write them is read: line ends, marks, blanks, unknown 
     CHECK(floats.signals[0].values == std::map<std::int64_t, std::string>{{-1, "bad"}, {2, "good; really"}});
 }
 
+TEST_CASE("what means nothing is left out: cycle times of 0, codes beyond every field",
+          "[CAN-030][CAN-201]") {
+    const Dbc dbc = parse_dbc(
+        "BO_ 1 M: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\nBO_ 2 W: 8\nBA_ \"GenMsgCycleTime\" BO_ 1 0;\n"
+        "BA_ \"GenMsgCycleTime\" BU_ N 5;\nVAL_ 1 S 9.1e15 \"much\" -9.1e15 \"little\" 9e15 \"most\" -9e15 "
+        "\"least\" ;\n",
+        "x.dbc");
+    REQUIRE(dbc.messages.size() == 2);
+    CHECK_FALSE(dbc.messages[0].cycle_time_ms.has_value());
+    CHECK(dbc.messages[1].sender.empty());
+    CHECK(dbc.messages[0].signals[0].values ==
+          std::map<std::int64_t, std::string>{{9'000'000'000'000'000, "most"},
+                                              {-9'000'000'000'000'000, "least"}});
+}
+
 TEST_CASE("a malformed statement is refused with file, line and what was expected", "[CAN-031]") {
     const auto refused = [](const std::string& statement, const std::string& expected) {
         INFO(statement);

@@ -216,6 +216,45 @@ TEST_CASE("the observer reads what the addressees read, in either direction", "[
     }
 }
 
+TEST_CASE("the observer sees stops, and a SYNC that carries nothing", "[CAN-110][CAN-201]") {
+    Layout silent = ours();
+    silent.sync_counter = {};
+    RigPort rig(silent, kStep);
+    Observer observer(silent);
+    ControllerPort port(silent, kStep);
+    Frame stop = rig.emergency_stop();
+    stop.received = Time{5};
+    CHECK(observer.view().emergency_stop_received == control::kNever);
+    CHECK(observer.accept(stop) == Role::emergency_stop);
+    CHECK(observer.view().emergency_stop_received == Time{5});
+    Frame sync = rig.sync(7);
+    CHECK(sync.data == std::array<std::uint8_t, 8>{});
+    sync.received = Time{6};
+    CHECK(observer.accept(sync) == Role::sync);
+    CHECK(observer.view().sync_received == Time{6});
+    CHECK(observer.view().sync_number == 0);
+    port.accept(sync);
+    CHECK(port.sync_count() == 1);
+    CHECK(port.sync_number() == 0);
+}
+
+TEST_CASE("a controller's message is taken over, or refused whole; other roles are none of its",
+          "[CAN-054][CAN-201]") {
+    ControllerView view;
+    const auto taken = [&view](Role role, const std::array<std::uint8_t, 8>& bytes) {
+        return apply(ours(), role, Payload(bytes), Time{9}, view);
+    };
+    for (unsigned state = 0; state < 16; ++state) {
+        const bool exists = state < control::kStateCount;
+        CHECK(taken(Role::status, {0, static_cast<std::uint8_t>(state << 4U), 0, 0, 0, 0, 0, 0}) == exists);
+    }
+    CHECK(view.state == control::State::safe);
+    view = {};
+    for (const Role role : kToController) CHECK_FALSE(taken(role, {1, 2, 3, 4, 5, 6, 7, 8}));
+    CHECK(view.command_received == control::kNever);
+    CHECK(view.status_received == control::kNever);
+}
+
 TEST_CASE("the observer refuses what the addressees refuse", "[CAN-110]") {
     RigPort rig(ours(), kPeriod);
     ControllerPort port(ours(), kPeriod);

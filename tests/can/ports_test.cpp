@@ -386,3 +386,54 @@ TEST_CASE("no memory is allocated per frame or step", "[CAN-059]") {
         CHECK(rig.controller().current_mA == link.current_mA(command));
     }
 }
+
+TEST_CASE("the rig counts what is spoilt or has no meaning, and sends a valve command when it is due",
+          "[CAN-051][CAN-201]") {
+    Layout slow = ours();
+    slow[Role::valve].period = Time{2'000'000};
+    ControllerPort port(slow, kStep);
+    RigPort rig(slow, kStep);
+    std::array<Frame, ControllerPort::kMostFrames> frames;
+    control::Command command;
+    command.state = static_cast<control::State>(9);
+    unsigned valve_commands = 0;
+    for (int i = 0; i < 100; ++i) {
+        const std::size_t count = port.due_frames(command, frames);
+        for (std::size_t k = 0; k < count; ++k) {
+            valve_commands += frames[k].id == slow[Role::valve].id ? 1 : 0;
+            rig.accept(frames[k]);
+            Frame spoilt = frames[k];
+            spoilt.data[1] ^= 0x80U;
+            rig.accept(spoilt);
+        }
+    }
+    CHECK(valve_commands == 50);
+    CHECK(rig.stats(Role::valve).accepted == 50);
+    CHECK(rig.stats(Role::valve).wrong_crc == 50);
+    CHECK(rig.stats(Role::status).accepted == 0);
+    CHECK(rig.stats(Role::status).wrong_value == 10);
+    rig.accept({.id = 0x7FE, .length = 8, .data = {}, .received = {}});
+    CHECK(rig.unknown_ids() == 1);
+}
+
+TEST_CASE("the link counts as down for one step after a bus-off that came and went between two",
+          "[CAN-056][CAN-201]") {
+    ControllerPort port(ours(), kStep);
+    LinkStatus link;
+    const auto reported = [&] {
+        port.note_link(link);
+        return port.sensors().bus_off;
+    };
+    CHECK_FALSE(reported());
+    ++link.bus_off_events;
+    CHECK(reported());
+    CHECK_FALSE(reported());
+    link.bus_off = true;
+    CHECK(reported());
+    CHECK(reported());
+    link.bus_off = false;
+    link.up = false;
+    CHECK(reported());
+    link.up = true;
+    CHECK_FALSE(reported());
+}

@@ -122,6 +122,32 @@ TEST_CASE("the short cut without bytes gives the controller exactly what the fra
     }
 }
 
+TEST_CASE(
+    "the short cut keeps the layout's periods, and refuses what the frames would carry and the controller "
+    "refuse",
+    "[CAN-070][CAN-201]") {
+    Layout slow = can_test::ours();
+    slow[Role::wheel].period = Time{3'000'000};
+    const Time step{1'000'000};
+    RigPort rig(slow, step);
+    ControllerPort port(slow, step);
+    RoundedLink link(slow, step);
+    RigSample sample;
+    sample.maneuver.law = static_cast<control::Law>(5);
+    std::array<Frame, RigPort::kMostFrames> frames;
+    for (int i = 0; i < 60; ++i) {
+        const std::size_t count = rig.due_frames(sample, frames);
+        for (std::size_t k = 0; k < count; ++k) {
+            frames[k].received = i * step;
+            port.accept(frames[k]);
+        }
+        REQUIRE(same(port.sensors(), link.sense(sample, i * step)));
+    }
+    CHECK(port.stats(Role::wheel).accepted == 20);
+    CHECK(port.sensors().maneuver.rejected == 3);
+    CHECK(port.sensors().maneuver.received == control::kNever);
+}
+
 TEST_CASE("the rig applies the same current with and without bytes", "[CAN-070]") {
     for (const Layout* layout : {&can_test::ours(), &can_test::foreign()}) {
         Draw draw(71);

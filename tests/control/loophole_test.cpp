@@ -127,3 +127,22 @@ TEST_CASE("asking for another law does not put pressure back on a locked wheel",
         CHECK(b.command.current_mA == b.config.valve.safe_current_mA);
     }
 }
+
+TEST_CASE("no stall is so long that its count rolls over", "[CTL-112][CTL-240]") {
+    for (const std::uint32_t missed : {500U, 0x1999'999AU, 0xFFFF'FFFFU}) {
+        Bench b(shipped());
+        b.to_braking();
+        b.tamper = [missed](Sensors& seen) { seen.missed_periods = missed; };
+        CHECK(b.step().faults.contains(Fault::overrun));
+        CHECK(b.command.state == State::safe);
+    }
+}
+
+TEST_CASE("a set of faults is its members: from bits and by insertion alike, and no other set", "[CTL-240]") {
+    FaultSet one;
+    CHECK(one == FaultSet{});
+    one.insert(Fault::wheel_lost);
+    CHECK_FALSE(one == FaultSet{});
+    CHECK(FaultSet::from_bits(1U) == one);
+    CHECK(FaultSet::from_bits(0xFFFF'FFFFU).bits() == 0x03FF'FFFFU);  // 26 faults, and nothing else
+}
