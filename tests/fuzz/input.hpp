@@ -1,0 +1,71 @@
+/// What a fuzz target gets: the fuzzer's bytes, drawn from one after the other or lying in a file.
+#pragma once
+
+#include <stdlib.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace fuzz {
+
+/// A violated property: the fuzzer keeps the input that led here.
+inline void require(bool holds) {
+    if (!holds) std::abort();
+}
+
+class Input {
+  public:
+    Input(const std::uint8_t* data, std::size_t size) : bytes_(data, size) {}
+
+    [[nodiscard]] bool empty() const { return bytes_.empty(); }
+    /// The next bytes as a number; zeros once there are no more.
+    template <typename T>
+    [[nodiscard]] T take() {
+        T value{};
+        const std::size_t count = std::min(sizeof value, bytes_.size());
+        std::memcpy(&value, bytes_.data(), count);
+        bytes_ = bytes_.subspan(count);
+        return value;
+    }
+    [[nodiscard]] std::span<const std::uint8_t> rest() const { return bytes_; }
+    [[nodiscard]] std::string_view text() const {
+        return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()};
+    }
+
+  private:
+    std::span<const std::uint8_t> bytes_;
+};
+
+/// A file of this process, gone when it ends; for readers that open their input themselves.
+class File {
+  public:
+    explicit File(const std::string& name) {
+        std::string folder = (std::filesystem::temp_directory_path() / "antiskid_fuzz_XXXXXX").string();
+        if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary directory");
+        folder_ = folder;
+        path_ = folder_ / name;
+    }
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+    ~File() {
+        std::error_code ignored;
+        std::filesystem::remove_all(folder_, ignored);
+    }
+    const std::filesystem::path& holding(std::string_view text) const {
+        std::ofstream(path_, std::ios::binary | std::ios::trunc) << text;
+        return path_;
+    }
+
+  private:
+    std::filesystem::path folder_;
+    std::filesystem::path path_;
+};
+
+}  // namespace fuzz
