@@ -219,9 +219,9 @@ TEST_CASE("the observer reads what the addressees read, in either direction", "[
 TEST_CASE("the observer sees stops, and a SYNC that carries nothing", "[CAN-110][CAN-201]") {
     Layout silent = ours();
     silent.sync_counter = {};
-    RigPort rig(silent, kStep);
+    RigPort rig(silent, kPeriod);
     Observer observer(silent);
-    ControllerPort port(silent, kStep);
+    ControllerPort port(silent, kPeriod);
     Frame stop = rig.emergency_stop();
     stop.received = Time{5};
     CHECK(observer.view().emergency_stop_received == control::kNever);
