@@ -117,11 +117,14 @@ CampaignResult run_campaign(const Setup& setup, const CampaignOptions& options,
         watch.emplace(options.wear_model);
         rig::catch_up(*watch, ledger, rig::read_ledger(options.ledger, next.campaign));
     }
+    const sequencer::Plan& mean = setup.scenario.mean;
+    std::optional<double> slip_reference;  // of the slip law alone
+    if (mean.law == sequencer::BrakeLaw::slip) slip_reference = mean.slip_reference;
     while (const auto number = ledger.next_number()) {
         if (options.stop != nullptr && options.stop->load()) break;
         next.number = *number;
         next.started = rig_clock(cell.time_s());
-        (void)ledger.begin(*number, next.started);
+        (void)ledger.begin(*number, next.started, slip_reference);
         cell.rig().take_up(brake);
         result.last = summary_of(next, cell.run(rig::plan(setup.scenario, options.seed, *number)));
         ledger.finish(result.last);

@@ -28,7 +28,7 @@ struct RegulateCommand {
     std::filesystem::path order;
     std::filesystem::path out = "out/regulate";
     std::filesystem::path characterised;  ///< write the floor table here instead
-    int lives = 8;
+    int lives = 24;
     std::vector<double> fixed{0.10, 0.24, 0.40};
     int landings = 0;  ///< 0: the order's
     std::uint64_t seed = 1;
@@ -36,6 +36,8 @@ struct RegulateCommand {
     double missing = 0.0;
     double brake_deviation = 0.0;
     int inspection = 32;
+    std::string surfaces;  ///< empty: the order's
+    bool forecast = true;
     bool floor_check = true;
     unsigned threads = std::max(1U, std::thread::hardware_concurrency());
 
@@ -55,8 +57,8 @@ int RegulateCommand::characterise() const {
     constexpr int kFirst = 6;  // hundredths, as in the paper's study
     constexpr int kLast = 50;
     for (int k = kFirst; k <= kLast; k += 2) options.references.push_back(k / 100.0);
-    CampaignProgress progress(characterising_stops(sites, options), 0);
-    options.on_stop = [&](int stops) { progress.show(stops); };
+    CampaignProgress progress(static_cast<std::int64_t>(characterising_stops(sites, options)), 0);
+    options.on_stops = [&](std::size_t stops) { progress.show(static_cast<std::int64_t>(stops)); };
     const regulation::Characterisation c = plant_sim::characterise(sites, options);
     progress.finish();
     if (c.floor.rows.empty()) return kStopped;
@@ -83,8 +85,8 @@ std::vector<regulation::Policy> RegulateCommand::policies(const regulation::Orde
 
 int RegulateCommand::run() const {
     if (!characterised.empty()) return characterise();
-    const regulation::Order asked =
-        regulation::load_order(order.empty() ? config / "regulation.toml" : order);
+    regulation::Order asked = regulation::load_order(order.empty() ? config / "regulation.toml" : order);
+    if (!surfaces.empty()) asked.surfaces = regulation::surfaces_of(asked.floor, surfaces);
     const LandingSites sites = load_sites(config);
     const wear::BrakeWear& brake = sites.sites.front().rig.wear;
     RegulateReport report;
@@ -92,36 +94,32 @@ int RegulateCommand::run() const {
     if (landings > 0) report.plan.landings = landings;
     report.rules = asked.rules;
     report.range = asked.range();
-    for (const LandingSite& site : sites.sites) {
-        const regulation::Range also = asked.range(site.surface);
-        report.range = {std::max(report.range.lowest, also.lowest),
-                        std::min(report.range.highest, also.highest)};
-    }
     report.outlook = regulation::outlook(regulation::Regulator(report.plan, report.rules, report.range));
+    for (const LandingSite& site : sites.sites)
+        report.options.allowed_on.push_back(asked.range_on(site.surface));
+    if (forecast && asked.forecast_widest > 0.0)
+        report.options.foresight.emplace(regulation::foresight_model(brake), brake,
+                                         asked.forecast_widest * report.plan.brake_budget_J());
     antiskid::rt::StopSignals signals;
     const std::vector<regulation::Policy> all = policies(asked, report.plan, report.range);
     const int stops_a_life = static_cast<int>(all.size()) + (floor_check ? 2 : 0);
     const std::int64_t planned = std::int64_t{lives} * stops_a_life * report.plan.landings;
     CampaignProgress progress(planned, 0);
-    report.options = {.lives = lives,
-                      .seed = seed,
-                      .mix = mix,
-                      .missing = missing,
-                      .brake_deviation = brake_deviation,
-                      .inspection = inspection,
-                      .scenarios = sites.sites.size(),
-                      .worst_stops = floor_check,
-                      .threads = threads,
-                      .stop = &signals.stop(),
-                      .on_landing = [&](int done) {  // lives that bring less than planned go on beyond it
-                          if (done <= planned) progress.show(done);
-                      }};
-    report.policies =
-        regulation::run_fleet(report.plan, report.rules, report.range, all, brake, report.options, [&sites] {
-            return [&sites](const regulation::Draw& draw, double reference, double friction) {
-                return land(sites, draw, reference, friction);
-            };
-        });
+    report.options.lives = lives;
+    report.options.seed = seed;
+    report.options.mix = mix;
+    report.options.missing = missing;
+    report.options.brake_deviation = brake_deviation;
+    report.options.inspection = inspection;
+    report.options.scenarios = sites.sites.size();
+    report.options.worst_stops = floor_check;
+    report.options.stop = &signals.stop();
+    report.options.on_stops = [&](std::size_t done) {  // lives that bring less than planned go on beyond it
+        progress.show(std::min(static_cast<std::int64_t>(done), planned));
+    };
+    report.policies = regulation::run_fleet(
+        report.plan, report.rules, report.range, all, brake, report.options,
+        [&](std::span<const regulation::Ask> asks) { return land(sites, asks, threads); });
     progress.finish();
     if (report.policies.empty()) return kStopped;
     std::vector<std::filesystem::path> files = sites.files;
@@ -175,6 +173,13 @@ LabVerb regulate_verb(CLI::App& lab) {
                      "landings between two inspections that tell a brake's true wear and life; 0: none")
         ->check(CLI::Range(0, 1'000'000))
         ->capture_default_str();
+    verb->add_option(
+        "--surfaces", command->surfaces,
+        "seen before the plan's begin, with commas between, or all: others bound the references from "
+        "their first landing on (default: the order's)");
+    verb->add_flag(
+        "!--no-forecast", command->forecast,
+        "where nobody inspects: take the brake's life from the configuration, not from its friction");
     verb->add_flag("!--no-floor-check", command->floor_check,
                    "do not make every regulated landing again at both ends of the range");
     verb->add_option("--order", command->order, "plan and rules (default: CONFIG/regulation.toml)");
@@ -191,7 +196,8 @@ LabVerb regulate_verb(CLI::App& lab) {
         "Examples:\n"
         "  rig-lab regulate\n"
         "  rig-lab regulate --lives 4 --mix balanced --out out/balanced\n"
-        "  rig-lab regulate --brake-deviation 0.05 --missing 0.1\n"
+        "  rig-lab regulate --brake-deviation 0.05 --inspection 0 --missing 0.1\n"
+        "  rig-lab regulate --surfaces dry_asphalt,wet_asphalt\n"
         "  rig-lab regulate --characterise config/regulation_floor.toml\n"
         "Exit status: 0 both limits met in every life where that was feasible, and no stop beyond the floor; "
         "1 not so; 2 mistake on "

@@ -169,6 +169,7 @@ std::string to_json(const RegulateReport& r) {
         {"missing", r.options.missing},
         {"brake_deviation", r.options.brake_deviation},
         {"inspection_landings", r.options.inspection},
+        {"forecast", r.options.foresight.has_value() && r.options.inspection == 0},
         {"floor_checked", r.options.worst_stops},
         {"all_met", r.all_met()}};
     auto policies = nlohmann::ordered_json::array();

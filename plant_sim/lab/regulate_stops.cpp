@@ -7,14 +7,17 @@
 #include <cmath>
 #include <exception>
 #include <iterator>
-#include <mutex>
+#include <memory>
+#include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/value_names.hpp"
 #include "firmware/linux/controller_config.hpp"
-#include "plant_sim/study/in_process.hpp"
+#include "plant_sim/model/measured_friction.hpp"
+#include "plant_sim/study/side_by_side.hpp"
 #include "rig_bridge/record/meter.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
 
@@ -70,11 +73,73 @@ double worn_friction(const wear::BrakeWear& brake) {
     return wear::expected_friction_at(*brake.model, brake.scale, {}, brake.life_J);
 }
 
-struct Job {
-    std::size_t reference;
-    std::size_t site;
-    bool worn;
-};
+/// Roughly, of a stop: speed over the friction that there is.
+double expected_s(const LandingSite& site) {
+    return site.rig.rig.brake_on_mps / plant::peak(site.rig.rig.surface).mu;
+}
+
+study::Maneuver maneuver_of(const LandingSites& sites, const regulation::Ask& ask) {
+    const LandingSite& site = sites.sites.at(ask.draw.scenario);
+    study::Maneuver m{.controller = sites.controller, .rig = site.rig.rig, .options = {}};
+    m.rig.mean_friction = ask.mean_friction;
+    m.options.plan.slip_reference = ask.reference;
+    m.options.plan.demand_Pa = site.rig.full_pressure_Pa;
+    m.options.period_s = static_cast<double>(sites.controller.period_s);
+    m.options.drop_out_mps = site.rig.drop_out_mps;
+    m.options.seed = ask.draw.sensor_seed;
+    return m;
+}
+
+regulation::Stop stop_of(const LandingSite& site, const regulation::Ask& ask, const study::StopFigures& run,
+                         const rig::Meter* meter) {
+    regulation::Stop stop{.measured = {},
+                          .brake_J = run.energy_brake_J,
+                          .tyre_J = run.energy_tyre_J,
+                          .distance_m = run.stop_distance_m,
+                          .j_mu = run.j_mu};
+    if (meter == nullptr) return stop;
+    const rig::Figures measured = meter->figures();
+    stop.measured = {.reference = ask.reference,
+                     .kinetic_J = measured.kinetic_energy_J,
+                     .brake_J = measured.energy_brake_J,
+                     .tyre_J = measured.energy_tyre_J,
+                     .j_mu = measured.j_mu};
+    stop.measured_friction = plant::mean_of_measured(site.rig.rig.friction_curve, measured.mean_friction,
+                                                     site.rig.drop_out_mps / measured.brake_on_mps);
+    return stop;
+}
+
+/// Those of `asks` that `own` counts, on this thread.
+void land_alone(const LandingSites& sites, std::span<const regulation::Ask> asks,
+                std::span<const std::size_t> own, std::vector<regulation::Stop>& stops) {
+    std::vector<std::unique_ptr<rig::Meter>> meters(own.size());  // none: not metered, or done
+    std::size_t begun = 0;
+    const auto next = [&]() -> std::optional<study::Maneuver> {
+        if (begun == own.size()) return std::nullopt;
+        const regulation::Ask& ask = asks[own[begun]];
+        study::Maneuver m = maneuver_of(sites, ask);
+        if (ask.metered) {
+            meters[begun] = std::make_unique<rig::Meter>(
+                rig::meter_parameters(sites.sites[ask.draw.scenario].rig, m.options.period_s));
+            m.on_step = [meter = meters[begun].get(), &sites](const study::RigSession& session,
+                                                              const antiskid::can::ControllerView&, double) {
+                meter->feed(rig::as_on_bus(sites.layout, sample_of(session)));
+            };
+        }
+        ++begun;
+        return m;
+    };
+    study::run_side_by_side(sites.layout, next, [&](std::size_t i, const study::RunResult& run) {
+        const regulation::Ask& ask = asks[own[i]];
+        const LandingSite& site = sites.sites[ask.draw.scenario];
+        if (!run.came_to_rest)
+            throw std::runtime_error(fmt::format(
+                "the {} landing on {} with slip reference {:.3f}, friction {:.3f}, seed {} "
+                "did not come to rest",
+                site.maneuver, site.surface, ask.reference, ask.mean_friction, ask.draw.sensor_seed));
+        stops[own[i]] = stop_of(site, ask, run.figures, meters[i].get());
+    });
+}
 
 }  // namespace
 
@@ -123,99 +188,71 @@ LandingSites load_sites(const std::filesystem::path& config) {
     return s;
 }
 
-regulation::Stop land(const LandingSites& sites, const regulation::Draw& draw, double reference,
-                      double mean_friction) {
-    const LandingSite& site = sites.sites.at(draw.scenario);
-    plant::RigParameters parameters = site.rig.rig;
-    parameters.mean_friction = mean_friction;
-    study::SessionOptions session;
-    session.plan.slip_reference = reference;
-    session.plan.demand_Pa = site.rig.full_pressure_Pa;
-    session.period_s = static_cast<double>(sites.controller.period_s);
-    session.drop_out_mps = site.rig.drop_out_mps;
-    session.seed = draw.sensor_seed;
-    rig::Meter meter(rig::meter_parameters(site.rig, session.period_s));
-    const auto measure = [&](const study::RigSession& s, const antiskid::can::ControllerView&, double) {
-        meter.feed(rig::as_on_bus(sites.layout, sample_of(s)));
-    };
-    const study::RunResult run = study::run_in_process(sites.controller, sites.layout, parameters, session,
-                                                       study::Link::rounded, measure);
-    if (!run.came_to_rest)
-        throw std::runtime_error(
-            fmt::format("the {} landing on {} with slip reference {:.3f}, friction {:.3f}, seed {} "
-                        "did not come to rest",
-                        site.maneuver, site.surface, reference, mean_friction, draw.sensor_seed));
-    const rig::Figures measured = meter.figures();
-    return {.measured = {.reference = reference,
-                         .kinetic_J = measured.kinetic_energy_J,
-                         .brake_J = measured.energy_brake_J,
-                         .tyre_J = measured.energy_tyre_J,
-                         .j_mu = measured.j_mu},
-            .brake_J = run.figures.energy_brake_J,
-            .tyre_J = run.figures.energy_tyre_J,
-            .distance_m = run.figures.stop_distance_m,
-            .j_mu = run.figures.j_mu};
-}
-
-int characterising_stops(const LandingSites& sites, const CharacteriseOptions& options) {
-    return static_cast<int>(2 * sites.sites.size() * options.references.size());
-}
-
-regulation::Characterisation characterise(const LandingSites& sites, const CharacteriseOptions& options) {
-    std::vector<Job> jobs;
-    jobs.reserve(static_cast<std::size_t>(characterising_stops(sites, options)));
-    for (std::size_t reference = 0; reference < options.references.size(); ++reference) {
-        for (std::size_t site = 0; site < sites.sites.size(); ++site) {
-            for (const bool worn : {false, true}) jobs.push_back({reference, site, worn});
-        }
-    }
-    std::vector<regulation::Stop> stops(jobs.size());
-    std::atomic<std::size_t> next{0};
-    std::atomic<bool> over{false};
-    std::mutex mutex;  // of done, failure and on_stop
-    int done = 0;
-    std::exception_ptr failure;
-    const auto run = [&] {
+std::vector<regulation::Stop> land(const LandingSites& sites, std::span<const regulation::Ask> asks,
+                                   unsigned threads) {
+    // Long stops first and dealt in turn, so that every thread has as much to do.
+    std::vector<std::size_t> order(asks.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return expected_s(sites.sites.at(asks[a].draw.scenario)) >
+               expected_s(sites.sites.at(asks[b].draw.scenario));
+    });
+    std::vector<regulation::Stop> stops(asks.size());
+    std::vector<std::exception_ptr> failures(threads);
+    const auto work = [&](unsigned thread) {
         try {
-            while (!over.load()) {
-                const std::size_t i = next.fetch_add(1);
-                if (i >= jobs.size()) return;
-                if (options.stop != nullptr && options.stop->load()) over.store(true);
-                const plant::LoadedRig& rig = sites.sites[jobs[i].site].rig;
-                const double friction = jobs[i].worn ? worn_friction(rig.wear) : rig.rig.mean_friction;
-                stops[i] = land(sites, {.scenario = jobs[i].site, .sensor_seed = options.seed},
-                                options.references[jobs[i].reference], friction);
-                const std::scoped_lock lock(mutex);
-                if (options.on_stop) options.on_stop(++done);
-            }
+            std::vector<std::size_t> own;
+            for (std::size_t i = thread; i < order.size(); i += threads) own.push_back(order[i]);
+            land_alone(sites, asks, own, stops);
         } catch (...) {
-            const std::scoped_lock lock(mutex);
-            if (!failure) failure = std::current_exception();
-            over.store(true);
+            failures[thread] = std::current_exception();
         }
     };
     {
-        std::vector<std::jthread> threads;
-        for (unsigned i = 1; i < options.threads; ++i) threads.emplace_back(run);
-        run();
+        std::vector<std::jthread> others;
+        for (unsigned i = 1; i < threads; ++i) others.emplace_back(work, i);
+        work(0);
     }
-    if (failure) std::rethrow_exception(failure);
+    for (const std::exception_ptr& failure : failures) {
+        if (failure) std::rethrow_exception(failure);
+    }
+    return stops;
+}
+
+std::size_t characterising_stops(const LandingSites& sites, const CharacteriseOptions& options) {
+    return 2 * sites.sites.size() * options.references.size();
+}
+
+regulation::Characterisation characterise(const LandingSites& sites, const CharacteriseOptions& options) {
     regulation::Characterisation c;
-    if (over.load()) return c;
-    c.floor.reference = options.references;
     std::vector<double> tyre_J(options.references.size());
     std::vector<double> all_J(options.references.size());
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-        const std::string& surface = sites.sites[jobs[i].site].surface;
-        auto row = std::find_if(c.floor.rows.begin(), c.floor.rows.end(),
-                                [&](const auto& r) { return r.surface == surface; });
-        if (row == c.floor.rows.end())
-            row = c.floor.rows.insert(row, {surface, std::vector<double>(options.references.size(), 1.0)});
-        double& least = row->j_mu[jobs[i].reference];
-        least = std::min(least, stops[i].j_mu);
-        tyre_J[jobs[i].reference] += stops[i].tyre_J;
-        all_J[jobs[i].reference] += stops[i].tyre_J + stops[i].brake_J;
+    for (std::size_t i = 0; i < options.references.size(); ++i) {
+        std::vector<regulation::Ask> asks;
+        for (std::size_t site = 0; site < sites.sites.size(); ++site) {
+            const plant::LoadedRig& rig = sites.sites[site].rig;
+            for (const double friction : {rig.rig.mean_friction, worn_friction(rig.wear)})
+                asks.push_back({.draw = {.scenario = site, .sensor_seed = options.seed},
+                                .reference = options.references[i],
+                                .mean_friction = friction,
+                                .metered = false});
+        }
+        if (options.stop != nullptr && options.stop->load()) return {};
+        const std::vector<regulation::Stop> stops = land(sites, asks, options.threads);
+        if (options.on_stops) options.on_stops((i + 1) * asks.size());
+        for (std::size_t k = 0; k < asks.size(); ++k) {
+            const std::string& surface = sites.sites[asks[k].draw.scenario].surface;
+            auto row = std::find_if(c.floor.rows.begin(), c.floor.rows.end(),
+                                    [&](const auto& r) { return r.surface == surface; });
+            if (row == c.floor.rows.end())
+                row =
+                    c.floor.rows.insert(row, {surface, std::vector<double>(options.references.size(), 1.0)});
+            row->j_mu[i] = std::min(row->j_mu[i], stops[k].j_mu);
+            tyre_J[i] += stops[k].tyre_J;
+            all_J[i] += stops[k].tyre_J + stops[k].brake_J;
+        }
     }
+    c.floor.reference = options.references;
     c.tyre_share.reserve(tyre_J.size());
     for (std::size_t i = 0; i < tyre_J.size(); ++i) c.tyre_share.push_back(tyre_J[i] / all_J[i]);
     return c;

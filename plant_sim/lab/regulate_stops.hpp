@@ -5,6 +5,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,21 +41,22 @@ struct LandingSites {
 /// Throws settings::Error naming file, line and key.
 [[nodiscard]] LandingSites load_sites(const std::filesystem::path& config);
 
-/// One landing; Draw::scenario counts the sites. Throws std::runtime_error, naming the landing, when the aircraft did not come to rest.
-[[nodiscard]] regulation::Stop land(const LandingSites& sites, const regulation::Draw& draw, double reference,
-                                    double mean_friction);
+/// All these landings, side by side on `threads`; Draw::scenario counts the sites. The stops, in the same order, do not depend on `threads`. Throws
+/// std::runtime_error, naming the landing, when an aircraft did not come to rest.
+[[nodiscard]] std::vector<regulation::Stop> land(const LandingSites& sites,
+                                                 std::span<const regulation::Ask> asks, unsigned threads);
 
 struct CharacteriseOptions {
     std::vector<double> references;  ///< rising
     std::uint64_t seed = 1;
     unsigned threads = 1;
     const std::atomic<bool>* stop = nullptr;
-    std::function<void(int stops)> on_stop{};  ///< one call at a time, by any thread
+    std::function<void(std::size_t stops)> on_stops{};
 };
 /// All sites with every reference, the brake new and worn out. Empty when it was stopped.
 [[nodiscard]] regulation::Characterisation characterise(const LandingSites& sites,
                                                         const CharacteriseOptions& options);
 /// How many stops that takes.
-[[nodiscard]] int characterising_stops(const LandingSites& sites, const CharacteriseOptions& options);
+[[nodiscard]] std::size_t characterising_stops(const LandingSites& sites, const CharacteriseOptions& options);
 
 }  // namespace plant_sim

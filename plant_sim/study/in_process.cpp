@@ -20,20 +20,6 @@ using antiskid::control::Command;
 using antiskid::control::Controller;
 using antiskid::control::Time;
 
-/// What frames would have told the rig, without their rounding and their pace.
-antiskid::can::ControllerView view_of(const Command& command, double current_mA, Time now) {
-    return {.command_received = now,
-            .current_mA = static_cast<float>(current_mA),
-            .status_received = now,
-            .state = command.state,
-            .slip = command.slip,
-            .slip_reference = command.slip_reference,
-            .speed_mps = command.speed_mps,
-            .faults_received = now,
-            .faults = command.faults,
-            .heartbeat_received = now};
-}
-
 /// Both ends of the bus, frame by frame, in the order of the lockstep protocol: sensors, SYNC, the
 /// controller's answer.
 class FrameLink {
@@ -110,7 +96,7 @@ RunResult run_rounded(const antiskid::control::Config& config, const Layout& lay
     while (!session.done()) {
         const Command& command = loop.control();
         session.advance(loop.current_mA(), command.state);
-        if (on_step) on_step(session, view_of(command, loop.current_mA(), loop.now()), loop.current_mA());
+        if (on_step) on_step(session, loop.view(), loop.current_mA());
     }
     return loop.result();
 }

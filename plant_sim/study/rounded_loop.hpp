@@ -34,7 +34,19 @@ class RoundedLoop {
         return command_;
     }
     [[nodiscard]] double current_mA() const { return current_mA_; }
-    [[nodiscard]] antiskid::control::Time now() const { return now_; }  ///< of the last control()
+    /// What frames would have told the rig of the last control(), without their rounding and their pace.
+    [[nodiscard]] antiskid::can::ControllerView view() const {
+        return {.command_received = now_,
+                .current_mA = static_cast<float>(current_mA_),
+                .status_received = now_,
+                .state = command_.state,
+                .slip = command_.slip,
+                .slip_reference = command_.slip_reference,
+                .speed_mps = command_.speed_mps,
+                .faults_received = now_,
+                .faults = command_.faults,
+                .heartbeat_received = now_};
+    }
     [[nodiscard]] RigSession& session() { return session_; }
 
     [[nodiscard]] RunResult result() const {

@@ -27,7 +27,10 @@ class Runner {
             }
             lanes_.advance(periods_);
             for (std::size_t i = 0; i < kLanes; ++i) {
-                if (loops_[i] == nullptr || !loops_[i]->session().done()) continue;
+                if (loops_[i] == nullptr) continue;
+                if (observers_[i])
+                    observers_[i](loops_[i]->session(), loops_[i]->view(), loops_[i]->current_mA());
+                if (!loops_[i]->session().done()) continue;
                 done_(numbers_[i], loops_[i]->result());
                 loops_[i].reset();
                 --running_;
@@ -51,11 +54,13 @@ class Runner {
             if (loop->session().single_steps() && !loop->session().done()) {
                 loops_[lane] = std::move(loop);
                 numbers_[lane] = number;
+                observers_[lane] = m->on_step;
                 lanes_.place(lane, &loops_[lane]->session());
                 ++running_;
                 return;
             }
-            done_(number, run_in_process(m->controller, layout_, m->rig, m->options, Link::rounded));
+            done_(number,
+                  run_in_process(m->controller, layout_, m->rig, m->options, Link::rounded, m->on_step));
         }
     }
 
@@ -63,6 +68,7 @@ class Runner {
     std::array<SessionLanes::Period, kLanes> periods_{};
     std::array<std::unique_ptr<RoundedLoop>, kLanes> loops_;
     std::array<std::size_t, kLanes> numbers_{};
+    std::array<StepObserver, kLanes> observers_;
     const antiskid::can::Layout& layout_;
     const NextManeuver& next_;
     const ManeuverDone& done_;

@@ -14,6 +14,7 @@ struct Maneuver {
     antiskid::control::Config controller;
     plant::RigParameters rig;
     SessionOptions options;
+    StepObserver on_step{};  ///< may be empty
 };
 
 /// Called for one maneuver after the other, whenever there is room; empty: there are no more, and it is not called again.

@@ -10,6 +10,7 @@
 #include "plant_sim/wear/brake_filter.hpp"
 #include "plant_sim/wear/forecast.hpp"
 #include "plant_sim/wear/health.hpp"
+#include "plant_sim/wear/health_limits.hpp"
 
 namespace wear {
 
@@ -143,39 +144,20 @@ double calibrated_spread(const std::vector<Campaign>& campaigns, const std::vect
     return std::sqrt(low * high);
 }
 
-/// What a share kFalseAlarms of healthy brakes exceeds once in a campaign. From many brakes: what so many of them did exceed. From few: maxima
-/// are distributed as Gumbel found, which reaches beyond what they show themselves; fitted by median and 90 %, so that one odd brake does not
-/// decide.
-double exceeded_seldom(std::vector<double> greatest) {
-    constexpr double kFalseAlarms = 0.01;
-    std::sort(greatest.begin(), greatest.end());
-    const auto n = static_cast<double>(greatest.size());
-    if (kFalseAlarms * n >= 1.0)
-        return greatest[static_cast<std::size_t>(std::ceil((1.0 - kFalseAlarms) * n)) - 1];
-    const double median = greatest[static_cast<std::size_t>(0.5 * (n - 1.0))];
-    const double ninety = greatest[static_cast<std::size_t>(std::ceil(0.9 * (n - 1.0)))];
-    const auto reduced = [](double share) { return -std::log(-std::log(share)); };
-    const double width = (ninety - median) / (reduced(0.9) - reduced(0.5));
-    return median + width * (reduced(1.0 - kFalseAlarms) - reduced(0.5));
-}
-
 /// From `healthy` campaigns of other brakes; where there are none from the campaigns themselves, each given the curves of the others.
 HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::vector<Campaign>& healthy,
                            const Population& all) {
     const std::vector<Campaign>& watched = healthy.empty() ? campaigns : healthy;
-    std::vector<double> gradual;
-    std::vector<double> sudden;
-    gradual.reserve(watched.size());
-    sudden.reserve(watched.size());
+    std::vector<HealthLimits> greatest;
+    greatest.reserve(watched.size());
     for (std::size_t k = 0; k < watched.size(); ++k) {
         Population known = healthy.empty() ? without(all, k) : all;
         known.limits = {1.0, 1.0};
         HealthMonitor monitor(known);
         for (const Point& p : watched[k].points) (void)monitor.after(p);
-        gradual.push_back(monitor.greatest().gradual);
-        sudden.push_back(monitor.greatest().sudden);
+        greatest.push_back(monitor.greatest());
     }
-    return {exceeded_seldom(gradual), exceeded_seldom(sudden)};
+    return calibrated(greatest);
 }
 
 /// Raises or lowers one parameter at a time by ever smaller factors while that raises an objective.

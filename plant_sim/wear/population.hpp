@@ -51,8 +51,10 @@ struct Population {
 };
 
 /// One brake only is known. How others differ is then assumed: scatter of the size that the model has, half of its variance remembered from
-/// one maneuver to the next by half; 10 % in energy, and an offset of 2.5 deviations of the scatter; health limits a quarter
-/// above what any of 100 simulated brakes of this model reaches. [A]
+/// one maneuver to the next by half; 10 % in energy, and an offset of 2.5 deviations of the scatter. [A] For forecasts: nothing is abnormal
+/// by its limits of 1.
+[[nodiscard]] Population brakes_like(const Model& model);
+/// The same with health limits from 1,000 simulated brakes of this model, half by each rule of eq. (14); takes half a second.
 [[nodiscard]] Population population_of(const Model& model);
 
 }  // namespace wear

@@ -176,9 +176,12 @@ Decision before(const CampaignRules& rules, const std::filesystem::path& file, c
 
 int run_campaign(const CampaignCommand& command) {
     std::optional<regulation::Order> asked;
-    if (command.regulate)
+    if (command.regulate) {
         asked = regulation::load_order(command.regulation.empty() ? command.rig.config / "regulation.toml"
                                                                   : command.regulation);
+        if (!command.surfaces.empty())
+            asked->surfaces = regulation::surfaces_of(asked->floor, command.surfaces);
+    }
     const Setup setup = load_setup(command.rig, asked ? asked->files : std::vector<std::filesystem::path>{});
     std::optional<WearRegulation> shared;
     if (asked) shared.emplace(*asked, setup.scenario);

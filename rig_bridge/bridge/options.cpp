@@ -106,6 +106,11 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
                      "plan and rules of that (default: CONFIG/regulation.toml)")
         ->needs(regulate)
         ->type_name("FILE");
+    many->add_option("--surfaces", campaign.surfaces,
+                     "that the pair has seen or will see beside the scenario's own, with commas between, or "
+                     "all: they bound "
+                     "the references (default: the regulation file's)")
+        ->needs(regulate);
     auto* const model = many->add_option(
         "--wear-model", campaign.wear_model,
         "judge the brake after each maneuver by this population.json or model.json of rig-lab wear");

@@ -44,6 +44,7 @@ struct CampaignCommand {
     bool changed = false;   ///< go on although scenario, seed or configuration changed
     bool regulate = false;  ///< the slip reference shares wear between brake and tyre, maneuver by maneuver
     std::filesystem::path regulation;  ///< plan and rules; empty: regulation.toml of the configuration
+    std::string surfaces;              ///< that regulation has to reckon with; empty: those of its file
     std::filesystem::path wear_model;  ///< that judges the brake; empty: nobody does
 };
 struct StatusCommand {

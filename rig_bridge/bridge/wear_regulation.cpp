@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "config/reader/atomic_file.hpp"
 #include "config/reader/error.hpp"
+#include "plant_sim/model/measured_friction.hpp"
 #include "plant_sim/study/regulation/outlook.hpp"
 
 namespace rig {
@@ -44,7 +47,9 @@ ordered_json number(double value) {
 }  // namespace
 
 WearRegulation::WearRegulation(const regulation::Order& order, const Scenario& scenario)
-    : rules_(order.rules) {
+    : rules_(order.rules),
+      friction_curve_(scenario.rig.rig.friction_curve),
+      drop_out_mps_(scenario.rig.drop_out_mps) {
     const std::string file = scenario.files.front().string();
     if (scenario.mean.law != sequencer::BrakeLaw::slip)
         throw settings::Error(
@@ -59,10 +64,16 @@ WearRegulation::WearRegulation(const regulation::Order& order, const Scenario& s
     } catch (const std::invalid_argument& e) {
         throw settings::Error(order.files.front().string(), 0, "", e.what());
     }
+    if (order.forecast_widest > 0.0)
+        foresight_.emplace(regulation::foresight_model(scenario.rig.wear), scenario.rig.wear,
+                           order.forecast_widest * plan_.brake_budget_J());
 }
 
 regulation::Regulator WearRegulation::after(const std::vector<LedgerRow>& rows) const {
     regulation::Regulator regulator(plan_, rules_, range_);
+    std::optional<regulation::Foresight> foresight = foresight_;
+    auto finished = static_cast<std::size_t>(std::count_if(
+        rows.begin(), rows.end(), [](const LedgerRow& row) { return row.state == RowState::finished; }));
     bool counted = true;  // the ledger's cumulative energy has every maneuver so far
     for (const LedgerRow& row : rows) {
         const Figures& figures = row.summary.figures;
@@ -75,6 +86,13 @@ regulation::Regulator WearRegulation::after(const std::vector<LedgerRow>& rows) 
             regulator.after(landing(
                 row, row.slip_reference,
                 counted ? plan_.brake_taken_J + row.summary.cumulative_energy_J : regulation::kUnknown));
+            --finished;
+            if (!foresight || regulator.last_reading() != regulation::Reading::measured) continue;
+            foresight->learn(regulator.brake_used_J(),
+                             plant::mean_of_measured(friction_curve_, figures.mean_friction,
+                                                     drop_out_mps_ / figures.brake_on_mps));
+            if (finished >= kForecasts) continue;
+            if (const auto life_J = foresight->life_J()) regulator.revise_brake_life(*life_J);
         }
     }
     return regulator;
@@ -106,6 +124,7 @@ void write_regulation(const std::filesystem::path& file, const regulation::Regul
                             {"highest_reference", r.range().highest},
                             {"required_share", o.required_share},
                             {"measured_share", number(r.measured_share())},
+                            {"brake_life_J", r.plan().brake_life_J},
                             {"brake_left_J", r.brake_left_J()},
                             {"tyre_left_J", r.tyre_left_J()},
                             {"landings", r.landings()},

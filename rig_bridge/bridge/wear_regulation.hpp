@@ -3,9 +3,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "plant_sim/study/regulation/foresight.hpp"
 #include "plant_sim/study/regulation/order.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
@@ -14,12 +16,13 @@ namespace rig {
 
 class WearRegulation {
   public:
-    /// Throws settings::Error naming the file for a scenario without the slip law, on a surface that the floor's table does not have, or of a brake
-    /// that has nothing left.
+    /// The scenario's surface is seen beside those of the order. Throws settings::Error naming the file for a scenario without the slip law, on a
+    /// surface that the floor's table does not have, or of a brake that has nothing left.
     WearRegulation(const regulation::Order& order, const Scenario& scenario);
 
     /// As these rows, oldest first, leave it. A finished maneuver is a landing, of which figures that lack frames are not believed; an aborted
-    /// one has spent its energies; the rest has not been.
+    /// one has spent its energies; the rest has not been. The brake's life is what its friction foretells, where the order asks for that and
+    /// the newest kForecasts landings can tell; else the plan's.
     [[nodiscard]] regulation::Regulator after(const std::vector<LedgerRow>& rows) const;
 
     [[nodiscard]] const regulation::Plan& plan() const { return plan_; }
@@ -28,6 +31,11 @@ class WearRegulation {
     regulation::Plan plan_;
     regulation::Rules rules_;
     regulation::Range range_;
+    std::optional<regulation::Foresight> foresight_;  // before any landing
+    plant::FrictionCurve friction_curve_;
+    double drop_out_mps_;
+
+    static constexpr std::size_t kForecasts = 32;  // each costs a millisecond or two
 };
 
 /// For the view and the log: "slip reference 0.262; ...".

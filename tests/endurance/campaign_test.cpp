@@ -196,6 +196,16 @@ TEST_CASE("an aborted maneuver stops the campaign and is entered as such", "[STU
     CHECK(rows[0].state == rig::RowState::aborted);
 }
 
+TEST_CASE("each row has the slip reference in force; none where the law has none", "[BRG-582]") {
+    const TemporaryDirectory directory;
+    const endurance::Setup light = setup("light");
+    (void)endurance::run_campaign(light, {.maneuvers = 2, .seed = 1, .ledger = directory / "light.sqlite"});
+    for (const rig::LedgerRow& row : rig::read_ledger(directory / "light.sqlite", "light"))
+        CHECK(row.slip_reference == light.scenario.mean.slip_reference);
+    (void)campaign(directory / "endurance.sqlite", 1);
+    CHECK(std::isnan(rig::read_ledger(directory / "endurance.sqlite", "endurance").front().slip_reference));
+}
+
 TEST_CASE("the table's statistics are those of the textbook", "[STUDY-078]") {
     std::vector<rig::Summary> maneuvers(4);
     const double torques[] = {2.0, 4.0, 4.0, 6.0};

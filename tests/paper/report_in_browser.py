@@ -42,9 +42,9 @@ def main():
         out = Path(folder) / "report"
         run = subprocess.run([lab, "report", "--quick", "--out", out], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         print(run.stdout)
-        good = check("every study of the quick form answers", run.returncode in (0, 1), f"status {run.returncode}")
+        good = check("every study of the quick form answers yes, or says what it cannot judge", run.returncode == 0, f"status {run.returncode}")
         results = json.loads((out / "results.json").read_text())
-        failed = [c["command"] for s in results["sections"] for c in s["commands"] if c["status"] not in (0, 1)]
+        failed = [c["command"] for s in results["sections"] for c in s["commands"] if c["status"] != 0]
         good &= check("no command failed", not failed, failed)
         missing = [c["quantity"] for c in results["comparisons"] if c["ours"] is None]
         good &= check("every compared figure was found", not missing and bool(results["comparisons"]), missing)

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "config/reader/atomic_file.hpp"
+#include "plant_sim/model/measured_friction.hpp"
+#include "plant_sim/wear/mean_curve.hpp"
 #include "rig_bridge/bridge/status.hpp"
 #include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/bridge/wear_regulation.hpp"
@@ -114,6 +116,49 @@ TEST_CASE("a campaign that cannot be regulated is refused with the file", "[BRG-
     heavy.choice.surface = "snow";
     heavy.rig.wear.life_J = 1e9;
     CHECK_THROWS_WITH(WearRegulation(order, heavy), ContainsSubstring("plan.brake_taken_J"));
+}
+
+TEST_CASE("a campaign reckons with the surfaces that it is told, and with its own", "[BRG-580]") {
+    Order order = shipped();
+    const rig::Scenario scenario = endurance_test::setup("heavy").scenario;  // dry asphalt
+    const regulation::Range all = WearRegulation(order, scenario).after({}).range();
+    order.surfaces = {"ice"};
+    const regulation::Range own = WearRegulation(order, scenario).after({}).range();
+    CHECK(own == order.range_on("dry_asphalt"));
+    CHECK(own.lowest < all.lowest);
+    CHECK(own.highest > all.highest);
+}
+
+TEST_CASE("the brake's life is what its friction foretells; without friction it is the plan's", "[BRG-581]") {
+    const rig::Scenario scenario = endurance_test::setup("heavy").scenario;
+    const WearRegulation shares(shipped(), scenario);
+    const wear::BrakeWear& brake = scenario.rig.wear;
+    // A brake that lasts a tenth of the budget longer than planned, as the meter would see it.
+    const double life_J = brake.life_J + 0.1 * shares.plan().brake_budget_J();
+    const wear::MeanCurve curve(*brake.model);
+    const auto campaign_of = [&](auto&& measured) {
+        std::vector<LedgerRow> rows;
+        for (double taken_J = 10e6; shares.plan().brake_taken_J + taken_J < life_J - 50e6; taken_J += 10e6) {
+            rows.push_back(row(RowState::finished, 0.3, 0.28, taken_J));
+            const double c_e_J = shares.plan().brake_taken_J + taken_J;
+            const double friction = curve(c_e_J * brake.life_J / life_J / brake.scale.energy);
+            rows.back().summary.figures.brake_on_mps = 61.0;
+            rows.back().summary.figures.mean_friction =
+                measured(plant::measured_friction(scenario.rig.rig.friction_curve, friction, 5.0 / 61.0));
+        }
+        return rows;
+    };
+    const auto as_it_is = shares.after(campaign_of([](double friction) { return friction; }));
+    CHECK(as_it_is.plan().brake_life_J == Approx(life_J).epsilon(0.005));
+    const auto none = shares.after(campaign_of([](double) { return kNaN; }));
+    CHECK(none.plan().brake_life_J == shares.plan().brake_life_J);
+    CHECK(none.missed() == 0);  // the energies are measured all the same
+    Order without = shipped();
+    without.forecast_widest = 0.0;
+    CHECK(WearRegulation(without, scenario)
+              .after(campaign_of([](double friction) { return friction; }))
+              .plan()
+              .brake_life_J == shares.plan().brake_life_J);
 }
 
 TEST_CASE("the ledger keeps the reference in force", "[BRG-512]") {

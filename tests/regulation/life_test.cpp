@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -39,17 +40,26 @@ Stop landed(const Draw& draw, double reference, double friction) {
                          .brake_J = (1.0 - share) * energy_J,
                          .tyre_J = share * energy_J,
                          .j_mu = 1.0 - off},
+            .measured_friction = friction,
             .brake_J = (1.0 - share) * energy_J,
             .tyre_J = share * energy_J,
             .distance_m = 500.0 / (1.0 - off),
             .j_mu = 1.0 - off};
 }
 
+std::vector<Stop> landed_all(std::span<const regulation::Ask> asks) {
+    std::vector<Stop> stops;
+    stops.reserve(asks.size());
+    for (const regulation::Ask& ask : asks)
+        stops.push_back(landed(ask.draw, ask.reference, ask.mean_friction));
+    return stops;
+}
+
 std::vector<regulation::PolicyLives> fleet(const regulation::Plan& plan, regulation::FleetOptions options) {
     options.scenarios = toy::Landings::kEnergy_J.size();
     return regulation::run_fleet(plan, {}, kRange,
                                  {{"regulated", std::nullopt}, {"fixed 0.24", 0.24}, {"fixed 0.30", 0.30}},
-                                 brake(plan.brake_life_J), options, [] { return landed; });
+                                 brake(plan.brake_life_J), options, landed_all);
 }
 
 std::vector<bool> feasible(const std::vector<regulation::PolicyLives>& all) {
@@ -91,7 +101,7 @@ TEST_CASE("landings are drawn evenly, the same for every policy; balanced ones e
 TEST_CASE("both limits are met where that is feasible, together where not; fixed references do neither",
           "[STUDY-173]") {
     const regulation::Plan plan = toy::plan(256, 0.32);
-    const auto all = fleet(plan, {.lives = 40, .seed = 9, .worst_stops = true, .threads = 2});
+    const auto all = fleet(plan, {.lives = 40, .seed = 9, .worst_stops = true});
     const std::vector<bool> possible = feasible(all);
     const regulation::Summary regulated = summary(all[0], possible, plan.tolerance);
     const regulation::Summary fixed = summary(all[1], possible, plan.tolerance);
@@ -120,8 +130,7 @@ TEST_CASE("both limits are met where that is feasible, together where not; fixed
 TEST_CASE("with every scenario equally often the plan is feasible in every life, and met in every one",
           "[STUDY-173]") {
     const regulation::Plan plan = toy::plan(256, 0.28);
-    const auto all =
-        fleet(plan, {.lives = 20, .seed = 4, .mix = Mix::balanced, .missing = 0.1, .threads = 2});
+    const auto all = fleet(plan, {.lives = 20, .seed = 4, .mix = Mix::balanced, .missing = 0.1});
     const regulation::Summary regulated = summary(all[0], feasible(all), plan.tolerance);
     CHECK(regulated.feasible == 20);
     CHECK(regulated.met == 20);
@@ -151,31 +160,101 @@ TEST_CASE("a share that is out of reach is no feasible life, and the limit that 
 
 TEST_CASE("a stop beyond the worst reference's is noticed", "[STUDY-173]") {
     const regulation::Plan plan = toy::plan(20, 0.3);
-    int stops = 0;
-    const regulation::Lander once_too_long = [&stops](const Draw& draw, double reference, double friction) {
-        Stop stop = landed(draw, reference, friction);
-        if (stops++ == 30) stop.distance_m *= 2.0;  // the first of three stops of the eleventh landing
-        return stop;
-    };
-    const auto draws = regulation::draw_life(1, 1, 40, 20, 4, Mix::random, 0.0);
-    const Life life = live(plan, {}, kRange, draws,
-                           {.fixed = {}, .brake = brake(plan.brake_life_J), .rule = {}, .worst_stops = true},
-                           once_too_long);
-    CHECK_FALSE(life.floor_held);
+    regulation::LivingPair pair(
+        plan, {}, kRange, regulation::draw_life(1, 1, 40, 20, 4, Mix::random, 0.0),
+        {.fixed = {}, .brake = brake(plan.brake_life_J), .rule = {}, .worst_stops = true});
+    for (int landing = 0; !pair.over(); ++landing) {
+        std::vector<Stop> stops = landed_all(pair.asks());
+        REQUIRE(stops.size() == 3);
+        if (landing == 10) stops.front().distance_m *= 2.0;
+        pair.landed(stops);
+    }
+    CHECK_FALSE(pair.life().floor_held);
 }
 
-TEST_CASE("lives are the same whatever the number of threads, and end when told to", "[STUDY-172]") {
+TEST_CASE("a surface that nobody reckoned with bounds the references once it was landed on", "[STUDY-340]") {
+    // The fourth class of landings is a runway on which the floor allows no more than 0.27.
+    constexpr regulation::Range kWide{0.10, 0.45};
+    const std::vector<regulation::Range> allowed_on{kWide, kWide, kWide, {0.20, 0.27}};
+    const regulation::Plan plan = toy::plan(60, 0.40);
+    auto draws = regulation::draw_life(7, 2, 120, 60, 4, Mix::random, 0.0);
+    constexpr std::size_t kFirst = 10;
+    for (std::size_t i = 0; i < kFirst; ++i) draws[i].scenario %= 3;
+    draws[kFirst].scenario = 3;
+    regulation::LivingPair pair(plan, {}, kWide, draws,
+                                {.fixed = {},
+                                 .brake = brake(plan.brake_life_J),
+                                 .rule = {},
+                                 .allowed_on = allowed_on,
+                                 .worst_stops = true});
+    while (!pair.over()) pair.landed(landed_all(pair.asks()));
+    const Life life = pair.life();
+    for (std::size_t i = 0; i < life.rows.size(); ++i) {
+        CAPTURE(i, life.rows[i].reference);
+        CHECK(life.rows[i].new_surface == (i == kFirst));
+        if (i > kFirst) CHECK(life.rows[i].reference <= 0.27);
+    }
+    CHECK(life.rows[kFirst].reference > 0.27);
+    CHECK(life.floor_held);      // the first landing there is not held against it
+    CHECK_FALSE(life.feasible);  // a share of 0.40 is out of reach with what was seen
+}
+
+TEST_CASE("without inspections the brake's own friction tells how long it lasts", "[STUDY-341]") {
+    regulation::Plan plan = toy::plan(256, 0.30);
+    plan.brake_taken_J = 3.2 * plan.brake_life_J;  // a brake in the last quarter of its life
+    plan.brake_life_J += plan.brake_taken_J;
+    const wear::BrakeWear planned = brake(plan.brake_life_J);
+    regulation::FleetOptions options{.lives = 5, .seed = 4, .mix = Mix::balanced, .brake_deviation = 0.10};
+    const auto blind = fleet(plan, options);
+    options.foresight.emplace(regulation::foresight_model(planned), planned, 0.15 * plan.brake_budget_J());
+    const auto told = fleet(plan, options);
+    const std::vector<bool> possible = feasible(told);
+    const regulation::Summary without = summary(blind[0], possible, plan.tolerance);
+    const regulation::Summary with = summary(told[0], possible, plan.tolerance);
+    CAPTURE(without.other_left, with.other_left, with.worst_other_left);
+    CHECK(with.other_left < 0.5 * without.other_left);
+    CHECK(told[0].lives[0].rows[0].brake_life_J == plan.brake_life_J);
+    // An inspection knows better: there the forecast has no say.
+    options.inspection = 32;
+    const auto inspected = fleet(plan, options);
+    CHECK(summary(inspected[0], possible, plan.tolerance).together == 5);
+    CHECK(inspected[0].lives[0].rows.back().brake_life_J ==
+          plan.brake_taken_J + inspected[0].lives[0].brake_budget_J);
+}
+
+TEST_CASE("a life is not forecast from what is no friction, nor from too little", "[STUDY-341]") {
+    const wear::BrakeWear planned = brake(4e9);
+    regulation::Foresight foresight(regulation::foresight_model(planned), planned, 0.1e9);
+    CHECK_FALSE(foresight.life_J());
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    foresight.learn(kNaN, 0.25);
+    foresight.learn(3e9, kNaN);
+    foresight.learn(3e9, -0.1);
+    CHECK_FALSE(foresight.life_J());
+    foresight.learn(3e9, 0.235);
+    CHECK_FALSE(foresight.life_J());  // on the plateau nobody can tell
+    const wear::MeanCurve curve(*planned.model);
+    for (int i = 1; i <= 150; ++i) {
+        const double c_e_J = 3e9 + i * 6e6;
+        foresight.learn(c_e_J, curve(c_e_J / planned.scale.energy));
+    }
+    REQUIRE(foresight.life_J());
+    CHECK(*foresight.life_J() == Approx(4e9).epsilon(0.01));
+    foresight.learn(3.5e9, 0.3);  // the counter went back: passed over
+    CHECK(*foresight.life_J() == Approx(4e9).epsilon(0.01));
+}
+
+TEST_CASE("the same seed gives the same lives, and they end when told to", "[STUDY-172]") {
     const regulation::Plan plan = toy::plan(64, 0.3);
-    regulation::FleetOptions options{.lives = 6, .seed = 8, .missing = 0.05, .threads = 1};
+    regulation::FleetOptions options{.lives = 6, .seed = 8, .missing = 0.05};
     const auto one = fleet(plan, options);
-    options.threads = 4;
-    int landings = 0;
-    options.on_landing = [&landings](int done) { landings = done; };
-    const auto four = fleet(plan, options);
+    std::size_t stops = 0;
+    options.on_stops = [&stops](std::size_t done) { stops = done; };
+    const auto again = fleet(plan, options);
     for (std::size_t p = 0; p < one.size(); ++p) {
         for (std::size_t i = 0; i < one[p].lives.size(); ++i) {
             const auto& a = one[p].lives[i].rows;
-            const auto& b = four[p].lives[i].rows;
+            const auto& b = again[p].lives[i].rows;
             REQUIRE(a.size() == b.size());
             for (std::size_t k = 0; k < a.size(); ++k) {
                 REQUIRE(a[k].reference == b[k].reference);
@@ -183,17 +262,17 @@ TEST_CASE("lives are the same whatever the number of threads, and end when told 
             }
         }
     }
-    CHECK(landings > 6 * 3 * 64);
+    CHECK(stops > 6 * 5 * 64);  // three policies, and both ends of the range for the first
     std::atomic<bool> stop{false};
     options.stop = &stop;
-    options.on_landing = [&stop](int done) { stop.store(done >= 100); };
+    options.on_stops = [&stop](std::size_t done) { stop.store(done >= 100); };
     CHECK(fleet(plan, options).empty());
 }
 
 TEST_CASE("what goes wrong in a landing comes out", "[STUDY-172]") {
-    const regulation::FleetOptions options{.lives = 2, .scenarios = 4, .threads = 2};
-    const auto broken = [] {
-        return [](const Draw&, double, double) -> Stop { throw std::runtime_error("the aircraft is gone"); };
+    const regulation::FleetOptions options{.lives = 2, .scenarios = 4};
+    const auto broken = [](std::span<const regulation::Ask>) -> std::vector<Stop> {
+        throw std::runtime_error("the aircraft is gone");
     };
     CHECK_THROWS_WITH(regulation::run_fleet(toy::plan(64, 0.3), {}, kRange, {{"regulated", std::nullopt}},
                                             brake(1e9), options, broken),

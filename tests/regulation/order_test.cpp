@@ -65,6 +65,37 @@ TEST_CASE("a planned ratio without a planned landing is met when the landings br
     CHECK(plan.landings == 200);  // (0.92 + 0.40) GJ
 }
 
+TEST_CASE("surfaces to reckon with are all, unless the order names them; each alone is known",
+          "[STUDY-340]") {
+    const Changed changed("surfaces = \"all\"", "surfaces = \"dry_cobblestone, ice\"");
+    const Order two = regulation::load_order(changed.file());
+    CHECK(two.surfaces == std::vector<std::string>{"dry_cobblestone", "ice"});
+    const Order all = regulation::load_order(kShipped);
+    CHECK(two.range().lowest == all.range().lowest);  // cobblestone bounds it from below
+    CHECK(two.range().highest == 0.5);
+    CHECK(two.range("dry_concrete").highest == all.range().highest);
+    CHECK(all.range_on("ice") == regulation::Range{0.06, 0.5});
+    const Changed left_out("surfaces = \"all\"\n", "");
+    CHECK(regulation::load_order(left_out.file()).surfaces == all.surfaces);
+    refuses("surfaces = \"all\"", "surfaces = \"ice, grass\"", "floor.surfaces: 'grass' is no surface");
+    // A default below the floor on a surface that is not named would be found out on the day of landing there.
+    const Changed few("surfaces = \"all\"", "surfaces = \"snow\"");
+    std::string text = contents(few.file());
+    text.replace(text.find("default = 0.24"), 14, "default = 0.10");
+    std::ofstream(few.file()) << text;
+    CHECK_THROWS_WITH(regulation::load_order(few.file()), ContainsSubstring("on dry_asphalt J_mu"));
+}
+
+TEST_CASE("a forecast is asked for by its table, and left out without it", "[STUDY-341]") {
+    CHECK(regulation::load_order(kShipped).forecast_widest == 0.15);
+    std::string text = contents(kShipped);
+    text.resize(text.find("[forecast]"));
+    const Changed changed("tolerance", "tolerance");
+    std::ofstream(changed.file()) << text;
+    CHECK(regulation::load_order(changed.file()).forecast_widest == 0.0);
+    refuses("widest = 0.15", "widest = 0.0", "forecast.widest");
+}
+
 TEST_CASE("what cannot be is refused with file, line and key", "[STUDY-174]") {
     refuses("tyre_life_J = 0.40e9", "tyre_life_MJ = 400", "tyre_life_J");
     refuses("tyre_taken_J = 0.0", "tyre_taken_J = 1e9", "plan.tyre_taken_J: is not below tyre_life_J");

@@ -52,5 +52,10 @@ with tempfile.TemporaryDirectory() as scratch:
 
     status, _, error = run("--missing", 2)
     check("a share above 1 is refused", status == 2 and "--missing" in error, error)
+    status, _, error = run("--surfaces", "ice,grass")
+    check("a surface that nobody knows is refused by name", status == 2 and "grass" in error, error)
+    status, text, _ = run(*short, "--surfaces", "dry_asphalt", "--out", scratch / "few")
+    few = json.loads((scratch / "few/results.json").read_text())
+    check("fewer surfaces allow more", few["range"]["highest"] > results["range"]["highest"] + 0.01, few["range"])
     status, _, error = run("--order", scratch / "nowhere.toml")
     check("a plan that is not there is refused by name", status == 2 and "nowhere.toml" in error, error)

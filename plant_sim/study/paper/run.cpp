@@ -13,6 +13,7 @@
 #include <iterator>
 #include <mutex>
 #include <sstream>
+#include <stdexcept>
 #include <thread>
 
 namespace paper {
@@ -174,6 +175,17 @@ class Queue {
     std::condition_variable changed_;
 };
 
+/// Programs refuse to write over a recording, and nothing old may pass for a result. Only what a report has made is removed.
+void begin_afresh(const fs::path& directory) {
+    const fs::path mark = directory / ".report";
+    if (fs::exists(directory) && !fs::is_empty(directory) && !fs::exists(mark))
+        throw std::runtime_error(directory.string() +
+                                 " is no report's and would be written over: choose another --out");
+    fs::remove_all(directory);
+    fs::create_directories(directory);
+    std::ofstream(mark) << "Made by rig-lab report, which removes this directory before it makes it again.\n";
+}
+
 }  // namespace
 
 bool SectionResult::answered_yes() const {
@@ -194,7 +206,7 @@ std::vector<SectionResult> run_sections(const Contents& contents, const RunOptio
         for (std::size_t i = 0; i < commands.size(); ++i)
             commands[i].line = joined(words_of(section.commands[i], options.out / section.id, options));
         results.push_back({&section, options.out / section.id, std::move(commands)});
-        fs::create_directories(results.back().directory);
+        begin_afresh(results.back().directory);
     }
     Queue queue(results, options);
     std::vector<std::jthread> threads;

@@ -42,7 +42,8 @@ struct RunOptions {
 };
 
 /// Results in the order of the contents. A section whose `after` failed is not run. Exit status 1 of a command is an answer and the section
-/// goes on; 2 or more ends it. Throws std::runtime_error where directories cannot be made.
+/// goes on; 2 or more ends it. Directories of sections begin empty. Throws std::runtime_error where they cannot be made, or hold what no report
+/// has made.
 [[nodiscard]] std::vector<SectionResult> run_sections(const Contents& contents, const RunOptions& options);
 
 }  // namespace paper

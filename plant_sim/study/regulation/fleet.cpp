@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <mutex>
-#include <thread>
+#include <utility>
 
 #include "plant_sim/wear/draw.hpp"
 
@@ -24,78 +22,69 @@ wear::BrakeWear brake_of(const Plan& plan, const wear::BrakeWear& brake, const F
     return own;
 }
 
-struct Stopped {};
-
-struct Work {
-    const Plan& plan;
-    const Rules& rules;
-    const Range& range;
-    const wear::BrakeWear& brake;
-    const FleetOptions& options;
-
-    [[nodiscard]] Life run(const Policy& policy, std::uint64_t life, const Lander& land) const {
-        constexpr std::size_t kBeyond = 2;  // times the plan: even a life of light landings is over by then
-        const auto planned = static_cast<std::size_t>(plan.landings);
-        const std::vector<Draw> draws = draw_life(options.seed, life, kBeyond * planned, planned,
-                                                  options.scenarios, options.mix, options.missing);
-        return live(plan, rules, range, draws,
-                    {.fixed = policy.fixed,
-                     .brake = brake_of(plan, brake, options, life),
-                     .rule = {},
-                     .brake_seed = options.seed + life,
-                     .inspection = options.inspection,
-                     .worst_stops = options.worst_stops && !policy.fixed},
-                    land);
-    }
-};
+LivingPair pair_of(const Plan& plan, const Rules& rules, const Range& range, const Policy& policy,
+                   const wear::BrakeWear& brake, const FleetOptions& options, std::uint64_t life) {
+    constexpr std::size_t kBeyond = 2;  // times the plan: even a life of light landings is over by then
+    const auto planned = static_cast<std::size_t>(plan.landings);
+    return {plan, rules, range,
+            draw_life(options.seed, life, kBeyond * planned, planned, options.scenarios, options.mix,
+                      options.missing),
+            LifeOptions{.fixed = policy.fixed,
+                        .brake = brake_of(plan, brake, options, life),
+                        .rule = {},
+                        .brake_seed = options.seed + life,
+                        .inspection = options.inspection,
+                        .allowed_on = options.allowed_on,
+                        .foresight = options.foresight,
+                        .worst_stops = options.worst_stops && !policy.fixed}};
+}
 
 }  // namespace
 
 std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const Range& range,
                                    const std::vector<Policy>& policies, const wear::BrakeWear& brake,
-                                   const FleetOptions& options, const std::function<Lander()>& lander) {
-    const Work work{plan, rules, range, brake, options};
-    const auto lives = static_cast<std::size_t>(options.lives);
+                                   const FleetOptions& options, const Lander& land) {
+    std::vector<LivingPair> pairs;  // all policies of the first life, then of the second
+    pairs.reserve(static_cast<std::size_t>(options.lives) * policies.size());
+    for (std::uint64_t life = 0; life < static_cast<std::uint64_t>(options.lives); ++life) {
+        for (const Policy& policy : policies)
+            pairs.push_back(pair_of(plan, rules, range, policy, brake, options, life));
+    }
+    struct Asked {
+        LivingPair* pair;
+        std::size_t count;
+    };
+    std::vector<Asked> asked;
+    std::vector<Ask> asks;
+    std::size_t done = 0;
+    for (;;) {
+        asked.clear();
+        asks.clear();
+        for (LivingPair& pair : pairs) {
+            if (pair.over()) continue;
+            const std::vector<Ask> own = pair.asks();
+            asked.push_back({&pair, own.size()});
+            asks.insert(asks.end(), own.begin(), own.end());
+        }
+        if (asks.empty()) break;
+        if (options.stop != nullptr && options.stop->load()) return {};
+        const std::vector<Stop> stops = land(asks);
+        std::span<const Stop> left = stops;
+        for (const Asked& one : asked) {
+            one.pair->landed(left.first(one.count));
+            left = left.subspan(one.count);
+        }
+        done += stops.size();
+        if (options.on_stops) options.on_stops(done);
+    }
     std::vector<PolicyLives> all;
     all.reserve(policies.size());
-    for (const Policy& policy : policies) all.push_back({policy, std::vector<Life>(lives)});
-    std::mutex mutex;  // of done, failure and on_landing
-    int done = 0;
-    std::exception_ptr failure;
-    std::atomic<std::size_t> next{0};
-    std::atomic<bool> over{false};
-    const auto run = [&] {
-        try {
-            const Lander own = lander();
-            const Lander counted = [&](const Draw& draw, double reference, double friction) {
-                if (options.stop != nullptr && options.stop->load()) throw Stopped{};
-                Stop stop = own(draw, reference, friction);
-                const std::scoped_lock lock(mutex);
-                if (options.on_landing) options.on_landing(++done);
-                return stop;
-            };
-            while (!over.load()) {
-                const std::size_t i = next.fetch_add(1);
-                if (i >= lives * policies.size()) return;
-                const std::size_t life = i / policies.size();
-                const std::size_t policy = i % policies.size();
-                all[policy].lives[life] = work.run(policies[policy], life, counted);
-            }
-        } catch (const Stopped&) {
-            over.store(true);
-        } catch (...) {
-            const std::scoped_lock lock(mutex);
-            if (!failure) failure = std::current_exception();
-            over.store(true);
-        }
-    };
-    {
-        std::vector<std::jthread> threads;
-        for (unsigned i = 1; i < options.threads; ++i) threads.emplace_back(run);
-        run();
+    for (std::size_t p = 0; p < policies.size(); ++p) {
+        PolicyLives lives{policies[p], {}};
+        for (std::size_t i = p; i < pairs.size(); i += policies.size())
+            lives.lives.push_back(pairs[i].life());
+        all.push_back(std::move(lives));
     }
-    if (failure) std::rethrow_exception(failure);
-    if (over.load()) return {};
     return all;
 }
 

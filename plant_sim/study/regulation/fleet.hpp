@@ -1,9 +1,10 @@
-/// Many lives under several policies, on every core: what regulation is worth against fixed references.
+/// Many lives under several policies: what regulation is worth against fixed references.
 #pragma once
 
 #include <atomic>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,13 +24,13 @@ struct FleetOptions {
     double missing = 0.0;  ///< share of landings whose figures are lost
     double brake_deviation =
         0.0;             ///< of what a brake really can take more, over the plan's budget, from life to life
-    int inspection = 0;  ///< see LifeOptions
+    int inspection = 0;  ///< see LifeOptions, here and below
+    std::vector<Range> allowed_on{};
+    std::optional<Foresight> foresight{};
     std::size_t scenarios = 0;
-    bool worst_stops = true;  ///< of the regulated lives
-    unsigned threads = 1;
-    const std::atomic<bool>* stop = nullptr;  ///< once true nothing more is begun
-    std::function<void(int landings)>
-        on_landing{};  ///< landings so far of all lives; one call at a time, by any thread
+    bool worst_stops = true;                            ///< of the regulated lives
+    const std::atomic<bool>* stop = nullptr;            ///< once true nothing more is begun
+    std::function<void(std::size_t stops)> on_stops{};  ///< stops so far of all lives
 };
 
 struct PolicyLives {
@@ -37,11 +38,14 @@ struct PolicyLives {
     std::vector<Life> lives;
 };
 
-/// The figures do not depend on `threads`. Empty when it was stopped. Each thread calls `lander` once for a lander of its own.
+/// Makes all these landings, which do not depend on one another, and gives the stops in their order.
+using Lander = std::function<std::vector<Stop>(std::span<const Ask>)>;
+
+/// All lives advance together, a landing at a time, so that `land` has many to make at once. Empty when it was stopped.
 [[nodiscard]] std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const Range& range,
                                                  const std::vector<Policy>& policies,
                                                  const wear::BrakeWear& brake, const FleetOptions& options,
-                                                 const std::function<Lander()>& lander);
+                                                 const Lander& land);
 
 struct Summary {
     int feasible = 0;  ///< lives in which both limits could be met at the planned landing

@@ -65,7 +65,8 @@ void judge(const Plan& plan, const Range& range, Life& life) {
     life.met = std::abs(life.brake_at_plan - 1.0) <= plan.tolerance &&
                std::abs(life.tyre_at_plan - 1.0) <= plan.tolerance;
     life.floor_held = std::all_of(rows.begin(), rows.end(), [](const LifeRow& row) {
-        return row.worst_distance_m <= 0.0 || row.distance_m <= row.worst_distance_m * (1.0 + kDistanceNoise);
+        return row.new_surface || row.worst_distance_m <= 0.0 ||
+               row.distance_m <= row.worst_distance_m * (1.0 + kDistanceNoise);
     });
 }
 
@@ -95,51 +96,97 @@ std::vector<Draw> draw_life(std::uint64_t seed, std::uint64_t life, std::size_t 
     return draws;
 }
 
-Life live(const Plan& plan, const Rules& rules, const Range& range, const std::vector<Draw>& draws,
-          const LifeOptions& options, const Lander& land) {
-    Regulator regulator(plan, rules, range);
-    wear::WearingBrake brake(options.brake, options.rule,
-                             {.seed = options.brake_seed, .maneuvers = 0, .c_e_J = plan.brake_taken_J});
-    Life life;
-    life.brake_budget_J = options.brake.life_J - plan.brake_taken_J;
-    life.tyre_budget_J = plan.tyre_budget_J();
-    life.rows.reserve(draws.size());
-    double brake_J = 0.0;
-    double tyre_J = 0.0;
-    for (const Draw& draw : draws) {
-        const bool over = brake_J >= life.brake_budget_J || tyre_J >= life.tyre_budget_J;
-        if (over && life.rows.size() >= static_cast<std::size_t>(plan.landings)) break;
-        LifeRow row;
-        row.reference = options.fixed.value_or(regulator.reference());
-        row.required_share = options.fixed ? 0.0 : regulator.required_share();
-        const double friction = brake.next_friction();
-        const Stop stop = land(draw, row.reference, friction);
-        if (options.worst_stops)
-            row.worst_distance_m = std::max(land(draw, regulator.range().lowest, friction).distance_m,
-                                            land(draw, regulator.range().highest, friction).distance_m);
-        brake.take(stop.brake_J);
-        brake_J += stop.brake_J;
-        tyre_J += stop.tyre_J;
-        if (!options.fixed) {
-            Landing measured;
-            if (draw.measured) {
-                measured = stop.measured;
-                measured.reference = row.reference;
-            }
-            const bool inspected =
-                options.inspection > 0 && (regulator.landings() + 1) % options.inspection == 0;
-            if (inspected) measured.brake_wear_J = brake.state().c_e_J;
-            row.reading = regulator.after(measured);
-            if (inspected) regulator.revise_brake_life(options.brake.life_J);
-        }
-        row.share = stop.tyre_J / (stop.tyre_J + stop.brake_J);
-        row.brake_J = brake_J;
-        row.tyre_J = tyre_J;
-        row.distance_m = stop.distance_m;
-        row.j_mu = stop.j_mu;
-        life.rows.push_back(row);
+LivingPair::LivingPair(const Plan& plan, const Rules& rules, const Range& range, std::vector<Draw> draws,
+                       const LifeOptions& options)
+    : range_(range),
+      draws_(std::move(draws)),
+      options_(options),
+      regulator_(plan, rules, range),
+      foresight_(options.foresight),
+      brake_(options.brake, options.rule,
+             {.seed = options.brake_seed, .maneuvers = 0, .c_e_J = plan.brake_taken_J}) {
+    life_.brake_budget_J = options.brake.life_J - plan.brake_taken_J;
+    life_.tyre_budget_J = plan.tyre_budget_J();
+    life_.rows.reserve(draws_.size());
+}
+
+bool LivingPair::over() const {
+    const std::size_t landings = life_.rows.size();
+    if (landings == draws_.size()) return true;
+    const bool used_up = brake_J_ >= life_.brake_budget_J || tyre_J_ >= life_.tyre_budget_J;
+    return used_up && landings >= static_cast<std::size_t>(regulator_.plan().landings);
+}
+
+std::vector<Ask> LivingPair::asks() const {
+    const double friction = brake_.next_friction();
+    const Draw& draw = draws_[life_.rows.size()];
+    std::vector<Ask> asks{{.draw = draw,
+                           .reference = options_.fixed.value_or(regulator_.reference()),
+                           .mean_friction = friction,
+                           .metered = !options_.fixed && draw.measured}};
+    if (options_.worst_stops) {
+        const Range& range = regulator_.range();
+        for (const double end : {range.lowest, range.highest})
+            asks.push_back({.draw = draw, .reference = end, .mean_friction = friction, .metered = false});
     }
-    judge(plan, range, life);
+    return asks;
+}
+
+void LivingPair::landed(std::span<const Stop> stops) {
+    const Draw& draw = draws_[life_.rows.size()];
+    const Stop& stop = stops.front();
+    LifeRow row;
+    row.reference = options_.fixed.value_or(regulator_.reference());
+    if (!options_.fixed) {
+        row.required_share = regulator_.required_share();
+        row.brake_life_J = regulator_.plan().brake_life_J;
+    }
+    for (const Stop& worst : stops.subspan(1))
+        row.worst_distance_m = std::max(row.worst_distance_m, worst.distance_m);
+    brake_.take(stop.brake_J);
+    brake_J_ += stop.brake_J;
+    tyre_J_ += stop.tyre_J;
+    if (!options_.fixed) {
+        regulate(draw, stop);
+        row.reading = regulator_.last_reading();
+    }
+    if (!options_.allowed_on.empty()) {
+        const Range& here = options_.allowed_on[draw.scenario];
+        row.new_surface = range_.lowest < here.lowest || range_.highest > here.highest;
+        range_ = {std::max(range_.lowest, here.lowest), std::min(range_.highest, here.highest)};
+        regulator_.narrow(here);
+    }
+    row.share = stop.tyre_J / (stop.tyre_J + stop.brake_J);
+    row.brake_J = brake_J_;
+    row.tyre_J = tyre_J_;
+    row.distance_m = stop.distance_m;
+    row.j_mu = stop.j_mu;
+    life_.rows.push_back(row);
+}
+
+/// What is known of a landing goes to the regulator.
+void LivingPair::regulate(const Draw& draw, const Stop& stop) {
+    Landing measured;
+    if (draw.measured) {
+        measured = stop.measured;
+        measured.reference = regulator_.reference();
+    }
+    const bool inspected = options_.inspection > 0 && (regulator_.landings() + 1) % options_.inspection == 0;
+    if (inspected) measured.brake_wear_J = brake_.state().c_e_J;
+    regulator_.after(measured);
+    if (foresight_ && draw.measured && options_.inspection == 0) {
+        foresight_->learn(regulator_.brake_used_J(), stop.measured_friction);
+        constexpr int kEvery = 8;  // landings: a forecast costs as much as a short stop
+        if (regulator_.landings() % kEvery == 0) {
+            if (const auto life_J = foresight_->life_J()) regulator_.revise_brake_life(*life_J);
+        }
+    }
+    if (inspected) regulator_.revise_brake_life(options_.brake.life_J);
+}
+
+Life LivingPair::life() const {
+    Life life = life_;
+    judge(regulator_.plan(), range_, life);
     return life;
 }
 

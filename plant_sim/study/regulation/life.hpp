@@ -1,13 +1,14 @@
 /// The life of one brake and one tyre between two plans: landings drawn at random, the brake wearing by its model, the slip reference
-/// regulated or fixed. How a landing is made is handed in.
+/// regulated or fixed. A life asks for its landings; how they are made is not its business.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "plant_sim/study/regulation/foresight.hpp"
 #include "plant_sim/study/regulation/regulator.hpp"
 #include "plant_sim/wear/wearing_brake.hpp"
 
@@ -33,12 +34,20 @@ enum class Mix : std::uint8_t {
 /// One landing as it was: true, and as it was measured.
 struct Stop {
     Landing measured;
+    double measured_friction = kUnknown;  ///< mean mu_b over the stop, from eq. (7)
     double brake_J = 0.0;
     double tyre_J = 0.0;
     double distance_m = 0.0;
     double j_mu = 0.0;
 };
-using Lander = std::function<Stop(const Draw&, double reference, double mean_friction)>;
+
+/// A landing that a life asks for.
+struct Ask {
+    Draw draw;
+    double reference = 0.0;
+    double mean_friction = 0.0;  ///< of the brake
+    bool metered = true;         ///< Stop::measured is wanted, too
+};
 
 struct LifeOptions {
     std::optional<double> fixed;  ///< this reference throughout; none: regulated
@@ -47,6 +56,11 @@ struct LifeOptions {
     std::uint64_t brake_seed = 1;
     int inspection =
         0;  ///< landings between two inspections of the brake, which tell its true wear and life; 0: none
+    /// Of each scenario's surface what the floor allows there, learnt with its first landing: Regulator::narrow(). Empty: the range given has
+    /// all surfaces in it.
+    std::vector<Range> allowed_on{};
+    /// Of the brake as planned, where nobody inspects it; none: nobody forecasts its life.
+    std::optional<Foresight> foresight{};
     bool worst_stops =
         false;  ///< also land with both ends of the range, to know the distance that the floor stands for
 };
@@ -60,6 +74,8 @@ struct LifeRow {
     double distance_m = 0.0;
     double worst_distance_m = 0.0;  ///< at the worse end of the range; 0: not asked for
     double j_mu = 0.0;
+    double brake_life_J = 0.0;  ///< that the regulator counted with before it; 0 with a fixed reference
+    bool new_surface = false;   ///< nobody knew of this surface: the floor does not bind yet
     Reading reading = Reading::measured;
 };
 
@@ -83,8 +99,36 @@ struct Life {
 /// A stop varies by this much with what the controller happens to meet; relative.
 inline constexpr double kDistanceNoise = 1e-3;
 
-/// `draws` must reach beyond the planned landing; the life ends with them if no limit was reached.
-[[nodiscard]] Life live(const Plan& plan, const Rules& rules, const Range& range,
-                        const std::vector<Draw>& draws, const LifeOptions& options, const Lander& land);
+/// A life under way:
+///
+///     for (LivingPair pair(...); !pair.over();) pair.landed(stops_of(pair.asks()));
+///     Life life = pair.life();
+class LivingPair {
+  public:
+    /// `draws` must reach beyond the planned landing; the life ends with them if no limit was reached. Throws as Regulator does.
+    LivingPair(const Plan& plan, const Rules& rules, const Range& range, std::vector<Draw> draws,
+               const LifeOptions& options);
+
+    [[nodiscard]] bool over() const;
+    /// The next landing, and where LifeOptions asks for them the same one at both ends of the range. Not once it is over.
+    [[nodiscard]] std::vector<Ask> asks() const;
+    /// What became of asks(), in their order.
+    void landed(std::span<const Stop> stops);
+    /// Judged; once it is over.
+    [[nodiscard]] Life life() const;
+
+  private:
+    void regulate(const Draw& draw, const Stop& stop);
+
+    Range range_;  // of all surfaces seen so far
+    std::vector<Draw> draws_;
+    LifeOptions options_;
+    Regulator regulator_;
+    std::optional<Foresight> foresight_;
+    wear::WearingBrake brake_;
+    Life life_;
+    double brake_J_ = 0.0;
+    double tyre_J_ = 0.0;
+};
 
 }  // namespace regulation

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <sstream>
 #include <stdexcept>
 
 #include "config/reader/settings.hpp"
@@ -47,6 +49,26 @@ std::string to_toml(const Characterisation& c, const std::string& made_by) {
     return text;
 }
 
+std::vector<std::string> surfaces_of(const FloorTable& table, const std::string& text) {
+    std::vector<std::string> known;
+    known.reserve(table.rows.size());
+    for (const FloorTable::Row& row : table.rows) known.push_back(row.surface);
+    if (text == "all") return known;
+    std::vector<std::string> named;
+    std::istringstream in(text);
+    for (std::string name; std::getline(in, name, ',');) {
+        name.erase(0, name.find_first_not_of(' '));
+        name.erase(name.find_last_not_of(' ') + 1);
+        if (table.find(name) == nullptr)
+            throw std::invalid_argument(
+                fmt::format("'{}' is no surface of the table of J_mu: expected all, or of {}, "
+                            "with commas between",
+                            name, fmt::join(known, ", ")));
+        named.push_back(name);
+    }
+    return named;
+}
+
 Order load_order(const std::filesystem::path& file) {
     const settings::Document doc = settings::Document::load(file);
     const settings::Table root = doc.root();
@@ -72,16 +94,25 @@ Order load_order(const std::filesystem::path& file) {
     const Characterisation c = load_characterisation(table);
     order.floor = c.floor;
     order.tyre_share = c.tyre_share;
-    order.surfaces.reserve(c.floor.rows.size());
-    for (const FloorTable::Row& row : c.floor.rows) order.surfaces.push_back(row.surface);
+    try {
+        order.surfaces = surfaces_of(order.floor, floor.find_text("surfaces").value_or("all"));
+    } catch (const std::invalid_argument& e) {
+        floor.fail("surfaces", e.what());
+    }
+    if (const auto forecast = root.find_table("forecast"))
+        order.forecast_widest = forecast->number("widest", {.min = 0.01, .max = 1.0});
     order.files = {file, table};
     doc.finish();
-    try {
-        static_cast<void>(order.range());
+    try {  // also on surfaces that nobody names: one day one of them is seen
+        for (const FloorTable::Row& row : order.floor.rows) static_cast<void>(order.range_on(row.surface));
     } catch (const std::invalid_argument& e) {
         floor.fail("j_mu", e.what());
     }
     return order;
+}
+
+Range Order::range_on(const std::string& surface) const {
+    return allowed(floor, std::array{surface}, rules.j_mu_floor, rules.default_reference);
 }
 
 Range Order::range(const std::string& surface) const {

@@ -18,12 +18,21 @@ struct Order {
     FloorTable floor;
     std::vector<double>
         tyre_share;  ///< of all scenarios, mean, at each of floor.reference: what a fixed reference would give
-    std::vector<std::string> surfaces;         ///< seen so far: the range must hold on them
+    /// Seen before the plan's begin, or to be reckoned with: the range must hold on them from the first landing on. All that the table has,
+    /// unless the file names them.
+    std::vector<std::string> surfaces;
+    /// Of the interval of a forecast of the brake's life, over the plan's brake budget: a wider one is not used. 0: nobody forecasts.
+    double forecast_widest = 0.0;
     std::vector<std::filesystem::path> files;  ///< that were read, for the hash of results
 
-    /// allowed() with these surfaces and one more (empty: none). Throws settings::Error naming the file.
+    /// allowed() with these surfaces and one more (empty: none).
     [[nodiscard]] Range range(const std::string& surface = {}) const;
+    /// allowed() on one surface alone.
+    [[nodiscard]] Range range_on(const std::string& surface) const;
 };
+
+/// "all", or names with commas between, of the table's surfaces. Throws std::invalid_argument naming one that it does not have.
+[[nodiscard]] std::vector<std::string> surfaces_of(const FloorTable& table, const std::string& text);
 
 /// Reads `file` and the floor table that it names, which stands beside it. Throws settings::Error naming file, line and key.
 [[nodiscard]] Order load_order(const std::filesystem::path& file);

@@ -13,7 +13,9 @@ constexpr double kLeastJmu = 0.958;  // 0.97 in the paper; 0.9702 held exactly i
 constexpr double kNearBest = 0.002;
 constexpr double kBrakeAboveTyreTo = 0.44;
 constexpr double kShareBand = 0.01;
-constexpr std::size_t kEnoughForTrends = 5;
+constexpr std::size_t kEnoughForTrends = 5;  // references
+// Section VI has 100. With 16 the runways that happen to be drawn move the best reference by several hundredths.
+constexpr std::size_t kEnoughLandings = 40;
 
 const Means* at(const std::vector<Means>& all, double reference) {
     const auto found = std::find_if(all.begin(), all.end(), [reference](const Means& m) {
@@ -148,7 +150,8 @@ void check(Summary& s) {
     const std::string enough = fmt::format("mean J_mu at {:.2f} at least {:.3f}", kPaperReference, kLeastJmu);
     const std::string near =
         fmt::format("mean J_mu at {:.2f} within {:.3f} of the best reference's", kPaperReference, kNearBest);
-    if (const Means* paper = at(s.references, kPaperReference)) {
+    const bool enough_landings = s.references.front().landings >= kEnoughLandings;
+    if (const Means* paper = at(s.references, kPaperReference); paper != nullptr && enough_landings) {
         s.checks.push_back({"j_mu", enough, fmt::format("{:.4f}", paper->j_mu), paper->j_mu >= kLeastJmu});
         const double gap = s.references[s.best].j_mu - paper->j_mu;
         s.checks.push_back({"near_best", near,
@@ -158,7 +161,7 @@ void check(Summary& s) {
     } else {
         s.unchecked.insert(s.unchecked.end(), {enough, near});
     }
-    check_trends(s, s.references.size() >= kEnoughForTrends);
+    check_trends(s, enough_landings && s.references.size() >= kEnoughForTrends);
     check_energies(s);
     check_share(s);
     const auto count = [&s](auto member) {

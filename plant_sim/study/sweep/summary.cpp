@@ -131,7 +131,8 @@ std::string to_table(const Summary& s) {
         fmt::format_to(std::back_inserter(t), "{}  {}: {}\n", c.passed ? "ok    " : "FAILED", c.demand,
                        c.measured);
     for (const std::string& demand : s.unchecked)
-        fmt::format_to(std::back_inserter(t), "--      {}: not with these references\n", demand);
+        fmt::format_to(std::back_inserter(t), "--      {}: not judged with so few references or landings\n",
+                       demand);
     return t;
 }
 

@@ -46,8 +46,8 @@ struct Summary {
     std::vector<Means> references{};
     std::optional<Means> threshold{};
     std::size_t best = 0;                  ///< of `references`: the greatest mean J_mu
-    std::vector<Check> checks{};           ///< those that the references of this sweep allow
-    std::vector<std::string> unchecked{};  ///< demands that need references which this sweep has not
+    std::vector<Check> checks{};           ///< those that the references and landings of this sweep allow
+    std::vector<std::string> unchecked{};  ///< demands that need more than this sweep has
 
     [[nodiscard]] bool passed() const;
 };

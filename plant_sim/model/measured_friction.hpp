@@ -1,0 +1,18 @@
+/// Friction of a stop as eq. (7) measures it, and the mean of the curve behind it.
+///
+/// mu_b varies within a stop (Fig. 6), and eq. (7) divides mean torque by mean pressure: at constant torque that is a harmonic mean over the
+/// stop, 1 to 4 % below the curve's own mean, the more the less friction is left.
+#pragma once
+
+#include "plant_sim/model/brake.hpp"
+
+namespace plant {
+
+/// What eq. (7) gives over a stop at constant torque and deceleration from brake-on down to `end` (0 to below 1) of that speed, with the
+/// curve brought to the mean `friction` as BrakeTorque does; positive friction everywhere, see least_friction().
+[[nodiscard]] double measured_friction(const FrictionCurve& curve, double friction, double end);
+
+/// The mean of which measured_friction() is `measured`; NaN where none on this curve is.
+[[nodiscard]] double mean_of_measured(const FrictionCurve& curve, double measured, double end);
+
+}  // namespace plant
