@@ -211,6 +211,21 @@ TEST_CASE("at brake-on the pressure is built up until the slip is there, once", 
     CHECK(law.pressure_Pa(e, 0.24F, 1e12F) == Approx(q).epsilon(1e-3));  // and the build-up is over for good
 }
 
+TEST_CASE("towards a reference far past the peak the build-up ends early", "[CTL-180]") {
+    // At 90 % of slip 0.3, whatever is asked for beyond it; then the gains bring the rest.
+    const float reference = GENERATE(0.3F, 0.4F, 0.5F);
+    SlipLaw law(exact_law(), kPeriod_s);
+    Estimate e = balanced(60.0F, 0.0F, kBalance_Pa);
+    law.start(e);
+    // The reference is there after 10 periods, and with it 10 MPa of build-up; the demand has no say.
+    for (int i = 0; i < 20; ++i) static_cast<void>(law.pressure_Pa(e, reference, 1e12F));
+    e.late_slip = 0.26F;
+    CHECK(law.pressure_Pa(e, reference, 1e12F) == Approx(kBalance_Pa + 10e6F));
+    e.late_slip = 0.28F;
+    const double by_gains_Pa = 8e6 + 45.0 * (static_cast<double>(reference) - 0.28) / rate_per_Pa(e);
+    CHECK(law.pressure_Pa(e, reference, 1e12F) == Approx(by_gains_Pa).epsilon(1e-4));
+}
+
 TEST_CASE("the law takes over at the slip that it finds", "[CTL-045]") {
     SlipLaw law(exact_law(), kPeriod_s);
     law.start(balanced(40.0F, 0.35F, kBalance_Pa));

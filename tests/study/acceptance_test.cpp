@@ -70,6 +70,32 @@ TEST_CASE("the slip law beats the threshold law on every surface whose friction 
     CHECK(slip["snow"].j_mu >= plant::friction(snow, 0.24).mu / plant::peak(snow).mu);
 }
 
+TEST_CASE("a reference far past the peak is reached without a lock, and tracked", "[CTL-181]") {
+    // What is held exactly is the most that can be had; build-up, drop-out and the fall of the reference take the rest.
+    for (const double reference : {0.44, 0.50}) {
+        for (const char* surface : {"dry_asphalt", "wet_asphalt", "wet_cobblestone", "snow"}) {
+            for (const char* maneuver : {"light", "medium_b"}) {
+                INFO(surface << ", " << maneuver << ", reference " << reference);
+                auto options = scenarios::options({surface, maneuver});
+                options.slip = reference;
+                const plant::Surface road = plant_sim::load_scenario(options).plant.rig.surface;
+                const double held = plant::friction(road, reference).mu / plant::peak(road).mu;
+                int locked_periods = 0;
+                const auto count = [&](const study::RigSession& session,
+                                       const antiskid::can::ControllerView& view, double) {
+                    const bool fast = session.rig().wheel().v_mps > 20.0;  // down to where tracking is judged
+                    if (fast && view.state == antiskid::control::State::locked_wheel) ++locked_periods;
+                };
+                const auto run = scenarios::run(options, study::Link::rounded, count);
+                CHECK(run.faults.empty());
+                CHECK(locked_periods == 0);
+                CHECK(run.figures.tracked_share >= 0.95);
+                CHECK(run.figures.j_mu >= held - 0.03);
+            }
+        }
+    }
+}
+
 TEST_CASE("a worn and a fierce brake are held as well", "[STUDY-003]") {
     for (const double friction : {0.22, 0.36}) {
         for (const Name& name : scenarios::all()) {
