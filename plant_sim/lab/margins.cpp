@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <memory>
+#include <stdexcept>
 
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -21,7 +23,11 @@ struct MarginsCommand {
     std::filesystem::path out = "out/margins";
 
     int run() {
+        // CLI::Range lets a value pass that is no number.
+        if (!std::isfinite(picture_mps))
+            throw std::invalid_argument("--picture-speed must be a number from 5 to 49");
         const MarginsInput input = load_margins_input(scenario);
+        std::filesystem::create_directories(out);  // refused now, not when the study is over
         options.slip_reference = scenario.slip;
         options.low_speed_fall = !constant_slip;
         options.requirement = input.settings.requirement;
@@ -37,7 +43,6 @@ struct MarginsCommand {
                                        .version = ANTISKID_VERSION,
                                        .options = options,
                                        .pid = input.settings.pid};
-        std::filesystem::create_directories(out);
         deliver((out / "results.json").string(), margins::to_json(input.cases, cells, head));
         margins::draw_plant(input.cases, options.slip_reference, picture_mps, out / "margins.png");
         margins::draw_margins(input.cases, cells, options.requirement, out / "margins_speed.png");

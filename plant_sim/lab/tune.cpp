@@ -2,13 +2,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/in_process.hpp"
+#include "plant_sim/study/margins/law_loop.hpp"
 #include "plant_sim/study/margins/tune.hpp"
 
 namespace plant_sim {
@@ -92,6 +95,45 @@ std::string infeasible_table(const MarginsInput& input, const margins::StudyOpti
     return t;
 }
 
+/// Where the shipped law has too little upward margin whatever its derivative gains and estimator: a row for each scenario.
+std::string creep_table(const MarginsInput& input, const margins::StudyOptions& options, ordered_json& rows) {
+    constexpr int kSpeeds = 200;
+    const antiskid::control::SlipConfig& law = input.scenarios.front().controller.slip;
+    const auto k_p = static_cast<double>(law.k_p_per_s), share = static_cast<double>(law.road_torque_share);
+    std::string t = fmt::format(
+        "Where the shipped law cannot have {:.0f} dB upwards with its k_p and road_torque_share\n\n"
+        "| surface | maneuver | at and below (m/s) | at drop-out: stable pole (rad/s) | upward margin (dB) | "
+        "share that would have it |\n|---|---|---|---|---|---|\n",
+        options.requirement.gain_dB);
+    rows = ordered_json::array();
+    for (const margins::Scenario& s : input.cases) {
+        const auto pole = [&](double v) {
+            const double slip = options.low_speed_fall
+                                    ? margins::scheduled_slip(law, options.slip_reference, v)
+                                    : options.slip_reference;
+            return margins::operating_point(s.rig, v, slip).wheel_pole_radps(margins::Linearisation::full);
+        };
+        const auto speeds = margins::speed_grid(s.rig.brake_on_mps, s.drop_out_mps, kSpeeds);
+        const auto at = std::find_if(speeds.begin(), speeds.end(), [&](double v) {
+            return margins::creep_margin_dB(pole(v), share, k_p) < options.requirement.gain_dB;
+        });
+        if (at == speeds.end()) continue;
+        const double last = pole(speeds.back());
+        const double margin_dB = margins::creep_margin_dB(last, share, k_p);
+        const double enough = std::pow(10.0, -options.requirement.gain_dB / 20.0) + k_p / last;
+        fmt::format_to(std::back_inserter(t), "| {} | {} | {:.1f} | {:.0f} | {:.1f} | {:.2f} |\n", s.surface,
+                       s.maneuver, *at, last, margin_dB, enough);
+        rows.push_back({{"surface", s.surface},
+                        {"maneuver", s.maneuver},
+                        {"below_mps", *at},
+                        {"pole_at_drop_out_radps", last},
+                        {"upward_margin_dB", margin_dB},
+                        {"share_that_would_have_it", enough}});
+    }
+    if (rows.empty()) t += "| none | | | | | |\n";
+    return t;
+}
+
 struct TuneCommand {
     ScenarioOptions scenario;
     margins::StudyOptions options;
@@ -103,7 +145,10 @@ struct TuneCommand {
     std::filesystem::path out = "out/tune";
 
     int run() {
+        // CLI::Range lets a value pass that is no number.
+        if (!std::isfinite(floor)) throw std::invalid_argument("--floor must be a number from 0 to 1");
         const MarginsInput input = load_margins_input(scenario);
+        std::filesystem::create_directories(out);  // refused now, not when the search is over
         const antiskid::control::Config& controller = input.scenarios.front().controller;
         options.slip_reference = scenario.slip;
         options.speeds = speeds;
@@ -172,9 +217,10 @@ struct TuneCommand {
             json["shipped"]["closed_loop"] = to_json(a);
             json["tuned"]["closed_loop"] = to_json(b);
         }
-        fmt::print("\n{}", table);
+        ordered_json creeping;
+        fmt::print("\n{}\n{}", table, creep_table(input, options, creeping));
         json["infeasible_at_constant_slip"] = infeasible;
-        std::filesystem::create_directories(out);
+        json["creeping"] = creeping;
         deliver((out / "results.json").string(), json.dump(2) + "\n");
         return 0;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace study::margins {
@@ -29,6 +30,11 @@ double fastest_pole_radps(const Requirement& requirement, double delay_s, double
     const double ratio = std::pow(10.0, requirement.gain_dB / 20.0);
     const double by_gain = (ratio + 1.0) / (ratio - 1.0);
     return std::log(std::min(by_phase, by_gain)) / least_delay_s(delay_s, period_s);
+}
+
+double creep_margin_dB(double wheel_pole_radps, double road_torque_share, double k_p_per_s) {
+    const double returned = wheel_pole_radps > 0.0 ? road_torque_share - k_p_per_s / wheel_pole_radps : 0.0;
+    return returned > 0.0 ? -20.0 * std::log10(returned) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace study::margins

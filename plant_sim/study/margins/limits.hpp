@@ -1,11 +1,12 @@
-/// What no linear controller can do: bounds on margins by an unstable pole behind a delay.
+/// What no linear time-invariant controller can do: bounds on margins by an unstable pole behind a delay; and what the shipped law cannot.
 ///
 /// With p the plant's pole and T the complementary sensitivity, internal stability asks T(p) = 1, and T carries the delay: the maximum
 /// modulus principle gives |T| >= gamma = e^{p tau} somewhere on the axis. A controller that acts once in a period h has the delay of
 /// whole periods, gamma = e^{p h (1 + floor(tau / h))}. From gamma follow the largest phase margin, 2 asin(1 / gamma), and the largest range
 /// of gains that one controller can hold, ((gamma + 1) / (gamma - 1))^2 from end to end (Doyle, Francis, Tannenbaum, Feedback Control
 /// Theory, 1992, sections 11.3 and 11.4; both proofs need of the plant only that factor of T). Bandwidth, noise and the valve's range
-/// are not in it: what is infeasible here is infeasible for certain, what is not may still be out of reach.
+/// are not in it: what is infeasible here is infeasible for certain, what is not may still be out of reach. A controller that varies
+/// periodically is not bound in its gain range (Khargonekar, Poolla, Tannenbaum, IEEE Trans. Automatic Control 30, 1985).
 #pragma once
 
 namespace study::margins {
@@ -30,5 +31,11 @@ struct Limits {
 
 /// The fastest unstable pole, rad/s, for which `limits` still allows the requirement.
 [[nodiscard]] double fastest_pole_radps(const Requirement& requirement, double delay_s, double period_s);
+
+/// Upward gain margin, dB, of feed-forward and proportional gain on a wheel that is stable and faster than the loop. Slip and road torque
+/// then follow the pressure at once: of a pressure p the law asks road_torque_share p back and k_p p / a less, so that a gain of
+/// 1 / (share - k_p / a) and more lets the pressure creep up. Derivative terms and estimator do not enter; the integral adds up to half
+/// a dB. Infinite where nothing creeps: past the peak, or with k_p / a above the share.
+[[nodiscard]] double creep_margin_dB(double wheel_pole_radps, double road_torque_share, double k_p_per_s);
 
 }  // namespace study::margins
