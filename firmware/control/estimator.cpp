@@ -33,8 +33,8 @@ Estimator::Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, c
       lift_per_stiffness_(wheel.lift_Ns2pm2 / wheel.stiffness_Npm),
       wheel_speed_(wheel.encoder.teeth),
       flywheel_speed_(flywheel.encoder.teeth),
-      wheel_tracker_(estimator.wheel_bandwidth_radps),
-      flywheel_tracker_(estimator.aircraft_bandwidth_radps),
+      wheel_tracker_(estimator.wheel_bandwidth_radps, wheel.encoder.max_acceleration_radps2),
+      flywheel_tracker_(estimator.aircraft_bandwidth_radps, flywheel.encoder.max_acceleration_radps2),
       valve_model_(valve, period_s, estimator.pressure_bandwidth_radps),
       standing_radius_m_(wheel.nominal_radius_m) {}
 

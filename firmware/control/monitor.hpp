@@ -1,7 +1,8 @@
 /// Checks every input in every period and names what is wrong. Permission to brake is the absence of faults.
 ///
 /// - *_lost: no accepted frame for the input's maximum age
-/// - *_corrupt: the same, while frames came and were refused
+/// - *_corrupt: the same, while frames came and were refused; or more frames were refused, beyond those that were accepted, than the
+///   maximum age has periods
 /// - *_range: outside what the sensor can mean (or not a number), for `implausible_s`, also on and off
 /// - *_rate: fresh readings change faster than the machine can, as many of them as periods in `implausible_s`, also on and off
 /// - wheel_stuck: no edge although the brake is released and the aircraft moves, for `stuck_s`
@@ -10,7 +11,8 @@
 /// - pressure_stuck: the same reading to the last bit while the model moved by `pressure_moves_Pa`, for `stuck_s`
 /// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`, or steady slip of a free wheel that
 ///   turns above `free_slip`, for `stuck_s`
-/// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa` for `off_command_s`
+/// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa` for `off_command_s`, or by the residual
+///   pressure of the self-test where the model has none and the wheel carries load
 /// - maneuver_range: a commanded value outside its range, at once
 /// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
 /// - overrun: more than `overruns` missed periods in quick succession, at once or in pieces: ten good periods pay for a missed one
@@ -64,8 +66,10 @@ class Monitor {
     struct Arrival {
         Time received = kNever;
         std::uint32_t rejected = 0;
+        std::uint32_t rejected_before = 0;
+        float refused = 0.0F;  // frames, less those that were accepted
         enum class Verdict : std::uint8_t { good, lost, corrupt };
-        Verdict judge(Time newest, std::uint32_t rejected_now, Time now, float max_age_s);
+        Verdict judge(Time newest, std::uint32_t rejected_now, Time now, float max_age_s, float period_s);
     };
     /// Range and rate of one speed.
     struct SpeedCheck {
@@ -80,7 +84,8 @@ class Monitor {
     void check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReading& reading,
                      const EncoderConfig& encoder, Fault range, Fault rate) const;
     void check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator);
-    void check_plausibility(FaultSet& faults, const Estimator& estimator, bool rolling);
+    void check_plausibility(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
+                            bool rolling);
     void check_maneuver(FaultSet& faults, const ManeuverInput& maneuver) const;
 
     MonitorConfig config_;
@@ -93,8 +98,8 @@ class Monitor {
     SpeedCheck wheel_speed_, flywheel_speed_;
     Suspicion pressure_range_, pressure_rate_;
     bool pressure_jumps_ = false;
-    Persistence pressure_stuck_, pressure_off_, wheel_stuck_, flywheel_stuck_, flywheel_blind_, overspeed_,
-        free_slip_;
+    Persistence pressure_stuck_, pressure_off_, pressure_stays_, wheel_stuck_, flywheel_stuck_,
+        flywheel_blind_, overspeed_, free_slip_;
     float carried_mps_ = 0.0F;  // the speed that an aircraft must still have at least
     float last_reading_Pa_ = 0.0F;
     Time last_reading_at_ = kNever;

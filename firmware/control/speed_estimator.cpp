@@ -7,6 +7,7 @@ namespace antiskid::control {
 namespace {
 constexpr float kTwoPi = 6.28318531F;
 constexpr Time kStandstill{100'000'000};
+constexpr Time kLatest{25'000'000};  // a frame that is later than this against another one was lost
 }  // namespace
 
 SpeedEstimator::SpeedEstimator(float teeth) : radians_per_edge_(kTwoPi / teeth) {}
@@ -32,7 +33,14 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input) {
     }
     const std::uint32_t edges = input.edge_count - edge_count_;
     const Time took = input.edge_time - edge_time_;
-    if (edges != 0 && took.count() > 0) {
+    // The sensor's clock runs as ours: edges that took longer than the time since the last ones came are a clock that jumped, or an old
+    // frame, whose count and time seem to have rolled over. The next edge is measured from here.
+    const bool leapt = running_ && edges != 0 && took > input.received - newest_edge_seen_ + kLatest;
+    if (leapt) {
+        edge_count_ = input.edge_count;
+        edge_time_ = input.edge_time;
+        newest_edge_seen_ = input.received;
+    } else if (edges != 0 && took.count() > 0) {
         // The first edge after a standstill only starts the clock: it says nothing about the time since the
         // one before.
         if (running_) {

@@ -4,7 +4,8 @@
 
 namespace antiskid::control {
 
-SpeedTracker::SpeedTracker(float bandwidth_radps) : bandwidth_radps_(bandwidth_radps) {}
+SpeedTracker::SpeedTracker(float bandwidth_radps, float most_acceleration)
+    : bandwidth_radps_(bandwidth_radps), most_acceleration_(most_acceleration) {}
 
 void SpeedTracker::reset(float speed, float acceleration) {
     speed_ = speed;
@@ -40,7 +41,8 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s, float imp
     const float since = larger(reading.interval_s, period_s);
     const float memory = 1.0F / (1.0F + bandwidth_radps_ * since);
     speed_ = larger(speed_ + (1.0F - memory * memory) * innovation, 0.0F);
-    acceleration_ += (1.0F - memory) * (1.0F - memory) * innovation / since;
+    acceleration_ = limited(acceleration_ + (1.0F - memory) * (1.0F - memory) * innovation / since,
+                            -most_acceleration_, most_acceleration_);
 }
 
 }  // namespace antiskid::control

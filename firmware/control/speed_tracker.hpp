@@ -8,7 +8,8 @@ namespace antiskid::control {
 
 class SpeedTracker {
   public:
-    explicit SpeedTracker(float bandwidth_radps);
+    /// `most_acceleration`, either way: no reading, however wrong, may leave a state from which the next ones do not lead back.
+    SpeedTracker(float bandwidth_radps, float most_acceleration);
 
     /// One period of `period_s` has passed, in which a known cause changed the speed by `impulse` (0: none
     /// known). `known_rate` is that cause's acceleration now. What is left is tracked as a slowly changing
@@ -21,6 +22,7 @@ class SpeedTracker {
 
   private:
     float bandwidth_radps_;
+    float most_acceleration_;
     float speed_ = 0.0F;
     float acceleration_ = 0.0F;
     bool started_ = false;

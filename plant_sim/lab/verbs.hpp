@@ -40,6 +40,8 @@ LabVerb tune_verb(CLI::App& lab);
 LabVerb maneuver_verb(CLI::App& lab);
 /// Valve, brake, wheel and road from recordings.
 LabVerb identify_verb(CLI::App& lab);
+/// Every fault in every phase of a stop, against criteria.
+LabVerb faults_verb(CLI::App& lab);
 /// Friction over slip of every surface: Fig. 3.
 LabVerb surfaces_verb(CLI::App& lab);
 /// Every figure and table of the paper as one page.

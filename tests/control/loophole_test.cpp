@@ -146,3 +146,37 @@ TEST_CASE("a set of faults is its members: from bits and by insertion alike, and
     CHECK(FaultSet::from_bits(1U) == one);
     CHECK(FaultSet::from_bits(0xFFFF'FFFFU).bits() == 0x03FF'FFFFU);  // 26 faults, and nothing else
 }
+
+TEST_CASE("frames that are mostly refused are a fault although some pass, repeats are none", "[CTL-232]") {
+    Bench b(shipped());
+    b.to_braking();
+    int period = 0;
+    SECTION("two of three are refused") {
+        b.tamper = [&, last = b.sensors.pressure](Sensors& seen) mutable {
+            if (++period % 3 != 0) {
+                seen.pressure.received = last.received;
+                ++last.rejected;
+            } else {
+                last.received = seen.pressure.received;
+            }
+            seen.pressure.rejected = last.rejected;
+        };
+        b.seconds(0.1);
+        CHECK(b.command.state == State::safe);
+        CHECK(b.command.faults.contains(Fault::pressure_corrupt));
+    }
+    SECTION("each comes twice") {
+        b.tamper = [&](Sensors& seen) { seen.pressure.rejected = static_cast<std::uint32_t>(++period); };
+        b.seconds(0.5);
+        CHECK(b.command.faults.empty());
+    }
+}
+
+TEST_CASE("pressure that stays on a loaded wheel without current is a fault", "[CTL-233]") {
+    Bench b(shipped());
+    b.to_armed();
+    const float stays_Pa = GENERATE(0.4e6F, 0.6e6F);
+    b.tamper = [&](Sensors& seen) { seen.pressure.pressure_Pa = stays_Pa; };
+    b.seconds(0.15);
+    CHECK(b.command.faults.contains(Fault::pressure_off_command) == (stays_Pa > 0.5e6F));
+}

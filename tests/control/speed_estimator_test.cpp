@@ -253,3 +253,23 @@ TEST_CASE("a sensor that reports speed is taken at its word", "[CTL-017]") {
     CHECK(reading.valid);
     CHECK_FALSE(reading.fresh);
 }
+
+TEST_CASE("a clock that jumps, or an old frame, is no edge interval", "[CTL-231]") {
+    Line line;
+    for (int i = 0; i < 100; ++i) static_cast<void>(line.turn_to(100.0));
+    const Time jump = GENERATE(Time{30'000'000}, Time{429'000'000'000});
+    const std::uint32_t count = GENERATE(0U, 65'536U);
+    int fresh = 0;
+    for (int i = 0; i < 20; ++i) {
+        line.now += line.period;
+        line.shaft.turn_to(100.0, line.h);
+        line.shaft.report(line.input, line.now);
+        line.input.edge_time += jump;
+        line.input.edge_count += count;
+        const SpeedReading reading = line.estimator.update(line.input);
+        if (!reading.fresh) continue;
+        ++fresh;
+        CHECK(reading.speed_radps == Approx(100.0).epsilon(1e-3));
+    }
+    CHECK(fresh > 10);
+}

@@ -1,0 +1,151 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "config/reader/atomic_file.hpp"
+#include "firmware/linux/stop_signals.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
+#include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/study/faults/campaign.hpp"
+#include "plant_sim/study/faults/report.hpp"
+#include "plant_sim/study/picture.hpp"
+#include "plant_sim/study/trajectory.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+constexpr const char* kFooter =
+    "Leaves runs.csv (every run), results.json and matrix.png in OUT; --run leaves run-N.csv and run-N.png.\n"
+    "docs/faults.md has the criteria.\n"
+    "Examples:\n"
+    "  rig-lab faults\n"
+    "  rig-lab faults --signal wheel --kind delay --no-pictures\n"
+    "  rig-lab faults --run 4711        one run again, with its course and picture\n"
+    "  rig-lab faults --repetitions 1 --surfaces ice\n"
+    "Exit status: 0 no run is UNSAFE; 1 some are, or a file could not be written; 2 mistake on the command "
+    "line "
+    "or in a file; 130 stopped by Ctrl-C.";
+
+struct FaultsCommand {
+    faults::PlanOptions plan;
+    std::string signal;
+    std::string kind;
+    std::optional<std::size_t> run;
+    unsigned threads = 0;
+    std::filesystem::path out = "out/faults";
+    bool pictures = true;
+
+    [[nodiscard]] int execute() const;
+
+  private:
+    [[nodiscard]] std::vector<std::size_t> chosen(const faults::Plan& campaign) const;
+    [[nodiscard]] int repeat(const faults::Plan& campaign, std::size_t number) const;
+};
+
+std::vector<std::size_t> FaultsCommand::chosen(const faults::Plan& campaign) const {
+    std::vector<std::size_t> numbers;
+    for (std::size_t i = 0; i < campaign.runs(); ++i) {
+        const faults::Pair what = campaign.at(i).fault.what;
+        if ((signal.empty() || signal == name(what.signal)) && (kind.empty() || kind == name(what.kind)))
+            numbers.push_back(i);
+    }
+    if (numbers.empty())
+        throw std::invalid_argument(
+            fmt::format("--signal {} --kind {}: no such pair in the catalogue", signal, kind));
+    return numbers;
+}
+
+int FaultsCommand::repeat(const faults::Plan& campaign, std::size_t number) const {
+    if (number >= campaign.runs())
+        throw std::invalid_argument(fmt::format("--run {}: expected 0 to {}", number, campaign.runs() - 1));
+    const faults::Case c = campaign.at(number);
+    study::Trajectory course;
+    const faults::Result result =
+        faults::run_one(campaign, c, faults::run_sound(campaign, c),
+                        [&course](const study::RigSession& session, const antiskid::can::ControllerView& view,
+                                  double current_mA) { course.record(session, view, current_mA); });
+    const auto csv = out / fmt::format("run-{}.csv", number);
+    settings::write_file(csv, course.csv());
+    const std::string what = faults::describe(campaign, c);
+    if (pictures) {
+        const study::ManeuverPlan& maneuver = campaign.maneuver;
+        study::draw_stop(csv, out / fmt::format("run-{}.png", number), what,
+                         maneuver.touchdown_s + maneuver.settle_s);
+    }
+    fmt::print("{}\n{}\nWritten to {}\n", what, faults::describe(result), out.string());
+    return result.verdict.outcome == faults::Outcome::unsafe ? 1 : 0;
+}
+
+int FaultsCommand::execute() const {
+    const faults::Plan campaign = faults::load_plan(plan);
+    if (run) return repeat(campaign, *run);
+    antiskid::rt::StopSignals signals;
+    const std::vector<std::size_t> numbers = chosen(campaign);
+    CampaignProgress progress(static_cast<std::int64_t>(numbers.size()), 0);
+    const std::vector<faults::Row> rows = faults::run_campaign(
+        campaign, numbers,
+        {.threads = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()),
+         .stop = &signals.stop(),
+         .progress = [&progress](std::size_t done) { progress.show(static_cast<std::int64_t>(done)); }});
+    progress.finish();
+    if (rows.size() < numbers.size()) {
+        fmt::print(stderr, "rig-lab: stopped after {} of {} runs; nothing is written\n", rows.size(),
+                   numbers.size());
+        return signals.number() == SIGINT ? 130 : 1;
+    }
+    settings::write_file(out / "runs.csv", faults::to_csv(campaign, rows));
+    settings::write_file(out / "results.json", faults::to_json(campaign, rows));
+    if (pictures) faults::draw_matrix(campaign, rows, out / "matrix.png");
+    constexpr std::size_t kShown = 20;
+    fmt::print("{}  seed {}, configuration {}, version {}\nWritten to {}: runs.csv results.json{}\n",
+               faults::to_table(campaign, rows, kShown), campaign.seed, campaign.config_hash,
+               campaign.version, out.string(), pictures ? " matrix.png" : "");
+    return std::any_of(
+               rows.begin(), rows.end(),
+               [](const faults::Row& row) { return row.result.verdict.outcome == faults::Outcome::unsafe; })
+               ? 1
+               : 0;
+}
+
+}  // namespace
+
+LabVerb faults_verb(CLI::App& lab) {
+    const auto command = std::make_shared<FaultsCommand>();
+    CLI::App* verb = lab.add_subcommand("faults",
+                                        "The fault campaign: every fault of every signal in every phase of a "
+                                        "stop on four surfaces, against criteria.");
+    constexpr std::size_t kMostRepetitions = 1000;
+    verb->add_option("--repetitions", command->plan.repetitions, "runs of each fault, phase and surface")
+        ->check(CLI::Range(std::size_t{1}, kMostRepetitions))
+        ->capture_default_str();
+    verb->add_option("--surfaces", command->plan.surfaces, "tables of surfaces.toml")
+        ->delimiter(',')
+        ->capture_default_str();
+    verb->add_option("--maneuver", command->plan.maneuver, "table of maneuvers.toml")->capture_default_str();
+    verb->add_option("--signal", command->signal, "only faults of this one")
+        ->check(CLI::IsMember(
+            std::vector<std::string>(faults::kSignalNames.begin(), faults::kSignalNames.end())));
+    verb->add_option("--kind", command->kind, "only faults of this kind")
+        ->check(
+            CLI::IsMember(std::vector<std::string>(faults::kKindNames.begin(), faults::kKindNames.end())));
+    verb->add_option(
+        "--run", command->run,
+        "this run alone, by its number in runs.csv; give seed, surfaces, maneuver and repetitions as then");
+    verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
+    verb->add_option("--threads", command->threads, "results do not depend on it (default: all cores)")
+        ->check(CLI::Range(1U, 1024U));
+    verb->add_option("--out", command->out, "directory of the results")->capture_default_str();
+    verb->add_option("--config", command->plan.config, "directory of the configuration files")
+        ->capture_default_str();
+    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
+    verb->footer(kFooter);
+    return {verb, [command] { return command->execute(); }};
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,111 @@
+/// What can go wrong: every signal with the kinds of fault that it can have, and how hard one instance of it hits.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "plant_sim/model/random.hpp"
+
+namespace faults {
+
+/// Where the fault sits.
+enum class Signal : std::uint8_t {
+    wheel,     ///< encoder and its frame
+    flywheel,  ///< encoder and its frame
+    pressure,  ///< transducer and its frame
+    maneuver,  ///< the frame; its values follow
+    demand,    ///< as the rig's sequencer sends it, and so the next four
+    slip_reference,
+    arm,
+    weight_on_wheels,
+    law,
+    heartbeat,       ///< the rig's
+    emergency_stop,  ///< pressed when the fault begins
+    valve_command,   ///< the frame
+    valve_current,   ///< as the valve's driver gives it
+    valve,           ///< its hydraulics
+    controller,      ///< its loop, its interface, its clock
+};
+inline constexpr std::array<std::string_view, 15> kSignalNames{
+    "wheel",          "flywheel",      "pressure",         "maneuver", "demand",
+    "slip_reference", "arm",           "weight_on_wheels", "law",      "heartbeat",
+    "emergency_stop", "valve_command", "valve_current",    "valve",    "controller"};
+
+enum class Kind : std::uint8_t {
+    // of a frame
+    drop,
+    delay,
+    jitter,
+    corrupt,
+    replayed,
+    duplicated,
+    reordered,
+    wrong_counter,
+    // of a value that is sent in sound frames
+    freeze,
+    bias,
+    noise,
+    spike,
+    saturation,
+    missing_tooth,
+    wrong_sign,
+    // of a valve
+    stuck,
+    slow,
+    leaking,
+    // of clocks, loop and link
+    clock_step,
+    overrun,
+    bus_off,
+};
+inline constexpr std::array<std::string_view, 21> kKindNames{
+    "drop",          "delay",  "jitter", "corrupt", "replayed",   "duplicated", "reordered",
+    "wrong_counter", "freeze", "bias",   "noise",   "spike",      "saturation", "missing_tooth",
+    "wrong_sign",    "stuck",  "slow",   "leaking", "clock_step", "overrun",    "bus_off"};
+
+[[nodiscard]] constexpr std::string_view name(Signal signal) {
+    return kSignalNames[static_cast<std::size_t>(signal)];
+}
+[[nodiscard]] constexpr std::string_view name(Kind kind) {
+    return kKindNames[static_cast<std::size_t>(kind)];
+}
+[[nodiscard]] constexpr bool of_frame(Kind kind) {
+    return kind <= Kind::wrong_counter;
+}
+/// The sequencer's wish itself is another one, in a sound frame: whoever obeys it does as told.
+[[nodiscard]] constexpr bool changes_wish(Signal signal) {
+    return signal >= Signal::demand && signal <= Signal::law;
+}
+
+struct Pair {
+    Signal signal;
+    Kind kind;
+    bool operator==(const Pair&) const = default;
+};
+/// Every signal with every kind that it can have.
+[[nodiscard]] std::span<const Pair> catalogue();
+
+/// One instance of a fault. What `strength` and `share` mean for a kind stands with the class that makes it.
+struct Fault {
+    Pair what{};
+    double strength = 0.0;  ///< 0 to 1, even
+    double share =
+        1.0;  ///< of frames or periods that are hit, 0.02 to 1, even in its logarithm; many are hit all
+    bool negative = false;  ///< of a bias, a spike, a step; which variant of a kind that has two
+    double lasts_s = 0.0;   ///< 5 ms to 1 s, even in its logarithm, or kForGood
+    static constexpr double kForGood = 1e9;
+};
+
+/// Half of all faults last for good.
+[[nodiscard]] Fault draw(Pair what, plant::Random& random);
+
+/// Even in [0, 1).
+[[nodiscard]] inline double uniform(plant::Random& random) {
+    return static_cast<double>(random.bits() >> 11U) * 0x1.0p-53;
+}
+/// Between `low` and `high`, both above 0, even in its logarithm, at `strength` 0 to 1.
+[[nodiscard]] double between(double low, double high, double strength);
+
+}  // namespace faults

@@ -1,0 +1,54 @@
+/// What a bus can do to the frames of one message.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "firmware/can/frame.hpp"
+#include "firmware/can/layout.hpp"
+#include "plant_sim/study/faults/catalogue.hpp"
+
+namespace faults {
+
+/// - drop: a share of the frames is lost
+/// - delay: each frame comes 2 to 200 periods late by strength; the valve command at most 20, since the controller's transmit queue keeps
+///   the newest one only
+/// - jitter: each comes up to 1 to 50 periods late by strength, in order
+/// - corrupt: in a share of the frames 1 to 8 bits are turned over
+/// - replayed: for a share of the frames one that was sent up to 500 frames ago comes in its place; if negative, in addition
+/// - duplicated: a share comes twice
+/// - reordered: a share comes after its follower
+/// - wrong_counter: in a share the alive counter is another one under a right CRC; if negative, it stands still
+class FrameFault {
+  public:
+    /// `layout` must outlive it.
+    FrameFault(const Fault& fault, const antiskid::can::Layout& layout, antiskid::can::Role role);
+
+    /// A live frame, sent in period `period`.
+    void send(const antiskid::can::Frame& live, bool active, std::int64_t period, plant::Random& random);
+    /// The next frame that has arrived by `period`; none: no more in this period.
+    [[nodiscard]] std::optional<antiskid::can::Frame> receive(std::int64_t period);
+
+  private:
+    void hit(antiskid::can::Frame frame, std::int64_t period, plant::Random& random);
+    void arrive(const antiskid::can::Frame& frame, std::int64_t period);
+    [[nodiscard]] antiskid::can::Frame with_counter(const antiskid::can::Frame& frame,
+                                                    std::uint64_t counter) const;
+
+    struct Arrival {
+        std::int64_t period = 0;
+        antiskid::can::Frame frame;
+    };
+    Fault fault_;
+    const antiskid::can::Message& message_;
+    double most_delay_;              // periods
+    std::deque<Arrival> under_way_;  // by period; equal ones as they were sent
+    std::vector<antiskid::can::Frame> sent_;
+    std::size_t oldest_ = 0;
+    std::optional<antiskid::can::Frame> held_;  // reordered: until its follower has gone
+    std::int64_t in_order_ = 0;                 // jitter: no frame overtakes
+};
+
+}  // namespace faults

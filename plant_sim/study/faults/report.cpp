@@ -1,0 +1,172 @@
+#include "plant_sim/study/faults/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "firmware/can/value_names.hpp"
+
+namespace faults {
+
+namespace {
+
+using antiskid::control::FaultSet;
+using antiskid::control::kFaultCount;
+using Counts = std::array<std::size_t, kOutcomeNames.size()>;
+
+std::vector<std::string> names_of(FaultSet set) {
+    std::vector<std::string> names;
+    for (std::uint8_t i = 0; i < kFaultCount; ++i) {
+        if (set.contains(static_cast<antiskid::control::Fault>(i)))
+            names.emplace_back(antiskid::can::kFaultNames[i]);
+    }
+    return names;
+}
+
+std::string text_of(FaultSet set) {
+    return set.empty() ? "none" : fmt::format("{}", fmt::join(names_of(set), " "));
+}
+
+std::string duration(double lasts_s) {
+    return lasts_s >= Fault::kForGood ? "for good" : fmt::format("for {:.3f} s", lasts_s);
+}
+
+nlohmann::ordered_json json_of(const Counts& counts) {
+    nlohmann::ordered_json json;
+    for (std::size_t i = 0; i < counts.size(); ++i) json[std::string(kOutcomeNames[i])] = counts[i];
+    return json;
+}
+
+struct PairSummary {
+    Counts outcomes{};
+    std::map<std::string, std::size_t> named;
+    double latest_name_s = 0.0;
+};
+
+}  // namespace
+
+std::string to_csv(const Plan& plan, std::span<const Row> rows) {
+    std::string csv =
+        "run,signal,kind,phase,surface,repetition,strength,share,negative,lasts_s,begun_s,begun_mps,outcome,"
+        "hazard,named,named_after_s,distance_share,longest_lock_s,most_unasked_Pa\n";
+    const auto number = [](double value, bool there) {
+        return there ? fmt::format("{:.4f}", value) : std::string();
+    };
+    for (const auto& [run, result] : rows) {
+        const Verdict& v = result.verdict;
+        const bool begun = result.begun_s >= 0.0;
+        fmt::format_to(std::back_inserter(csv),
+                       "{},{},{},{},{},{},{:.4f},{:.4f},{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.0f}\n",
+                       run.number, name(run.fault.what.signal), name(run.fault.what.kind), name(run.phase),
+                       plan.surfaces[run.surface].name, run.repetition, run.fault.strength, run.fault.share,
+                       run.fault.negative ? 1 : 0,
+                       number(run.fault.lasts_s, run.fault.lasts_s < Fault::kForGood),
+                       number(result.begun_s, begun), number(result.begun_mps, begun), name(v.outcome),
+                       name(v.hazard), text_of(v.named), number(v.named_after_s, v.named_after_s >= 0.0),
+                       v.distance_share, v.longest_lock_s, v.most_unasked_Pa);
+    }
+    return csv;
+}
+
+std::string to_json(const Plan& plan, std::span<const Row> rows) {
+    Counts all{};
+    std::map<std::pair<Signal, Kind>, PairSummary> pairs;
+    nlohmann::ordered_json unsafe = nlohmann::ordered_json::array();
+    for (const auto& [run, result] : rows) {
+        const Verdict& v = result.verdict;
+        PairSummary& pair = pairs[{run.fault.what.signal, run.fault.what.kind}];
+        ++all[static_cast<std::size_t>(v.outcome)];
+        ++pair.outcomes[static_cast<std::size_t>(v.outcome)];
+        for (const std::string& fault : names_of(v.named)) ++pair.named[fault];
+        pair.latest_name_s = std::max(pair.latest_name_s, v.named_after_s);
+        if (v.outcome == Outcome::unsafe) unsafe.push_back({{"run", run.number}, {"hazard", name(v.hazard)}});
+    }
+    nlohmann::ordered_json faults = nlohmann::ordered_json::array();
+    for (const Pair& what : catalogue()) {
+        const auto found = pairs.find({what.signal, what.kind});
+        if (found == pairs.end()) continue;
+        faults.push_back({{"signal", name(what.signal)},
+                          {"kind", name(what.kind)},
+                          {"outcomes", json_of(found->second.outcomes)},
+                          {"named", found->second.named},
+                          {"latest_name_s", found->second.latest_name_s}});
+    }
+    std::vector<std::string> surfaces;
+    for (const Surface& surface : plan.surfaces) surfaces.push_back(surface.name);
+    const Bounds bounds;
+    const nlohmann::ordered_json json{
+        {"runs", rows.size()},
+        {"outcomes", json_of(all)},
+        {"unsafe", unsafe},
+        {"bounds",
+         {{"handled_share", bounds.handled_share},
+          {"degraded_share", bounds.degraded_share},
+          {"distance_slack_m", bounds.distance_slack_m},
+          {"unasked_Pa", bounds.unasked_Pa},
+          {"unasked_s", bounds.unasked_s},
+          {"lock_slip", bounds.lock_slip},
+          {"lock_pressure_Pa", bounds.lock_pressure_Pa},
+          {"lock_above_mps", bounds.lock_above_mps},
+          {"lock_s", bounds.lock_s},
+          {"safe_within_periods", bounds.safe_within_periods},
+          {"stop_within_s", bounds.stop_within_s}}},
+        {"faults", faults},
+        {"surfaces", surfaces},
+        {"phases", kPhaseNames},
+        {"repetitions", plan.repetitions},
+        {"seed", plan.seed},
+        {"version", plan.version},
+        {"config_hash", plan.config_hash},
+    };
+    return json.dump(2) + "\n";
+}
+
+std::string describe(const Plan& plan, const Case& run) {
+    return fmt::format("run {}: {} {}, strength {:.3f}, share {:.3f}{}, {}; {} on {}, repetition {}",
+                       run.number, name(run.fault.what.signal), name(run.fault.what.kind), run.fault.strength,
+                       run.fault.share, run.fault.negative ? ", negative" : "", duration(run.fault.lasts_s),
+                       name(run.phase), plan.surfaces[run.surface].name, run.repetition);
+}
+
+std::string describe(const Result& result) {
+    const Verdict& v = result.verdict;
+    std::string text{name(v.outcome)};
+    if (v.hazard != Hazard::none) text += fmt::format(" ({})", name(v.hazard));
+    if (result.begun_s < 0.0) return text + ": the stop ended before the fault began";
+    text += fmt::format(": began at {:.3f} s and {:.1f} m/s; named {}", result.begun_s, result.begun_mps,
+                        text_of(v.named));
+    if (v.named_after_s >= 0.0) text += fmt::format(" after {:.3f} s", v.named_after_s);
+    return text + fmt::format("; {:.3f} of the sound stop's distance, longest lock under pressure {:.3f} s",
+                              v.distance_share, v.longest_lock_s);
+}
+
+std::string to_table(const Plan& plan, std::span<const Row> rows, std::size_t most) {
+    std::map<Signal, Counts> signals;
+    Counts all{};
+    for (const Row& row : rows) {
+        const auto outcome = static_cast<std::size_t>(row.result.verdict.outcome);
+        ++signals[row.run.fault.what.signal][outcome];
+        ++all[outcome];
+    }
+    std::string text =
+        fmt::format("  {:<18}{:>9}{:>9}{:>9}{:>9}\n", "signal", "handled", "degraded", "safe", "UNSAFE");
+    const auto line = [&text](std::string_view head, const Counts& c) {
+        fmt::format_to(std::back_inserter(text), "  {:<18}{:>9}{:>9}{:>9}{:>9}\n", head, c[0], c[1], c[2],
+                       c[3]);
+    };
+    for (const auto& [signal, counts] : signals) line(name(signal), counts);
+    line("all", all);
+    std::size_t shown = 0;
+    for (const auto& [run, result] : rows) {
+        if (result.verdict.outcome != Outcome::unsafe || shown++ >= most) continue;
+        fmt::format_to(std::back_inserter(text), "  {}\n      {}\n", describe(plan, run), describe(result));
+    }
+    if (shown > most) fmt::format_to(std::back_inserter(text), "  and {} more\n", shown - most);
+    return text;
+}
+
+}  // namespace faults

@@ -1,0 +1,40 @@
+/// The valve's driver, as a rig must have it (docs/faults.md).
+#pragma once
+
+#include "firmware/can/controller_view.hpp"
+#include "firmware/can/message_stats.hpp"
+
+namespace faults {
+
+/// Gives the commanded current; none when no command was accepted for kSilence, and while more than kMostRefused commands were refused
+/// beyond those that were accepted: of many old or corrupt ones some pass their checks by chance.
+class ValveDriver {
+  public:
+    static constexpr antiskid::control::Time kSilence{20'000'000};
+    static constexpr std::uint32_t kMostRefused = 20;
+
+    /// Once a period, after the frames of that period.
+    void update(const antiskid::can::ControllerView& controller, const antiskid::can::MessageStats& stats,
+                antiskid::control::Time now) {
+        const std::uint32_t more = stats.rejected() - rejected_;
+        rejected_ = stats.rejected();
+        refused_ += more < kMostRefused ? more : kMostRefused;
+        if (stats.accepted != accepted_ && refused_ > 0) --refused_;
+        accepted_ = stats.accepted;
+        if (refused_ > 2 * kMostRefused) refused_ = 2 * kMostRefused;
+        hears_ = controller.command_received != antiskid::control::kNever &&
+                 now - controller.command_received <= kSilence && refused_ <= kMostRefused;
+        current_mA_ = hears_ ? static_cast<double>(controller.current_mA) : 0.0;
+    }
+    [[nodiscard]] bool hears() const { return hears_; }
+    [[nodiscard]] double current_mA() const { return current_mA_; }
+
+  private:
+    std::uint32_t rejected_ = 0;
+    std::uint32_t accepted_ = 0;
+    std::uint32_t refused_ = 0;
+    bool hears_ = false;
+    double current_mA_ = 0.0;
+};
+
+}  // namespace faults
