@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "config/reader/config_directory.hpp"
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"
 #include "plant_sim/brake_options.hpp"
@@ -17,7 +18,7 @@
 namespace plant_sim {
 
 struct ScenarioOptions {
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     std::filesystem::path controller;  ///< empty: controller.toml of `config`, or the endurance rig's
     std::filesystem::path dbc;         ///< empty: antiskid.dbc of `config`
     std::filesystem::path binding;     ///< empty: antiskid_binding.toml of `config`

@@ -17,6 +17,7 @@
 #include <string_view>
 
 #include "config/reader/atomic_file.hpp"
+#include "config/reader/config_directory.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
@@ -43,7 +44,7 @@ struct Options {
     std::string modbus = "127.0.0.1:1502";
     bool rtu = false;
     std::string clock = "timer";
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     std::filesystem::path dbc, binding, registers;
     std::filesystem::path port_file;
     std::filesystem::path scenario;

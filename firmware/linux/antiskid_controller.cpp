@@ -15,6 +15,7 @@
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
 #include "firmware/linux/report.hpp"
+#include "firmware/linux/service_manager.hpp"
 #include "firmware/linux/session.hpp"
 #include "firmware/linux/stop_signals.hpp"
 #include "firmware/linux/supervised_can.hpp"
@@ -25,15 +26,16 @@ namespace {
 using namespace antiskid;
 using namespace std::chrono_literals;
 
-/// Until `stop`: log, and bring a vanished interface back.
+/// Until `stop`: log, tell the service manager that the loop goes on, and bring a vanished interface back.
 void attend(const std::atomic<bool>& stop, rt::Clock& clock, rt::CycleRing& ring, rt::Telemetry& telemetry,
-            rt::SupervisedCan& bus) {
+            rt::ServiceManager& service, rt::SupervisedCan& bus) {
     constexpr int kTurnsPerSecond = 50;
     constexpr int kTurnsPerRetry = 10;
     std::string last_reason;
     for (int turn = 1; !stop; ++turn) {
         clock.sleep_until(clock.now() + rt::Time{1s} / kTurnsPerSecond);
         telemetry.drain(ring);
+        service.attend(clock.now(), telemetry.cycles());
         if (turn % kTurnsPerSecond == 0) telemetry.summarise(ring);
         if (turn % kTurnsPerRetry != 0) continue;
         const std::string reason = bus.service();
@@ -59,13 +61,15 @@ int run(const rt::Options& options, const rt::Setup& setup) {
         [&options, &wanted] { return std::make_unique<can::SocketCan>(options.interface, wanted.span()); });
     rt::MonotonicClock clock;
     const auto session = std::make_unique<rt::Session>(setup, options, bus, clock);
+    rt::ServiceManager service = rt::ServiceManager::of_this_process();
     rt::Telemetry telemetry(*spdlog::default_logger(), options.interface);
     const std::string clock_name = options.clock == rt::ClockSource::timer ? "timer" : "sync";
     spdlog::info("antiskid-controller {} on {}, {} us by {}, configuration {}", ANTISKID_VERSION,
                  options.interface, setup.period / 1us, clock_name, setup.config_hash);
     {
         const rt::LoopThread loop(session->loop(), options.realtime, signals.stop());
-        attend(signals.stop(), clock, session->ring(), telemetry, bus);
+        attend(signals.stop(), clock, session->ring(), telemetry, service, bus);
+        service.stopping();
     }
     telemetry.drain(session->ring());
     spdlog::info("ended by signal {}", signals.number());

@@ -9,6 +9,7 @@
 #include <string>
 #include <variant>
 
+#include "config/reader/config_directory.hpp"
 #include "firmware/linux/realtime.hpp"
 
 namespace antiskid::rt {
@@ -18,9 +19,9 @@ enum class ClockSource : std::uint8_t { timer, sync };
 struct Options {
     std::string interface;
     ClockSource clock = ClockSource::timer;
-    std::filesystem::path config = "config/controller.toml";
-    std::filesystem::path dbc = "config/antiskid.dbc";
-    std::filesystem::path binding = "config/antiskid_binding.toml";
+    std::filesystem::path config = settings::config_directory() / "controller.toml";
+    std::filesystem::path dbc = settings::config_directory() / "antiskid.dbc";
+    std::filesystem::path binding = settings::config_directory() / "antiskid_binding.toml";
     std::optional<std::filesystem::path> report;
     RealtimeRequest realtime;
     int sync_timeout_ms = 1000;

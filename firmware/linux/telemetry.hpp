@@ -21,6 +21,9 @@ class Telemetry {
     /// Empties the ring and logs what has changed since the last record.
     void drain(CycleRing& ring);
 
+    /// Number of the loop's newest cycle that was drained; 0 before the first.
+    [[nodiscard]] std::uint64_t cycles() const { return last_.step; }
+
     /// One line on the records since the last summary; says so when there were none.
     void summarise(const CycleRing& ring);
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "config/reader/config_directory.hpp"
 #include "rig_bridge/bridge/campaign.hpp"
 
 namespace rig {
@@ -25,7 +26,7 @@ struct RigOptions {
     std::string plc;  ///< IP:PORT, or the device of a serial line
     std::filesystem::path out;
     std::uint64_t seed = 1;
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     std::filesystem::path dbc, binding, registers;  ///< empty: those of `config`
     bool reset = true;  ///< a tripped PLC is led back while nothing is on and every interlock is good
     int priority = 50;

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "config/reader/atomic_file.hpp"
+#include "config/reader/config_directory.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/linux/controller_config.hpp"
 #include "plant_sim/study/gnuplot.hpp"
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 struct CampaignCommand {
     fs::path folder;
     fs::path ledger;
-    fs::path config = "config";
+    fs::path config = settings::config_directory();
     fs::path dbc, binding;
     std::string json, csv, picture;
 

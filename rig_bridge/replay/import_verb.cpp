@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "rig_bridge/replay/importer.hpp"
@@ -17,7 +18,7 @@ namespace fs = std::filesystem;
 
 struct ImportCommand {
     fs::path file, map, out;
-    fs::path config = "config";
+    fs::path config = settings::config_directory();
     fs::path dbc, binding;
 
     int run() const {

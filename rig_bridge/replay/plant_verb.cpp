@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "config/reader/atomic_file.hpp"
+#include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
 #include "firmware/linux/setup.hpp"
 #include "plant_sim/model/load_rig.hpp"
@@ -29,7 +30,7 @@ struct PlantCommand {
     std::string interface;
     fs::path scenario;
     plant::ManeuverChoice choice;
-    fs::path config = "config";
+    fs::path config = settings::config_directory();
     fs::path controller, dbc, binding;
     std::string json, csv, picture;
 
