@@ -20,7 +20,7 @@ namespace plant_sim {
 
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kFaultsFooter =
     "Leaves runs.csv (every run), results.json and matrix.png in OUT; --run leaves run-N.csv and run-N.png.\n"
     "docs/faults.md has the criteria.\n"
     "Examples:\n"
@@ -144,7 +144,7 @@ LabVerb faults_verb(CLI::App& lab) {
     verb->add_option("--config", command->plan.config, "directory of the configuration files")
         ->capture_default_str();
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
-    verb->footer(kFooter);
+    verb->footer(kFaultsFooter);
     return {verb, [command] { return command->execute(); }};
 }
 

@@ -31,13 +31,13 @@ fs::path program_of(const std::string& name) {
 
 /// A bar on a terminal; a line a section elsewhere.
 void show_progress(const paper::SectionResult& result, std::size_t done, std::size_t all) {
-    constexpr std::size_t kWidth = 30;
+    constexpr std::size_t kBarWidth = 30;
     const char* state = result.failed() ? "failed" : result.answered_yes() ? "done" : "answers no";
-    const std::size_t full = done * kWidth / all;
+    const std::size_t full = done * kBarWidth / all;
     const bool terminal = ::isatty(STDERR_FILENO) == 1;
     fmt::print(stderr, "{}[{}{}] {} of {} sections; {}: {}{}", terminal ? "\r\x1b[K" : "",
-               std::string(full, '#'), std::string(kWidth - full, '.'), done, all, result.section->id, state,
-               terminal && done < all ? "" : "\n");
+               std::string(full, '#'), std::string(kBarWidth - full, '.'), done, all, result.section->id,
+               state, terminal && done < all ? "" : "\n");
 }
 
 struct ReportCommand {
