@@ -39,7 +39,7 @@ void FrameFault::hit(Frame frame, std::int64_t period, plant::Random& random) {
         case Kind::corrupt: {
             const std::uint64_t bits = 1 + random.bits() % 8;
             for (std::uint64_t i = 0; i < bits; ++i) {
-                const std::uint64_t bit = random.bits() % (8U * frame.length);
+                const std::uint64_t bit = random.bits() % (std::uint64_t{8} * frame.length);
                 frame.data[bit / 8U] ^= static_cast<std::uint8_t>(1U << (bit % 8U));
             }
             return arrive(frame, period);
