@@ -25,7 +25,7 @@ Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rej
         rejected = rejected_now;
         refused = larger(refused - 1.0F, 0.0F);
     }
-    if (newest != kNever && refused > most_refused) return Verdict::corrupt;
+    if (refused > most_refused) return Verdict::corrupt;
     if (newest != kNever && seconds(now - newest) <= max_age_s) return Verdict::good;
     return rejected_now != rejected ? Verdict::corrupt : Verdict::lost;
 }

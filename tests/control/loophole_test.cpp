@@ -165,6 +165,15 @@ TEST_CASE("frames that are mostly refused are a fault although some pass, repeat
         CHECK(b.command.state == State::safe);
         CHECK(b.command.faults.contains(Fault::pressure_corrupt));
     }
+    SECTION("few come, and all are refused") {
+        b.tamper = [&, last = b.sensors.pressure](Sensors& seen) mutable {
+            if (++period % 8 == 0) ++last.rejected;
+            seen.pressure = last;
+        };
+        b.steps(22);
+        CHECK(b.command.faults.contains(Fault::pressure_corrupt));
+        CHECK_FALSE(b.command.faults.contains(Fault::pressure_lost));
+    }
     SECTION("each comes twice") {
         b.tamper = [&](Sensors& seen) { seen.pressure.rejected = static_cast<std::uint32_t>(++period); };
         b.seconds(0.5);

@@ -37,11 +37,11 @@ TEST_CASE("a service is ready with the loop's first cycle, and alive as long as 
     CHECK(told.said.empty());
     told.manager.attend(20ms, 7);
     CHECK(told.said == std::vector<std::string>{"READY=1", "WATCHDOG=1"});
-    for (int turn = 2; turn <= 51; ++turn)  // a second, in turns of 20 ms
-        told.manager.attend(turn * 20ms, static_cast<std::uint64_t>(20 * turn));
+    for (std::uint64_t turn = 2; turn <= 51; ++turn)  // a second, in turns of 20 ms
+        told.manager.attend(turn * 20ms, 20 * turn);
     CHECK(told.said.size() == 2 + 10);
     told.said.clear();
-    for (int turn = 52; turn <= 200; ++turn) told.manager.attend(turn * 20ms, 51 * 20);
+    for (std::uint64_t turn = 52; turn <= 200; ++turn) told.manager.attend(turn * 20ms, 1020);
     CHECK(told.said.empty());  // the loop stands
     told.manager.stopping();
     CHECK(told.said == std::vector<std::string>{"STOPPING=1"});
@@ -49,7 +49,7 @@ TEST_CASE("a service is ready with the loop's first cycle, and alive as long as 
 
 TEST_CASE("without a watchdog a service is ready, no more", "[RT-120]") {
     Told told(0ms);
-    for (int turn = 1; turn < 100; ++turn) told.manager.attend(turn * 20ms, static_cast<std::uint64_t>(turn));
+    for (std::uint64_t turn = 1; turn < 100; ++turn) told.manager.attend(turn * 20ms, turn);
     CHECK(told.said == std::vector<std::string>{"READY=1"});
 }
 
