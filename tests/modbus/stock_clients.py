@@ -123,7 +123,7 @@ class MbPoll:
     def run(self, kind, field, value=None):
         form = {"float32": ":float", "u32": ":int", "u16": "", "i16": ""}[field["type"]]
         order = ["-B"] if form and MAP["word_order"] == "big" else []
-        command = ["mbpoll", "-0", "-1", "-a", str(MAP["unit_id"]), "-t", ("3" if kind == "input" else "4") + form,
+        command = ["mbpoll", "-o", "10", "-0", "-1", "-a", str(MAP["unit_id"]), "-t", ("3" if kind == "input" else "4") + form,
                    "-r", str(field["address"]), *order, *self.where]
         if value is not None:
             command += ["--", str(value)]
