@@ -262,7 +262,7 @@ TEST_CASE("the same seed gives the same lives, and they end when told to", "[STU
             }
         }
     }
-    CHECK(stops > 6 * 5 * 64);  // three policies, and both ends of the range for the first
+    CHECK(stops > std::size_t{6} * 5 * 64);  // three policies, and both ends of the range for the first
     std::atomic<bool> stop{false};
     options.stop = &stop;
     options.on_stops = [&stop](std::size_t done) { stop.store(done >= 100); };

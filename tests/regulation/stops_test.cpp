@@ -31,7 +31,7 @@ TEST_CASE("landings side by side do not depend on the threads, nor on what lands
           "[STUDY-342]") {
     const LandingSites sites = plant_sim::load_sites("config");
     std::vector<regulation::Ask> asks;
-    for (const std::size_t site : {0, 3, 10, 16, 9, 5, 1, 8, 4, 11, 12})
+    for (const std::size_t site : {0U, 3U, 10U, 16U, 9U, 5U, 1U, 8U, 4U, 11U, 12U})
         asks.push_back({.draw = {.scenario = site, .sensor_seed = 7 + site},
                         .reference = 0.2 + 0.01 * static_cast<double>(site),
                         .mean_friction = 0.25,
