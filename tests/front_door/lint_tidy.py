@@ -27,7 +27,8 @@ INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 
 @functools.cache
 def digest(path):
-    return hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()
+    # A unity file names its sources by their whole path.
+    return hashlib.sha256(pathlib.Path(path).read_bytes().replace(bytes(ROOT), b".")).hexdigest()
 
 
 def output_of(command, **more):
