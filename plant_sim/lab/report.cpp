@@ -129,7 +129,7 @@ LabVerb report_verb(CLI::App& lab) {
                      "directory of report.html, results.json and a folder for each section")
         ->capture_default_str();
     verb->footer(
-        "Examples:\n  rig-lab report\n  rig-lab report --quick --out /tmp/report\n  rig-lab report --only "
+        "Examples:\n  rig-lab report\n  rig-lab report --quick --out out/quick\n  rig-lab report --only "
         "fig12\n"
         "Exit status: 0 every study answers yes; 1 one answers no or failed, which the page says; 2 mistake "
         "on the command line or in "

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string>
 #include <vector>
 
 #include "plant_sim/study/faults/report.hpp"
@@ -23,10 +24,10 @@ void draw_matrix(const Plan& plan, std::span<const Row> rows, const std::filesys
         cell = std::max(cell, static_cast<int>(row.result.verdict.outcome));
     }
     std::string script = "$cells << EOD\n";
-    for (std::size_t i = 0; i < worst.size(); ++i) {
-        if (worst[i] != kNothing)
-            fmt::format_to(std::back_inserter(script), "{} {} {}\n", i % columns, i / columns, worst[i]);
-    }
+    // Cells that were not run, too: gnuplot draws an image of a whole grid only.
+    for (std::size_t i = 0; i < worst.size(); ++i)
+        fmt::format_to(std::back_inserter(script), "{} {} {}\n", i % columns, i / columns,
+                       worst[i] == kNothing ? "NaN" : std::to_string(worst[i]));
     script += "EOD\nset ytics (";
     for (std::size_t i = 0; i < pairs.size(); ++i)
         fmt::format_to(std::back_inserter(script), "{}'{} {}' {}", i == 0 ? "" : ", ", name(pairs[i].signal),
@@ -56,7 +57,7 @@ void draw_matrix(const Plan& plan, std::span<const Row> rows, const std::filesys
         R"(set xrange [-0.5:{}]
 set yrange [{}:-0.5]
 set tics scale 0 out nomirror font ',9'
-set x2tics scale 0 font ',9'
+set termoption noenhanced
 set border lc rgb '#999999'
 set palette defined (0 '#9cc9a4', 1 '#f0c75e', 2 '#6f9ec9', 3 '#c0262d') maxcolors 4
 set cbrange [-0.5:3.5]
@@ -67,8 +68,7 @@ plot $cells using 1:2:3 with image notitle
         static_cast<double>(columns) - 0.5, static_cast<double>(pairs.size()) - 0.5,
         study::gnuplot_quoted(fmt::format(
             "{} runs, seed {}: the worst outcome of each cell; in each phase from left to right {}",
-            rows.size(), plan.seed, surfaces)) +
-            " noenhanced");
+            rows.size(), plan.seed, surfaces)));
     constexpr int kWidth = 1150;
     constexpr int kHeight = 1900;
     study::run_gnuplot(png, kWidth, kHeight, script);
