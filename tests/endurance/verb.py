@@ -28,7 +28,8 @@ def run(out, maneuvers, *more):
 
 
 def rows(out, what="number"):
-    with sqlite3.connect(f"file:{out}/ledger.sqlite?mode=ro", uri=True, timeout=30) as db:
+    # Not read-only: after SIGKILL a journal may lie there, and reading begins with rolling it back.
+    with sqlite3.connect(f"file:{out}/ledger.sqlite?mode=rw", uri=True, timeout=30) as db:
         return [r[0] for r in db.execute(f"select {what} from maneuvers where state = 'finished' order by number")]
 
 
