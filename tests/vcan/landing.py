@@ -132,6 +132,23 @@ def foreign(folder):
     same_bytes(folder, layout, ("--maneuver", "light", "--surface", "dry_asphalt", *layout), f"{int(valve.group(1)):03X}")
 
 
+def identified(folder):
+    """[STUDY-580] What rig-lab identify wrote runs in controller and rig over the bus as in process, and stops where the shipped numbers do."""
+    experiments = ("ramp", "step", "sweep", "slow_braking", "heavy")
+    for seed, name in enumerate(experiments):
+        subprocess.run([LAB, "maneuver", f"config/scenarios/{name}.toml", "--seed", str(seed + 1), "--out", folder / name], check=True,
+                       stdout=subprocess.DEVNULL)
+    subprocess.run([LAB, "identify", *(folder / name for name in experiments), "--no-pictures", "--out", folder / "found"], check=True,
+                   stdout=subprocess.DEVNULL)
+    config = str(folder / "found/config")
+    landing = ("--maneuver", "light", "--surface", "dry_asphalt")
+    same_bytes(folder, ("--config", config + "/controller.toml"), (*landing, "--config", config), "100")
+    (folder / "shipped").mkdir()
+    ours, shipped = json.loads((folder / "result.json").read_text()), in_process(folder / "shipped", *landing)[1]
+    check(ours["config_hash"] != shipped["config_hash"], "the identified configuration was not used")
+    check(abs(ours["stop_distance_m"] / shipped["stop_distance_m"] - 1) < 0.005, f"{ours['stop_distance_m']} m, shipped {shipped['stop_distance_m']} m")
+
+
 def flood(folder):
     """[STUDY-062] Foreign traffic as fast as it goes changes nothing in lockstep."""
     cangen = subprocess.Popen(["cangen", "vcan0", "-g", "0", "-i", "-I", "555", "-p", "1"], stderr=subprocess.DEVNULL)
@@ -224,7 +241,7 @@ def interface(folder):
     check("interface went down" in said or "did not answer" in said, said)
 
 
-TESTS = {f.__name__: f for f in (lockstep, foreign, flood, realtime, controller_dies, rig_interrupted, rig_killed, interface)}
+TESTS = {f.__name__: f for f in (lockstep, foreign, identified, flood, realtime, controller_dies, rig_interrupted, rig_killed, interface)}
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory(dir="/dev/shm") as name:
