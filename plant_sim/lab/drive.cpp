@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "config/reader/config_directory.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/study/drive.hpp"
@@ -10,7 +11,7 @@ namespace {
 
 struct DriveCommand {
     plant::ManeuverChoice choice;
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     std::filesystem::path input;
     std::string output;
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "config/reader/atomic_file.hpp"
+#include "config/reader/config_directory.hpp"
 #include "firmware/linux/stop_signals.hpp"
 #include "plant_sim/brake_options.hpp"
 #include "plant_sim/endurance/campaign.hpp"
@@ -16,7 +17,7 @@ namespace plant_sim {
 namespace {
 
 struct EnduranceCommand {
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     std::filesystem::path scenario;
     std::filesystem::path out;
     std::int64_t maneuvers = 500;

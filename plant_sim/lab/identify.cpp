@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "config/reader/atomic_file.hpp"
+#include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/linux/controller_config.hpp"
@@ -35,7 +36,7 @@ struct Validated {
 struct IdentifyCommand {
     std::vector<fs::path> runs;
     fs::path scenario;
-    fs::path config = "config";
+    fs::path config = settings::config_directory();
     fs::path out = "out/identify";
     fs::path validate;
     std::vector<double> currents;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "config/reader/config_directory.hpp"
 #include "plant_sim/endurance/frame_log.hpp"
 #include "plant_sim/endurance/setup.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -16,7 +17,7 @@ namespace {
 
 struct ManeuverCommand {
     std::filesystem::path scenario;
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     std::filesystem::path out;
     std::uint64_t seed = 1;
 

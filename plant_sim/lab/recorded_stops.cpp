@@ -13,6 +13,7 @@
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
+#include "rig_bridge/scenario/meter_parameters.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
 
 namespace plant_sim {
@@ -66,16 +67,6 @@ constexpr double kStands = 0.9;
 
 double seconds(Time time) {
     return static_cast<double>(time.count()) * 1e-9;
-}
-
-rig::MeterParameters meter_parameters(const plant::RigParameters& r) {
-    rig::MeterParameters parameters;
-    parameters.wheel_teeth = r.wheel_encoder.teeth;
-    parameters.flywheel_teeth = r.flywheel_encoder.teeth;
-    parameters.flywheel_radius_m = r.flywheel_radius_m;
-    parameters.wheel_radius_m = r.wheel.free_radius_m;
-    parameters.wheel_stiffness_Npm = r.wheel.stiffness_Npm;
-    return parameters;
 }
 
 /// The road's way by edges or, where the sensor reports that, by its speed.
@@ -232,7 +223,8 @@ class Loader {
         options.layout = &layout_;
         rig::LogReader reader(log, options, warnings);
         const plant::RigParameters& r = rig.rig;
-        rig::BusMeter meter(layout_, meter_parameters(r));
+        constexpr double kPeriod_s = 1e-3;  // dates samples only; speeds are of the sensors' own clocks
+        rig::BusMeter meter(layout_, rig::meter_parameters(rig, kPeriod_s));
         RoadWay road(r);
         std::vector<Raw> rows;
         double brake_on_mps = 0.0;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/reader/config_directory.hpp"
 #include "plant_sim/wear/dynamics.hpp"
 
 namespace plant_sim {
@@ -27,7 +28,7 @@ struct ClassStops {
 };
 
 struct StopFiles {
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     std::filesystem::path dbc;                     ///< empty: antiskid.dbc of `config`
     std::filesystem::path binding;                 ///< empty: antiskid_binding.toml of `config`
     std::function<void(const std::string&)> warn;  ///< takes a line about a log

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "config/reader/atomic_file.hpp"
+#include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
 #include "firmware/linux/stop_signals.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
@@ -24,7 +25,7 @@ using regulation::Mix;
 constexpr int kStopped = 130;
 
 struct RegulateCommand {
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     std::filesystem::path order;
     std::filesystem::path out = "out/regulate";
     std::filesystem::path characterised;  ///< write the floor table here instead

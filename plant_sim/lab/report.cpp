@@ -6,6 +6,7 @@
 #include <memory>
 #include <thread>
 
+#include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/paper/page.hpp"
@@ -41,7 +42,7 @@ void show_progress(const paper::SectionResult& result, std::size_t done, std::si
 }
 
 struct ReportCommand {
-    fs::path config = "config";
+    fs::path config = settings::config_directory();
     fs::path sections;
     fs::path out = "out/report";
     std::vector<std::string> only;

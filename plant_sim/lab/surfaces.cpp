@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
 #include "plant_sim/lab/surface_picture.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -15,7 +16,7 @@ namespace plant_sim {
 namespace {
 
 struct SurfacesCommand {
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     std::filesystem::path out = "out/surfaces";
     bool pictures = true;
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/foresight_pictures.hpp"
@@ -36,8 +37,8 @@ std::string landings(const std::optional<int>& left) {
 struct ForecastCommand {
     std::filesystem::path source;
     std::string campaign;
-    std::filesystem::path model = "config/wear/population.json";
-    std::filesystem::path config = "config";
+    std::filesystem::path model = settings::config_directory() / "wear/population.json";
+    std::filesystem::path config = settings::config_directory();
     std::optional<double> limit;
     bool reserve = false;
     std::string mix;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
 #include "plant_sim/brake_options.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
@@ -63,7 +64,7 @@ struct SimulateCommand {
     std::filesystem::path model;
     std::string replay;  ///< empty: torque where it was recorded
     std::string maneuver = plant::kEndurance;
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     wear::ConditionalRule rule;
     std::uint64_t seed = 1;
     std::filesystem::path out = "out/wear";

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "config/reader/config_directory.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/foresight_pictures.hpp"
 #include "plant_sim/lab/step_progress.hpp"
@@ -22,7 +23,7 @@ using Json = nlohmann::ordered_json;
 struct WatchCommand {
     std::filesystem::path source;
     std::string campaign;
-    std::filesystem::path model = "config/wear/population.json";
+    std::filesystem::path model = settings::config_directory() / "wear/population.json";
     bool trial = false;
     std::uint64_t seed = 1;
     std::filesystem::path out = "out/wear";

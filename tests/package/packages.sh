@@ -44,6 +44,7 @@ virtual-rig --can vcan0 --clock sync --maneuver light --surface dry_asphalt --ou
 kill $controller; wait $controller'
 check "a landing from the installed files alone" quietly "$rig" vcan --timeout 200 -- chroot "$debian" sh -c "$landing"
 check "has its figures" grep -q '"finished"\|distance_m' "$debian/root/landing/result.json"
+check "a study from the installed files alone" quietly inside sh -c 'cd /root && rig-lab maneuver /etc/antiskid/scenarios/ramp.toml --out ramp'
 
 sed -i 's/^period_ms = 1.0/period_ms = 2.0/' "$debian/etc/antiskid/controller.toml"
 dpkg-deb -R "$scratch"/first/antiskid-config_*.deb "$scratch/newer"

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/reader/config_directory.hpp"
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"
 #include "plant_sim/model/rig.hpp"
@@ -73,7 +74,7 @@ struct Plan {
 };
 
 struct PlanOptions {
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     std::string maneuver = "light";
     std::vector<std::string> surfaces{"dry_asphalt", "wet_asphalt", "snow", "ice"};
     std::size_t repetitions = 5;

@@ -35,7 +35,7 @@ std::vector<std::string> words_of(const std::string& line, const fs::path& here,
     std::vector<std::string> words;
     std::istringstream in(line);
     for (std::string word; in >> word;) {
-        if (word == "{config}" && options.config == "config" && !words.empty() &&
+        if (word == "{config}" && options.config == settings::config_directory() && !words.empty() &&
             words.back() == "--config") {
             words.pop_back();
             continue;

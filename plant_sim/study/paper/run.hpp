@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "config/reader/config_directory.hpp"
 #include "plant_sim/study/paper/sections.hpp"
 
 namespace paper {
@@ -32,7 +33,7 @@ struct SectionResult {
 
 struct RunOptions {
     std::filesystem::path out;
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     bool quick = false;
     unsigned jobs = 1;  ///< sections at a time
     /// Finds the program of a command by the command's first word; empty: there is none of that name.

@@ -3,12 +3,13 @@
 
 #include <filesystem>
 
+#include "config/reader/config_directory.hpp"
 #include "plant_sim/study/sweep/plan.hpp"
 
 namespace sweep {
 
 struct PlanOptions {
-    std::filesystem::path config = "config";
+    std::filesystem::path config = settings::config_directory();
     std::vector<double> references = paper_references();
     std::size_t landings = kPaperLandings;
     bool threshold = true;
