@@ -20,6 +20,7 @@
 #include "firmware/linux/stop_signals.hpp"
 #include "firmware/linux/supervised_can.hpp"
 #include "firmware/linux/telemetry.hpp"
+#include "firmware/preflight/controller_check.hpp"
 
 namespace {
 
@@ -95,6 +96,10 @@ int main(int argc, char** argv) {
         if (const int* status = std::get_if<int>(&parsed)) return *status;
         const auto& options = std::get<rt::Options>(parsed);
         spdlog::set_level(options.log_level);
+        if (options.check) {
+            status_of_error = 1;
+            return preflight::check_controller(options);
+        }
         const rt::Setup setup = rt::load_setup(options);
         status_of_error = 1;
         return run(options, setup);

@@ -12,10 +12,42 @@ constexpr auto kFooter = R"(Examples:
   antiskid-controller --can vcan0 --clock sync            in lockstep with virtual-rig
   antiskid-controller --can can0 --dbc config/foreign.dbc --binding config/foreign_binding.toml
                                                           on a rig with other encoders and another valve driver
+  antiskid-controller --can can0 --cpu 1 --check          before the wheel turns: machine, bus, sensors, timing; sends nothing
+  antiskid-controller --can can0 --cpu 1 --check --valve-step --json -
+                                                          the same and a small step of the valve, on a rig at rest
 Paths are relative to the working directory. The program runs until SIGINT (Ctrl-C), SIGTERM or SIGHUP; the valve's
 safe current is then the last command on the bus.
 Exit status: 0 ended by a signal, 1 failed while running (no such interface, safe current not delivered, report not
-written), 2 mistake on the command line or in a configuration file.)";
+written), 2 mistake on the command line or in a configuration file. With --check: 0 no check failed, 1 one did (a
+configuration file that is refused among them), 2 mistake on the command line, 130 Ctrl-C.)";
+
+void add_check_options(CLI::App& app, bool& wanted, CheckRequest& check) {
+    auto* const asked = app.add_flag("--check", wanted,
+                                     "check machine, CAN interface, the rig's frames and the loop's timing, "
+                                     "show a table, run nothing");
+    app.add_option("--timing-s", check.timing_s, "--check: how long to listen and to time the loop")
+        ->needs(asked)
+        ->check(CLI::Range(1, 3600))
+        ->type_name("S")
+        ->capture_default_str();
+    app.add_flag(
+           "--valve-step", check.valve_step,
+           "--check: also step the valve to twice the residual pressure for 0.5 s; refused unless wheel "
+           "and flywheel stand, there is no pressure and nothing else is wrong with the sensors")
+        ->needs(asked);
+    app.add_option("--bitrate", check.bitrate, "--check: of the rig's CAN")
+        ->needs(asked)
+        ->check(CLI::Range(10'000, 1'000'000))
+        ->type_name("BIT/S")
+        ->capture_default_str();
+    app.add_option("--expect-hash", check.expect_hash, "--check: the configuration must have this hash")
+        ->needs(asked)
+        ->type_name("HASH");
+    app.add_option("--json", check.json,
+                   "--check: as JSON, to a file; - for standard output instead of the table")
+        ->needs(asked)
+        ->type_name("FILE");
+}
 
 }  // namespace
 
@@ -59,13 +91,19 @@ std::variant<Options, int> parse_options(const int argc, const char* const* argv
     app.add_option("--log-level", level, "least severe messages to show")
         ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
         ->capture_default_str();
+    bool check = false;
+    CheckRequest request;
+    add_check_options(app, check, request);
     try {
         app.parse(argc, argv);
+        if (check && clock == "sync")
+            throw CLI::ValidationError("--check", "listens by the machine's clock: leave --clock sync out");
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
     options.clock = clock == "sync" ? ClockSource::sync : ClockSource::timer;
     options.log_level = spdlog::level::from_str(level);
+    if (check) options.check = request;
     return options;
 }
 

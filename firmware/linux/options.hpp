@@ -16,6 +16,15 @@ namespace antiskid::rt {
 
 enum class ClockSource : std::uint8_t { timer, sync };
 
+/// `--check`: look at everything before the wheel turns, and run nothing.
+struct CheckRequest {
+    int timing_s = 10;                  ///< of listening and timing
+    bool valve_step = false;            ///< also move the valve a little
+    std::uint32_t bitrate = 1'000'000;  ///< of the rig's CAN
+    std::string expect_hash;            ///< of the configuration; empty: any
+    std::string json;                   ///< file, "-" for standard output, or empty
+};
+
 struct Options {
     std::string interface;
     ClockSource clock = ClockSource::timer;
@@ -26,6 +35,7 @@ struct Options {
     RealtimeRequest realtime;
     int sync_timeout_ms = 1000;
     spdlog::level::level_enum log_level = spdlog::level::info;
+    std::optional<CheckRequest> check;
 };
 
 /// The options, or the exit status when there is nothing to run: 0 after --help or --version, 2 after a

@@ -62,6 +62,26 @@ TEST_CASE("a mistake on the command line is status 2, help is 0", "[RT-080]") {
     CHECK(std::get<int>(parse("--can", "can0", "surplus")) == 2);
 }
 
+TEST_CASE("--check comes with options of its own, which are mistakes without it", "[RT-080]") {
+    CHECK_FALSE(std::get<Options>(parse("--can", "can0")).check);
+    const auto plain = std::get<Options>(parse("--can", "can0", "--check"));
+    REQUIRE(plain.check);
+    CHECK(plain.check->timing_s == 10);
+    CHECK_FALSE(plain.check->valve_step);
+    CHECK(plain.check->bitrate == 1'000'000);
+    const auto full = std::get<Options>(parse("--can", "can0", "--check", "--timing-s", "60", "--valve-step",
+                                              "--bitrate", "500000", "--expect-hash", "abc", "--json", "-"));
+    CHECK(full.check->timing_s == 60);
+    CHECK(full.check->valve_step);
+    CHECK(full.check->bitrate == 500'000);
+    CHECK(full.check->expect_hash == "abc");
+    CHECK(full.check->json == "-");
+    CHECK(std::get<int>(parse("--can", "can0", "--valve-step")) == 2);
+    CHECK(std::get<int>(parse("--can", "can0", "--timing-s", "10")) == 2);
+    CHECK(std::get<int>(parse("--can", "can0", "--check", "--timing-s", "0")) == 2);
+    CHECK(std::get<int>(parse("--can", "can0", "--check", "--clock", "sync")) == 2);
+}
+
 TEST_CASE("a layout that cannot serve lockstep is refused with the binding's name", "[RT-081]") {
     const rt::Setup setup = rt::load_setup({});
     CHECK(setup.period == 1ms);

@@ -1,0 +1,107 @@
+#include "firmware/preflight/check.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "config/reader/atomic_file.hpp"
+
+namespace antiskid::preflight {
+
+namespace {
+
+constexpr std::array kVerdicts{Verdict::fail, Verdict::warn, Verdict::skipped, Verdict::pass};
+
+std::ptrdiff_t count(const Checks& checks, Verdict verdict) {
+    return std::count_if(checks.begin(), checks.end(),
+                         [verdict](const Check& check) { return check.verdict == verdict; });
+}
+
+std::size_t widest(const Checks& checks, std::string Check::*text, std::size_t least) {
+    for (const Check& check : checks) least = std::max(least, (check.*text).size());
+    return least;
+}
+
+}  // namespace
+
+std::string_view name(Verdict verdict) {
+    constexpr std::array<std::string_view, 4> kNames{"pass", "warn", "FAIL", "skipped"};
+    return kNames.at(static_cast<std::size_t>(verdict));
+}
+
+Check judged(std::string name, bool good, Words words, Verdict otherwise) {
+    return {.name = std::move(name),
+            .verdict = good ? Verdict::pass : otherwise,
+            .measured = std::move(words.measured),
+            .required = std::move(words.required),
+            .remedy = good ? std::string() : std::move(words.remedy),
+            .figures = {}};
+}
+
+Check skipped(std::string name, std::string why, std::string required) {
+    return {.name = std::move(name),
+            .verdict = Verdict::skipped,
+            .measured = std::move(why),
+            .required = std::move(required),
+            .remedy = {},
+            .figures = {}};
+}
+
+void append(Checks& checks, Checks more) {
+    checks.insert(checks.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+bool passed(const Report& report) {
+    return count(report.checks, Verdict::fail) == 0;
+}
+
+std::string table(const Report& report) {
+    constexpr std::size_t kMostMeasured = 48;  // longer ones push their own line's last column out
+    const std::size_t names = widest(report.checks, &Check::name, 5);
+    const std::size_t measured = std::min(kMostMeasured, widest(report.checks, &Check::measured, 8));
+    std::string text;
+    const auto out = std::back_inserter(text);
+    fmt::format_to(out, "{:<9}{:<{}}  {:<{}}  {}\n", "", "check", names, "measured", measured, "required");
+    for (const Check& check : report.checks) {
+        fmt::format_to(out, "{:<9}{:<{}}  {:<{}}  {}\n", name(check.verdict), check.name, names,
+                       check.measured, measured, check.required);
+        if (!check.remedy.empty()) fmt::format_to(out, "{:<9}{:<{}}  -> {}\n", "", "", names, check.remedy);
+    }
+    for (const Verdict verdict : kVerdicts)
+        fmt::format_to(out, "{} {}, ", count(report.checks, verdict), name(verdict));
+    fmt::format_to(out, "configuration {}: {}\n", report.config_hash.empty() ? "unread" : report.config_hash,
+                   passed(report) ? "no check failed" : "not fit, mend what failed");
+    return text;
+}
+
+std::string json(const Report& report) {
+    auto checks = nlohmann::ordered_json::array();
+    for (const Check& check : report.checks) {
+        nlohmann::ordered_json entry{{"name", check.name},
+                                     {"verdict", name(check.verdict)},
+                                     {"measured", check.measured},
+                                     {"required", check.required},
+                                     {"remedy", check.remedy}};
+        for (const auto& [figure, value] : check.figures) entry["figures"][figure] = value;
+        checks.push_back(std::move(entry));
+    }
+    const nlohmann::ordered_json root{{"program", report.program},     {"version", ANTISKID_VERSION},
+                                      {"interface", report.interface}, {"config_hash", report.config_hash},
+                                      {"passed", passed(report)},      {"checks", checks}};
+    // A name or an error message out of a file need not be UTF-8.
+    return root.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+int deliver(const Report& report, const std::string& json_place) {
+    if (json_place == "-")
+        fmt::print("{}", json(report));
+    else
+        fmt::print("{}", table(report));
+    if (!json_place.empty() && json_place != "-") settings::write_file(json_place, json(report));
+    return passed(report) ? 0 : 1;
+}
+
+}  // namespace antiskid::preflight
