@@ -74,9 +74,9 @@ std::string draw_map(const identification::ValveFit& v, const fs::path& director
     study::run_gnuplot(
         directory / "static_map.png", 1100, 900,
         script(csv,
-               fmt::format("static map: dead zone {:.3f} mA, hysteresis {:.4f} mA (95 %: {:.4f} to {:.4f})",
-                           v.dead_zone_mA.value, v.hysteresis_mA.value, v.hysteresis_mA.low,
-                           v.hysteresis_mA.high),
+               fmt::format("static map: dead zone {:.3f} mA, hysteresis {:.2f} uA (95 %: {:.2f} to {:.2f})",
+                           v.dead_zone_mA.value, v.hysteresis_mA.value * 1e3, v.hysteresis_mA.low * 1e3,
+                           v.hysteresis_mA.high * 1e3),
                R"(set key top left
 set xrange [0:*]
 set ylabel 'pressure (MPa)'

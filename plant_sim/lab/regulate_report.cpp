@@ -245,8 +245,9 @@ set yrange [{low}:{high}]
 set key bottom right
 plot {lowest} with lines lc rgb '#555555' dt 2 title 'allowed by the floor on J_{{/Symbol m}}', \
      {highest} with lines lc rgb '#555555' dt 2 notitle)",
-        fmt::arg("title", study::gnuplot_quoted(fmt::format(
-                              "Brake and tyre used up together: {} lives, seed {}", lives, r.options.seed))),
+        fmt::arg("title",
+                 study::gnuplot_quoted(fmt::format("Brake and tyre used up together: {} {}, seed {}", lives,
+                                                   lives == 1 ? "life" : "lives", r.options.seed))),
         fmt::arg("most", static_cast<double>(r.plan.landings) * 1.08), fmt::arg("planned", r.plan.landings),
         fmt::arg("fixed", fixed), fmt::arg("fixed_name", r.policies[fixed].policy.name),
         fmt::arg("low", r.range.lowest - 0.10), fmt::arg("high", r.range.highest + 0.03),
@@ -260,6 +261,7 @@ unset arrow 1
 set xlabel ''
 set xrange [-0.6:{last}]
 set yrange [*:*]
+set offsets 0, 0, graph 0.15, graph 0.05
 set ylabel 'used at the planned landing (%)'
 set key top left
 set xtics ({tics}) noenhanced

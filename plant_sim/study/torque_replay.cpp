@@ -1,9 +1,11 @@
 #include "plant_sim/study/torque_replay.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
+#include "plant_sim/model/measured_friction.hpp"
 #include "plant_sim/study/stop_meter.hpp"
 
 namespace study {
@@ -57,8 +59,10 @@ TorqueReplay replay_torques(const wear::Campaign& recorded, const plant::LoadedR
     out.simulated.points.reserve(recorded.points.size());
     const double start_J = brake.state().c_e_J;
     for (const wear::Braking& braking : recorded.brakings) {
-        rig.rig.mean_friction =
-            std::max(brake.next_friction(), plant::least_mean_friction(rig.rig.friction_curve));
+        // The model is of readings of eq. (7). NaN, where no brake reads so little, is the least that there is.
+        const double mean = plant::mean_of_measured(rig.rig.friction_curve, brake.next_friction(),
+                                                    rig.drop_out_mps / braking.brake_on_mps);
+        rig.rig.mean_friction = std::fmax(mean, plant::least_mean_friction(rig.rig.friction_curve));
         const TorqueStop stop = stop_by_torque(rig, braking);
         brake.take(stop.energy_brake_J);
         out.simulated.points.push_back({brake.state().c_e_J, stop.mean_friction});

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "plant_sim/study/paper/output_html.hpp"
 #include "plant_sim/study/paper/page.hpp"
 #include "plant_sim/study/paper/run.hpp"
 #include "plant_sim/study/paper/sections.hpp"
@@ -177,6 +178,17 @@ TEST_CASE("base64 is that of RFC 4648, and text cannot become markup", "[STUDY-1
     CHECK(paper::base64(std::string("\xFF\xFE\0\x01", 4)) == "//4AAQ==");
     CHECK(paper::escaped("<a b=\"c\" d='e'>&") == "&lt;a b=&quot;c&quot; d=&#39;e&#39;&gt;&amp;");
     CHECK(paper::escaped("a\xFF z") == "a\xEF\xBF\xBD z");
+}
+
+TEST_CASE("tables that a command prints in Markdown are tables in the page, all else is as printed",
+          "[STUDY-582]") {
+    CHECK(paper::output_html("").empty());
+    CHECK(paper::output_html("a  <b>\n c\n") == "<pre>a  &lt;b&gt;\n c</pre>\n");
+    CHECK(paper::output_html("before\n\n| a | b & c |\n|---|---:|\n| 1 |  |\n\nafter") ==
+          "<pre>before</pre>\n<table class=\"output\">\n<thead><tr><th>a</th><th>b &amp; c</th></tr>\n"
+          "</thead>\n<tbody>\n<tr><td>1</td><td></td></tr>\n</tbody></table>\n<pre>after</pre>\n");
+    CHECK(paper::output_html("| x |\n| y |") ==
+          "<table class=\"output\">\n<tbody>\n<tr><td>x</td></tr>\n<tr><td>y</td></tr>\n</tbody></table>\n");
 }
 
 TEST_CASE("the page holds pictures, differences and every no; it needs nothing else", "[STUDY-184]") {

@@ -93,13 +93,20 @@ TEST_CASE("Fig. 9 through the plant: energy is the recorded, friction has the re
     CHECK(replay.short_of_pressure == 0);
     CHECK(std::abs(replay.energy_error) < 0.01);
     const wear::Comparison c = wear::compare(campaign, replay.simulated, *model, kRule);
+    double off = 0.0;
+    double variance = 0.0;
     for (const wear::EnergyBand& band : c.bands) {
         CAPTURE(band.from_J, band.mean_error, band.deviation_recorded, band.deviation_simulated);
-        // Four standard errors of the difference of two means, and what eq. (7) is off in a stop that is none of constant pressure.
+        // Four standard errors of the difference of two means.
         const double error = std::hypot(band.deviation_recorded, band.deviation_simulated) /
                              std::sqrt(static_cast<double>(band.maneuvers));
-        CHECK(std::abs(band.mean_error) < 4.0 * error + 0.01 * 0.25);
+        CHECK(std::abs(band.mean_error) < 4.0 * error);
+        off += band.mean_error;
+        variance += error * error;
     }
+    // Readings drawn as readings: taken as means of the curve they would come out 1 to 3 % low, 5 standard errors.
+    CAPTURE(off);
+    CHECK(std::abs(off) < 4.0 * std::sqrt(variance));
     CHECK(c.ks_probability > 0.001);
     // Friction is asked at the energy that the plant came to: of another brake it would be another.
     wear::Campaign without = campaign;

@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "plant_sim/study/paper/output_html.hpp"
+
 namespace paper {
 
 namespace {
@@ -37,6 +39,9 @@ th, td { padding: .35rem .6rem; border-bottom: 1px solid var(--line); text-align
 th { background: var(--ground); border-bottom: 2px solid var(--blue); }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 tr { break-inside: avoid; }
+table.output { font-size: 12px; font-variant-numeric: tabular-nums; }
+table.output th, table.output td { padding: .15rem .5rem; }
+table.output td { white-space: nowrap; }
 pre { background: var(--ground); border: 1px solid var(--line); padding: .8rem 1rem; overflow-x: auto;
       font: 12px/1.45 "DejaVu Sans Mono", Consolas, monospace; margin: 1rem 0; }
 .note { border-left: 4px solid var(--orange); background: #fdf3ec; padding: .6rem 1rem; margin: 1rem 0;
@@ -48,9 +53,13 @@ pre { background: var(--ground); border: 1px solid var(--line); padding: .8rem 1
   main { max-width: none; padding: 0; }
   section { break-before: page; }
   h2 { margin-top: 0; break-after: avoid; }
+  .next { break-after: avoid; }
   pre { font-size: 6.6pt; white-space: pre-wrap; break-inside: auto; }
-  figure img { max-height: 225mm; width: auto; max-width: 100%; margin: 0 auto; }
+  figure img { max-height: 178mm; width: auto; max-width: 100%; margin: 0 auto; }
   table { font-size: 8.5pt; }
+  table.output { font-size: 6.6pt; }
+  table.output th, table.output td { padding: .05rem .28rem; }
+  th, td { padding: .15rem .4rem; }
   a { color: inherit; }
 }
 )";
@@ -175,9 +184,9 @@ std::string section_html(const SectionResult& result, const std::vector<Compared
         const CommandResult& c = result.commands[i];
         if (c.output.empty()) continue;
         if (!said) fmt::format_to(std::back_inserter(out), "<p class=\"made\">{}</p>\n", escaped(c.line));
-        fmt::format_to(std::back_inserter(out), "<pre>{}</pre>\n", escaped(c.output));
+        out += output_html(c.output);
     }
-    out += result.commands.size() > 1 ? "<p class=\"head\">All commands of this section:</p>\n" : "";
+    out += result.commands.size() > 1 ? "<p class=\"head next\">All commands of this section:</p>\n" : "";
     for (const CommandResult& c : result.commands)
         if (result.commands.size() > 1)
             fmt::format_to(std::back_inserter(out), "<p class=\"made\">{}</p>\n", escaped(c.line));

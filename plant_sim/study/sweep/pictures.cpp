@@ -70,25 +70,28 @@ void draw_fig13(const Summary& s, const std::filesystem::path& png) {
         kStyle + data(s) +
         "set key outside top center horizontal\nset tmargin 5\nset offsets graph 0.02, graph 0.02, graph "
         "0.08, graph 0.02\n"
-        "set multiplot layout 2,1 title " +
+        "set multiplot layout 2,1\nset title " +
         title_of(s) + "\n" +
         // Brake energy falls as the reference rises: the axis is turned so that the reference rises to the right in both.
-        "set label 1 'slip reference rises {/Symbol \\256}' at graph 0.5, graph 0.06 center tc rgb "
+        "set label 1 'slip reference rises {/Symbol \\256}' at graph 0.55, graph 0.5 center tc rgb "
         "'#555555'\n"
         "set xrange [*:*] reverse\n" +
-        panel(2, "brake") + "set xrange [*:*] noreverse\n" + panel(3, "tyre") + "unset multiplot\n";
+        panel(2, "brake") + "unset title\nset xrange [*:*] noreverse\n" + panel(3, "tyre") +
+        "unset multiplot\n";
     study::run_gnuplot(png, 1000, 1100, script);
 }
 
 void draw_fig14(const Summary& s, const std::filesystem::path& png) {
     const std::string script = kStyle + data(s) + "set multiplot layout 1,2 title " + title_of(s) + "\n" +
                                R"(set key top right
+set offsets graph 0.08, 0, 0, graph 0.03
 set xlabel 'mean energy to the brake (MJ a stop)'
 set ylabel 'mean energy to the tyre (MJ a stop)'
 plot $means using 2:3 with linespoints ls 1 title 'slip references', \
      $labels using 2:3:(sprintf('%.2f', $1)) with labels right offset -0.8,-0.6 tc rgb '#1f4e79' font ',9' notitle, \
      $paper using 2:3 with points pt 6 ps 2.2 lw 2 lc rgb 'black' title 'reference 0.24', \
      $threshold using 2:3 with points pt 2 ps 1.6 lw 2 lc rgb '#c55a11' title 'threshold law'
+unset offsets
 set key center right
 set xlabel 'slip reference'
 set ylabel 'mean energy (MJ a stop)'

@@ -201,8 +201,7 @@ void draw_trade(const Trade& t, const TradeOptions& options, const std::filesyst
         labels + "EOD\n" + block("best", t.best) + block("paper", t.paper) + block("threshold", t.threshold) +
         "set key outside top center horizontal maxrows 2\n"
         "set offsets graph 0.03, graph 0.08, graph 0.05, graph 0.05\nset multiplot layout 1,2\n" +
-        fmt::format("set xlabel '{}'\nset xtics rotate by -30\n", cost) +
-        panel(2, "mean J_{/Symbol m}", options.bounds.least_j_mu) +
+        fmt::format("set xlabel '{}'\n", cost) + panel(2, "mean J_{/Symbol m}", options.bounds.least_j_mu) +
         panel(3, "mean braking distance (m)", options.bounds.most_distance_m) + "unset multiplot\n";
     study::run_gnuplot(png, 1300, 640, script);
 }
