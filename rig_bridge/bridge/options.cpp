@@ -9,6 +9,7 @@ namespace rig {
 namespace {
 
 constexpr auto kFooter = R"(Examples:
+  rig-bridge preflight config/scenarios/heavy.toml --can can0 --plc 192.168.1.10:502 --out runs/brake7 --maneuvers 500
   rig-bridge maneuver config/scenarios/heavy.toml --can can0 --plc 192.168.1.10:502
   rig-bridge maneuver config/scenarios/heavy.toml --can vcan0 --plc 127.0.0.1:1502 --out out/heavy
   rig-bridge campaign config/scenarios/endurance.toml --can can0 --plc-rtu /dev/ttyUSB0 --maneuvers 500 --out runs/brake7
@@ -16,7 +17,8 @@ constexpr auto kFooter = R"(Examples:
   rig-bridge status runs/brake7
 Ctrl-C brings the maneuver to its safe end first; a second one ends the program at once, and the PLC's watchdog and the controller's
 time-outs make the rig safe. The same campaign command goes on where it was, whatever ended it.
-Exit status: 0 finished (also: wear limit reached), 1 aborted or failed (the reason is named), 2 mistake on the command line or in a
+preflight takes the arguments of the maneuver or campaign that is to come, and moves nothing.
+Exit status: 0 finished (also: wear limit reached; preflight: no check failed), 1 aborted or failed (the reason is named), 2 mistake on the command line or in a
 configuration file, 130 Ctrl-C.)";
 
 struct PlcOptions {
@@ -78,6 +80,8 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     ManeuverCommand maneuver;
     CampaignCommand campaign;
     StatusCommand status;
+    PreflightCommand preflight;
+    PlcOptions preflight_plc;
     PlcOptions maneuver_plc;
     PlcOptions campaign_plc;
     CLI::App* const one = app.add_subcommand("maneuver", "one maneuver into a folder");
@@ -121,10 +125,26 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     many->add_option("--name", campaign.name, "of the campaign in its ledger (default: the scenario's)");
     many->add_flag("--go-on-changed", campaign.changed,
                    "resume although scenario, seed or configuration differ from before");
+    CLI::App* const before = app.add_subcommand(
+        "preflight",
+        "PLC, interlocks, bus, controller, ledger, disk and clock before the wheel turns; reads only");
+    add_rig_options(*before, preflight.rig, preflight_plc,
+                    "folder of the record or campaign that is to come");
+    before->add_option("--maneuvers", preflight.maneuvers, "that the disk must have room for")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    before->add_option("--bitrate", preflight.bitrate, "of the rig's CAN")
+        ->check(CLI::Range(10'000, 1'000'000))
+        ->type_name("BIT/S")
+        ->capture_default_str();
+    before
+        ->add_option("--json", preflight.json,
+                     "as JSON, to a file; - for standard output instead of the table")
+        ->type_name("FILE");
     CLI::App* const state = app.add_subcommand("status", "how far a campaign is, from its ledger");
     state->add_option("DIR", status.directory, "folder of the campaign")->required();
     state->add_flag("--json", status.json, "as JSON");
-    for (CLI::App* const verb : {one, many, state}) verb->footer(kFooter);
+    for (CLI::App* const verb : {one, many, before, state}) verb->footer(kFooter);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
@@ -134,6 +154,10 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     if (one->parsed()) {
         choose_plc(maneuver_plc, maneuver.rig);
         return BridgeCommand{maneuver};
+    }
+    if (before->parsed()) {
+        choose_plc(preflight_plc, preflight.rig);
+        return BridgeCommand{preflight};
     }
     choose_plc(campaign_plc, campaign.rig);
     return BridgeCommand{campaign};

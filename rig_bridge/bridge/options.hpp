@@ -52,7 +52,14 @@ struct StatusCommand {
     std::filesystem::path directory;
     bool json = false;
 };
-using BridgeCommand = std::variant<ManeuverCommand, CampaignCommand, StatusCommand>;
+/// Looks at everything that the maneuvers to come need, and moves nothing.
+struct PreflightCommand {
+    RigOptions rig;
+    int maneuvers = 1;                  ///< that the disk must have room for
+    std::uint32_t bitrate = 1'000'000;  ///< of the rig's CAN
+    std::string json;                   ///< file, "-" for standard output, or empty
+};
+using BridgeCommand = std::variant<ManeuverCommand, CampaignCommand, StatusCommand, PreflightCommand>;
 
 /// The command, or the exit status when there is nothing to do. Throws settings::Error or std::invalid_argument.
 [[nodiscard]] std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* const* argv);

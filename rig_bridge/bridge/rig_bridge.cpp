@@ -22,6 +22,10 @@ int run(const rig::StatusCommand& command) {
     return rig::show_status(command);
 }
 
+int run(const rig::PreflightCommand& command) {
+    return rig::run_preflight(command);
+}
+
 int fail(int status, const std::exception& e) {
     (void)std::fprintf(stderr, "rig-bridge: %s\n", e.what());
     return status;

@@ -321,4 +321,13 @@ void Ledger::mark_unfinished() {
     transaction.commit();
 }
 
+std::optional<std::string> held_by_another(const std::filesystem::path& path) {
+    try {
+        const Lock lock(path);
+        return std::nullopt;
+    } catch (const LedgerError& error) {
+        return error.what();
+    }
+}
+
 }  // namespace rig

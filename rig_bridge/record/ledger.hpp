@@ -124,6 +124,9 @@ class Ledger {
 /// The campaigns of a ledger, oldest first.
 [[nodiscard]] std::vector<Campaign> read_campaigns(const std::filesystem::path& path);
 
+/// Who has this ledger open for writing, or why nobody can; none: it is free.
+[[nodiscard]] std::optional<std::string> held_by_another(const std::filesystem::path& path);
+
 [[nodiscard]] const char* name(RowState state);
 
 }  // namespace rig

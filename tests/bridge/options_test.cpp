@@ -38,6 +38,14 @@ TEST_CASE("The command line says which rig, which maneuver and where to", "[BRG-
     CHECK_FALSE(many.rig.reset);
     CHECK(many.wear_model.empty());
     CHECK(command<rig::StatusCommand>({"status", "runs/1", "--json"}).json);
+    const auto before = command<rig::PreflightCommand>({"preflight", "e.toml", "--can", "can0", "--plc",
+                                                        "10.0.0.2:502", "--out", "runs/1", "--maneuvers",
+                                                        "500", "--bitrate", "500000", "--json", "-"});
+    CHECK(before.rig.plc == "10.0.0.2:502");
+    CHECK(before.rig.out == "runs/1");
+    CHECK(before.maneuvers == 500);
+    CHECK(before.bitrate == 500'000);
+    CHECK(before.json == "-");
     CHECK(rig::ledger_file("runs/1") == "runs/1/campaign.sqlite");
 }
 
@@ -51,6 +59,8 @@ TEST_CASE("Mistakes end with status 2 or say what would be right", "[BRG-430]") 
           2);
     CHECK(std::get<int>(parse({"campaign", "x.toml", "--can", "c", "--plc", "1.2.3.4:5", "--out", "o",
                                "--maneuvers", "0"})) == 2);
+    CHECK(std::get<int>(parse({"preflight", "x.toml", "--plc", "1.2.3.4:5"})) == 2);
+    CHECK_THROWS_WITH(parse({"preflight", "x.toml", "--can", "c"}), ContainsSubstring("--plc IP:PORT"));
     CHECK(std::get<int>(parse({"--help"})) == 0);
     // Nobody to say that it is abnormal.
     CHECK(std::get<int>(parse({"campaign", "x.toml", "--can", "c", "--plc", "1.2.3.4:5", "--out", "o",

@@ -9,34 +9,36 @@
 #include <sstream>
 
 #include "config/reader/error.hpp"
-#include "tests/catch.hpp"
+#include "tests/preflight/verdicts.hpp"
 
-using namespace antiskid::preflight;
+using namespace preflight_test;
 
 namespace {
 
-Report sample() {
-    Report report{.program = "p", .interface = "can0", .config_hash = "abc", .checks = {}};
-    report.checks.push_back(judged("one", true, {.measured = "m1", .required = "r1", .remedy = "c1"}));
+preflight::Report sample() {
+    preflight::Report report{.program = "p", .interface = "can0", .config_hash = "abc", .checks = {}};
     report.checks.push_back(
-        judged("two", false, {.measured = "m2", .required = "r2", .remedy = "c2"}, Verdict::warn));
-    report.checks.push_back(skipped("three", "not asked for", "r3"));
+        preflight::judged("one", true, {.measured = "m1", .required = "r1", .remedy = "c1"}));
+    report.checks.push_back(preflight::judged(
+        "two", false, {.measured = "m2", .required = "r2", .remedy = "c2"}, preflight::Verdict::warn));
+    report.checks.push_back(preflight::skipped("three", "not asked for", "r3"));
     return report;
 }
 
 }  // namespace
 
 TEST_CASE("a report passes with warnings and skipped checks, not with a failed one", "[RT-130]") {
-    Report report = sample();
-    CHECK(passed(report));
-    CHECK(deliver(report, "") == 0);
-    report.checks.push_back(judged("four", false, {.measured = "m4", .required = "r4", .remedy = "c4"}));
-    CHECK_FALSE(passed(report));
-    CHECK(deliver(report, "") == 1);
+    preflight::Report report = sample();
+    CHECK(preflight::passed(report));
+    CHECK(preflight::deliver(report, "") == 0);
+    report.checks.push_back(
+        preflight::judged("four", false, {.measured = "m4", .required = "r4", .remedy = "c4"}));
+    CHECK_FALSE(preflight::passed(report));
+    CHECK(preflight::deliver(report, "") == 1);
 }
 
 TEST_CASE("the table has a line a check, and the remedy of those that did not pass", "[RT-130]") {
-    const std::string text = table(sample());
+    const std::string text = preflight::table(sample());
     CHECK_THAT(text, ContainsSubstring("pass     one") && ContainsSubstring("warn     two") &&
                          ContainsSubstring("skipped  three") && ContainsSubstring("-> c2"));
     CHECK_THAT(text, !ContainsSubstring("c1"));
@@ -45,10 +47,10 @@ TEST_CASE("the table has a line a check, and the remedy of those that did not pa
 
 TEST_CASE("JSON has verdict, measured, required, remedy and figures, also of text that is not UTF-8",
           "[RT-130]") {
-    Report report = sample();
+    preflight::Report report = sample();
     report.checks[0].figures = {{"max_us", 12.5}};
     report.checks[1].measured = "can\xff";
-    const auto read = nlohmann::json::parse(json(report));
+    const auto read = nlohmann::json::parse(preflight::json(report));
     CHECK(read["passed"] == true);
     CHECK(read["config_hash"] == "abc");
     CHECK(read["checks"][0]["figures"]["max_us"] == 12.5);
@@ -60,9 +62,9 @@ TEST_CASE("JSON has verdict, measured, required, remedy and figures, also of tex
 TEST_CASE("JSON goes to a file; a place that cannot be written is an error", "[RT-130]") {
     const auto file =
         std::filesystem::temp_directory_path() / ("check_" + std::to_string(getpid()) + ".json");
-    CHECK(deliver(sample(), file.string()) == 0);
+    CHECK(preflight::deliver(sample(), file.string()) == 0);
     std::ifstream in(file);
     CHECK(nlohmann::json::parse(in)["program"] == "p");
     std::filesystem::remove(file);
-    CHECK_THROWS_AS(deliver(sample(), "/proc/none/check.json"), settings::Error);
+    CHECK_THROWS_AS(preflight::deliver(sample(), "/proc/none/check.json"), settings::Error);
 }

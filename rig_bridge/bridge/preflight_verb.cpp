@@ -1,0 +1,90 @@
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <system_error>
+#include <thread>
+
+#include "config/reader/error.hpp"
+#include "firmware/can/roles.hpp"
+#include "firmware/can/socket_can.hpp"
+#include "firmware/linux/clock.hpp"
+#include "rig_bridge/bridge/preflight.hpp"
+#include "rig_bridge/bridge/verbs.hpp"
+
+namespace rig {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Whoever never calls command() or alive() makes the client read only.
+Snapshot look_at_plc(const Setup& setup) {
+    constexpr auto kLong = 1s;      // many polls, and several watchdog times
+    constexpr auto kPatience = 3s;  // for the first connection
+    const ModbusClient client(setup.map, parse_plc_address(setup.options.plc));
+    const auto began = std::chrono::steady_clock::now();
+    while (client.snapshot().link == LinkState::connecting &&
+           std::chrono::steady_clock::now() - began < kPatience)
+        std::this_thread::sleep_for(20ms);
+    std::this_thread::sleep_for(kLong);
+    return client.snapshot();
+}
+
+BusHeard listen_to_bus(const Setup& setup) {
+    constexpr antiskid::can::Time kLong = 1s;
+    constexpr antiskid::can::Time kTurn = 20ms;
+    BusHeard heard;
+    antiskid::can::Observer observer(setup.layout);
+    try {
+        const auto ids = antiskid::can::ids(setup.layout, antiskid::can::kEveryRole);
+        antiskid::can::SocketCan bus(setup.options.interface, ids.span());
+        antiskid::rt::MonotonicClock clock;
+        const antiskid::can::Time end = clock.now() + kLong;
+        std::array<antiskid::can::Frame, antiskid::can::SocketCan::kBatch> frames;
+        for (heard.until = clock.now(); heard.until < end; heard.until = clock.now()) {
+            (void)bus.wait(kTurn);
+            for (std::size_t count = bus.receive(frames); count > 0; count = bus.receive(frames))
+                for (const antiskid::can::Frame& frame : std::span(frames).first(count))
+                    (void)observer.accept(frame);
+        }
+    } catch (const std::runtime_error& error) {
+        heard.refusal = error.what();
+    }
+    heard.view = observer.view();
+    for (const antiskid::can::Role role : antiskid::can::kEveryRole)
+        heard.stats[static_cast<std::size_t>(role)] = observer.stats(role);
+    return heard;
+}
+
+LedgerFacts look_at_ledger(const std::filesystem::path& ledger) {
+    LedgerFacts facts{.there = std::filesystem::exists(ledger), .refusal = {}, .campaigns = {}};
+    if (!facts.there) return facts;
+    try {
+        facts.campaigns = read_campaigns(ledger);
+        facts.refusal = held_by_another(ledger).value_or("");
+    } catch (const std::runtime_error& error) {
+        facts.refusal = error.what();
+    }
+    if (facts.refusal.empty() && access(ledger.c_str(), W_OK) != 0)
+        facts.refusal = ledger.string() + ": " + std::generic_category().message(errno);
+    return facts;
+}
+
+}  // namespace
+
+int run_preflight(const PreflightCommand& command) {
+    const PreflightDoors doors{
+        .machine =
+            [](const antiskid::preflight::MachineNeeds& needs) {
+                return antiskid::preflight::machine_facts(needs);
+            },
+        .link = [](const std::string& interface) { return antiskid::preflight::can_link(interface); },
+        .ledger = look_at_ledger,
+        .plc = look_at_plc,
+        .bus = listen_to_bus};
+    return deliver(preflight_report(command, doors), command.json);
+}
+
+}  // namespace rig

@@ -1,0 +1,265 @@
+// rig-bridge preflight: a rig that is bad in one respect fails the check of that respect, and no other.
+#include "rig_bridge/bridge/preflight.hpp"
+
+#include <unistd.h>
+
+#include <limits>
+
+#include "tests/bridge/fakes.hpp"
+#include "tests/preflight/verdicts.hpp"
+
+using namespace std::chrono_literals;
+using antiskid::can::Role;
+using preflight_test::named;
+using preflight_test::wrong;
+using preflight_test::Wrong;
+
+namespace {
+
+namespace preflight = antiskid::preflight;
+
+rig::PreflightCommand heavy() {
+    rig::PreflightCommand command;
+    command.rig.scenario = "config/scenarios/heavy.toml";
+    command.rig.interface = std::string("can0");  // GCC 12 warns falsely of text that is assigned
+    command.rig.plc = std::string("192.168.1.10:502");
+    command.rig.out = "runs/brake7";
+    return command;
+}
+
+const rig::Setup& heavy_setup() {
+    static const rig::Setup setup = rig::load_setup(heavy().rig);
+    return setup;
+}
+
+rig::BusHeard sound_bus() {
+    rig::BusHeard heard;
+    heard.until = 10s;
+    heard.view = bridge_test::good_bus(heard.until).view;
+    for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::status})
+        heard.stats[static_cast<std::size_t>(role)].accepted = 1000;
+    return heard;
+}
+
+preflight::MachineFacts sound_computer() {
+    preflight::MachineFacts facts;
+    facts.fifo_granted = facts.clock_synchronised = true;
+    facts.clock_source = std::string("tsc");
+    facts.clock_resolution_s = 1e-9;
+    facts.record_free_bytes = 1e9;
+    return facts;
+}
+
+preflight::CanLink sound_chip() {
+    preflight::CanLink link;
+    link.there = link.is_can = link.up = true;
+    link.kind = std::string("can");
+    link.queue_length = 64;
+    link.bitrate = 1'000'000;
+    link.state = 0;
+    link.restart_ms = 100;
+    return link;
+}
+
+struct PreflightBench {
+    preflight::Report run() {
+        return preflight_report(command, {.machine = [this](const auto&) { return machine; },
+                                          .link = [this](const auto&) { return link; },
+                                          .ledger = [this](const auto&) { return ledger; },
+                                          .plc = [this](const auto&) { return plc; },
+                                          .bus = [this](const auto&) { return bus; }});
+    }
+    [[nodiscard]] Wrong wrongs() { return wrong(run().checks); }
+
+    rig::PreflightCommand command = heavy();
+    preflight::MachineFacts machine = sound_computer();
+    preflight::CanLink link = sound_chip();
+    rig::LedgerFacts ledger;
+    rig::Snapshot plc = bridge_test::good_plc();
+    rig::BusHeard bus = sound_bus();
+};
+
+void set(PreflightBench& bench, rig::Measured q, double value) {
+    rig::at(bench.plc.values, q) = value;
+}
+
+/// A folder of the test's own, gone with the object.
+class Folder {
+  public:
+    Folder() : path_(std::filesystem::temp_directory_path() / ("preflight_" + std::to_string(getpid()))) {
+        std::filesystem::create_directories(path_);
+    }
+    ~Folder() { std::filesystem::remove_all(path_); }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    [[nodiscard]] std::filesystem::path ledger() const { return path_ / "campaign.sqlite"; }
+
+  private:
+    std::filesystem::path path_;
+};
+
+}  // namespace
+
+TEST_CASE("A rig that is good in every respect passes every check but what nobody tells", "[BRG-150]") {
+    PreflightBench bench;
+    const preflight::Report report = bench.run();
+    CHECK(wrong(report.checks).empty());
+    CHECK(passed(report));
+    CHECK(report.config_hash == heavy_setup().config_hash);
+    for (const preflight::Check& check : report.checks) {
+        CAPTURE(check.name, check.measured);
+        CHECK((check.verdict == preflight::Verdict::pass || check.name == "CAN error counters"));
+    }
+}
+
+TEST_CASE("A PLC that is bad in one respect fails that check alone", "[BRG-151]") {
+    PreflightBench bench;
+    SECTION("silent") {
+        bench.plc.link = rig::LinkState::lost;
+        bench.plc.error = std::string("connect: Connection refused");
+        const auto checks = bench.run().checks;
+        CHECK(wrong(checks) == Wrong{"PLC link: FAIL"});
+        CHECK(named(checks, "PLC link").measured == "connect: Connection refused");
+        CHECK(named(checks, "PLC register map").verdict == preflight::Verdict::skipped);
+    }
+    SECTION("another map") {
+        bench.plc.link = rig::LinkState::map_refused;
+        bench.plc.error = std::string("the PLC has version 7");
+        CHECK(bench.wrongs() == Wrong{"PLC register map: FAIL"});
+    }
+    SECTION("a program that stands still") {
+        bench.plc.plc_watchdog_age_s = std::numeric_limits<double>::infinity();
+        CHECK(bench.wrongs() == Wrong{"PLC heartbeat: FAIL"});
+    }
+    SECTION("a sensor that says what cannot be") {
+        bench.plc.quality[static_cast<std::size_t>(rig::Measured::brake_temperature_C)] =
+            rig::ValueQuality::implausible;
+        const auto checks = bench.run().checks;
+        CHECK(wrong(checks) == Wrong{"PLC registers: FAIL"});
+        CHECK_THAT(named(checks, "PLC registers").measured,
+                   ContainsSubstring("brake_temperature implausible"));
+    }
+    SECTION("a register that is old") {
+        bench.plc.age_s[static_cast<std::size_t>(rig::Measured::vertical_load_N)] = 9.0;
+        CHECK(bench.wrongs() == Wrong{"PLC registers: FAIL"});
+    }
+    SECTION("tripped, and nobody may reset it but by hand") {
+        set(bench, rig::Measured::plc_state, 1.0);
+        CHECK(bench.wrongs().empty());
+        bench.command.rig.reset = false;
+        CHECK(bench.wrongs() == Wrong{"PLC state: FAIL"});
+    }
+    SECTION("a flywheel that turns") {
+        set(bench, rig::Measured::flywheel_speed_mps, 3.0);
+        CHECK(bench.wrongs() == Wrong{"rig at rest: FAIL"});
+    }
+    SECTION("a wheel on the rim") {
+        set(bench, rig::Measured::wheel_on_rim, 1.0);
+        CHECK(bench.wrongs() == Wrong{"rig at rest: FAIL"});
+    }
+}
+
+TEST_CASE("Each interlock that is open is named", "[BRG-151]") {
+    for (std::size_t i = 0; i < rig::kInterlockCount; ++i) {
+        PreflightBench bench;
+        set(bench, rig::Measured::interlocks, 15.0 - static_cast<double>(1U << i));
+        const std::string name(rig::name(static_cast<rig::Interlock>(i)));
+        CHECK(bench.wrongs() == Wrong{"interlock " + name + ": FAIL"});
+    }
+}
+
+TEST_CASE("A bus that is bad in one respect fails that check alone", "[BRG-152]") {
+    PreflightBench bench;
+    auto& stats = bench.bus.stats;
+    const auto of = [&](Role role) -> auto& {
+        return stats[static_cast<std::size_t>(role)];
+    };
+    SECTION("not to be opened") {
+        bench.bus.refusal = std::string("CAN interface 'can0' is down");
+        CHECK(bench.wrongs() == Wrong{"CAN socket: FAIL"});
+    }
+    SECTION("no wheel") {
+        bench.bus.view.wheel.received = antiskid::control::kNever;
+        of(Role::wheel).accepted = 0;
+        CHECK(bench.wrongs() == Wrong{"wheel frames: FAIL"});
+    }
+    SECTION("a flywheel that fell silent") {
+        bench.bus.view.flywheel.received = bench.bus.until - 400ms;
+        CHECK(bench.wrongs() == Wrong{"flywheel frames: FAIL"});
+    }
+    SECTION("a pressure that is damaged now and then") {
+        of(Role::pressure).wrong_crc = 1;
+        CHECK(bench.wrongs() == Wrong{"pressure frames: FAIL"});
+    }
+    SECTION("no controller") {
+        bench.bus.view.controller = {};
+        of(Role::status).accepted = 0;
+        CHECK(bench.wrongs() == Wrong{"status frames: FAIL"});
+    }
+    SECTION("a controller in its safe state") {
+        bench.bus.view.controller.state = antiskid::control::State::safe;
+        bench.bus.view.controller.faults.insert(antiskid::control::Fault::wheel_lost);
+        const auto checks = bench.run().checks;
+        CHECK(wrong(checks) == Wrong{"controller state: FAIL"});
+        CHECK(named(checks, "controller state").measured == "safe: wheel_lost");
+    }
+    SECTION("another bridge") {
+        of(Role::maneuver).accepted = 50;
+        CHECK(bench.wrongs() == Wrong{"only bridge: FAIL"});
+    }
+    SECTION("an interface at another bit rate") {
+        bench.link.bitrate = 500'000;
+        CHECK(bench.wrongs() == Wrong{"CAN bit rate: FAIL"});
+    }
+}
+
+TEST_CASE("A computer, a ledger or a configuration that will not do fails its own check", "[BRG-153]") {
+    PreflightBench bench;
+    SECTION("no real-time right") {
+        bench.machine.fifo_granted = false;
+        CHECK(bench.wrongs() == Wrong{"scheduler rights: FAIL"});
+    }
+    SECTION("a disk too small for the campaign") {
+        bench.machine.record_free_bytes = 0.4e9;
+        CHECK(bench.wrongs().empty());
+        bench.command.maneuvers = 50;
+        CHECK(bench.wrongs() == Wrong{"disk of the record: FAIL"});
+    }
+    SECTION("a ledger that is held or damaged") {
+        bench.ledger = {.there = true, .refusal = "is held by another program", .campaigns = {}};
+        CHECK(bench.wrongs() == Wrong{"ledger: FAIL"});
+    }
+    SECTION("a campaign of another configuration") {
+        rig::Campaign campaign;
+        campaign.name = std::string("heavy");
+        campaign.config_hash = std::string("0");
+        bench.ledger = {.there = true, .refusal = {}, .campaigns = {campaign}};
+        CHECK(bench.wrongs() == Wrong{"campaign's configuration: warn"});
+        bench.ledger.campaigns[0].config_hash = heavy_setup().config_hash;
+        CHECK(bench.wrongs().empty());
+        bench.ledger.campaigns[0] = {};
+        CHECK(bench.wrongs().empty());
+    }
+    SECTION("no place of a record given") {
+        bench.command.rig.out.clear();
+        CHECK(named(bench.run().checks, "ledger").verdict == preflight::Verdict::skipped);
+    }
+    SECTION("a scenario that is not there") {
+        bench.command.rig.scenario = "config/scenarios/no_such.toml";
+        const preflight::Report report = bench.run();
+        CHECK(wrong(report.checks) == Wrong{"configuration: FAIL"});
+        CHECK_FALSE(passed(report));
+        CHECK(report.config_hash.empty());
+    }
+}
+
+TEST_CASE("A ledger says whether another program holds it", "[BRG-153]") {
+    const Folder folder;
+    {
+        const rig::Ledger ledger(folder.ledger());
+        REQUIRE(rig::held_by_another(folder.ledger()));
+        CHECK_THAT(*rig::held_by_another(folder.ledger()), ContainsSubstring("is held by another program"));
+    }
+    CHECK_FALSE(rig::held_by_another(folder.ledger()));
+    CHECK(rig::held_by_another("/proc/none/campaign.sqlite"));
+}
