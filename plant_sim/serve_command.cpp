@@ -42,6 +42,7 @@ using antiskid::control::Time;
 struct Options {
     std::string interface;
     std::string modbus = "127.0.0.1:1502";
+    std::vector<std::string> modbus_allow{"127.0.0.1"};
     bool rtu = false;
     std::string clock = "timer";
     std::filesystem::path config = settings::config_directory();
@@ -79,6 +80,12 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         app.add_option("--modbus", o.modbus, "where Modbus TCP is served; port 0: any free one")
             ->type_name("IP:PORT")
             ->capture_default_str();
+    app.add_option(
+           "--modbus-allow", o.modbus_allow,
+           "peers that may connect by Modbus TCP, numeric, with commas between; others are closed and named")
+        ->delimiter(',')
+        ->type_name("IP")
+        ->capture_default_str();
     std::string rtu;
     app.add_option(
            "--modbus-rtu", rtu,
@@ -144,6 +151,10 @@ rig::ServerOptions server_options(const Options& o) {
                                     "'");
     server.address = o.modbus.substr(0, colon);
     server.port = port;
+    server.allow = o.modbus_allow;
+    server.on_refused = [](const std::string& peer) {
+        fmt::print(stderr, "virtual-rig: Modbus TCP: {} is refused, --modbus-allow does not have it\n", peer);
+    };
     return server;
 }
 

@@ -22,8 +22,8 @@ double ms(const std::optional<control::Time>& time) {
 }
 
 bool moved(const control::SpeedInput& now, const control::SpeedInput& before) {
-    constexpr float kAtRest_radps = 0.1F;
-    return now.edge_count != before.edge_count || std::abs(now.speed_radps) > kAtRest_radps;
+    constexpr float kStands_radps = 0.1F;
+    return now.edge_count != before.edge_count || std::abs(now.speed_radps) > kStands_radps;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <set>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -74,6 +75,35 @@ class TcpListener {
     settings::FileDescriptor socket_;
 };
 
+/// Who may connect.
+class Guests {
+  public:
+    explicit Guests(const ServerOptions& options) : tell_(options.on_refused) {
+        for (const std::string& address : options.allow) {
+            in_addr numeric{};
+            if (::inet_pton(AF_INET, address.c_str(), &numeric) != 1)
+                throw std::invalid_argument("Modbus TCP: allowed peer '" + address +
+                                            "': expected a numeric IPv4 address, e.g. 127.0.0.1");
+            allowed_.insert(numeric.s_addr);
+        }
+    }
+    [[nodiscard]] bool admits(const sockaddr_in& peer) {
+        const in_addr_t address = peer.sin_addr.s_addr;
+        if (allowed_.contains(address)) return true;
+        if (named_.size() < ServerOptions::kMostNamed && named_.insert(address).second && tell_) {
+            std::array<char, INET_ADDRSTRLEN> text{};
+            ::inet_ntop(AF_INET, &peer.sin_addr, text.data(), text.size());
+            tell_(text.data());
+        }
+        return false;
+    }
+
+  private:
+    std::function<void(const std::string&)> tell_;
+    std::set<in_addr_t> allowed_;
+    std::set<in_addr_t> named_;
+};
+
 class RtuLine {
   public:
     explicit RtuLine(const RegisterMap& map)
@@ -99,7 +129,8 @@ class RtuLine {
 
 class ModbusServer::Impl {
   public:
-    Impl(const RegisterMap& map, const ServerOptions& options) : bank_(map), most_(options.clients) {
+    Impl(const RegisterMap& map, const ServerOptions& options)
+        : bank_(map), most_(options.clients), guests_(options) {
         if (options.port) {
             tcp_ = std::make_unique<TcpListener>(options.address, *options.port);
             port_ = tcp_->port();
@@ -122,6 +153,7 @@ class ModbusServer::Impl {
                 .exceptions = exceptions_,
                 .broken = broken_,
                 .hangs = hangs_,
+                .refused = refused_,
                 .clients = clients_};
     }
 
@@ -149,9 +181,16 @@ class ModbusServer::Impl {
     }
 
     void accept_peer() {
-        const int socket = ::accept4(tcp_->descriptor(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+        sockaddr_in from{};
+        socklen_t size = sizeof from;
+        const int socket = ::accept4(tcp_->descriptor(), reinterpret_cast<sockaddr*>(&from), &size,
+                                     SOCK_NONBLOCK | SOCK_CLOEXEC);
         if (socket < 0) return;
         auto peer = std::make_unique<Peer>(socket);
+        if (!guests_.admits(from)) {
+            ++refused_;
+            return;
+        }
         const int on = 1;
         ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
         if (peers_.size() < most_) peers_.push_back(std::move(peer));
@@ -218,13 +257,14 @@ class ModbusServer::Impl {
 
     RegisterBank bank_;
     std::size_t most_;
+    Guests guests_;
     StopSignal stop_;
     std::unique_ptr<TcpListener> tcp_;
     std::unique_ptr<RtuLine> rtu_;
     std::uint16_t port_ = 0;
     std::vector<std::unique_ptr<Peer>> peers_;
     bool stopped_ = false;
-    std::atomic<std::uint64_t> requests_{0}, exceptions_{0}, broken_{0}, hangs_{0};
+    std::atomic<std::uint64_t> requests_{0}, exceptions_{0}, broken_{0}, hangs_{0}, refused_{0};
     std::atomic<std::size_t> clients_{0};
     std::thread thread_;
 };

@@ -12,9 +12,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rig_bridge/registers/register_map.hpp"
 
@@ -25,6 +27,11 @@ struct ServerOptions {
     std::optional<std::uint16_t> port = 0;  ///< 0: any free one; none: no TCP
     bool rtu = false;                       ///< a pseudo-terminal, see rtu_path()
     std::size_t clients = 8;                ///< TCP connections at once; more are closed as they come
+    /// Numeric IPv4 of the peers that may connect; others are closed before a byte of theirs is read.
+    std::vector<std::string> allow{"127.0.0.1"};
+    /// Told of each other address the first time that it comes (of the first kMostNamed), on the server's thread.
+    std::function<void(const std::string& peer)> on_refused = nullptr;
+    static constexpr std::size_t kMostNamed = 64;
 };
 
 /// What the PLC has been told.
@@ -40,13 +47,14 @@ struct ServerCounters {
     std::uint64_t exceptions = 0;  ///< requests answered by one
     std::uint64_t broken = 0;      ///< frames that were none: TCP connection closed, RTU line flushed
     std::uint64_t hangs = 0;
-    std::size_t clients = 0;  ///< TCP connections now
+    std::uint64_t refused = 0;  ///< TCP connections of peers that are not allowed
+    std::size_t clients = 0;    ///< TCP connections now
 };
 
 class ModbusServer {
   public:
     /// Serves when it returns. Throws std::runtime_error that names address and port, or the pseudo-terminal, and the
-    /// reason.
+    /// reason; std::invalid_argument for an allowed peer that is no address.
     ModbusServer(const RegisterMap& map, const ServerOptions& options);
     /// Stops the thread, also out of a hang, and closes every connection.
     ~ModbusServer();

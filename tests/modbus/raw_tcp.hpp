@@ -41,7 +41,14 @@ inline Bytes receive(int socket, int timeout_ms) {
 
 class Client {
   public:
-    explicit Client(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    /// `from`: the address that it comes from, of 127.0.0.0/8; all of it is this machine.
+    explicit Client(std::uint16_t port, const char* from = "127.0.0.1")
+        : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+        sockaddr_in own{};
+        own.sin_family = AF_INET;
+        if (::inet_pton(AF_INET, from, &own.sin_addr) != 1 ||
+            ::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0)
+            throw std::runtime_error("raw client: cannot come from there");
         const auto address = loopback(port);
         if (::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
             throw std::runtime_error("raw client: no connection");

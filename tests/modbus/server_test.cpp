@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include "tests/catch.hpp"
 #include "tests/modbus/plc_stub.hpp"
@@ -268,4 +269,41 @@ TEST_CASE("A port is free again when its server has gone, clients or not", "[BRG
     server.reset();
     server = std::make_unique<rig::ModbusServer>(map, rig::ServerOptions{.port = port});
     CHECK(raw::Client(port).ask({4, 0, 0, 0, 1}).size() == 4);
+}
+
+TEST_CASE("A peer that is not on the list is closed unheard and named once; one that is, is served",
+          "[BRG-155]") {
+    const rig::RegisterMap map = stub::shipped_map();
+    std::mutex mutex;
+    std::vector<std::string> refused;
+    const rig::ServerOptions options{.allow = {"127.0.0.1", "127.0.0.3"},
+                                     .on_refused = [&](const std::string& peer) {
+                                         const std::lock_guard lock(mutex);
+                                         refused.push_back(peer);
+                                     }};
+    rig::ModbusServer server(map, options);
+    static_cast<void>(server.exchange({}));
+    for (int i = 0; i < 3; ++i) {
+        const raw::Client stranger(server.port(), "127.0.0.2");
+        CHECK(stranger.ask({6, 0, 2, 0, 1}).empty());
+    }
+    CHECK(server.counters().refused == 3);
+    CHECK(server.counters().requests == 0);
+    const raw::Client guest(server.port(), "127.0.0.3");
+    CHECK(guest.ask({3, 0, 2, 0, 1}) == Bytes{3, 2, 0, 0});  // what the stranger wrote did not arrive
+    const raw::Client other(server.port());
+    CHECK(other.ask({3, 0, 2, 0, 1}) == Bytes{3, 2, 0, 0});
+    const std::lock_guard lock(mutex);
+    CHECK(refused == std::vector<std::string>{"127.0.0.2"});
+}
+
+TEST_CASE("Unless told otherwise only this machine's own address is served; no list, nobody", "[BRG-155]") {
+    const rig::RegisterMap map = stub::shipped_map();
+    const rig::ModbusServer usual(map, {.address = "0.0.0.0"});
+    CHECK(raw::Client(usual.port(), "127.0.0.2").receive().empty());
+    CHECK(eventually([&] { return usual.counters().refused == 1; }));
+    const rig::ModbusServer closed(map, {.allow = {}});
+    CHECK(raw::Client(closed.port()).receive().empty());
+    CHECK_THROWS_WITH(rig::ModbusServer(map, {.allow = {"plc.local"}}),
+                      ContainsSubstring("plc.local") && ContainsSubstring("numeric IPv4"));
 }
