@@ -119,26 +119,41 @@ void Monitor::check_plausibility(FaultSet& faults, const Sensors& sensors, const
 
     const bool wheel_stands = rolling && moving && released && estimator.wheel_reading().speed_radps == 0.0F;
     if (wheel_stuck_.holds(wheel_stands, config_.stuck_s, period_s_)) faults.insert(Fault::wheel_stuck);
-    // An encoder that dies at speed must be found before the law believes that the aircraft stands: it would
-    // lock the wheel, and then both encoders agree.
+    // An encoder that dies or leaps at speed must be found before the law believes it: it would lock the wheel, and then both
+    // encoders agree, or hardly brake. Neither one wild reading nor the tracker's overshoot after it may count as a speed that was.
     constexpr float kHardest_mps2 = 20.0F;  // twice what the best tyre can do
     const SpeedReading& flywheel = estimator.flywheel_reading();
-    const float most_mps = flywheel_encoder_.max_speed_radps * flywheel_radius_m_;
-    carried_mps_ = larger(smaller(e.v_mps, most_mps), carried_mps_ - kHardest_mps2 * period_s_);
-    const bool falls = flywheel.valid && flywheel.speed_radps >= 0.0F &&
-                       carried_mps_ > config_.plausible_above_mps &&
-                       flywheel.speed_radps * flywheel_radius_m_ < 0.5F * carried_mps_;
-    const bool blind = flywheel_blind_.holds(falls, config_.implausible_s, period_s_);
+    const float reads_mps = flywheel.speed_radps * flywheel_radius_m_;
+    carried_mps_ = larger(smaller(reads_mps, e.v_mps), carried_mps_ - kHardest_mps2 * period_s_);
+    const bool falls = flywheel.valid && reads_mps >= 0.0F && carried_mps_ > config_.plausible_above_mps &&
+                       reads_mps < (1.0F - config_.overspeed_share) * carried_mps_;
+    // A reading that stays for periods is one reading: noise must not count for more than it is.
+    const bool news = flywheel.fresh || flywheel.bounded;
+    if (news) blind_ = flywheel_blind_.holds(falls, config_.implausible_s, period_s_);
     const bool stands = flywheel.speed_radps == 0.0F && rim > config_.plausible_above_mps;
     const bool stuck = flywheel_stuck_.holds(stands, config_.stuck_s, period_s_);
-    if (blind || stuck) faults.insert(Fault::flywheel_stuck);
+    if (blind_ || stuck) faults.insert(Fault::flywheel_stuck);
+
+    constexpr float kThrust_mps2 = 2.0F;
+    const bool lands = rolling && sensors.maneuver.arm;  // no drive turns the flywheel
+    const float fastest_mps = larger(reads_mps, e.v_mps);
+    reached_mps_ =
+        lands && !leaps_ ? smaller(fastest_mps, reached_mps_ + kThrust_mps2 * period_s_) : fastest_mps;
+    const bool leaps = lands && reads_mps > config_.plausible_above_mps &&
+                       flywheel.speed_radps <= flywheel_encoder_.max_speed_radps &&
+                       reads_mps > (1.0F + config_.overspeed_share) * reached_mps_;
+    if (news) leaps_ = flywheel_leaps_.holds(leaps, config_.implausible_s, period_s_);
+    if (leaps_) faults.insert(Fault::flywheel_rate);
 
     const bool overspeed =
         rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
     const bool overspeeds = overspeed_.holds(overspeed, config_.stuck_s, period_s_);
     const bool steady = magnitude(e.omega_dot_radps2) * e.radius_m < kSteady_mps2;
+    // Whatever the runway, a wheel that slips so far would need more torque than this to stay there.
+    constexpr float kHardlyBraked_Pa = 1e5F;
+    const bool hardly_braked = estimator.uncorrected_pressure_Pa() < kHardlyBraked_Pa;
     const bool slips_freely =
-        rolling && moving && released && steady && !wheel_stands && e.slip > config_.free_slip;
+        rolling && moving && hardly_braked && steady && !wheel_stands && e.slip > config_.free_slip;
     const bool disagrees = free_slip_.holds(slips_freely, config_.stuck_s, period_s_);
     if (overspeeds || disagrees) faults.insert(Fault::speeds_disagree);
 }

@@ -6,11 +6,12 @@
 /// - *_range: outside what the sensor can mean (or not a number), for `implausible_s`, also on and off
 /// - *_rate: fresh readings change faster than the machine can, as many of them as periods in `implausible_s`, also on and off
 /// - wheel_stuck: no edge although the brake is released and the aircraft moves, for `stuck_s`
-/// - flywheel_stuck: the speed falls to half faster than an aircraft can lose it, for `implausible_s`, or no edge
-///   although the wheel turns, for `stuck_s`
+/// - flywheel_stuck: the speed is below that of an aircraft that brakes twice as hard as a tyre can, by `overspeed_share` of it, for
+///   `implausible_s`; or no edge although the wheel turns, for `stuck_s`
+/// - flywheel_rate: as above; or, armed and on its wheels, the aircraft gets faster, by `overspeed_share`, for `implausible_s`
 /// - pressure_stuck: the same reading to the last bit while the model moved by `pressure_moves_Pa`, for `stuck_s`
 /// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`, or steady slip of a free wheel that
-///   turns above `free_slip`, for `stuck_s`
+///   turns above `free_slip`, for `stuck_s`, also on and off
 /// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa` for `off_command_s`, or by the residual
 ///   pressure of the self-test where the model has none and the wheel carries load
 /// - maneuver_range: a commanded value outside its range, at once
@@ -98,9 +99,12 @@ class Monitor {
     SpeedCheck wheel_speed_, flywheel_speed_;
     Suspicion pressure_range_, pressure_rate_;
     bool pressure_jumps_ = false;
-    Persistence pressure_stuck_, pressure_off_, pressure_stays_, wheel_stuck_, flywheel_stuck_,
-        flywheel_blind_, overspeed_, free_slip_;
-    float carried_mps_ = 0.0F;  // the speed that an aircraft must still have at least
+    Persistence pressure_stuck_, pressure_stays_, wheel_stuck_, flywheel_stuck_, flywheel_blind_,
+        flywheel_leaps_, overspeed_;
+    Suspicion pressure_off_, free_slip_;
+    bool blind_ = false, leaps_ = false;  // what the newest reading of the flywheel says
+    float carried_mps_ = 0.0F;            // the speed that an aircraft must still have at least
+    float reached_mps_ = 0.0F;            // the speed that an aircraft on its wheels has at most
     float last_reading_Pa_ = 0.0F;
     Time last_reading_at_ = kNever;
     float model_at_change_Pa_ = 0.0F;

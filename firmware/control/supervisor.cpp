@@ -15,16 +15,11 @@ Supervisor::Supervisor(const SupervisorConfig& config, float period_s)
 /// A bounce takes the wheel off the ground and stops it: protection starts again, which is no fault.
 void Supervisor::watch_touchdown(bool on_wheels, const Estimate& e) {
     const float rim = e.omega_radps * e.radius_m;
-    if (!on_wheels) {
-        spun_up_ = false;
-        protected_ = true;
-    }
     const bool long_enough = on_wheels_.holds(on_wheels, config_.touchdown_timeout_s, period_s_);
-    if (on_wheels && rim > config_.spin_up_mps) {
-        spun_up_ = true;
+    if (!on_wheels)
+        protected_ = true;
+    else if (long_enough || rim > config_.spin_up_mps)
         protected_ = false;
-    }
-    if (long_enough) protected_ = false;
 }
 
 State Supervisor::braking_state(const Sensors& sensors, const Estimate& e) {

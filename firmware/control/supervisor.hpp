@@ -35,8 +35,8 @@ class Supervisor {
 
     [[nodiscard]] State state() const { return state_; }
     [[nodiscard]] FaultSet latched() const { return latched_; }
-    /// On the wheels and spun up since touchdown: a free wheel should roll without slip.
-    [[nodiscard]] bool rolling() const { return spun_up_; }
+    /// On the wheels, and spun up since touchdown or due to be: a free wheel should roll without slip.
+    [[nodiscard]] bool rolling() const { return !protected_; }
 
   private:
     [[nodiscard]] State next(const Sensors& sensors, const Estimate& estimate, FaultSet present);
@@ -50,8 +50,7 @@ class Supervisor {
     Persistence self_test_;
     Persistence residual_pressure_;
     Persistence on_wheels_;
-    Persistence locked_;
-    bool spun_up_ = false;
+    Suspicion locked_;
     bool protected_ = true;  // touchdown protection has not ended yet
     bool arm_before_ = true;
 };

@@ -4,6 +4,8 @@
 #include <functional>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "firmware/can/rounded_link.hpp"
 #include "firmware/can/value_names.hpp"
 #include "firmware/control/controller.hpp"
@@ -49,13 +51,28 @@ void all_scenarios(const Change& change) {
     }
 }
 
-/// config/controller.toml with another control period.
+/// `key = number` of a TOML text, times a factor.
+void scale_number(std::string& text, const std::string& key, const double by) {
+    const auto at = text.find("\n" + key + " = ");
+    REQUIRE(at != std::string::npos);
+    const auto from = at + key.size() + 4;
+    const auto length = text.find_first_of(" \n", from) - from;
+    const double was = std::stod(text.substr(from, length));
+    text.replace(from, length, fmt::format("{:#}", by * was));
+}
+
+/// config/controller.toml with another control period, and the gains that docs/controller.md tells to take with it.
 void put_with_period(const std::filesystem::path& file, const int period_ms) {
     std::string text = content_of("config/controller.toml");
-    const std::string is = "period_ms = 1.0";
-    const auto at = text.find(is);
-    REQUIRE(at != std::string::npos);
-    put(file, text.replace(at, is.size(), "period_ms = " + std::to_string(period_ms) + ".0"));
+    const auto scale = [&text](const char* key, double by) { scale_number(text, key, by); };
+    scale("period_ms", period_ms);
+    if (period_ms > 2) {
+        scale("k_p_per_s", 0.4);
+        scale("k_d", 0.4);
+        scale("k_dd_s", 0.16);
+        scale("wheel_bandwidth_radps", 0.5);
+    }
+    put(file, text);
 }
 
 }  // namespace

@@ -181,6 +181,78 @@ TEST_CASE("frames that are mostly refused are a fault although some pass, repeat
     }
 }
 
+TEST_CASE("a reference speed that leaps while the wheel rolls is a fault within five readings", "[CTL-250]") {
+    const Law law = GENERATE(Law::wheel_slip, Law::threshold, Law::deceleration);
+    const float share = GENERATE(0.5F, 0.84F, 0.9F, 1.1F, 1.16F, 1.5F);
+    CAPTURE(law, share);
+    Bench b(shipped());
+    b.to_braking(law);
+    b.tamper = [share](Sensors& seen) {
+        seen.flywheel.source = SpeedSource::speed;
+        seen.flywheel.speed_radps *= share;
+    };
+    b.steps(5);
+    CHECK(b.command.faults.contains(Fault::flywheel_stuck) == (share < 0.85F));
+    CHECK(b.command.faults.contains(Fault::flywheel_rate) == (share > 1.15F));
+    CHECK((b.command.state == State::safe) == (share < 0.85F || share > 1.15F));
+}
+
+TEST_CASE("a reading that stays for many periods counts once", "[CTL-250]") {
+    Bench b(shipped());
+    b.to_braking();
+    SpeedInput last;
+    int period = 0;
+    b.tamper = [&](Sensors& seen) {
+        // A frame every 15 ms, and one of nine far off.
+        if (period % 15 == 0) {
+            last = seen.flywheel;
+            last.source = SpeedSource::speed;
+            last.speed_radps *= period % 135 == 0 ? 0.8F : 1.0F;
+        }
+        ++period;
+        seen.flywheel = last;
+    };
+    b.seconds(1.0);
+    CHECK(b.command.faults.empty());
+}
+
+TEST_CASE("a wheel encoder that is wrong from touchdown on is named once the wheel should roll",
+          "[CTL-251]") {
+    Bench b(shipped());
+    b.to_standby();
+    b.sensors.maneuver.arm = true;
+    static_cast<void>(b.step());
+    b.sensors.maneuver.weight_on_wheels = true;
+    b.sensors.maneuver.demand_Pa = 6e6F;
+    Fault named = Fault::wheel_stuck;
+    SECTION("it shows no edge") {}
+    SECTION("it shows half of the speed, below that of a wheel that is spun up") {
+        b.slip = 0.5;
+        named = Fault::speeds_disagree;
+    }
+    SECTION("it shows less than the lock protection's share") {
+        b.slip = 0.9;
+        named = Fault::speeds_disagree;
+    }
+    b.seconds(static_cast<double>(b.config.supervisor.touchdown_timeout_s) - 0.01);
+    CHECK(b.command.state == State::touchdown_protection);
+    b.seconds(0.3);
+    CHECK(b.command.state == State::safe);
+    CHECK(b.command.faults.contains(named));
+}
+
+TEST_CASE("pressure that is far off the model on and off is a fault", "[CTL-253]") {
+    Bench b(shipped());
+    b.to_braking();
+    int period = 0;
+    b.tamper = [&](Sensors& seen) {
+        if (++period % 30 < 20) seen.pressure.pressure_Pa += 4e6F;
+    };
+    b.seconds(0.25);
+    CHECK(b.command.state == State::safe);
+    CHECK(b.command.faults.contains(Fault::pressure_off_command));
+}
+
 TEST_CASE("pressure that stays on a loaded wheel without current is a fault", "[CTL-233]") {
     Bench b(shipped());
     b.to_armed();

@@ -224,7 +224,7 @@ TEST_CASE("a lock that lasts is a fault, one that passes is none", "[CTL-074]") 
         s.move(50.0F, 5.0F);
         CHECK(s.step(999) == State::locked_wheel);
         s.move(50.0F, 40.0F);
-        CHECK(s.step() == State::braking);
+        CHECK(s.step(1998) == State::braking);
     }
     s.move(50.0F, 5.0F);
     CHECK(s.step(999) == State::locked_wheel);
@@ -232,6 +232,26 @@ TEST_CASE("a lock that lasts is a fault, one that passes is none", "[CTL-074]") 
     CHECK(s.supervisor.latched().contains(Fault::lock_persists));
     s.sensors.maneuver.arm = false;
     CHECK(s.step() == State::standby);
+}
+
+TEST_CASE("locks that recur are a fault, although none lasts", "[CTL-252]") {
+    Stand s;
+    s.to_braking();
+    const auto cycle = [&s](const int locked, const int rolling) {
+        s.move(50.0F, 5.0F);
+        if (s.step(locked) == State::safe) return true;
+        s.move(50.0F, 40.0F);
+        return s.step(rolling) == State::safe;
+    };
+    SECTION("a third of the time is ridden out for ever") {
+        for (int i = 0; i < 1000; ++i) REQUIRE_FALSE(cycle(20, 40));
+    }
+    SECTION("half of the time is a quarter of what lasts, each time") {
+        int cycles = 1;
+        while (!cycle(40, 40)) REQUIRE(++cycles < 100);
+        CHECK(cycles == 49);  // 48 x (40 - 20) ms, and 40 ms
+        CHECK(s.supervisor.latched().contains(Fault::lock_persists));
+    }
 }
 
 TEST_CASE("open loop has no lock protection and no drop-out", "[CTL-074]") {

@@ -77,7 +77,7 @@ void FrameFault::send(const Frame& live, bool active, std::int64_t period, plant
     } else if (active && fault_.what.kind == Kind::delay) {
         arrive(live, period + static_cast<std::int64_t>(between(2.0, most_delay_, fault_.strength)));
     } else if (active && fault_.what.kind == Kind::jitter) {
-        const double most = between(1.0, 50.0, fault_.strength);
+        const double most = between(1.0, std::min(50.0, most_delay_), fault_.strength);
         in_order_ = std::max(in_order_, period + static_cast<std::int64_t>((most + 1.0) * uniform(random)));
         arrive(live, in_order_);
     } else if (active && uniform(random) < fault_.share) {

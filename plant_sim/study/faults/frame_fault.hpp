@@ -15,7 +15,7 @@ namespace faults {
 /// - drop: a share of the frames is lost
 /// - delay: each frame comes 2 to 200 periods late by strength; the valve command at most 20, since the controller's transmit queue keeps
 ///   the newest one only
-/// - jitter: each comes up to 1 to 50 periods late by strength, in order
+/// - jitter: each comes up to 1 to 50 periods late by strength, in order; the valve command again at most 20
 /// - corrupt: in a share of the frames 1 to 8 bits are turned over
 /// - replayed: for a share of the frames one that was sent up to 500 frames ago comes in its place; if negative, in addition
 /// - duplicated: a share comes twice
