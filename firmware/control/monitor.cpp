@@ -10,7 +10,20 @@ Monitor::Monitor(const Config& config)
       flywheel_encoder_(config.flywheel.encoder),
       flywheel_radius_m_(config.flywheel.radius_m),
       released_Pa_(config.supervisor.residual_pressure_Pa),
-      period_s_(config.period_s) {}
+      period_s_(config.period_s),
+      wheel_speed_(config.monitor.implausible_s, config.period_s),
+      flywheel_speed_(config.monitor.implausible_s, config.period_s),
+      pressure_range_(config.monitor.implausible_s, config.period_s),
+      pressure_rate_(config.monitor.implausible_s, config.period_s),
+      pressure_off_(config.monitor.off_command_s, config.period_s),
+      free_slip_(config.monitor.stuck_s, config.period_s),
+      pressure_stuck_(config.monitor.stuck_s, config.period_s),
+      pressure_stays_(config.monitor.off_command_s, config.period_s),
+      wheel_stuck_(config.monitor.stuck_s, config.period_s),
+      flywheel_stuck_(config.monitor.stuck_s, config.period_s),
+      flywheel_blind_(config.monitor.implausible_s, config.period_s),
+      flywheel_leaps_(config.monitor.implausible_s, config.period_s),
+      overspeed_(config.monitor.stuck_s, config.period_s) {}
 
 Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now,
                                                   float max_age_s, float period_s) {
@@ -54,7 +67,7 @@ void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReadin
                           const EncoderConfig& encoder, Fault range, Fault rate) const {
     const float speed = reading.speed_radps;
     const bool sensible = speed >= 0.0F && speed <= encoder.max_speed_radps;  // false for NaN
-    if (check.range.holds(!sensible, config_.implausible_s, period_s_)) faults.insert(range);
+    if (check.range.holds(!sensible)) faults.insert(range);
 
     // A reading is a mean over its interval: two of them in a row cannot differ by more than the acceleration
     // times that.
@@ -62,7 +75,7 @@ void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReadin
     const bool jumps = check.known && sensible &&
                        magnitude(speed - check.last_radps) > encoder.max_acceleration_radps2 * span;
     if (reading.fresh && sensible) {
-        check.jumps = check.rate.holds(jumps, config_.implausible_s, period_s_);
+        check.jumps = check.rate.holds(jumps);
         check.last_radps = speed;
     }
     if (check.jumps) faults.insert(rate);
@@ -72,8 +85,7 @@ void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReadin
 void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator) {
     const float reading = sensors.pressure.pressure_Pa;
     const bool sensible = reading >= -released_Pa_ && reading <= config_.pressure_range_Pa;
-    if (pressure_range_.holds(!sensible, config_.implausible_s, period_s_))
-        faults.insert(Fault::pressure_range);
+    if (pressure_range_.holds(!sensible)) faults.insert(Fault::pressure_range);
 
     const Time at = sensors.pressure.received;
     const bool fresh = at != last_reading_at_ && at != kNever;
@@ -82,7 +94,7 @@ void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Est
             last_reading_at_ == kNever ? 0.0F : larger(seconds(at - last_reading_at_), period_s_);
         const bool jumps =
             span > 0.0F && magnitude(reading - last_reading_Pa_) > config_.pressure_rate_Paps * span;
-        pressure_jumps_ = pressure_rate_.holds(jumps, config_.implausible_s, period_s_);
+        pressure_jumps_ = pressure_rate_.holds(jumps);
         last_reading_at_ = at;
     }
     if (pressure_jumps_) faults.insert(Fault::pressure_rate);
@@ -93,11 +105,10 @@ void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Est
         model_at_change_Pa_ = model;
     }
     const bool frozen = magnitude(model - model_at_change_Pa_) > config_.pressure_moves_Pa;
-    if (pressure_stuck_.holds(frozen, config_.stuck_s, period_s_)) faults.insert(Fault::pressure_stuck);
+    if (pressure_stuck_.holds(frozen)) faults.insert(Fault::pressure_stuck);
 
     const bool off = magnitude(reading - model) > config_.off_command_Pa;
-    if (pressure_off_.holds(off, config_.off_command_s, period_s_))
-        faults.insert(Fault::pressure_off_command);
+    if (pressure_off_.holds(off)) faults.insert(Fault::pressure_off_command);
 }
 
 void Monitor::check_plausibility(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
@@ -109,29 +120,31 @@ void Monitor::check_plausibility(FaultSet& faults, const Sensors& sensors, const
     // error.
     constexpr float kReleased_Pa = 2e4F;
     constexpr float kSteady_mps2 = 15.0F;  // a wheel that spins up again slips legitimately
-    const bool released = estimator.uncorrected_pressure_Pa() < kReleased_Pa;
+    const float model_Pa = estimator.uncorrected_pressure_Pa();
+    const bool released = model_Pa < kReleased_Pa;
 
     // No current has no tolerance of the valve's map: what stays then is a leak or a spool that sticks, and enough to lock a wheel on ice.
     const bool loaded = rolling || (moving && sensors.maneuver.weight_on_wheels);
     const bool stays = loaded && released && sensors.pressure.pressure_Pa > released_Pa_;
-    if (pressure_stays_.holds(stays, config_.off_command_s, period_s_))
-        faults.insert(Fault::pressure_off_command);
+    if (pressure_stays_.holds(stays)) faults.insert(Fault::pressure_off_command);
 
     const bool wheel_stands = rolling && moving && released && estimator.wheel_reading().speed_radps == 0.0F;
-    if (wheel_stuck_.holds(wheel_stands, config_.stuck_s, period_s_)) faults.insert(Fault::wheel_stuck);
+    if (wheel_stuck_.holds(wheel_stands)) faults.insert(Fault::wheel_stuck);
     // An encoder that dies or leaps at speed must be found before the law believes it: it would lock the wheel, and then both
     // encoders agree, or hardly brake. Neither one wild reading nor the tracker's overshoot after it may count as a speed that was.
     constexpr float kHardest_mps2 = 20.0F;  // twice what the best tyre can do
     const SpeedReading& flywheel = estimator.flywheel_reading();
     const float reads_mps = flywheel.speed_radps * flywheel_radius_m_;
-    carried_mps_ = larger(smaller(reads_mps, e.v_mps), carried_mps_ - kHardest_mps2 * period_s_);
+    const float most_mps = flywheel_encoder_.max_speed_radps * flywheel_radius_m_;
+    carried_mps_ =
+        larger(smaller(smaller(reads_mps, e.v_mps), most_mps), carried_mps_ - kHardest_mps2 * period_s_);
     const bool falls = flywheel.valid && reads_mps >= 0.0F && carried_mps_ > config_.plausible_above_mps &&
                        reads_mps < (1.0F - config_.overspeed_share) * carried_mps_;
     // A reading that stays for periods is one reading: noise must not count for more than it is.
     const bool news = flywheel.fresh || flywheel.bounded;
-    if (news) blind_ = flywheel_blind_.holds(falls, config_.implausible_s, period_s_);
+    if (news) blind_ = flywheel_blind_.holds(falls);
     const bool stands = flywheel.speed_radps == 0.0F && rim > config_.plausible_above_mps;
-    const bool stuck = flywheel_stuck_.holds(stands, config_.stuck_s, period_s_);
+    const bool stuck = flywheel_stuck_.holds(stands);
     if (blind_ || stuck) faults.insert(Fault::flywheel_stuck);
 
     constexpr float kThrust_mps2 = 2.0F;
@@ -139,22 +152,21 @@ void Monitor::check_plausibility(FaultSet& faults, const Sensors& sensors, const
     const float fastest_mps = larger(reads_mps, e.v_mps);
     reached_mps_ =
         lands && !leaps_ ? smaller(fastest_mps, reached_mps_ + kThrust_mps2 * period_s_) : fastest_mps;
-    const bool leaps = lands && reads_mps > config_.plausible_above_mps &&
-                       flywheel.speed_radps <= flywheel_encoder_.max_speed_radps &&
+    const bool leaps = lands && reads_mps > config_.plausible_above_mps && reads_mps <= most_mps &&
                        reads_mps > (1.0F + config_.overspeed_share) * reached_mps_;
-    if (news) leaps_ = flywheel_leaps_.holds(leaps, config_.implausible_s, period_s_);
+    if (news) leaps_ = flywheel_leaps_.holds(leaps);
     if (leaps_) faults.insert(Fault::flywheel_rate);
 
     const bool overspeed =
         rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
-    const bool overspeeds = overspeed_.holds(overspeed, config_.stuck_s, period_s_);
+    const bool overspeeds = overspeed_.holds(overspeed);
     const bool steady = magnitude(e.omega_dot_radps2) * e.radius_m < kSteady_mps2;
     // Whatever the runway, a wheel that slips so far would need more torque than this to stay there.
     constexpr float kHardlyBraked_Pa = 1e5F;
-    const bool hardly_braked = estimator.uncorrected_pressure_Pa() < kHardlyBraked_Pa;
+    const bool hardly_braked = model_Pa < kHardlyBraked_Pa;
     const bool slips_freely =
         rolling && moving && hardly_braked && steady && !wheel_stands && e.slip > config_.free_slip;
-    const bool disagrees = free_slip_.holds(slips_freely, config_.stuck_s, period_s_);
+    const bool disagrees = free_slip_.holds(slips_freely);
     if (overspeeds || disagrees) faults.insert(Fault::speeds_disagree);
 }
 

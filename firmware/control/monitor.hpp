@@ -21,38 +21,10 @@
 
 #include "firmware/control/config.hpp"
 #include "firmware/control/estimator.hpp"
+#include "firmware/control/persistence.hpp"
 #include "firmware/control/types.hpp"
 
 namespace antiskid::control {
-
-/// True once a condition has held for a time without a break.
-class Persistence {
-  public:
-    /// One period; true while `condition` has held for `limit_s` or longer.
-    bool holds(bool condition, float limit_s, float period_s) {
-        held_s_ = condition ? held_s_ + period_s : 0.0F;
-        if (held_s_ > limit_s + 1.0F) held_s_ = limit_s + 1.0F;
-        // Half a period of slack: the sum of many rounded periods may fall short of their number.
-        return condition && held_s_ >= limit_s - 0.5F * period_s;
-    }
-
-  private:
-    float held_s_ = 0.0F;
-};
-
-/// The same for a condition that may come and go: good periods pay back half of what bad ones have run up.
-class Suspicion {
-  public:
-    bool holds(bool condition, float limit_s, float period_s) {
-        held_s_ += condition ? period_s : -0.5F * period_s;
-        if (!(held_s_ > 0.0F)) held_s_ = 0.0F;
-        if (held_s_ > limit_s + period_s) held_s_ = limit_s + period_s;
-        return condition && held_s_ >= limit_s - 0.5F * period_s;
-    }
-
-  private:
-    float held_s_ = 0.0F;
-};
 
 class Monitor {
   public:
@@ -74,6 +46,7 @@ class Monitor {
     };
     /// Range and rate of one speed.
     struct SpeedCheck {
+        SpeedCheck(float limit_s, float period_s) : range(limit_s, period_s), rate(limit_s, period_s) {}
         Suspicion range;
         Suspicion rate;  // of fresh readings, each counted as one period
         bool jumps = false;
@@ -97,11 +70,10 @@ class Monitor {
     float period_s_;
     Arrival wheel_, flywheel_, pressure_, maneuver_;
     SpeedCheck wheel_speed_, flywheel_speed_;
-    Suspicion pressure_range_, pressure_rate_;
-    bool pressure_jumps_ = false;
+    Suspicion pressure_range_, pressure_rate_, pressure_off_, free_slip_;
     Persistence pressure_stuck_, pressure_stays_, wheel_stuck_, flywheel_stuck_, flywheel_blind_,
         flywheel_leaps_, overspeed_;
-    Suspicion pressure_off_, free_slip_;
+    bool pressure_jumps_ = false;
     bool blind_ = false, leaps_ = false;  // what the newest reading of the flywheel says
     float carried_mps_ = 0.0F;            // the speed that an aircraft must still have at least
     float reached_mps_ = 0.0F;            // the speed that an aircraft on its wheels has at most

@@ -10,12 +10,16 @@ constexpr float kAtRest_radps = 0.1F;
 }  // namespace
 
 Supervisor::Supervisor(const SupervisorConfig& config, float period_s)
-    : config_(config), period_s_(period_s) {}
+    : config_(config),
+      self_test_(config.self_test_s, period_s),
+      residual_pressure_(kSelfTestPatience_s, period_s),
+      on_wheels_(config.touchdown_timeout_s, period_s),
+      locked_(config.lock_persists_s, period_s) {}
 
 /// A bounce takes the wheel off the ground and stops it: protection starts again, which is no fault.
 void Supervisor::watch_touchdown(bool on_wheels, const Estimate& e) {
     const float rim = e.omega_radps * e.radius_m;
-    const bool long_enough = on_wheels_.holds(on_wheels, config_.touchdown_timeout_s, period_s_);
+    const bool long_enough = on_wheels_.holds(on_wheels);
     if (!on_wheels)
         protected_ = true;
     else if (long_enough || rim > config_.spin_up_mps)
@@ -49,14 +53,12 @@ State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet prese
     switch (state_) {
         case State::self_test: {
             const bool at_rest = e.speeds_known && e.omega_radps < kAtRest_radps;
-            if (residual_pressure_.holds(at_rest && present.empty() && !released, kSelfTestPatience_s,
-                                         period_s_)) {
+            if (residual_pressure_.holds(at_rest && present.empty() && !released)) {
                 latched_.insert(Fault::self_test_failed);
                 return State::safe;
             }
-            return self_test_.holds(present.empty() && at_rest && released, config_.self_test_s, period_s_)
-                       ? State::standby
-                       : State::self_test;
+            return self_test_.holds(present.empty() && at_rest && released) ? State::standby
+                                                                            : State::self_test;
         }
         case State::standby:
             if (arms) latched_ = FaultSet{};
@@ -73,8 +75,7 @@ State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet prese
 State Supervisor::update(const Sensors& sensors, const Estimate& e, FaultSet present, Time /*now*/) {
     watch_touchdown(sensors.maneuver.weight_on_wheels, e);
     State wanted = next(sensors, e, present);
-    if (locked_.holds(wanted == State::locked_wheel, config_.lock_persists_s, period_s_))
-        present.insert(Fault::lock_persists);
+    if (locked_.holds(wanted == State::locked_wheel)) present.insert(Fault::lock_persists);
     // Before the self-test has passed nothing may be there yet: absence is no fault then, and there is no
     // permission either. Somebody who presses the emergency stop means it all the same.
     if (present.contains(Fault::emergency_stop) || (wanted != State::self_test && !present.empty())) {

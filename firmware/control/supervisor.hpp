@@ -21,7 +21,7 @@
 
 #include "firmware/control/config.hpp"
 #include "firmware/control/estimate.hpp"
-#include "firmware/control/monitor.hpp"
+#include "firmware/control/persistence.hpp"
 #include "firmware/control/types.hpp"
 
 namespace antiskid::control {
@@ -44,7 +44,6 @@ class Supervisor {
     void watch_touchdown(bool on_wheels, const Estimate& estimate);
 
     SupervisorConfig config_;
-    float period_s_;
     State state_ = State::self_test;
     FaultSet latched_;
     Persistence self_test_;
