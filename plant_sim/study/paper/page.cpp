@@ -40,13 +40,13 @@ th { background: var(--ground); border-bottom: 2px solid var(--blue); }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 tr { break-inside: avoid; }
 table.output { font-size: 12px; font-variant-numeric: tabular-nums; }
-table.output th, table.output td { padding: .15rem .5rem; }
+table.output th, table.output td { padding: .15rem .3rem; }
 table.output td { white-space: nowrap; }
-pre { background: var(--ground); border: 1px solid var(--line); padding: .8rem 1rem; overflow-x: auto;
+pre { background: var(--ground); border: 1px solid var(--line); padding: .8rem 1rem; white-space: pre-wrap;
       font: 12px/1.45 "DejaVu Sans Mono", Consolas, monospace; margin: 1rem 0; }
 .note { border-left: 4px solid var(--orange); background: #fdf3ec; padding: .6rem 1rem; margin: 1rem 0;
         font: 14px/1.5 "DejaVu Sans", Helvetica, Arial, sans-serif; break-inside: avoid; }
-.note pre { background: #fff; white-space: pre-wrap; margin: .5rem 0 0; }
+.note pre { background: #fff; margin: .5rem 0 0; }
 @page { size: A4; margin: 16mm 14mm; }
 @media print {
   body { font-size: 10.5pt; }
@@ -54,7 +54,7 @@ pre { background: var(--ground); border: 1px solid var(--line); padding: .8rem 1
   section { break-before: page; }
   h2 { margin-top: 0; break-after: avoid; }
   .next { break-after: avoid; }
-  pre { font-size: 6.6pt; white-space: pre-wrap; break-inside: auto; }
+  pre { font-size: 6.6pt; break-inside: auto; }
   figure img { max-height: 178mm; width: auto; max-width: 100%; margin: 0 auto; }
   table { font-size: 8.5pt; }
   table.output { font-size: 6.6pt; }
