@@ -9,7 +9,7 @@ namespace paper {
 
 namespace {
 
-std::vector<std::string_view> lines_of(std::string_view text) {
+std::vector<std::string_view> output_lines(std::string_view text) {
     std::vector<std::string_view> lines;
     while (!text.empty()) {
         const std::size_t end = std::min(text.find('\n'), text.size());
@@ -19,16 +19,16 @@ std::vector<std::string_view> lines_of(std::string_view text) {
     return lines;
 }
 
-bool of_table(std::string_view line) {
+bool is_table_line(std::string_view line) {
     return line.starts_with('|');
 }
 
 /// `|---|---:|`
-bool rule(std::string_view line) {
-    return of_table(line) && line.find_first_not_of("|-: ") == std::string_view::npos;
+bool is_table_rule(std::string_view line) {
+    return is_table_line(line) && line.find_first_not_of("|-: ") == std::string_view::npos;
 }
 
-std::string row(std::string_view line, const char* cell) {
+std::string table_row(std::string_view line, const char* cell) {
     std::string out = "<tr>";
     line.remove_prefix(1);
     while (!line.empty()) {
@@ -42,16 +42,16 @@ std::string row(std::string_view line, const char* cell) {
     return out + "</tr>\n";
 }
 
-std::string table(const std::vector<std::string_view>& lines) {
-    const bool headed = lines.size() > 1 && rule(lines[1]);
+std::string table_html(const std::vector<std::string_view>& lines) {
+    const bool headed = lines.size() > 1 && is_table_rule(lines[1]);
     std::string out = "<table class=\"output\">\n";
-    if (headed) out += "<thead>" + row(lines.front(), "th") + "</thead>\n";
+    if (headed) out += "<thead>" + table_row(lines.front(), "th") + "</thead>\n";
     out += "<tbody>\n";
-    for (std::size_t i = headed ? 2 : 0; i < lines.size(); ++i) out += row(lines[i], "td");
+    for (std::size_t i = headed ? 2 : 0; i < lines.size(); ++i) out += table_row(lines[i], "td");
     return out + "</tbody></table>\n";
 }
 
-std::string plain(const std::vector<std::string_view>& lines) {
+std::string plain_html(const std::vector<std::string_view>& lines) {
     std::string text;
     for (const std::string_view line : lines) text.append(line).append("\n");
     const std::size_t first = text.find_first_not_of('\n');
@@ -62,14 +62,14 @@ std::string plain(const std::vector<std::string_view>& lines) {
 }  // namespace
 
 std::string output_html(std::string_view output) {
-    const std::vector<std::string_view> lines = lines_of(output);
+    const std::vector<std::string_view> lines = output_lines(output);
     std::string out;
     for (auto begin = lines.begin(); begin != lines.end();) {
-        const bool tabular = of_table(*begin);
+        const bool tabular = is_table_line(*begin);
         const auto end = std::find_if(begin, lines.end(),
-                                      [&](std::string_view line) { return of_table(line) != tabular; });
+                                      [&](std::string_view line) { return is_table_line(line) != tabular; });
         const std::vector<std::string_view> part(begin, end);
-        out += tabular ? table(part) : plain(part);
+        out += tabular ? table_html(part) : plain_html(part);
         begin = end;
     }
     return out;
