@@ -7,7 +7,9 @@ namespace antiskid::control {
 
 /// The nearest whole number of periods of `period_s` in `time_s`, which is not negative.
 inline std::uint32_t whole_periods(float time_s, float period_s) {
-    return static_cast<std::uint32_t>(time_s / period_s + 0.5F);
+    const float periods = time_s / period_s;
+    const auto whole = static_cast<std::uint32_t>(periods);
+    return periods - static_cast<float>(whole) < 0.5F ? whole : whole + 1U;
 }
 
 /// True once a condition has held for a time without a break.
