@@ -25,10 +25,15 @@ std::size_t widest(const Checks& checks, std::string Check::*text, std::size_t l
     return least;
 }
 
+/// In a table a failed one must catch the eye.
+std::string_view shown(Verdict verdict) {
+    return verdict == Verdict::fail ? "FAIL" : name(verdict);
+}
+
 }  // namespace
 
 std::string_view name(Verdict verdict) {
-    constexpr std::array<std::string_view, 4> kNames{"pass", "warn", "FAIL", "skipped"};
+    constexpr std::array<std::string_view, 4> kNames{"pass", "warn", "fail", "skipped"};
     return kNames.at(static_cast<std::size_t>(verdict));
 }
 
@@ -66,12 +71,12 @@ std::string table(const Report& report) {
     const auto out = std::back_inserter(text);
     fmt::format_to(out, "{:<9}{:<{}}  {:<{}}  {}\n", "", "check", names, "measured", measured, "required");
     for (const Check& check : report.checks) {
-        fmt::format_to(out, "{:<9}{:<{}}  {:<{}}  {}\n", name(check.verdict), check.name, names,
+        fmt::format_to(out, "{:<9}{:<{}}  {:<{}}  {}\n", shown(check.verdict), check.name, names,
                        check.measured, measured, check.required);
         if (!check.remedy.empty()) fmt::format_to(out, "{:<9}{:<{}}  -> {}\n", "", "", names, check.remedy);
     }
     for (const Verdict verdict : kVerdicts)
-        fmt::format_to(out, "{} {}, ", count(report.checks, verdict), name(verdict));
+        fmt::format_to(out, "{} {}, ", count(report.checks, verdict), shown(verdict));
     fmt::format_to(out, "configuration {}: {}\n", report.config_hash.empty() ? "unread" : report.config_hash,
                    passed(report) ? "no check failed" : "not fit, mend what failed");
     return text;

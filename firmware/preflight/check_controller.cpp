@@ -1,11 +1,10 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <future>
-#include <thread>
 
-#include "config/reader/atomic_file.hpp"
 #include "firmware/can/socket_can.hpp"
 #include "firmware/linux/realtime.hpp"
 #include "firmware/linux/stop_signals.hpp"

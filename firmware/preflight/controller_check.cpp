@@ -1,8 +1,5 @@
 #include "firmware/preflight/controller_check.hpp"
 
-#include <fmt/core.h>
-
-#include <array>
 #include <chrono>
 #include <optional>
 #include <stdexcept>

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <span>
+#include <string>
 
 #include "firmware/can/bus.hpp"
 #include "firmware/linux/clock.hpp"

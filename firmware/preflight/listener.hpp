@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <span>
 
 #include "firmware/can/bus.hpp"
 #include "firmware/can/controller_port.hpp"

@@ -118,44 +118,44 @@ TEST_CASE("A PLC that is bad in one respect fails that check alone", "[BRG-151]"
         bench.plc.link = rig::LinkState::lost;
         bench.plc.error = std::string("connect: Connection refused");
         const auto checks = bench.run().checks;
-        CHECK(wrong(checks) == Wrong{"PLC link: FAIL"});
+        CHECK(wrong(checks) == Wrong{"PLC link: fail"});
         CHECK(named(checks, "PLC link").measured == "connect: Connection refused");
         CHECK(named(checks, "PLC register map").verdict == preflight::Verdict::skipped);
     }
     SECTION("another map") {
         bench.plc.link = rig::LinkState::map_refused;
         bench.plc.error = std::string("the PLC has version 7");
-        CHECK(bench.wrongs() == Wrong{"PLC register map: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"PLC register map: fail"});
     }
     SECTION("a program that stands still") {
         bench.plc.plc_watchdog_age_s = std::numeric_limits<double>::infinity();
-        CHECK(bench.wrongs() == Wrong{"PLC heartbeat: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"PLC heartbeat: fail"});
     }
     SECTION("a sensor that says what cannot be") {
         bench.plc.quality[static_cast<std::size_t>(rig::Measured::brake_temperature_C)] =
             rig::ValueQuality::implausible;
         const auto checks = bench.run().checks;
-        CHECK(wrong(checks) == Wrong{"PLC registers: FAIL"});
+        CHECK(wrong(checks) == Wrong{"PLC registers: fail"});
         CHECK_THAT(named(checks, "PLC registers").measured,
                    ContainsSubstring("brake_temperature implausible"));
     }
     SECTION("a register that is old") {
         bench.plc.age_s[static_cast<std::size_t>(rig::Measured::vertical_load_N)] = 9.0;
-        CHECK(bench.wrongs() == Wrong{"PLC registers: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"PLC registers: fail"});
     }
     SECTION("tripped, and nobody may reset it but by hand") {
         set(bench, rig::Measured::plc_state, 1.0);
         CHECK(bench.wrongs().empty());
         bench.command.rig.reset = false;
-        CHECK(bench.wrongs() == Wrong{"PLC state: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"PLC state: fail"});
     }
     SECTION("a flywheel that turns") {
         set(bench, rig::Measured::flywheel_speed_mps, 3.0);
-        CHECK(bench.wrongs() == Wrong{"rig at rest: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"rig at rest: fail"});
     }
     SECTION("a wheel on the rim") {
         set(bench, rig::Measured::wheel_on_rim, 1.0);
-        CHECK(bench.wrongs() == Wrong{"rig at rest: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"rig at rest: fail"});
     }
 }
 
@@ -164,7 +164,7 @@ TEST_CASE("Each interlock that is open is named", "[BRG-151]") {
         PreflightBench bench;
         set(bench, rig::Measured::interlocks, 15.0 - static_cast<double>(1U << i));
         const std::string name(rig::name(static_cast<rig::Interlock>(i)));
-        CHECK(bench.wrongs() == Wrong{"interlock " + name + ": FAIL"});
+        CHECK(bench.wrongs() == Wrong{"interlock " + name + ": fail"});
     }
 }
 
@@ -176,40 +176,40 @@ TEST_CASE("A bus that is bad in one respect fails that check alone", "[BRG-152]"
     };
     SECTION("not to be opened") {
         bench.bus.refusal = std::string("CAN interface 'can0' is down");
-        CHECK(bench.wrongs() == Wrong{"CAN socket: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"CAN socket: fail"});
     }
     SECTION("no wheel") {
         bench.bus.view.wheel.received = antiskid::control::kNever;
         of(Role::wheel).accepted = 0;
-        CHECK(bench.wrongs() == Wrong{"wheel frames: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"wheel frames: fail"});
     }
     SECTION("a flywheel that fell silent") {
         bench.bus.view.flywheel.received = bench.bus.until - 400ms;
-        CHECK(bench.wrongs() == Wrong{"flywheel frames: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"flywheel frames: fail"});
     }
     SECTION("a pressure that is damaged now and then") {
         of(Role::pressure).wrong_crc = 1;
-        CHECK(bench.wrongs() == Wrong{"pressure frames: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"pressure frames: fail"});
     }
     SECTION("no controller") {
         bench.bus.view.controller = {};
         of(Role::status).accepted = 0;
-        CHECK(bench.wrongs() == Wrong{"status frames: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"status frames: fail"});
     }
     SECTION("a controller in its safe state") {
         bench.bus.view.controller.state = antiskid::control::State::safe;
         bench.bus.view.controller.faults.insert(antiskid::control::Fault::wheel_lost);
         const auto checks = bench.run().checks;
-        CHECK(wrong(checks) == Wrong{"controller state: FAIL"});
+        CHECK(wrong(checks) == Wrong{"controller state: fail"});
         CHECK(named(checks, "controller state").measured == "safe: wheel_lost");
     }
     SECTION("another bridge") {
         of(Role::maneuver).accepted = 50;
-        CHECK(bench.wrongs() == Wrong{"only bridge: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"only bridge: fail"});
     }
     SECTION("an interface at another bit rate") {
         bench.link.bitrate = 500'000;
-        CHECK(bench.wrongs() == Wrong{"CAN bit rate: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"CAN bit rate: fail"});
     }
 }
 
@@ -217,17 +217,17 @@ TEST_CASE("A computer, a ledger or a configuration that will not do fails its ow
     PreflightBench bench;
     SECTION("no real-time right") {
         bench.machine.fifo_granted = false;
-        CHECK(bench.wrongs() == Wrong{"scheduler rights: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"scheduler rights: fail"});
     }
     SECTION("a disk too small for the campaign") {
         bench.machine.record_free_bytes = 0.4e9;
         CHECK(bench.wrongs().empty());
         bench.command.maneuvers = 50;
-        CHECK(bench.wrongs() == Wrong{"disk of the record: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"disk of the record: fail"});
     }
     SECTION("a ledger that is held or damaged") {
         bench.ledger = {.there = true, .refusal = "is held by another program", .campaigns = {}};
-        CHECK(bench.wrongs() == Wrong{"ledger: FAIL"});
+        CHECK(bench.wrongs() == Wrong{"ledger: fail"});
     }
     SECTION("a campaign of another configuration") {
         rig::Campaign campaign;
@@ -247,7 +247,7 @@ TEST_CASE("A computer, a ledger or a configuration that will not do fails its ow
     SECTION("a scenario that is not there") {
         bench.command.rig.scenario = "config/scenarios/no_such.toml";
         const preflight::Report report = bench.run();
-        CHECK(wrong(report.checks) == Wrong{"configuration: FAIL"});
+        CHECK(wrong(report.checks) == Wrong{"configuration: fail"});
         CHECK_FALSE(passed(report));
         CHECK(report.config_hash.empty());
     }

@@ -35,6 +35,8 @@ TEST_CASE("a report passes with warnings and skipped checks, not with a failed o
         preflight::judged("four", false, {.measured = "m4", .required = "r4", .remedy = "c4"}));
     CHECK_FALSE(preflight::passed(report));
     CHECK(preflight::deliver(report, "") == 1);
+    CHECK_THAT(preflight::table(report), ContainsSubstring("FAIL     four"));
+    CHECK_THAT(preflight::json(report), ContainsSubstring("\"fail\""));
 }
 
 TEST_CASE("the table has a line a check, and the remedy of those that did not pass", "[RT-130]") {

@@ -186,7 +186,7 @@ TEST_CASE("a bus that cannot be opened fails by its reason; the loop is timed al
     CheckBench bench;
     bench.refusal = std::string("CAN interface 'can0' is down");
     const auto checks = bench.run().checks;
-    CHECK(wrong(checks) == Wrong{"CAN socket: FAIL"});
+    CHECK(wrong(checks) == Wrong{"CAN socket: fail"});
     CHECK(named(checks, "CAN socket").measured == bench.refusal);
     CHECK(named(checks, "wheel frames").verdict == preflight::Verdict::skipped);
     CHECK(named(checks, "loop latency").verdict == preflight::Verdict::pass);
@@ -198,13 +198,13 @@ TEST_CASE("a configuration that is refused, or is not the expected one, is a che
         bench.options.config = "config/no_such.toml";
         const preflight::Report report = bench.run();
         CHECK(report.config_hash.empty());
-        CHECK(wrong(report.checks) == Wrong{"configuration: FAIL"});
+        CHECK(wrong(report.checks) == Wrong{"configuration: fail"});
         CHECK_THAT(named(report.checks, "configuration").measured, ContainsSubstring("config/no_such.toml"));
         CHECK_FALSE(passed(report));
     }
     SECTION("another hash") {
         bench.options.check->expect_hash = std::string(32, '0');
-        CHECK(wrong(bench.run().checks) == Wrong{"configuration: FAIL"});
+        CHECK(wrong(bench.run().checks) == Wrong{"configuration: fail"});
     }
     SECTION("the expected hash") {
         bench.options.check->expect_hash = bench.rig.setup.config_hash;

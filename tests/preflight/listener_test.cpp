@@ -45,9 +45,9 @@ TEST_CASE("a rig at rest with its bridge passes every check, and nothing is sent
 
 TEST_CASE("a message that does not come is named; the bridge's only warn", "[RT-135]") {
     const auto [role, expected] = GENERATE(table<can::Role, Wrong>({
-        {can::Role::wheel, {"wheel frames: FAIL"}},
-        {can::Role::flywheel, {"flywheel frames: FAIL"}},
-        {can::Role::pressure, {"pressure frames: FAIL"}},
+        {can::Role::wheel, {"wheel frames: fail"}},
+        {can::Role::flywheel, {"flywheel frames: fail"}},
+        {can::Role::pressure, {"pressure frames: fail"}},
         {can::Role::maneuver, {"maneuver frames: warn"}},
         {can::Role::rig_heartbeat, {"rig_heartbeat frames: warn"}},
     }));
@@ -64,7 +64,7 @@ TEST_CASE("frames that are damaged, lost, late or too few fail the check of thei
             if (frame.id == id_of(rig, can::Role::wheel) && ++count % 100 == 0) frame.data[3] ^= 1U;
             return true;
         };
-        CHECK(wrong_frames(rig) == Wrong{"wheel frames: FAIL"});
+        CHECK(wrong_frames(rig) == Wrong{"wheel frames: fail"});
     }
     SECTION("all with a wrong CRC") {
         rig.disturb = [&](can::Frame& frame) {
@@ -72,14 +72,14 @@ TEST_CASE("frames that are damaged, lost, late or too few fail the check of thei
             return true;
         };
         const auto checks = frame_checks(listened(rig), rig.setup, "can0");
-        CHECK(wrong(checks) == Wrong{"pressure frames: FAIL"});
+        CHECK(wrong(checks) == Wrong{"pressure frames: fail"});
         CHECK_THAT(named(checks, "pressure frames").measured, ContainsSubstring("0 good"));
     }
     SECTION("one lost in a hundred") {
         rig.disturb = [&](const can::Frame& frame) {
             return frame.id != id_of(rig, can::Role::flywheel) || ++count % 100 != 0;
         };
-        CHECK(wrong_frames(rig) == Wrong{"flywheel frames: FAIL"});
+        CHECK(wrong_frames(rig) == Wrong{"flywheel frames: fail"});
     }
     SECTION("a pause longer than the controller bears") {
         rig.disturb = [&](const can::Frame& frame) {
@@ -89,7 +89,7 @@ TEST_CASE("frames that are damaged, lost, late or too few fail the check of thei
                    count > 730;  // 30 frames are two turns of the counter: none is missed by it
         };
         const auto checks = frame_checks(listened(rig), rig.setup, "can0");
-        CHECK(wrong(checks) == Wrong{"wheel frames: FAIL"});
+        CHECK(wrong(checks) == Wrong{"wheel frames: fail"});
         CHECK_THAT(named(checks, "wheel frames").measured, ContainsSubstring("wheel_lost"));
     }
     SECTION("half as many as the binding says") {
@@ -104,38 +104,38 @@ TEST_CASE("what a rig at rest cannot say fails the check of that sensor", "[RT-1
         rig.each = [&](int period) {
             if (period % 10 == 0) turn(rig.sample.wheel, rig.clock.now(), 1);
         };
-        CHECK(wrong_frames(rig) == Wrong{"wheel at rest: FAIL"});
+        CHECK(wrong_frames(rig) == Wrong{"wheel at rest: fail"});
     }
     SECTION("the flywheel turns") {
         rig.each = [&](int period) {
             if (period % 10 == 0) turn(rig.sample.flywheel, rig.clock.now(), 1);
         };
-        CHECK(wrong_frames(rig) == Wrong{"flywheel at rest: FAIL"});
+        CHECK(wrong_frames(rig) == Wrong{"flywheel at rest: fail"});
     }
     SECTION("a speed that cannot be") {
         rig.each = [&](int) { turn(rig.sample.wheel, rig.clock.now(), 1000); };
         const auto checks = frame_checks(listened(rig), rig.setup, "can0");
-        CHECK(wrong(checks) == Wrong{"wheel at rest: FAIL"});
+        CHECK(wrong(checks) == Wrong{"wheel at rest: fail"});
         CHECK_THAT(named(checks, "wheel at rest").measured, ContainsSubstring("wheel_range"));
     }
     SECTION("pressure without a command") {
         rig.pressure_offset_Pa = 0.6e6F;
-        CHECK(wrong_frames(rig) == Wrong{"pressure at rest: FAIL"});
+        CHECK(wrong_frames(rig) == Wrong{"pressure at rest: fail"});
     }
     SECTION("a pressure that jumps") {
         rig.each = [&](int period) { rig.pressure_offset_Pa = period % 2 == 0 ? 0.0F : 24e6F; };
         const auto checks = frame_checks(listened(rig), rig.setup, "can0");
-        CHECK(wrong(checks) == Wrong{"pressure at rest: FAIL"});
+        CHECK(wrong(checks) == Wrong{"pressure at rest: fail"});
         CHECK_THAT(named(checks, "pressure at rest").measured, ContainsSubstring("pressure_rate"));
     }
     SECTION("an emergency stop") {
         rig.sample.emergency_stop = true;
-        CHECK(wrong_frames(rig) == Wrong{"emergency stop: FAIL"});
+        CHECK(wrong_frames(rig) == Wrong{"emergency stop: fail"});
     }
     SECTION("a maneuver that asks for what cannot be") {
         rig.sample.maneuver.slip_reference = 0.9F;
         const auto checks = frame_checks(listened(rig), rig.setup, "can0");
-        CHECK(wrong(checks) == Wrong{"maneuver frames: FAIL"});
+        CHECK(wrong(checks) == Wrong{"maneuver frames: fail"});
         CHECK_THAT(named(checks, "maneuver frames").measured, ContainsSubstring("maneuver_range"));
     }
 }
@@ -156,7 +156,7 @@ TEST_CASE("a link that fails and a second controller are named", "[RT-136]") {
             if (period % 10 == 0) other.send(port.heartbeat());
         };
         const Heard heard = listened(rig);
-        CHECK(wrong(frame_checks(heard, rig.setup, "can0")) == Wrong{"only controller: FAIL"});
+        CHECK(wrong(frame_checks(heard, rig.setup, "can0")) == Wrong{"only controller: fail"});
         CHECK(preflight::why_not_to_move_the_valve(heard, rig.setup.control) ==
               "another controller commands the valve");
     }
@@ -171,7 +171,7 @@ TEST_CASE("a loop that wakes up late, works long or misses periods fails by its 
             if (++n % 100 == 0) rig.clock.advance(deadline + 250us - rig.clock.now());
         };
         const auto checks = timing_checks(listened(rig), rig.setup.period);
-        CHECK(wrong(checks) == Wrong{"loop latency: FAIL"});
+        CHECK(wrong(checks) == Wrong{"loop latency: fail"});
         CHECK(named(checks, "loop latency").figures.back().second == Approx(250.0).epsilon(0.02));
     }
     SECTION("by more than a period") {
@@ -181,17 +181,17 @@ TEST_CASE("a loop that wakes up late, works long or misses periods fails by its 
             if (++n == 300) rig.clock.advance(deadline + 3ms - rig.clock.now());
         };
         const auto checks = timing_checks(listened(rig, 3s), rig.setup.period);
-        CHECK(wrong(checks) == Wrong{"missed periods: FAIL"});
+        CHECK(wrong(checks) == Wrong{"missed periods: fail"});
         CHECK_THAT(named(checks, "missed periods").measured, ContainsSubstring("3 of "));
     }
     SECTION("long work") {
         Heard heard = listened(rig);
         heard.work.add(600us);
-        CHECK(wrong(timing_checks(heard, rig.setup.period)) == Wrong{"loop work: FAIL"});
+        CHECK(wrong(timing_checks(heard, rig.setup.period)) == Wrong{"loop work: fail"});
     }
     SECTION("stopped before its first period") {
         const std::atomic<bool> stop{true};
         const Heard heard = preflight::listen(rig.setup, rig.ear, rig.clock, 1s, stop);
-        CHECK(wrong(timing_checks(heard, rig.setup.period)) == Wrong{"missed periods: FAIL"});
+        CHECK(wrong(timing_checks(heard, rig.setup.period)) == Wrong{"missed periods: fail"});
     }
 }

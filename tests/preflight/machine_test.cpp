@@ -80,26 +80,26 @@ TEST_CASE("a machine that is bad in one respect fails that check alone", "[RT-13
     const std::vector<Bad> machines{
         {[](auto& m) { m.realtime_kernel = false, m.kernel = "#1 SMP PREEMPT_DYNAMIC"; },
          {"kernel preemption: warn"}},
-        {[](auto& m) { m.realtime_kernel = false, m.kernel = "#1 SMP"; }, {"kernel preemption: FAIL"}},
-        {[](auto& m) { m.fifo_granted = false; }, {"scheduler rights: FAIL"}},
-        {[](auto& m) { m.memory_locked = false; }, {"memory lock: FAIL"}},
-        {[](auto& m) { m.pinned = false; }, {"processor of the loop: FAIL"}},
+        {[](auto& m) { m.realtime_kernel = false, m.kernel = "#1 SMP"; }, {"kernel preemption: fail"}},
+        {[](auto& m) { m.fifo_granted = false; }, {"scheduler rights: fail"}},
+        {[](auto& m) { m.memory_locked = false; }, {"memory lock: fail"}},
+        {[](auto& m) { m.pinned = false; }, {"processor of the loop: fail"}},
         {[](auto& m) { m.isolated = "1-2,4"; }, {"core isolation: warn"}},
         {[](auto& m) { m.isolated = ""; }, {"core isolation: warn"}},
         {[](auto& m) {
              m.governors = {{3, "powersave"}};
          },
-         {"frequency governor: FAIL"}},
+         {"frequency governor: fail"}},
         {[](auto& m) {
              m.governors = {{0, "performance"}, {3, "schedutil"}};
          },
-         {"frequency governor: FAIL"}},
-        {[](auto& m) { m.clock_source = "hpet"; }, {"monotonic clock: FAIL"}},
-        {[](auto& m) { m.clock_source = "refined-jiffies"; }, {"monotonic clock: FAIL"}},
-        {[](auto& m) { m.clock_resolution_s = 4e-3; }, {"monotonic clock: FAIL"}},
+         {"frequency governor: fail"}},
+        {[](auto& m) { m.clock_source = "hpet"; }, {"monotonic clock: fail"}},
+        {[](auto& m) { m.clock_source = "refined-jiffies"; }, {"monotonic clock: fail"}},
+        {[](auto& m) { m.clock_resolution_s = 4e-3; }, {"monotonic clock: fail"}},
         {[](auto& m) { m.clock_synchronised = false; }, {"wall clock: warn"}},
-        {[](auto& m) { m.record_free_bytes = 0.9e9; }, {"disk of the record: FAIL"}},
-        {[](auto& m) { m.record_refusal = "/r: Read-only file system"; }, {"disk of the record: FAIL"}},
+        {[](auto& m) { m.record_free_bytes = 0.9e9; }, {"disk of the record: fail"}},
+        {[](auto& m) { m.record_refusal = "/r: Read-only file system"; }, {"disk of the record: fail"}},
     };
     for (const Bad& bad : machines) {
         MachineFacts facts = good_machine();

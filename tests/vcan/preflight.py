@@ -3,14 +3,21 @@
 
 usage: preflight.py BUILD_DIR TEST
 """
+import fcntl
 import json
+import os
 import pathlib
+import pty
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
+import termios
+import threading
 import time
 import tomllib
+import tty
 
 from pymodbus.client import ModbusTcpClient
 
@@ -61,7 +68,7 @@ def report_of(command):
     check(done.returncode in (0, 1), f"{command}: status {done.returncode}: {done.stderr}")
     report = json.loads(done.stdout)
     check(report["passed"] == (done.returncode == 0), "exit status and JSON disagree")
-    check(report["passed"] == all(c["verdict"] != "FAIL" for c in report["checks"]), "`passed` and the checks disagree")
+    check(report["passed"] == all(c["verdict"] != "fail" for c in report["checks"]), "`passed` and the checks disagree")
     return report, {c["name"]: c for c in report["checks"]}
 
 
@@ -74,7 +81,7 @@ def controller(folder):
     """[RT-141]"""
     command = [CONTROLLER, "--can", "vcan0", "--check", "--timing-s", "1"]
     _, checks = report_of(command)
-    verdicts(checks, {"CAN interface": "pass", "CAN bit rate": "skipped", "CAN socket": "pass", "wheel frames": "FAIL",
+    verdicts(checks, {"CAN interface": "pass", "CAN bit rate": "skipped", "CAN socket": "pass", "wheel frames": "fail",
                       "pressure at rest": "skipped", "maneuver frames": "warn", "only controller": "pass", "valve step": "skipped"})
 
     rig = Rig(folder)
@@ -104,7 +111,7 @@ def bridge(folder):
     rig = Rig(folder)
     _, checks = report_of([*command, "--plc", f"127.0.0.1:{rig.port}"])
     verdicts(checks, {"PLC link": "pass", "PLC register map": "pass", "interlock guard_closed": "pass", "rig at rest": "pass",
-                      "wheel frames": "pass", "status frames": "FAIL", "controller state": "skipped", "ledger": "pass"})
+                      "wheel frames": "pass", "status frames": "fail", "controller state": "skipped", "ledger": "pass"})
     check(not any(rig.commanded()), "a preflight has written registers")
     check(not (folder / "campaign").exists(), "a preflight has made a folder")
 
@@ -114,13 +121,62 @@ def bridge(folder):
         report, checks = report_of([*command, "--plc", f"127.0.0.1:{rig.port}"])
         if report["passed"]:
             break
-    check(report["passed"], [c for c in checks.values() if c["verdict"] == "FAIL"])
+    check(report["passed"], [c for c in checks.values() if c["verdict"] == "fail"])
     verdicts(checks, {"status frames": "pass", "controller state": "pass", "only bridge": "pass"})
     controller_process.send_signal(signal.SIGTERM)
     controller_process.wait(timeout=20)
     rig.end()
     report, checks = report_of([*command, "--plc", f"127.0.0.1:{rig.port}"])
-    verdicts(checks, {"PLC link": "FAIL", "PLC register map": "skipped", "wheel frames": "FAIL"})
+    verdicts(checks, {"PLC link": "fail", "PLC register map": "skipped", "wheel frames": "fail"})
+
+
+class SerialChip:
+    """A CAN controller of the kernel's slcan driver, and its far end in our hands: it shows what a real chip does to the interface."""
+
+    N_SLCAN = 17
+
+    def __init__(self):
+        self.master, self.slave = pty.openpty()
+        tty.setraw(self.slave)
+        fcntl.ioctl(self.slave, termios.TIOCSETD, struct.pack("i", self.N_SLCAN))
+        self.said = b""
+        threading.Thread(target=self.read, daemon=True).start()  # the driver waits until its words have been read
+
+    def read(self):
+        while True:
+            self.said += os.read(self.master, 4096)
+
+    def says(self, text):
+        os.write(self.master, text)
+        time.sleep(0.2)
+
+
+def chip(_folder):
+    """[RT-141]"""
+    for module in ("dev/can-dev.ko", "slcan/slcan.ko"):
+        path = f"/usr/lib/uml/modules/{os.uname().release}/kernel/drivers/net/can/{module}"
+        subprocess.run(["insmod", path] if os.path.exists(path) else ["modprobe", pathlib.Path(path).stem], stderr=subprocess.DEVNULL,
+                       check=False)
+    far_end = SerialChip()
+    interfaces = json.loads(subprocess.run(["ip", "-json", "link", "show", "type", "can"], capture_output=True, text=True, check=True).stdout)
+    name = interfaces[-1]["ifname"]
+    command = [CONTROLLER, "--can", name, "--check", "--timing-s", "1"]
+
+    def checks_after(*actions):
+        for action in actions:
+            subprocess.run(f"ip link set {name} {action}", shell=True, check=True)
+        return report_of(command)[1]
+
+    verdicts(checks_after("type can bitrate 500000"), {"CAN interface": "fail", "CAN bit rate": "fail", "CAN state": "fail",
+                                                       "CAN transmit queue": "pass", "CAN restart": "fail", "CAN mode": "pass"})
+    checks = checks_after("type can bitrate 1000000", "txqueuelen 2", "up")
+    verdicts(checks, {"CAN interface": "pass", "CAN bit rate": "pass", "CAN state": "pass", "CAN transmit queue": "fail", "CAN socket": "pass"})
+    check(b"S8\r" in far_end.said and b"O\r" in far_end.said, far_end.said)
+    # The chip reports: error-passive; receive errors 7, transmit errors 128.
+    far_end.says(b"sp007128\r")
+    checks = checks_after()
+    verdicts(checks, {"CAN state": "fail"})
+    check("error-passive" in checks["CAN state"]["measured"], checks["CAN state"])
 
 
 with tempfile.TemporaryDirectory() as name:
