@@ -137,6 +137,40 @@ TEST_CASE("a missing, misspelt or additional table is refused", "[CAN-041]") {
                ContainsSubstring("brake_temperature"));
 }
 
+TEST_CASE("overlaps are found in either byte order, and between them", "[CAN-042]") {
+    // Crc in byte 0, Counter in the low half of byte 1. Motorola fields start at their most significant bit and go on in the next byte.
+    struct Row {
+        const char *count, *time, *refusal;
+    };
+    const Row row = GENERATE(values<Row>({
+        {"23|16@0+", "39|32@0+", ""},
+        {"16|16@1+", "39|32@0+", ""},
+        {"23|16@0+", "32|32@1+", ""},
+        {"15|8@0+", "39|32@0+", "wheel.counter"},
+        {"11|8@0+", "39|32@0+", "wheel.counter"},
+        {"7|8@0+", "39|32@0+", "wheel.crc"},
+        {"23|17@0+", "39|32@0+", "overlaps that of wheel.edge_count"},
+        {"23|16@0+", "31|32@0+", "overlaps that of wheel.edge_count"},
+        {"16|16@1+", "31|32@0+", "overlaps that of wheel.edge_count"},
+        {"23|16@0+", "24|32@1+", "overlaps that of wheel.edge_count"},
+        {"23|16@0+", "38|32@0+", "sticks out of the 8 bytes"},
+        {"23|16@0+", "63|32@0+", "sticks out of the 8 bytes"},
+        {"23|16@0+", "64|32@0+", "sticks out of the 8 bytes"},
+        {"23|16@0+", "71|32@0+", "sticks out of the 8 bytes"},
+    }));
+    const std::string before =
+        "SG_ EdgeCount : 16|16@1+ (1,0) [0|65535] \"\" Controller,Bridge\n SG_ EdgeTime : 32|32@1+";
+    const std::string after = std::string("SG_ EdgeCount : ") + row.count +
+                              " (1,0) [0|0] \"\" Controller,Bridge\n SG_ EdgeTime : " + row.time;
+    const std::string what = refusal(replaced(kOurDbc, before, after), kOurs);
+    INFO(row.count << ", " << row.time);
+    if (row.refusal[0] == '\0') {
+        CHECK(what.empty());
+    } else {
+        CHECK_THAT(what, ContainsSubstring(row.refusal));
+    }
+}
+
 TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-042]") {
     struct Case {
         std::string from, to, expected;

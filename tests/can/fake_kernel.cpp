@@ -45,6 +45,8 @@ void attach(msghdr& header, std::size_t& used, int level, int type, const T& val
 }
 
 void deliver(const FakeKernel::Arrival& arrival, mmsghdr& message) {
+    if (message.msg_hdr.msg_iovlen != 1 || message.msg_hdr.msg_iov->iov_len != sizeof arrival.frame)
+        throw std::logic_error("no room for one frame");
     std::memcpy(message.msg_hdr.msg_iov->iov_base, &arrival.frame, sizeof arrival.frame);
     message.msg_len = arrival.length;
     std::size_t used = 0;
@@ -82,6 +84,8 @@ int __real_clock_gettime(clockid_t clock, timespec* now);
 int __wrap_socket(int domain, int type, int protocol) {
     if (fake == nullptr) return __real_socket(domain, type, protocol);
     if (fake->socket_error != 0) return refuse(fake->socket_error);
+    if (domain != PF_CAN || type != (SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK) || protocol != CAN_RAW)
+        throw std::logic_error("not a raw CAN socket that never blocks and no child inherits");
     const int descriptor = can_test::kFirst + static_cast<int>(fake->open.size());
     fake->open.insert(descriptor);
     return descriptor;
@@ -122,6 +126,7 @@ int __wrap_setsockopt(int /*descriptor*/, int level, int option, const void* val
 int __wrap_bind(int /*descriptor*/, const sockaddr* address, socklen_t /*size*/) {
     sockaddr_can can{};
     std::memcpy(&can, address, sizeof can);
+    if (can.can_family != AF_CAN) return refuse(EINVAL);
     fake->bound_index = can.can_ifindex;
     return fake->bind_error == 0 ? 0 : refuse(fake->bind_error);
 }
@@ -145,7 +150,9 @@ ssize_t __wrap_send(int /*descriptor*/, const void* data, std::size_t size, int 
     return static_cast<ssize_t>(size);
 }
 
-int __wrap_ppoll(pollfd* /*descriptors*/, nfds_t /*count*/, const timespec* timeout, const void* /*mask*/) {
+int __wrap_ppoll(pollfd* descriptors, nfds_t count, const timespec* timeout, const void* /*mask*/) {
+    if (count != 1 || descriptors->events != POLLIN || !fake->open.contains(descriptors->fd))
+        throw std::logic_error("not a wait for this socket's frames alone");
     fake->waited.push_back(FakeKernel::Time{timeout->tv_sec * can_test::kNanoseconds + timeout->tv_nsec});
     return fake->poll_answer;
 }

@@ -332,3 +332,12 @@ TEST_CASE("a frame without a stamp is old, so that nobody takes it for fresh", "
         CHECK(frames[0].received == -kernel.wall_ahead + Time{500});
     }
 }
+
+TEST_CASE("a megabyte of received frames is asked for, unless another size is wanted", "[CAN-200]") {
+    FakeKernel kernel;
+    const auto asked = [&kernel] { return value<int>(kernel.options.at({SOL_SOCKET, SO_RCVBUF})); };
+    const SocketCan usual("can0", kWanted);
+    CHECK(asked() == 1'048'576);
+    const SocketCan small("can0", kWanted, {.receive_buffer_bytes = 4096});
+    CHECK(asked() == 4096);
+}

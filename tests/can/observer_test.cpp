@@ -286,3 +286,33 @@ TEST_CASE("the observer refuses what the addressees refuse", "[CAN-110]") {
         CHECK(seen.rejected() > 0);
     }
 }
+
+TEST_CASE("the observer has the rig's telemetry with its time", "[CAN-110]") {
+    RigPort rig(ours(), kPeriod, kFromBridge);
+    Observer observer(ours());
+    int cells = 0, states = 0;
+    for (int step = 0; step < 400; ++step) {
+        const RigSample sample = sample_at(step);
+        for (Frame frame : due(rig, sample)) {
+            frame.received = Time{step + 1};
+            const auto role = observer.accept(frame);
+            if (role == Role::load_cells) {
+                ++cells;
+                REQUIRE(observer.view().load_cells_received == frame.received);
+                REQUIRE(observer.view().load_cells.vertical_N == Approx(23'532.0).margin(10.0));
+                REQUIRE(observer.view().load_cells.longitudinal_N == Approx(2100.0).margin(10.0));
+                REQUIRE(observer.view().load_cells.brake_torque_Nm == Approx(step % 900).margin(2.0));
+            }
+            if (role == Role::maneuver_state) {
+                ++states;
+                REQUIRE(observer.view().maneuver_state_received == frame.received);
+                REQUIRE(observer.view().maneuver_state.phase == step / 150);
+            }
+        }
+    }
+    CHECK(cells > 10);
+    CHECK(states > 3);
+    const std::uint32_t before = observer.unknown_ids();
+    CHECK_FALSE(observer.accept({.id = 0x7FF, .length = 0, .data = {}, .received = {}}).has_value());
+    CHECK(observer.unknown_ids() == before + 1);
+}

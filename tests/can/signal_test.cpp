@@ -1,11 +1,21 @@
 #include "firmware/can/signal.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <new>
 #include <string>
+#include <type_traits>
 
 #include "firmware/can/controller_port.hpp"
+#include "firmware/can/controller_view.hpp"
+#include "firmware/can/frame_gate.hpp"
 #include "firmware/can/rig_port.hpp"
+#include "firmware/can/roles.hpp"
+#include "firmware/control/estimate.hpp"
+#include "firmware/control/speed_estimator.hpp"
 #include "tests/can/layouts.hpp"
 #include "tests/catch.hpp"
 
@@ -146,4 +156,97 @@ TEST_CASE("every raw value survives decoding and encoding again", "[CAN-021]") {
             CHECK(same);
         }
     }
+}
+
+TEST_CASE("a signal that no layout has described is none, and passes a value as it is", "[CAN-020]") {
+    const Signal none;
+    CHECK_FALSE(none.bound());
+    CHECK(none.shift == 0);
+    CHECK(none.raw_min == 0);
+    CHECK(none.raw_max == 0);
+    CHECK(none.value(7) == 7.0);
+    CHECK(none.per_scale == 1.0);
+    Signal flag;
+    flag.bits = 1;
+    CHECK(flag.bound());
+}
+
+TEST_CASE("what the addressees said arrives with its time, each by itself", "[CAN-057]") {
+    const Layout& layout = can_test::ours();
+    ControllerPort port(layout, Time{1'000'000});
+    control::Command command;
+    command.faults = control::FaultSet::from_bits(0xFFFF'FFFFU);
+    command.state = control::State::safe;
+    ControllerView view;
+    std::array<Frame, ControllerPort::kMostFrames> frames{};
+    std::int64_t at = 0;
+    for (int step = 0; step < 200; ++step) {
+        const std::size_t count = port.due_frames(command, frames);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Time received{++at};
+            for (const Role role : kToRig) {
+                if (layout[role].id != frames[i].id) continue;
+                REQUIRE(apply(layout, role, Payload(frames[i].data), received, view));
+                const Time seen = role == Role::valve    ? view.command_received
+                                  : role == Role::status ? view.status_received
+                                  : role == Role::faults ? view.faults_received
+                                                         : view.heartbeat_received;
+                REQUIRE(seen == received);
+            }
+        }
+    }
+    CHECK(at > 200);
+    CHECK(view.faults.bits() == 0x03FF'FFFFU);
+    CHECK(view.state == control::State::safe);
+}
+
+TEST_CASE("identifiers beyond eleven bits are nobody's", "[CAN-050]") {
+    const Layout& layout = can_test::ours();
+    for (const std::uint32_t id : {0x800U, 0x801U, 0x1FFF'FFFFU, 0xFFFF'FFFFU}) {
+        FrameGate gate(layout, kToController);
+        const Frame frame{.id = id, .length = layout[Role::wheel].length, .data = {}, .received = {}};
+        CHECK_FALSE(gate.check(frame, Payload(frame.data)).role.has_value());
+        CHECK(gate.unknown_ids() == 1);
+    }
+}
+
+namespace {
+
+/// Whether a value that nobody has filled in is zero in every byte.
+template <typename T>
+bool starts_at_zero() {
+    static_assert(std::is_trivially_destructible_v<T>);
+    alignas(T) std::array<std::byte, sizeof(T)> memory{};
+    new (memory.data()) T;
+    return std::ranges::all_of(memory, [](std::byte b) { return b == std::byte{}; });
+}
+
+}  // namespace
+
+TEST_CASE("a sample that nobody has filled in moves nothing", "[CAN-058]") {
+    CHECK(starts_at_zero<SpeedSample>());
+    CHECK(starts_at_zero<ManeuverSample>());
+    CHECK(starts_at_zero<LoadCellSample>());
+    CHECK(starts_at_zero<ManeuverStateSample>());
+    CHECK(starts_at_zero<RigSample>());
+    CHECK(starts_at_zero<Frame>());
+    CHECK(starts_at_zero<control::Estimate>());
+    CHECK(starts_at_zero<control::SpeedReading>());
+    const ControllerView view;
+    CHECK(view.current_mA == 0.0F);
+    CHECK(view.slip == 0.0F);
+    CHECK(view.slip_reference == 0.0F);
+    const control::ManeuverInput maneuver;
+    CHECK(maneuver.demand_Pa == 0.0F);
+    CHECK(maneuver.current_mA == 0.0F);
+    CHECK(maneuver.deceleration_mps2 == 0.0F);
+    CHECK(control::PressureInput{}.pressure_Pa == 0.0F);
+    CHECK(control::Command{}.slip == 0.0F);
+    CHECK(ControllerPort(can_test::ours(), Time{1'000'000}).sync_number() == 0);
+}
+
+TEST_CASE("what was refused is the sum of its reasons", "[CAN-052]") {
+    const MessageStats stats{
+        .accepted = 1, .wrong_crc = 20, .wrong_counter = 300, .wrong_length = 4000, .wrong_value = 50'000};
+    CHECK(stats.rejected() == 54'320);
 }

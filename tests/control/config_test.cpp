@@ -1,8 +1,13 @@
 // Each key of the controller's configuration, spoilt in every way in turn: refused with file, line and key.
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <filesystem>
+#include <new>
 #include <set>
 #include <sstream>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "firmware/linux/controller_config.hpp"
@@ -208,4 +213,14 @@ TEST_CASE("the shipped files load, in SI units", "[CTL-093]") {
     const auto rig = load_controller_config("config/controller_endurance.toml");
     CHECK(rig.wheel.lift_Ns2pm2 == 0.0F);
     CHECK(rig.wheel.nominal_radius_m == 0.30F);
+}
+
+TEST_CASE("a configuration that nobody has filled in is zero: no gain, no limit that lets anything through") {
+    namespace control = antiskid::control;
+    // Zero before, so that what lies between the members is no trouble.
+    alignas(control::Config) std::array<std::byte, sizeof(control::Config)> memory{};
+    const auto* const config = new (memory.data()) control::Config;
+    static_assert(std::is_trivially_destructible_v<control::Config>);
+    CHECK(config->period_s == 0.0F);
+    CHECK(std::ranges::all_of(memory, [](std::byte b) { return b == std::byte{}; }));
 }

@@ -194,3 +194,38 @@ TEST_CASE("close to standstill the last pressure is held", "[CTL-052]") {
     d.start(decelerating(0.9F, 0.0F, -3e4F, 0.0F));
     CHECK(d.pressure_Pa(slow, 4.0F, kFull_Pa) == 0.0F);
 }
+
+TEST_CASE("at half the slip limit the guard still rests, above it it acts", "[CTL-051]") {
+    const bool above = GENERATE(false, true);
+    DecelerationLaw d = law();
+    Estimate e = decelerating(50.0F, 0.05F, 6e6F, 4.0F);
+    d.start(e);
+    roll(e, 4.0F);
+    e.balance_Pa = 0.0F;  // ice: the slip law would ask for next to nothing
+    e.late_slip = above ? std::nextafter(0.5F * 0.15F, 1.0F) : 0.5F * 0.15F;
+    CHECK((d.pressure_Pa(e, 4.0F, kFull_Pa) < 3e6F) == above);
+}
+
+TEST_CASE("at the drop-out speed itself the law still acts", "[CTL-052]") {
+    const bool below = GENERATE(false, true);
+    DecelerationLaw d = law();
+    Estimate e = decelerating(20.0F, 0.02F, 2e6F, 0.0F);
+    d.start(e);
+    e.v_mps = below ? std::nextafter(1.0F, 0.0F) : 1.0F;
+    for (int i = 0; i < 200; ++i) static_cast<void>(d.pressure_Pa(e, 5.0F, kFull_Pa));
+    CHECK((d.pressure_Pa(e, 5.0F, kFull_Pa) == 2e6F) == below);
+}
+
+TEST_CASE("under the ceiling the integral stops where the request reaches it", "[CTL-051]") {
+    // The reference rises by 0.9 m/s2 at 10 m/s3 over what the wheel does. The request, I + k_p e, meets the ceiling of 3 MPa after t with
+    // 2.9 + 20 t^2 + 2 t = 3 (MPa, k_i / 2 = 20 per s2): 36.6 ms, the integral at 2.927 MPa.
+    DecelerationLaw d = law();
+    Estimate e = decelerating(50.0F, 0.02F, 2.9e6F, 4.0F);
+    d.start(e);
+    for (int i = 0; i < 1000; ++i) {
+        roll(e, 4.0F);
+        REQUIRE(d.pressure_Pa(e, 4.9F, 3e6F) <= 3e6F);
+    }
+    roll(e, 4.0F);
+    CHECK(d.pressure_Pa(e, 4.9F, kFull_Pa) == Approx(2.927e6 + 0.9 * 0.2e6).epsilon(3e-3));
+}

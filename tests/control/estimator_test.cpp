@@ -238,3 +238,72 @@ TEST_CASE("a sensor that is wrong from its first frame starts no filter", "[CTL-
     w.sensors.wheel.received += Time{1'000'000};
     CHECK(w.estimator.update(w.sensors, 0.0F).omega_radps == 100.0F);
 }
+
+namespace {
+
+/// Sensors that report speed, radii of 0.5 m, no lift: products and quotients of round numbers are exact.
+struct Exact {
+    static Config config() {
+        Config c = fixed_config();
+        c.wheel.nominal_radius_m = c.flywheel.radius_m = 0.5F;
+        c.wheel.radius_tolerance = 0.0625F;
+        c.wheel.lift_Ns2pm2 = 0.0F;
+        return c;
+    }
+    const Estimate& move(const float v_mps, const float omega_radps, const float pressure_Pa = 0.0F) {
+        now += Time{1'000'000};
+        sensors.wheel.received = sensors.flywheel.received = sensors.pressure.received = now;
+        sensors.wheel.source = sensors.flywheel.source = SpeedSource::speed;
+        sensors.flywheel.speed_radps = 2.0F * v_mps;
+        sensors.wheel.speed_radps = omega_radps;
+        sensors.pressure.pressure_Pa = pressure_Pa;
+        sensors.maneuver.weight_on_wheels = true;
+        return estimator.update(sensors, 0.0F);
+    }
+    Estimator estimator{config().wheel, config().flywheel, config().valve, config().estimator, 1e-3F};
+    Sensors sensors;
+    Time now{};
+};
+
+}  // namespace
+
+TEST_CASE("a radius at the edge of its tolerance is learnt, above 15 m/s only", "[CTL-031]") {
+    struct Row {
+        float v_mps, omega_radps;
+        bool learnt;
+    };
+    const Row row = GENERATE(values<Row>({{30.0F, 64.0F, true},  // 0.46875 m: 0.5 m less a sixteenth
+                                          {30.0F, 64.01F, false},
+                                          {34.0F, 64.0F, true},  // 0.53125 m
+                                          {34.0F, 63.99F, false},
+                                          {15.0F, 31.0F, false},
+                                          {std::nextafter(15.0F, 16.0F), 31.0F, true}}));
+    Exact x;
+    for (int i = 0; i < 20; ++i) x.move(row.v_mps, row.omega_radps);
+    CHECK((x.estimator.estimate().radius_m != 0.5F) == row.learnt);
+}
+
+TEST_CASE("a pressure up to twice the full one is believed", "[CTL-024]") {
+    CHECK(Exact().move(0.0F, 0.0F, 2.0F * 20.7e6F).pressure.pressure_Pa > 1e6F);
+    CHECK(Exact().move(0.0F, 0.0F, std::nextafter(2.0F * 20.7e6F, 1e9F)).pressure.pressure_Pa == 0.0F);
+}
+
+TEST_CASE("a pressure that is not renewed is used once, then the model goes on alone", "[CTL-024]") {
+    Exact x;
+    for (int i = 0; i < 200; ++i) x.move(0.0F, 0.0F, 5e6F);
+    REQUIRE(x.estimator.estimate().pressure.pressure_Pa > 3e6F);
+    for (int i = 0; i < 200; ++i) x.estimator.update(x.sensors, 0.0F);  // no current
+    CHECK(std::abs(x.estimator.estimate().pressure.pressure_Pa) < 1e4F);
+}
+
+TEST_CASE("slip has no meaning up to half a metre per second, and stays between -1 and 1", "[CTL-032]") {
+    CHECK(Exact().move(0.5F, 0.0F).slip == 0.0F);
+    CHECK(Exact().move(std::nextafter(0.5F, 1.0F), 0.0F).slip == 1.0F);
+    const Estimate fast = Exact().move(10.0F, 100.0F);
+    CHECK(fast.slip == -1.0F);
+    CHECK(fast.late_slip == -1.0F);
+    // A brake that will stop the wheel before the command that is given now takes effect.
+    Exact x;
+    for (int i = 0; i < 20; ++i) x.move(30.0F, 20.0F);
+    CHECK(x.move(30.0F, 20.0F, 40e6F).late_slip == 1.0F);
+}

@@ -233,3 +233,17 @@ TEST_CASE("the law takes over at the slip that it finds", "[CTL-045]") {
     law.start(balanced(40.0F, -0.2F, kBalance_Pa));
     CHECK(law.reference() == 0.0F);
 }
+
+TEST_CASE("the build-up ends at its share of the reference, not after it", "[CTL-045]") {
+    SlipConfig config = exact_law();
+    config.build_up_slip = 0.5F;
+    SlipLaw law(config, kPeriod_s);
+    Estimate e = balanced(60.0F, 0.0F, kBalance_Pa);
+    law.start(e);
+    for (int i = 0; i < 20; ++i) static_cast<void>(law.pressure_Pa(e, 0.25F, 1e12F));
+    REQUIRE(law.reference() == 0.25F);
+    e.late_slip = std::nextafter(0.125F, 0.0F);
+    CHECK(law.pressure_Pa(e, 0.25F, 1e12F) == Approx(kBalance_Pa + 10e6F));
+    e.late_slip = 0.125F;
+    CHECK(law.pressure_Pa(e, 0.25F, 1e12F) == Approx(8e6 + 45.0 * 0.125 / rate_per_Pa(e)).epsilon(1e-4));
+}

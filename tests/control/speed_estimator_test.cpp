@@ -273,3 +273,96 @@ TEST_CASE("a clock that jumps, or an old frame, is no edge interval", "[CTL-231]
     }
     CHECK(fresh > 10);
 }
+
+namespace {
+
+/// Frames written by hand.
+struct ByHand {
+    SpeedReading frame(const Time at, const std::uint32_t edges, const Time edge_time) {
+        input.received = at;
+        input.edge_count = edges;
+        input.edge_time = edge_time;
+        return estimator.update(input);
+    }
+    /// Edges 10 ms apart up to `kStart`, one in each frame: a speed is known.
+    void run() {
+        for (int i = -3; i <= 0; ++i)
+            frame(kStart + 10 * i * kMillisecond, static_cast<std::uint32_t>(1000 + i),
+                  kClock + 10 * i * kMillisecond);
+    }
+
+    static constexpr Time kStart{10'000'000'000};
+    static constexpr Time kClock{-7'000'000'000};  // the sensor's own, which may count from anywhere
+    SpeedInput input;
+    SpeedEstimator estimator{static_cast<float>(kTeeth)};
+};
+
+}  // namespace
+
+TEST_CASE("a sensor that never reports has no reading", "[CTL-012]") {
+    SpeedEstimator estimator(60.0F);
+    const SpeedReading reading = estimator.update({});
+    CHECK(reading.speed_radps == 0.0F);
+    CHECK_FALSE(reading.fresh);
+    CHECK_FALSE(reading.bounded);
+    CHECK_FALSE(reading.valid);
+}
+
+TEST_CASE("wherever count and clock start, two edges make a speed, one does not", "[CTL-012]") {
+    const Time clock = GENERATE(Time{9'990'000'000}, Time{-5'000'000'000});
+    ByHand h;
+    CHECK_FALSE(h.frame(h.kStart, 4'000'000'000U, clock).valid);
+    CHECK_FALSE(h.frame(h.kStart + 10 * kMillisecond, 4'000'000'001U, clock + 10 * kMillisecond).valid);
+    const SpeedReading reading =
+        h.frame(h.kStart + 20 * kMillisecond, 4'000'000'002U, clock + 20 * kMillisecond);
+    CHECK(reading.fresh);
+    CHECK(static_cast<double>(reading.speed_radps) == Approx(kTooth_rad / 10e-3));
+}
+
+TEST_CASE("edges may take 25 ms longer than their frames, not a nanosecond more", "[CTL-012]") {
+    const std::uint32_t edges = GENERATE(1U, 5U);
+    for (const bool more : {false, true}) {
+        ByHand h;
+        h.run();
+        const SpeedReading reading = h.frame(h.kStart + 10 * kMillisecond, 1000U + edges,
+                                             h.kClock + 35 * kMillisecond + Time{more ? 1 : 0});
+        CHECK(reading.fresh != more);
+        CHECK(reading.valid);
+    }
+}
+
+TEST_CASE("a clock that jumps over a standstill costs one edge, as any standstill does", "[CTL-012]") {
+    ByHand h;
+    h.run();
+    for (int ms = 10; ms <= 200; ms += 10) h.frame(h.kStart + ms * kMillisecond, 1000U, h.kClock);
+    const Time jumped = h.kClock + Time{1'000'000'000'000};
+    h.frame(h.kStart + 210 * kMillisecond, 1001U, jumped);
+    const SpeedReading reading = h.frame(h.kStart + 220 * kMillisecond, 1002U, jumped + 10 * kMillisecond);
+    CHECK(reading.fresh);
+    CHECK(static_cast<double>(reading.speed_radps) == Approx(kTooth_rad / 10e-3));
+}
+
+TEST_CASE("after a jump of the clock the wait for a standstill starts anew", "[CTL-012]") {
+    ByHand h;
+    h.run();
+    h.frame(h.kStart + 60 * kMillisecond, 1000U, h.kClock);
+    const Time jumped = h.kClock + Time{1'000'000'000'000};
+    h.frame(h.kStart + 61 * kMillisecond, 1001U, jumped);
+    CHECK(h.frame(h.kStart + 160 * kMillisecond, 1001U, jumped).speed_radps > 0.0F);
+    CHECK(h.frame(h.kStart + 161 * kMillisecond, 1001U, jumped).speed_radps == 0.0F);
+}
+
+TEST_CASE("no edge for as long as the last one took is no news, for longer it is", "[CTL-011]") {
+    ByHand h;
+    h.run();
+    CHECK_FALSE(h.frame(h.kStart + 10 * kMillisecond, 1000U, h.kClock).bounded);
+    CHECK(h.frame(h.kStart + 10 * kMillisecond + Time{1'000}, 1000U, h.kClock).bounded);
+}
+
+TEST_CASE("edges a nanosecond apart are a reading like any other", "[CTL-012]") {
+    ByHand h;
+    h.run();
+    const SpeedReading reading = h.frame(h.kStart + kMillisecond, 1001U, h.kClock + Time{1});
+    CHECK(reading.fresh);
+    CHECK(static_cast<double>(reading.speed_radps) == Approx(kTooth_rad / 1e-9));
+}

@@ -153,3 +153,36 @@ TEST_CASE("no reading leaves a tracker that the next ones do not lead back", "[C
     CHECK(tracker.speed() == Approx(33.0).epsilon(0.02));
     CHECK(std::abs(tracker.acceleration()) < 500.0F);
 }
+
+TEST_CASE("what is not known is zero, before the first reading and after the last", "[CTL-018]") {
+    SpeedTracker tracker(450.0F, kMost);
+    CHECK(tracker.speed() == 0.0F);
+    CHECK(tracker.acceleration() == 0.0F);
+    for (int i = 0; i < 20; ++i) tracker.update(reading_of(100.0 + i), kPeriod_s, 0.0F, 0.0F);
+    REQUIRE(tracker.acceleration() > 1.0F);
+    tracker.update({}, kPeriod_s, 0.0F, 0.0F);
+    CHECK(tracker.speed() == 0.0F);
+    CHECK(tracker.acceleration() == 0.0F);
+}
+
+TEST_CASE("an upper bound that is just met says nothing", "[CTL-018]") {
+    SpeedTracker tracker(450.0F, kMost);
+    tracker.update(reading_of(100.0), kPeriod_s, 0.0F, 0.0F);
+    SpeedReading bound = reading_of(100.0);
+    bound.fresh = false;
+    bound.bounded = true;
+    tracker.update(bound, kPeriod_s, 0.0F, -10.0F);
+    CHECK(tracker.speed() == 100.0F);
+    CHECK(tracker.acceleration() == 0.0F);
+    bound.speed_radps = std::nextafter(100.0F, 0.0F);
+    tracker.update(bound, kPeriod_s, 0.0F, -10.0F);
+    CHECK(tracker.speed() != 100.0F);
+}
+
+TEST_CASE("a prediction that ends at zero is not looked back along", "[CTL-018]") {
+    SpeedTracker tracker(450.0F, kMost);
+    tracker.update(reading_of(100.0), kPeriod_s, 0.0F, 0.0F);
+    tracker.update(reading_of(50.0), kPeriod_s, -100.0F, -1000.0F);  // predicted: exactly none
+    const double memory = 1.0 / (1.0 + 450.0 * 1e-3);
+    CHECK(tracker.speed() == Approx((1.0 - memory * memory) * 50.0).epsilon(1e-5));
+}

@@ -2,6 +2,7 @@
 #include "firmware/control/supervisor.hpp"
 
 #include <array>
+#include <cmath>
 #include <random>
 
 #include "tests/catch.hpp"
@@ -175,6 +176,22 @@ TEST_CASE("touchdown protection ends with the wheel spun up or with its time", "
         CHECK(s.step() == State::locked_wheel);
     }
     CHECK(s.supervisor.latched().empty());
+}
+
+TEST_CASE("a controller that starts on its wheels has not seen them spin up", "[CTL-073]") {
+    Stand s;
+    s.sensors.maneuver.weight_on_wheels = true;
+    CHECK_FALSE(s.supervisor.rolling());
+    REQUIRE(s.step(60) == State::standby);
+    CHECK_FALSE(s.supervisor.rolling());
+    s.sensors.maneuver.arm = true;
+    s.sensors.maneuver.demand_Pa = 10e6F;
+    s.move(25.0F, 20.0F);
+    CHECK(s.step() == State::armed);
+    CHECK(s.step() == State::touchdown_protection);
+    CHECK_FALSE(s.supervisor.rolling());
+    CHECK(s.step(3000) == State::braking);
+    CHECK(s.supervisor.rolling());  // it should by now
 }
 
 TEST_CASE("a bounce is no fault and protects again", "[CTL-073]") {
@@ -352,6 +369,61 @@ TEST_CASE("a fault in the period of arming wins", "[CTL-076]") {
     CHECK(s.supervisor.latched().contains(Fault::overrun));
 }
 
+TEST_CASE("a wheel, a pressure and a speed exactly at their limits", "[CTL-070][CTL-073][CTL-074]") {
+    // Shares and a radius whose products with these speeds are exact.
+    SupervisorConfig config = fixed_config().supervisor;
+    config.lock_share = 0.25F;
+    config.unlock_share = 0.75F;
+    Stand s;
+    s.supervisor = Supervisor(config, kPeriod_s);
+    s.estimate.radius_m = 0.5F;
+    const auto move = [&s](const float v, const float rim) {
+        s.estimate.v_mps = v;
+        s.estimate.omega_radps = 2.0F * rim;
+    };
+    SECTION("at rest is below 0.1 rad/s") {
+        s.estimate.omega_radps = 0.1F;
+        CHECK(s.step(200) == State::self_test);
+        s.estimate.omega_radps = std::nextafter(0.1F, 0.0F);
+        CHECK(s.step(50) == State::standby);
+    }
+    SECTION("no pressure is below the residual one") {
+        s.sensors.pressure.pressure_Pa = 0.5e6F;
+        CHECK(s.step(200) == State::self_test);
+        s.sensors.pressure.pressure_Pa = std::nextafter(0.5e6F, 0.0F);
+        CHECK(s.step(50) == State::standby);
+    }
+    SECTION("spun up is above its speed, a lock below its share, released from its share on") {
+        REQUIRE(s.step(60) == State::standby);
+        s.sensors.maneuver.arm = true;
+        REQUIRE(s.step() == State::armed);
+        s.sensors.maneuver.weight_on_wheels = true;
+        s.sensors.maneuver.demand_Pa = 10e6F;
+        move(40.0F, 30.0F);
+        CHECK(s.step(10) == State::touchdown_protection);
+        CHECK_FALSE(s.supervisor.rolling());
+        move(40.0F, std::nextafter(30.0F, 31.0F));
+        CHECK(s.step() == State::braking);
+        CHECK(s.supervisor.rolling());
+        move(40.0F, 10.0F);
+        CHECK(s.step() == State::braking);
+        move(40.0F, std::nextafter(10.0F, 0.0F));
+        CHECK(s.step() == State::locked_wheel);
+        move(40.0F, std::nextafter(30.0F, 0.0F));
+        CHECK(s.step() == State::locked_wheel);
+        // At the drop-out speed itself a lock is still one.
+        move(5.0F, 2.5F);
+        CHECK(s.step() == State::locked_wheel);
+        move(40.0F, 30.0F);
+        CHECK(s.step() == State::braking);
+        s.sensors.maneuver.law = Law::deceleration;
+        move(std::nextafter(5.0F, 0.0F), 1.0F);
+        CHECK(s.step() == State::braking);
+        move(5.0F, 1.0F);
+        CHECK(s.step() == State::locked_wheel);
+    }
+}
+
 TEST_CASE("random inputs make every transition of the table and no other", "[CTL-077]") {
     std::array<std::array<int, kStateCount>, kStateCount> seen{};
     std::mt19937 random(5);
@@ -397,28 +469,31 @@ TEST_CASE("random inputs make every transition of the table and no other", "[CTL
             disarmed = !m.arm;
             on_wheels_s = m.weight_on_wheels ? on_wheels_s + kPeriod_s : 0.0F;
             spun_up = m.weight_on_wheels && (spun_up || s.estimate.omega_radps * kRadius_m > 30.0F);
-            CAPTURE(run, k, static_cast<int>(before), static_cast<int>(after));
+            const auto wrong = [&](const char* const what) {
+                FAIL(what << ": run " << run << ", step " << k << ", " << idx(before) << " to "
+                          << idx(after));
+            };
             if (after != before) ++seen[idx(before)][idx(after)];
             if (after != before && !kMayFollow[idx(before)][idx(after)]) {
-                FAIL("a transition that is not in the table");
+                wrong("a transition that is not in the table");
             }
             if (faulty && before != State::self_test && after != State::safe)
-                FAIL("a fault without reaction");
+                wrong("a fault without reaction");
             const bool active = after != State::self_test && after != State::standby && after != State::safe;
-            if (active && !m.arm) FAIL("active without arm");
-            if (before == State::standby && after == State::armed && !edge) FAIL("armed without an edge");
+            if (active && !m.arm) wrong("active without arm");
+            if (before == State::standby && after == State::armed && !edge) wrong("armed without an edge");
             const bool brakes = after == State::braking || after == State::drop_out;
             if (brakes) {
-                if (!m.weight_on_wheels) FAIL("braking in the air");
-                if (!spun_up && on_wheels_s < 2.998F) FAIL("braking within touchdown protection");
-                if (m.demand_Pa < 0.2e6F) FAIL("braking without a demand");
+                if (!m.weight_on_wheels) wrong("braking in the air");
+                if (!spun_up && on_wheels_s < 2.998F) wrong("braking within touchdown protection");
+                if (m.demand_Pa < 0.2e6F) wrong("braking without a demand");
             }
             if (after == State::touchdown_protection && (spun_up || !m.weight_on_wheels))
-                FAIL("protection without need");
-            if (after == State::safe && s.supervisor.latched().empty()) FAIL("safe without a name");
+                wrong("protection without need");
+            if (after == State::safe && s.supervisor.latched().empty()) wrong("safe without a name");
             if (after == State::braking && m.law != Law::open_loop && s.estimate.v_mps >= 6.0F &&
                 s.estimate.omega_radps * kRadius_m < 0.299F * s.estimate.v_mps)
-                FAIL("braking a locked wheel");
+                wrong("braking a locked wheel");
             before = after;
         }
     }

@@ -16,6 +16,7 @@ namespace {
 /// `mps2`: rim acceleration of the wheel. Thresholds: slip 0.2 and 0.4, deceleration 35, recovery above 2.
 Estimate at(const float slip, const float mps2, const float pressure_Pa = 5e6F) {
     Estimate e = balanced(40.0F, slip, pressure_Pa);
+    e.radius_m = 0.5F;  // exact quotients
     e.omega_dot_radps2 = mps2 / e.radius_m;
     return e;
 }
@@ -69,6 +70,11 @@ TEST_CASE("the actions change where the thresholds say", "[CTL-055]") {
         {"recovered", Action::hold, 0.19F, 5.0F, Action::increase},
         {"skids again", Action::hold, 0.45F, -1.0F, Action::decrease},
         {"skids again by deceleration", Action::hold, 0.25F, -40.0F, Action::decrease},
+        {"slip at its threshold", Action::increase, 0.40F, -1.0F, Action::increase},
+        {"deceleration at its threshold", Action::increase, 0.30F, -35.0F, Action::increase},
+        {"hard deceleration at the lower slip", Action::increase, 0.20F, -60.0F, Action::increase},
+        {"recovery at its threshold is none yet", Action::decrease, 0.50F, 2.0F, Action::decrease},
+        {"slip at the lower threshold has not recovered", Action::hold, 0.20F, 5.0F, Action::hold},
     }));
     CAPTURE(row.why);
     Bench b;

@@ -204,3 +204,12 @@ TEST_CASE("measurements correct the model, the uncorrected one ignores them", "[
     }
     CHECK(late.now().pressure_Pa == Approx(9e6).epsilon(0.02));
 }
+
+TEST_CASE("a map that begins above no pressure is held before its first point", "[CTL-020]") {
+    ValveConfig valve = fixed_config().valve;
+    valve.pressure_Pa[0] = 0.1e6F;
+    CHECK(valve_pressure_Pa(valve, 2.0F) == 0.1e6F);
+    CHECK(valve_pressure_Pa(valve, 3.0F) == 0.1e6F);
+    CHECK(valve_current_mA(valve, 0.1e6F) == valve.safe_current_mA);
+    CHECK(valve_current_mA(valve, std::nextafter(0.1e6F, 1e6F)) == Approx(3.0F));
+}

@@ -1,0 +1,409 @@
+// The checks by themselves: how long a condition has to hold, and on which side of each limit it begins.
+#include "firmware/control/monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <random>
+
+#include "tests/catch.hpp"
+#include "tests/control/fixed_config.hpp"
+
+using namespace antiskid::control;
+using control_test::fixed_config;
+
+namespace {
+
+constexpr float kExact_s = 1.0F / 1024.0F;  // sums of it are not rounded
+constexpr Time kMillisecond{1'000'000};
+
+/// Periods and maximum age whose quotient and products are exact.
+Config exact_config() {
+    Config config = fixed_config(kExact_s);
+    config.monitor.sensor_max_age_s = 20.0F * kExact_s;
+    config.monitor.implausible_s = kExact_s;  // a single reading is named
+    config.wheel.encoder.max_acceleration_radps2 = 32.0F * 1024.0F;
+    config.monitor.pressure_rate_Paps = 1e6F * 1024.0F;
+    config.monitor.stuck_s = kExact_s;
+    config.wheel.nominal_radius_m = config.flywheel.radius_m = 0.5F;
+    config.wheel.lift_Ns2pm2 = 0.0F;
+    return config;
+}
+
+/// Estimator and monitor with a standing rig that reports in every period.
+struct Watch {
+    explicit Watch(const Config& with = fixed_config())
+        : config(with),
+          estimator(with.wheel, with.flywheel, with.valve, with.estimator, with.period_s),
+          monitor(with) {
+        sensors.wheel.source = sensors.flywheel.source = SpeedSource::speed;
+    }
+    FaultSet step() {
+        now += config.period_s == kExact_s ? Time{976'562} : kMillisecond;
+        sensors.wheel.received = sensors.flywheel.received = sensors.pressure.received = now;
+        sensors.maneuver.received = sensors.rig_heartbeat_received = now;
+        return silent_step();
+    }
+    FaultSet silent_step() {
+        estimator.update(sensors, current_mA);
+        return monitor.check(sensors, estimator, rolling, now);
+    }
+
+    Config config;
+    Estimator estimator;
+    Monitor monitor;
+    Sensors sensors;
+    Time now{};
+    float current_mA = 0.0F;
+    bool rolling = false;
+};
+
+FaultSet set_of(std::initializer_list<Fault> faults) {
+    FaultSet set;
+    for (const Fault fault : faults) set.insert(fault);
+    return set;
+}
+
+}  // namespace
+
+TEST_CASE("a condition that must not be broken is counted anew after every break", "[CTL-081]") {
+    const float limit = GENERATE(1.0F, 8.0F, 8.4F, 8.6F);  // periods, to the nearest whole one
+    Persistence persistence(limit * kExact_s, kExact_s);
+    std::mt19937 random(3);
+    int held = 0, wrong = 0;
+    for (int k = 0; k < 20'000; ++k) {
+        const bool bad = random() % 8U != 0U;
+        held = bad ? held + 1 : 0;
+        wrong += persistence.holds(bad) == (held >= std::lround(limit)) ? 0 : 1;
+    }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("a condition that comes and goes is paid back by half, and never owes more than its limit",
+          "[CTL-081]") {
+    const int limit = GENERATE(1, 2, 8, 20);  // periods
+    Suspicion suspicion(static_cast<float>(limit) * kExact_s, kExact_s);
+    std::mt19937 random(4);
+    double owed = 0.0;
+    int wrong = 0, named = 0;
+    for (int k = 0; k < 50'000; ++k) {
+        // By turns mostly good, mostly bad and in between.
+        const bool bad = random() % 8U < static_cast<unsigned>(k / 200) % 9U;
+        if (!bad) owed = std::max(owed - 0.5, 0.0);
+        if (bad && owed < limit) owed += 1.0;
+        const bool expected = bad && owed >= limit;
+        named += expected ? 1 : 0;
+        wrong += suspicion.holds(bad) == expected ? 0 : 1;
+    }
+    CHECK(wrong == 0);
+    CHECK(named > 1000);
+}
+
+TEST_CASE("what has never come is lost, not corrupt, and nothing else is said of it", "[CTL-081]") {
+    Watch w;
+    const FaultSet lost = set_of({Fault::wheel_lost, Fault::flywheel_lost, Fault::pressure_lost,
+                                  Fault::maneuver_lost, Fault::heartbeat_lost});
+    for (int k = 0; k < 50; ++k) {
+        w.now += kMillisecond;
+        REQUIRE(w.silent_step() == lost);
+    }
+    w.sensors.wheel.rejected = 1;  // one that came and was refused
+    CHECK(w.silent_step().contains(Fault::wheel_corrupt));
+}
+
+TEST_CASE("at rest nothing is wrong, and the ages are allowed to their last nanosecond", "[CTL-081]") {
+    Watch w;
+    for (int k = 0; k < 2000; ++k) REQUIRE(w.step().empty());
+    const Time last = w.now;
+    const auto after = [&](const Time age) {
+        w.now = last + age;
+        return w.silent_step();
+    };
+    CHECK(after(Time{20'000'000}).empty());
+    const FaultSet sensors = set_of({Fault::wheel_lost, Fault::flywheel_lost, Fault::pressure_lost});
+    CHECK(after(Time{20'000'100}) == sensors);
+    CHECK(after(Time{100'000'000}) == sensors);
+    FaultSet command = sensors;
+    command.insert(Fault::maneuver_lost);
+    CHECK(after(Time{100'000'100}) == command);
+    CHECK(after(Time{350'000'000}) == command);
+    CHECK(after(Time{350'000'100}).contains(Fault::heartbeat_lost));
+}
+
+TEST_CASE("more refused frames than the maximum age has periods are corrupt", "[CTL-081]") {
+    // 20 periods. The good frame among them pays for one, and good ones before them are no credit.
+    const std::uint32_t refused = GENERATE(21U, 22U);
+    const int before = GENERATE(0, 5);
+    Watch w(exact_config());
+    for (int k = 0; k < before; ++k) REQUIRE(w.step().empty());
+    w.sensors.wheel.rejected = refused;
+    CHECK(w.step().contains(Fault::wheel_corrupt) == (refused == 22U));
+}
+
+TEST_CASE("good frames pay for refused ones, to the end", "[CTL-081]") {
+    Watch w(exact_config());
+    w.sensors.pressure.rejected = 22;
+    CHECK(w.step() == set_of({Fault::pressure_corrupt}));
+    CHECK(w.step().empty());
+    // A count that goes back, or by half of its range, is another sensor, not two thousand million frames.
+    w.sensors.pressure.rejected = 0;
+    CHECK(w.step().empty());
+    w.sensors.pressure.rejected = 0x8000'0000U;
+    CHECK(w.step().empty());
+    // It cannot owe more than twice the limit of 20.5: the first good frame takes it to 40, the twentieth below.
+    w.sensors.pressure.rejected += 1000;
+    for (int k = 0; k < 20; ++k) CHECK(w.step() == set_of({Fault::pressure_corrupt}));
+    CHECK(w.step().empty());
+    // What was refused long ago does not make a silent sensor a corrupt one.
+    w.now += Time{30'000'000};
+    CHECK(w.silent_step().contains(Fault::pressure_lost));
+    CHECK_FALSE(w.silent_step().contains(Fault::pressure_corrupt));
+}
+
+TEST_CASE("the limits themselves are allowed", "[CTL-081]") {
+    Watch w;
+    const auto stays = [&] {
+        FaultSet all;
+        for (int k = 0; k < 50; ++k) all.insert(w.step());
+        return all;
+    };
+    ManeuverInput& m = w.sensors.maneuver;
+    m.demand_Pa = 25e6F;
+    m.slip_reference = 0.5F;
+    m.deceleration_mps2 = 15.0F;
+    m.current_mA = 100.0F;
+    m.law = Law::threshold;
+    CHECK(stays().empty());
+    m = {};
+    CHECK(stays().empty());
+    w.sensors.pressure.pressure_Pa = -0.5e6F;
+    CHECK_FALSE(stays().contains(Fault::pressure_range));
+    w.sensors.pressure.pressure_Pa = 25e6F;
+    CHECK_FALSE(stays().contains(Fault::pressure_range));
+    w.sensors.wheel.speed_radps = 400.0F;
+    w.sensors.flywheel.speed_radps = 250.0F;
+    CHECK_FALSE(stays().contains(Fault::wheel_range));
+    CHECK_FALSE(stays().contains(Fault::flywheel_range));
+}
+
+TEST_CASE("the fastest change that is allowed is allowed", "[CTL-081]") {
+    Watch w(exact_config());
+    w.sensors.wheel.speed_radps = 100.0F;
+    w.step();
+    w.sensors.wheel.speed_radps = 132.0F;
+    w.sensors.pressure.pressure_Pa = 1e6F;
+    FaultSet faults = w.step();
+    CHECK_FALSE(faults.contains(Fault::wheel_rate));
+    CHECK_FALSE(faults.contains(Fault::pressure_rate));
+    w.sensors.wheel.speed_radps = std::nextafter(164.0F, 200.0F);
+    w.sensors.pressure.pressure_Pa = std::nextafter(2e6F, 3e6F);
+    faults = w.step();
+    CHECK(faults.contains(Fault::wheel_rate));
+    CHECK(faults.contains(Fault::pressure_rate));
+}
+
+TEST_CASE("readings that come every other period are counted as often as they come", "[CTL-081]") {
+    Watch w;
+    w.step();
+    for (int jump = 1; jump <= 5; ++jump) {
+        w.now += kMillisecond;
+        w.silent_step();
+        w.sensors.pressure.pressure_Pa = jump % 2 == 1 ? 20e6F : 0.0F;
+        CHECK(w.step().contains(Fault::pressure_rate) == (jump == 5));
+    }
+}
+
+TEST_CASE("a modelled change, a difference and a speed exactly at their limits", "[CTL-081]") {
+    // What model and tracker settle on is asked of them, and then made the limit.
+    const auto run = [](Watch& w) {
+        w.current_mA = 9.0F;
+        w.sensors.flywheel.speed_radps = 30.0F;
+        FaultSet all;
+        for (int k = 0; k < 3000; ++k) all.insert(w.step());
+        return all;
+    };
+    Watch first;
+    run(first);
+    const float settled_Pa = first.estimator.uncorrected_pressure_Pa();
+    REQUIRE(settled_Pa > 2e6F);
+    const bool beyond = GENERATE(false, true);
+    const auto limit = [beyond](const float value) { return beyond ? std::nextafter(value, 0.0F) : value; };
+    Config config = fixed_config();
+    config.monitor.pressure_moves_Pa = limit(settled_Pa);
+    config.monitor.off_command_Pa = limit(settled_Pa);
+    config.monitor.off_command_s = config.monitor.stuck_s;
+    Watch second(config);
+    const FaultSet faults = run(second);
+    CHECK(faults.contains(Fault::pressure_stuck) == beyond);
+    CHECK(faults.contains(Fault::pressure_off_command) == beyond);
+
+    config = fixed_config();
+    config.monitor.plausible_above_mps = limit(first.estimator.estimate().v_mps);
+    Watch third(config);
+    third.sensors.maneuver.weight_on_wheels = true;
+    third.sensors.flywheel.speed_radps = 30.0F;
+    third.sensors.pressure.pressure_Pa = 0.6e6F;  // stays without a current, on a rig that moves
+    FaultSet all;
+    for (int k = 0; k < 1000; ++k) all.insert(third.step());
+    CHECK(all.contains(Fault::pressure_off_command) == beyond);
+}
+
+TEST_CASE("the first reading of a sensor that starts late is no jump", "[CTL-085]") {
+    Config config = fixed_config();
+    config.monitor.implausible_s = config.period_s;  // a single jump is named
+    config.monitor.pressure_rate_Paps = 1e6F;
+    Watch w(config);
+    w.sensors.wheel.speed_radps = 180.0F;
+    w.sensors.flywheel.speed_radps = 100.0F;
+    w.sensors.pressure.pressure_Pa = 24e6F;
+    const FaultSet first = w.step();
+    CHECK_FALSE(first.contains(Fault::wheel_rate));
+    CHECK_FALSE(first.contains(Fault::flywheel_rate));
+    CHECK_FALSE(first.contains(Fault::pressure_rate));
+    w.sensors.wheel.speed_radps = 180.0F + 29.9F;  // 30,000 rad/s2
+    CHECK_FALSE(w.step().contains(Fault::wheel_rate));
+    w.sensors.wheel.speed_radps = 180.0F - 0.2F;
+    CHECK(w.step().contains(Fault::wheel_rate));
+    CHECK_FALSE(w.step().contains(Fault::wheel_rate));
+}
+
+TEST_CASE("ten good periods pay for a missed one, not nine", "[CTL-081]") {
+    // Ten missed periods are the limit; the eleventh is named.
+    const int good = GENERATE(9, 10);
+    Watch w;
+    w.sensors.missed_periods = 10;
+    REQUIRE(w.step().empty());
+    w.sensors.missed_periods = 0;
+    for (int k = 0; k < good - 1; ++k) REQUIRE(w.step().empty());
+    w.sensors.missed_periods = 1;  // comes in a good period itself
+    CHECK(w.step().contains(Fault::overrun) == (good == 9));
+}
+
+TEST_CASE("a missed period that has been paid for leaves nothing behind", "[CTL-081]") {
+    Watch w;
+    w.sensors.missed_periods = 1;
+    REQUIRE(w.step().empty());
+    w.sensors.missed_periods = 0;
+    for (int k = 0; k < 20; ++k) REQUIRE(w.step().empty());
+    w.sensors.missed_periods = 10;
+    CHECK(w.step().empty());
+    // Nor does a long stall owe more than the limit: it is named once.
+    w.sensors.missed_periods = 50;
+    CHECK(w.step() == set_of({Fault::overrun}));
+    w.sensors.missed_periods = 0;
+    CHECK(w.step().empty());
+}
+
+TEST_CASE("pressure without a current is named on a loaded or rolling wheel alone", "[CTL-081]") {
+    struct Row {
+        bool on_wheels, moves, rolling;
+        float pressure_Pa;
+        bool named;
+    };
+    const Row row = GENERATE(values<Row>({{true, false, false, 0.6e6F, false},
+                                          {false, true, false, 0.6e6F, false},
+                                          {true, true, false, 0.6e6F, true},
+                                          {false, false, true, 0.6e6F, true},
+                                          {true, true, true, 0.5e6F, false}}));
+    Watch w;
+    w.rolling = row.rolling;
+    w.sensors.maneuver.weight_on_wheels = row.on_wheels;
+    w.sensors.flywheel.speed_radps = row.moves ? 50.0F : 0.0F;
+    w.sensors.pressure.pressure_Pa = row.pressure_Pa;
+    FaultSet all;
+    for (int k = 0; k < 150; ++k) all.insert(w.step());
+    CHECK(all.contains(Fault::pressure_off_command) == row.named);
+}
+
+TEST_CASE("an aircraft loses 20 m/s2 at most: a reference that falls faster is believed for a while",
+          "[CTL-081]") {
+    const float fall_mps2 = GENERATE(19.0F, 30.0F);
+    Watch w;
+    float v = 60.0F, carried = 60.0F;
+    bool named = false;
+    for (; v > 4.0F && !named; v -= fall_mps2 * 1e-3F, carried -= 20e-3F) {
+        w.sensors.flywheel.speed_radps = v / 0.6F;
+        named = w.step().contains(Fault::flywheel_stuck);
+    }
+    CHECK(named == (fall_mps2 > 20.0F));
+    if (named) {
+        CHECK(v / carried == Approx(0.85F).epsilon(0.02));  // less by overspeed_share
+    }
+}
+
+TEST_CASE("an encoder at the least that the aircraft must still have is believed, one below is not",
+          "[CTL-081]") {
+    // 64 m/s, less 20 m/s2 over 1/1024 s, is 63.98046875 m/s.
+    constexpr float kCarried_mps = 63.98046875F;
+    struct Row {
+        float plausible_above_mps, reading_mps;
+        bool named;
+    };
+    const Row row = GENERATE(values<Row>({{8.0F, 0.5F * kCarried_mps, false},
+                                          {8.0F, std::nextafter(0.5F * kCarried_mps, 0.0F), true},
+                                          {kCarried_mps, 0.0F, false},
+                                          {std::nextafter(kCarried_mps, 0.0F), 0.0F, true}}));
+    Config config = exact_config();
+    config.monitor.plausible_above_mps = row.plausible_above_mps;
+    config.monitor.overspeed_share = 0.5F;
+    config.monitor.stuck_s = 1.0F;
+    Watch w(config);
+    w.sensors.flywheel.speed_radps = 128.0F;
+    REQUIRE_FALSE(w.step().contains(Fault::flywheel_stuck));
+    w.sensors.flywheel.speed_radps = 2.0F * row.reading_mps;
+    CHECK(w.step().contains(Fault::flywheel_stuck) == row.named);
+}
+
+TEST_CASE("a big drum's speed is what its rim has", "[CTL-081]") {
+    Config config = fixed_config();
+    config.flywheel.radius_m = 1.5F;
+    Watch w(config);
+    w.sensors.flywheel.speed_radps = 240.0F;
+    for (int k = 0; k < 10; ++k) REQUIRE_FALSE(w.step().contains(Fault::flywheel_stuck));
+    w.sensors.flywheel.speed_radps = 100.0F;  // less than half
+    FaultSet all;
+    for (int k = 0; k < 10; ++k) all.insert(w.step());
+    CHECK(all.contains(Fault::flywheel_stuck));
+}
+
+TEST_CASE("a wheel that turns on a flywheel that never did", "[CTL-081]") {
+    Watch w;
+    w.sensors.wheel.speed_radps = 100.0F;
+    int period = 0;
+    while (period < 1000 && !w.step().contains(Fault::flywheel_stuck)) ++period;
+    CHECK(period + 1 == 250);
+}
+
+TEST_CASE("rim speeds and slip exactly at their limits", "[CTL-081]") {
+    struct Row {
+        float flywheel_radps, wheel_radps, plausible_above_mps;
+        bool rolling, disagree;
+    };
+    // Radii of 0.5 m; overspeed by a quarter, free slip of a quarter.
+    const Row row = GENERATE(values<Row>({{128.0F, 160.0F, 8.0F, false, false},
+                                          {128.0F, std::nextafter(160.0F, 200.0F), 8.0F, false, true},
+                                          {0.0F, 32.0F, 16.0F, false, false},
+                                          {0.0F, std::nextafter(32.0F, 40.0F), 16.0F, false, true},
+                                          {128.0F, 96.0F, 8.0F, true, false},
+                                          {128.0F, 95.9F, 8.0F, true, true}}));
+    Config config = exact_config();
+    config.monitor.overspeed_share = 0.25F;
+    config.monitor.free_slip = 0.25F;
+    config.monitor.plausible_above_mps = row.plausible_above_mps;
+    Watch w(config);
+    w.rolling = row.rolling;
+    w.sensors.flywheel.speed_radps = row.flywheel_radps;
+    w.sensors.wheel.speed_radps = row.wheel_radps;
+    const FaultSet faults = w.step();
+    CHECK(faults.contains(Fault::speeds_disagree) == row.disagree);
+    CHECK(faults.contains(Fault::flywheel_stuck) == (row.flywheel_radps == 0.0F && row.disagree));
+}
+
+TEST_CASE("a set of faults from the bus holds the faults that exist", "[CTL-080]") {
+    CHECK(FaultSet::from_bits(0xFFFF'FFFFU).bits() == 0x03FF'FFFFU);
+    for (unsigned i = 0; i < 32; ++i) {
+        const FaultSet one = FaultSet::from_bits(1U << i);
+        CHECK(one.empty() == (i >= kFaultCount));
+        for (unsigned k = 0; k < kFaultCount; ++k) CHECK(one.contains(static_cast<Fault>(k)) == (i == k));
+    }
+}
