@@ -63,6 +63,9 @@ struct SlipConfig {
     float road_torque_share = 0.0F;  ///< feed-forward of the observed road torque, 0 (off) to 1
     float build_up_slip = 0.0F;  ///< the valve is overdriven at brake-on until the predicted slip passes this
                                  ///< share of the reference
+    float build_up_reference_limit =
+        0.0F;  ///< a build-up towards a reference further past the peak ends as towards this one:
+               ///< what the delay still adds would lock the wheel
     float build_up_pressure_Pa = 0.0F;  ///< added to the pressure that balances the road while building up
     float build_up_rate_Paps = 0.0F;  ///< approached at this rate: a slippery surface shows itself on the way
     float reference_rate_per_s = 0.0F;  ///< the reference in force follows a change at this rate

@@ -4,11 +4,6 @@
 
 namespace antiskid::control {
 
-namespace {
-// A build-up towards a reference further past the peak ends as towards this one: what the delay still adds would lock the wheel.
-constexpr float kMostBuildUpReference = 0.3F;
-}  // namespace
-
 SlipLaw::SlipLaw(const SlipConfig& config, float period_s) : config_(config), period_s_(period_s) {}
 
 void SlipLaw::start(const Estimate& estimate) {
@@ -42,7 +37,8 @@ float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceilin
     float wanted_Pa = config_.road_torque_share * e.balance_Pa + wanted_rate / rate_per_Pa;
 
     if (building_up_) {
-        building_up_ = e.late_slip < config_.build_up_slip * smaller(reference_, kMostBuildUpReference);
+        building_up_ =
+            e.late_slip < config_.build_up_slip * smaller(reference_, config_.build_up_reference_limit);
         build_up_Pa_ =
             smaller(build_up_Pa_ + config_.build_up_rate_Paps * period_s_, config_.build_up_pressure_Pa);
         if (building_up_) wanted_Pa = larger(wanted_Pa, e.balance_Pa + build_up_Pa_);

@@ -88,6 +88,7 @@ control::SlipConfig slip(const settings::Table& t) {
                           .k_dd_s = number(t, "k_dd_s", 0.0, 1.0),
                           .road_torque_share = number(t, "road_torque_share", 0.0, 1.0),
                           .build_up_slip = number(t, "build_up_slip", 0.0, 1.0),
+                          .build_up_reference_limit = number(t, "build_up_reference_limit", 0.01, 1.0),
                           .build_up_pressure_Pa = number(t, "build_up_pressure_Pa", 0.0, 1e8),
                           .build_up_rate_Paps = number(t, "build_up_rate_Paps", 1e6, 1e12),
                           .reference_rate_per_s = number(t, "reference_rate_per_s", 0.01, 1e4),

@@ -37,6 +37,7 @@ namespace control_test {
               .k_dd_s = 0.0018F,
               .road_torque_share = 1.0F,
               .build_up_slip = 0.9F,
+              .build_up_reference_limit = 0.3F,
               .build_up_pressure_Pa = 10e6F,
               .build_up_rate_Paps = 1e9F,
               .reference_rate_per_s = 50.0F,

@@ -212,17 +212,20 @@ TEST_CASE("at brake-on the pressure is built up until the slip is there, once", 
 }
 
 TEST_CASE("towards a reference far past the peak the build-up ends early", "[CTL-180]") {
-    // At 90 % of slip 0.3, whatever is asked for beyond it; then the gains bring the rest.
+    // At 90 % of the limit, whatever is asked for beyond it; then the gains bring the rest.
+    SlipConfig config = exact_law();
+    const float limit = GENERATE(0.2F, 0.3F);
+    config.build_up_reference_limit = limit;
     const float reference = GENERATE(0.3F, 0.4F, 0.5F);
-    SlipLaw law(exact_law(), kPeriod_s);
+    SlipLaw law(config, kPeriod_s);
     Estimate e = balanced(60.0F, 0.0F, kBalance_Pa);
     law.start(e);
     // The reference is there after 10 periods, and with it 10 MPa of build-up; the demand has no say.
     for (int i = 0; i < 20; ++i) static_cast<void>(law.pressure_Pa(e, reference, 1e12F));
-    e.late_slip = 0.26F;
+    e.late_slip = 0.9F * limit - 0.01F;
     CHECK(law.pressure_Pa(e, reference, 1e12F) == Approx(kBalance_Pa + 10e6F));
-    e.late_slip = 0.28F;
-    const double by_gains_Pa = 8e6 + 45.0 * (static_cast<double>(reference) - 0.28) / rate_per_Pa(e);
+    e.late_slip = 0.9F * limit + 0.01F;
+    const double by_gains_Pa = 8e6 + 45.0 * static_cast<double>(reference - e.late_slip) / rate_per_Pa(e);
     CHECK(law.pressure_Pa(e, reference, 1e12F) == Approx(by_gains_Pa).epsilon(1e-4));
 }
 
