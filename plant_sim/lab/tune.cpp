@@ -1,16 +1,18 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
+#include <thread>
 
 #include "plant_sim/lab/margins_input.hpp"
+#include "plant_sim/lab/step_progress.hpp"
+#include "plant_sim/lab/tune_law.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/study/in_process.hpp"
 #include "plant_sim/study/margins/law_loop.hpp"
 #include "plant_sim/study/margins/tune.hpp"
 
@@ -21,36 +23,6 @@ namespace {
 namespace margins = study::margins;
 using nlohmann::ordered_json;
 
-/// What a controller does in closed loop over all scenarios.
-struct Acceptance {
-    double j_mu = 0.0;  ///< mean
-    double longest_lock_s = 0.0;
-    double least_tracked = 1.0;
-    bool faults = false;
-
-    [[nodiscard]] bool holds(double floor) const {
-        return j_mu >= floor && longest_lock_s <= 0.050 && least_tracked >= 0.95 && !faults;
-    }
-};
-
-Acceptance accept(const MarginsInput& input, const antiskid::control::Config& controller) {
-    Acceptance a;
-    for (const Scenario& s : input.scenarios) {
-        const auto run =
-            study::run_in_process(controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
-        a.j_mu += run.figures.j_mu / static_cast<double>(input.scenarios.size());
-        a.longest_lock_s = std::max(a.longest_lock_s, run.figures.longest_lock_s);
-        a.least_tracked = std::min(a.least_tracked, run.figures.tracked_share);
-        a.faults = a.faults || !run.faults.empty();
-    }
-    return a;
-}
-
-ordered_json to_json(const Acceptance& a) {
-    return {{"mean_j_mu", a.j_mu},
-            {"longest_lock_s", a.longest_lock_s},
-            {"least_tracked_share", a.least_tracked}};
-}
 ordered_json to_json(const margins::WorstScore& w) {
     return {{"score", w.value}, {"cells", w.counted}, {"unstable", w.unstable}, {"met", w.met}};
 }
@@ -134,95 +106,97 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
     return t;
 }
 
+/// The paper's PID, by its margins in all cells that are feasible at all.
+void tune_pid(const MarginsInput& input, const margins::StudyOptions& options,
+              const margins::SearchOptions& search, ordered_json& json) {
+    const antiskid::control::Config& controller = input.scenarios.front().controller;
+    const auto cells = margins::tuning_cells(input.cases, controller, options);
+    const auto judged = [&](const std::vector<double>& x) {
+        return margins::pid_score(margins::with(input.settings.pid, x), input.cases, cells,
+                                  options.requirement);
+    };
+    const auto knobs = margins::pid_knobs(input.settings.pid);
+    const auto found = margins::search(
+        knobs, [&](const std::vector<double>& x, double) { return judged(x).value; }, search,
+        [](int done, int all) {
+            show_steps(static_cast<std::size_t>(done), static_cast<std::size_t>(all), "gains judged");
+        });
+    std::vector<double> start;
+    std::transform(knobs.begin(), knobs.end(), std::back_inserter(start),
+                   [](const margins::Knob& k) { return k.start.value(); });
+    fmt::print(
+        "PID on measured slip: least of margins over required, worst of {} cells that are feasible at all\n\n"
+        "| | shipped | tuned |\n|---|---|---|\n",
+        cells.size());
+    for (std::size_t i = 0; i < knobs.size(); ++i) {
+        fmt::print("| {} | {:.4g} | {:.4g} |\n", knobs[i].name, start[i], found.values[i]);
+        json["shipped"][knobs[i].name] = start[i];
+        json["tuned"][knobs[i].name] = found.values[i];
+    }
+    const auto before = judged(start), after = judged(found.values);
+    fmt::print(
+        "| score | {:.3f} | {:.3f} |\n| cells that meet {:.0f} deg and {:.0f} dB | {} | {} |\n| unstable "
+        "cells | {} | {} |\n",
+        before.value, after.value, options.requirement.phase_deg, options.requirement.gain_dB, before.met,
+        after.met, before.unstable, after.unstable);
+    json["evaluations"] = found.evaluations;
+    json["shipped"]["margins"] = to_json(before);
+    json["tuned"]["margins"] = to_json(after);
+}
+
 struct TuneCommand {
     ScenarioOptions scenario;
     margins::StudyOptions options;
-    int speeds = 4;
     margins::SearchOptions search;
+    std::optional<std::uint64_t> seed;
+    std::optional<int> speeds, population, generations;
+    std::optional<double> floor;
     std::string loop = "pid";
-    double floor = 0.9644;
     bool constant_slip = false;
+    bool check = false;
     std::filesystem::path out = "out/tune";
+    std::vector<std::filesystem::path> write;
 
     int run() {
         // CLI::Range lets a value pass that is no number.
-        if (!std::isfinite(floor)) throw std::invalid_argument("--floor must be a number from 0 to 1");
-        const MarginsInput input = load_margins_input(scenario);
+        if (floor && !std::isfinite(*floor))
+            throw std::invalid_argument("--floor must be a number from 0 to 1");
+        const bool law = loop == "law";
+        if (!law && (check || !write.empty()))
+            throw std::invalid_argument("--check and --write need --loop law");
+        scenario.seed = seed.value_or(1);
+        MarginsInput input = load_margins_input(scenario);
+        if (floor) input.settings.law.stops.mean_j_mu = *floor;
         std::filesystem::create_directories(out);  // refused now, not when the search is over
-        const antiskid::control::Config& controller = input.scenarios.front().controller;
         options.slip_reference = scenario.slip;
-        options.speeds = speeds;
+        options.speeds = speeds.value_or(law ? 8 : 4);
         options.low_speed_fall = !constant_slip;
         options.requirement = input.settings.requirement;
-        search.seed = scenario.seed;
-        const auto cells = margins::tuning_cells(input.cases, controller, options);
-        const bool law = loop == "law";
-        const auto judged = [&](const std::vector<double>& x) {
-            return law ? margins::law_score(margins::with(controller, x), input.cases, cells,
-                                            options.requirement)
-                       : margins::pid_score(margins::with(input.settings.pid, x), input.cases, cells,
-                                            options.requirement);
-        };
-        const auto score = [&](const std::vector<double>& x) {
-            const double s = judged(x).value;
-            // Margins that cost the stops their friction, their tracking or a lock are worth nothing.
-            if (!law || s < 0.0) return s;
-            const Acceptance a = accept(input, margins::with(controller, x));
-            if (a.holds(floor)) return s;
-            return -1.0 - std::max(0.0, floor - a.j_mu);
-        };
-        const auto knobs = law ? margins::law_knobs(controller) : margins::pid_knobs(input.settings.pid);
-        const bool terminal = ::isatty(STDERR_FILENO) == 1;
-        const auto found = margins::search(knobs, score, search, [terminal](int done, int all) {
-            if (terminal) fmt::print(stderr, "\r{} of {} evaluations{}", done, all, done == all ? "\n" : "");
-        });
-        std::vector<double> start;
-        std::transform(knobs.begin(), knobs.end(), std::back_inserter(start),
-                       [](const margins::Knob& k) { return k.start; });
-        ordered_json infeasible;
-        const std::string table = infeasible_table(input, options, infeasible);
+        const unsigned threads = search.threads;
+        if (law) search = input.settings.law.options;
+        search.threads = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
+        search.seed = seed.value_or(search.seed);
+        search.population = population.value_or(search.population);
+        search.generations = generations.value_or(search.generations);
 
         ordered_json json{{"study", "tune"},
                           {"loop", loop},
                           {"config_hash", input.config_hash},
                           {"version", ANTISKID_VERSION},
                           {"seed", search.seed},
-                          {"slip_reference", options.slip_reference},
-                          {"evaluations", found.evaluations}};
-        fmt::print(
-            "{}: least of margins over required, worst of {} cells that are feasible at all\n\n"
-            "| | shipped | tuned |\n|---|---|---|\n",
-            law ? "slip law" : "PID on measured slip", cells.size());
-        for (std::size_t i = 0; i < knobs.size(); ++i) {
-            fmt::print("| {} | {:.4g} | {:.4g} |\n", knobs[i].name, start[i], found.values[i]);
-            json["shipped"][knobs[i].name] = start[i];
-            json["tuned"][knobs[i].name] = found.values[i];
-        }
-        const auto before = judged(start), after = judged(found.values);
-        fmt::print(
-            "| score | {:.3f} | {:.3f} |\n| cells that meet {:.0f} deg and {:.0f} dB | {} | {} |\n| unstable "
-            "cells | {} | {} |\n",
-            before.value, after.value, options.requirement.phase_deg, options.requirement.gain_dB, before.met,
-            after.met, before.unstable, after.unstable);
-        json["shipped"]["margins"] = to_json(before);
-        json["tuned"]["margins"] = to_json(after);
-        if (law) {
-            const Acceptance a = accept(input, controller),
-                             b = accept(input, margins::with(controller, found.values));
-            fmt::print(
-                "| mean J_mu | {:.4f} | {:.4f} |\n| longest lock (ms) | {:.0f} | {:.0f} |\n| least tracked "
-                "share | {:.4f} | {:.4f} |\n",
-                a.j_mu, b.j_mu, a.longest_lock_s * 1e3, b.longest_lock_s * 1e3, a.least_tracked,
-                b.least_tracked);
-            json["shipped"]["closed_loop"] = to_json(a);
-            json["tuned"]["closed_loop"] = to_json(b);
-        }
-        ordered_json creeping;
+                          {"slip_reference", options.slip_reference}};
+        int status = 0;
+        if (law)
+            status = tune_law({scenario, options, search, check, out, write}, input, json);
+        else
+            tune_pid(input, options, search, json);
+        ordered_json infeasible, creeping;
+        const std::string table = infeasible_table(input, options, infeasible);
         fmt::print("\n{}\n{}", table, creep_table(input, options, creeping));
         json["infeasible_at_constant_slip"] = infeasible;
         json["creeping"] = creeping;
         deliver((out / "results.json").string(), json.dump(2) + "\n");
-        return 0;
+        return status;
     }
 };
 
@@ -234,31 +208,44 @@ LabVerb tune_verb(CLI::App& lab) {
                                         "Gains with the largest worst margin over all surfaces, maneuvers "
                                         "and speeds; what no controller can have.");
     verb->add_option("--loop", command->loop,
-                     "pid: the paper's, by its margins; law: the shipped one, its stops kept as good")
+                     "pid: the paper's, by its margins; law: the shipped one, by margins and stops")
         ->check(CLI::IsMember({"pid", "law"}))
         ->capture_default_str();
     verb->add_option("--slip", command->scenario.slip, "slip reference")
         ->check(CLI::Range(0.01, 0.5))
         ->capture_default_str();
-    verb->add_option("--speeds", command->speeds, "speeds from brake-on to drop-out")
-        ->check(CLI::Range(2, 50))
-        ->capture_default_str();
+    verb->add_option("--speeds", command->speeds, "speeds from brake-on to drop-out (default: pid 4, law 8)")
+        ->check(CLI::Range(2, 50));
     verb->add_flag("--constant-slip", command->constant_slip, "the reference does not fall at low speed");
-    verb->add_option("--floor", command->floor, "law: least mean J_mu over all stops")
-        ->check(CLI::Range(0.0, 1.0))
-        ->capture_default_str();
-    verb->add_option("--population", command->search.population, "of the search")
-        ->check(CLI::Range(4, 1000))
-        ->capture_default_str();
-    verb->add_option("--generations", command->search.generations, "of the search")
-        ->check(CLI::Range(0, 10000))
-        ->capture_default_str();
-    verb->add_option("--seed", command->scenario.seed, "of the search, and of every sensor")
-        ->capture_default_str();
+    verb->add_flag(
+        "--check", command->check,
+        "law: no search; exit status 1 unless the shipped gains keep what is asked and no single step "
+        "from them is better");
+    verb->add_option("--write", command->write, "law: controller files that get the gains in place of theirs")
+        ->check(CLI::ExistingFile);
+    verb->add_option("--floor", command->floor,
+                     "law: least mean J_mu over all stops (default: margins.toml's)")
+        ->check(CLI::Range(0.0, 1.0));
+    verb->add_option("--population", command->population,
+                     "of the search (default: pid 16, law margins.toml's)")
+        ->check(CLI::Range(4, 1000));
+    verb->add_option("--generations", command->generations,
+                     "of the search (default: pid 25, law margins.toml's)")
+        ->check(CLI::Range(0, 10000));
+    verb->add_option("--seed", command->seed,
+                     "of the search, and of every sensor (default: 1; law: margins.toml's, sensors 1)");
+    verb->add_option("--threads", command->search.threads, "results do not depend on it (default: all cores)")
+        ->check(CLI::Range(1U, 1024U));
     verb->add_option("--config", command->scenario.config, "directory of the configuration files")
         ->capture_default_str();
-    verb->add_option("--out", command->out, "directory of results.json")->capture_default_str();
-    verb->footer("Examples:\n  rig-lab tune\n  rig-lab tune --loop law --generations 15");
+    verb->add_option("--out", command->out, "directory of results.json and, for the law, slip.toml")
+        ->capture_default_str();
+    verb->footer(
+        "Examples:\n"
+        "  rig-lab tune\n"
+        "  rig-lab tune --loop law --write config/controller.toml --write config/controller_endurance.toml\n"
+        "  rig-lab tune --loop law --check\n"
+        "Exit status: 0; 1 --check found better; 2 mistake on the command line or in a file.");
     return {verb, [command] { return command->run(); }};
 }
 

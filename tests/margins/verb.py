@@ -52,8 +52,11 @@ with tempfile.TemporaryDirectory() as scratch:
         ("a value out of range", changed("phase_margin_deg = 30.0", "phase_margin_deg = 130.0"), "phase_margin_deg", ["130", "0 to 90"]),
         ("a value that is no number", changed("k_d = ", "k_d = nan #"), "k_d", []),
         ("a value of another type", changed("schedule = 1.15", 'schedule = "1.15"'), "schedule", []),
-        ("a PID that holds nothing", "\n".join("k_p_per_s = 0.0" if line.startswith("k_p") else "k_i_per_s2 = 0.0"
-                                               if line.startswith("k_i") else line for line in good.splitlines()) + "\n", "k_p_per_s", []),
+        ("a PID that holds nothing", "\n".join("k_p_per_s = 0.0" if line.startswith("k_p_per_s = 7") else "k_i_per_s2 = 0.0"
+                                               if line.startswith("k_i_per_s2 = 5") else line for line in good.splitlines()) + "\n", "k_p_per_s", []),
+        ("a gain whose start is not between its ends", changed("k_d = [3.0, 6.0,", "k_d = [3.0, 2.0,"), "k_d = [", []),
+        ("a gain that is not searched", changed("low_speed_slip = [", "low_slip = ["), "low_slip", ["low_speed_slip"]),
+        ("a search that is none", changed("population = 16", "population = 3"), "population", ["4 to 1000"]),
         ("a file that is no TOML", changed("[requirement]", "[requirement"), "[requirement", []),
     ]
     for verb in ("margins", "tune"):
@@ -76,6 +79,8 @@ with tempfile.TemporaryDirectory() as scratch:
         refused(f"tune: {option} {value}", [option], "tune", option, value, "--out", out)
     for option, value in (("--picture-speed", 4), ("--picture-speed", "nan"), ("--controller", "/nowhere.toml")):
         refused(f"margins: {option} {value}", ["/nowhere.toml" if option == "--controller" else option], "margins", option, value, "--out", out)
+    refused("tune: --check of the PID", ["--loop law"], "tune", "--check", "--out", out)
+    refused("tune: --write of the PID", ["--loop law"], "tune", "--write", CONFIG / "controller.toml", "--out", out)
     refused("margins: --mu-b nan", ["mu_b"], "margins", "--mu-b", "nan", "--out", out)
     check("and all that left nothing", not out.exists())
 

@@ -1,16 +1,31 @@
 /// Reads config/margins.toml.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "plant_sim/study/margins/limits.hpp"
 #include "plant_sim/study/margins/pid_loop.hpp"
+#include "plant_sim/study/margins/search.hpp"
+#include "plant_sim/study/margins/trial_stops.hpp"
 
 namespace study::margins {
+
+/// The search for gains of the slip law.
+struct LawSearch {
+    SearchOptions options;    ///< but threads
+    double least_gain = 0.0;  ///< of its last part, climb()
+    StopsRequirement stops;
+    double worn_friction = 0.0;           ///< of the brake in further stops, whose tracking counts
+    std::vector<double> worn_references;  ///< of these
+    std::vector<Knob> knobs;              ///< in the order of gain_names()
+};
 
 struct MarginsSettings {
     Requirement requirement;
     Pid pid;
+    LawSearch law;
 };
 
 /// Throws settings::Error naming file, line and key.

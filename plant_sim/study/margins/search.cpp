@@ -1,8 +1,14 @@
 #include "plant_sim/study/margins/search.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
+#include <exception>
+#include <limits>
+#include <mutex>
 #include <stdexcept>
+#include <thread>
 
 #include "plant_sim/model/random.hpp"
 
@@ -19,64 +25,153 @@ std::size_t index(plant::Random& random, std::size_t count) {
     return std::min(static_cast<std::size_t>(uniform(random) * static_cast<double>(count)), count - 1);
 }
 
+/// The last digit's worth.
+double last_place(double value, int digits) {
+    return std::pow(10.0, std::floor(std::log10(value) + 1e-12) - digits + 1);
+}
+
+struct Candidate {
+    std::vector<double> values;
+    double to_beat = -std::numeric_limits<double>::infinity();
+};
+
+/// Scores in the order of the candidates.
+class Jury {
+  public:
+    Jury(const Score& score, unsigned threads, const SearchProgress& progress)
+        : score_(score), threads_(threads), progress_(progress) {}
+
+    [[nodiscard]] std::vector<double> judge(const std::vector<Candidate>& candidates, int all) {
+        std::vector<double> scores(candidates.size());
+        std::exception_ptr failure;
+        std::mutex mutex;  // of failure, judged_ and progress_
+        std::atomic<std::size_t> next{0};
+        const auto work = [&] {
+            try {
+                for (std::size_t i = next.fetch_add(1); i < candidates.size(); i = next.fetch_add(1)) {
+                    scores[i] = score_(candidates[i].values, candidates[i].to_beat);
+                    const std::scoped_lock lock(mutex);
+                    ++judged_;
+                    if (progress_) progress_(judged_, all);
+                }
+            } catch (...) {
+                const std::scoped_lock lock(mutex);
+                if (!failure) failure = std::current_exception();
+                next.store(candidates.size());
+            }
+        };
+        {
+            std::vector<std::jthread> others;
+            for (unsigned i = 1; i < threads_; ++i) others.emplace_back(work);
+            work();
+        }
+        if (failure) std::rethrow_exception(failure);
+        return scores;
+    }
+    [[nodiscard]] int judged() const { return judged_; }
+
+  private:
+    const Score& score_;
+    unsigned threads_;
+    const SearchProgress& progress_;
+    int judged_ = 0;
+};
+
 }  // namespace
 
-Found search(const std::vector<Knob>& knobs, const std::function<double(const std::vector<double>&)>& score,
-             const SearchOptions& options, const std::function<void(int, int)>& progress) {
+double rounded(double value, int digits) {
+    const double place = last_place(value, digits);
+    // Divided by a whole number where the place is below 1: 4.31e-3 is then the double that the text "0.00431" is.
+    return place < 1.0 ? std::round(value / place) / std::round(1.0 / place)
+                       : std::round(value / place) * place;
+}
+
+Found search(const std::vector<Knob>& knobs, const Score& score, const SearchOptions& options,
+             const SearchProgress& progress) {
     if (knobs.empty() || options.population < 4)
         throw std::invalid_argument("a search needs knobs and a population of four");
     for (const Knob& k : knobs)
-        if (!(k.low > 0.0 && k.high >= k.low && k.start >= k.low && k.start <= k.high))
+        if (!(k.low > 0.0 && k.high >= k.low) || (k.start && (*k.start < k.low || *k.start > k.high)))
             throw std::invalid_argument(k.name + ": bounds must be above zero, rising, and hold the start");
     plant::Random random(options.seed);
     const auto members = static_cast<std::size_t>(options.population);
     const std::size_t n = knobs.size();
+    const bool started = std::all_of(knobs.begin(), knobs.end(), [](const Knob& k) { return k.start; });
     std::vector<std::vector<double>> place(members, std::vector<double>(n));  // logarithms
-    std::vector<double> scores(members);
     const auto values = [&](const std::vector<double>& x) {
         std::vector<double> v(n);
-        std::transform(x.begin(), x.end(), v.begin(), [](double a) { return std::exp(a); });
+        for (std::size_t k = 0; k < n; ++k) v[k] = rounded(std::exp(x[k]), options.digits);
         return v;
     };
     const int all = options.population * (options.generations + 1);
-    Found found;
-    const auto judge = [&](const std::vector<double>& x) {
-        const double s = score(values(x));
-        ++found.evaluations;
-        if (progress) progress(found.evaluations, all);
-        return s;
-    };
+    Jury jury(score, options.threads, progress);
+    std::vector<Candidate> candidates(members);
     for (std::size_t i = 0; i < members; ++i) {
         for (std::size_t k = 0; k < n; ++k) {
             const double low = std::log(knobs[k].low), high = std::log(knobs[k].high);
-            place[i][k] = i == 0 ? std::log(knobs[k].start) : low + uniform(random) * (high - low);
+            place[i][k] =
+                i == 0 && started ? std::log(*knobs[k].start) : low + uniform(random) * (high - low);
         }
-        scores[i] = judge(place[i]);
+        candidates[i].values = values(place[i]);
     }
-    found.start_score = scores[0];
+    std::vector<double> scores = jury.judge(candidates, all);
+    const auto best = [&scores] {
+        return static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
+    };
+    std::vector<std::vector<double>> trials(members);
     for (int g = 0; g < options.generations; ++g) {
+        const std::vector<double>& leader = place[best()];
         for (std::size_t i = 0; i < members; ++i) {
-            const auto best =
-                static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
             const std::size_t a = index(random, members), b = index(random, members);
             const double f = 0.4 + 0.5 * uniform(random);
             const std::size_t always = index(random, n);
-            std::vector<double> trial = place[i];
+            trials[i] = place[i];
             for (std::size_t k = 0; k < n; ++k) {
                 if (uniform(random) > kRecombination && k != always) continue;
-                trial[k] = std::clamp(place[best][k] + f * (place[a][k] - place[b][k]),
-                                      std::log(knobs[k].low), std::log(knobs[k].high));
+                trials[i][k] = std::clamp(leader[k] + f * (place[a][k] - place[b][k]), std::log(knobs[k].low),
+                                          std::log(knobs[k].high));
             }
-            const double s = judge(trial);
-            if (s < scores[i]) continue;
-            place[i] = std::move(trial);
-            scores[i] = s;
+            candidates[i] = {values(trials[i]), scores[i]};
+        }
+        const std::vector<double> found = jury.judge(candidates, all);
+        for (std::size_t i = 0; i < members; ++i) {
+            if (found[i] < scores[i]) continue;
+            place[i] = trials[i];
+            scores[i] = found[i];
         }
     }
-    const auto best =
-        static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
-    found.values = values(place[best]);
-    found.score = scores[best];
+    return {values(place[best()]), scores[best()], jury.judged()};
+}
+
+Found climb(const std::vector<Knob>& knobs, const std::vector<double>& start, const Score& score,
+            double least_gain, const SearchOptions& options, const SearchProgress& progress) {
+    if (start.size() != knobs.size() || !(least_gain > 0.0))
+        throw std::invalid_argument("a climb needs a start for each knob and a least gain above zero");
+    Jury jury(score, options.threads, progress);
+    Found found{start, jury.judge({{start}}, 1).front(), 1};
+    constexpr std::array<int, 3> kSteps{20, 5, 1};
+    for (std::size_t size = 0; size < kSteps.size();) {
+        std::vector<Candidate> candidates;
+        for (std::size_t k = 0; k < knobs.size(); ++k) {
+            const double step = kSteps[size] * last_place(found.values[k], options.digits);
+            for (const double change : {-step, step}) {
+                std::vector<double> x = found.values;
+                x[k] = rounded(std::clamp(x[k] + change, knobs[k].low, knobs[k].high), options.digits);
+                if (x[k] != found.values[k]) candidates.push_back({std::move(x), found.score + least_gain});
+            }
+        }
+        const std::vector<double> scores =
+            jury.judge(candidates, jury.judged() + static_cast<int>(candidates.size()));
+        found.evaluations = jury.judged();
+        const auto best = std::max_element(scores.begin(), scores.end());
+        if (best == scores.end() || *best < found.score + least_gain) {
+            ++size;
+            continue;
+        }
+        found.values = candidates[static_cast<std::size_t>(best - scores.begin())].values;
+        found.score = *best;
+        size = 0;
+    }
     return found;
 }
 

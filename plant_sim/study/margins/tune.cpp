@@ -9,16 +9,13 @@ namespace study::margins {
 
 namespace {
 
-constexpr double kCoarse =
-    1.2;  // step of the walk along the axis: the margins stay exact, what is found between steps is not near -1
-
 template <typename LoopAt>
 WorstScore worst(const std::vector<TuningCell>& cells, const Requirement& requirement,
                  const LoopAt& loop_at) {
     WorstScore w;
     double least = 1e3;
     for (const TuningCell& c : cells) {
-        const double s = score(margins(loop_at(c), kCoarse), requirement);
+        const double s = score(margins(loop_at(c), kCoarseWalk), requirement);
         ++w.counted;
         if (s < 0.0) ++w.unstable;
         if (s >= 1.0) ++w.met;
@@ -65,13 +62,6 @@ WorstScore pid_score(const Pid& pid, const std::vector<Scenario>& scenarios,
     });
 }
 
-WorstScore law_score(const antiskid::control::Config& controller, const std::vector<Scenario>& scenarios,
-                     const std::vector<TuningCell>& cells, const Requirement& requirement) {
-    return worst(cells, requirement, [&](const TuningCell& c) {
-        return SampledLoop(law_system(controller, scenarios[c.scenario].rig, c.at, Linearisation::full));
-    });
-}
-
 std::vector<Knob> pid_knobs(const Pid& start) {
     return {around("k_p_per_s", start.k_p_per_s, 5.0, 200.0),
             around("k_i_per_s2", start.k_i_per_s2, 5.0, 500.0), around("k_d", start.k_d, 0.01, 5.0),
@@ -84,26 +74,6 @@ Pid with(Pid pid, const std::vector<double>& values) {
     pid.k_d = values.at(2);
     pid.schedule = values.at(3);
     return pid;
-}
-
-std::vector<Knob> law_knobs(const antiskid::control::Config& start) {
-    return {around("k_p_per_s", static_cast<double>(start.slip.k_p_per_s), 20.0, 200.0),
-            around("k_i_per_s2", static_cast<double>(start.slip.k_i_per_s2), 20.0, 500.0),
-            around("k_d", static_cast<double>(start.slip.k_d), 0.3, 10.0),
-            around("k_dd_s", static_cast<double>(start.slip.k_dd_s), 0.001, 0.02),
-            around("road_torque_share", static_cast<double>(start.slip.road_torque_share), 0.5, 1.0),
-            around("wheel_bandwidth_radps", static_cast<double>(start.estimator.wheel_bandwidth_radps), 150.0,
-                   800.0)};
-}
-
-antiskid::control::Config with(antiskid::control::Config config, const std::vector<double>& values) {
-    config.slip.k_p_per_s = static_cast<float>(values.at(0));
-    config.slip.k_i_per_s2 = static_cast<float>(values.at(1));
-    config.slip.k_d = static_cast<float>(values.at(2));
-    config.slip.k_dd_s = static_cast<float>(values.at(3));
-    config.slip.road_torque_share = static_cast<float>(values.at(4));
-    config.estimator.wheel_bandwidth_radps = static_cast<float>(values.at(5));
-    return config;
 }
 
 }  // namespace study::margins

@@ -1,7 +1,6 @@
 /// Gains by their margins: what `rig-lab tune` maximises.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "plant_sim/study/margins/cells.hpp"
@@ -21,6 +20,9 @@ struct WorstScore {
     int counted = 0;
 };
 
+/// Step of the walk along the axis that is good enough here: the margins stay exact, what is found between steps is not near -1.
+inline constexpr double kCoarseWalk = 1.2;
+
 /// Operating points of a study, without their margins: what tuning goes over again and again.
 struct TuningCell {
     std::size_t scenario = 0;
@@ -32,17 +34,8 @@ struct TuningCell {
 
 [[nodiscard]] WorstScore pid_score(const Pid& pid, const std::vector<Scenario>& scenarios,
                                    const std::vector<TuningCell>& cells, const Requirement& requirement);
-[[nodiscard]] WorstScore law_score(const antiskid::control::Config& controller,
-                                   const std::vector<Scenario>& scenarios,
-                                   const std::vector<TuningCell>& cells, const Requirement& requirement);
-
 /// k_p, k_i, k_d and the schedule's power, within the bounds that docs/margins.md states; the filter stays.
 [[nodiscard]] std::vector<Knob> pid_knobs(const Pid& start);
 [[nodiscard]] Pid with(Pid pid, const std::vector<double>& values);
-
-/// k_p, k_i, k_d, k_dd and the road torque's share of [slip], and the wheel's estimator bandwidth.
-[[nodiscard]] std::vector<Knob> law_knobs(const antiskid::control::Config& start);
-[[nodiscard]] antiskid::control::Config with(antiskid::control::Config config,
-                                             const std::vector<double>& values);
 
 }  // namespace study::margins

@@ -1,0 +1,168 @@
+#include "plant_sim/lab/tune_law.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "config/reader/atomic_file.hpp"
+#include "config/reader/settings.hpp"
+#include "firmware/linux/controller_config.hpp"
+#include "plant_sim/lab/controller_gains.hpp"
+#include "plant_sim/lab/step_progress.hpp"
+#include "plant_sim/study/margins/law_judge.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+namespace margins = study::margins;
+using antiskid::control::Config;
+using nlohmann::ordered_json;
+
+/// The stops of all scenarios, short ones first, and the friction that the threshold law has in them.
+margins::TrialStops trial_stops(const ScenarioOptions& options, const MarginsInput& input) {
+    ScenarioOptions other = options;
+    other.law = "threshold";
+    const MarginsInput threshold = load_margins_input(other);
+    margins::TrialStops trial;
+    trial.layout = &input.scenarios.front().layout;
+    margins::TrialStops baseline;
+    baseline.layout = trial.layout;
+    for (std::size_t i = 0; i < input.cases.size(); ++i) {
+        const std::string& surface = input.cases[i].surface;
+        if (trial.surfaces.empty() || trial.surfaces.back() != surface) trial.surfaces.push_back(surface);
+        const std::size_t s = trial.surfaces.size() - 1;
+        trial.stops.push_back({s, input.scenarios[i].plant.rig, input.scenarios[i].session});
+        baseline.stops.push_back({s, threshold.scenarios[i].plant.rig, threshold.scenarios[i].session});
+    }
+    baseline.surfaces = trial.surfaces;
+    baseline.least_j_mu.assign(trial.surfaces.size(), 0.0);
+    trial.least_j_mu = margins::make_stops(baseline, input.scenarios.front().controller,
+                                           std::numeric_limits<double>::infinity())
+                           .surface_j_mu;
+    trial.requirement = input.settings.law.stops;
+    // A law may hold the slip with the brake that it knows and lose it with a worn one.
+    for (const double reference : input.settings.law.worn_references) {
+        ScenarioOptions worn = options;
+        worn.slip = reference;
+        worn.choice.friction = input.settings.law.worn_friction;
+        const MarginsInput stops = load_margins_input(worn);
+        for (std::size_t i = 0; i < stops.cases.size(); ++i) {
+            const margins::Scenario& c = stops.cases[i];
+            if (c.maneuver != stops.cases.front().maneuver) continue;
+            const auto at = margins::operating_point(c.rig, c.rig.brake_on_mps, reference);
+            if (at.pressure_Pa > c.full_pressure_Pa) continue;  // nobody can hold that
+            const auto s = std::find(trial.surfaces.begin(), trial.surfaces.end(), c.surface);
+            trial.stops.push_back({static_cast<std::size_t>(s - trial.surfaces.begin()), c.rig,
+                                   stops.scenarios[i].session, false});
+        }
+    }
+    // The slipperiest surface's stops take more time than all the others.
+    const auto grip = [](const margins::TrialStop& t) { return plant::peak(t.rig.surface).mu; };
+    std::stable_sort(
+        trial.stops.begin(), trial.stops.end(),
+        [&](const margins::TrialStop& a, const margins::TrialStop& b) { return grip(a) > grip(b); });
+    trial.first = static_cast<std::size_t>(
+        std::find_if(trial.stops.begin(), trial.stops.end(),
+                     [&](const margins::TrialStop& t) { return t.surface == trial.stops.back().surface; }) -
+        trial.stops.begin());
+    return trial;
+}
+
+struct Judged {
+    std::vector<double> gains;
+    margins::WorstScore margins;
+    margins::StopsShown stops;
+};
+
+ordered_json to_json(const Judged& j, const margins::TrialStops& trial) {
+    ordered_json json;
+    for (std::size_t i = 0; i < j.gains.size(); ++i) json[margins::gain_names()[i]] = j.gains[i];
+    json["margins"] = {{"score", j.margins.value},
+                       {"cells", j.margins.counted},
+                       {"unstable", j.margins.unstable},
+                       {"met", j.margins.met}};
+    json["closed_loop"] = {{"mean_j_mu", j.stops.mean_j_mu},
+                           {"longest_lock_s", j.stops.longest_lock_s},
+                           {"least_tracked_share", j.stops.least_tracked},
+                           {"faults", j.stops.faults}};
+    for (std::size_t s = 0; s < trial.surfaces.size(); ++s)
+        json["closed_loop"]["j_mu"][trial.surfaces[s]] = j.stops.surface_j_mu[s];
+    return json;
+}
+
+void print(const Judged& a, const Judged& b, const char* found, const margins::TrialStops& trial,
+           const margins::Requirement& asked) {
+    fmt::print(
+        "Slip law: least of margins over required, worst of {} cells\n\n| | shipped | {} |\n|---|---|---|\n",
+        a.margins.counted, found);
+    for (std::size_t i = 0; i < a.gains.size(); ++i)
+        fmt::print("| {} | {:.4g} | {:.4g} |\n", margins::gain_names()[i], a.gains[i], b.gains[i]);
+    fmt::print(
+        "| score | {:.3f} | {:.3f} |\n| cells that meet {:.0f} deg and {:.0f} dB | {} | {} |\n"
+        "| unstable cells | {} | {} |\n",
+        a.margins.value, b.margins.value, asked.phase_deg, asked.gain_dB, a.margins.met, b.margins.met,
+        a.margins.unstable, b.margins.unstable);
+    fmt::print("| mean J_mu (at least {:.4f}) | {:.4f} | {:.4f} |\n", trial.requirement.mean_j_mu,
+               a.stops.mean_j_mu, b.stops.mean_j_mu);
+    for (std::size_t s = 0; s < trial.surfaces.size(); ++s)
+        fmt::print("| J_mu, {} (threshold law {:.4f}) | {:.4f} | {:.4f} |\n", trial.surfaces[s],
+                   trial.least_j_mu[s], a.stops.surface_j_mu[s], b.stops.surface_j_mu[s]);
+    fmt::print("| longest lock (ms) | {:.0f} | {:.0f} |\n| least tracked share | {:.4f} | {:.4f} |\n",
+               a.stops.longest_lock_s * 1e3, b.stops.longest_lock_s * 1e3, a.stops.least_tracked,
+               b.stops.least_tracked);
+}
+
+}  // namespace
+
+int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& json) {
+    const Config& controller = input.scenarios.front().controller;
+    const margins::LawSearch& law = input.settings.law;
+    const margins::TrialStops trial = trial_stops(tuning.scenario, input);
+    const margins::LawJudge judge(input.cases, trial, tuning.options);
+    const auto score = [&](const std::vector<double>& x, double to_beat) {
+        return judge.score(margins::with_gains(controller, x), to_beat);
+    };
+    const auto progress = [](int done, int all) {
+        show_steps(static_cast<std::size_t>(done), static_cast<std::size_t>(all), "gains judged");
+    };
+    const auto judged = [&](const std::vector<double>& gains) {
+        const Config c = margins::with_gains(controller, gains);
+        return Judged{gains, judge.margins_of(c),
+                      margins::make_stops(trial, c, std::numeric_limits<double>::infinity())};
+    };
+
+    std::vector<double> shipped = margins::gains_of(controller);
+    for (double& g : shipped) g = margins::rounded(g, tuning.search.digits);
+    margins::Found found{shipped, 0.0, 0};
+    if (!tuning.check) found = margins::search(law.knobs, score, tuning.search, progress);
+    const margins::Found top =
+        margins::climb(law.knobs, found.values, score, law.least_gain, tuning.search, progress);
+
+    const Judged before = judged(shipped), after = judged(top.values);
+    print(before, after, tuning.check ? "climb from there" : "tuned", trial, tuning.options.requirement);
+    json["evaluations"] = found.evaluations + top.evaluations;
+    json["shipped"] = to_json(before, trial);
+    json["tuned"] = to_json(after, trial);
+
+    std::vector<Gain> gains;
+    for (std::size_t i = 0; i < top.values.size(); ++i)
+        gains.push_back({margins::gain_names()[i], top.values[i]});
+    settings::write_file(
+        tuning.out / "slip.toml",
+        gains_as_toml(gains, fmt::format("rig-lab tune --loop law, seed {}, version {}, configuration {}",
+                                         tuning.search.seed, ANTISKID_VERSION, input.config_hash)));
+    for (const auto& file : tuning.write)
+        settings::write_file(file, with_gains_written(settings::Document::load(file).bytes(), gains));
+    if (!tuning.check) return 0;
+    const bool stays = top.values == shipped && before.stops.violation <= 0.0;
+    fmt::print("\n{}\n", stays
+                             ? "The shipped gains stay: they are what is asked, and no single step is better."
+                             : "The shipped gains do not stay.");
+    return stays ? 0 : 1;
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,26 @@
+/// The part of `rig-lab tune` that finds gains of the slip law.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "plant_sim/lab/margins_input.hpp"
+#include "plant_sim/study/margins/cells.hpp"
+#include "plant_sim/study/margins/search.hpp"
+
+namespace plant_sim {
+
+struct LawTuning {
+    ScenarioOptions scenario;
+    study::margins::StudyOptions options;
+    study::margins::SearchOptions search;
+    bool check = false;                        ///< no search: the climb alone, from the shipped gains
+    std::filesystem::path out;                 ///< gets slip.toml
+    std::vector<std::filesystem::path> write;  ///< controller files that get the gains
+};
+
+/// Prints and reports what it found. 0; with `check` 1 where the shipped gains are not what is asked, or a step from them is better.
+[[nodiscard]] int tune_law(const LawTuning& tuning, const MarginsInput& input, nlohmann::ordered_json& json);
+
+}  // namespace plant_sim

@@ -1,0 +1,53 @@
+/// What gains must show in closed-loop stops before their margins count.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/can/layout.hpp"
+#include "firmware/control/config.hpp"
+#include "plant_sim/model/rig.hpp"
+#include "plant_sim/study/rig_session.hpp"
+
+namespace study::margins {
+
+struct StopsRequirement {
+    double mean_j_mu = 0.0;       ///< of all stops whose friction counts, at least
+    double longest_lock_s = 0.0;  ///< of any, at most
+    double tracked_share = 0.0;   ///< of each, at least: StopFigures::tracked_share
+};
+
+struct TrialStop {
+    std::size_t surface = 0;  ///< index of TrialStops::surfaces
+    plant::RigParameters rig;
+    SessionOptions session;
+    bool friction_counts =
+        true;  ///< its J_mu is one of those that are asked for; otherwise locks, tracking and faults alone count
+};
+
+struct TrialStops {
+    const antiskid::can::Layout* layout = nullptr;
+    std::vector<std::string> surfaces;
+    std::vector<TrialStop> stops;
+    std::size_t first = 0;  ///< so many of them, from the front, decide whether the others are made at all
+    std::vector<double> least_j_mu;  ///< of each surface, its mean
+    StopsRequirement requirement;
+};
+
+struct StopsShown {
+    double mean_j_mu = 0.0;
+    std::vector<double> surface_j_mu;  ///< means
+    double longest_lock_s = 0.0;
+    double least_tracked = 1.0;
+    bool faults = false;
+    bool whole = false;  ///< all stops were made
+    /// How far it is from what is asked: what is missing of friction (mean, and each surface's share of it) and tracking, locks in s beyond
+    /// those that are allowed, and 1 for faults. 0: nothing is missing. Of stops not made, the least that can come out.
+    double violation = 0.0;
+};
+
+/// Makes the stops until `violation` is above `most_violation`, or all of them.
+[[nodiscard]] StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& controller,
+                                    double most_violation);
+
+}  // namespace study::margins
