@@ -55,7 +55,7 @@ with tempfile.TemporaryDirectory() as scratch:
         ("a PID that holds nothing", "\n".join("k_p_per_s = 0.0" if line.startswith("k_p_per_s = 7") else "k_i_per_s2 = 0.0"
                                                if line.startswith("k_i_per_s2 = 5") else line for line in good.splitlines()) + "\n", "k_p_per_s", []),
         ("a gain whose start is not between its ends", changed("k_d = [3.0, 6.0,", "k_d = [3.0, 2.0,"), "k_d = [", []),
-        ("a gain that is not searched", changed("low_speed_slip = [", "low_slip = ["), "low_slip", ["low_speed_slip"]),
+        ("a gain that is not searched", changed("[law.gains]\n", "[law.gains]\nwheel_bandwidth_radps = [1.0, 2.0, 3.0]\n"), "wheel_bandwidth_radps", ["unknown"]),
         ("a search that is none", changed("population = 16", "population = 3"), "population", ["4 to 1000"]),
         ("a file that is no TOML", changed("[requirement]", "[requirement"), "[requirement", []),
     ]
