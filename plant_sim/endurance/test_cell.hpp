@@ -51,6 +51,8 @@ class TestCell {
     /// The rig, e.g. to open an interlock or to look at the truth.
     [[nodiscard]] plc::ServedRig& rig() { return rig_; }
     [[nodiscard]] double time_s() const { return rig_.time_s(); }
+    /// What the controller has lived through: it sleeps while the brake cools.
+    [[nodiscard]] antiskid::control::Time controller_time() const { return now_; }
 
   private:
     void measure(sequencer::Phase phase, const antiskid::can::RigSample& sample, rig::Meter& meter) const;

@@ -24,8 +24,9 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-CampaignProgress::CampaignProgress(std::int64_t planned, std::int64_t already)
+CampaignProgress::CampaignProgress(std::int64_t planned, std::int64_t already, std::string_view unit)
     : terminal_(::isatty(STDERR_FILENO) == 1),
+      unit_(unit),
       planned_(planned),
       already_(already),
       begin_(Clock::now()),
@@ -38,7 +39,7 @@ void CampaignProgress::show(std::int64_t done) {
     const double passed_s = std::chrono::duration<double>(now - begin_).count();
     const auto run = static_cast<double>(done - already_);
     const double left_s = run > 0.0 ? passed_s / run * static_cast<double>(planned_ - done) : 0.0;
-    const std::string text = fmt::format("{} of {} maneuvers, {} left", done, planned_, clock_text(left_s));
+    const std::string text = fmt::format("{} of {} {}, {} left", done, planned_, unit_, clock_text(left_s));
     if (terminal_) {
         const auto filled = static_cast<std::size_t>(planned_ > 0 ? kWidth * done / planned_ : kWidth);
         const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');

@@ -3,13 +3,14 @@
 
 #include <chrono>
 #include <cstdint>
+#include <string_view>
 
 namespace plant_sim {
 
 class CampaignProgress {
   public:
-    /// `already`: maneuvers done before this run, which say nothing about its pace.
-    CampaignProgress(std::int64_t planned, std::int64_t already);
+    /// `already`: maneuvers (or what `unit` names; it must outlive this) done before this run, which say nothing about its pace.
+    CampaignProgress(std::int64_t planned, std::int64_t already, std::string_view unit = "maneuvers");
     void show(std::int64_t done);
     /// Ends the live line.
     void finish() const;
@@ -17,6 +18,7 @@ class CampaignProgress {
   private:
     using Clock = std::chrono::steady_clock;
     bool terminal_;
+    std::string_view unit_;
     std::int64_t planned_;
     std::int64_t already_;
     Clock::time_point begin_;

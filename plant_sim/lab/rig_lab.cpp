@@ -20,6 +20,7 @@ int run(int argc, char** argv) {
         plant_sim::drive_verb(app),      //
         plant_sim::compare_verb(app),    //
         plant_sim::endurance_verb(app),  //
+        plant_sim::soak_verb(app),       //
         plant_sim::sweep_verb(app),      //
         plant_sim::regulate_verb(app),   //
         plant_sim::trade_verb(app),      //

@@ -26,6 +26,8 @@ LabVerb drive_verb(CLI::App& lab);
 LabVerb compare_verb(CLI::App& lab);
 /// An endurance campaign in process.
 LabVerb endurance_verb(CLI::App& lab);
+/// Landings back to back: what creeps.
+LabVerb soak_verb(CLI::App& lab);
 /// The set-point study of Section VI.
 LabVerb sweep_verb(CLI::App& lab);
 /// Regulation of wear through the slip reference, over seeded lives.

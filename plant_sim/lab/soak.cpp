@@ -1,0 +1,89 @@
+#include <fmt/core.h>
+#include <malloc.h>
+
+#include <memory>
+
+#include "config/reader/atomic_file.hpp"
+#include "config/reader/config_directory.hpp"
+#include "firmware/linux/stop_signals.hpp"
+#include "plant_sim/endurance/soak.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
+#include "plant_sim/lab/verbs.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+struct SoakCommand {
+    std::filesystem::path config = settings::config_directory();
+    std::filesystem::path scenario;
+    std::filesystem::path out = "out/soak";
+    double hours = 24.0;
+    std::uint64_t seed = 1;
+
+    [[nodiscard]] int run() const;
+};
+
+std::size_t heap_in_use() {
+    const struct mallinfo2 info = ::mallinfo2();
+    return info.uordblks + info.hblkhd;
+}
+
+int SoakCommand::run() const {
+    const auto file = scenario.empty() ? config / "scenarios" / "heavy.toml" : scenario;
+    const endurance::Setup setup = endurance::load_setup(file, config);
+    antiskid::rt::StopSignals signals;
+    constexpr std::int64_t kParts = 1000;
+    CampaignProgress progress(kParts, 0, "thousandths");
+    const endurance::SoakResult result = endurance::soak(
+        setup, {.seconds = hours * 3600.0, .seed = seed, .stop = &signals.stop()}, heap_in_use,
+        [&progress](double share) { progress.show(static_cast<std::int64_t>(share * kParts)); });
+    progress.finish();
+    fmt::print("{}: {} landings in {:.2f} h of the controller's time, seed {}\n", setup.scenario.title,
+               result.landings, result.seconds / 3600.0, seed);
+    fmt::print("  span  landings   length (m)            most heap in use (bytes)\n");
+    for (std::size_t i = 0; i < result.spans.size(); ++i) {
+        const endurance::SoakSpan& span = result.spans[i];
+        fmt::print("  {:4}  {:8}   {:8.3f} +- {:6.3f}    {}\n", i + 1, span.landings, span.length_m_mean,
+                   span.length_m_deviation, span.most_heap_bytes);
+    }
+    const auto complaints = endurance::complaints(result);
+    for (const std::string& complaint : complaints) fmt::print("  WRONG: {}\n", complaint);
+    if (complaints.empty() && !signals.stop().load()) fmt::print("  nothing creeps\n");
+    const auto json = out / "soak.json";
+    std::filesystem::create_directories(out);
+    settings::write_file(json, endurance::to_json(result, setup, seed));
+    fmt::print("  {}\n", json.string());
+    if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
+    return complaints.empty() ? 0 : 1;
+}
+
+}  // namespace
+
+LabVerb soak_verb(CLI::App& lab) {
+    const auto command = std::make_shared<SoakCommand>();
+    CLI::App* verb = lab.add_subcommand("soak",
+                                        "Landings back to back on one rig with one controller: does memory, "
+                                        "stop length or anything else creep?");
+    verb->add_option("--hours", command->hours, "of the controller's time, cooling left out")
+        ->check(CLI::Range(0.01, 10'000.0))
+        ->capture_default_str();
+    verb->add_option("--scenario", command->scenario, "scenario file (default: CONFIG/scenarios/heavy.toml)");
+    verb->add_option("--seed", command->seed, "seed of every random draw")
+        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}))
+        ->capture_default_str();
+    verb->add_option("--out", command->out, "directory of the result")->capture_default_str();
+    verb->add_option("--config", command->config, "directory of the configuration files")
+        ->capture_default_str();
+    verb->footer(
+        "Leaves soak.json in OUT.\n"
+        "Examples:\n"
+        "  rig-lab soak\n"
+        "  rig-lab soak --hours 1 --scenario config/scenarios/light.toml\n"
+        "Exit status: 0 nothing creeps; 1 something does, or a landing went wrong; 2 mistake on the command "
+        "line or in a "
+        "configuration file; 130 stopped by Ctrl-C.");
+    return {verb, [command] { return command->run(); }};
+}
+
+}  // namespace plant_sim
