@@ -6,7 +6,7 @@
 namespace antiskid::control {
 
 /// The nearest whole number of periods of `period_s` in `time_s`, which is not negative.
-inline std::uint32_t whole_periods(float time_s, float period_s) {
+constexpr std::uint32_t whole_periods(float time_s, float period_s) {
     const float periods = time_s / period_s;
     const auto whole = static_cast<std::uint32_t>(periods);
     return periods - static_cast<float>(whole) < 0.5F ? whole : whole + 1U;
