@@ -108,8 +108,9 @@ struct SupervisorConfig {
     float demand_threshold_Pa = 0.0F;   ///< a smaller demand is none
     float lock_share = 0.0F;            ///< rim speed below this share of the aircraft's: locked, dump
     float unlock_share = 0.0F;          ///< above it: restore
-    float lock_persists_s = 0.0F;       ///< a lock that lasts is a fault
-    float drop_out_mps = 0.0F;          ///< below it the demand passes through
+    float lock_persists_s =
+        0.0F;  ///< a lock that lasts is a fault, and so are locks that recur for more than a third of the time
+    float drop_out_mps = 0.0F;  ///< below it the demand passes through
     float drop_out_hysteresis_mps = 0.0F;
     float pass_through_rate_Paps = 0.0F;  ///< at most
 };
@@ -125,8 +126,9 @@ struct MonitorConfig {
     float pressure_range_Pa = 0.0F;
     float pressure_rate_Paps = 0.0F;
     float pressure_moves_Pa = 0.0F;  ///< a modelled change by this much must show in the reading
-    float overspeed_share = 0.0F;    ///< rim speed of the wheel above the aircraft's by this share
-    float free_slip = 0.0F;          ///< slip of a wheel that rolls without pressure
+    float overspeed_share =
+        0.0F;  ///< rim speed of the wheel above the aircraft's by this share; leap of the aircraft's own speed
+    float free_slip = 0.0F;  ///< steady slip of a wheel that is hardly braked
     float off_command_Pa = 0.0F;
     float off_command_s = 0.0F;
     float plausible_above_mps = 0.0F;     ///< speeds are compared above it

@@ -10,10 +10,10 @@
 ///   `implausible_s`; or no edge although the wheel turns, for `stuck_s`
 /// - flywheel_rate: as above; or, armed and on its wheels, the aircraft gets faster, by `overspeed_share`, for `implausible_s`
 /// - pressure_stuck: the same reading to the last bit while the model moved by `pressure_moves_Pa`, for `stuck_s`
-/// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`, or steady slip of a free wheel that
-///   turns above `free_slip`, for `stuck_s`, also on and off
-/// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa` for `off_command_s`, or by the residual
-///   pressure of the self-test where the model has none and the wheel carries load
+/// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`, or steady slip above `free_slip` of a wheel that turns
+///   under hardly any pressure, for `stuck_s`, also on and off
+/// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa` for `off_command_s`, also on and off, or by the
+///   residual pressure of the self-test where the model has none and the wheel carries load
 /// - maneuver_range: a commanded value outside its range, at once
 /// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
 /// - overrun: more than `overruns` missed periods in quick succession, at once or in pieces: ten good periods pay for a missed one

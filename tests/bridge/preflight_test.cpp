@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tests/bridge/fakes.hpp"
+#include "tests/preflight/sound_link.hpp"
 #include "tests/preflight/verdicts.hpp"
 
 using namespace std::chrono_literals;
@@ -50,17 +51,6 @@ preflight::MachineFacts sound_computer() {
     return facts;
 }
 
-preflight::CanLink sound_chip() {
-    preflight::CanLink link;
-    link.there = link.is_can = link.up = true;
-    link.kind = std::string("can");
-    link.queue_length = 64;
-    link.bitrate = 1'000'000;
-    link.state = 0;
-    link.restart_ms = 100;
-    return link;
-}
-
 struct PreflightBench {
     preflight::Report run() {
         return preflight_report(command, {.machine = [this](const auto&) { return machine; },
@@ -73,7 +63,7 @@ struct PreflightBench {
 
     rig::PreflightCommand command = heavy();
     preflight::MachineFacts machine = sound_computer();
-    preflight::CanLink link = sound_chip();
+    preflight::CanLink link = preflight_test::sound_link();
     rig::LedgerFacts ledger;
     rig::Snapshot plc = bridge_test::good_plc();
     rig::BusHeard bus = sound_bus();

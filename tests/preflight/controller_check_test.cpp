@@ -5,6 +5,7 @@
 
 #include "firmware/can/observer.hpp"
 #include "tests/preflight/rig_at_rest.hpp"
+#include "tests/preflight/sound_link.hpp"
 #include "tests/preflight/verdicts.hpp"
 
 using namespace preflight_test;
@@ -36,17 +37,6 @@ preflight::MachineFacts sound_machine() {
     return facts;
 }
 
-preflight::CanLink sound_link() {
-    preflight::CanLink link;
-    link.there = link.is_can = link.up = true;
-    link.kind = std::string("can");
-    link.queue_length = 64;
-    link.bitrate = 1'000'000;
-    link.state = 0;
-    link.restart_ms = 100;
-    return link;
-}
-
 struct CheckBench {
     CheckBench() {
         options.interface = std::string("can0");  // GCC 12 warns falsely of text that is assigned
@@ -57,7 +47,7 @@ struct CheckBench {
     preflight::Report run() {
         const preflight::Doors doors{
             .machine = [](const auto&) { return sound_machine(); },
-            .link = [](const auto&) { return sound_link(); },
+            .link = [](const auto&) { return preflight_test::sound_link(); },
             .open = [this](std::span<const std::uint16_t>) -> std::unique_ptr<can::Bus> {
                 if (!refusal.empty()) throw std::runtime_error(refusal);
                 return std::make_unique<Ear>(rig.ear);
