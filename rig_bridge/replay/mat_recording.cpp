@@ -1,14 +1,51 @@
+#include <fcntl.h>
 #include <matio.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
 
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
+#include <span>
 #include <stdexcept>
 
+#include "config/reader/file_descriptor.hpp"
+#include "rig_bridge/replay/mat_structure.hpp"
 #include "rig_bridge/replay/recording.hpp"
 
 namespace rig {
 
 namespace {
+
+class MappedFile {
+  public:
+    explicit MappedFile(const std::filesystem::path& path) {
+        const settings::FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+        struct stat status {};
+        if (!file.is_open() || ::fstat(file.get(), &status) != 0)
+            throw std::runtime_error(path.string() + ": cannot be read: " + std::strerror(errno));
+        if (!S_ISREG(status.st_mode)) throw std::runtime_error(path.string() + ": is no file");
+        size_ = static_cast<std::size_t>(status.st_size);
+        if (size_ == 0) return;  // of which there is no map
+        void* const begin = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
+        if (begin == MAP_FAILED)
+            throw std::runtime_error(path.string() + ": cannot be read: " + std::strerror(errno));
+        begin_ = begin;
+    }
+    MappedFile(const MappedFile&) = delete;
+    MappedFile& operator=(const MappedFile&) = delete;
+    ~MappedFile() {
+        if (begin_ != nullptr) ::munmap(begin_, size_);
+    }
+    [[nodiscard]] std::span<const unsigned char> bytes() const {
+        return {static_cast<const unsigned char*>(begin_), size_};
+    }
+
+  private:
+    void* begin_ = nullptr;
+    std::size_t size_ = 0;
+};
 
 struct CloseFile {
     void operator()(mat_t* file) const { Mat_Close(file); }
@@ -26,10 +63,12 @@ void copy(const matvar_t& variable, std::size_t from, std::size_t rows, std::vec
 class MatRecording final : public Recording {
   public:
     MatRecording(const std::filesystem::path& path, const std::vector<std::string>& wanted)
-        : name_(path.string()), wanted_(wanted), file_(Mat_Open(path.c_str(), MAT_ACC_RDONLY)) {
+        : name_(path.string()), wanted_(wanted) {
+        check_mat_structure(name_, MappedFile(path).bytes());
+        file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
         if (!file_)
-            throw std::runtime_error(name_ +
-                                     ": cannot be read as a MATLAB file (v5, or v7.3 where matio has HDF5)");
+            throw std::runtime_error(
+                name_ + ": cannot be read as a MATLAB file (v4, v5, or v7.3 where matio has HDF5)");
         for (const std::string& column : wanted_) columns_.push_back(load(column));
         for (std::size_t i = 0; i < columns_.size(); ++i)
             if (columns_[i].size() != columns_[0].size())
