@@ -317,7 +317,7 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
     const auto landing_file = directory / "landing_gear.toml";
     const auto flywheel_file = directory / "flywheel_rig.toml";
     const std::vector<Surface> runways = surfaces(surface_file);
-    const Surface& runway = find(runways, choice.surface, "surface", surface_file);
+    const Surface runway = find(runways, choice.surface, "surface", surface_file);
     const std::vector<Maneuver> known = maneuvers(maneuver_file, runways);
     const FlywheelRig bench = flywheel_rig(flywheel_file, runway);
     Maneuver maneuver = choice.maneuver == kEndurance ? known.front()

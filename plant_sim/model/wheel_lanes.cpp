@@ -16,7 +16,7 @@ namespace {
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")]] void turn_avx512(WheelLanes& lanes) {
+[[gnu::target("avx512f,avx512dq,avx512vl")]] void turn_avx512(WheelLanes& lanes) {
     turn_all(lanes);
 }
 [[gnu::target("avx2")]] void turn_avx2(WheelLanes& lanes) {

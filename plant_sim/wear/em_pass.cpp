@@ -104,8 +104,9 @@ struct Sums {
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")]] void pass_avx512(
-    const StandardPoints& points, const Whitened* components, std::size_t count, Pass& out) {
+[[gnu::target("avx512f,avx512dq,avx512vl")]] void pass_avx512(const StandardPoints& points,
+                                                              const Whitened* components, std::size_t count,
+                                                              Pass& out) {
     whole_pass(points, components, count, out);
 }
 

@@ -1,6 +1,10 @@
 #!/bin/bash
-# Each static check refuses a seeded violation and accepts the same tree without it.
+# Each static check refuses a seeded violation and accepts the same tree without it. [DOOR-060]
 source "$(dirname "$0")/harness.bash"
+
+for tool in clang-format clang-tidy cppcheck; do
+    "$here/lint_pinned.sh" "$tool" || exit
+done
 
 tree=$scratch/tree
 mkdir -p "$tree"/{firmware/control,tests/front_door,config,plant_sim,docs,.ci,build}
@@ -36,6 +40,17 @@ clean
 check "format: clean tree" "$lints/lint_format.sh"
 printf 'int twice(int x) {\n    return 2*x;\n}\n' >"$source"
 check "format: spaces" refuses "code should be clang-formatted" "$lints/lint_format.sh"
+
+clean
+mkdir "$scratch/newer"
+for tool in clang-format clang-tidy cppcheck; do
+    printf '#!/bin/sh\necho "%s version 19.1.7"\n' "$tool" >"$scratch/newer/$tool"
+    chmod +x "$scratch/newer/$tool"
+done
+# Not skipped either: on Debian 12, where this runs, the right version is to be had.
+check "format: another version" refuses "clang-format is version 19.1 here" env PATH="$scratch/newer:$PATH" "$lints/lint_format.sh"
+check "tidy: another version" refuses "clang-tidy is version 19.1 here" env PATH="$scratch/newer:$PATH" "$lints/lint_tidy.py" "$tree/build"
+check "misra: another version" refuses "cppcheck is version 19.1 here" env PATH="$scratch/newer:$PATH" "$lints/lint_misra.py" "$tree" "$scratch/misra"
 
 clean
 check "shell: clean tree" "$lints/lint_shell.sh"

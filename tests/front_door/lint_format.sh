@@ -3,6 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
+tests/front_door/lint_pinned.sh clang-format
 mapfile -d '' -t files < <(find firmware plant_sim config tests rig_bridge -name '*.[ch]pp' -print0 2>/dev/null)
 [[ ${#files[@]} -gt 0 ]] || { echo "no C++ file found" >&2; exit 1; }
 clang-format --version

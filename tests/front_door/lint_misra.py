@@ -47,6 +47,9 @@ def violations(folder, root):
 
 def main():
     root, work = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+    pinned = subprocess.run([root / "tests/front_door/lint_pinned.sh", "cppcheck"], check=False)
+    if pinned.returncode != 0:
+        return pinned.returncode
     shutil.rmtree(work, ignore_errors=True)
     control, seeded = work / "control", work / "seeded"
     for folder in (control, seeded):

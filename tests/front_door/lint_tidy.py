@@ -86,6 +86,9 @@ def check(entry, build, evidence, tool):
 
 
 def main():
+    pinned = subprocess.run([ROOT / "tests/front_door/lint_pinned.sh", "clang-tidy"], check=False)
+    if pinned.returncode != 0:
+        return pinned.returncode
     # clang's analyzer follows paths in included sources only where the including file's name has this in it (isInCodeFile).
     build = pathlib.Path(sys.argv[1]).resolve() / "UnifiedSource"
     cache = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"

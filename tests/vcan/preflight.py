@@ -160,7 +160,7 @@ def chip(_folder):
     try:
         far_end = SerialChip()
     except OSError as refusal:
-        print(f"not tested: this kernel has no slcan ({refusal})")  # the guest of `./rig vcan` has it
+        print(f"skipped: this kernel has no slcan ({refusal})")  # the guest of `./rig vcan` has it
         sys.exit(NOT_TESTED)
     interfaces = json.loads(subprocess.run(["ip", "-json", "link", "show", "type", "can"], capture_output=True, text=True, check=True).stdout)
     name = interfaces[-1]["ifname"]

@@ -39,7 +39,7 @@ class EditedToml {
             return;
         }
         if (!optional)
-            throw settings::Error(file_.string(), static_cast<int>(head) + 1, table + "." + key,
+            throw settings::Error(file_.string(), static_cast<std::uint32_t>(head + 1), table + "." + key,
                                   "is missing");
         lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(head) + 1, line);
     }

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 
@@ -19,6 +20,11 @@ namespace {
 constexpr int kStates = 4;  // v, omega, p, dp/dt
 constexpr int kIntegrals = 5;
 constexpr double kNoTime_s = 1e-12;
+#if defined(SUN_COMM_NULL)
+const SUNComm kNoCommunicator = SUN_COMM_NULL;
+#else  // SUNDIALS before 7
+constexpr std::nullptr_t kNoCommunicator = nullptr;
+#endif
 enum Root { kLock, kRelease, kEnd, kEmpty, kRoots };
 
 /// The equations as the paper prints them.
@@ -123,7 +129,7 @@ class Solver {
     Solver(Equations& equations, const Options& options, const std::array<double, kStates>& start)
         : equations_(equations), until_mps_(options.until_mps) {
         const double relative_tolerance = options.relative_tolerance;
-        check(SUNContext_Create(nullptr, &context_), "context");
+        check(SUNContext_Create(kNoCommunicator, &context_), "context");
         y_ = N_VNew_Serial(kStates, context_);
         q_ = N_VNew_Serial(kIntegrals, context_);
         N_Vector tolerance = N_VClone(y_);
@@ -186,15 +192,15 @@ class Solver {
     }
 
   private:
-    static int derivative_callback(realtype t, N_Vector y, N_Vector dy, void* user) {
+    static int derivative_callback(sunrealtype t, N_Vector y, N_Vector dy, void* user) {
         static_cast<Solver*>(user)->equations_.derivatives(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dy));
         return 0;
     }
-    static int integral_callback(realtype t, N_Vector y, N_Vector dq, void* user) {
+    static int integral_callback(sunrealtype t, N_Vector y, N_Vector dq, void* user) {
         static_cast<Solver*>(user)->equations_.integrands(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dq));
         return 0;
     }
-    static int roots_callback(realtype t, N_Vector y, realtype* g, void* user) {
+    static int roots_callback(sunrealtype t, N_Vector y, sunrealtype* g, void* user) {
         const auto* self = static_cast<const Solver*>(user);
         const double* s = N_VGetArrayPointer(y);
         const Equations& e = self->equations_;
