@@ -168,7 +168,7 @@ class MatRecording final : public Recording {
 
     [[nodiscard]] std::string variables() const {
         std::size_t count = 0;
-        char** const names = Mat_GetDir(file_.get(), &count);
+        char* const* const names = Mat_GetDir(file_.get(), &count);
         std::string list;
         for (std::size_t i = 0; i < count; ++i) list.append(list.empty() ? "" : ", ").append(names[i]);
         return list;
