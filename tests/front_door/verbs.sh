@@ -2,7 +2,7 @@
 # Help texts, and what wrong verbs and options get.
 source "$(dirname "$0")/harness.bash"
 
-for verb in setup build demo test bench lab faults vcan; do
+for verb in setup build demo test bench lab faults soak vcan; do
     text=$("$rig" "$verb" --help)
     expect "$verb --help succeeds" $? 0
     check "$verb --help has an example" grep -q "^  ./rig $verb" <<<"$text"

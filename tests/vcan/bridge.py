@@ -8,15 +8,13 @@ import json
 import pathlib
 import random
 import re
-import shutil
 import signal
-import sqlite3
 import subprocess
 import sys
 import tempfile
 import time
 
-from three_programs import PATIENT, Bus, Rig, check, configuration, eventually, in_guest_memory, quick_rig, words
+from three_programs import PATIENT, Bus, Rig, check, configuration, eventually, in_guest_memory, ledger_copy, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 LAB = BUILD / "plant_sim/rig-lab"
@@ -57,19 +55,6 @@ def landing(folder):
     rows = (folder / "one/modbus.csv").read_text().splitlines()
     check(rows[0].startswith("time_s,") and len(rows) > 100, "modbus.csv")
     check({"spin_up", "touchdown", "settling", "braking", "standstill", "retract"} <= set(bus.since), f"phases on the bus: {bus.since}")
-
-
-def ledger_copy(out):
-    """The ledger as a reader would find it after the machine came up again: looked at in a copy, a hot journal with it."""
-    with tempfile.TemporaryDirectory(**in_guest_memory()) as place:
-        for file in out.glob("campaign.sqlite*"):
-            shutil.copy(file, place)
-        database = sqlite3.connect(pathlib.Path(place) / "campaign.sqlite")
-        check(database.execute("PRAGMA integrity_check").fetchall() == [("ok",)], "the ledger is corrupt")
-        rows = database.execute("SELECT * FROM maneuvers ORDER BY id").fetchall()
-        names = [column[0] for column in database.execute("SELECT * FROM maneuvers LIMIT 0").description]
-        database.close()
-    return [dict(zip(names, row)) for row in rows]
 
 
 def done(rows):

@@ -1,12 +1,15 @@
 """The three programs on one rig for the tests beside it: antiskid-controller, virtual-rig serve, rig-bridge; over vcan0 and Modbus TCP."""
+import csv
 import os
 import pathlib
 import re
 import shutil
 import signal
 import socket
+import sqlite3
 import struct
 import subprocess
+import tempfile
 import threading
 import time
 import tomllib
@@ -199,3 +202,26 @@ def words(process):
 def in_guest_memory():
     """A directory in memory; the guest has 384 MiB in all."""
     return dict(dir="/dev/shm") if os.path.isdir("/dev/shm") else {}
+
+
+def ledger_copy(out):
+    """The ledger as a reader would find it after the machine came up again: looked at in a copy, a hot journal with it."""
+    with tempfile.TemporaryDirectory(**in_guest_memory()) as place:
+        for file in out.glob("campaign.sqlite*"):
+            shutil.copy(file, place)
+        database = sqlite3.connect(pathlib.Path(place) / "campaign.sqlite")
+        check(database.execute("PRAGMA integrity_check").fetchall() == [("ok",)], "the ledger is corrupt")
+        rows = database.execute("SELECT * FROM maneuvers ORDER BY id").fetchall()
+        names = [column[0] for column in database.execute("SELECT * FROM maneuvers LIMIT 0").description]
+        database.close()
+    return [dict(zip(names, row)) for row in rows]
+
+
+def write_table(path, columns, rows):
+    """CSV, whole or not there."""
+    part = path.with_suffix(".part")
+    with open(part, "w", newline="", encoding="utf-8") as out:
+        csv.writer(out).writerows([columns, *rows])
+        out.flush()
+        os.fsync(out.fileno())
+    part.rename(path)
