@@ -115,15 +115,15 @@ void draw_campaign(const wear::Campaign& campaign, const wear::Model& model,
 
 void draw_density(const wear::Campaign& campaign, const wear::Model& model,
                   const std::filesystem::path& png) {
-    constexpr int kColumns = 240;
-    constexpr int kRows = 180;
+    constexpr int kGridColumns = 240;
+    constexpr int kGridRows = 180;
     const Frame f = frame_of(model.data);
     std::string script = kCampaignStyle + members(campaign, model.mixture) + ranges(f) + "$density << EOD\n";
     double greatest = -1e300;
-    for (int row = 0; row <= kRows; ++row) {
-        for (int column = 0; column <= kColumns; ++column) {
-            const double c_MJ = f.c_least_MJ + (f.c_greatest_MJ - f.c_least_MJ) * column / kColumns;
-            const double mu = f.mu_least + (f.mu_greatest - f.mu_least) * row / kRows;
+    for (int row = 0; row <= kGridRows; ++row) {
+        for (int column = 0; column <= kGridColumns; ++column) {
+            const double c_MJ = f.c_least_MJ + (f.c_greatest_MJ - f.c_least_MJ) * column / kGridColumns;
+            const double mu = f.mu_least + (f.mu_greatest - f.mu_least) * row / kGridRows;
             const double density =
                 std::log10(1e6) + model.mixture.log_density({c_MJ * 1e6, mu}) / std::log(10.0);
             greatest = std::max(greatest, density);

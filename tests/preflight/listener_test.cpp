@@ -52,7 +52,7 @@ TEST_CASE("a message that does not come is named; the bridge's only warn", "[RT-
         {can::Role::rig_heartbeat, {"rig_heartbeat frames: warn"}},
     }));
     RigAtRest rig;
-    rig.disturb = [&rig, role = role](const can::Frame& frame) { return frame.id != id_of(rig, role); };
+    rig.disturb = [&rig, silent = role](const can::Frame& frame) { return frame.id != id_of(rig, silent); };
     CHECK(wrong_frames(rig) == expected);
 }
 
