@@ -58,7 +58,7 @@ void scale_number(std::string& text, const std::string& key, const double by) {
     const auto from = at + key.size() + 4;
     const auto length = text.find_first_of(" \n", from) - from;
     const double was = std::stod(text.substr(from, length));
-    text.replace(from, length, fmt::format("{:#}", by * was));
+    text.replace(from, length, fmt::format("{:.16e}", by * was));
 }
 
 /// config/controller.toml with another control period, and the gains that docs/controller.md tells to take with it.
