@@ -2,7 +2,7 @@
 # Help texts, and what wrong verbs and options get.
 source "$(dirname "$0")/harness.bash"
 
-for verb in setup build demo test bench lab faults soak vcan; do
+for verb in setup build demo test bench lab faults soak debian vcan; do
     text=$("$rig" "$verb" --help)
     expect "$verb --help succeeds" $? 0
     check "$verb --help has an example" grep -q "^  ./rig $verb" <<<"$text"
@@ -23,6 +23,8 @@ refused 2 "--colour" demo --colour red
 refused 2 "--slip needs a value" demo --lockstep --slip
 refused 2 "--scenario needs a value" demo --scenario
 refused 2 "no scenario" demo --scenario moon
+refused 2 "'11'" debian 11
+refused 2 "'icc'" debian 13 icc
 refused 2 "a command is missing" vcan
 refused 2 "a command is missing" vcan --timeout 3 --
 refused 2 "--timeout" vcan --timeout soon -- true
