@@ -2,7 +2,7 @@
 # Help texts, and what wrong verbs and options get.
 source "$(dirname "$0")/harness.bash"
 
-for verb in setup build demo test bench lab faults soak debian vcan; do
+for verb in setup build demo test bench lab faults soak qemu debian vcan; do
     text=$("$rig" "$verb" --help)
     expect "$verb --help succeeds" $? 0
     check "$verb --help has an example" grep -q "^  ./rig $verb" <<<"$text"

@@ -191,6 +191,8 @@ def run(rig, ear, folder, kind, number, sound_m):
         judge.see(*each)
     summary = json.loads((out / "summary.json").read_text())
     check((summary["outcome"] == "finished") == (status == 0), f"{kind}: exit status {status}, outcome {summary['outcome']}")
+    if status != 0:
+        print("\n".join(line for line in words(bridge).splitlines() if "abort" in line.lower()), flush=True)
     length_m = judge.length_m()
     sound_m = sound_m or length_m
     result, hazard = outcome(judge, summary, sound_m)

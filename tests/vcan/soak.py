@@ -20,9 +20,11 @@ import tempfile
 import time
 
 from bus_ear import SYNC, VALVE
-from three_programs import Rig, check, in_guest_memory, ledger_copy, quick_rig, words, write_table
+from three_programs import Rig, changed, check, in_guest_memory, ledger_copy, quick_rig, words, write_table
 
 PROGRAMS = ("controller", "virtual-rig", "bridge")
+# What a host does that keeps a program waiting for longer than its peers do; the maneuver is run again.
+LATENESS = {"bus_lost", "controller_silent", "sensors_lost", "plc_silent", "plc_tripped", "controller_fault"}
 LISTEN_S = 5.0          # of each row's time: a listener of ours costs the guest a tenth of its processor
 RSS_GROWTH_KIB = 256    # from the first third to the last: allocators keep what they once had, and give nothing back
 FEWEST = 3              # maneuvers, however long they take
@@ -77,7 +79,7 @@ def thirds(values):
 
 def draw(out):
     script = f"""
-set terminal pngcairo size 1000,900 font "sans,11"
+set terminal pngcairo noenhanced size 1000,900 font "sans,11"
 set output "{out}/soak.png"
 set datafile separator ","
 set key outside right
@@ -119,7 +121,7 @@ def watch(rig, bridge, options):
     return rows
 
 
-def judge(rows, ledger, clock):
+def judge(rows, ledger):
     """What creeps or is lost, one line each."""
     wrong = []
     for column, name in enumerate(COLUMNS):
@@ -129,9 +131,9 @@ def judge(rows, ledger, clock):
     finished = [row for row in ledger if row["state"] == "finished"]
     if [row["number"] for row in finished] != list(range(1, len(finished) + 1)):
         wrong.append("a maneuver was lost, or finished twice")
-    aborted = [row["outcome"] for row in ledger if row["state"] == "aborted"]
-    if clock == "sync" and aborted not in ([], ["requested"]):  # by the timer lateness aborts, and is retried
-        wrong.append(f"aborted: {aborted}")
+    aborted = {row["outcome"] for row in ledger if row["state"] == "aborted"}
+    if not aborted <= LATENESS | {"requested"}:
+        wrong.append(f"aborted: {sorted(aborted)}")
     if count(ledger, "unfinished") or count(ledger, "running"):
         wrong.append("an attempt was left")
     lengths = [row["length_m"] for row in finished]
@@ -147,9 +149,11 @@ def judge(rows, ledger, clock):
 
 def soak(options):
     scenario, config = quick_rig(options.out)
+    brake = config / "landing_gear.toml"
+    brake.write_text(changed(brake.read_text(), energy_scale="1.0e6"))  # a brake that wears would stop later and later, as it should
     rig = Rig(options.build, options.out, scenario, config, clock=options.clock, sync_timeout_ms=3000, answer_timeout_ms=3000)
-    by_the_clock = ("--retry", "1000") if options.clock == "timer" else ()
-    bridge = rig.bridge("campaign", options.out / "campaign", "--maneuvers", "1000000", *by_the_clock, priority=50 if by_the_clock else 0)
+    bridge = rig.bridge("campaign", options.out / "campaign", "--maneuvers", "1000000", "--retry", "1000",
+                        priority=50 if options.clock == "timer" else 0)
     rows = watch(rig, bridge, options)
     bridge.send_signal(signal.SIGINT)
     status = bridge.wait(timeout=120)
@@ -157,12 +161,13 @@ def soak(options):
     rig.end()
     check(rig.controller.returncode == 0 and rig.virtual_rig.returncode == 0, "controller or virtual rig did not end well")
     ledger = ledger_copy(options.out / "campaign")
-    wrong, lengths = judge(rows, ledger, options.clock)
+    wrong, lengths = judge(rows, ledger)
     dropped = sum(json.loads((options.out / "campaign" / row["folder"] / "summary.json").read_text())["frames_dropped"]
                   for row in ledger if row["state"] == "finished")
     if dropped:
         wrong.append(f"{dropped} frames were not recorded")
-    result = {"minutes": rows[-1][0], "clock": options.clock, "finished": len(lengths), "aborted": count(ledger, "aborted"), "wrong": wrong}
+    result = {"minutes": rows[-1][0], "clock": options.clock, "finished": len(lengths), "wrong": wrong,
+              "aborted": [row["outcome"] for row in ledger if row["state"] == "aborted"]}
     if len(lengths) >= FEWEST:
         first, last = thirds(lengths)
         result |= {"first_third_mean_length_m": statistics.mean(first), "last_third_mean_length_m": statistics.mean(last),
