@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -157,6 +158,7 @@ TEST_CASE("overlaps are found in either byte order, and between them", "[CAN-042
         {"23|16@0+", "63|32@0+", "sticks out of the 8 bytes"},
         {"23|16@0+", "64|32@0+", "sticks out of the 8 bytes"},
         {"23|16@0+", "71|32@0+", "sticks out of the 8 bytes"},
+        {"63|8@0+", "32|32@1+", "overlaps that of wheel.edge_count"},
     }));
     const std::string before =
         "SG_ EdgeCount : 16|16@1+ (1,0) [0|65535] \"\" Controller,Bridge\n SG_ EdgeTime : 32|32@1+";
@@ -199,10 +201,13 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-042]"
         {"edge_count = \"EdgeCount\"\n", "", "wheel.edge_count"},
         {"edge_count = \"EdgeCount\"\n",
          "edge_count = \"EdgeCount\"\nspeed = { signal = \"x\", unit = \"rpm\" }\n",
-         "either edge_count and edge_time, or speed"},
+         "wheel.speed: give either edge_count and edge_time, or speed"},
+        {"edge_count = \"EdgeCount\"\nedge_time = { signal = \"EdgeTime\", unit = \"us\" }\n", "",
+         "wheel.message: give either edge_count and edge_time, or speed"},
         {"period_ms = 1\n", "period_ms = 2\n",
          "wheel.period_ms: contradicts GenMsgCycleTime of 'WheelEncoder'"},
-        {"period_ms = 1\n", "period_ms = 0\n", "out of range"},
+        {"period_ms = 1\n", "period_ms = 0\n", "out of range 0.1 to 1000"},
+        {"period_ms = 1\n", "period_ms = 1.0000000015\n", "contradicts GenMsgCycleTime of 'WheelEncoder'"},
         {"period_ms = 1\n", "period_ms = \"1\"\n", "wheel.period_ms"},
         {"counter = \"Counter\"", "counter = \"Crc\"", "wheel.crc: signal 'Crc'"},
         {"crc = \"Crc\"", "crc = \"Counter\"", "overlaps that of wheel.counter"},
@@ -210,7 +215,7 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-042]"
         {"max_delta = 4", "max_delta = 8", "wheel.max_delta: 8 is out of range 1 to 7"},
         {"max_delta = 4", "max_delta = 0", "wheel.max_delta: 0 is out of range"},
         {"data_id = 0x111", "data_id = 0x110", "flywheel.data_id: is that of [wheel]"},
-        {"data_id = 0x110", "data_id = 65536", "out of range"},
+        {"data_id = 0x110", "data_id = 65536", "wheel.data_id: 65536 is out of range 0 to 65535"},
         {"protection = \"counter_crc\"", "protection = \"crc\"", "wheel.protection"},
         {"\"FlywheelEncoder\"", "\"WheelEncoder\"", "flywheel.message: has the identifier that [wheel] uses"},
         {"law = \"Law\"", "law = \"Demand\"", "has 16 bits; expected 2 to 8 bits"},
@@ -237,6 +242,16 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-042]"
         wheel("BO_ 272", "BO_ 2147483920", "29-bit identifier"),
         wheel("BO_ 272", "BO_ 2048", "29-bit identifier"),
         wheel("8|4@1+", "8|1@1+", "has 1 bit; expected 4 to 8 bits"),
+        {"Sync: 2 Rig\n SG_ SyncNumber : 0|16", "Sync: 8 Rig\n SG_ SyncNumber : 0|33",
+         "sync.number: signal 'SyncNumber'", true},
+        {"Sync: 2 Rig\n SG_ SyncNumber : 0|16", "Sync: 8 Rig\n SG_ SyncNumber : 0|33",
+         "has 33 bits; expected 1 to 32 bits", true},
+        {"Phase : 12|4", "Phase : 12|3", "has 3 bits; expected 4 to 8 bits", true},
+        {"ManeuverNumber : 16|16", "ManeuverNumber : 16|15", "has 15 bits; expected 16 to 32 bits", true},
+        {"State : 12|4", "State : 12|2", "has 2 bits; expected 3 to 8 bits", true},
+        wheel("WheelEncoder: 8", "WheelEncoder: 9", "has 9 bytes"),
+        wheel("32|32@1+ (0.1,0)", "32|16@1+ (3.05,0)", "rolls over within 200 ms"),
+        wheel("32|32@1+ (0.1,0)", "32|1@1+ (199999,0)", "rolls over within 200 ms"),
         wheel("8|4@1+ (1,0)", "8|4@1+ (1,1)", "factor 1 and offset 0"),
         wheel("32|32@1+ (0.1,0)", "32|32@1- (0.1,0)", "must be unsigned"),
         wheel("32|32@1+ (0.1,0)", "32|32@1+ (-0.1,0)", "positive factor"),
@@ -350,4 +365,122 @@ TEST_CASE("units of the bus become the controller's", "[CAN-044]") {
     CHECK_THROWS_WITH(with_unit("rpm", ", radius_m = 0.25"), ContainsSubstring("radius_m"));
     CHECK_THROWS_WITH(with_unit("bar", ""),
                       ContainsSubstring("expected one of rad/s, deg/s, rpm, or of m/s, km/h, kn"));
+}
+
+namespace {
+
+/// A wheel message without protection, so that a clock of 48 bits has room.
+constexpr const char* kProtectedWheel =
+    "protection = \"counter_crc\"\ncounter = \"Counter\"\ncrc = \"Crc\"\ndata_id = 0x110\nmax_delta = 4\n";
+
+Layout changed(const std::string& from, const std::string& to, const std::string& toml = kOurs) {
+    const can_test::TempDir dir;
+    return load_layout(dir.write("a.dbc", replaced(kOurDbc, from, to)), dir.write("a.toml", toml));
+}
+
+Layout pressure_like(const std::string& scale_and_range) {
+    return changed("(500,0) [0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288",
+                   scale_and_range + " \"Pa\" Controller,Bridge\n\nBO_ 288");
+}
+
+}  // namespace
+
+TEST_CASE("a refusal says in full what is wrong with a message, and where", "[CAN-042]") {
+    const auto refused = [](const std::string& from, const std::string& to, const std::string& words) {
+        const can_test::TempDir dir;
+        const auto dbc = dir.write("a.dbc", replaced(kOurDbc, from, to));
+        const auto toml = dir.write("a.toml", kOurs);
+        std::string what = "accepted";
+        try {
+            static_cast<void>(load_layout(dbc, toml));
+        } catch (const settings::Error& error) {
+            what = error.what();
+        }
+        CHECK(what == toml.string() + ":5: wheel.message: " + replaced(words, "a.dbc", dbc.string()));
+    };
+    const std::string before = kOurDbc.substr(0, kOurDbc.find("BO_ 272 "));
+    const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+    const std::string at = "a.dbc:" + std::to_string(line) + ": ";
+    refused("BO_ 272 W", "BO_ 2048 W",
+            at + "'WheelEncoder' has a 29-bit identifier; only 11-bit ones (0 to 2047) are used");
+    refused("WheelEncoder: 8", "WheelEncoder: 9",
+            at + "'WheelEncoder' has 9 bytes; a classic CAN frame has at most 8");
+    refused("BO_ 272 W", "BO_ 99 WheelEncoder: 8 Rig\n\nBO_ 272 W",
+            "'WheelEncoder' is defined twice in a.dbc, lines " + std::to_string(line) + " and " +
+                std::to_string(line + 2));
+}
+
+TEST_CASE("what just fits is accepted: identifier, widths, clocks, data IDs, ranges", "[CAN-045]") {
+    CHECK(can_test::ours().sync_counter.bits == 16);
+    CHECK(changed("BO_ 272 W", "BO_ 2047 W")[Role::wheel].id == 2047);
+    CHECK(changed("SyncNumber : 0|16", "SyncNumber : 0|1").sync_counter.bits == 1);
+    // One bit of 200 ms, and 16 bits of a little more.
+    CHECK(changed("EdgeTime : 32|32@1+ (0.1,0)", "EdgeTime : 32|1@1+ (200000,0)").wheel.edge_time.bits == 1);
+    CHECK(changed("EdgeTime : 32|32@1+ (0.1,0)", "EdgeTime : 32|16@1+ (3.1,0)").wheel.edge_time.bits == 16);
+    CHECK(can_test::ours().wheel.edge_time.scale == Approx(100.0));
+    CHECK(can_test::ours().wheel.edge_time.per_scale == Approx(0.01));
+    CHECK(changed("EdgeCount : 16|16@1+ (1,0) [0|65535] \"\" Controller,Bridge\n SG_ EdgeTime : 32|32",
+                  "EdgeCount : 0|16@1+ (1,0) [0|65535] \"\" Controller,Bridge\n SG_ EdgeTime : 16|48",
+                  replaced(kOurs, kProtectedWheel, "protection = \"none\"\n"))
+              .wheel.edge_time.bits == 48);
+    // A data ID of 0 is one, and no message without a CRC has it.
+    for (const std::string id : {"0", "65535"})
+        CHECK(
+            changed("VERSION", "VERSION", replaced(kOurs, "data_id = 0x110", "data_id = " + id))[Role::wheel]
+                .protection.data_id == std::stoi(id));
+    CHECK(changed("VERSION", "VERSION",
+                  replaced(kOurs, "period_ms = 1\n", "period_ms = 1.0000000005\n"))[Role::wheel]
+              .bound);
+}
+
+TEST_CASE("the CRC is found in whichever byte it fills, in either order", "[CAN-042]") {
+    struct Row {
+        std::string crc, counter, count;
+        std::uint8_t byte;
+    };
+    for (const Row& row : {Row{"0|8@1+", "8|4@1+", "16|16@1+", 0}, Row{"8|8@1+", "0|4@1+", "16|16@1+", 1},
+                           Row{"24|8@1+", "0|4@1+", "8|16@1+", 3}, Row{"7|8@0+", "8|4@1+", "16|16@1+", 0},
+                           Row{"15|8@0+", "0|4@1+", "16|16@1+", 1}, Row{"31|8@0+", "0|4@1+", "8|16@1+", 3}}) {
+        const std::string crc_before =
+            "WheelEncoder: 8 Rig\n SG_ Crc : 0|8@1+ (1,0) [0|255] \"\" Controller,Bridge\n"
+            " SG_ Counter : 8|4@1+ (1,0) [0|14] \"\" Controller,Bridge\n SG_ EdgeCount : 16|16@1+";
+        const std::string after = "WheelEncoder: 8 Rig\n SG_ Crc : " + row.crc +
+                                  " (1,0) [0|255] \"\" Controller,Bridge\n SG_ Counter : " + row.counter +
+                                  " (1,0) [0|14] \"\" Controller,Bridge\n SG_ EdgeCount : " + row.count;
+        INFO(row.crc);
+        CHECK(changed(crc_before, after)[Role::wheel].protection.crc_byte == row.byte);
+    }
+}
+
+TEST_CASE("a range is kept in raw numbers: offset, sign, a hair of tolerance, single values", "[CAN-042]") {
+    const auto ends = [](const std::string& scale_and_range) {
+        const Signal pressure = pressure_like(scale_and_range).pressure_Pa;
+        return std::pair(pressure.raw_min, pressure.raw_max);
+    };
+    using Ends = std::pair<std::int64_t, std::int64_t>;
+    CHECK(ends("(500,-10000) [0|1000000]") == Ends{20, 2020});
+    CHECK(ends("(500,0) [500.00025|999999.99975]") == Ends{1, 2000});
+    CHECK(ends("(500,0) [500.00075|999999.99925]") == Ends{2, 1999});
+    CHECK(ends("(500,0) [32767500|1e9]") == Ends{65535, 65535});
+    CHECK(ends("(500,0) [-1000|0]") == Ends{0, 0});
+    CHECK(ends("(500,0) [500|500.1]") == Ends{1, 1});
+    CHECK(ends("(500,0) [0|0]") == Ends{0, 65535});
+    const Signal slip = changed("(0.0001,0) [-3.2768|3.2767]", "(0.0001,0) [0|0]").status.slip;
+    CHECK(slip.raw_min == -32768);
+    CHECK(slip.raw_max == 32767);
+}
+
+TEST_CASE("a counter without a CRC has 2 to 8 bits; a rim 0.01 to 10 m", "[CAN-042]") {
+    const auto foreign_refusal = [](const std::string& dbc_from, const std::string& dbc_to,
+                                    const std::string& toml) {
+        return refusal(replaced(kForeignDbc, dbc_from, dbc_to), toml);
+    };
+    CHECK_THAT(foreign_refusal("MsgCnt : 11|4@0+ (1,0) [0|15] \"\" ABCU\n SG_ BrakePress",
+                               "MsgCnt : 11|1@0+ (1,0) [0|1] \"\" ABCU\n SG_ BrakePress", kForeign),
+               ContainsSubstring("pressure.counter") && ContainsSubstring("has 1 bit; expected 2 to 8 bits"));
+    for (const std::string radius : {"0.009", "10.1"})
+        CHECK_THAT(
+            foreign_refusal("(0.0625,0) [0|4095.9375] \"rpm\"", "(0.0625,0) [0|4095.9375] \"km/h\"",
+                            replaced(kForeign, "unit = \"rpm\"", "unit = \"km/h\", radius_m = " + radius)),
+            ContainsSubstring("radius_m: " + radius + " is out of range 0.01 to 10"));
 }

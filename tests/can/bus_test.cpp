@@ -83,6 +83,40 @@ TEST_CASE("SYNC loads the bus only where the layout has one", "[CAN-060][CAN-201
     CHECK(mean(can_test::ours(), true) > mean(can_test::ours(), false));
 }
 
+TEST_CASE("the mean load is bits over time, for a period that fills ten seconds and not eleven",
+          "[CAN-060]") {
+    Layout one;
+    one[Role::pressure] = {
+        .id = 1, .length = 4, .bound = true, .period = std::chrono::milliseconds(400), .protection = {}};
+    const BusLoad load = bus_load(one, std::chrono::milliseconds(1), 1'000'000, false);
+    CHECK(load.mean == Approx(bits_by_counting(4) / 0.4 / 1e6).epsilon(1e-9));
+    CHECK(load.peak == Approx(bits_by_counting(4) / 1e3));
+    // Faster than every step is every step.
+    one[Role::pressure].period = Time{1};
+    CHECK(bus_load(one, std::chrono::milliseconds(1), 1'000'000, false).mean ==
+          Approx(bits_by_counting(4) / 1e3));
+}
+
+TEST_CASE("the clocks are compared every 1024 batches, and where a stamp goes back", "[CAN-081]") {
+    int looks = 0;
+    WallClockOffset offset([&looks] {
+        ++looks;
+        return Time{1'000};
+    });
+    CHECK(looks == 1);
+    for (const int rounds : {1, 2, 3}) {
+        for (int batch = 1; batch < 1024; ++batch) offset.next_batch();
+        CHECK(looks == rounds);
+        offset.next_batch();
+        CHECK(looks == rounds + 1);
+    }
+    CHECK(offset.monotonic(Time{501'000}) == Time{500'000});
+    CHECK(offset.monotonic(Time{501'000}) == Time{500'000});
+    CHECK(looks == 4);
+    CHECK(offset.monotonic(Time{500'999}) == Time{499'999});
+    CHECK(looks == 5);
+}
+
 TEST_CASE("the loopback delivers to every other end, in order, with the time that was set", "[CAN-075]") {
     Loopback hub;
     Loopback::End& a = hub.connect();
@@ -122,6 +156,7 @@ TEST_CASE("a full receive queue drops the newest and counts; a link that is down
     CHECK(b.status().bus_off);
     CHECK_FALSE(b.status().up);
     CHECK(b.status().bus_off_events == 1);
+    CHECK(b.status().error_frames == 1);
     CHECK_FALSE(b.send({}));
     CHECK(b.status().transmit_dropped == 1);
     CHECK(a.send({}));

@@ -71,7 +71,7 @@ TEST_CASE("a line is read if it is one, and refused if it is none, whichever cha
                  "(9000000000.000000) can10 000#0011223344556677\n", "(12.5)  vcan0  1ABCDEF0#R8",
                  "(1436509053.650713987) vcan0 20000004#00 T\r\n", "(1436509053.650713) vcan0 3FFFFFFF#");
     REQUIRE(disagreement(line).empty());
-    const std::string spoilers = " ()#./:0189@AFGR`afg\r\n\x7f\xb0T";
+    const std::string spoilers = " !()*#$./:0189@AFGR`afg\r\n\x7f\xb0T";
     for (std::size_t at = 0; at < line.size(); ++at) {
         std::string shorter = line;
         shorter.erase(at, 1);
@@ -90,6 +90,22 @@ TEST_CASE("a line is read if it is one, and refused if it is none, whichever cha
     }
 }
 
+TEST_CASE("what lies behind the end of a line is not of it", "[CAN-090]") {
+    const std::string text = "(1.5) vcan0 12345678#R8 (1436509053.650713) vcan0 1A0#00118";
+    for (const std::size_t from : {std::size_t{0}, text.rfind('(')}) {
+        for (std::size_t size = 1; size <= text.size() - from; ++size) {
+            INFO(size << " characters from " << from);
+            const auto part = parse_candump(std::string_view(text).substr(from, size));
+            std::smatch match;
+            const std::string alone = text.substr(from, size);
+            CHECK(std::holds_alternative<CandumpLine>(part) == expected(alone, match).has_value());
+        }
+    }
+    const auto part = parse_candump(std::string_view(text).substr(0, text.find('8', 15) + 3));
+    REQUIRE(std::holds_alternative<CandumpLine>(part));
+    CHECK(std::get<CandumpLine>(part).frame.length == 0);
+}
+
 TEST_CASE("numbers of a line at their limits", "[CAN-090]") {
     for (const char* const text :
          {"(9000000001.000000) vcan0 123#", "(9000000000.999999) vcan0 123#",
@@ -97,8 +113,13 @@ TEST_CASE("numbers of a line at their limits", "[CAN-090]") {
           "(1.0) vcan0 800#", "(1.0) vcan0 40000000#", "(1.0) vcan0 3FFFFFFF#", "(1.0) vcan0 20000000#",
           "(1.0) vcan0 1FFFFFFF#", "(1.0) vcan0 123#R9", "(1436509053.650713) vcan0 123#001122334455667788",
           "(1436509053.650713) vcan0 123#001", "(1.0) vcan0 123#R0", "(1.0) vcan0 123#R1",
-          "(99999999990.0) vcan0 123#"})
+          "(99999999990.0) vcan0 123#", "(1436509053.650713)  1A0#0011", "(1436509053.650713) a#12345 "})
         CHECK(disagreement(text).empty());
+    // As a signed character 0xD0 is as far below zero as '0' is above.
+    std::string high_bytes = "(1436509053.650713) vcan0 123#";
+    for (char& c : high_bytes)
+        if (c >= '0' && c <= '9' && &c < high_bytes.data() + 18) c = static_cast<char>(-c);
+    CHECK(disagreement(high_bytes).empty());
     const auto fd = parse_candump("(1.0) vcan0 123##1");
     REQUIRE(std::holds_alternative<CandumpFailure>(fd));
     CHECK(std::get<CandumpFailure>(fd).fd);

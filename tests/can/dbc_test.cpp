@@ -121,6 +121,14 @@ TEST_CASE("a malformed statement is refused with file, line and what was expecte
     refused(" SG_ T : 0|8@1+ (1,0) [0|0] m N\n", "expected the unit in double quotes");
     refused(" SG_ T : 0|8@1+ (1,0) [0|0] \"m\n", "never closed");
     refused("CM_ \"never ends\n\n", "never closed");
+    refused("CM_ \"never ends \\\"", "never closed");
+    refused("BO_ 2 M2: 65536 N\n", "length in bytes, a whole number from 0 to 65535, got '65536'");
+    refused(" SG_ T : 65536|8@1+ (1,0) [0|0] \"\" N\n", "the start bit, a whole number from 0 to 65535");
+    refused(" SG_ T : 0|65536@1+ (1,0) [0|0] \"\" N\n", "number of bits, a whole number from 0 to 65535");
+    refused(" SG_ T : 0|0@1+ (1,0) [0|0] \"\" N\n", "signal 'T' has no bits");
+    refused(" SG_ T : 0|8@1\r\n", "- (signed), got the end of the line");
+    refused("BO_ 2 M2:", "length in bytes, a whole number from 0 to 65535, got the end of the file");
+    refused("SIG_VALTYPE_ 1 S : 4;\n", "2 double, a whole number from 0 to 3, got '4;'");
     refused("VAL_ 1 S 0 x ;\n", "expected the value's text in double quotes");
     refused("VAL_ 1 S 0 \"x\"", "expected a value or ';'");
     refused("BA_ \"GenMsgCycleTime\" BO_ 1 fast;\n", "expected the cycle time in ms");
@@ -128,6 +136,45 @@ TEST_CASE("a malformed statement is refused with file, line and what was expecte
                       ContainsSubstring("before the first BO_"));
     CHECK_THROWS_WITH(load_dbc("config/none.dbc"), ContainsSubstring("config/none.dbc"));
     CHECK_THROWS_WITH(load_dbc("config"), ContainsSubstring("config"));
+}
+
+TEST_CASE("a refusal quotes what it found: to a blank, the end, or twenty characters", "[CAN-031]") {
+    const auto quoted = [](const std::string& rest) {
+        try {
+            static_cast<void>(parse_dbc("BO_ 2 M2: " + rest, "x.dbc"));
+        } catch (const settings::Error& error) {
+            const std::string what = error.what();
+            return what.substr(what.find(", got ") + 6);
+        }
+        return std::string("accepted");
+    };
+    CHECK(quoted("eight bytes\n") == "'eight'");
+    CHECK(quoted("eight\tbytes\n") == "'eight'");
+    CHECK(quoted("eight\n BO_") == "'eight'");
+    CHECK(quoted("eight") == "'eight'");
+    CHECK(quoted("x") == "'x'");
+    CHECK(quoted("abcdefghijklmnopqrst") == "'abcdefghijklmnopqrst'");
+    CHECK(quoted("abcdefghijklmnopqrstu") == "'abcdefghijklmnopqrst'");
+}
+
+TEST_CASE("lines are counted, files named, and a mark or a string in several lines hides nothing",
+          "[CAN-030]") {
+    const Dbc dbc = parse_dbc(
+        "\xEF\xBB\xBF"
+        "BO_ 0 Zero: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\n\nBO_ 9 Nine: 8 N\n"
+        " SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\nBU_SG_REL_ \"one\nBO_ x\"\nVAL_ 0 S 1 \"zero\" ;\n"
+        "VAL_ 9 S 2 \"nine\" ;\nVAL_ :odd 0 \"x\" ;\nBA_ \"GenMsgDelayTime\" BO_ 9 7;\n"
+        "SIG_VALTYPE_ 9 S : 3;\n",
+        "dir/x.dbc");
+    CHECK(dbc.file == "dir/x.dbc");
+    REQUIRE(dbc.messages.size() == 2);
+    CHECK(dbc.messages[0].line == 1);
+    CHECK(dbc.messages[1].line == 4);
+    CHECK(dbc.messages[1].signals[0].line == 5);
+    CHECK(dbc.messages[0].signals[0].values == std::map<std::int64_t, std::string>{{1, "zero"}});
+    CHECK(dbc.messages[1].signals[0].values == std::map<std::int64_t, std::string>{{2, "nine"}});
+    CHECK_FALSE(dbc.messages[1].cycle_time_ms.has_value());
+    CHECK(dbc.messages[1].signals[0].floating);
 }
 
 TEST_CASE("no garbage crashes the reader", "[CAN-032]") {

@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -177,6 +178,16 @@ TEST_CASE("a batch is as large as the caller's room, and never larger than its o
     CHECK(bus.receive(frames) == SocketCan::kBatch);
     CHECK(bus.receive(frames) == 1);
     CHECK(frames[0].data[0] == 99);
+}
+
+TEST_CASE("no room for frames is no error of the link, whatever failed before", "[CAN-200]") {
+    FakeKernel kernel;
+    SocketCan bus("can0", kWanted);
+    kernel.arrivals.push_back(data(0x110, 1, 7));
+    errno = ENETDOWN;
+    CHECK(bus.receive({}) == 0);
+    CHECK(bus.status().up);
+    CHECK(take(bus) == 1);
 }
 
 TEST_CASE("the kernel's drop counter is followed across its roll-over", "[CAN-083][CAN-200]") {

@@ -166,3 +166,24 @@ TEST_CASE("the rig applies the same current with and without bytes", "[CAN-070]"
         CHECK(rig.stats(Role::valve).accepted == 300'000);
     }
 }
+
+TEST_CASE("what the rig does not ask for is not asked for, and sources and times are the rig's",
+          "[CAN-070]") {
+    for (const Layout* layout : {&can_test::ours(), &can_test::foreign()}) {
+        RoundedLink link(*layout, Time{1'000'000});
+        RigSample sample;
+        const Time now{7'000'000};
+        const control::Sensors idle = link.sense(sample, now);
+        CHECK_FALSE(idle.maneuver.arm);
+        CHECK_FALSE(idle.maneuver.weight_on_wheels);
+        CHECK(idle.maneuver.received == now);
+        CHECK(idle.wheel.source == layout->wheel.source);
+        sample.maneuver.arm = true;
+        RoundedLink armed(*layout, Time{1'000'000});
+        CHECK(armed.sense(sample, now).maneuver.arm);
+        CHECK_FALSE(armed.sense(sample, now).maneuver.weight_on_wheels);
+    }
+    CHECK(ControllerView{}.speed_mps == 0.0F);
+    CHECK(control::SpeedInput{}.speed_radps == 0.0F);
+    CHECK(control::Command{}.wheel_speed_radps == 0.0F);
+}

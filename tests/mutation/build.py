@@ -69,7 +69,7 @@ def programs(jobs):
     launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     # An operation behind a call is of another constness and range to the compiler: what it warns of, or refuses as narrowing, is the tool's.
     configure = ["cmake", "-G", "Ninja", "-S", TREE, "-B", made, *launcher, "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_UNITY_BUILD=ON",
-                 "-DCMAKE_UNITY_BUILD_BATCH_SIZE=0", "-DCMAKE_CXX_FLAGS=-w -fpermissive", "-DCMAKE_CXX_FLAGS_DEBUG=-O1"]
+                 "-DCMAKE_UNITY_BUILD_BATCH_SIZE=0", "-DCMAKE_CXX_FLAGS=-w -fpermissive -D_GLIBCXX_ASSERTIONS", "-DCMAKE_CXX_FLAGS_DEBUG=-O1"]
     for name, command in (("configure", configure), ("build", ["cmake", "--build", made, "-j", str(jobs), "--target", "coverage_tests"])):
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=dict(os.environ, CCACHE_BASEDIR=str(ROOT), CCACHE_NOHASHDIR="1"))
         if done.returncode != 0:
