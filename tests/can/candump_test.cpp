@@ -115,10 +115,10 @@ TEST_CASE("numbers of a line at their limits", "[CAN-090]") {
           "(1436509053.650713) vcan0 123#001", "(1.0) vcan0 123#R0", "(1.0) vcan0 123#R1",
           "(99999999990.0) vcan0 123#", "(1436509053.650713)  1A0#0011", "(1436509053.650713) a#12345 "})
         CHECK(disagreement(text).empty());
-    // As a signed character 0xD0 is as far below zero as '0' is above.
+    // As a signed character 0xD0 lies as far below zero as a digit above.
     std::string high_bytes = "(1436509053.650713) vcan0 123#";
     for (char& c : high_bytes)
-        if (c >= '0' && c <= '9' && &c < high_bytes.data() + 18) c = static_cast<char>(-c);
+        if (c >= '0' && c <= '9' && &c < high_bytes.data() + 18) c = static_cast<char>(c - 2 * '0');
     CHECK(disagreement(high_bytes).empty());
     const auto fd = parse_candump("(1.0) vcan0 123##1");
     REQUIRE(std::holds_alternative<CandumpFailure>(fd));

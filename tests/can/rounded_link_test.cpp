@@ -183,7 +183,6 @@ TEST_CASE("what the rig does not ask for is not asked for, and sources and times
         CHECK(armed.sense(sample, now).maneuver.arm);
         CHECK_FALSE(armed.sense(sample, now).maneuver.weight_on_wheels);
     }
-    CHECK(ControllerView{}.speed_mps == 0.0F);
-    CHECK(control::SpeedInput{}.speed_radps == 0.0F);
-    CHECK(control::Command{}.wheel_speed_radps == 0.0F);
+    CHECK(RigPort(can_test::ours(), Time{1'000'000}).controller().speed_mps == 0.0F);
+    CHECK(ControllerPort(can_test::ours(), Time{1'000'000}).sensors().wheel.speed_radps == 0.0F);
 }

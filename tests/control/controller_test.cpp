@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "tests/catch.hpp"
 #include "tests/control/bench.hpp"
@@ -342,4 +343,13 @@ TEST_CASE("estimates can be looked at, and the state is told", "[CTL-066]") {
     }
     CHECK(b.command.state == State::locked_wheel);
     CHECK(b.command.current_mA == 0.0F);
+}
+
+TEST_CASE("a command that nobody has decided says nothing and asks for nothing", "[CTL-066]") {
+    const std::vector<Command> undecided(1);
+    CHECK(undecided[0].current_mA == 0.0F);
+    CHECK(undecided[0].slip == 0.0F);
+    CHECK(undecided[0].speed_mps == 0.0F);
+    CHECK(undecided[0].wheel_speed_radps == 0.0F);
+    CHECK(undecided[0].pressure_request_Pa == 0.0F);
 }

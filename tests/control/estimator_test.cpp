@@ -307,3 +307,93 @@ TEST_CASE("slip has no meaning up to half a metre per second, and stays between 
     for (int i = 0; i < 20; ++i) x.move(30.0F, 20.0F);
     CHECK(x.move(30.0F, 20.0F, 40e6F).late_slip == 1.0F);
 }
+
+TEST_CASE("the fastest reading that can be is believed", "[CTL-019]") {
+    Exact x;
+    CHECK(x.move(125.0F, 400.0F).omega_radps == 400.0F);
+    CHECK(x.estimator.estimate().v_mps == 125.0F);
+    for (int i = 0; i < 20; ++i) x.move(124.0F, 399.0F);
+    const float slower = x.estimator.estimate().omega_radps;
+    for (int i = 0; i < 20; ++i) x.move(125.0F, 400.0F);
+    CHECK(x.estimator.estimate().omega_radps > slower + 0.5F);
+}
+
+TEST_CASE("a bound above what a wheel can turn at bounds nothing", "[CTL-019]") {
+    // 60 teeth: an edge is 0.10472 rad. The wheel gets faster, then an edge comes too early, and then none for a while.
+    const auto fed = [](Estimator& estimator, const bool silence) {
+        Sensors sensors;
+        double edge_s = 1.0;
+        const auto feed = [&](const double frame_s, const std::uint32_t edges, const double radps) {
+            edge_s += edges * 0.104719755 / radps;
+            sensors.wheel.received = Time{static_cast<std::int64_t>(frame_s * 1e9)};
+            sensors.wheel.edge_count += edges;
+            sensors.wheel.edge_time = Time{static_cast<std::int64_t>(edge_s * 1e9)};
+            estimator.update(sensors, 0.0F);
+        };
+        double frame_s = 1.0;
+        for (double radps = 200.0; radps < 399.0; radps += 20.0) {
+            frame_s += 1e-3;
+            feed(frame_s, 4, radps);
+        }
+        frame_s += 1e-3;
+        feed(frame_s, 4, 450.0);                               // unusable
+        if (silence) sensors.wheel.received += Time{255'000};  // 410.7 rad/s at most, from the silence
+        return estimator.update(sensors, 0.0F).omega_radps;
+    };
+    const Config c = fixed_config();
+    Estimator one(c.wheel, c.flywheel, c.valve, c.estimator, c.period_s);
+    Estimator other(c.wheel, c.flywheel, c.valve, c.estimator, c.period_s);
+    const float expected = fed(one, false);
+    REQUIRE(expected > 411.0F);  // the tracker is ahead of every reading
+    CHECK(fed(other, true) == expected);
+}
+
+TEST_CASE("a wheel whose speed changes by 60 rad/s2 is not free", "[CTL-031]") {
+    const float most_radps2 = GENERATE(60.0F, 59.9F);
+    Config config = Exact::config();
+    config.wheel.encoder.max_acceleration_radps2 = most_radps2;  // what the tracker stops at
+    Estimator estimator(config.wheel, config.flywheel, config.valve, config.estimator, 1e-3F);
+    Exact x;
+    x.estimator = estimator;
+    for (int i = 0; i < 30; ++i) {
+        const float v = 60.0F - 0.05F * static_cast<float>(i);
+        x.move(v, v / 0.52F);
+    }
+    const float before = x.estimator.estimate().radius_m;
+    x.move(58.5F, 58.5F / 0.52F);
+    CHECK((x.estimator.estimate().radius_m == before) == (most_radps2 == 60.0F));
+}
+
+TEST_CASE("a wheel under 2 bar is not free", "[CTL-031]") {
+    const bool below = GENERATE(false, true);
+    const float target_Pa = below ? std::nextafter(2e5F, 0.0F) : 2e5F;
+    Config config = Exact::config();
+    bool found = false;
+    float mapped_Pa = target_Pa;
+    for (int tries = 0; tries < 400 && !found; ++tries) {
+        config.valve.pressure_Pa[1] = mapped_Pa;
+        Exact x;
+        x.estimator = Estimator(config.wheel, config.flywheel, config.valve, config.estimator, 1e-3F);
+        const auto move = [&x, target_Pa](const float omega_radps) {
+            x.now += Time{1'000'000};
+            x.sensors.wheel.received = x.sensors.flywheel.received = x.sensors.pressure.received = x.now;
+            x.sensors.wheel.source = x.sensors.flywheel.source = SpeedSource::speed;
+            x.sensors.flywheel.speed_radps = 100.0F;
+            x.sensors.wheel.speed_radps = omega_radps;
+            x.sensors.pressure.pressure_Pa = target_Pa;
+            x.sensors.maneuver.weight_on_wheels = true;
+            return x.estimator.update(x.sensors, 5.0F);
+        };
+        // At last it slows down by the 160 rad/s2 of that brake torque: the road gives it nothing.
+        for (int i = 0; i < 600; ++i) move(103.0F);
+        float omega_radps = 103.0F;
+        for (int i = 0; i < 30; ++i) move(omega_radps -= 0.16F);
+        const float before = x.estimator.estimate().radius_m;
+        const Estimate after = move(omega_radps -= 0.16F);
+        found = after.pressure.pressure_Pa == target_Pa;
+        if (found) CHECK((after.radius_m != before) == below);
+        mapped_Pa = after.pressure.pressure_Pa < target_Pa ? std::nextafter(mapped_Pa, 1e9F)
+                                                           : std::nextafter(mapped_Pa, 0.0F);
+    }
+    CHECK(found);
+}

@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <random>
 
+#include "firmware/control/arithmetic.hpp"
 #include "tests/catch.hpp"
 #include "tests/control/fixed_config.hpp"
 
@@ -97,6 +98,16 @@ TEST_CASE("a condition that comes and goes is paid back by half, and never owes 
     }
     CHECK(wrong == 0);
     CHECK(named > 1000);
+}
+
+TEST_CASE("nothing is owed before the first bad period, and half a period counts as one", "[CTL-081]") {
+    Suspicion suspicion(4.0F * kExact_s, kExact_s);
+    for (const bool bad : {true, true, true, false}) CHECK_FALSE(suspicion.holds(bad));
+    CHECK_FALSE(suspicion.holds(true));  // three and a half
+    CHECK(suspicion.holds(true));
+    CHECK(whole_periods(1.25F, 0.5F) == 3);
+    CHECK(magnitude(0.5F) == 0.5F);
+    CHECK(magnitude(-0.5F) == 0.5F);
 }
 
 TEST_CASE("what has never come is lost, not corrupt, and nothing else is said of it", "[CTL-081]") {
@@ -397,6 +408,105 @@ TEST_CASE("rim speeds and slip exactly at their limits", "[CTL-081]") {
     const FaultSet faults = w.step();
     CHECK(faults.contains(Fault::speeds_disagree) == row.disagree);
     CHECK(faults.contains(Fault::flywheel_stuck) == (row.flywheel_radps == 0.0F && row.disagree));
+}
+
+TEST_CASE(
+    "a landed aircraft gets faster by no more than 2 m/s2 and the share, and only above the least speed",
+    "[CTL-081]") {
+    struct Row {
+        float before_mps, after_mps;
+        bool rolling, armed, named;
+    };
+    // 8 m/s and 2 m/s2 over 1/1024 s, and a quarter more.
+    constexpr float kMost_mps = 10.00244140625F;
+    const Row row = GENERATE(values<Row>({{8.0F, kMost_mps, true, true, false},
+                                          {8.0F, std::nextafter(kMost_mps, 20.0F), true, true, true},
+                                          {8.0F, 20.0F, false, true, false},
+                                          {8.0F, 20.0F, true, false, false},
+                                          {8.0F, 20.0F, true, true, true},
+                                          {2.0F, 4.0F, true, true, false},
+                                          {2.0F, std::nextafter(4.0F, 5.0F), true, true, true},
+                                          {64.0F, 125.0F, true, true, true}}));  // the encoder's last
+    Config config = exact_config();
+    config.flywheel.encoder.max_acceleration_radps2 = 1e9F;
+    config.monitor.overspeed_share = 0.25F;
+    config.monitor.plausible_above_mps = 4.0F;
+    Watch w(config);
+    w.sensors.maneuver.arm = row.armed;
+    w.sensors.flywheel.speed_radps = 2.0F * row.before_mps;
+    REQUIRE_FALSE(w.step().contains(Fault::flywheel_rate));
+    w.rolling = row.rolling;
+    REQUIRE_FALSE(w.step().contains(Fault::flywheel_rate));
+    w.sensors.flywheel.speed_radps = 2.0F * row.after_mps;
+    CHECK(w.step().contains(Fault::flywheel_rate) == row.named);
+}
+
+TEST_CASE("a sensor that starts late with one pascal is not stuck", "[CTL-081]") {
+    Watch w;
+    w.current_mA = 9.0F;
+    for (int k = 0; k < 300; ++k) {
+        w.now += kMillisecond;
+        w.silent_step();
+    }
+    w.sensors.pressure.pressure_Pa = 1.0F;
+    for (int k = 0; k < 300; ++k) REQUIRE_FALSE(w.step().contains(Fault::pressure_stuck));
+}
+
+namespace {
+
+/// What is said of a rolling wheel in the period in which the valve's model, under 5 mA, is exactly at `model_Pa`.
+FaultSet faults_at(const float model_Pa, const float reading_Pa, const float wheel_radps) {
+    Config config = exact_config();
+    config.monitor.off_command_s = kExact_s;
+    config.monitor.free_slip = 0.25F;
+    // A map a little lower each time, until a rounded value of the model is the one that is asked for.
+    float mapped_Pa = model_Pa;
+    for (int tries = 0; tries < 600; ++tries) {
+        config.valve.pressure_Pa[1] = mapped_Pa;
+        Watch w(config);
+        w.rolling = true;
+        w.current_mA = 5.0F;
+        w.sensors.flywheel.speed_radps = 128.0F;
+        w.sensors.wheel.speed_radps = wheel_radps;
+        w.sensors.pressure.pressure_Pa = reading_Pa;
+        for (int k = 0; k < 300; ++k) {
+            const FaultSet faults = w.step();
+            if (k > 100 && w.estimator.uncorrected_pressure_Pa() == model_Pa) return faults;
+        }
+        mapped_Pa = std::nextafter(mapped_Pa, 0.0F);
+    }
+    FAIL("no map brings the model to " << model_Pa);
+    return {};
+}
+
+}  // namespace
+
+TEST_CASE("a model exactly at the pressure that counts as released, or as hardly braked, does not",
+          "[CTL-081]") {
+    const bool below = GENERATE(false, true);
+    const auto at = [below](const float limit) { return below ? std::nextafter(limit, 0.0F) : limit; };
+    const FaultSet released = faults_at(at(2e4F), 0.6e6F, 128.0F);
+    CHECK(released.contains(Fault::pressure_off_command) == below);
+    const FaultSet hardly_braked = faults_at(at(1e5F), 1e5F, 90.0F);
+    CHECK(hardly_braked.contains(Fault::speeds_disagree) == below);
+}
+
+TEST_CASE("a wheel that changes its speed by 15 m/s2 is not steady", "[CTL-081]") {
+    const float most_radps2 = GENERATE(30.0F, 29.9F);  // at radii of 0.5 m
+    Config config = exact_config();
+    config.wheel.encoder.max_acceleration_radps2 = most_radps2;  // what the tracker stops at
+    config.monitor.free_slip = 0.25F;
+    Watch w(config);
+    w.sensors.flywheel.speed_radps = 128.0F;
+    w.sensors.wheel.speed_radps = 90.0F;
+    for (int k = 0; k < 20; ++k) {
+        w.sensors.wheel.speed_radps -= 1.0F;  // 1024 rad/s2
+        w.step();
+    }
+    REQUIRE(w.estimator.estimate().omega_dot_radps2 == -most_radps2);
+    w.rolling = true;
+    w.sensors.wheel.speed_radps -= 1.0F;
+    CHECK(w.step().contains(Fault::speeds_disagree) == (most_radps2 < 30.0F));
 }
 
 TEST_CASE("a set of faults from the bus holds the faults that exist", "[CTL-080]") {

@@ -366,3 +366,38 @@ TEST_CASE("edges a nanosecond apart are a reading like any other", "[CTL-012]") 
     CHECK(reading.fresh);
     CHECK(static_cast<double>(reading.speed_radps) == Approx(kTooth_rad / 1e-9));
 }
+
+TEST_CASE("count and clock of an encoder may begin anywhere, also just before they roll over", "[CTL-010]") {
+    struct Row {
+        std::uint32_t first_count;
+        Time first_time;
+    };
+    const Row row = GENERATE(values<Row>(
+        {{0, Time{0}}, {0xFFFF'FFFFU, Time{0}}, {7, Time{-1'500'000}}, {0xFFFF'FFFFU, Time{-1'500'000}}}));
+    SpeedEstimator estimator(static_cast<float>(kTeeth));
+    SpeedInput input;
+    SpeedReading reading;
+    for (std::uint32_t k = 0; k < 3; ++k) {  // an edge and a frame every millisecond
+        input.received = Time{5'000'000'000} + k * kMillisecond;
+        input.edge_count = row.first_count + k;
+        input.edge_time = row.first_time + k * kMillisecond;
+        reading = estimator.update(input);
+        CHECK(reading.valid == (k == 2));
+    }
+    CHECK(reading.speed_radps == Approx(kTooth_rad / 1e-3));
+}
+
+TEST_CASE("an edge whose clock went back starts nothing, the next one does", "[CTL-010]") {
+    SpeedEstimator estimator(static_cast<float>(kTeeth));
+    SpeedInput input;
+    std::uint32_t frame = 0;
+    for (const Time edge_time : {Time{9'000'000}, Time{3'000'000}, Time{4'000'000}, Time{5'000'000}}) {
+        input.received = Time{5'000'000'000} + frame * kMillisecond;
+        input.edge_count = frame;
+        input.edge_time = edge_time;
+        const SpeedReading reading = estimator.update(input);
+        CHECK(reading.valid == (frame == 3));
+        if (reading.valid) CHECK(reading.speed_radps == Approx(kTooth_rad / 1e-3));
+        ++frame;
+    }
+}

@@ -11,7 +11,7 @@ in at once (sites.py); the tests are those that judge coverage, too.
   ./rig mutate --mutant 'firmware/can/e2e.cpp:40:29:== becomes !='
                                             one again, with what the tests say to it
   ./rig mutate --again                      after a test was added: only those that survived
-  ./rig mutate --open                       only those of open.txt
+  ./rig mutate --listed                     only those of both lists: are they still right?
   ./rig mutate --list                       the mutants, without a run
 
 tests/mutation/equivalent.txt lists mutants that nobody could notice, each with the reason, open.txt survivors that wait for a test.
@@ -188,7 +188,7 @@ def options_of(arguments):
     parser.add_argument("--sample", type=int, metavar="N", help="this many, drawn at random")
     parser.add_argument("--seed", type=int, default=1, help="of the draw (default 1)")
     parser.add_argument("--file", default="", metavar="PART", help="only files whose path contains this")
-    parser.add_argument("--open", action="store_true", help="only those that wait in open.txt")
+    parser.add_argument("--listed", action="store_true", help="only those of equivalent.txt and open.txt")
     parser.add_argument("--mutant", metavar="ID", help="only this one, with the output of the tests")
     parser.add_argument("--known", action="store_true", help="also those of known.txt, which have to be noticed, or to survive if they are equivalent")
     parser.add_argument("--again", action="store_true", help="leave out what was noticed before, even if tests have changed since")
@@ -213,10 +213,7 @@ def main():
     known, wrong_known = read_list("known.txt", mutants)
     wrong += wrong_too + wrong_known + [f"both equivalent and open: {key}" for key in equivalent.keys() & waiting.keys()]
     chosen = [m for m in mutants if options.file in m.file and (not options.mutant or m.identity() == options.mutant)
-              and (not options.open or m.key() in waiting)]
-    if options.open and not chosen:
-        print("open.txt has none")
-        return 0
+              and (not options.listed or m.key() in waiting or m.key() in equivalent)]
     if not chosen:
         fail(f"there is no mutant {options.mutant}" if options.mutant else f"no file of {' or '.join(build.ROOMS)} has '{options.file}' in its path", 2)
 
