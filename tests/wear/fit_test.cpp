@@ -8,19 +8,12 @@
 #include "plant_sim/wear/fast_exp.hpp"
 #include "plant_sim/wear/fit_starts.hpp"
 #include "plant_sim/wear/model.hpp"
-#include "plant_sim/wear/model_io.hpp"
 #include "tests/catch.hpp"
 #include "tests/wear/known_mixture.hpp"
 #include "tests/wear/physical_campaign.hpp"
+#include "tests/wear/small_fit.hpp"
 
 namespace {
-
-wear::FitSettings small(std::size_t most, int starts) {
-    wear::FitSettings s;
-    s.most_components = most;
-    s.starts = starts;
-    return s;
-}
 
 wear::StandardPoints standard_points(const wear::Campaign& campaign) {
     std::vector<double> x;
@@ -145,27 +138,6 @@ TEST_CASE("BIC finds the four components of a known mixture in at least 45 of 50
     CHECK(four >= 45);
 }
 
-TEST_CASE("the model is the same bytes whatever the number of threads, and another with another seed",
-          "[WEAR-007]") {
-    const wear::Campaign campaign = physical::campaign({}, 4);
-    const auto bytes = [&](unsigned threads, std::uint64_t seed) {
-        wear::FitSettings settings = small(6, 8);
-        settings.seed = seed;
-        const wear::Fit fit = wear::fit(campaign, settings, {threads, {}, {}});
-        std::string all = wear::to_json(wear::model_of(campaign, fit, settings));
-        for (const wear::OrderFit& o : fit.orders) {
-            wear::Fit only{{o}, 0};
-            all += wear::to_json(wear::model_of(campaign, only, settings));
-        }
-        return all;
-    };
-    const std::string one = bytes(1, 1);
-    CHECK(bytes(2, 1) == one);
-    CHECK(bytes(3, 1) == one);
-    CHECK(bytes(8, 1) == one);
-    CHECK(bytes(1, 2) != one);
-}
-
 TEST_CASE("no component collapses onto points or a line", "[WEAR-008]") {
     // Half of the campaign lies on a straight line exactly, and friction takes few values.
     wear::Campaign campaign;
@@ -213,27 +185,4 @@ TEST_CASE("a fit that the data do not bear is refused", "[WEAR-002]") {
     CHECK_THROWS_AS(wear::fit(campaign, small(0, 1)), std::invalid_argument);
     CHECK_THROWS_AS(wear::fit(campaign, small(2, 0)), std::invalid_argument);
     CHECK_THROWS_AS(wear::fit(campaign, small(2, 1), {0, {}, {}}), std::invalid_argument);
-}
-
-TEST_CASE("a search tells how far it is, and ends when asked to", "[WEAR-013]") {
-    const wear::Campaign campaign = physical::campaign({}, 1);
-    std::vector<std::size_t> seen;
-    std::size_t total = 0;
-    (void)wear::fit(campaign, small(3, 5), {2, {}, [&](std::size_t done, std::size_t all) {
-                                                seen.push_back(done);
-                                                total = all;
-                                            }});
-    REQUIRE(seen.size() == total);
-    for (std::size_t i = 0; i < seen.size(); ++i) CHECK(seen[i] == i + 1);
-
-    std::stop_source stop;
-    std::size_t runs = 0;
-    CHECK_THROWS_AS(wear::fit(campaign, small(3, 50),
-                              {2, stop.get_token(),
-                               [&](std::size_t done, std::size_t) {
-                                   runs = done;
-                                   if (done == 10) stop.request_stop();
-                               }}),
-                    wear::Cancelled);
-    CHECK(runs < 20);
 }

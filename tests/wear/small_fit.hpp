@@ -1,0 +1,14 @@
+/// A search for a mixture that is small enough for a test.
+#pragma once
+
+#include <cstddef>
+
+#include "plant_sim/wear/fit.hpp"
+
+/// Up to `most` components, each order from `starts` starts; all else as shipped.
+inline wear::FitSettings small(std::size_t most, int starts) {
+    wear::FitSettings s;
+    s.most_components = most;
+    s.starts = starts;
+    return s;
+}
