@@ -265,6 +265,10 @@ constexpr const char* kNoMat = ": cannot be read as a MATLAB file (v4, v5, or v7
 
 void check_version_4(const std::string& name, std::span<const unsigned char> file) {
     constexpr std::array<std::uint64_t, 6> kSizes{8, 4, 4, 2, 2, 1};
+    constexpr std::size_t kHead = 20;
+    constexpr std::uint32_t kMostType = 4052;
+    // The type says the order of bytes by itself, too; matio goes by what it says.
+    const bool big_endian = file.size() >= kHead && number(file, false) > kMostType;
     for (std::size_t at = 0; at < file.size();) {
         const auto refuse = [&](const std::string& what) {
             // What begins otherwise is no file of version 4 at all.
@@ -272,14 +276,12 @@ void check_version_4(const std::string& name, std::span<const unsigned char> fil
             throw std::runtime_error(fmt::format("{}: byte {}: {}", name, at, what));
         };
         const auto rest = file.subspan(at);
-        constexpr std::size_t kHead = 20;
         if (rest.size() < kHead) refuse("the file ends within the head of a variable");
-        constexpr std::uint32_t kMostType = 4052;
-        const bool big_endian = number(rest, false) > kMostType;
         std::array<std::uint32_t, 5> head{};  // type, rows, columns, complex, length of the name
         for (std::size_t i = 0; i < head.size(); ++i) head[i] = number(rest.subspan(4 * i), big_endian);
         const std::uint32_t precision = head[0] / 10 % 10;
-        if (head[0] > kMostType || head[0] / 100 % 10 != 0 || precision >= kSizes.size() || head[0] % 10 > 1)
+        if (head[0] > kMostType || head[0] / 1000 != (big_endian ? 1U : 0U) || head[0] / 100 % 10 != 0 ||
+            precision >= kSizes.size() || head[0] % 10 > 1)
             refuse(fmt::format("a variable of type {}; expected numbers or text", head[0]));
         if (head[1] > INT32_MAX || head[2] > INT32_MAX || head[3] > 1 || head[4] == 0)
             refuse("dimensions or length of the name that cannot be");

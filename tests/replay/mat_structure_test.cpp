@@ -148,6 +148,11 @@ TEST_CASE("so is one within a struct, a cell, a sparse matrix or what is compres
                ContainsSubstring("r.mat: byte 38: a variable of 536870912 x 1 values; only 18 bytes follow"));
     CHECK_THAT(refusal(four + with_word(four, 0, 2)), ContainsSubstring("byte 38: a variable of type 2"));
     CHECK_THAT(refusal(four + "123"), ContainsSubstring("byte 38: the file ends within the head"));
+    // Found by the fuzzer: lengths in one order of bytes, a type that says the other.
+    using std::string_literals::operator""s;
+    CHECK_THAT(refusal("\0\0\0\1\0\0\0\0\0\x1e\0\2\0\0\0\0\0\0\0\5\0\0\0\0\0"s),
+               ContainsSubstring("cannot be read as a MATLAB file"));
+    CHECK_NOTHROW(check("\0\0\3\xe8\0\0\0\1\0\0\0\1\0\0\0\0\0\0\0\2p\0\0\0\0\0\0\0\0\0"s));
     CHECK_THAT(refusal(""), ContainsSubstring("cannot be read as a MATLAB file"));
 }
 
