@@ -97,6 +97,7 @@ ControllerReplayReport replay_controller(const std::filesystem::path& file, cons
     for (const Role role : antiskid::can::kToRig)
         report.counts[static_cast<std::size_t>(role)] = m->comparison.count(role);
     report.first = m->comparison.first();
+    report.largest = m->comparison.largest();
     report.recorded_s = std::chrono::duration<double>(m->pacer.duration()).count();
     report.took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     report.lines = log.lines();

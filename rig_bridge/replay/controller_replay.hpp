@@ -22,6 +22,7 @@ struct ControllerReplayReport {
     std::optional<std::uint64_t> steps_before_log;  ///< see RecordedPacer
     std::array<FrameComparison::Count, antiskid::can::kRoleCount> counts{};
     std::optional<FrameDifference> first;
+    std::optional<FrameDifference> largest;  ///< of the valve commands
     double recorded_s = 0.0;  ///< rig time from first to last command
     double took_s = 0.0;      ///< wall clock, reading the log included
     std::uint64_t lines = 0;

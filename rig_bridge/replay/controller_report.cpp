@@ -29,6 +29,10 @@ std::string described(Role role, const Frame& frame, const antiskid::can::Layout
                        current.value(antiskid::can::Payload(frame.data).read(current)));
 }
 
+double seconds(const FrameDifference& difference) {
+    return std::chrono::duration<double>(difference.time).count();
+}
+
 double factor(const ControllerReplayReport& r) {
     return r.took_s > 0.0 ? r.recorded_s / r.took_s : 0.0;
 }
@@ -70,12 +74,13 @@ std::string to_text(const ControllerReplayReport& r, const antiskid::can::Layout
         fmt::format_to(out, "{:<22}{:>10}{:>10}{:>15}{:>15}\n", antiskid::can::name(role), c.compared,
                        c.different, c.only_recorded, c.only_replayed);
     }
-    if (r.first) {
-        const FrameDifference& d = *r.first;
-        fmt::format_to(out, "first difference: line {}, {:.6f} s, {}: expected {}, got {}\n", d.line,
-                       std::chrono::duration<double>(d.time).count(), antiskid::can::name(d.role),
-                       described(d.role, d.recorded, layout), described(d.role, d.replayed, layout));
-    }
+    const auto tell = [&](std::string_view which, const FrameDifference& d) {
+        fmt::format_to(out, "{}: line {}, {:.6f} s, {}: expected {}, got {}\n", which, d.line, seconds(d),
+                       antiskid::can::name(d.role), described(d.role, d.recorded, layout),
+                       described(d.role, d.replayed, layout));
+    };
+    if (r.first) tell("first difference", *r.first);
+    if (r.largest) tell("largest difference of valve current", *r.largest);
     const FrameComparison::Count& commands = r.count(Role::valve);
     fmt::format_to(out, "{} of {} command frames differ\n", commands.different + commands.only_recorded,
                    commands.compared + commands.only_recorded);
@@ -105,6 +110,7 @@ std::string to_json(const ControllerReplayReport& r, const antiskid::can::Layout
                                 {"within_session", r.steps_before_log.value_or(1) != 0},
                                 {"messages", messages},
                                 {"first_difference", nullptr},
+                                {"largest_difference", nullptr},
                                 {"recorded_s", r.recorded_s},
                                 {"took_s", r.took_s},
                                 {"times_real_time", factor(r)},
@@ -112,10 +118,14 @@ std::string to_json(const ControllerReplayReport& r, const antiskid::can::Layout
                                 {"warnings", r.warnings}};
     if (r.first)
         root["first_difference"] = {{"line", r.first->line},
-                                    {"time_s", std::chrono::duration<double>(r.first->time).count()},
+                                    {"time_s", seconds(*r.first)},
                                     {"message", antiskid::can::name(r.first->role)},
                                     {"expected", described(r.first->role, r.first->recorded, layout)},
                                     {"got", described(r.first->role, r.first->replayed, layout)}};
+    if (r.largest)
+        root["largest_difference"] = {{"line", r.largest->line},
+                                      {"time_s", seconds(*r.largest)},
+                                      {"current_mA", current_difference_mA(*r.largest, layout)}};
     return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

@@ -1,11 +1,19 @@
 #include "rig_bridge/replay/frame_comparison.hpp"
 
+#include <cmath>
+
 #include "firmware/can/roles.hpp"
 
 namespace rig {
 
 using antiskid::can::Payload;
 using antiskid::can::Role;
+
+double current_difference_mA(const FrameDifference& d, const antiskid::can::Layout& layout) {
+    const antiskid::can::Signal& current = layout.valve_current_mA;
+    const auto value = [&](const Frame& frame) { return current.value(Payload(frame.data).read(current)); };
+    return value(d.replayed) - value(d.recorded);
+}
 
 FrameComparison::FrameComparison(const antiskid::can::Layout& layout) : layout_(layout) {}
 
@@ -49,12 +57,16 @@ bool FrameComparison::past_self_test(const Frame& status) const {
 
 void FrameComparison::note(Role role, const LogFrame& recorded, const Frame& replayed) {
     ++sides_[static_cast<std::size_t>(role)].count.different;
-    if (first_ && recorded.line > first_->line) return;
-    first_ = {.role = role,
-              .line = recorded.line,
-              .time = recorded.frame.received,
-              .recorded = recorded.frame,
-              .replayed = replayed};
+    const FrameDifference difference{.role = role,
+                                     .line = recorded.line,
+                                     .time = recorded.frame.received,
+                                     .recorded = recorded.frame,
+                                     .replayed = replayed};
+    if (!first_ || recorded.line < first_->line) first_ = difference;
+    const auto size = [&](const FrameDifference& d) {
+        return std::abs(current_difference_mA(d, layout_));
+    };
+    if (role == Role::valve && (!largest_ || size(difference) > size(*largest_))) largest_ = difference;
 }
 
 void FrameComparison::match(Role role) {

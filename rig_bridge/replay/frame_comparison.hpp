@@ -22,6 +22,10 @@ struct FrameDifference {
     Frame replayed;
 };
 
+/// By how much the replayed valve command is above the recorded one.
+[[nodiscard]] double current_difference_mA(const FrameDifference& valve_commands,
+                                           const antiskid::can::Layout& layout);
+
 class FrameComparison {
   public:
     struct Count {
@@ -53,6 +57,8 @@ class FrameComparison {
         return sides_[static_cast<std::size_t>(role)].recorded.size();
     }
     [[nodiscard]] const std::optional<FrameDifference>& first() const { return first_; }
+    /// The valve commands whose currents are furthest apart, the first of them.
+    [[nodiscard]] const std::optional<FrameDifference>& largest() const { return largest_; }
 
   private:
     /// One side may be ahead by this many frames; then the oldest has no partner.
@@ -72,6 +78,7 @@ class FrameComparison {
     const antiskid::can::Layout& layout_;
     std::array<Sides, antiskid::can::kRoleCount> sides_;
     std::optional<FrameDifference> first_;
+    std::optional<FrameDifference> largest_;
     bool settling_ = false;
 };
 

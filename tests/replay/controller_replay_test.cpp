@@ -174,6 +174,7 @@ TEST_CASE("a log that begins within a session of the controller", "[BRG-316]") {
         const auto report = replay(dir.write("bus.log", text), setup);
         CHECK(report.lockstep == with_sync);
         CHECK(report.steps_before_log == 3);
+        INFO(rig::to_text(report, setup.layout));
         const auto& commands = report.count(Role::valve);
         CHECK(commands.compared > 9000);
         CHECK(commands.only_recorded == 0);

@@ -124,6 +124,7 @@ class Period {
     // valve state and slip, mean slip over the last periods, newest first.
     [[nodiscard]] Index size() const { return means_at() + static_cast<Index>(news_every_) + 1; }
     [[nodiscard]] std::size_t news_every() const { return news_every_; }
+    [[nodiscard]] Index controller_states() const { return plant_at(); }
 
     /// The command that this period's step gives; `x` moves on with `w` acting on the valve.
     double step(VectorXd& x, double w, bool news) const {
@@ -335,12 +336,20 @@ std::vector<Complex> SampledLoop::closed_poles(double gain) const {
     return rates(monodromy, system_.period_s * static_cast<double>(system_.a.size()));
 }
 
+double controller_growth_per_s(const PeriodicSystem& system) {
+    const Index n = system.controller_states;
+    MatrixXd monodromy = MatrixXd::Identity(n, n);
+    for (const MatrixXd& a : system.a) monodromy = (a.topLeftCorner(n, n) * monodromy).eval();
+    return rates(monodromy, system.period_s * static_cast<double>(system.a.size())).front().real();
+}
+
 PeriodicSystem law_system(const antiskid::control::Config& config, const plant::RigParameters& rig,
                           const OperatingPoint& at, Linearisation linearisation) {
     const Period period(config, rig, at, linearisation);
     const Index n = period.size();
     PeriodicSystem s;
     s.period_s = static_cast<double>(config.period_s);
+    s.controller_states = period.controller_states();
     s.b = VectorXd::Zero(n);
     static_cast<void>(period.step(s.b, 1.0, false));
     for (std::size_t k = 0; k < period.news_every(); ++k) {

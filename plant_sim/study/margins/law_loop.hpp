@@ -24,6 +24,7 @@ struct PeriodicSystem {
     Eigen::VectorXd b;
     std::vector<Eigen::RowVectorXd> c;
     double period_s = 0.0;
+    Eigen::Index controller_states = 0;  ///< the first of x: what the controller remembers
 };
 
 class SampledLoop final : public Loop {
@@ -54,6 +55,11 @@ class SampledLoop final : public Loop {
     Eigen::MatrixXd hessenberg_, into_, out_, through_;  // of the system lifted over its N periods
     int unstable_poles_ = 0;
 };
+
+/// Fastest growth, 1/s, of the controller by itself, its sensors held: eigenvalues of its own part of A(k), which no state of the plant enters
+/// then. Above zero the closed loop may be stable all the same, but the law is only as long as its commands come back to it:
+/// at a limit of the valve, or fed with a recording, it runs away.
+[[nodiscard]] double controller_growth_per_s(const PeriodicSystem& system);
 
 /// Linearised at `at`: `config` is the controller, `rig` the plant.
 [[nodiscard]] PeriodicSystem law_system(const antiskid::control::Config& config,
