@@ -50,6 +50,8 @@ struct EstimatorConfig {
     float aircraft_bandwidth_radps = 0.0F;  ///< speed and deceleration from the flywheel encoder
     float wheel_bandwidth_radps = 0.0F;     ///< wheel speed and road torque
     float pressure_bandwidth_radps = 0.0F;  ///< correction of the valve model by the transducer
+    float valve_offset_radps = 0.0F;        ///< at which the valve's offset from its map is learnt; 0: never
+    float valve_offset_share = 0.0F;        ///< of the pressure asked for: more is not made up for
 };
 
 /// PID on predicted slip. Gains act on slip rate (1/s): the law multiplies by J v / (r k_b), which is the

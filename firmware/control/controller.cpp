@@ -53,6 +53,13 @@ float Controller::pass_through_Pa(float ceiling_Pa, const Estimate& estimate, St
     return passed_Pa_;
 }
 
+/// A current that was asked for as such is left alone.
+float Controller::current_mA(const Command& command, Law law) const {
+    const bool asked = command.state == State::braking && law == Law::open_loop;
+    return asked ? valve_current_mA(valve_, command.pressure_request_Pa)
+                 : estimator_.current_mA(command.pressure_request_Pa);
+}
+
 Command Controller::step(const Sensors& sensors, Time now) {
     const Estimate& estimate = estimator_.update(sensors, current_mA_);
     const FaultSet present = monitor_.check(sensors, estimator_, supervisor_.rolling(), now);
@@ -77,8 +84,8 @@ Command Controller::step(const Sensors& sensors, Time now) {
             command.slip_reference = slip_law_.reference();
     }
     requested_Pa_ = command.pressure_request_Pa;
-    current_mA_ = permitted ? valve_current_mA(valve_, command.pressure_request_Pa) : valve_.safe_current_mA;
-    command.current_mA = current_mA_;
+    command.current_mA = current_mA_ =
+        permitted ? current_mA(command, sensors.maneuver.law) : valve_.safe_current_mA;
     return command;
 }
 

@@ -43,6 +43,7 @@ class Controller {
     [[nodiscard]] float braking_pressure_Pa(const ManeuverInput& maneuver, const Estimate& estimate,
                                             State before);
     [[nodiscard]] float pass_through_Pa(float ceiling_Pa, const Estimate& estimate, State before);
+    [[nodiscard]] float current_mA(const Command& command, Law law) const;
     void start_law(Law law, const Estimate& estimate);
 
     ValveConfig valve_;

@@ -35,7 +35,7 @@ Estimator::Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, c
       flywheel_speed_(flywheel.encoder.teeth),
       wheel_tracker_(estimator.wheel_bandwidth_radps, wheel.encoder.max_acceleration_radps2),
       flywheel_tracker_(estimator.aircraft_bandwidth_radps, flywheel.encoder.max_acceleration_radps2),
-      valve_model_(valve, period_s, estimator.pressure_bandwidth_radps),
+      valve_model_(valve, period_s, estimator),
       standing_radius_m_(wheel.nominal_radius_m) {}
 
 /// A wheel that rolls freely shows its radius: v / omega. Brake torque would show as slip, spin-up as

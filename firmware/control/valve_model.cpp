@@ -27,8 +27,11 @@ float valve_pressure_Pa(const ValveConfig& valve, float current_mA) {
     return interpolate(valve.current_mA, valve.pressure_Pa, valve.points, current_mA);
 }
 
-ValveModel::ValveModel(const ValveConfig& valve, float period_s, float bandwidth_radps)
-    : period_s_(period_s) {
+ValveModel::ValveModel(const ValveConfig& valve, float period_s, const EstimatorConfig& estimator)
+    : period_s_(period_s),
+      correct_offset_(estimator.valve_offset_radps * period_s),
+      offset_share_(estimator.valve_offset_share),
+      most_offset_Pa_(estimator.valve_offset_share * valve.full_pressure_Pa) {
     const float delay = valve.delay_s / period_s;
     while (whole_ < kMostDelay && static_cast<float>(whole_ + 1) <= delay + 1e-3F) ++whole_;
     part_ = limited(delay - static_cast<float>(whole_), 0.0F, 1.0F);
@@ -59,9 +62,9 @@ ValveModel::ValveModel(const ValveConfig& valve, float period_s, float bandwidth
     b1_ = -s11;  // unit static gain: a constant input u keeps the state (u, 0)
     b2_ = -s21;
 
-    const float l = bandwidth_radps * period_s;
+    const float l = estimator.pressure_bandwidth_radps * period_s;
     correct_pressure_ = l / (1.0F + l);
-    correct_rate_ = correct_pressure_ * bandwidth_radps * 0.5F;
+    correct_rate_ = correct_pressure_ * estimator.pressure_bandwidth_radps * 0.5F;
 }
 
 void ValveModel::propagate(PressureState& state, float input) const {
@@ -82,18 +85,25 @@ void ValveModel::update(float command_Pa, float measured_Pa, bool fresh) {
     commands_[0] = command_Pa;
     const float acting = input(0);
     propagate(uncorrected_, acting);
-    propagate(state_, acting);
+    propagate(state_, acting + offset_Pa_);
     if (!fresh) return;
     const float innovation = measured_Pa - state_.pressure_Pa;
     state_.pressure_Pa += correct_pressure_ * innovation;
     state_.rate_Paps += correct_rate_ * innovation;
+    offset_Pa_ = limited(offset_Pa_ + correct_offset_ * innovation, -most_offset_Pa_, most_offset_Pa_);
+}
+
+/// By a share of what is asked at the most: no pressure stays none.
+float ValveModel::made_up_for_Pa(float pressure_Pa) const {
+    const float most = offset_share_ * pressure_Pa;
+    return pressure_Pa - limited(offset_Pa_, -most, most);
 }
 
 ValveModel::Outlook ValveModel::outlook() const {
     Outlook outlook{state_, 0.0F};
     for (std::size_t ahead = 1; ahead <= whole_; ++ahead) {
         const float before = outlook.end.pressure_Pa;
-        propagate(outlook.end, input(ahead));
+        propagate(outlook.end, input(ahead) + offset_Pa_);
         outlook.impulse_Pas += 0.5F * (before + outlook.end.pressure_Pa) * period_s_;
     }
     return outlook;

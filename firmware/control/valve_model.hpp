@@ -20,20 +20,24 @@ struct PressureState {
     float rate_Paps = 0.0F;
 };
 
-/// Observer of eq. (6): second-order lag behind a transport delay, corrected by the measured pressure.
+/// Observer of eq. (6): second-order lag behind a transport delay, corrected by the measured pressure, and of the offset by which the
+/// valve's static pressure differs from its map.
 class ValveModel {
   public:
     static constexpr std::size_t kMostDelay = 16;  ///< periods
 
-    ValveModel(const ValveConfig& valve, float period_s, float bandwidth_radps);
+    ValveModel(const ValveConfig& valve, float period_s, const EstimatorConfig& estimator);
 
     /// One period has passed, in which the valve held `command_Pa` (static pressure of the last current);
     /// `measured_Pa` is the newest reading, used where `fresh`.
     void update(float command_Pa, float measured_Pa, bool fresh);
 
     [[nodiscard]] const PressureState& now() const { return state_; }
-    /// The pressure that the commands alone explain, never corrected: what a healthy valve would show.
+    /// The pressure that the commands alone explain, never corrected, without an offset: what a healthy valve would show.
     [[nodiscard]] float uncorrected_Pa() const { return uncorrected_.pressure_Pa; }
+
+    /// What to ask of the map so that `pressure_Pa` comes out.
+    [[nodiscard]] float made_up_for_Pa(float pressure_Pa) const;
 
     /// What will have happened after the delay, from commands that are already in the pipe.
     struct Outlook {
@@ -53,7 +57,9 @@ class ValveModel {
     float delay_s_ = 0.0F;
     float period_s_;
     float a11_ = 0.0F, a12_ = 0.0F, b1_ = 0.0F, a21_ = 0.0F, a22_ = 0.0F, b2_ = 0.0F;
-    float correct_pressure_, correct_rate_;
+    float correct_pressure_, correct_rate_, correct_offset_;
+    float offset_share_, most_offset_Pa_;
+    float offset_Pa_ = 0.0F;
     PressureState state_;
     PressureState uncorrected_;
 };

@@ -77,7 +77,9 @@ control::ValveConfig valve(const settings::Table& t, float period_s) {
 control::EstimatorConfig estimator(const settings::Table& t) {
     return {.aircraft_bandwidth_radps = number(t, "aircraft_bandwidth_radps", 1.0, 1000.0),
             .wheel_bandwidth_radps = number(t, "wheel_bandwidth_radps", 1.0, 5000.0),
-            .pressure_bandwidth_radps = number(t, "pressure_bandwidth_radps", 1.0, 5000.0)};
+            .pressure_bandwidth_radps = number(t, "pressure_bandwidth_radps", 1.0, 5000.0),
+            .valve_offset_radps = number(t, "valve_offset_radps", 0.0, 100.0),
+            .valve_offset_share = number(t, "valve_offset_share", 0.0, 0.5)};
 }
 
 control::SlipConfig slip(const settings::Table& t) {

@@ -219,6 +219,33 @@ TEST_CASE("open loop is the commanded current, limited by the demand", "[CTL-060
     CHECK(b.command.pressure_request_Pa == 4.3e6F);
 }
 
+TEST_CASE("a valve that gives less than its map is asked for more, but in open loop", "[CTL-025]") {
+    antiskid::control::Config config = fixed_config();
+    config.estimator.pressure_bandwidth_radps = 30.0F;
+    config.estimator.valve_offset_radps = 7.0F;
+    config.estimator.valve_offset_share = 0.25F;
+    Bench b(config);
+    b.to_braking();
+    b.tamper = [](antiskid::control::Sensors& seen) { seen.pressure.pressure_Pa *= 0.9F; };
+    b.v_mps = 4.0;
+    b.seconds(3.0);
+    REQUIRE(b.command.state == State::drop_out);
+    CHECK(b.command.pressure_request_Pa == 6e6F);
+    CHECK(b.valve_Pa() * 0.9 == Approx(6e6).epsilon(1e-3));
+
+    Bench open(config);
+    open.to_braking(Law::open_loop);
+    open.tamper = b.tamper;
+    open.sensors.maneuver.demand_Pa = 20.7e6F;
+    open.seconds(3.0);
+    CHECK(open.command.current_mA == Approx(12.0F).epsilon(1e-5));
+    // Below drop-out the demand passes through, but an open loop has none: whatever the speed, the current is what was asked for.
+    open.v_mps = 4.0;
+    open.seconds(0.5);
+    CHECK(open.command.state == State::braking);
+    CHECK(open.command.current_mA == Approx(12.0F).epsilon(1e-5));
+}
+
 TEST_CASE("below drop-out the demand passes through at a limited rate", "[CTL-064]") {
     Bench b;
     b.to_braking();

@@ -105,7 +105,8 @@ TEST_CASE("the step response is the textbook's, delay a whole number of periods"
     const double frequency_Hz = GENERATE(5.0, 20.0, 60.0, 200.0);
     const double damping = GENERATE(0.1, 0.8, 1.0, 2.0);
     const int periods = GENERATE(0, 1, 3, 16);
-    ValveModel model(valve(frequency_Hz, damping, periods * period_s), static_cast<float>(period_s), 470.0F);
+    ValveModel model(valve(frequency_Hz, damping, periods * period_s), static_cast<float>(period_s),
+                     {.pressure_bandwidth_radps = 470.0F});
     const double w = 2.0 * std::numbers::pi * frequency_Hz;
     const auto u = 10e6F;
     CHECK(model.delay_s() == Approx(periods * period_s));
@@ -123,7 +124,7 @@ TEST_CASE("a delay that is no multiple of the period is shared between two comma
     const double period_s = GENERATE(1e-3, 2e-3, 5e-3);
     const double delay_s = GENERATE(0.4e-3, 6.3e-3, 7.5e-3, 9.9e-3);
     const ValveConfig v = valve(20.0, 0.8, delay_s);
-    ValveModel model(v, static_cast<float>(period_s), 470.0F);
+    ValveModel model(v, static_cast<float>(period_s), {.pressure_bandwidth_radps = 470.0F});
     const double w = 2.0 * std::numbers::pi * 20.0;
     // Inside one period the model spreads the command evenly, the valve switches: for a second-order lag the two differ by at most
     // (w h)^2 / 8 of the step, from the double integral of w^2 (u - mean).
@@ -140,7 +141,7 @@ TEST_CASE("random commands: the model is an independent integration of eq. (6)",
     std::mt19937 random(7);
     std::uniform_real_distribution<float> command(0.0F, 20.7e6F);
     const int held = GENERATE(1, 4, 15);
-    ValveModel model(valve(20.0, 0.8, 6e-3), 1e-3F, 470.0F);
+    ValveModel model(valve(20.0, 0.8, 6e-3), 1e-3F, {.pressure_bandwidth_radps = 470.0F});
     ValveTruth truth(2.0 * std::numbers::pi * 20.0, 0.8, 6e-3);
     float u = 0.0F;
     for (int k = 0; k < 3000; ++k) {
@@ -158,7 +159,7 @@ TEST_CASE("the outlook is what then happens, whatever is commanded from now on",
     std::mt19937 random(11);
     std::uniform_real_distribution<float> command(0.0F, 20.7e6F);
     const double delay_s = GENERATE(0.0, 0.5e-3, 1e-3, 6e-3, 6.4e-3, 16e-3);
-    ValveModel model(valve(20.0, 0.8, delay_s), 1e-3F, 470.0F);
+    ValveModel model(valve(20.0, 0.8, delay_s), 1e-3F, {.pressure_bandwidth_radps = 470.0F});
     const int ahead = static_cast<int>(delay_s * 1e3 + 1e-9);
     CHECK(model.delay_s() == Approx(1e-3 * ahead));
     for (int k = 0; k < 500; ++k) {
@@ -181,7 +182,7 @@ TEST_CASE("the outlook is what then happens, whatever is commanded from now on",
 }
 
 TEST_CASE("measurements correct the model, the uncorrected one ignores them", "[CTL-024]") {
-    ValveModel model(valve(20.0, 0.8, 6e-3), 1e-3F, 470.0F);
+    ValveModel model(valve(20.0, 0.8, 6e-3), 1e-3F, {.pressure_bandwidth_radps = 470.0F});
     // A valve that gives 2 MPa more than commanded.
     for (int k = 0; k < 200; ++k) model.update(6e6F, 8e6F, true);
     CHECK(model.uncorrected_Pa() == Approx(6e6F).epsilon(1e-3));
@@ -195,7 +196,7 @@ TEST_CASE("measurements correct the model, the uncorrected one ignores them", "[
     CHECK(model.now().rate_Paps == same.now().rate_Paps);
 
     // An offset at start dies within 20 ms.
-    ValveModel late(valve(20.0, 0.8, 6e-3), 1e-3F, 470.0F);
+    ValveModel late(valve(20.0, 0.8, 6e-3), 1e-3F, {.pressure_bandwidth_radps = 470.0F});
     ValveTruth truth(2.0 * std::numbers::pi * 20.0, 0.8, 6e-3);
     truth.hold(9e6, 0.5);
     for (int k = 0; k < 20; ++k) {
@@ -203,6 +204,66 @@ TEST_CASE("measurements correct the model, the uncorrected one ignores them", "[
         late.update(9e6F, static_cast<float>(truth.pressure_Pa()), true);
     }
     CHECK(late.now().pressure_Pa == Approx(9e6).epsilon(0.02));
+}
+
+TEST_CASE("what the valve gives beside its map is learnt and made up for", "[CTL-025]") {
+    const float gain = GENERATE(0.88F, 1.12F);  // of the valve's pressure over its map's
+    const EstimatorConfig learns{
+        .pressure_bandwidth_radps = 30.0F, .valve_offset_radps = 7.0F, .valve_offset_share = 0.25F};
+    const ValveConfig v = valve(20.0, 0.8, 6e-3);
+    ValveModel model(v, 1e-3F, learns);
+    ValveTruth truth(2.0 * std::numbers::pi * 20.0, 0.8, 6e-3);
+    constexpr float kAsked_Pa = 10e6F;
+    float given_Pa = kAsked_Pa;
+    const auto run = [&](const int periods) {
+        for (int k = 0; k < periods; ++k) {
+            truth.hold(static_cast<double>(gain * given_Pa), 1e-3);
+            model.update(given_Pa, static_cast<float>(truth.pressure_Pa()), true);
+            given_Pa = model.made_up_for_Pa(kAsked_Pa);
+        }
+        return truth.pressure_Pa() / 10e6 - 1.0;
+    };
+    // At rest the correction of the state takes part of the error: p - p_model = offset / (1 + 2 xi L / w + L^2 / (2 w^2)), so that is what
+    // the offset is learnt from. From 0.2 s on, when the lag has settled, the error falls at that rate, as the valve's gain has it.
+    const double w = 2.0 * std::numbers::pi * 20.0, l = 30.0;
+    const double rate = 7.0 / (1.0 + 2.0 * 0.8 * l / w + l * l / (2.0 * w * w)) * static_cast<double>(gain);
+    const double early = run(200), late = run(200);
+    CHECK(std::abs(early) < 0.06);
+    CHECK(early * (static_cast<double>(gain) - 1.0) > 0.0);
+    CHECK(late / early == Approx(std::exp(-rate * 0.2)).epsilon(0.05));
+    CHECK(std::abs(run(2000)) < 1e-4);
+    CHECK(model.now().pressure_Pa == Approx(kAsked_Pa).epsilon(1e-4));
+    CHECK(model.uncorrected_Pa() ==
+          Approx(kAsked_Pa / gain).epsilon(1e-3));  // the map's view: it is that far off
+    const ValveModel::Outlook outlook = model.outlook();
+    CHECK(outlook.end.pressure_Pa == Approx(kAsked_Pa).epsilon(1e-4));
+    CHECK(outlook.impulse_Pas == Approx(kAsked_Pa * 6e-3F).epsilon(1e-4));
+
+    ValveModel blind(v, 1e-3F, {.pressure_bandwidth_radps = 30.0F, .valve_offset_share = 0.25F});
+    for (int k = 0; k < 500; ++k) blind.update(10e6F, 8e6F, true);
+    CHECK(blind.made_up_for_Pa(kAsked_Pa) == kAsked_Pa);
+}
+
+TEST_CASE("what is made up for is a share of what is asked, and what is learnt one of full pressure",
+          "[CTL-025]") {
+    const float sign = GENERATE(-1.0F, 1.0F);
+    const ValveConfig v = valve(20.0, 0.8, 6e-3);
+    ValveModel model(
+        v, 1e-3F,
+        {.pressure_bandwidth_radps = 30.0F, .valve_offset_radps = 7.0F, .valve_offset_share = 0.25F});
+    // Off by 8 MPa for ten seconds, as no valve that is only off its map is.
+    for (int k = 0; k < 10'000; ++k) model.update(10e6F, 10e6F + sign * 8e6F, true);
+    CHECK(model.made_up_for_Pa(0.0F) == 0.0F);
+    CHECK(model.made_up_for_Pa(4e6F) == 4e6F - sign * 1e6F);
+    CHECK(model.made_up_for_Pa(20e6F) == 20e6F - sign * 5e6F);
+    CHECK(model.made_up_for_Pa(30e6F) == 30e6F - sign * 0.25F * v.full_pressure_Pa);
+    // What is not fresh teaches nothing.
+    const float before = model.made_up_for_Pa(30e6F);
+    for (int k = 0; k < 100; ++k) model.update(10e6F, 10e6F, false);
+    CHECK(model.made_up_for_Pa(30e6F) == before);
+    // Nothing has wound up: a second of a sound valve is enough.
+    for (int k = 0; k < 1000; ++k) model.update(10e6F, 10e6F, true);
+    CHECK(model.made_up_for_Pa(30e6F) == Approx(30e6F).epsilon(1e-3));
 }
 
 TEST_CASE("a map that begins above no pressure is held before its first point", "[CTL-020]") {

@@ -24,7 +24,7 @@ class RigAtRest {
           ear(hub.connect()),
           end(hub.connect()),
           port_(setup.layout, setup.period),
-          valve_(setup.control.valve, setup.control.period_s, 0.0F) {
+          valve_(setup.control.valve, setup.control.period_s, {}) {
         clock.on_sleep = [this](control::Time) { period(); };
     }
 

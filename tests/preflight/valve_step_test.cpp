@@ -35,7 +35,7 @@ Played play(const Valve& valve, const Change& change = {}) {
     control::ValveConfig sick = config.valve;
     sick.natural_frequency_radps = static_cast<float>(sick.natural_frequency_radps / valve.slower);
     sick.delay_s = static_cast<float>(std::min(15e-3, sick.delay_s * valve.slower));
-    control::ValveModel model(sick, config.period_s, 0.0F);
+    control::ValveModel model(sick, config.period_s, {});
     ValveStep step(config);
     Played played;
     control::Sensors sensors;

@@ -49,7 +49,9 @@ std::vector<Cell> study_cells(const std::vector<Scenario>& scenarios,
                 limits(c.full_pole_radps, s.rig.valve.delay_s, static_cast<double>(controller.period_s));
             c.pid = {margins(pid_loop(pid, s.rig.valve, c.at, Linearisation::printed)),
                      margins(pid_loop(pid, s.rig.valve, c.at, Linearisation::full))};
-            c.edge_periods = law_system(controller, s.rig, c.at, Linearisation::full).a.size();
+            const PeriodicSystem law = law_system(controller, s.rig, c.at, Linearisation::full);
+            c.edge_periods = law.a.size();
+            c.controller_growth_per_s = controller_growth_per_s(law);
             c.law = {law_margins(controller, s, c.at, Linearisation::printed),
                      law_margins(controller, s, c.at, Linearisation::full)};
             cells.push_back(c);

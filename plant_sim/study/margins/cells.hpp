@@ -43,6 +43,8 @@ struct Cell {
     Limits limits;          ///< of any controller with this period, full linearisation
     BothMargins pid;
     BothMargins law;
+    double controller_growth_per_s =
+        0.0;                       ///< of the law by itself, controller_growth_per_s() of law_loop.hpp
     std::size_t edge_periods = 1;  ///< periods between two edges of the wheel's encoder, N of law_loop.hpp
 };
 

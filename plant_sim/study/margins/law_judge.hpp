@@ -14,7 +14,7 @@
 namespace study::margins {
 
 /// What gains are worth: -2 - violation for stops that are not what is asked; -g / (1 + g), with g the fastest growth in 1/s of any cell that
-/// is unstable; and, where all are stable, the least margin of all cells over what is asked. No cell is left out, not even one that no
+/// is unstable, closed or the controller by itself; and, where all are stable, the least margin of all cells over what is asked. No cell is left out, not even one that no
 /// controller could hold: low-speed numbers that lead there would be rewarded for it.
 class LawJudge {
   public:

@@ -98,6 +98,7 @@ class Period {
         const double l = static_cast<double>(config.estimator.pressure_bandwidth_radps);
         correct_p_ = l * h_ / (1.0 + l * h_);
         correct_r_ = 0.5 * l * correct_p_;
+        correct_offset_ = static_cast<double>(config.estimator.valve_offset_radps) * h_;
 
         const double edge_s =
             2.0 * kPi * at.radius_m / (rig.wheel_encoder.teeth * (1.0 - at.slip) * at.speed_mps);
@@ -120,7 +121,7 @@ class Period {
                        valve_gain(valve, rig.pressure_map, at.pressure_Pa), h_, broken);
     }
 
-    // The state, in this order: commands in the controller's pipe, its valve state, tracker, integral; commands in the valve's pipe,
+    // The state, in this order: commands in the controller's pipe, its valve state, tracker, integral, valve offset; commands in the valve's pipe,
     // valve state and slip, mean slip over the last periods, newest first.
     [[nodiscard]] Index size() const { return means_at() + static_cast<Index>(news_every_) + 1; }
     [[nodiscard]] std::size_t news_every() const { return news_every_; }
@@ -135,7 +136,7 @@ class Period {
 
   private:
     [[nodiscard]] Index valve_at() const { return static_cast<Index>(whole_) + 2; }
-    [[nodiscard]] Index plant_at() const { return valve_at() + 5; }
+    [[nodiscard]] Index plant_at() const { return valve_at() + 6; }
     [[nodiscard]] Index motion_at() const { return plant_at() + static_cast<Index>(pipe_) + 2; }
     [[nodiscard]] Index means_at() const { return motion_at() + 3; }
 
@@ -159,8 +160,9 @@ class Period {
     double control(VectorXd& x, bool news) const {
         const Index v = valve_at();
         const double before = x[v];
-        Vector2d valve = model_.phi * x.segment<2>(v) + model_.gamma * input(x, 0);
+        Vector2d valve = model_.phi * x.segment<2>(v) + model_.gamma * (input(x, 0) + x[v + 5]);
         const double innovation = x[motion_at()] - valve[0];
+        x[v + 5] += correct_offset_ * innovation;
         valve[0] += correct_p_ * innovation;
         valve[1] += correct_r_ * innovation;
 
@@ -177,7 +179,7 @@ class Period {
         double impulse = 0.0;
         for (std::size_t i = 1; i <= whole_; ++i) {
             const double from = late[0];
-            late = (model_.phi * late + model_.gamma * input(x, i)).eval();
+            late = (model_.phi * late + model_.gamma * (input(x, i) + x[v + 5])).eval();
             impulse += 0.5 * (from + late[0]) * h_;
         }
         const double balance = -road - deceleration_per_s_ * slip;
@@ -185,7 +187,7 @@ class Period {
         const double u = static_cast<double>(law_.road_torque_share) * balance -
                          static_cast<double>(law_.k_p_per_s) * late_slip + x[v + 4] -
                          static_cast<double>(law_.k_d) * (late[0] - balance) -
-                         static_cast<double>(law_.k_dd_s) * late[1];
+                         static_cast<double>(law_.k_dd_s) * late[1] - x[v + 5];
         x.segment<2>(v) = valve;
         x[v + 2] = slip;
         x[v + 3] = road;
@@ -214,7 +216,8 @@ class Period {
     double h_;
     std::size_t whole_ = 0, pipe_ = 0, news_every_ = 1;
     double part_ = 0.0, ahead_ = 0.0;
-    double correct_p_ = 0.0, correct_r_ = 0.0, correct_speed_ = 0.0, correct_acceleration_ = 0.0;
+    double correct_p_ = 0.0, correct_r_ = 0.0, correct_offset_ = 0.0, correct_speed_ = 0.0,
+           correct_acceleration_ = 0.0;
     double edge_age_ = 0.0, reading_age_ = 0.0, deceleration_per_s_ = 0.0;
     Lag model_;
     Plant plant_;

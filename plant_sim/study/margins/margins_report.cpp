@@ -106,14 +106,15 @@ std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<C
                        from_speed(cells, i, pid_fails), from_speed(cells, i, infeasible));
     }
     const auto count = [&](const auto& bad) { return std::count_if(cells.begin(), cells.end(), bad); };
-    fmt::format_to(
-        std::back_inserter(t),
-        "\nOf {} cells: law stable in {}, {:.0f} deg and {:.0f} dB both ways in {}; PID stable in {}, "
-        "meets in {}; no controller can in {}.\n",
-        cells.size(), count([](const Cell& c) { return c.law.full.stable; }), r.phase_deg, r.gain_dB,
-        cells.size() - static_cast<std::size_t>(count(law_fails)),
-        count([](const Cell& c) { return c.pid.full.stable; }),
-        cells.size() - static_cast<std::size_t>(count(pid_fails)), count(infeasible));
+    fmt::format_to(std::back_inserter(t),
+                   "\nOf {} cells: law stable in {}, by itself in {}, {:.0f} deg and {:.0f} dB both ways in "
+                   "{}; PID stable in {}, "
+                   "meets in {}; no controller can in {}.\n",
+                   cells.size(), count([](const Cell& c) { return c.law.full.stable; }),
+                   count([](const Cell& c) { return c.controller_growth_per_s < 0.0; }), r.phase_deg,
+                   r.gain_dB, cells.size() - static_cast<std::size_t>(count(law_fails)),
+                   count([](const Cell& c) { return c.pid.full.stable; }),
+                   cells.size() - static_cast<std::size_t>(count(pid_fails)), count(infeasible));
     return t;
 }
 
@@ -132,6 +133,7 @@ std::string to_json(const std::vector<Scenario>& scenarios, const std::vector<Ce
              {"pole_printed_radps", -c.printed_pole_radps},
              {"pole_full_radps", -c.full_pole_radps},
              {"wheel_edge_periods", c.edge_periods},
+             {"law_alone_growth_per_s", c.controller_growth_per_s},
              {"limit_phase_margin_deg", limited ? ordered_json(c.limits.phase_deg) : ordered_json()},
              {"limit_gain_range_dB", limited ? ordered_json(c.limits.gain_range_dB) : ordered_json()},
              {"feasible", c.limits.allow(head.options.requirement)},
