@@ -125,7 +125,8 @@ void Monitor::check_plausibility(FaultSet& faults, const Sensors& sensors, const
 
     // No current has no tolerance of the valve's map: what stays then is a leak or a spool that sticks, and enough to lock a wheel on ice.
     const bool loaded = rolling || (moving && sensors.maneuver.weight_on_wheels);
-    const bool stays = loaded && released && sensors.pressure.pressure_Pa > released_Pa_;
+    const bool stays =
+        (loaded || sensors.maneuver.arm) && released && sensors.pressure.pressure_Pa > released_Pa_;
     if (pressure_stays_.holds(stays)) faults.insert(Fault::pressure_off_command);
 
     const bool wheel_stands = rolling && moving && released && estimator.wheel_reading().speed_radps == 0.0F;

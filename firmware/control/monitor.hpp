@@ -13,7 +13,7 @@
 /// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`, or steady slip above `free_slip` of a wheel that turns
 ///   under hardly any pressure, for `stuck_s`, also on and off
 /// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa` for `off_command_s`, also on and off, or by the
-///   residual pressure of the self-test where the model has none and the wheel carries load
+///   residual pressure of the self-test where the model has none, armed or with load on the wheel
 /// - maneuver_range: a commanded value outside its range, at once
 /// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
 /// - overrun: more than `overruns` missed periods in quick succession, at once or in pieces: ten good periods pay for a missed one

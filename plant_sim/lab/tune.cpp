@@ -73,7 +73,8 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
     const antiskid::control::SlipConfig& law = input.scenarios.front().controller.slip;
     const auto k_p = static_cast<double>(law.k_p_per_s), share = static_cast<double>(law.road_torque_share);
     std::string t = fmt::format(
-        "Where the shipped law cannot have {:.0f} dB upwards with its k_p and road_torque_share\n\n"
+        "Where the shipped law cannot have {:.0f} dB upwards in the brake's gain with its k_p and "
+        "road_torque_share\n\n"
         "| surface | maneuver | at and below (m/s) | at drop-out: stable pole (rad/s) | upward margin (dB) | "
         "share that would have it |\n|---|---|---|---|---|---|\n",
         options.requirement.gain_dB);

@@ -45,7 +45,7 @@ class FrozenStop {
     double step(double added_Pa) {
         const double h = static_cast<double>(config_.period_s);
         const double given = command_Pa_;
-        if (hold_) {
+        if (hold_ || deaf_) {
             valve_.hold(at_.pressure_Pa, h);
         } else {
             valve_.hold(at_.pressure_Pa + gain_ * (given + added_Pa - at_.pressure_Pa), h,
@@ -111,6 +111,14 @@ class FrozenStop {
         return swing(0.0) / before;
     }
 
+    /// Where the law's command ends, over the pressure of the equilibrium, when `kick_Pa` was added to one command and no sensor answers to any.
+    double alone(double kick_Pa, double seconds) {
+        deaf_ = true;
+        command_Pa_ += kick_Pa;
+        for (auto k = std::llround(seconds / static_cast<double>(config_.period_s)); k > 0; --k) step(0.0);
+        return command_Pa_ / at_.pressure_Pa;
+    }
+
     [[nodiscard]] double slip() const { return slip_; }
     [[nodiscard]] double pressure_Pa() const { return valve_.pressure_Pa(); }
 
@@ -144,6 +152,7 @@ class FrozenStop {
     double slip_;
     double command_Pa_ = 0.0;
     bool hold_ = true;
+    bool deaf_ = false;  // the plant stays where it is
 };
 
 }  // namespace margins_test

@@ -92,6 +92,14 @@ TEST_CASE("a score says stops, stability and margins, in this order, whatever is
     CHECK(share == judge.margins_of(unstable).value);
     CHECK(judge.score(unstable, 0.0) < 0.0);
 
+    Config alone = good;  // the closed loop is stable, the law by itself is not
+    alone.estimator.valve_offset_radps = 0.0F;
+    alone.slip.k_p_per_s = 187.0F;
+    alone.slip.k_d = 10.5F;
+    alone.slip.k_dd_s = 0.0123F;
+    CHECK(judge.margins_of(alone).unstable > 0);
+    CHECK(judge.score(alone, kNothing) < 0.0);
+
     b.trial.requirement.mean_j_mu = 1.0;
     CHECK(judge.score(good, kNothing) == Approx(-2.0 - (1.0 - make_stops(b.trial, good, 1.0).mean_j_mu)));
     CHECK(judge.score(good, 0.0) < 0.0);

@@ -57,7 +57,8 @@ double LawJudge::cell(const Config& controller, const Place& place) const {
     const PeriodicSystem system =
         law_system(controller, s.rig, operating_point(s.rig, place.speed_mps, slip), Linearisation::full);
     const SampledLoop loop(system);
-    const double growth_per_s = std::max(loop.closed_poles().front().real(), controller_growth_per_s(system));
+    const double growth_per_s =
+        std::max(loop.closed_poles().front().real(), controller_growth_per_s(system) - kIntegrates_per_s);
     if (growth_per_s >= 0.0) return -growth_per_s / (1.0 + growth_per_s) - kUnstable;
     return margins::score(margins(loop, kCoarseWalk), options_.requirement);
 }

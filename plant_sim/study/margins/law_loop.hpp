@@ -57,9 +57,11 @@ class SampledLoop final : public Loop {
 };
 
 /// Fastest growth, 1/s, of the controller by itself, its sensors held: eigenvalues of its own part of A(k), which no state of the plant enters
-/// then. Above zero the closed loop may be stable all the same, but the law is only as long as its commands come back to it:
-/// at a limit of the valve, or fed with a recording, it runs away.
+/// then. A law that grows may be stable in the closed loop all the same, but only as long as its commands come back to it: at a limit of the
+/// valve, or fed with a recording, it runs away.
 [[nodiscard]] double controller_growth_per_s(const PeriodicSystem& system);
+/// A controller that grows no faster is stable by itself: those are its integrals, of slip and of the valve's offset.
+inline constexpr double kIntegrates_per_s = 0.1;
 
 /// Linearised at `at`: `config` is the controller, `rig` the plant.
 [[nodiscard]] PeriodicSystem law_system(const antiskid::control::Config& config,

@@ -7,6 +7,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "plant_sim/study/margins/law_loop.hpp"
+
 namespace study::margins {
 
 namespace {
@@ -111,8 +113,8 @@ std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<C
                    "{}; PID stable in {}, "
                    "meets in {}; no controller can in {}.\n",
                    cells.size(), count([](const Cell& c) { return c.law.full.stable; }),
-                   count([](const Cell& c) { return c.controller_growth_per_s < 0.0; }), r.phase_deg,
-                   r.gain_dB, cells.size() - static_cast<std::size_t>(count(law_fails)),
+                   count([](const Cell& c) { return c.controller_growth_per_s <= kIntegrates_per_s; }),
+                   r.phase_deg, r.gain_dB, cells.size() - static_cast<std::size_t>(count(law_fails)),
                    count([](const Cell& c) { return c.pid.full.stable; }),
                    cells.size() - static_cast<std::size_t>(count(pid_fails)), count(infeasible));
     return t;
