@@ -227,7 +227,10 @@ TEST_CASE("a valve that gives less than its map is asked for more, but in open l
     Bench b(config);
     b.to_braking();
     b.tamper = [](antiskid::control::Sensors& seen) { seen.pressure.pressure_Pa *= 0.9F; };
-    b.v_mps = 4.0;
+    while (b.v_mps > 4.0) {
+        b.v_mps -= 0.01;
+        b.steps(1);
+    }
     b.seconds(3.0);
     REQUIRE(b.command.state == State::drop_out);
     CHECK(b.command.pressure_request_Pa == 6e6F);
@@ -238,11 +241,6 @@ TEST_CASE("a valve that gives less than its map is asked for more, but in open l
     open.tamper = b.tamper;
     open.sensors.maneuver.demand_Pa = 20.7e6F;
     open.seconds(3.0);
-    CHECK(open.command.current_mA == Approx(12.0F).epsilon(1e-5));
-    // Below drop-out the demand passes through, but an open loop has none: whatever the speed, the current is what was asked for.
-    open.v_mps = 4.0;
-    open.seconds(0.5);
-    CHECK(open.command.state == State::braking);
     CHECK(open.command.current_mA == Approx(12.0F).epsilon(1e-5));
 }
 

@@ -230,7 +230,10 @@ TEST_CASE("what the valve gives beside its map is learnt and made up for", "[CTL
     const double early = run(200), late = run(200);
     CHECK(std::abs(early) < 0.06);
     CHECK(early * (static_cast<double>(gain) - 1.0) > 0.0);
-    CHECK(late / early == Approx(std::exp(-rate * 0.2)).epsilon(0.05));
+    // Delay and lag in that loop make it up to a tenth faster: s = rate e^{s T}, T about 14 ms.
+    const double measured = std::log(early / late) / 0.2;
+    CHECK(measured > rate);
+    CHECK(measured < 1.1 * rate);
     CHECK(std::abs(run(2000)) < 1e-4);
     CHECK(model.now().pressure_Pa == Approx(kAsked_Pa).epsilon(1e-4));
     CHECK(model.uncorrected_Pa() ==

@@ -101,16 +101,20 @@ TEST_CASE(
     int counted = 0;
     for (const char* surface : {"dry_asphalt", "dry_cobblestone", "damp_asphalt"}) {
         const plant_sim::Scenario s = scenario(surface);
-        antiskid::control::SlipConfig shipped = s.controller.slip;
-        shipped.k_i_per_s2 = 206.0F;  // what the half dB belongs to
-        antiskid::control::SlipConfig mild = shipped;
+        antiskid::control::SlipConfig mild = s.controller.slip;
         mild.k_p_per_s = 108.0F;
+        mild.k_i_per_s2 = 206.0F;  // what the half dB belongs to
         mild.k_d = 6.0F;
         mild.k_dd_s = 0.00862F;
-        for (const auto& [gains, share, tight] : {std::tuple{mild, 1.0, true},
-                                                  {mild, 0.8, false},
-                                                  {shipped, 1.0, false},
-                                                  {shipped, 0.8, false}}) {
+        mild.low_speed_mps = 23.6F;
+        mild.low_speed_floor_mps = 6.5F;
+        mild.low_speed_slip = 0.106F;
+        antiskid::control::SlipConfig strong = mild;
+        strong.k_p_per_s = 125.0F;
+        strong.k_d = 8.0F;
+        strong.k_dd_s = 0.0105F;
+        for (const auto& [gains, share, tight] :
+             {std::tuple{mild, 1.0, true}, {mild, 0.8, false}, {strong, 1.0, false}, {strong, 0.8, false}}) {
             for (const double derivatives : {1.0, 0.8}) {
                 antiskid::control::Config c = s.controller;
                 c.estimator.valve_offset_radps = 0.0F;
@@ -138,7 +142,7 @@ TEST_CASE(
                         antiskid::control::Config learning = c;
                         learning.estimator.valve_offset_radps = s.controller.estimator.valve_offset_radps;
                         CHECK(margins(SampledLoop(law_system(learning, s.plant.rig, at, Linearisation::full)))
-                                  .gain_up_dB > creep_dB + 3.0);
+                                  .gain_up_dB > creep_dB + 1.0);
                     }
                     ++counted;
                 }
@@ -174,7 +178,7 @@ TEST_CASE("a law that is unstable by itself runs away when nothing answers, in a
         margins_test::FrozenStop left = kicked;
         return std::abs(kicked.alone(1e-3 * at.pressure_Pa, 0.5) - left.alone(0.0, 0.5));
     };
-    CHECK(apart(wild) > 0.1);
+    CHECK(apart(wild) > 0.02);
     CHECK(apart(s.controller) < 1e-3);
 }
 

@@ -159,6 +159,7 @@ class Period {
 
     double control(VectorXd& x, bool news) const {
         const Index v = valve_at();
+        if (correct_offset_ == 0.0) x[v + 5] = 0.0;  // not learnt: no state, and no integral either
         const double before = x[v];
         Vector2d valve = model_.phi * x.segment<2>(v) + model_.gamma * (input(x, 0) + x[v + 5]);
         const double innovation = x[motion_at()] - valve[0];
