@@ -36,7 +36,8 @@ struct Segment {
     std::string name;
     bool braking = false;
     double brake_on_s = 0.0;
-    double to_mps = 1.0;  // N m s per m/s
+    double to_mps = 1.0;        // N m s per m/s
+    double radius_share = 0.0;  // relative deviation of the free radius
     std::vector<Row> rows;
     Eigen::LLT<Eigen::MatrixXd> noise;  // of the rows' expected covariance, (N m s)^2
 };
@@ -157,6 +158,7 @@ Segment segment(const Run& run, const Motion& motion, bool braking) {
               .braking = braking,
               .brake_on_s = motion.brake_on_s(),
               .to_mps = 1.0,
+              .radius_share = motion.free_radius_deviation_m() / motion.free_radius_m(),
               .rows = {},
               .noise = {}};
     const double m = run.rig.mass_kg;
@@ -196,6 +198,15 @@ Segment segment(const Run& run, const Motion& motion, bool braking) {
                   [&](const Row& row) { return std::abs(row.time_s - motion.contact_s()) < kSettle_s; });
     s.noise.compute(covariance(run, motion, s));
     return s;
+}
+
+/// With an independent error beside those that the residuals show.
+Estimate with_error(const Estimate& e, double deviation) {
+    const double factor = std::hypot(e.deviation, deviation) / e.deviation;
+    return {.value = e.value,
+            .deviation = e.deviation * factor,
+            .low = e.value - (e.value - e.low) * factor,
+            .high = e.value + (e.high - e.value) * factor};
 }
 
 /// theta: J_w, the kPowers friction coefficients where a stop counts, then offset and drag of every segment.
@@ -258,17 +269,21 @@ class Balance {
 WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class) {
     for (const Run& run : runs) check(run.recording);
     std::vector<Segment> segments;
-    bool stops = false;
+    int stops = 0;
+    double radius_variance = 0.0;  // relative, of the stops' sum
     const double age_s = cell_age_s(runs);
     for (const Run& run : runs) {
         const auto motion = Motion::of(run, age_s);
         if (!motion) continue;
         const bool braking = run.friction_class == friction_class && motion->brake_on_mps() >= kLeastStop_mps;
-        stops = stops || braking;
         Segment s = segment(run, *motion, braking);
+        if (braking) {
+            ++stops;
+            radius_variance += s.radius_share * s.radius_share;
+        }
         if (!s.rows.empty()) segments.push_back(std::move(s));
     }
-    if (!stops) {
+    if (stops == 0) {
         throw NotIdentifiable(
             fmt::format("no stop of friction class '{}' from {:.0f} m/s or more: k_b needs a landing "
                         "(config/scenarios/heavy.toml, "
@@ -298,8 +313,10 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
     VectorXd mean = VectorXd::Zero(n);
     for (std::size_t k = 0; k < kPowers; ++k)
         mean[1 + static_cast<Index>(k)] = 1.0 / static_cast<double>(k + 1);
-    out.friction = found.combination(mean);
-    const double mu = out.friction.value;
+    // A radius that is off makes the flywheel's torque, and so k_b, off by the same share; no residual shows it.
+    const Estimate shown = found.combination(mean);
+    const double mu = shown.value;
+    out.friction = with_error(shown, mu * std::sqrt(radius_variance) / stops);
     for (std::size_t k = 0; k < kPowers; ++k) {
         const Index i = 1 + static_cast<Index>(k);
         const VectorXd gradient = (VectorXd::Unit(n, i) - found.theta[i] / mu * mean) / mu;
