@@ -84,8 +84,8 @@ Command Controller::step(const Sensors& sensors, Time now) {
             command.slip_reference = slip_law_.reference();
     }
     requested_Pa_ = command.pressure_request_Pa;
-    command.current_mA = current_mA_ =
-        permitted ? current_mA(command, sensors.maneuver.law) : valve_.safe_current_mA;
+    current_mA_ = permitted ? current_mA(command, sensors.maneuver.law) : valve_.safe_current_mA;
+    command.current_mA = current_mA_;
     return command;
 }
 
