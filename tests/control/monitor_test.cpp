@@ -305,20 +305,22 @@ TEST_CASE("a missed period that has been paid for leaves nothing behind", "[CTL-
     CHECK(w.step().empty());
 }
 
-TEST_CASE("pressure without a current is named on a loaded or rolling wheel alone", "[CTL-081]") {
+TEST_CASE("pressure without a current is named armed, or on a loaded or rolling wheel, alone", "[CTL-081]") {
     struct Row {
-        bool on_wheels, moves, rolling;
+        bool on_wheels, moves, rolling, armed;
         float pressure_Pa;
         bool named;
     };
-    const Row row = GENERATE(values<Row>({{true, false, false, 0.6e6F, false},
-                                          {false, true, false, 0.6e6F, false},
-                                          {true, true, false, 0.6e6F, true},
-                                          {false, false, true, 0.6e6F, true},
-                                          {true, true, true, 0.5e6F, false}}));
+    const Row row = GENERATE(values<Row>({{true, false, false, false, 0.6e6F, false},
+                                          {false, true, false, false, 0.6e6F, false},
+                                          {true, true, false, false, 0.6e6F, true},
+                                          {false, false, true, false, 0.6e6F, true},
+                                          {false, false, false, true, 0.6e6F, true},
+                                          {true, true, true, true, 0.5e6F, false}}));
     Watch w;
     w.rolling = row.rolling;
     w.sensors.maneuver.weight_on_wheels = row.on_wheels;
+    w.sensors.maneuver.arm = row.armed;
     w.sensors.flywheel.speed_radps = row.moves ? 50.0F : 0.0F;
     w.sensors.pressure.pressure_Pa = row.pressure_Pa;
     FaultSet all;
