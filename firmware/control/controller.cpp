@@ -53,11 +53,11 @@ float Controller::pass_through_Pa(float ceiling_Pa, const Estimate& estimate, St
     return passed_Pa_;
 }
 
-/// A current that was asked for as such is left alone.
+/// The valve's offset is made up for where a pressure is meant: open loop asks for a current, and the threshold law switches.
 float Controller::current_mA(const Command& command, Law law) const {
-    const bool asked = command.state == State::braking && law == Law::open_loop;
-    return asked ? valve_current_mA(valve_, command.pressure_request_Pa)
-                 : estimator_.current_mA(command.pressure_request_Pa);
+    const bool by_map = command.state == State::braking && (law == Law::open_loop || law == Law::threshold);
+    return by_map ? valve_current_mA(valve_, command.pressure_request_Pa)
+                  : estimator_.current_mA(command.pressure_request_Pa);
 }
 
 Command Controller::step(const Sensors& sensors, Time now) {

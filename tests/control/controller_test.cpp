@@ -219,7 +219,7 @@ TEST_CASE("open loop is the commanded current, limited by the demand", "[CTL-060
     CHECK(b.command.pressure_request_Pa == 4.3e6F);
 }
 
-TEST_CASE("a valve that gives less than its map is asked for more, but in open loop", "[CTL-025]") {
+TEST_CASE("a valve that gives less than its map is asked for more where a pressure is meant", "[CTL-025]") {
     antiskid::control::Config config = fixed_config();
     config.estimator.pressure_bandwidth_radps = 30.0F;
     config.estimator.valve_offset_radps = 7.0F;
@@ -242,6 +242,24 @@ TEST_CASE("a valve that gives less than its map is asked for more, but in open l
     open.sensors.maneuver.demand_Pa = 20.7e6F;
     open.seconds(3.0);
     CHECK(open.command.current_mA == Approx(12.0F).epsilon(1e-5));
+
+    Bench threshold(config);
+    threshold.to_braking(Law::threshold);
+    threshold.tamper = b.tamper;
+    threshold.seconds(1.0);
+    REQUIRE(threshold.command.state == State::braking);
+    REQUIRE(threshold.command.pressure_request_Pa > 1e6F);
+    CHECK(threshold.command.current_mA ==
+          antiskid::control::valve_current_mA(config.valve, threshold.command.pressure_request_Pa));
+
+    Bench slip(config);
+    slip.to_braking();
+    slip.tamper = b.tamper;
+    slip.slip = 0.05;  // short of the reference: all of the demand
+    slip.seconds(1.0);
+    REQUIRE(slip.command.pressure_request_Pa > 1e6F);
+    CHECK(slip.command.current_mA >
+          antiskid::control::valve_current_mA(config.valve, slip.command.pressure_request_Pa));
 }
 
 TEST_CASE("below drop-out the demand passes through at a limited rate", "[CTL-064]") {
