@@ -1,6 +1,8 @@
 // Logs made in process by the real controller; what must come out is what is in them.
 #include "rig_bridge/replay/controller_replay.hpp"
 
+#include <cmath>
+
 #include "firmware/control/controller.hpp"
 #include "tests/catch.hpp"
 #include "tests/replay/landings.hpp"
@@ -184,7 +186,8 @@ TEST_CASE("a log that begins within a session of the controller", "[BRG-316]") {
             CHECK(std::abs(rig::current_difference_mA(*report.largest, setup.layout)) <
                   1.5 * setup.layout.valve_current_mA.scale);
         CHECK(report.count(Role::status).settling < 20);  // it has passed its test when it is armed at 0.2 s
-        CHECK(report.count(Role::status).different <= 2);
+        const auto& status = report.count(Role::status);  // the same last digits, in the slip that it tells
+        CHECK(status.different < status.compared / 100);
         CHECK_THAT(rig::to_text(report, setup.layout), ContainsSubstring("was running when the log began"));
     }
 }
