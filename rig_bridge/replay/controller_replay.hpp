@@ -23,8 +23,8 @@ struct ControllerReplayReport {
     std::array<FrameComparison::Count, antiskid::can::kRoleCount> counts{};
     std::optional<FrameDifference> first;
     std::optional<FrameDifference> largest;  ///< of the valve commands
-    double recorded_s = 0.0;  ///< rig time from first to last command
-    double took_s = 0.0;      ///< wall clock, reading the log included
+    double recorded_s = 0.0;                 ///< rig time from first to last command
+    double took_s = 0.0;                     ///< wall clock, reading the log included
     std::uint64_t lines = 0;
     std::string warnings;  ///< of the log, by kind
     std::string config_hash;

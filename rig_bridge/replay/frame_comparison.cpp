@@ -63,9 +63,7 @@ void FrameComparison::note(Role role, const LogFrame& recorded, const Frame& rep
                                      .recorded = recorded.frame,
                                      .replayed = replayed};
     if (!first_ || recorded.line < first_->line) first_ = difference;
-    const auto size = [&](const FrameDifference& d) {
-        return std::abs(current_difference_mA(d, layout_));
-    };
+    const auto size = [&](const FrameDifference& d) { return std::abs(current_difference_mA(d, layout_)); };
     if (role == Role::valve && (!largest_ || size(difference) > size(*largest_))) largest_ = difference;
 }
 
