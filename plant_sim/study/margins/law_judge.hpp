@@ -14,8 +14,8 @@
 namespace study::margins {
 
 /// What gains are worth: -2 - violation for stops that are not what is asked; -g / (1 + g), with g the fastest growth in 1/s of any cell that
-/// is unstable, closed or the controller by itself; and, where all are stable, the least margin of all cells over what is asked. No cell is left out, not even one that no
-/// controller could hold: low-speed numbers that lead there would be rewarded for it.
+/// is unstable, closed or the controller by itself; and, where all are stable, the least margin of all cells over what is asked. No cell is
+/// left out, not even one that no controller could hold: low-speed numbers that lead there would be rewarded for it.
 class LawJudge {
   public:
     /// All of them must outlive it. Throws std::invalid_argument where there is nothing to judge by.

@@ -121,8 +121,8 @@ class Period {
                        valve_gain(valve, rig.pressure_map, at.pressure_Pa), h_, broken);
     }
 
-    // The state, in this order: commands in the controller's pipe, its valve state, tracker, integral, valve offset; commands in the valve's pipe,
-    // valve state and slip, mean slip over the last periods, newest first.
+    // The state, in this order: commands in the controller's pipe, its valve state, tracker, integral, valve offset; commands in the
+    // valve's pipe, valve state and slip, mean slip over the last periods, newest first.
     [[nodiscard]] Index size() const { return means_at() + static_cast<Index>(news_every_) + 1; }
     [[nodiscard]] std::size_t news_every() const { return news_every_; }
     [[nodiscard]] Index controller_states() const { return plant_at(); }
