@@ -66,9 +66,7 @@ class MatRecording final : public Recording {
         : name_(path.string()), wanted_(wanted) {
         check_mat_structure(name_, MappedFile(path).bytes());
         file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
-        if (!file_)
-            throw std::runtime_error(
-                name_ + ": cannot be read as a MATLAB file (v4, v5, or v7.3 where matio has HDF5)");
+        if (!file_) throw std::runtime_error(name_ + kNoMat);
         for (const std::string& column : wanted_) columns_.push_back(load(column));
         for (std::size_t i = 0; i < columns_.size(); ++i)
             if (columns_[i].size() != columns_[0].size())

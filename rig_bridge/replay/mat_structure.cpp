@@ -261,8 +261,6 @@ void check_version_5(const std::string& name, std::span<const unsigned char> fil
     }
 }
 
-constexpr const char* kNoMat = ": cannot be read as a MATLAB file (v4, v5, or v7.3 where matio has HDF5)";
-
 void check_version_4(const std::string& name, std::span<const unsigned char> file) {
     constexpr std::array<std::uint64_t, 6> kSizes{8, 4, 4, 2, 2, 1};
     constexpr std::size_t kHead = 20;
