@@ -17,6 +17,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 from bus_ear import SYNC, VALVE
@@ -63,6 +64,31 @@ def latencies_us(clock, seconds, period_us=1000.0):
     return sorted(found)
 
 
+class DescriptorPeaks:
+    """The most descriptors that each program has open at once, row by row: a recording opens some for as long as a maneuver lasts."""
+
+    def __init__(self, processes):
+        self._processes, self._most, self._over = processes, dict.fromkeys(processes, 0), threading.Event()
+
+    def __enter__(self):
+        self._thread = threading.Thread(target=self._watch)
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._over.set()
+        self._thread.join()
+
+    def _watch(self):
+        while not self._over.wait(0.2) and all(each.poll() is None for each in self._processes.values()):
+            for name, process in self._processes.items():
+                self._most[name] = max(self._most[name], descriptors(process.pid))
+
+    def take(self):
+        most, self._most = self._most, dict.fromkeys(self._processes, 0)
+        return most.values()
+
+
 def quantile(ordered, share):
     return ordered[min(int(share * len(ordered)), len(ordered) - 1)]
 
@@ -107,17 +133,18 @@ def watch(rig, bridge, options):
     every_s = min(60.0, options.minutes * 60.0 / 6)
     began, rows = time.monotonic(), []
     planned = round(options.minutes * 60.0 / every_s)
-    while len(rows) < planned or (rows[-1][FINISHED] < FEWEST and len(rows) < 10 * planned):
-        time.sleep(max(0.0, began + (len(rows) + 1) * every_s - LISTEN_S - time.monotonic()))
-        for name, process in processes.items():
-            check(process.poll() is None, f"{name} ended: {process.returncode}\n{words(bridge)}")
-        latency = latencies_us(options.clock, LISTEN_S)
-        check(len(latency) > 100, f"{len(latency)} valve commands in {LISTEN_S} s")
-        ledger = ledger_copy(options.out / "campaign")
-        rows.append([round((time.monotonic() - began) / 60.0, 2), *(resident_KiB(each.pid) for each in processes.values()),
-                     *(descriptors(each.pid) for each in processes.values()), count(ledger, "finished"), count(ledger, "aborted"),
-                     count(ledger, "unfinished"), *(round(quantile(latency, share), 1) for share in (0.5, 0.99, 1.0))])
-        print("  ".join(f"{name} {value}" for name, value in zip(COLUMNS, rows[-1])), flush=True)
+    with DescriptorPeaks(processes) as peaks:
+        while len(rows) < planned or (rows[-1][FINISHED] < FEWEST and len(rows) < 10 * planned):
+            time.sleep(max(0.0, began + (len(rows) + 1) * every_s - LISTEN_S - time.monotonic()))
+            for name, process in processes.items():
+                check(process.poll() is None, f"{name} ended: {process.returncode}\n{words(bridge)}")
+            latency = latencies_us(options.clock, LISTEN_S)
+            check(len(latency) > 100, f"{len(latency)} valve commands in {LISTEN_S} s")
+            ledger = ledger_copy(options.out / "campaign")
+            rows.append([round((time.monotonic() - began) / 60.0, 2), *(resident_KiB(each.pid) for each in processes.values()),
+                         *peaks.take(), count(ledger, "finished"), count(ledger, "aborted"),
+                         count(ledger, "unfinished"), *(round(quantile(latency, share), 1) for share in (0.5, 0.99, 1.0))])
+            print("  ".join(f"{name} {value}" for name, value in zip(COLUMNS, rows[-1])), flush=True)
     return rows
 
 
