@@ -120,11 +120,7 @@ class Variable {
         const std::uint32_t word = next_number();
         static_cast<void>(next_number());
         const std::uint32_t kind = word & 0xFFU;
-        if (kind == Class::opaque) {  // a table, string or datetime: of no known order within
-            if (!bytes_.skip(left)) fail(fmt::format("an object of {} bytes; the file ends before", left));
-            at_ += left;
-            return;
-        }
+        if (kind == Class::opaque) return check_object(left, depth);
         const std::uint64_t count = dimensions(left);
         check_name(left);
         const bool is_complex = (word & 0x0800U) != 0;
@@ -149,6 +145,19 @@ class Variable {
                 if (is_complex) check_values(count, left);
         }
         if (left != 0) fail(fmt::format("{} bytes are left over after the variable", left));
+    }
+
+    /// A table, string or datetime: of no known order within but for what it begins with. In one that is a part matio takes its
+    /// name for dimensions and what follows for the name.
+    void check_object(std::uint64_t left, int depth) {
+        if (depth > 1) {
+            const Tag name = next_tag(left);
+            if (name.type != Type::int8 || name.size != 0)
+                fail("expected the empty name of an object that is part of another variable");
+        }
+        check_name(left);
+        if (!bytes_.skip(left)) fail(fmt::format("an object of {} bytes; the file ends before", left));
+        at_ += left;
     }
 
     std::uint64_t dimensions(std::uint64_t& left) {

@@ -129,6 +129,9 @@ TEST_CASE("so is one within a struct, a cell, a sparse matrix or what is compres
     lies("struct", 212, 60, "a part of 60 bytes, which are no whole words of 8");
     lies("struct", 212, 56, "left");
     lies("struct", 240, 0x04000000, "its dimensions say 67108864 of 8");
+    // An object, whose insides nobody knows, begins with names: an empty one where it is a part.
+    lies("struct", 224, 17, "expected the empty name of an object");
+    lies("double", 144, 17, "expected a name");
     lies("cell", 164, 0x04000000, "67108864 parts in 248 bytes");
     lies("cell", 164, 2, "128 bytes are left over after the variable");
     lies("sparse", 180, 0x20000000, "an element of 536870912 bytes; only");
@@ -153,6 +156,10 @@ TEST_CASE("so is one within a struct, a cell, a sparse matrix or what is compres
     CHECK_THAT(refusal("\0\0\0\1\0\0\0\0\0\x1e\0\2\0\0\0\0\0\0\0\5\0\0\0\0\0"s),
                ContainsSubstring("cannot be read as a MATLAB file"));
     CHECK_NOTHROW(check("\0\0\3\xe8\0\0\0\1\0\0\0\1\0\0\0\0\0\0\0\2p\0\0\0\0\0\0\0\0\0"s));
+    // An object within a struct, whose name matio reads as dimensions: 8 GB of them.
+    const std::string object = with_word(seed("struct"), 224, 17);
+    CHECK_THAT(refusal(with_word(object, 236, 0xFFFD0008)),
+               ContainsSubstring("r.mat: byte 128, its byte 104: expected the empty name of an object"));
     CHECK_THAT(refusal(""), ContainsSubstring("cannot be read as a MATLAB file"));
 }
 
