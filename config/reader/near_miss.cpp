@@ -32,20 +32,22 @@ bool differ_only_in_digits(std::string a, std::string b) {
 
 /// Insertions, deletions, substitutions and swaps of neighbours (optimal string alignment distance).
 std::size_t edits_between(const std::string& a, const std::string& b) {
-    std::vector<std::vector<std::size_t>> edits(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+    const std::size_t width = b.size() + 1;
+    std::vector<std::size_t> edits((a.size() + 1) * width);
+    const auto at = [&](std::size_t i, std::size_t j) -> std::size_t& { return edits[i * width + j]; };
     for (std::size_t i = 0; i <= a.size(); ++i) {
         for (std::size_t j = 0; j <= b.size(); ++j) {
             if (i == 0 || j == 0) {
-                edits[i][j] = i + j;
+                at(i, j) = i + j;
                 continue;
             }
-            const std::size_t substitution = edits[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
-            edits[i][j] = std::min({edits[i - 1][j] + 1, edits[i][j - 1] + 1, substitution});
+            const std::size_t substitution = at(i - 1, j - 1) + (a[i - 1] == b[j - 1] ? 0 : 1);
+            at(i, j) = std::min({at(i - 1, j) + 1, at(i, j - 1) + 1, substitution});
             if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-                edits[i][j] = std::min(edits[i][j], edits[i - 2][j - 2] + 1);
+                at(i, j) = std::min(at(i, j), at(i - 2, j - 2) + 1);
         }
     }
-    return edits[a.size()][b.size()];
+    return edits.back();
 }
 
 /// Units that key names end in, those that are right somewhere and those that people bring along.
@@ -71,8 +73,11 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
     std::size_t fewest = slip.size() / kLettersPerEdit + 1;
     std::string_view found;
     for (const auto candidate : known) {
+        const auto [shorter, longer] = std::minmax({word.size(), candidate.size()});
+        // An edit changes the length by one at most.
+        if (shorter == 0 || longer > kLongestWord || longer - shorter >= fewest) continue;
         const auto meant = folded(candidate);
-        if (candidate.empty() || meant.size() > kLongestWord || differ_only_in_digits(slip, meant)) continue;
+        if (differ_only_in_digits(slip, meant)) continue;
         const auto edits = edits_between(slip, meant);
         if (edits < fewest) {
             fewest = edits;

@@ -11,7 +11,7 @@ namespace rig {
 
 namespace {
 
-constexpr std::size_t kBlock = std::size_t{256} * 1024;
+constexpr std::size_t kBlock = std::size_t{64} * 1024;
 static_assert(kBlock > 2 * LineSource::kLongest);
 
 }  // namespace
@@ -20,7 +20,8 @@ void LineSource::Close::operator()(gzFile_s* file) const {
     gzclose_r(file);
 }
 
-LineSource::LineSource(const std::filesystem::path& file) : block_(kBlock) {
+LineSource::LineSource(const std::filesystem::path& file)
+    : block_(std::make_unique_for_overwrite<char[]>(kBlock)) {
     std::error_code error;
     if (std::filesystem::is_directory(file, error))
         throw std::runtime_error(file.string() + ": is a directory; expected a bus log");
@@ -32,11 +33,11 @@ LineSource::LineSource(const std::filesystem::path& file) : block_(kBlock) {
 
 bool LineSource::refill() {
     if (at_end_) return false;
-    std::memmove(block_.data(), block_.data() + begin_, end_ - begin_);
+    std::memmove(block_.get(), block_.get() + begin_, end_ - begin_);
     end_ -= begin_;
     begin_ = 0;
     // At most what is asked for in one read of a plain file goes straight into the block.
-    const int got = gzread(file_.get(), block_.data() + end_, static_cast<unsigned>(block_.size() - end_));
+    const int got = gzread(file_.get(), block_.get() + end_, static_cast<unsigned>(kBlock - end_));
     int code = Z_OK;
     const char* const says = gzerror(file_.get(), &code);
     if (got > 0) end_ += static_cast<std::size_t>(got);
@@ -52,11 +53,11 @@ bool LineSource::refill() {
 
 bool LineSource::skip_long_line() {
     while (in_long_line_) {
-        const void* const found = std::memchr(block_.data() + begin_, '\n', end_ - begin_);
+        const void* const found = std::memchr(block_.get() + begin_, '\n', end_ - begin_);
         in_long_line_ = found == nullptr;
         begin_ = found == nullptr
                      ? end_
-                     : static_cast<std::size_t>(static_cast<const char*>(found) - block_.data()) + 1;
+                     : static_cast<std::size_t>(static_cast<const char*>(found) - block_.get()) + 1;
         if (in_long_line_ && !refill()) return false;
     }
     return true;
@@ -66,7 +67,7 @@ bool LineSource::next(Line& line) {
     if (!skip_long_line()) return false;
     std::size_t searched = 0;
     for (;;) {
-        const char* const from = block_.data() + begin_;
+        const char* const from = block_.get() + begin_;
         const std::size_t size = end_ - begin_;
         const void* const found =
             size > searched ? std::memchr(from + searched, '\n', size - searched) : nullptr;
@@ -84,7 +85,7 @@ bool LineSource::next(Line& line) {
         searched = size;
         if (refill()) continue;
         if (begin_ == end_) return false;
-        line = {{block_.data() + begin_, end_ - begin_}, ++number_, false, false};
+        line = {{block_.get() + begin_, end_ - begin_}, ++number_, false, false};
         begin_ = end_;
         return true;
     }

@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 struct gzFile_s;
 
@@ -45,7 +44,7 @@ class LineSource {
     bool skip_long_line();
 
     std::unique_ptr<gzFile_s, Close> file_;
-    std::vector<char> block_;
+    std::unique_ptr<char[]> block_;
     std::size_t begin_ = 0;
     std::size_t end_ = 0;
     bool at_end_ = false;
