@@ -1,17 +1,20 @@
 /// What a fuzz target gets: the fuzzer's bytes, drawn from one after the other or lying in a file.
 #pragma once
 
+#include <fcntl.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+
+#include "config/reader/file_descriptor.hpp"
 
 namespace fuzz {
 
@@ -43,29 +46,34 @@ class Input {
     std::span<const std::uint8_t> bytes_;
 };
 
-/// A file of this process, gone when it ends; for readers that open their input themselves.
+/// A file of this process, gone when it ends; for readers that open their input themselves. It is written over, not made anew: where
+/// TMPDIR lies in memory an execution then costs no more than its reader.
 class File {
   public:
-    explicit File(const std::string& name) {
-        std::string folder = (std::filesystem::temp_directory_path() / "antiskid_fuzz_XXXXXX").string();
-        if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary directory");
-        folder_ = folder;
-        path_ = folder_ / name;
-    }
+    explicit File(const std::string& name)
+        : path_(new_folder() / name), file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {}
     File(const File&) = delete;
     File& operator=(const File&) = delete;
     ~File() {
         std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
+        std::filesystem::remove_all(path_.parent_path(), ignored);
     }
     const std::filesystem::path& holding(std::string_view text) const {
-        std::ofstream(path_, std::ios::binary | std::ios::trunc) << text;
+        const auto size = static_cast<ssize_t>(text.size());
+        if (::pwrite(file_.get(), text.data(), text.size(), 0) != size || ::ftruncate(file_.get(), size) != 0)
+            throw std::runtime_error(path_.string() + ": cannot be written");
         return path_;
     }
 
   private:
-    std::filesystem::path folder_;
+    static std::filesystem::path new_folder() {
+        std::string folder = (std::filesystem::temp_directory_path() / "antiskid_fuzz_XXXXXX").string();
+        if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary directory");
+        return folder;
+    }
+
     std::filesystem::path path_;
+    settings::FileDescriptor file_;
 };
 
 }  // namespace fuzz
