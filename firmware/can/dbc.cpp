@@ -1,5 +1,6 @@
 #include "firmware/can/dbc.hpp"
 
+#include <map>
 #include <utility>
 
 #include "config/reader/input_file.hpp"
@@ -46,6 +47,7 @@ class Parser {
         message.length = static_cast<std::uint32_t>(cursor_.natural("the message's length in bytes", 0xFFFF));
         if (!cursor_.at_line_end()) message.sender = cursor_.word("the message's sender");
         cursor_.skip_line();
+        messages_.emplace(id, dbc_.messages.size());
         dbc_.messages.push_back(std::move(message));
     }
 
@@ -76,7 +78,9 @@ class Parser {
         signal.unit = cursor_.quoted("the unit");
         if (signal.bits == 0) cursor_.fail("signal '" + signal.name + "' has no bits");
         cursor_.skip_line();
-        dbc_.messages.back().signals.push_back(std::move(signal));
+        DbcMessage& message = dbc_.messages.back();
+        signals_.emplace(std::pair(dbc_.messages.size() - 1, signal.name), message.signals.size());
+        message.signals.push_back(std::move(signal));
     }
 
     void values() {
@@ -138,23 +142,22 @@ class Parser {
     }
 
     DbcMessage* find(std::uint32_t id) {
-        for (DbcMessage& message : dbc_.messages) {
-            if ((message.id | (message.extended ? kExtendedFlag : 0U)) == id) return &message;
-        }
-        return nullptr;
+        const auto found = messages_.find(id);
+        return found == messages_.end() ? nullptr : &dbc_.messages[found->second];
     }
 
-    DbcSignal* find(std::uint32_t id, std::string_view name) {
-        DbcMessage* message = find(id);
-        if (message == nullptr) return nullptr;
-        for (DbcSignal& signal : message->signals) {
-            if (signal.name == name) return &signal;
-        }
-        return nullptr;
+    DbcSignal* find(std::uint32_t id, const std::string& name) {
+        const auto message = messages_.find(id);
+        if (message == messages_.end()) return nullptr;
+        const auto found = signals_.find({message->second, name});
+        return found == signals_.end() ? nullptr : &dbc_.messages[message->second].signals[found->second];
     }
 
     DbcCursor cursor_;
     Dbc dbc_;
+    /// Places of the first of an identifier, flag included, and of the first of a name in a message: a table of a large DBC names each.
+    std::map<std::uint32_t, std::size_t> messages_;
+    std::map<std::pair<std::size_t, std::string>, std::size_t> signals_;
 };
 
 }  // namespace

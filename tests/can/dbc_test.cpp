@@ -93,6 +93,44 @@ TEST_CASE("what means nothing is left out: cycle times of 0, codes beyond every 
                                               {-9'000'000'000'000'000, "least"}});
 }
 
+TEST_CASE(
+    "a statement goes to the first message of its identifier, and to the first signal of its name there",
+    "[CAN-030]") {
+    const Dbc dbc = parse_dbc(
+        "BO_ 1 A: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\n SG_ S : 8|8@1+ (1,0) [0|0] \"\" N\n"
+        "BO_ 2147483649 B: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\n"
+        "BO_ 1 C: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\n SG_ T : 0|8@1+ (1,0) [0|0] \"\" N\n"
+        "CM_ BO_ 1 \"one\";\nCM_ BO_ 2147483649 \"two\";\nCM_ BO_ 2 \"none\";\n"
+        "CM_ SG_ 1 S \"first\";\nCM_ SG_ 2147483649 S \"second\";\nCM_ SG_ 1 T \"none\";\n"
+        "CM_ SG_ 2 S \"none\";\n",
+        "x.dbc");
+    REQUIRE(dbc.messages.size() == 3);
+    CHECK(dbc.messages[0].comment == "one");
+    CHECK(dbc.messages[1].comment == "two");
+    CHECK(dbc.messages[2].comment.empty());
+    REQUIRE(dbc.messages[0].signals.size() == 2);
+    CHECK(dbc.messages[0].signals[0].comment == "first");
+    CHECK(dbc.messages[0].signals[1].comment.empty());
+    CHECK(dbc.messages[1].signals[0].comment == "second");
+    CHECK(dbc.messages[2].signals[0].comment.empty());
+    CHECK(dbc.messages[2].signals[1].comment.empty());
+}
+
+TEST_CASE("each statement of a large DBC finds its message", "[CAN-030]") {
+    constexpr std::uint32_t kMany = 20'000;
+    std::string text;
+    std::string times;
+    for (std::uint32_t i = 1; i <= kMany; ++i) {
+        const std::string id = std::to_string(i);
+        text.append("BO_ ").append(id).append(" M: 8 N\n");
+        times.append("BA_ \"GenMsgCycleTime\" BO_ ").append(id).append(" ").append(id).append(";\n");
+    }
+    const Dbc dbc = parse_dbc(text + times, "x.dbc");
+    REQUIRE(dbc.messages.size() == kMany);
+    CHECK(std::all_of(dbc.messages.begin(), dbc.messages.end(),
+                      [](const DbcMessage& message) { return message.cycle_time_ms == message.id; }));
+}
+
 TEST_CASE("a malformed statement is refused with file, line and what was expected", "[CAN-031]") {
     const auto refused = [](const std::string& statement, const std::string& expected) {
         INFO(statement);
