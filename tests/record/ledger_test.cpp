@@ -264,6 +264,13 @@ TEST_CASE("foreign, newer and damaged files are refused by name, and left as the
     std::ofstream(path, std::ios::binary) << whole.substr(0, whole.size() / 2);
     CHECK_THROWS_WITH(Ledger(path), ContainsSubstring("ledger.sqlite: is damaged"));
 
+    std::string claims = whole;  // the schema's first row: 4 GB long, found by the fuzzer
+    const auto row = static_cast<std::size_t>(static_cast<unsigned char>(whole[108]) << 8U |
+                                              static_cast<unsigned char>(whole[109]));
+    claims.replace(row, 5, "\x8F\xFF\xFF\xFF\x7F");
+    std::ofstream(path, std::ios::binary) << claims;
+    CHECK_THROWS_WITH(Ledger(path), ContainsSubstring("ledger.sqlite: is damaged"));
+
     CHECK_THROWS_WITH(read_ledger(text.parent_path() / "none.sqlite", "x"),
                       ContainsSubstring("none.sqlite: no such ledger"));
     CHECK_FALSE(std::filesystem::exists(text.parent_path() / "none.sqlite"));

@@ -3,6 +3,7 @@
 
 #include <zlib.h>
 
+#include <array>
 #include <cstring>
 
 #include "rig_bridge/replay/recording.hpp"
@@ -12,6 +13,8 @@
 namespace {
 
 const std::filesystem::path kSeeds = "tests/fuzz/corpus/mat";
+constexpr std::array kGood{"cell",   "complex", "compressed", "compressed_struct", "double", "int16",
+                           "matrix", "sparse",  "struct",     "version4"};
 
 std::string with_word(std::string file, std::size_t at, std::uint32_t word) {
     std::memcpy(file.data() + at, &word, sizeof word);
@@ -74,9 +77,9 @@ std::vector<double> read(const std::filesystem::path& file, const std::string& w
 }  // namespace
 
 TEST_CASE("what Octave writes is accepted and read", "[BRG-390]") {
-    for (const auto& entry : std::filesystem::directory_iterator(kSeeds)) {
-        INFO(entry.path());
-        CHECK_NOTHROW(check(can_test::contents(entry.path())));
+    for (const char* const name : kGood) {
+        INFO(name);
+        CHECK_NOTHROW(check(seed(name)));
     }
     CHECK(read(kSeeds / "compressed", "p") == std::vector<double>{1, 2, 3});
     CHECK(read(kSeeds / "compressed_struct", "bench.p") == std::vector<double>{5, 6});
@@ -166,11 +169,11 @@ TEST_CASE("so is one within a struct, a cell, a sparse matrix or what is compres
 TEST_CASE("whatever one word of a file claims, it is refused by name or holds no more than it did",
           "[BRG-390]") {
     const can_test::TempDir dir;
-    for (const auto& entry : std::filesystem::directory_iterator(kSeeds)) {
-        const std::string good = can_test::contents(entry.path());
+    for (const char* const name : kGood) {
+        const std::string good = seed(name);
         for (std::size_t at = good.size() > 128 ? 124 : 0; at + 4 <= good.size(); at += 4) {
             for (const std::uint32_t word : {0U, 0xFFFFFFFFU, 0x10000000U, word_of(good, at) ^ 0x0200U}) {
-                INFO(entry.path() << ": word at " << at << " becomes " << word);
+                INFO(name << ": word at " << at << " becomes " << word);
                 const auto file = dir.write("r.mat", with_word(good, at, word));
                 try {
                     const std::size_t values = read(file, "p").size();
