@@ -111,7 +111,8 @@ struct SupervisorConfig {
     float lock_share = 0.0F;            ///< rim speed below this share of the aircraft's: locked, dump
     float unlock_share = 0.0F;          ///< above it: restore
     float lock_persists_s =
-        0.0F;  ///< a lock that lasts is a fault, and so are locks that recur for more than a third of the time
+        0.0F;  ///< a lock that lasts is a fault, and so are locks that recur for more than a quarter of the
+               ///< time; below `spin_up_mps` sooner in proportion to speed, down to a third
     float drop_out_mps = 0.0F;  ///< below it the demand passes through
     float drop_out_hysteresis_mps = 0.0F;
     float pass_through_rate_Paps = 0.0F;  ///< at most

@@ -62,8 +62,9 @@ float Controller::current_mA(const Command& command, Law law) const {
 
 Command Controller::step(const Sensors& sensors, Time now) {
     const Estimate& estimate = estimator_.update(sensors, current_mA_);
-    const FaultSet present = monitor_.check(sensors, estimator_, supervisor_.rolling(), now);
     const State before = supervisor_.state();
+    const FaultSet present = monitor_.check(
+        sensors, estimator_, {supervisor_.rolling(), before == State::braking, slip_law_.reference()}, now);
     const State state = supervisor_.update(sensors, estimate, present, now);
 
     Command command;

@@ -21,6 +21,7 @@ class Estimator {
     [[nodiscard]] const SpeedReading& wheel_reading() const { return wheel_reading_; }
     [[nodiscard]] const SpeedReading& flywheel_reading() const { return flywheel_reading_; }
     [[nodiscard]] float uncorrected_pressure_Pa() const { return valve_model_.uncorrected_Pa(); }
+    [[nodiscard]] float valve_offset_Pa() const { return valve_model_.offset_Pa(); }
     /// The current for a pressure on the valve as it is.
     [[nodiscard]] float current_mA(float pressure_Pa) const {
         return valve_current_mA(valve_, valve_model_.made_up_for_Pa(pressure_Pa));

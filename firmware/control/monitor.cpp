@@ -11,11 +11,13 @@ Monitor::Monitor(const Config& config)
       flywheel_radius_m_(config.flywheel.radius_m),
       released_Pa_(config.supervisor.residual_pressure_Pa),
       period_s_(config.period_s),
+      made_up_for_share_(config.estimator.valve_offset_share),
       wheel_speed_(config.monitor.implausible_s, config.period_s),
       flywheel_speed_(config.monitor.implausible_s, config.period_s),
       pressure_range_(config.monitor.implausible_s, config.period_s),
       pressure_rate_(config.monitor.implausible_s, config.period_s),
       pressure_off_(config.monitor.off_command_s, config.period_s),
+      valve_off_(config.monitor.stuck_s, config.period_s),
       free_slip_(config.monitor.stuck_s, config.period_s),
       pressure_stuck_(config.monitor.stuck_s, config.period_s),
       pressure_stays_(config.monitor.off_command_s, config.period_s),
@@ -67,7 +69,8 @@ void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReadin
                           const EncoderConfig& encoder, Fault range, Fault rate) const {
     const float speed = reading.speed_radps;
     const bool sensible = speed >= 0.0F && speed <= encoder.max_speed_radps;  // false for NaN
-    if (check.range.holds(!sensible)) faults.insert(range);
+    if (reading.fresh) check.ranges = check.range.holds(!sensible);
+    if (check.ranges) faults.insert(range);
 
     // A reading is a mean over its interval: two of them in a row cannot differ by more than the acceleration
     // times that.
@@ -171,6 +174,25 @@ void Monitor::check_plausibility(FaultSet& faults, const Sensors& sensors, const
     if (overspeeds || disagrees) faults.insert(Fault::speeds_disagree);
 }
 
+/// What the laws that mean a pressure make of it.
+void Monitor::check_law(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
+                        const Before& before) {
+    // Slip above what is asked for adds up, slip below it pays back: no sound loop is above it for long, on any surface.
+    constexpr float kMore = 0.05F;
+    constexpr float kMost_s = 0.1F;
+    const bool by_slip = maneuver.law == Law::wheel_slip;
+    const float excess = estimator.estimate().slip - before.slip_reference - kMore;
+    excess_slip_s_ = before.braking && by_slip ? larger(excess_slip_s_ + excess * period_s_, 0.0F) : 0.0F;
+    if (excess_slip_s_ > kMost_s) faults.insert(Fault::speeds_disagree);
+
+    const float model_Pa = estimator.uncorrected_pressure_Pa();
+    const float offset_Pa = magnitude(estimator.valve_offset_Pa());
+    const bool means_pressure = by_slip || maneuver.law == Law::deceleration;
+    const bool off = before.braking && means_pressure && model_Pa > 2.0F * released_Pa_ &&
+                     offset_Pa > larger(made_up_for_share_ * model_Pa, released_Pa_);
+    if (valve_off_.holds(off)) faults.insert(Fault::pressure_off_command);
+}
+
 void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
     if (m.received == kNever) return;
     const bool sensible = m.demand_Pa >= 0.0F && m.demand_Pa <= config_.pressure_range_Pa &&
@@ -181,7 +203,7 @@ void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
     if (!sensible) faults.insert(Fault::maneuver_range);
 }
 
-FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, bool rolling, Time now) {
+FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, const Before& before, Time now) {
     FaultSet faults;
     check_arrivals(faults, sensors, now);
     check_speed(faults, wheel_speed_, estimator.wheel_reading(), wheel_encoder_, Fault::wheel_range,
@@ -189,7 +211,8 @@ FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, bool
     check_speed(faults, flywheel_speed_, estimator.flywheel_reading(), flywheel_encoder_,
                 Fault::flywheel_range, Fault::flywheel_rate);
     check_pressure(faults, sensors, estimator);
-    check_plausibility(faults, sensors, estimator, rolling);
+    check_plausibility(faults, sensors, estimator, before.rolling);
+    check_law(faults, sensors.maneuver, estimator, before);
     check_maneuver(faults, sensors.maneuver);
     if (sensors.emergency_stop) faults.insert(Fault::emergency_stop);
     if (sensors.bus_off) faults.insert(Fault::bus_off);

@@ -3,7 +3,7 @@
 /// - *_lost: no accepted frame for the input's maximum age
 /// - *_corrupt: the same, while frames came and were refused; or more frames were refused, beyond those that were accepted, than the
 ///   maximum age has periods
-/// - *_range: outside what the sensor can mean (or not a number), for `implausible_s`, also on and off
+/// - *_range: outside what the sensor can mean (or not a number), in as many fresh readings as periods in `implausible_s`, also on and off
 /// - *_rate: fresh readings change faster than the machine can, as many of them as periods in `implausible_s`, also on and off
 /// - wheel_stuck: no edge although the brake is released and the aircraft moves, for `stuck_s`
 /// - flywheel_stuck: the speed is below that of an aircraft that brakes twice as hard as a tyre can, by `overspeed_share` of it, for
@@ -11,9 +11,10 @@
 /// - flywheel_rate: as above; or, armed and on its wheels, the aircraft gets faster, by `overspeed_share`, for `implausible_s`
 /// - pressure_stuck: the same reading to the last bit while the model moved by `pressure_moves_Pa`, for `stuck_s`
 /// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`, or steady slip above `free_slip` of a wheel that turns
-///   under hardly any pressure, for `stuck_s`, also on and off
+///   under hardly any pressure, for `stuck_s`, also on and off; or slip stays above what the slip law asks for
 /// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa` for `off_command_s`, also on and off, or by the
-///   residual pressure of the self-test where the model has none, armed or with load on the wheel
+///   residual pressure of the self-test where the model has none, armed or with load on the wheel; or the learnt offset of the valve is more
+///   than the law may make up for, for `stuck_s`, also on and off
 /// - maneuver_range: a commanded value outside its range, at once
 /// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
 /// - overrun: more than `overruns` missed periods in quick succession, at once or in pieces: ten good periods pay for a missed one
@@ -28,11 +29,18 @@ namespace antiskid::control {
 
 class Monitor {
   public:
+    /// What the controller did in the period before.
+    struct Before {
+        bool rolling = false;  ///< on the wheels and spun up since touchdown
+        bool braking = false;  ///< a law acted
+        float slip_reference = 0.0F;
+    };
+
     explicit Monitor(const Config& config);
 
-    /// Faults present in this period. `estimator` has already seen the same inputs; `rolling`: on the wheels
-    /// and spun up since touchdown.
-    [[nodiscard]] FaultSet check(const Sensors& sensors, const Estimator& estimator, bool rolling, Time now);
+    /// Faults present in this period. `estimator` has already seen the same inputs.
+    [[nodiscard]] FaultSet check(const Sensors& sensors, const Estimator& estimator, const Before& before,
+                                 Time now);
 
   private:
     /// Age and refusals of one input.
@@ -48,7 +56,8 @@ class Monitor {
     struct SpeedCheck {
         SpeedCheck(float limit_s, float period_s) : range(limit_s, period_s), rate(limit_s, period_s) {}
         Suspicion range;
-        Suspicion rate;  // of fresh readings, each counted as one period
+        Suspicion rate;       // of fresh readings, each counted as one period
+        bool ranges = false;  // what the newest fresh reading says
         bool jumps = false;
         float last_radps = 0.0F;
         bool known = false;
@@ -60,6 +69,8 @@ class Monitor {
     void check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator);
     void check_plausibility(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
                             bool rolling);
+    void check_law(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
+                   const Before& before);
     void check_maneuver(FaultSet& faults, const ManeuverInput& maneuver) const;
 
     MonitorConfig config_;
@@ -68,9 +79,11 @@ class Monitor {
     float flywheel_radius_m_;
     float released_Pa_;
     float period_s_;
+    float made_up_for_share_;
     Arrival wheel_, flywheel_, pressure_, maneuver_;
     SpeedCheck wheel_speed_, flywheel_speed_;
-    Suspicion pressure_range_, pressure_rate_, pressure_off_, free_slip_;
+    Suspicion pressure_range_, pressure_rate_, pressure_off_, valve_off_, free_slip_;
+    float excess_slip_s_ = 0.0F;
     Persistence pressure_stuck_, pressure_stays_, wheel_stuck_, flywheel_stuck_, flywheel_blind_,
         flywheel_leaps_, overspeed_;
     bool pressure_jumps_ = false;

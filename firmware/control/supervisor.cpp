@@ -11,10 +11,10 @@ constexpr float kAtRest_radps = 0.1F;
 
 Supervisor::Supervisor(const SupervisorConfig& config, float period_s)
     : config_(config),
+      most_locked_(static_cast<float>(whole_periods(config.lock_persists_s, period_s))),
       self_test_(config.self_test_s, period_s),
       residual_pressure_(kSelfTestPatience_s, period_s),
-      on_wheels_(config.touchdown_timeout_s, period_s),
-      locked_(config.lock_persists_s, period_s) {}
+      on_wheels_(config.touchdown_timeout_s, period_s) {}
 
 /// A bounce takes the wheel off the ground and stops it: protection starts again, which is no fault.
 void Supervisor::watch_touchdown(bool on_wheels, const Estimate& e) {
@@ -24,6 +24,16 @@ void Supervisor::watch_touchdown(bool on_wheels, const Estimate& e) {
         protected_ = true;
     else if (long_enough || rim > config_.spin_up_mps)
         protected_ = false;
+}
+
+/// A released wheel comes back within a time in proportion to its speed, J omega / (mu F_z r): a lock that lasts, or locks for more than a
+/// quarter of the time, are a fault, the sooner the slower.
+bool Supervisor::add_lock(bool locked, float speed_mps) {
+    constexpr float kPaidBackBy = 3.0F;  // good periods that make up for a locked one
+    constexpr float kSoonest = 3.0F;
+    const float sooner = limited(config_.spin_up_mps / larger(speed_mps, 1.0F), 1.0F, kSoonest);
+    locked_ = limited(locked_ + (locked ? sooner : -1.0F / kPaidBackBy), 0.0F, most_locked_);
+    return locked && locked_ >= most_locked_;
 }
 
 State Supervisor::braking_state(const Sensors& sensors, const Estimate& e) {
@@ -75,7 +85,7 @@ State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet prese
 State Supervisor::update(const Sensors& sensors, const Estimate& e, FaultSet present, Time /*now*/) {
     watch_touchdown(sensors.maneuver.weight_on_wheels, e);
     State wanted = next(sensors, e, present);
-    if (locked_.holds(wanted == State::locked_wheel)) present.insert(Fault::lock_persists);
+    if (add_lock(wanted == State::locked_wheel, e.v_mps)) present.insert(Fault::lock_persists);
     // Before the self-test has passed nothing may be there yet: absence is no fault then, and there is no
     // permission either. Somebody who presses the emergency stop means it all the same.
     if (present.contains(Fault::emergency_stop) || (wanted != State::self_test && !present.empty())) {

@@ -42,14 +42,16 @@ class Supervisor {
     [[nodiscard]] State next(const Sensors& sensors, const Estimate& estimate, FaultSet present);
     [[nodiscard]] State braking_state(const Sensors& sensors, const Estimate& estimate);
     void watch_touchdown(bool on_wheels, const Estimate& estimate);
+    bool add_lock(bool locked, float speed_mps);
 
     SupervisorConfig config_;
+    float most_locked_;  // periods
     State state_ = State::self_test;
     FaultSet latched_;
     Persistence self_test_;
     Persistence residual_pressure_;
     Persistence on_wheels_;
-    Suspicion locked_;
+    float locked_ = 0.0F;    // periods, see add_lock
     bool protected_ = true;  // touchdown protection has not ended yet
     bool arm_before_ = true;
 };

@@ -35,6 +35,8 @@ class ValveModel {
     [[nodiscard]] const PressureState& now() const { return state_; }
     /// The pressure that the commands alone explain, never corrected, without an offset: what a healthy valve would show.
     [[nodiscard]] float uncorrected_Pa() const { return uncorrected_.pressure_Pa; }
+    /// Of the valve from its map, as learnt.
+    [[nodiscard]] float offset_Pa() const { return offset_Pa_; }
 
     /// What to ask of the map so that `pressure_Pa` comes out.
     [[nodiscard]] float made_up_for_Pa(float pressure_Pa) const;
