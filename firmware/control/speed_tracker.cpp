@@ -10,6 +10,7 @@ SpeedTracker::SpeedTracker(float bandwidth_radps, float most_acceleration)
 void SpeedTracker::reset(float speed, float acceleration) {
     speed_ = speed;
     acceleration_ = acceleration;
+    unheard_s_ = 0.0F;
     started_ = true;
 }
 
@@ -25,6 +26,7 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s, float imp
     }
     const float predicted = speed_ + acceleration_ * period_s + impulse;
     speed_ = larger(predicted, 0.0F);
+    unheard_s_ += period_s;
     if (reading.speed_radps == 0.0F && reading.fresh) {
         reset(0.0F, 0.0F);
         return;
@@ -39,6 +41,8 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s, float imp
     const float since_middle = predicted > 0.0F ? (acceleration_ + known_rate) * age : 0.0F;
     const float innovation = reading.speed_radps - (speed_ - since_middle);
     const float since = larger(reading.interval_s, period_s);
+    if (magnitude(innovation) > most_acceleration_ * larger(since, unheard_s_)) return;
+    unheard_s_ = 0.0F;
     const float memory = 1.0F / (1.0F + bandwidth_radps_ * since);
     speed_ = larger(speed_ + (1.0F - memory * memory) * innovation, 0.0F);
     acceleration_ = limited(acceleration_ + (1.0F - memory) * (1.0F - memory) * innovation / since,

@@ -8,7 +8,8 @@ namespace antiskid::control {
 
 class SpeedTracker {
   public:
-    /// `most_acceleration`, either way: no reading, however wrong, may leave a state from which the next ones do not lead back.
+    /// `most_acceleration`, either way: a reading that would need more since the last one that was believed is not believed, and no reading,
+    /// however wrong, may leave a state from which the next ones do not lead back.
     SpeedTracker(float bandwidth_radps, float most_acceleration);
 
     /// One period of `period_s` has passed, in which a known cause changed the speed by `impulse` (0: none
@@ -25,6 +26,7 @@ class SpeedTracker {
     float most_acceleration_;
     float speed_ = 0.0F;
     float acceleration_ = 0.0F;
+    float unheard_s_ = 0.0F;  // since a reading was believed
     bool started_ = false;
 };
 
