@@ -66,10 +66,14 @@ void Monitor::check_arrivals(FaultSet& faults, const Sensors& sensors, Time now)
 }
 
 void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReading& reading,
-                          const EncoderConfig& encoder, Fault range, Fault rate) const {
+                          const EncoderConfig& encoder, Fault lost, Fault range, Fault rate) const {
     const float speed = reading.speed_radps;
     const bool sensible = speed >= 0.0F && speed <= encoder.max_speed_radps;  // false for NaN
-    if (reading.fresh) check.ranges = check.range.holds(!sensible);
+    if (reading.fresh) {
+        check.ranges = check.range.holds(!sensible);
+        check.lags = check.late.holds(reading.late_s > config_.sensor_max_age_s);
+    }
+    if (check.lags) faults.insert(lost);
     if (check.ranges) faults.insert(range);
 
     // A reading is a mean over its interval: two of them in a row cannot differ by more than the acceleration
@@ -206,10 +210,10 @@ void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
 FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, const Before& before, Time now) {
     FaultSet faults;
     check_arrivals(faults, sensors, now);
-    check_speed(faults, wheel_speed_, estimator.wheel_reading(), wheel_encoder_, Fault::wheel_range,
-                Fault::wheel_rate);
+    check_speed(faults, wheel_speed_, estimator.wheel_reading(), wheel_encoder_, Fault::wheel_lost,
+                Fault::wheel_range, Fault::wheel_rate);
     check_speed(faults, flywheel_speed_, estimator.flywheel_reading(), flywheel_encoder_,
-                Fault::flywheel_range, Fault::flywheel_rate);
+                Fault::flywheel_lost, Fault::flywheel_range, Fault::flywheel_rate);
     check_pressure(faults, sensors, estimator);
     check_plausibility(faults, sensors, estimator, before.rolling);
     check_law(faults, sensors.maneuver, estimator, before);

@@ -1,6 +1,7 @@
 /// Checks every input in every period and names what is wrong. Permission to brake is the absence of faults.
 ///
-/// - *_lost: no accepted frame for the input's maximum age
+/// - *_lost: no accepted frame for the input's maximum age; or, of a speed, its frames come later than that after the edges that they show,
+///   in as many fresh readings as periods in `implausible_s`, also on and off
 /// - *_corrupt: the same, while frames came and were refused; or more frames were refused, beyond those that were accepted, than the
 ///   maximum age has periods
 /// - *_range: outside what the sensor can mean (or not a number), in as many fresh readings as periods in `implausible_s`, also on and off
@@ -54,18 +55,19 @@ class Monitor {
     };
     /// Range and rate of one speed.
     struct SpeedCheck {
-        SpeedCheck(float limit_s, float period_s) : range(limit_s, period_s), rate(limit_s, period_s) {}
+        SpeedCheck(float limit_s, float period_s)
+            : range(limit_s, period_s), rate(limit_s, period_s), late(limit_s, period_s) {}
         Suspicion range;
-        Suspicion rate;       // of fresh readings, each counted as one period
-        bool ranges = false;  // what the newest fresh reading says
-        bool jumps = false;
+        Suspicion rate;  // of fresh readings, each counted as one period
+        Suspicion late;
+        bool ranges = false, jumps = false, lags = false;  // what the newest fresh reading says
         float last_radps = 0.0F;
         bool known = false;
     };
 
     void check_arrivals(FaultSet& faults, const Sensors& sensors, Time now);
     void check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReading& reading,
-                     const EncoderConfig& encoder, Fault range, Fault rate) const;
+                     const EncoderConfig& encoder, Fault lost, Fault range, Fault rate) const;
     void check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator);
     void check_plausibility(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
                             bool rolling);

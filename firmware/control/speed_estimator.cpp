@@ -12,6 +12,15 @@ constexpr Time kLatest{25'000'000};  // a frame that is later than this against 
 
 SpeedEstimator::SpeedEstimator(float teeth) : radians_per_edge_(kTwoPi / teeth) {}
 
+/// The sensor's clock has another zero than ours, which the quickest frames tell, and may run slower by 1e-3.
+float SpeedEstimator::late_s(const SpeedInput& input) {
+    constexpr Time kDrift{1'000};  // in a period
+    const Time after = input.received - input.edge_time;
+    quickest_ = clock_known_ && after > quickest_ + kDrift ? quickest_ + kDrift : after;
+    clock_known_ = true;
+    return seconds(after - quickest_);
+}
+
 SpeedReading SpeedEstimator::update(const SpeedInput& input) {
     SpeedReading reading;
     if (input.received == kNever) return reading;
@@ -37,12 +46,14 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input) {
     // frame, whose count and time seem to have rolled over. The next edge is measured from here.
     const bool leapt = running_ && edges != 0 && took > input.received - newest_edge_seen_ + kLatest;
     if (leapt) {
+        clock_known_ = false;
         edge_count_ = input.edge_count;
         edge_time_ = input.edge_time;
         newest_edge_seen_ = input.received;
     } else if (edges != 0 && took.count() > 0) {
         // The first edge after a standstill only starts the clock: it says nothing about the time since the
         // one before.
+        reading.late_s = late_s(input);
         if (running_) {
             reading.interval_s = seconds(took);
             speed_radps_ = radians_per_edge_ * static_cast<float>(edges) / reading.interval_s;
@@ -56,12 +67,14 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input) {
     } else if (new_frame) {
         // A clock that went backwards was restarted: the next edge is measured from here.
         if (took.count() < 0) {
+            clock_known_ = false;
             edge_count_ = input.edge_count;
             edge_time_ = input.edge_time;
         }
         const Time idle = input.received - newest_edge_seen_;
         if (idle >= kStandstill) {
             running_ = false;
+            clock_known_ = false;  // the two clocks run apart unseen
             measured_ = true;
             speed_radps_ = 0.0F;
             reading.fresh = true;

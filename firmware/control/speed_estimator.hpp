@@ -11,7 +11,8 @@ namespace antiskid::control {
 struct SpeedReading {
     float speed_radps = 0.0F;  ///< mean speed over the interval, or an upper bound where no edge came
     float interval_s = 0.0F;   ///< time the edges took; the reading belongs to its middle
-    bool fresh = false;        ///< edges came (or a speed frame): a measurement
+    float late_s = 0.0F;  ///< by which its frame came later after its newest edge than the quickest ones do
+    bool fresh = false;   ///< edges came (or a speed frame): a measurement
     bool bounded =
         false;  ///< no edge came for longer than the last speed explains: `speed_radps` is an upper bound
     bool valid = false;  ///< false until two edges, or no edge for 100 ms, have been seen
@@ -26,7 +27,11 @@ class SpeedEstimator {
     SpeedReading update(const SpeedInput& input);
 
   private:
+    [[nodiscard]] float late_s(const SpeedInput& input);
+
     float radians_per_edge_;
+    bool clock_known_ = false;
+    Time quickest_{};  // frame after its newest edge, by two clocks
     bool started_ = false;
     bool running_ = false;   // an edge seen since the last standstill
     bool measured_ = false;  // speed_radps_ is known: two edges, or a standstill

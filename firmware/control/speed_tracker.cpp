@@ -41,7 +41,9 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s, float imp
     const float since_middle = predicted > 0.0F ? (acceleration_ + known_rate) * age : 0.0F;
     const float innovation = reading.speed_radps - (speed_ - since_middle);
     const float since = larger(reading.interval_s, period_s);
-    if (magnitude(innovation) > most_acceleration_ * larger(since, unheard_s_)) return;
+    constexpr float kTwice = 2.0F;        // the prediction may be as far off as the reading
+    constexpr float kPatience_s = 0.01F;  // then it is the prediction that is wrong
+    if (unheard_s_ < kPatience_s && magnitude(innovation) > kTwice * most_acceleration_ * since) return;
     unheard_s_ = 0.0F;
     const float memory = 1.0F / (1.0F + bandwidth_radps_ * since);
     speed_ = larger(speed_ + (1.0F - memory * memory) * innovation, 0.0F);

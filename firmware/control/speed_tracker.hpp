@@ -8,8 +8,8 @@ namespace antiskid::control {
 
 class SpeedTracker {
   public:
-    /// `most_acceleration`, either way: a reading that would need more since the last one that was believed is not believed, and no reading,
-    /// however wrong, may leave a state from which the next ones do not lead back.
+    /// `most_acceleration`, either way: readings that are off the prediction by more than twice what it explains are not believed for 10 ms,
+    /// and no reading, however wrong, may leave a state from which the next ones do not lead back.
     SpeedTracker(float bandwidth_radps, float most_acceleration);
 
     /// One period of `period_s` has passed, in which a known cause changed the speed by `impulse` (0: none

@@ -47,7 +47,7 @@ struct Watch {
     }
     FaultSet silent_step() {
         estimator.update(sensors, current_mA);
-        return monitor.check(sensors, estimator, rolling, now);
+        return monitor.check(sensors, estimator, before, now);
     }
 
     Config config;
@@ -56,7 +56,7 @@ struct Watch {
     Sensors sensors;
     Time now{};
     float current_mA = 0.0F;
-    bool rolling = false;
+    Monitor::Before before;
 };
 
 FaultSet set_of(std::initializer_list<Fault> faults) {
@@ -318,7 +318,7 @@ TEST_CASE("pressure without a current is named armed, or on a loaded or rolling 
                                           {false, false, false, true, 0.6e6F, true},
                                           {true, true, true, true, 0.5e6F, false}}));
     Watch w;
-    w.rolling = row.rolling;
+    w.before.rolling = row.rolling;
     w.sensors.maneuver.weight_on_wheels = row.on_wheels;
     w.sensors.maneuver.arm = row.armed;
     w.sensors.flywheel.speed_radps = row.moves ? 50.0F : 0.0F;
@@ -404,7 +404,7 @@ TEST_CASE("rim speeds and slip exactly at their limits", "[CTL-081]") {
     config.monitor.free_slip = 0.25F;
     config.monitor.plausible_above_mps = row.plausible_above_mps;
     Watch w(config);
-    w.rolling = row.rolling;
+    w.before.rolling = row.rolling;
     w.sensors.flywheel.speed_radps = row.flywheel_radps;
     w.sensors.wheel.speed_radps = row.wheel_radps;
     const FaultSet faults = w.step();
@@ -437,7 +437,7 @@ TEST_CASE(
     w.sensors.maneuver.arm = row.armed;
     w.sensors.flywheel.speed_radps = 2.0F * row.before_mps;
     REQUIRE_FALSE(w.step().contains(Fault::flywheel_rate));
-    w.rolling = row.rolling;
+    w.before.rolling = row.rolling;
     REQUIRE_FALSE(w.step().contains(Fault::flywheel_rate));
     w.sensors.flywheel.speed_radps = 2.0F * row.after_mps;
     CHECK(w.step().contains(Fault::flywheel_rate) == row.named);
@@ -466,7 +466,7 @@ FaultSet faults_at(const float model_Pa, const float reading_Pa, const float whe
     for (int tries = 0; tries < 600; ++tries) {
         config.valve.pressure_Pa[1] = mapped_Pa;
         Watch w(config);
-        w.rolling = true;
+        w.before.rolling = true;
         w.current_mA = 5.0F;
         w.sensors.flywheel.speed_radps = 128.0F;
         w.sensors.wheel.speed_radps = wheel_radps;
@@ -502,12 +502,12 @@ TEST_CASE("a wheel that changes its speed by 15 m/s2 is not steady", "[CTL-081]"
     w.sensors.flywheel.speed_radps = 128.0F;
     w.sensors.wheel.speed_radps = 90.0F;
     for (int k = 0; k < 20; ++k) {
-        w.sensors.wheel.speed_radps -= 1.0F;  // 1024 rad/s2
+        w.sensors.wheel.speed_radps -= 0.05F;  // 51 rad/s2
         w.step();
     }
     REQUIRE(w.estimator.estimate().omega_dot_radps2 == -most_radps2);
-    w.rolling = true;
-    w.sensors.wheel.speed_radps -= 1.0F;
+    w.before.rolling = true;
+    w.sensors.wheel.speed_radps -= 0.05F;
     CHECK(w.step().contains(Fault::speeds_disagree) == (most_radps2 < 30.0F));
 }
 
@@ -518,4 +518,123 @@ TEST_CASE("a set of faults from the bus holds the faults that exist", "[CTL-080]
         CHECK(one.empty() == (i >= kFaultCount));
         for (unsigned k = 0; k < kFaultCount; ++k) CHECK(one.contains(static_cast<Fault>(k)) == (i == k));
     }
+}
+
+namespace {
+
+/// A wheel encoder whose count goes on by `step` in every fourth period, its frames `late` after them.
+struct Encoder {
+    Watch watch;
+    int period = 0;
+
+    FaultSet turn(const std::uint32_t step, const Time late = Time{}) {
+        SpeedInput& wheel = watch.sensors.wheel;
+        wheel.source = SpeedSource::edges;
+        watch.sensors.flywheel.speed_radps = 14.0F;  // as the wheel's rim
+        if (period++ % 4 == 0) {
+            wheel.edge_count += step;
+            wheel.edge_time = watch.now + kMillisecond - late;
+        }
+        return watch.step();
+    }
+};
+
+}  // namespace
+
+TEST_CASE("an encoder that counts backwards is out of range, however seldom an edge comes", "[CTL-273]") {
+    Encoder e;
+    for (int k = 0; k < 400; ++k) REQUIRE((e.turn(1).empty() || k < 300));
+    int periods = 1;
+    while (!e.turn(0U - 1U).contains(Fault::wheel_range)) REQUIRE(++periods < 100);
+    // The limit counts readings: five edges, one in four periods.
+    CHECK(periods == 17);
+}
+
+TEST_CASE("frames that come late after their edges are lost ones, one alone is not", "[CTL-271]") {
+    Encoder e;
+    for (int k = 0; k < 400; ++k) REQUIRE((e.turn(1).empty() || k < 300));
+    const auto fall_behind = [&e](const int to_ms) {
+        for (int ms = 1; ms <= to_ms; ++ms) {
+            for (int k = 0; k < 4; ++k) REQUIRE(e.turn(1, ms * kMillisecond).empty());
+        }
+    };
+    SECTION("20 ms are allowed for ever") {
+        fall_behind(20);
+        for (int k = 0; k < 4000; ++k) REQUIRE(e.turn(1, Time{20'000'000}).empty());
+    }
+    SECTION("more are named at the fifth reading") {
+        fall_behind(20);
+        int periods = 1;
+        while (!e.turn(1, Time{21'000'000}).contains(Fault::wheel_lost)) REQUIRE(++periods < 100);
+        CHECK(periods == 17);
+    }
+    SECTION("a clock that runs slower by 1e-4 is followed") {
+        for (int k = 0; k < 400'000; ++k) REQUIRE(e.turn(1, Time{100LL * k}).empty());
+    }
+}
+
+TEST_CASE("slip above what the law asks for is named once it adds up", "[CTL-274]") {
+    Config config = exact_config();
+    config.monitor.free_slip = 0.9F;
+    Watch w(config);
+    w.sensors.maneuver.law = Law::wheel_slip;
+    w.before = {.rolling = true, .braking = true, .slip_reference = 0.25F};
+    const auto at = [&w](const float slip) {
+        w.sensors.flywheel.speed_radps = 64.0F;
+        w.sensors.wheel.speed_radps = 64.0F * (1.0F - slip);
+        return w.step();
+    };
+    for (int k = 0; k < 2000; ++k) at(0.25F);
+    REQUIRE(at(0.25F).empty());
+    const auto periods_to_name = [&at](const float slip) {
+        int periods = 1;
+        while (!at(slip).contains(Fault::speeds_disagree) && periods < 5000) ++periods;
+        return periods;
+    };
+    SECTION("0.05 above is allowed for ever") {
+        CHECK(periods_to_name(0.2999F) == 5000);
+    }
+    SECTION("0.1 beyond that is named after a second") {
+        CHECK(periods_to_name(0.4F) == Approx(1024).margin(30));  // the trackers' lag
+    }
+    SECTION("less slip pays back") {
+        for (int k = 0; k < 20; ++k) {
+            for (int i = 0; i < 500; ++i) REQUIRE(at(0.4F).empty());
+            for (int i = 0; i < 600; ++i) REQUIRE(at(0.1F).empty());
+        }
+    }
+    SECTION("not while no law brakes, nor under a law that asks for no slip") {
+        const bool braking = GENERATE(true, false);
+        w.before.braking = braking;
+        w.sensors.maneuver.law = braking ? Law::threshold : Law::wheel_slip;
+        CHECK(periods_to_name(0.4F) == 5000);
+    }
+}
+
+TEST_CASE("a valve off its map by more than is made up for is named", "[CTL-275]") {
+    // 8 mA are 2.1 MPa; up to a quarter of it is made up for.
+    struct Row {
+        float short_Pa;
+        Law law;
+        bool braking, named;
+    };
+    const Row row =
+        GENERATE(Row{0.50e6F, Law::wheel_slip, true, false}, Row{0.55e6F, Law::wheel_slip, true, true},
+                 Row{-0.55e6F, Law::wheel_slip, true, true}, Row{0.55e6F, Law::deceleration, true, true},
+                 Row{0.55e6F, Law::open_loop, true, false}, Row{0.55e6F, Law::threshold, true, false},
+                 Row{0.55e6F, Law::wheel_slip, false, false});
+    Config config = fixed_config();
+    config.estimator.valve_offset_radps = 7.0F;
+    config.estimator.valve_offset_share = 0.25F;
+    config.estimator.pressure_bandwidth_radps = 30.0F;
+    Watch w(config);
+    w.current_mA = 8.0F;
+    w.sensors.maneuver.law = row.law;
+    w.before.braking = row.braking;
+    FaultSet faults;
+    for (int k = 0; k < 3000; ++k) {
+        w.sensors.pressure.pressure_Pa = larger(w.estimator.uncorrected_pressure_Pa() - row.short_Pa, 0.0F);
+        faults = w.step();
+    }
+    CHECK(faults.contains(Fault::pressure_off_command) == row.named);
 }

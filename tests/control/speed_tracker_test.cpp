@@ -186,3 +186,26 @@ TEST_CASE("a prediction that ends at zero is not looked back along", "[CTL-018]"
     const double memory = 1.0 / (1.0 + 450.0 * 1e-3);
     CHECK(tracker.speed() == Approx((1.0 - memory * memory) * 50.0).epsilon(1e-5));
 }
+
+TEST_CASE("a reading that no wheel can have got to is not believed for 10 ms", "[CTL-270]") {
+    SpeedTracker tracker(450.0F, kMost);
+    for (int i = 0; i < 50; ++i) tracker.update(reading_of(33.0), kPeriod_s, 0.0F, 0.0F);
+    const auto most = 0.99 * static_cast<double>(kMost * kPeriod_s);
+    SECTION("wild ones leave nothing behind") {
+        for (int i = 0; i < 5; ++i) tracker.update(reading_of(33.0 + 16.0 * most), kPeriod_s, 0.0F, 0.0F);
+        CHECK(tracker.speed() == Approx(33.0).epsilon(1e-4));
+        CHECK(std::abs(tracker.acceleration()) < 1.0F);
+    }
+    SECTION("the fastest change is believed at once") {
+        tracker.update(reading_of(33.0 + 2.0 * most), kPeriod_s, 0.0F, 0.0F);
+        CHECK(tracker.speed() > 33.0F + static_cast<float>(most));
+    }
+    SECTION("what stays is believed in the end") {
+        for (int i = 0; i < 9; ++i) tracker.update(reading_of(33.0 + 16.0 * most), kPeriod_s, 0.0F, 0.0F);
+        CHECK(tracker.speed() == Approx(33.0).epsilon(1e-4));
+        tracker.update(reading_of(33.0 + 16.0 * most), kPeriod_s, 0.0F, 0.0F);
+        CHECK(tracker.speed() > 100.0F);
+        for (int i = 0; i < 100; ++i) tracker.update(reading_of(33.0 + 16.0 * most), kPeriod_s, 0.0F, 0.0F);
+        CHECK(tracker.speed() == Approx(33.0 + 16.0 * most).epsilon(1e-2));
+    }
+}
