@@ -23,7 +23,7 @@ class Senses {
 
     [[nodiscard]] control::FaultSet step(const control::Sensors& sensors, control::Time now) {
         (void)estimator_.update(sensors, safe_current_mA_);
-        return monitor_.check(sensors, estimator_, false, now);
+        return monitor_.check(sensors, estimator_, {}, now);
     }
     [[nodiscard]] float wheel_radps() const { return estimator_.wheel_reading().speed_radps; }
     [[nodiscard]] float flywheel_radps() const { return estimator_.flywheel_reading().speed_radps; }

@@ -30,7 +30,8 @@ with tempfile.TemporaryDirectory() as elsewhere:
     verbs = [full for verb in verbs for full in [verb, *((*verb, sub) for sub in verbs_of(help_of(*verb)))]]
     configured = 0
     for verb in verbs:
-        defaults = re.findall(r"^  --\S+ [A-Z]\S*=((?:/|config)\S*)$", help_of(*verb), re.M)
+        # "=default" of CLI11 2.3, " [default]" of 2.4
+        defaults = re.findall(r"^  --\S+ [A-Z]\S*?(?:=| \[)((?:/|config)[^\s\]]*)\]? *$", help_of(*verb), re.M)
         check(f"rig-lab {' '.join(verb)}: {defaults}", all(d == INSTALLED or d.startswith(INSTALLED + "/") for d in defaults))
         configured += bool(defaults)
     check(f"{configured} verbs read a configuration", configured >= 15)

@@ -5,10 +5,10 @@ Register contents are coded here from config/registers.toml alone, with struct.
 
 usage: stock_clients.py MODBUS_BENCH      from the project root
 """
-import asyncio
 import json
 import logging
 import re
+import socket
 import struct
 import subprocess
 import sys
@@ -18,7 +18,7 @@ import tomllib
 
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient
 from pymodbus.datastore import ModbusSequentialDataBlock, ModbusServerContext, ModbusSlaveContext
-from pymodbus.server.async_io import ModbusTcpServer
+from pymodbus.server import StartTcpServer
 
 logging.getLogger("pymodbus").setLevel(logging.CRITICAL)
 
@@ -98,7 +98,7 @@ class PyModbus:
 
     def read(self, kind, field):
         ask = self.client.read_input_registers if kind == "input" else self.client.read_holding_registers
-        answer = ask(field["address"], WIDTH[field["type"]], slave=MAP["unit_id"])
+        answer = ask(field["address"], count=WIDTH[field["type"]], slave=MAP["unit_id"])
         if answer.isError():
             sys.exit(f"pymodbus: {answer}")
         return from_words(field, answer.registers)
@@ -198,21 +198,20 @@ def stock_server(program):
     for name, value in {**MEASURED, "map_version": MAP["map_version"], "refused_commit": 0}.items():
         field = MAP["input"][name]
         inputs[field["address"]:field["address"] + WIDTH[field["type"]]] = to_words(field, value)
-    store = ModbusSlaveContext(ir=ModbusSequentialDataBlock(0, inputs), hr=ModbusSequentialDataBlock(0, holdings),
-                               zero_mode=True)
-    started, port = threading.Event(), []
-
-    async def run():
-        server = ModbusTcpServer(ModbusServerContext(slaves=store, single=True), address=("127.0.0.1", 0))
-        task = asyncio.create_task(server.serve_forever())
-        await server.serving
-        port.append(server.server.sockets[0].getsockname()[1])
-        started.set()
-        await task
-
-    threading.Thread(target=lambda: asyncio.run(run()), daemon=True).start()
-    if not started.wait(60):
-        sys.exit("pymodbus server does not start")
+    store = ModbusSlaveContext(ir=ModbusSequentialDataBlock(1, inputs), hr=ModbusSequentialDataBlock(1, holdings))  # it adds 1
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    threading.Thread(target=lambda: StartTcpServer(context=ModbusServerContext(slaves=store, single=True), address=("127.0.0.1", port)),
+                     daemon=True).start()
+    deadline = time.monotonic() + 60.0
+    while True:
+        try:
+            socket.create_connection(("127.0.0.1", port), timeout=1.0).close()
+            break
+        except OSError:
+            if time.monotonic() > deadline:
+                sys.exit("pymodbus server does not start")
+            time.sleep(0.05)
 
     def plc():
         count = 0
@@ -224,7 +223,7 @@ def stock_server(program):
             time.sleep(0.01)
 
     threading.Thread(target=plc, daemon=True).start()
-    asked = subprocess.run([program, "ask", f"127.0.0.1:{port[0]}", *(f"{k}={v}" for k, v in COMMANDED.items())],
+    asked = subprocess.run([program, "ask", f"127.0.0.1:{port}", *(f"{k}={v}" for k, v in COMMANDED.items())],
                            capture_output=True, text=True, timeout=120, check=False)
     if asked.returncode != 0:
         sys.exit(f"our client failed: {asked.stdout}{asked.stderr}")
