@@ -71,7 +71,7 @@ void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReadin
     const bool sensible = speed >= 0.0F && speed <= encoder.max_speed_radps;  // false for NaN
     if (reading.fresh) {
         check.ranges = check.range.holds(!sensible);
-        check.lags = check.late.holds(reading.late_s > config_.sensor_max_age_s);
+        check.lags = check.late.holds(reading.late);
     }
     if (check.lags) faults.insert(lost);
     if (check.ranges) faults.insert(range);

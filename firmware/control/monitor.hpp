@@ -1,7 +1,7 @@
 /// Checks every input in every period and names what is wrong. Permission to brake is the absence of faults.
 ///
-/// - *_lost: no accepted frame for the input's maximum age; or, of a speed, its frames come later than that after the edges that they show,
-///   in as many fresh readings as periods in `implausible_s`, also on and off
+/// - *_lost: no accepted frame for the input's maximum age; or, of a speed, its frames come more than 25 ms later after the edges that they
+///   show than the quickest ones, in as many fresh readings as periods in `implausible_s`, also on and off
 /// - *_corrupt: the same, while frames came and were refused; or more frames were refused, beyond those that were accepted, than the
 ///   maximum age has periods
 /// - *_range: outside what the sensor can mean (or not a number), in as many fresh readings as periods in `implausible_s`, also on and off

@@ -45,7 +45,6 @@ class Suspicion {
         if (held_ < limit_) held_ += 2U;
         return held_ >= limit_;
     }
-    void forget() { held_ = 0; }
 
   private:
     std::uint32_t limit_;  // half periods

@@ -4,20 +4,11 @@
 
 namespace antiskid::control {
 
-namespace {
-// Far below the reference the tyre is so stiff that slip follows pressure at once and the gains hardly raise either: a build-up that ended
-// too early, by a wild reading, or pressure that sank would stay.
-constexpr float kStalledShare = 0.5F;  // of the reference
-constexpr float kStalled_s = 0.05F;
-}  // namespace
-
-SlipLaw::SlipLaw(const SlipConfig& config, float period_s)
-    : config_(config), period_s_(period_s), stalls_(kStalled_s, period_s) {}
+SlipLaw::SlipLaw(const SlipConfig& config, float period_s) : config_(config), period_s_(period_s) {}
 
 void SlipLaw::start(const Estimate& estimate) {
     reference_ = larger(estimate.slip, 0.0F);
     integral_ = 0.0F;
-    stalls_.forget();
     building_up_ = true;
     build_up_Pa_ = 0.0F;
 }
@@ -45,11 +36,6 @@ float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceilin
         config_.k_p_per_s * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate;
     float wanted_Pa = config_.road_torque_share * e.balance_Pa + wanted_rate / rate_per_Pa;
 
-    if (stalls_.holds(!building_up_ && e.late_slip < kStalledShare * reference_)) {
-        stalls_.forget();
-        building_up_ = true;
-        build_up_Pa_ = 0.0F;
-    }
     if (building_up_) {
         building_up_ =
             e.late_slip < config_.build_up_slip * smaller(reference_, config_.build_up_reference_limit);

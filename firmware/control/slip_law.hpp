@@ -4,7 +4,6 @@
 
 #include "firmware/control/config.hpp"
 #include "firmware/control/estimate.hpp"
-#include "firmware/control/persistence.hpp"
 
 namespace antiskid::control {
 
@@ -28,7 +27,6 @@ class SlipLaw {
     float period_s_;
     float reference_ = 0.0F;
     float integral_ = 0.0F;  // of the slip error times k_i, 1/s
-    Suspicion stalls_;
     bool building_up_ = false;
     float build_up_Pa_ = 0.0F;
 };

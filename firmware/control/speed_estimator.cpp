@@ -13,12 +13,12 @@ constexpr Time kLatest{25'000'000};  // a frame that is later than this against 
 SpeedEstimator::SpeedEstimator(float teeth) : radians_per_edge_(kTwoPi / teeth) {}
 
 /// The sensor's clock has another zero than ours, which the quickest frames tell, and may run slower by 1e-3.
-float SpeedEstimator::late_s(const SpeedInput& input) {
+bool SpeedEstimator::late(const SpeedInput& input) {
     constexpr Time kDrift{1'000};  // in a period
     const Time after = input.received - input.edge_time;
     quickest_ = clock_known_ && after > quickest_ + kDrift ? quickest_ + kDrift : after;
     clock_known_ = true;
-    return seconds(after - quickest_);
+    return after - quickest_ > kLatest;
 }
 
 SpeedReading SpeedEstimator::update(const SpeedInput& input) {
@@ -53,7 +53,7 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input) {
     } else if (edges != 0 && took.count() > 0) {
         // The first edge after a standstill only starts the clock: it says nothing about the time since the
         // one before.
-        reading.late_s = late_s(input);
+        reading.late = late(input);
         if (running_) {
             reading.interval_s = seconds(took);
             speed_radps_ = radians_per_edge_ * static_cast<float>(edges) / reading.interval_s;

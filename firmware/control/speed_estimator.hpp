@@ -11,10 +11,10 @@ namespace antiskid::control {
 struct SpeedReading {
     float speed_radps = 0.0F;  ///< mean speed over the interval, or an upper bound where no edge came
     float interval_s = 0.0F;   ///< time the edges took; the reading belongs to its middle
-    float late_s = 0.0F;  ///< by which its frame came later after its newest edge than the quickest ones do
-    bool fresh = false;   ///< edges came (or a speed frame): a measurement
+    bool fresh = false;        ///< edges came (or a speed frame): a measurement
     bool bounded =
         false;  ///< no edge came for longer than the last speed explains: `speed_radps` is an upper bound
+    bool late = false;  ///< its frame came more than 25 ms later after its newest edge than the quickest ones
     bool valid = false;  ///< false until two edges, or no edge for 100 ms, have been seen
 };
 
@@ -27,7 +27,7 @@ class SpeedEstimator {
     SpeedReading update(const SpeedInput& input);
 
   private:
-    [[nodiscard]] float late_s(const SpeedInput& input);
+    [[nodiscard]] bool late(const SpeedInput& input);
 
     float radians_per_edge_;
     bool clock_known_ = false;

@@ -250,37 +250,3 @@ TEST_CASE("the build-up ends at its share of the reference, not after it", "[CTL
     e.late_slip = 0.125F;
     CHECK(law.pressure_Pa(e, 0.25F, 1e12F) == Approx(8e6 + 45.0 * 0.125 / rate_per_Pa(e)).epsilon(1e-4));
 }
-
-TEST_CASE("slip that stays below half the reference is built up again", "[CTL-272]") {
-    const SlipConfig config = exact_law();
-    SlipLaw law = settled(config, 0.2F);
-    const auto asked = [&law](const float slip) {
-        return law.pressure_Pa(balanced(40.0F, slip, 1e6F), 0.2F, kCeiling_Pa);
-    };
-    const float half = 0.1F, built_up = 0.9F * config.build_up_pressure_Pa;
-    SECTION("after 50 ms") {
-        for (int ms = 0; ms < 49; ++ms) REQUIRE(asked(half - 0.01F) < built_up);
-        float most = 0.0F;
-        for (int ms = 0; ms < 10; ++ms) most = asked(half - 0.01F);
-        CHECK(most > 1e6F + built_up);
-        CHECK(asked(0.19F) < built_up);  // once it is there, no more
-    }
-    SECTION("not at half of it") {
-        for (int ms = 0; ms < 49; ++ms) REQUIRE(asked(half) < built_up);
-        SlipLaw other = settled(config, 0.2F);
-        float most = 0.0F;
-        for (int ms = 0; ms < 60; ++ms) {
-            const float now = other.pressure_Pa(balanced(40.0F, half + 0.001F, 1e6F), 0.2F, kCeiling_Pa);
-            most = now > most ? now : most;
-        }
-        // The proportional term and the integral alone.
-        CHECK(most < 1e6F + (config.k_p_per_s * 0.1F + config.k_i_per_s2 * 0.1F * 0.06F) /
-                                static_cast<float>(rate_per_Pa(balanced(40.0F, half, 1e6F))));
-    }
-    SECTION("what came and went before a start does not count") {
-        for (int ms = 0; ms < 45; ++ms) static_cast<void>(asked(half - 0.01F));
-        law.start(balanced(40.0F, 0.19F, 1e6F));
-        static_cast<void>(asked(0.19F));
-        for (int ms = 0; ms < 45; ++ms) REQUIRE(asked(half - 0.01F) < built_up);
-    }
-}
