@@ -4,6 +4,16 @@
 
 namespace antiskid::control {
 
+namespace {
+/// Compared as it is: a difference of times as a float costs a processor without 64-bit registers fifty instructions.
+Time nanoseconds(float time_s) {
+    return Time{static_cast<std::int64_t>(time_s * 1e9F + 0.5F)};
+}
+}  // namespace
+
+Monitor::Arrival::Arrival(float max_age_s, float period_s)
+    : max_age(nanoseconds(max_age_s)), most_refused(max_age_s / period_s + 0.5F) {}
+
 Monitor::Monitor(const Config& config)
     : config_(config.monitor),
       wheel_encoder_(config.wheel.encoder),
@@ -12,6 +22,11 @@ Monitor::Monitor(const Config& config)
       released_Pa_(config.supervisor.residual_pressure_Pa),
       period_s_(config.period_s),
       made_up_for_share_(config.estimator.valve_offset_share),
+      wheel_(config.monitor.sensor_max_age_s, config.period_s),
+      flywheel_(config.monitor.sensor_max_age_s, config.period_s),
+      pressure_(config.monitor.sensor_max_age_s, config.period_s),
+      maneuver_(config.monitor.maneuver_max_age_s, config.period_s),
+      heartbeat_max_age_(nanoseconds(config.monitor.heartbeat_max_age_s)),
       wheel_speed_(config.monitor.implausible_s, config.period_s),
       flywheel_speed_(config.monitor.implausible_s, config.period_s),
       pressure_range_(config.monitor.implausible_s, config.period_s),
@@ -27,13 +42,11 @@ Monitor::Monitor(const Config& config)
       flywheel_leaps_(config.monitor.implausible_s, config.period_s),
       overspeed_(config.monitor.stuck_s, config.period_s) {}
 
-Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now,
-                                                  float max_age_s, float period_s) {
+Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now) {
     // Of frames that mostly fail their checks some pass by chance: what they say is worth nothing. A repeat of each good one is harmless.
     const std::uint32_t more = rejected_now - rejected_before;
     rejected_before = rejected_now;
     constexpr std::uint32_t kCountWentBack = 1U << 31U;
-    const float most_refused = max_age_s / period_s + 0.5F;
     if (more < kCountWentBack) refused = smaller(refused + static_cast<float>(more), 2.0F * most_refused);
     if (newest != received) {
         received = newest;
@@ -41,7 +54,7 @@ Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rej
         refused = larger(refused - 1.0F, 0.0F);
     }
     if (refused > most_refused) return Verdict::corrupt;
-    if (newest != kNever && seconds(now - newest) <= max_age_s) return Verdict::good;
+    if (newest != kNever && now - newest <= max_age) return Verdict::good;
     return rejected_now != rejected ? Verdict::corrupt : Verdict::lost;
 }
 
@@ -50,19 +63,16 @@ void Monitor::check_arrivals(FaultSet& faults, const Sensors& sensors, Time now)
         if (verdict == Arrival::Verdict::lost) faults.insert(lost);
         if (verdict == Arrival::Verdict::corrupt) faults.insert(corrupt);
     };
-    const float age = config_.sensor_max_age_s;
-    name(wheel_.judge(sensors.wheel.received, sensors.wheel.rejected, now, age, period_s_), Fault::wheel_lost,
+    name(wheel_.judge(sensors.wheel.received, sensors.wheel.rejected, now), Fault::wheel_lost,
          Fault::wheel_corrupt);
-    name(flywheel_.judge(sensors.flywheel.received, sensors.flywheel.rejected, now, age, period_s_),
-         Fault::flywheel_lost, Fault::flywheel_corrupt);
-    name(pressure_.judge(sensors.pressure.received, sensors.pressure.rejected, now, age, period_s_),
-         Fault::pressure_lost, Fault::pressure_corrupt);
-    name(maneuver_.judge(sensors.maneuver.received, sensors.maneuver.rejected, now,
-                         config_.maneuver_max_age_s, period_s_),
-         Fault::maneuver_lost, Fault::maneuver_corrupt);
+    name(flywheel_.judge(sensors.flywheel.received, sensors.flywheel.rejected, now), Fault::flywheel_lost,
+         Fault::flywheel_corrupt);
+    name(pressure_.judge(sensors.pressure.received, sensors.pressure.rejected, now), Fault::pressure_lost,
+         Fault::pressure_corrupt);
+    name(maneuver_.judge(sensors.maneuver.received, sensors.maneuver.rejected, now), Fault::maneuver_lost,
+         Fault::maneuver_corrupt);
     const Time heartbeat = sensors.rig_heartbeat_received;
-    if (heartbeat == kNever || seconds(now - heartbeat) > config_.heartbeat_max_age_s)
-        faults.insert(Fault::heartbeat_lost);
+    if (heartbeat == kNever || now - heartbeat > heartbeat_max_age_) faults.insert(Fault::heartbeat_lost);
 }
 
 void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReading& reading,

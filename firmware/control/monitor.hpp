@@ -46,12 +46,15 @@ class Monitor {
   private:
     /// Age and refusals of one input.
     struct Arrival {
+        Arrival(float max_age_s, float period_s);
+        Time max_age;
+        float most_refused;
         Time received = kNever;
         std::uint32_t rejected = 0;
         std::uint32_t rejected_before = 0;
         float refused = 0.0F;  // frames, less those that were accepted
         enum class Verdict : std::uint8_t { good, lost, corrupt };
-        Verdict judge(Time newest, std::uint32_t rejected_now, Time now, float max_age_s, float period_s);
+        Verdict judge(Time newest, std::uint32_t rejected_now, Time now);
     };
     /// Range and rate of one speed.
     struct SpeedCheck {
@@ -83,6 +86,7 @@ class Monitor {
     float period_s_;
     float made_up_for_share_;
     Arrival wheel_, flywheel_, pressure_, maneuver_;
+    Time heartbeat_max_age_;
     SpeedCheck wheel_speed_, flywheel_speed_;
     Suspicion pressure_range_, pressure_rate_, pressure_off_, valve_off_, free_slip_;
     float excess_slip_s_ = 0.0F;
