@@ -32,9 +32,9 @@ class Monitor {
   public:
     /// What the controller did in the period before.
     struct Before {
-        bool rolling = false;  ///< on the wheels and spun up since touchdown
-        bool braking = false;  ///< a law acted
-        float slip_reference = 0.0F;
+        bool rolling;  ///< on the wheels and spun up since touchdown
+        bool braking;  ///< a law acted
+        float slip_reference;
     };
 
     explicit Monitor(const Config& config);

@@ -12,13 +12,15 @@ constexpr Time kLatest{25'000'000};  // a frame that is later than this against 
 
 SpeedEstimator::SpeedEstimator(float teeth) : radians_per_edge_(kTwoPi / teeth) {}
 
-/// The sensor's clock has another zero than ours, which the quickest frames tell, and may run slower by 1e-3.
+/// The sensor's clock has another zero than ours, which the quickest frames tell. They are forgotten within some thousand readings: the clocks
+/// drift, and one that is set is no frame that is late.
 bool SpeedEstimator::late(const SpeedInput& input) {
-    constexpr Time kDrift{1'000};  // in a period
+    constexpr std::int64_t kForgotten = 1024;  // readings
     const Time after = input.received - input.edge_time;
-    quickest_ = clock_known_ && after > quickest_ + kDrift ? quickest_ + kDrift : after;
+    const Time behind = clock_known_ ? after - quickest_ : Time{};
+    quickest_ = behind.count() > 0 ? quickest_ + behind / kForgotten : after;
     clock_known_ = true;
-    return after - quickest_ > kLatest;
+    return behind > kLatest;
 }
 
 SpeedReading SpeedEstimator::update(const SpeedInput& input) {

@@ -56,7 +56,7 @@ struct Watch {
     Sensors sensors;
     Time now{};
     float current_mA = 0.0F;
-    Monitor::Before before;
+    Monitor::Before before{};
 };
 
 FaultSet set_of(std::initializer_list<Fault> faults) {
@@ -565,7 +565,7 @@ TEST_CASE("frames that come late after their edges are lost ones, one alone is n
     SECTION("more are named at the fifth reading") {
         fall_behind(25);
         int periods = 1;
-        while (!e.turn(1, Time{26'000'000}).contains(Fault::wheel_lost)) REQUIRE(++periods < 100);
+        while (!e.turn(1, Time{28'000'000}).contains(Fault::wheel_lost)) REQUIRE(++periods < 100);
         CHECK(periods == 17);
     }
     SECTION("a clock that runs slower by 1e-4 is followed") {
@@ -617,18 +617,20 @@ TEST_CASE("a valve off its map by more than is made up for is named", "[CTL-275]
         float short_Pa;
         Law law;
         bool braking, named;
+        float current_mA = 8.0F;
     };
-    const Row row =
-        GENERATE(Row{0.50e6F, Law::wheel_slip, true, false}, Row{0.55e6F, Law::wheel_slip, true, true},
-                 Row{-0.55e6F, Law::wheel_slip, true, true}, Row{0.55e6F, Law::deceleration, true, true},
-                 Row{0.55e6F, Law::open_loop, true, false}, Row{0.55e6F, Law::threshold, true, false},
-                 Row{0.55e6F, Law::wheel_slip, false, false});
+    const Row row = GENERATE(
+        Row{0.50e6F, Law::wheel_slip, true, false}, Row{0.55e6F, Law::wheel_slip, true, true},
+        Row{-0.55e6F, Law::wheel_slip, true, true}, Row{0.51e6F, Law::wheel_slip, true, false},
+        Row{0.55e6F, Law::wheel_slip, true, false, 5.4F}, Row{0.55e6F, Law::wheel_slip, true, true, 5.8F},
+        Row{0.55e6F, Law::deceleration, true, true}, Row{0.55e6F, Law::open_loop, true, false},
+        Row{0.55e6F, Law::threshold, true, false}, Row{0.55e6F, Law::wheel_slip, false, false});
     Config config = fixed_config();
     config.estimator.valve_offset_radps = 7.0F;
     config.estimator.valve_offset_share = 0.25F;
     config.estimator.pressure_bandwidth_radps = 30.0F;
     Watch w(config);
-    w.current_mA = 8.0F;
+    w.current_mA = row.current_mA;
     w.sensors.maneuver.law = row.law;
     w.before.braking = row.braking;
     FaultSet faults;
@@ -637,4 +639,24 @@ TEST_CASE("a valve off its map by more than is made up for is named", "[CTL-275]
         faults = w.step();
     }
     CHECK(faults.contains(Fault::pressure_off_command) == row.named);
+}
+
+TEST_CASE("no offset, and no pressure, are exactly at their limits where these are none", "[CTL-275]") {
+    const bool learns = GENERATE(false, true);
+    Config config = fixed_config();
+    config.supervisor.residual_pressure_Pa = 0.0F;
+    config.estimator.valve_offset_radps = learns ? 7.0F : 0.0F;
+    config.estimator.valve_offset_share = learns ? 0.25F : 0.0F;
+    Watch w(config);
+    w.sensors.maneuver.law = Law::wheel_slip;
+    w.before.braking = true;
+    w.current_mA = learns ? 0.0F : 8.0F;
+    w.sensors.pressure.pressure_Pa = learns ? 1e5F : 2.1e6F;
+    for (int k = 0; k < 1000; ++k) REQUIRE_FALSE(w.step().contains(Fault::pressure_off_command));
+}
+
+TEST_CASE("an encoder that stands is not late before its first reading", "[CTL-271]") {
+    Watch w;
+    w.sensors.wheel.source = SpeedSource::edges;
+    for (int k = 0; k < 200; ++k) REQUIRE(w.step().empty());
 }

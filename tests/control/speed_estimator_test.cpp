@@ -430,6 +430,12 @@ TEST_CASE(
         line.shaft.first_time -= Time{50'000'000};
         CHECK(settles());
     }
+    SECTION("a clock that was set is not late for ever") {
+        CHECK(settles());
+        int readings = 1;
+        while (late(Time{50'000'000})) REQUIRE(++readings < 2000);
+        CHECK(readings > 500);
+    }
     SECTION("and so is one that jumped ahead") {
         line.shaft.first_time += Time{900'000'000};
         CHECK(settles());

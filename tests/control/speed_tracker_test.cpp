@@ -209,3 +209,11 @@ TEST_CASE("a reading that no wheel can have got to is not believed for 10 ms", "
         CHECK(tracker.speed() == Approx(33.0 + 16.0 * most).epsilon(1e-2));
     }
 }
+
+TEST_CASE("a reading exactly at the limit is believed", "[CTL-270]") {
+    constexpr float kExact_s = 1.0F / 1024.0F;
+    SpeedTracker tracker(450.0F, 16.0F);
+    tracker.update(reading_of(32.0, kExact_s), kExact_s, 0.0F, 0.0F);
+    tracker.update(reading_of(32.0 + 2.0 * 16.0 / 1024.0, kExact_s), kExact_s, 0.0F, 0.0F);
+    CHECK(tracker.speed() > 32.0F);
+}
