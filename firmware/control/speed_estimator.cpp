@@ -48,7 +48,6 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input) {
     // frame, whose count and time seem to have rolled over. The next edge is measured from here.
     const bool leapt = running_ && edges != 0 && took > input.received - newest_edge_seen_ + kLatest;
     if (leapt) {
-        clock_known_ = false;
         edge_count_ = input.edge_count;
         edge_time_ = input.edge_time;
         newest_edge_seen_ = input.received;

@@ -447,3 +447,17 @@ TEST_CASE(
         CHECK(settles());
     }
 }
+
+TEST_CASE("25 ms after the quickest frame is not late yet", "[CTL-271]") {
+    const auto later = static_cast<std::int64_t>(GENERATE(0, 1));
+    SpeedEstimator estimator(60.0F);
+    SpeedInput input{.source = SpeedSource::edges};
+    SpeedReading reading;
+    for (int k = 1; k <= 10; ++k) {
+        input.edge_count += 1;
+        input.edge_time = k * kMillisecond;
+        input.received = input.edge_time + (k == 10 ? Time{25'000'000 + later} : Time{});
+        reading = estimator.update(input);
+    }
+    CHECK(reading.late == (later == 1));
+}
