@@ -378,9 +378,9 @@ TEST_CASE("estimates can be looked at, and the state is told", "[CTL-066]") {
     CHECK(b.command.speed_mps == b.controller.estimate().v_mps);
     CHECK(b.command.wheel_speed_radps == b.controller.estimate().omega_radps);
     CHECK(b.command.slip == b.controller.estimate().slip);
-    CHECK(b.command.slip == Approx(0.1).margin(0.02));
+    CHECK(b.command.slip == Approx(0.07).margin(0.02));
     CHECK(b.command.speed_mps == Approx(40.0).epsilon(1e-3));
-    CHECK(b.command.slip_reference == Approx(0.1F));
+    CHECK(b.command.slip_reference == Approx(0.07F));
     b.slip = 0.8;
     while (b.step().state == State::braking) {
     }
