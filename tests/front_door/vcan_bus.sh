@@ -5,7 +5,7 @@ source "$(dirname "$0")/harness.bash"
 
 "$rig" vcan --timeout 60 -- bash -c '
     candump -L -n 3 vcan0 & dump=$!
-    until grep -qs vcan0 /proc/net/can/rcvlist_all; do sleep 0.05; done
+    until grep -qs "^ *vcan0 " /proc/net/can/rcvlist_all; do sleep 0.05; done
     cansend vcan0 123#DEADBEEF; cansend vcan0 7FF#; cansend vcan0 1F334455#R
     wait "$dump"' >"$scratch/out"
 expect "status" $? 0

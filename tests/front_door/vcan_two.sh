@@ -5,7 +5,7 @@ source "$(dirname "$0")/harness.bash"
 run() { # MINE THEIRS: records the bus while the other sends, too
     "$rig" vcan --timeout 100 -- bash -c "
         candump -L vcan0 >$scratch/log.$1 & dump=\$!
-        until grep -qs vcan0 /proc/net/can/rcvlist_all; do sleep 0.05; done
+        until grep -qs \"^ *vcan0 \" /proc/net/can/rcvlist_all; do sleep 0.05; done
         touch $scratch/up.$1
         until [[ -e $scratch/up.$2 ]]; do sleep 0.05; done
         for i in {1..50}; do cansend vcan0 $1#00; done
