@@ -178,6 +178,7 @@ def realtime(folder):
     check(result["standstill"] == (run.returncode == 0), f"exit status {run.returncode}: {run.stderr}")
     if not result["standstill"]:
         check("antiskid-controller" in run.stderr or "safe state" in run.stderr, "no reason given: " + run.stderr)
+        # speeds_disagree: so 20 of 180 stops of the fault campaign end whose valve commands are late
         faults = set(result["faults"])
         check(faults <= {"overrun", "wheel_lost", "flywheel_lost", "pressure_lost", "maneuver_lost", "heartbeat_lost", "pressure_off_command", "speeds_disagree"},
               f"faults that lateness does not explain: {faults}")
