@@ -9,10 +9,11 @@ namespace {
 Time nanoseconds(float time_s) {
     return Time{static_cast<std::int64_t>(time_s * 1e9F)};
 }
+constexpr float kCommandPeriod_s = 0.01F;  // no sequencer commands faster; config/antiskid.dbc: 20 ms
 }  // namespace
 
-Monitor::Arrival::Arrival(float max_age_s, float period_s)
-    : max_age(nanoseconds(max_age_s)), most_refused(max_age_s / period_s + 0.5F) {}
+Monitor::Arrival::Arrival(float max_age_s, float frame_period_s)
+    : max_age(nanoseconds(max_age_s)), most_refused(max_age_s / frame_period_s + 0.5F) {}
 
 Monitor::Monitor(const Config& config)
     : config_(config.monitor),
@@ -25,7 +26,7 @@ Monitor::Monitor(const Config& config)
       wheel_(config.monitor.sensor_max_age_s, config.period_s),
       flywheel_(config.monitor.sensor_max_age_s, config.period_s),
       pressure_(config.monitor.sensor_max_age_s, config.period_s),
-      maneuver_(config.monitor.maneuver_max_age_s, config.period_s),
+      maneuver_(config.monitor.maneuver_max_age_s, kCommandPeriod_s),
       heartbeat_max_age_(nanoseconds(config.monitor.heartbeat_max_age_s)),
       wheel_speed_(config.monitor.implausible_s, config.period_s),
       flywheel_speed_(config.monitor.implausible_s, config.period_s),

@@ -20,9 +20,10 @@ Supervisor::Supervisor(const SupervisorConfig& config, float period_s)
 void Supervisor::watch_touchdown(bool on_wheels, const Estimate& e) {
     const float rim = e.omega_radps * e.radius_m;
     const bool long_enough = on_wheels_.holds(on_wheels);
+    const bool turns_along = e.v_mps > config_.drop_out_mps && rim > config_.unlock_share * e.v_mps;
     if (!on_wheels)
         protected_ = true;
-    else if (long_enough || rim > config_.spin_up_mps)
+    else if (long_enough || rim > config_.spin_up_mps || turns_along)
         protected_ = false;
 }
 

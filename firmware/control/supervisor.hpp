@@ -9,7 +9,8 @@
 ///
 /// - standby -> armed: an edge of the maneuver command's `arm`; every state of the right side falls back to standby without it
 /// - armed: no demand, or no weight on the wheels; a bounce ends here and is protected anew at the next touchdown
-/// - touchdown_protection: on the wheels, not spun up to `spin_up_mps` yet, for `touchdown_timeout_s` at the most
+/// - touchdown_protection: on the wheels, not spun up to `spin_up_mps` nor to `unlock_share` of the aircraft's speed yet, for
+///   `touchdown_timeout_s` at the most
 /// - braking: the law acts. locked_wheel: rim below `lock_share` of the aircraft's speed until above `unlock_share`; no pressure;
 ///   not with the open-loop law, nor below `drop_out_mps`
 /// - drop_out: below `drop_out_mps`, until `drop_out_hysteresis_mps` above it; the demand passes through. Only with the laws that

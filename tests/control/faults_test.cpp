@@ -64,14 +64,17 @@ struct Injection {
     double v_mps = 40.0;
 };
 
+constexpr unsigned kCommandPeriods = 20;  // between two maneuver commands
+
+/// No frame is accepted; if `refused_each` is not 0, one is refused in as many periods.
 template <typename Input>
-Spoil silent(Input Sensors::*const input, const bool refused) {
+Spoil silent(Input Sensors::*const input, const unsigned refused_each) {
     auto last = std::make_shared<Input>();
     return [=](Bench&, Sensors& seen, const int period) {
         if (period == 0) *last = seen.*input;
         if (period == 0) return;
         seen.*input = *last;
-        if (refused) (seen.*input).rejected += static_cast<std::uint32_t>(period);
+        if (refused_each > 0) (seen.*input).rejected += static_cast<unsigned>(period) / refused_each;
     };
 }
 
@@ -116,14 +119,14 @@ std::map<Fault, std::vector<Injection>> injections() {
     };
     const auto simple = [&](const Fault fault, const Spoil& spoil) { add(fault, {.spoil = spoil}); };
 
-    simple(Fault::wheel_lost, silent(&Sensors::wheel, false));
-    simple(Fault::wheel_corrupt, silent(&Sensors::wheel, true));
-    simple(Fault::flywheel_lost, silent(&Sensors::flywheel, false));
-    simple(Fault::flywheel_corrupt, silent(&Sensors::flywheel, true));
-    simple(Fault::pressure_lost, silent(&Sensors::pressure, false));
-    simple(Fault::pressure_corrupt, silent(&Sensors::pressure, true));
-    simple(Fault::maneuver_lost, silent(&Sensors::maneuver, false));
-    simple(Fault::maneuver_corrupt, silent(&Sensors::maneuver, true));
+    simple(Fault::wheel_lost, silent(&Sensors::wheel, 0));
+    simple(Fault::wheel_corrupt, silent(&Sensors::wheel, 1));
+    simple(Fault::flywheel_lost, silent(&Sensors::flywheel, 0));
+    simple(Fault::flywheel_corrupt, silent(&Sensors::flywheel, 1));
+    simple(Fault::pressure_lost, silent(&Sensors::pressure, 0));
+    simple(Fault::pressure_corrupt, silent(&Sensors::pressure, 1));
+    simple(Fault::maneuver_lost, silent(&Sensors::maneuver, 0));
+    simple(Fault::maneuver_corrupt, silent(&Sensors::maneuver, kCommandPeriods));
     add(Fault::heartbeat_lost, {.spoil = [last = Time{}](Bench&, Sensors& seen, const int period) mutable {
             if (period == 0) last = seen.rig_heartbeat_received;
             seen.rig_heartbeat_received = last;
@@ -389,10 +392,10 @@ TEST_CASE("single disturbances are ridden out", "[CTL-085]") {
             REQUIRE(b.command.pressure_request_Pa == Approx(before).margin(0.4e6));
         }
     };
-    strike(silent(&Sensors::wheel, true), 5 * length);
-    strike(silent(&Sensors::flywheel, false), 5 * length);
-    strike(silent(&Sensors::pressure, true), 5 * length);
-    strike(silent(&Sensors::maneuver, true), 25 * length);
+    strike(silent(&Sensors::wheel, 1), 5 * length);
+    strike(silent(&Sensors::flywheel, 0), 5 * length);
+    strike(silent(&Sensors::pressure, 1), 5 * length);
+    strike(silent(&Sensors::maneuver, kCommandPeriods), 25 * length);
     strike(reports(&Sensors::wheel, [](float, int) { return kNaN; }), length);
     strike(reports(&Sensors::flywheel, [](float, int) { return kInf; }), length);
     strike(pressure([](float, int) { return kNaN; }), length);

@@ -325,6 +325,16 @@ TEST_CASE("rim speeds and slip exactly at their limits", "[CTL-081]") {
     CHECK(faults.contains(Fault::flywheel_stuck) == (row.flywheel_radps == 0.0F && row.disagree));
 }
 
+TEST_CASE("more refused maneuver commands than its maximum age has frames are corrupt", "[CTL-277]") {
+    // 0.1 s and 10 ms; the good frame among them pays for one.
+    const float period_s = GENERATE(1e-3F, 5e-3F);
+    const std::uint32_t refused = GENERATE(11U, 12U);
+    Watch w(fixed_config(period_s));
+    REQUIRE(w.step().empty());
+    w.sensors.maneuver.rejected = refused;
+    CHECK(w.step().contains(Fault::maneuver_corrupt) == (refused == 12U));
+}
+
 TEST_CASE(
     "a landed aircraft gets faster by no more than 2 m/s2 and the share, and only above the least speed",
     "[CTL-081]") {
