@@ -62,13 +62,6 @@ void SpeedDecoder::apply(const SpeedSignals& signals, const RawSpeed& raw, contr
         input.speed_radps = static_cast<float>(signals.speed_radps.value(raw.speed));
         return;
     }
-    if (!started_) {
-        started_ = true;
-        last_count_ = raw.edge_count;
-        last_time_ = raw.edge_time;
-        ticks_ = raw.edge_time;
-        input.edge_count = static_cast<std::uint32_t>(raw.edge_count);
-    }
     input.edge_count +=
         static_cast<std::uint32_t>((raw.edge_count - last_count_) & signals.edge_count.mask());
     ticks_ += (raw.edge_time - last_time_) & signals.edge_time.mask();

@@ -49,7 +49,6 @@ class SpeedDecoder {
     std::uint64_t last_count_ = 0;
     std::uint64_t last_time_ = 0;
     std::uint64_t ticks_ = 0;
-    bool started_ = false;
 };
 
 /// False, with `input` unchanged, when the law is none that exists.
