@@ -46,12 +46,24 @@ void BusMeter::accept(const antiskid::can::Frame& frame) {
     }
 }
 
+/// The number has no CRC: a leap counts once the next number goes on from it.
 void BusMeter::count_sync() {
     const std::uint32_t number = view().sync_number;
     const antiskid::can::Signal& counter = layout_.sync_counter;
     std::uint64_t passed = 1;
-    if (sync_ && counter.bound()) passed = (number - last_sync_) & counter.mask();
-    if (passed == 0) return;  // the same sample said twice
+    if (sync_ && counter.bound()) {
+        const std::uint64_t mask = counter.mask();
+        passed = (number - last_sync_) & mask;
+        if (passed == 0) return;  // the same sample said twice
+        constexpr std::uint64_t kLeap = 8;
+        const bool goes_on = leapt_to_ && ((number - *leapt_to_) & mask) == 1;
+        leapt_to_.reset();
+        if (passed > kLeap && !goes_on) {
+            leapt_to_ = number;
+            return;
+        }
+        if (passed > mask / 2) passed = 1;  // the rig counts anew
+    }
     sync_ = true;
     last_sync_ = number;
     syncs_ += passed;

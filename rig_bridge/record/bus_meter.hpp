@@ -5,13 +5,15 @@
 ///     for (frames) if (frame.plain()) meter.accept(frame.frame);       // CapturedFrame, or a line of a log
 ///     Figures figures = meter.figures();
 ///
-/// Time: where SYNC frames are on the bus, SYNC number times control period; a sample is what was known when a SYNC ended it.
+/// Time: where SYNC frames are on the bus, SYNC number times control period; a sample is what was known when a SYNC ended it. A number
+/// that was overtaken, and one that the next does not go on from, count as no time.
 /// Else the kernel's stamp, cut to microseconds as a log has it; a sample ends with each pressure frame, the last of the
 /// sensors'. A stamp that goes back (the wall clock was set) counts as no time. Phases come from the maneuver state: a change counts
 /// from the next sample on.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "firmware/can/observer.hpp"
 #include "rig_bridge/record/meter.hpp"
@@ -50,6 +52,7 @@ class BusMeter {
     antiskid::control::FaultSet faults_;
     bool sync_ = false;
     std::uint32_t last_sync_ = 0;
+    std::optional<std::uint32_t> leapt_to_;  // by the newest number
     std::uint64_t syncs_ = 0;
     bool stamped_ = false;
     std::int64_t first_us_ = 0;

@@ -1,5 +1,6 @@
 #include <bit>
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include "firmware/can/value_names.hpp"
@@ -132,6 +133,49 @@ TEST_CASE("by SYNC number the kernel's stamps do not matter, and a number said t
     CHECK(same_bits(shifted.figures(), expected));
     CHECK(same_bits(repeated.figures(), expected));
     CHECK(thinned.figures().duration_s == Approx(expected.duration_s).margin(0.002));
+}
+
+TEST_CASE("SYNC numbers that are corrupted, overtaken, missing for long or begun anew cost their own time",
+          "[BRG-203]") {
+    ClosedForm c;
+    c.v0_mps = 20.0;
+    const Recording recording(c, true);
+    const Figures expected = measure(recording);
+    const auto& layout = can_test::ours();
+    const std::uint16_t sync = layout[antiskid::can::Role::sync].id;
+    const auto numbered = [&](Frame frame, const std::uint64_t number) {
+        antiskid::can::Payload payload;  // it carries nothing else
+        payload.write(layout.sync_counter, static_cast<std::int64_t>(number));
+        frame.data = payload.bytes();
+        return frame;
+    };
+    BusMeter corrupted(layout, kRig), overtaken(layout, kRig), silent(layout, kRig), anew(layout, kRig);
+    std::mt19937 random(204);
+    std::uint64_t n = 0;
+    std::optional<Frame> kept;
+    for (const Frame& frame : recording.frames) {
+        const bool is_sync = frame.id == sync;
+        if (is_sync) ++n;
+        const auto number =
+            static_cast<std::uint64_t>(antiskid::can::Payload(frame.data).read(layout.sync_counter));
+        const std::uint64_t bit = std::uint64_t{1} << (random() % 16U);
+        corrupted.accept(is_sync && n % 50 == 0 ? numbered(frame, number ^ bit) : frame);
+        if (!(is_sync && n > 1000 && n <= 1200)) silent.accept(frame);
+        anew.accept(is_sync && n > 1000 ? numbered(frame, n - 1000) : frame);
+        if (is_sync && n % 50 == 0) {
+            kept = frame;
+        } else {
+            overtaken.accept(frame);
+            if (is_sync && kept) overtaken.accept(*kept);
+            if (is_sync) kept.reset();
+        }
+    }
+    CHECK(corrupted.figures().duration_s == Approx(expected.duration_s).margin(0.01));
+    CHECK(overtaken.figures().duration_s == Approx(expected.duration_s).margin(0.003));
+    CHECK(silent.figures().duration_s == Approx(expected.duration_s).margin(0.003));
+    CHECK(anew.figures().duration_s == Approx(expected.duration_s).margin(0.003));
+    for (const BusMeter* meter : {&corrupted, &overtaken, &silent, &anew})
+        CHECK(meter->figures().length_m == Approx(expected.length_m).margin(0.05));
 }
 
 TEST_CASE("SYNC numbers go on across the roll-over of their field", "[BRG-203]") {
