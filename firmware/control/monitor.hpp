@@ -3,7 +3,7 @@
 /// - *_lost: no accepted frame for the input's maximum age; or, of a speed, its frames come more than 25 ms later after the edges that they
 ///   show than the quickest ones, in as many fresh readings as periods in `implausible_s`, also on and off
 /// - *_corrupt: the same, while frames came and were refused; or more frames were refused, beyond those that were accepted, than the
-///   maximum age has periods (of the maneuver command: 10 ms)
+///   maximum age has periods; of the maneuver command, whose frames are rarer, than it has times 10 ms
 /// - *_range: outside what the sensor can mean (or not a number), in as many fresh readings as periods in `implausible_s`, also on and off
 /// - *_rate: fresh readings change faster than the machine can, as many of them as periods in `implausible_s`, also on and off
 /// - wheel_stuck: no edge although the brake is released and the aircraft moves, for `stuck_s`

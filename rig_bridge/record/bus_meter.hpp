@@ -5,11 +5,10 @@
 ///     for (frames) if (frame.plain()) meter.accept(frame.frame);       // CapturedFrame, or a line of a log
 ///     Figures figures = meter.figures();
 ///
-/// Time: where SYNC frames are on the bus, SYNC number times control period; a sample is what was known when a SYNC ended it. A number
-/// that was overtaken, and one that the next does not go on from, count as no time.
-/// Else the kernel's stamp, cut to microseconds as a log has it; a sample ends with each pressure frame, the last of the
-/// sensors'. A stamp that goes back (the wall clock was set) counts as no time. Phases come from the maneuver state: a change counts
-/// from the next sample on.
+/// Time: where SYNC frames are on the bus, SYNC number times control period; a sample is what was known when a SYNC ended it; a number
+/// that was overtaken, or that the next does not go on from, counts as no time. Without SYNC frames the kernel's stamp, cut to
+/// microseconds as a log has it; a sample ends with each pressure frame, the last of the sensors'. A stamp that goes back (the wall
+/// clock was set) counts as no time. Phases come from the maneuver state: a change counts from the next sample on.
 #pragma once
 
 #include <cstdint>

@@ -78,14 +78,19 @@ TEST_CASE("a bounce is no fault and protects again", "[CTL-073]") {
     CHECK(s.supervisor.latched().empty());
 }
 
-TEST_CASE("a squat switch that opens for a moment costs that moment at every speed", "[CTL-276]") {
+TEST_CASE(
+    "a squat switch that opens for a moment, or a command of the approach in between, costs that moment",
+    "[CTL-276]") {
     const float v = GENERATE(5.1F, 12.0F, 29.0F, 45.0F);
+    const bool approach = GENERATE(false, true);  // its command disarms, too
     Stand s;
     s.to_braking();
     s.move(v, 0.8F * v);
     s.sensors.maneuver.weight_on_wheels = false;
-    CHECK(s.step(20) == State::armed);
-    s.sensors.maneuver.weight_on_wheels = true;
+    s.sensors.maneuver.arm = !approach;
+    CHECK(s.step(20) == (approach ? State::standby : State::armed));
+    s.sensors.maneuver.weight_on_wheels = s.sensors.maneuver.arm = true;
+    if (approach) CHECK(s.step() == State::armed);
     CHECK(s.step() == State::braking);
 }
 
