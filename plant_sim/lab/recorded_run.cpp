@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using antiskid::can::Role;
 
-double seconds(antiskid::control::Time t) {
+double to_seconds(antiskid::control::Time t) {
     return static_cast<double>(t.count()) * 1e-9;
 }
 
@@ -51,7 +51,7 @@ class Clock {
         const double before_s = time_s_;
         if (!lockstep_) {
             if (!started_) first_ = stamp;
-            time_s_ = seconds(stamp - first_);
+            time_s_ = to_seconds(stamp - first_);
         } else if (started_) {
             const std::uint64_t moved = mask_ == 0 ? 1 : (view.sync_number - number_) & mask_;
             time_s_ += static_cast<double>(moved) * period_s_;
@@ -75,7 +75,7 @@ class Clock {
 };
 
 identification::Edges edges(const antiskid::control::SpeedInput& input) {
-    return {.count = input.edge_count, .time_s = seconds(input.edge_time)};
+    return {.count = input.edge_count, .time_s = to_seconds(input.edge_time)};
 }
 
 }  // namespace

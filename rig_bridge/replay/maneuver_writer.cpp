@@ -14,7 +14,7 @@ using antiskid::can::Time;
 namespace {
 
 constexpr Time kStep{1'000'000};
-constexpr double kStep_s = 1e-3;
+constexpr double kSample_s = 1e-3;
 
 std::filesystem::path made(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
@@ -44,18 +44,18 @@ ManeuverWriter::ManeuverWriter(const ImportedRig& rig, const std::filesystem::pa
 void ManeuverWriter::add(const ImportSample& sample, sequencer::Phase phase) {
     if (!last_) {
         last_ = sample;
-        next_ms_ = static_cast<std::int64_t>(std::ceil(sample.time_s / kStep_s));
+        next_ms_ = static_cast<std::int64_t>(std::ceil(sample.time_s / kSample_s));
     }
-    for (; static_cast<double>(next_ms_) * kStep_s <= sample.time_s; ++next_ms_) {
-        const double time_s = static_cast<double>(next_ms_) * kStep_s;
+    for (; static_cast<double>(next_ms_) * kSample_s <= sample.time_s; ++next_ms_) {
+        const double time_s = static_cast<double>(next_ms_) * kSample_s;
         step(sample.time_s > last_->time_s ? between(*last_, sample, time_s) : sample, phase);
     }
     last_ = sample;
 }
 
 void ManeuverWriter::step(const ImportSample& s, sequencer::Phase phase) {
-    wheel_.advance(s[Channel::wheel_speed], s.time_s, kStep_s);
-    flywheel_.advance(s[Channel::flywheel_speed] / rig_.meter.flywheel_radius_m, s.time_s, kStep_s);
+    wheel_.advance(s[Channel::wheel_speed], s.time_s, kSample_s);
+    flywheel_.advance(s[Channel::flywheel_speed] / rig_.meter.flywheel_radius_m, s.time_s, kSample_s);
     const bool braking = phase == sequencer::Phase::braking || phase == sequencer::Phase::standstill;
     antiskid::can::RigSample out;
     out.wheel = wheel_.sample();

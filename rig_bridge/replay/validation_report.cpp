@@ -9,7 +9,7 @@ namespace rig {
 
 namespace {
 
-std::string cell(const std::optional<double>& value) {
+std::string text_or_none(const std::optional<double>& value) {
     return value ? fmt::format("{:.6g}", *value) : std::string();
 }
 
@@ -38,8 +38,9 @@ std::string to_csv(const Validation& validation) {
         "pressure_Pa\n";
     for (const ValidationRow& r : validation.rows)
         fmt::format_to(std::back_inserter(csv), "{:.4f},{:.6g},{:.6g},{},{},{},{},{:.6g}\n", r.time_s,
-                       r.speed_mps, r.simulated_speed_mps, cell(r.wheel_rim_mps),
-                       cell(r.simulated_wheel_rim_mps), cell(r.slip), cell(r.simulated_slip), r.pressure_Pa);
+                       r.speed_mps, r.simulated_speed_mps, text_or_none(r.wheel_rim_mps),
+                       text_or_none(r.simulated_wheel_rim_mps), text_or_none(r.slip),
+                       text_or_none(r.simulated_slip), r.pressure_Pa);
     return csv;
 }
 

@@ -1,11 +1,13 @@
 #include "plant_sim/study/margins/law_loop.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
-#include <unsupported/Eigen/MatrixFunctions>
+
+#include "plant_sim/study/margins/dense.hpp"
 
 namespace study::margins {
 
@@ -31,7 +33,7 @@ struct Lag {
 Lag lag(double omega_n, double xi, double h) {
     Matrix2d a;
     a << 0.0, 1.0, -omega_n * omega_n, -2.0 * xi * omega_n;
-    const Matrix2d phi = (a * h).exp();
+    const Matrix2d phi = exponential(a * h);
     return {phi, {1.0 - phi(0, 0), -phi(1, 0)}};
 }
 
@@ -52,8 +54,8 @@ Plant plant(const plant::ValveParameters& valve, double wheel_pole, double per_p
     a(2, 0) = per_pressure;
     a(2, 2) = -wheel_pole;
     a(3, 2) = 1.0;
-    const Eigen::Matrix<double, 5, 5> first = (a * broken).exp();
-    const Eigen::Matrix<double, 5, 5> second = (a * (h - broken)).exp();
+    const Eigen::Matrix<double, 5, 5> first = exponential(a * broken);
+    const Eigen::Matrix<double, 5, 5> second = exponential(a * (h - broken));
     return {second.topLeftCorner<4, 4>() * first.topLeftCorner<4, 4>(),
             second.topLeftCorner<4, 4>() * first.topRightCorner<4, 1>(), second.topRightCorner<4, 1>()};
 }
@@ -249,8 +251,8 @@ MatrixXcd solve_hessenberg(const MatrixXd& h, Complex z, const MatrixXd& b) {
 /// As growth rate and frequency, the most unstable first; pipes that have run empty are left out.
 std::vector<Complex> rates(const MatrixXd& monodromy, double h) {
     std::vector<Complex> s;
-    const auto values = monodromy.eigenvalues();
-    s.reserve(static_cast<std::size_t>(values.size()));
+    const std::vector<Complex> values = eigenvalues(monodromy);
+    s.reserve(values.size());
     for (const Complex& v : values)
         if (std::abs(v) > kGone) s.push_back(std::log(v) / h);
     std::sort(s.begin(), s.end(), [](Complex a, Complex b) {
@@ -306,8 +308,7 @@ void SampledLoop::at(Complex s, std::vector<Complex>& loci) const {
         loci.assign(1, l(0, 0));
         return;
     }
-    const Eigen::ComplexEigenSolver<MatrixXcd> solver(l, false);
-    loci.assign(solver.eigenvalues().begin(), solver.eigenvalues().end());
+    loci = eigenvalues(l);
 }
 
 double SampledLoop::most_approach(Complex from, Complex to, const std::vector<Complex>& loci) const {

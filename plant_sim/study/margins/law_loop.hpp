@@ -10,7 +10,7 @@
 /// is no whole number of periods (rounded) and its beat with the period; edges bound to the angle instead of time.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "firmware/control/config.hpp"
 #include "plant_sim/study/margins/loop.hpp"

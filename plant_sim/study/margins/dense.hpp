@@ -1,0 +1,18 @@
+/// Eigenvalues and exponentials of dense matrices, by Eigen. A unit of their own: their templates take longer to compile than all that uses
+/// them.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <complex>
+#include <vector>
+
+namespace study::margins {
+
+/// Of a square matrix, in no order. Throws std::runtime_error where the iteration does not converge.
+[[nodiscard]] std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& matrix);
+[[nodiscard]] std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXcd& matrix);
+
+[[nodiscard]] Eigen::MatrixXd exponential(const Eigen::MatrixXd& matrix);
+
+}  // namespace study::margins
