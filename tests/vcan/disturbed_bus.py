@@ -173,9 +173,9 @@ def run(rig, ear, folder, kind, number, sound_m):
     rig.virtual_rig.terminate()  # a flywheel at rest, a brake that is new
     rig.virtual_rig.wait()
     rig.plc.client.close()
+    ear.begin_anew()
     rig.start()
     out = folder / f"run{number}"
-    ear.forget()
     bridge = rig.bridge("maneuver", out, "--no-cool-down")
     check(ear.until(lambda: ear.phase == "settling" or bridge.poll() is not None, 120.0), f"{kind}: no touchdown\n{words(bridge)}")
     check(bridge.poll() is None, f"{kind}: no touchdown\n{words(bridge)}")

@@ -132,6 +132,14 @@ class Plc:
         raw = self.client.read_input_registers(field["address"], count=1, slave=self.map["unit_id"]).registers[0]
         return (raw - 65536 if field["type"] == "i16" and raw > 32767 else raw) * field.get("scale", 1.0)
 
+    def await_bridge(self):
+        """Until the PLC has scanned a watchdog of the bridge's that moved."""
+        address = self.map["holding"]["bridge_watchdog"]["address"]
+        eventually(lambda: self.client.read_holding_registers(address, count=1, slave=self.map["unit_id"]).registers[0] != 0,
+                   "the bridge does not move its watchdog")
+        before = self.read("plc_watchdog")
+        eventually(lambda: (self.read("plc_watchdog") - before) % 65536 >= 2, "the PLC does not scan")
+
     def fault(self, name, value):
         field = self.map["virtual"][name]
         raw = round(value / field.get("scale", 1.0))
