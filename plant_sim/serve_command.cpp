@@ -53,6 +53,7 @@ struct Options {
     std::uint64_t seed = 1;
     int priority = 70;
     int answer_timeout_ms = 100;
+    bool spun_up = false;
 };
 
 /// All that is read from files and the command line, checked.
@@ -102,6 +103,8 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         ->type_name("MS")
         ->capture_default_str();
     o.brake.add_to(app);
+    app.add_flag("--spun-up", o.spun_up,
+                 "the flywheel turns at the scenario's speed from the start: the first spin-up is short");
     app.add_option("--seed", o.seed, "seed of every random draw")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
@@ -176,6 +179,7 @@ Served load(const Options& o) {
     s.rig.period_s = static_cast<double>(antiskid::load_controller_config(scenario.controller).period_s);
     s.rig.watchdog_s = std::chrono::duration<double>(s.map.bridge_timeout).count();
     s.rig.map_version = s.map.version;
+    if (o.spun_up) s.rig.rim_mps = s.plant.rig.brake_on_mps;
     s.rig.brake = o.brake.brake_of(s.plant.wear, o.seed);
     if (!o.brake.state.empty())  // a place that cannot be written shows before anything runs
         wear::keep_brake_state(o.brake.state, s.rig.brake->state(), s.plant.wear);

@@ -31,10 +31,10 @@ void Rig::start_rolling() {
     state_.held = false;
 }
 
-void Rig::start_at_rest() {
+void Rig::start_at_rest(double rim_mps) {
     contact_ = false;
     device_load_N_ = 0.0;
-    state_.v_mps = 0.0;
+    state_.v_mps = rim_mps;
     state_.omega_radps = 0.0;
     state_.held = true;
 }

@@ -63,8 +63,8 @@ class Rig {
     void touch_down() { contact_ = true; }
     /// The wheel is on the ground, loaded and rolling freely: the state in which a recorded braking maneuver begins.
     void start_rolling();
-    /// Flywheel and wheel at rest, wheel off the rim: the state before a first spin-up.
-    void start_at_rest();
+    /// Wheel at rest off the rim; the flywheel too, the state before a first spin-up, or turning already.
+    void start_at_rest(double rim_mps = 0.0);
     /// The pressure at the start of a prescribed profile.
     void start_pressure(double pressure_Pa) { pressure_Pa_ = pressure_Pa; }
     /// Takes the load off again: a bounce, or the sledge retracting.

@@ -48,7 +48,7 @@ ServedRig::ServedRig(const plant::LoadedRig& loaded, ServedRigOptions options, s
       brake_(options_.brake),
       temperature_C_(options_.machinery.thermal.ambient_C),
       decay_(options_.machinery.thermal.decay(kStep_s)) {
-    rig_.start_at_rest();
+    rig_.start_at_rest(options_.rim_mps);
     measure();
 }
 

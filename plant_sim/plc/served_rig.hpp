@@ -8,7 +8,7 @@
 ///         use(rig.measured(), rig.sample());
 ///     }
 ///
-/// At the start everything is at rest and off, the brake at ambient temperature, the PLC ready. It scans every kScan_s: a command acts, and
+/// At the start everything is at rest (the flywheel turns where the options say so) and off, the brake at ambient temperature, the PLC ready. It scans every kScan_s: a command acts, and
 /// measured values change, at the next scan. Touchdown, where the sledge reaches its contact position, begins a maneuver for the brake: its
 /// mean friction is asked of it, and its curve over v begins at the rim speed that is left when the wheel has spun up. Lift-off ends the
 /// maneuver: the brake has taken its energy then.
@@ -37,6 +37,7 @@ struct ServedRigOptions {
     double period_s = 1e-3;    ///< of advance(), a whole multiple of 1 ms
     double watchdog_s = 0.5;   ///< of the bridge, in rig time: the register map's
     double map_version = 1.0;  ///< as measured
+    double rim_mps = 0.0;      ///< of the flywheel at the start
 };
 
 class ServedRig {

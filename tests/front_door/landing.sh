@@ -18,7 +18,7 @@ programs() { # CONTROLLER VIRTUAL_RIG BRIDGE: bodies of the stand-ins
 }
 
 landing() {
-    "$rig" vcan --timeout 100 -- "$here/../../config/vcan/landing" "$build" "$out" timer scenario.toml --seed 7 \
+    "$rig" vcan --timeout 100 -- "$here/../../config/vcan/landing" "$build" "$out" timer scenario.toml spun-up --seed 7 \
         >"$scratch/stdout" 2>"$scratch/stderr"
 }
 
@@ -39,7 +39,7 @@ programs "$controller" "$serve" "$bridge"
 landing
 expect "a good run" $? 0
 expect "order of events" "$(cat "$scratch/events")" "controller --can vcan0 --clock timer --sync-timeout 60000 --report $out/controller.json
-rig serve --can vcan0 --scenario scenario.toml --clock timer --modbus 127.0.0.1:1502 --port-file 
+rig serve --can vcan0 --scenario scenario.toml --clock timer --modbus 127.0.0.1:1502 --spun-up --port-file 
 bridge maneuver scenario.toml --can vcan0 --plc 127.0.0.1:1502 --no-cool-down --picture --out $out --seed 7
 controller ended
 rig ended"
@@ -63,7 +63,7 @@ check "and is named" grep -q "antiskid-controller had ended with status 137" "$s
 check "the rig was ended" grep -q "rig ended" "$scratch/events"
 
 programs "$controller" "$serve" "$patient"
-setsid env --default-signal=INT "$rig" vcan --timeout 100 -- "$here/../../config/vcan/landing" "$build" "$out" timer scenario.toml \
+setsid env --default-signal=INT "$rig" vcan --timeout 100 -- "$here/../../config/vcan/landing" "$build" "$out" timer scenario.toml at-rest \
     >"$scratch/stdout" 2>"$scratch/stderr" &
 run=$!
 check "up" eventually 60 test -e "$scratch/bridge.seen"

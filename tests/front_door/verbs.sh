@@ -18,6 +18,9 @@ refused() { # STATUS TEXT ARGS...
 }
 refused 2 "there is no 'frobnicate'" frobnicate
 refused 2 "'now'" setup now
+refused 2 "unknown option '--every'" test --every
+refused 2 "takes no argument 'can'" test --all can
+refused 2 "no room 'kitchen'" test can kitchen
 refused 2 "'debug'" build debug
 refused 2 "--colour" demo --colour red
 refused 2 "--slip needs a value" demo --lockstep --slip

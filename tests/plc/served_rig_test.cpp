@@ -35,6 +35,25 @@ TEST_CASE("everything is at rest and off at the start", "[RIG-230]") {
     CHECK(op.measured(Measured::plc_watchdog) == 500.0);
 }
 
+TEST_CASE(
+    "a rig that starts spun up has a flywheel that turns, coasts and is brought to speed, and nothing else "
+    "that moves",
+    "[RIG-244]") {
+    plc::ServedRigOptions options = plc::load_served_rig("config", Bench::landing);
+    options.rim_mps = 50.0;
+    Operator op(Bench::landing, options, 1);
+    CHECK(op.measured(Measured::plc_state) == 0.0);
+    CHECK(op.measured(Measured::wheel_on_rim) == 0.0);
+    CHECK(op.rig.rig().wheel().omega_radps == 0.0);
+    CHECK(op.v() == 50.0);
+    op.run(1.0);
+    CHECK(op.v() < 50.0);
+    CHECK(op.v() > 49.0);
+    op.wish({.drive = true, .speed_mps = 51.0});
+    CHECK(op.until([&op] { return op.v() > 50.98; }, 10.0));
+    CHECK(op.rig.rig().wheel().omega_radps == 0.0);
+}
+
 TEST_CASE("the load follows eq. (2) behind its lag, once enabled", "[RIG-231]") {
     Operator op(Bench::landing);
     REQUIRE(on_rim_at(op, op.plant.rig.brake_on_mps, false));
