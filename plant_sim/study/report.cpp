@@ -19,12 +19,14 @@ std::vector<std::string> names(antiskid::control::FaultSet faults) {
     return list;
 }
 
+nlohmann::ordered_json or_null(const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+}
+
 }  // namespace
 
 std::string to_json(const StopReport& r) {
     const StopFigures& f = r.figures;
-    const nlohmann::ordered_json taken_J =
-        r.brake_taken_J ? nlohmann::ordered_json(*r.brake_taken_J) : nlohmann::ordered_json();
     const nlohmann::ordered_json json{
         {"maneuver", r.maneuver},
         {"surface", r.surface},
@@ -32,7 +34,7 @@ std::string to_json(const StopReport& r) {
         {"slip_reference", r.slip_reference},
         {"mass_kg", r.mass_kg},
         {"speed_mps", r.speed_mps},
-        {"brake_taken_J", taken_J},
+        {"brake_taken_J", or_null(r.brake_taken_J)},
         {"standstill", f.standstill},
         {"stop_distance_m", f.stop_distance_m},
         {"duration_s", f.duration_s},
@@ -42,8 +44,8 @@ std::string to_json(const StopReport& r) {
         {"energy_tyre_J", f.energy_tyre_J},
         {"energy_residual", f.energy_residual},
         {"peak_slip", f.peak_slip},
-        {"tracked_share", f.tracked_share},
-        {"tracked_tyre_share", f.tracked_tyre_share},
+        {"tracked_share", or_null(f.tracked_share)},
+        {"tracked_tyre_share", or_null(f.tracked_tyre_share)},
         {"longest_lock_s", f.longest_lock_s},
         {"mean_friction", f.mean_friction},
         {"mean_torque_Nm", f.mean_torque_Nm},
@@ -81,8 +83,9 @@ std::string to_table(const StopReport& r) {
     row("energy residual, eq. (8) - (9)", fmt::format("{:.1e}", f.energy_residual), "of the total");
     row("peak slip above drop-out", fmt::format("{:.3f}", f.peak_slip), "");
     row("longest lock above drop-out", fmt::format("{:.0f}", f.longest_lock_s * 1e3), "ms");
-    row("distance within 0.05 of reference", fmt::format("{:.1f}", f.tracked_share * 100.0),
-        "% (from 0.5 s down to 20 m/s)");
+    row("distance within 0.05 of reference",
+        f.tracked_share ? fmt::format("{:.1f}", *f.tracked_share * 100.0) : "not measured",
+        f.tracked_share ? "% (from 0.5 s down to 20 m/s)" : "(from 0.5 s down to 20 m/s)");
     row("mean brake friction, eq. (7)", fmt::format("{:.4f}", f.mean_friction), "");
     row("frames sent / received / lost",
         fmt::format("{} / {} / {}", r.frames_sent, r.frames_received, r.frames_lost), "");

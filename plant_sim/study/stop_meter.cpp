@@ -59,9 +59,9 @@ StopFigures StopMeter::figures(const plant::Rig& rig) const {
     f.energy_residual = work > 0.0 ? (work - f.energy_brake_J - f.energy_tyre_J) / work : 0.0;
     f.peak_slip = peak_slip_;
     f.longest_lock_s = longest_lock_s_;
-    f.tracked_share = tracking_m_ > 0.0 ? tracked_m_ / tracking_m_ : 1.0;
+    if (tracking_m_ > 0.0) f.tracked_share = tracked_m_ / tracking_m_;
     const double tracking_J = tracking_brake_J_ + tracking_tyre_J_;
-    f.tracked_tyre_share = tracking_J > 0.0 ? tracking_tyre_J_ / tracking_J : 0.0;
+    if (tracking_J > 0.0) f.tracked_tyre_share = tracking_tyre_J_ / tracking_J;
     if (pressure_Pas_ > 0.0)
         f.mean_friction = sliding_torque_Nms_ / pressure_Pas_ / rig.parameters().brake.gain_m3();
     if (f.duration_s > 0.0) {

@@ -1,6 +1,8 @@
 /// Measures one braking maneuver from the plant's true state: distance, J_mu, energies, slip, locks.
 #pragma once
 
+#include <optional>
+
 #include "plant_sim/model/rig.hpp"
 
 namespace study {
@@ -18,9 +20,10 @@ struct StopFigures {
     double peak_slip = 0.0;            ///< above drop-out speed
     double longest_lock_s = 0.0;       ///< longest time with slip above 0.95, above drop-out speed
     double slip_efficiency = 0.0;      ///< wheel-slip efficiency, over the distance down to drop-out
-    double tracked_share = 0.0;  ///< share of the distance with slip within 0.05 of the reference, see below
-    double tracked_tyre_share =
-        0.0;                     ///< the tyre's share of what brake and tyre took over that distance, eq. (9)
+    /// Share of the distance with slip within 0.05 of the reference, see below; none where nothing was measured.
+    std::optional<double> tracked_share;
+    /// The tyre's share of what brake and tyre took over that distance, eq. (9); none where they took nothing.
+    std::optional<double> tracked_tyre_share;
     double mean_friction = 0.0;  ///< eq. (7) down to drop-out: mean torque over mean pressure and geometry
     double mean_torque_Nm = 0.0;
     double mean_load_N = 0.0;
@@ -38,7 +41,7 @@ struct StopFigures {
 
 class StopMeter {
   public:
-    /// `tracked_share` and `tracked_tyre_share` count from 0.5 s after brake-on down to 20 m/s.
+    /// `tracked_share` and `tracked_tyre_share` count from 0.5 s after brake-on down to 20 m/s: a stop from less has neither.
     static constexpr double kTrackingStarts_s = 0.5;
     static constexpr double kTrackingEnds_mps = 20.0;
     static constexpr double kTrackingBand = 0.05;

@@ -53,7 +53,7 @@ TEST_CASE("slip reference 0.24 holds its acceptance figures from a new brake to 
                 const Landing l = landing({surface, maneuver}, life_J, part);
                 const study::StopFigures& f = l.run.figures;
                 INFO(surface << ", " << maneuver << ", " << part << " of life, mu_b " << l.friction
-                             << ", J_mu " << f.j_mu << ", tracked " << f.tracked_share);
+                             << ", J_mu " << f.j_mu << ", tracked " << f.tracked_share.value_or(0.0));
                 CHECK((part < 0.05 ? l.friction > 0.28 : l.friction < 0.27));
                 CHECK(f.standstill);
                 CHECK(l.run.faults.empty());

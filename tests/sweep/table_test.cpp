@@ -12,6 +12,7 @@ sweep::Row made_up(const sweep::Plan& plan, std::size_t number) {
     row.figures.stop_distance_m = 1.0 / 3.0 + static_cast<double>(number);
     row.figures.energy_residual = -1.1e-300;
     row.figures.standstill = number % 2 == 0;
+    if (number == 2) row.figures.tracked_share = 2.0 / 3.0;  // the others: not measured
     if (number == 1) {
         row.faults.insert(antiskid::control::Fault::wheel_lost);
         row.faults.insert(antiskid::control::Fault::self_test_failed);
@@ -45,6 +46,7 @@ TEST_CASE("a table reads back to the last bit", "[STUDY-146]") {
         CHECK(table.rows[i].figures.j_mu == wanted.figures.j_mu);
         CHECK(table.rows[i].figures.stop_distance_m == wanted.figures.stop_distance_m);
         CHECK(table.rows[i].figures.energy_residual == wanted.figures.energy_residual);
+        CHECK(table.rows[i].figures.tracked_share == wanted.figures.tracked_share);
         CHECK(table.rows[i].figures.standstill == wanted.figures.standstill);
         CHECK(table.rows[i].faults == wanted.faults);
     }

@@ -51,7 +51,8 @@ StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& 
             [&](std::size_t number, const RunResult& result) {
                 j_mu[first + number] = result.figures.j_mu;
                 shown.longest_lock_s = std::max(shown.longest_lock_s, result.figures.longest_lock_s);
-                shown.least_tracked = std::min(shown.least_tracked, result.figures.tracked_share);
+                shown.least_tracked =
+                    std::min(shown.least_tracked, result.figures.tracked_share.value_or(1.0));
                 shown.faults = shown.faults || !result.faults.empty();
             });
         judge(shown, trial, j_mu);

@@ -9,8 +9,10 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <stdexcept>
+#include <variant>
 
 #include "firmware/can/value_names.hpp"
 
@@ -25,9 +27,10 @@ constexpr std::string_view kFormat = "# antiskid sweep 1 ";
 constexpr std::string_view kStopColumns =
     "stop,law,slip_reference,landing,surface,maneuver,c_e_J,mean_friction,sensor_seed,standstill,faults";
 
+/// One that may not have been measured is an empty field then.
 struct Figure {
     std::string_view name;
-    double StopFigures::*value;
+    std::variant<double StopFigures::*, std::optional<double> StopFigures::*> value;
 };
 
 constexpr std::array<Figure, 15> kFigures{{{"j_mu", &StopFigures::j_mu},
@@ -45,6 +48,10 @@ constexpr std::array<Figure, 15> kFigures{{{"j_mu", &StopFigures::j_mu},
                                            {"measured_friction", &StopFigures::mean_friction},
                                            {"mean_torque_Nm", &StopFigures::mean_torque_Nm},
                                            {"mean_load_N", &StopFigures::mean_load_N}}};
+
+std::string field(const std::optional<double>& value) {
+    return value ? fmt::format("{}", *value) : std::string();
+}
 
 std::string column_names() {
     std::string names(kStopColumns);
@@ -69,7 +76,17 @@ class Fields {
 
     template <typename Number>
     Number number(std::string_view column) {
+        return number<Number>(column, next(column));
+    }
+
+    void read(std::string_view column, double& value) { value = number<double>(column); }
+    void read(std::string_view column, std::optional<double>& value) {
         const std::string_view text = next(column);
+        if (!text.empty()) value = number<double>(column, text);
+    }
+
+    template <typename Number>
+    Number number(std::string_view column, std::string_view text) const {
         Number value{};
         const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
         bool good = failure == std::errc() && end == text.data() + text.size();
@@ -194,7 +211,7 @@ std::string line(const Row& row) {
                     s.slip_reference, s.landing, s.surface, s.maneuver, s.c_e_J, s.mean_friction,
                     s.sensor_seed, row.figures.standstill ? "yes" : "no", fault_names(row.faults));
     for (const Figure& figure : kFigures)
-        fmt::format_to(std::back_inserter(out), ",{}", row.figures.*figure.value);
+        std::visit([&](const auto value) { out += "," + field(row.figures.*value); }, figure.value);
     out.push_back('\n');
     return out;
 }
@@ -220,7 +237,8 @@ Row parse_row(const std::string& name, std::uint32_t line_number, std::string_vi
     s.sensor_seed = fields.number<std::uint64_t>("sensor_seed");
     row.figures.standstill = fields.choice("standstill", "yes", "no");
     row.faults = faults_of(fields);
-    for (const Figure& figure : kFigures) row.figures.*figure.value = fields.number<double>(figure.name);
+    for (const Figure& figure : kFigures)
+        std::visit([&](const auto value) { fields.read(figure.name, row.figures.*value); }, figure.value);
     fields.finish();
     return row;
 }

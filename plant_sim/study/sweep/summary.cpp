@@ -30,9 +30,9 @@ Means means_of(std::span<const Row> rows) {
         m.lock_s += f.longest_lock_s / n;
         if (!row.faults.empty()) ++m.faults;
         if (!f.standstill) ++m.not_at_rest;
-        if (!row.stop.threshold && f.tracked_share >= kTracked) {
+        if (!row.stop.threshold && f.tracked_share >= kTracked && f.tracked_tyre_share) {
             ++m.tracked_landings;
-            m.tracked_tyre_share += f.tracked_tyre_share;
+            m.tracked_tyre_share += *f.tracked_tyre_share;
         }
     }
     m.tyre_share = m.energy_tyre_J / (m.energy_brake_J + m.energy_tyre_J);
