@@ -12,7 +12,7 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
-#include <variant>
+#include <type_traits>
 
 #include "firmware/can/value_names.hpp"
 
@@ -27,27 +27,35 @@ constexpr std::string_view kFormat = "# antiskid sweep 1 ";
 constexpr std::string_view kStopColumns =
     "stop,law,slip_reference,landing,surface,maneuver,c_e_J,mean_friction,sensor_seed,standstill,faults";
 
-/// One that may not have been measured is an empty field then.
 struct Figure {
     std::string_view name;
-    std::variant<double StopFigures::*, std::optional<double> StopFigures::*> value;
+    std::optional<double> (*get)(const StopFigures&);
+    void (*set)(StopFigures&, double);
+    bool may_be_empty;  // where it was not measured
 };
 
-constexpr std::array<Figure, 15> kFigures{{{"j_mu", &StopFigures::j_mu},
-                                           {"stop_distance_m", &StopFigures::stop_distance_m},
-                                           {"duration_s", &StopFigures::duration_s},
-                                           {"drop_out_distance_m", &StopFigures::drop_out_distance_m},
-                                           {"energy_brake_J", &StopFigures::energy_brake_J},
-                                           {"energy_tyre_J", &StopFigures::energy_tyre_J},
-                                           {"energy_residual", &StopFigures::energy_residual},
-                                           {"slip_efficiency", &StopFigures::slip_efficiency},
-                                           {"tracked_share", &StopFigures::tracked_share},
-                                           {"tracked_tyre_share", &StopFigures::tracked_tyre_share},
-                                           {"peak_slip", &StopFigures::peak_slip},
-                                           {"longest_lock_s", &StopFigures::longest_lock_s},
-                                           {"measured_friction", &StopFigures::mean_friction},
-                                           {"mean_torque_Nm", &StopFigures::mean_torque_Nm},
-                                           {"mean_load_N", &StopFigures::mean_load_N}}};
+template <auto Member>
+constexpr Figure figure(std::string_view name) {
+    return {name, [](const StopFigures& f) -> std::optional<double> { return f.*Member; },
+            [](StopFigures& f, double value) { f.*Member = value; },
+            std::is_same_v<decltype(Member), std::optional<double> StopFigures::*>};
+}
+
+constexpr std::array kFigures{figure<&StopFigures::j_mu>("j_mu"),
+                              figure<&StopFigures::stop_distance_m>("stop_distance_m"),
+                              figure<&StopFigures::duration_s>("duration_s"),
+                              figure<&StopFigures::drop_out_distance_m>("drop_out_distance_m"),
+                              figure<&StopFigures::energy_brake_J>("energy_brake_J"),
+                              figure<&StopFigures::energy_tyre_J>("energy_tyre_J"),
+                              figure<&StopFigures::energy_residual>("energy_residual"),
+                              figure<&StopFigures::slip_efficiency>("slip_efficiency"),
+                              figure<&StopFigures::tracked_share>("tracked_share"),
+                              figure<&StopFigures::tracked_tyre_share>("tracked_tyre_share"),
+                              figure<&StopFigures::peak_slip>("peak_slip"),
+                              figure<&StopFigures::longest_lock_s>("longest_lock_s"),
+                              figure<&StopFigures::mean_friction>("measured_friction"),
+                              figure<&StopFigures::mean_torque_Nm>("mean_torque_Nm"),
+                              figure<&StopFigures::mean_load_N>("mean_load_N")};
 
 std::string field(const std::optional<double>& value) {
     return value ? fmt::format("{}", *value) : std::string();
@@ -77,12 +85,6 @@ class Fields {
     template <typename Number>
     Number number(std::string_view column) {
         return number<Number>(column, next(column));
-    }
-
-    void read(std::string_view column, double& value) { value = number<double>(column); }
-    void read(std::string_view column, std::optional<double>& value) {
-        const std::string_view text = next(column);
-        if (!text.empty()) value = number<double>(column, text);
     }
 
     template <typename Number>
@@ -210,8 +212,7 @@ std::string line(const Row& row) {
         fmt::format("{},{},{},{},{},{},{},{},{},{},{}", s.number, s.threshold ? "threshold" : "slip",
                     s.slip_reference, s.landing, s.surface, s.maneuver, s.c_e_J, s.mean_friction,
                     s.sensor_seed, row.figures.standstill ? "yes" : "no", fault_names(row.faults));
-    for (const Figure& figure : kFigures)
-        std::visit([&](const auto value) { out += "," + field(row.figures.*value); }, figure.value);
+    for (const Figure& figure : kFigures) out.append(",").append(field(figure.get(row.figures)));
     out.push_back('\n');
     return out;
 }
@@ -237,8 +238,11 @@ Row parse_row(const std::string& name, std::uint32_t line_number, std::string_vi
     s.sensor_seed = fields.number<std::uint64_t>("sensor_seed");
     row.figures.standstill = fields.choice("standstill", "yes", "no");
     row.faults = faults_of(fields);
-    for (const Figure& figure : kFigures)
-        std::visit([&](const auto value) { fields.read(figure.name, row.figures.*value); }, figure.value);
+    for (const Figure& figure : kFigures) {
+        const std::string_view shown = fields.next(figure.name);
+        if (!shown.empty() || !figure.may_be_empty)
+            figure.set(row.figures, fields.number<double>(figure.name, shown));
+    }
     fields.finish();
     return row;
 }
