@@ -16,8 +16,11 @@ SELF_TEST, STANDBY, ARMED, BRAKING, LOCKED, DROP_OUT, SAFE = 0, 1, 2, 4, 5, 6, 7
 class Ear(threading.Thread):
     """The frames of these identifiers, and what the last of them said."""
 
-    def __init__(self, *identifiers):
+    def __init__(self, *identifiers, prompt=False):
+        """prompt: runs before the programs that it listens to. Whoever acts on what was heard must hear it now, or is hundreds of periods late on a
+        busy machine; but what the ear takes of the one processor the bridge does not have."""
         super().__init__(daemon=True)
+        self.prompt = prompt
         self.socket = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
         wanted = (*identifiers, MARK)
         self.socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, b"".join(struct.pack("=II", each, 0x7FF) for each in wanted))
@@ -36,8 +39,8 @@ class Ear(threading.Thread):
             self.syncs, self.first_pressure = 0, None
 
     def run(self):
-        # Whoever acts on what was heard must hear it now: behind the programs that speak it would be hundreds of periods late.
-        os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(1))
+        if self.prompt:
+            os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(1))
         while True:
             identifier, length, data = struct.unpack("=IB3x8s", self.socket.recv(16))
             identifier, data = identifier & 0x7FF, data[:length]

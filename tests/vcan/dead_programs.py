@@ -96,7 +96,7 @@ class Bench:
         self.rig = Rig(build, folder, self.scenario, config)
         self.config, self.build = config, build
         self.out = folder / "campaign"
-        self.ear = Ear(SYNC, VALVE, PRESSURE, STATUS, FAULTS, STATE)
+        self.ear = Ear(SYNC, VALVE, PRESSURE, STATUS, FAULTS, STATE, prompt=True)
         self.left_running = False  # by the case before
         self.last_words = ""
 
