@@ -87,8 +87,9 @@ ordered_json to_json(const Judged& j, const margins::TrialStops& trial) {
                        {"met", j.margins.met}};
     json["closed_loop"] = {{"mean_j_mu", j.stops.mean_j_mu},
                            {"longest_lock_s", j.stops.longest_lock_s},
-                           {"least_tracked_share", j.stops.least_tracked},
+                           {"least_tracked_share", nullptr},
                            {"faults", j.stops.faults}};
+    if (j.stops.least_tracked) json["closed_loop"]["least_tracked_share"] = *j.stops.least_tracked;
     for (std::size_t s = 0; s < trial.surfaces.size(); ++s)
         json["closed_loop"]["j_mu"][trial.surfaces[s]] = j.stops.surface_j_mu[s];
     return json;
@@ -111,9 +112,12 @@ void print(const Judged& a, const Judged& b, const char* found, const margins::T
     for (std::size_t s = 0; s < trial.surfaces.size(); ++s)
         fmt::print("| J_mu, {} (threshold law {:.4f}) | {:.4f} | {:.4f} |\n", trial.surfaces[s],
                    trial.least_j_mu[s], a.stops.surface_j_mu[s], b.stops.surface_j_mu[s]);
-    fmt::print("| longest lock (ms) | {:.0f} | {:.0f} |\n| least tracked share | {:.4f} | {:.4f} |\n",
-               a.stops.longest_lock_s * 1e3, b.stops.longest_lock_s * 1e3, a.stops.least_tracked,
-               b.stops.least_tracked);
+    const auto share = [](std::optional<double> tracked) {
+        return tracked ? fmt::format("{:.4f}", *tracked) : "not measured";
+    };
+    fmt::print("| longest lock (ms) | {:.0f} | {:.0f} |\n| least tracked share | {} | {} |\n",
+               a.stops.longest_lock_s * 1e3, b.stops.longest_lock_s * 1e3, share(a.stops.least_tracked),
+               share(b.stops.least_tracked));
 }
 
 }  // namespace

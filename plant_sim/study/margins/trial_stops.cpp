@@ -22,7 +22,7 @@ void judge(StopsShown& shown, const TrialStops& trial, const std::vector<double>
         std::accumulate(sum.begin(), sum.end(), 0.0) / std::accumulate(count.begin(), count.end(), 0.0);
     shown.violation = std::max(0.0, trial.requirement.mean_j_mu - shown.mean_j_mu) +
                       std::max(0.0, shown.longest_lock_s - trial.requirement.longest_lock_s) +
-                      std::max(0.0, trial.requirement.tracked_share - shown.least_tracked) +
+                      std::max(0.0, trial.requirement.tracked_share - shown.least_tracked.value_or(0.0)) +
                       (shown.faults ? 1.0 : 0.0);
     shown.surface_j_mu.resize(surfaces);
     for (std::size_t s = 0; s < surfaces; ++s) {
@@ -51,8 +51,8 @@ StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& 
             [&](std::size_t number, const RunResult& result) {
                 j_mu[first + number] = result.figures.j_mu;
                 shown.longest_lock_s = std::max(shown.longest_lock_s, result.figures.longest_lock_s);
-                shown.least_tracked =
-                    std::min(shown.least_tracked, result.figures.tracked_share.value_or(1.0));
+                const std::optional<double> tracked = result.figures.tracked_share;
+                if (tracked) shown.least_tracked = std::min(*tracked, shown.least_tracked.value_or(1.0));
                 shown.faults = shown.faults || !result.faults.empty();
             });
         judge(shown, trial, j_mu);

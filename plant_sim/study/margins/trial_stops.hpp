@@ -1,6 +1,7 @@
 /// What gains must show in closed-loop stops before their margins count.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,11 +39,12 @@ struct StopsShown {
     double mean_j_mu = 0.0;
     std::vector<double> surface_j_mu;  ///< means
     double longest_lock_s = 0.0;
-    double least_tracked = 1.0;
+    std::optional<double> least_tracked;  ///< of the stops whose tracking was measured
     bool faults = false;
     bool whole = false;  ///< all stops were made
     /// How far it is from what is asked: what is missing of friction (mean, and each surface's share of it) and tracking, locks in s beyond
-    /// those that are allowed, and 1 for faults. 0: nothing is missing. Of stops not made, the least that can come out.
+    /// those that are allowed, and 1 for faults. 0: nothing is missing. Of stops not made, the least that can come out. With
+    /// tracking asked for and none measured, all of it is missing.
     double violation = 0.0;
 };
 
