@@ -30,6 +30,7 @@ int run(int argc, char** argv) {
         plant_sim::identify_verb(app),   //
         plant_sim::wear_verb(app),       //
         plant_sim::faults_verb(app),     //
+        plant_sim::robust_verb(app),     //
         plant_sim::surfaces_verb(app),   //
         plant_sim::report_verb(app),     //
     };

@@ -44,6 +44,8 @@ LabVerb maneuver_verb(CLI::App& lab);
 LabVerb identify_verb(CLI::App& lab);
 /// Every fault in every phase of a stop, against criteria.
 LabVerb faults_verb(CLI::App& lab);
+/// Stops on drawn plants and runways.
+LabVerb robust_verb(CLI::App& lab);
 /// Friction over slip of every surface: Fig. 3.
 LabVerb surfaces_verb(CLI::App& lab);
 /// Every figure and table of the paper as one page.

@@ -10,7 +10,18 @@ Encoder::Encoder(const EncoderParameters& parameters)
     : parameters_(parameters),
       edges_per_rad_(parameters.teeth / (2.0 * std::numbers::pi)),
       rad_per_edge_(1.0 / edges_per_rad_),
-      next_edge_(1.0) {}
+      next_edge_(1.0) {
+    if (parameters.pitch_error == 0.0 && parameters.eccentricity == 0.0) return;
+    constexpr std::uint64_t kTheseTeeth = 1;
+    Random places(kTheseTeeth);
+    misplaced_rad_.resize(static_cast<std::size_t>(parameters.teeth));
+    for (std::size_t tooth = 0; tooth < misplaced_rad_.size(); ++tooth) {
+        const double evenly = static_cast<double>(places.bits() >> 11U) * 0x1.0p-52 - 1.0;
+        misplaced_rad_[tooth] =
+            parameters.pitch_error * rad_per_edge_ * evenly +
+            parameters.eccentricity * std::sin(rad_per_edge_ * static_cast<double>(tooth));
+    }
+}
 
 void Encoder::advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s,
                       Random& random) {
@@ -24,7 +35,11 @@ void Encoder::advance(double angle_rad, double before_radps, double after_radps,
 
     // Time since the edge at constant acceleration over the step: solve omega t - a t^2 / 2 = angle, the
     // stable way.
-    const double angle = (edges - last) * rad_per_edge_;
+    double angle = (edges - last) * rad_per_edge_;
+    if (!misplaced_rad_.empty()) {
+        const auto tooth = static_cast<std::size_t>(last) % misplaced_rad_.size();
+        angle = std::max(angle - misplaced_rad_[tooth], 0.0);
+    }
     const double acceleration = (after_radps - before_radps) / step_s;
     const double root = std::sqrt(std::max(after_radps * after_radps - 2.0 * acceleration * angle, 0.0));
     const double since = std::min(2.0 * angle / (after_radps + root), step_s);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "plant_sim/model/random.hpp"
 
@@ -11,6 +12,10 @@ struct EncoderParameters {
     double teeth = 60.0;
     double jitter_s = 0.0;         ///< standard deviation of an edge's time stamp
     double slowest_edges_hz = 10;  ///< a magnetic pick-up gives nothing below this rate
+    double pitch_error =
+        0.0;  ///< of each tooth's place, of its pitch, evenly to both sides; the same teeth every time
+    double eccentricity =
+        0.0;  ///< of the ring of teeth: speed seen over speed, less 1, at the most within a turn
 };
 
 class Encoder {
@@ -35,7 +40,8 @@ class Encoder {
   private:
     EncoderParameters parameters_;
     double edges_per_rad_, rad_per_edge_;
-    double next_edge_;  // angle in edges at which the next one comes
+    std::vector<double> misplaced_rad_;  // of each tooth; none where all stand where they should
+    double next_edge_;                   // angle in edges at which the next one comes
     std::uint32_t count_ = 0;
     double edge_time_s_ = 0.0;
     double speed_radps_ = 0.0;

@@ -19,6 +19,19 @@ Rig::Rig(const RigParameters& parameters, double step_s, std::uint64_t seed)
       random_(seed),
       step_s_(step_s) {
     state_.v_mps = parameters.touchdown_mps > 0.0 ? parameters.touchdown_mps : parameters.brake_on_mps;
+    if (parameters.wheel.compliance.any()) {
+        compliant_.emplace(parameters.wheel, dynamics_.law().brake, parameters.surface.law());
+        compliant_->settle(state_);
+    }
+}
+
+/// The surface under the wheel stays for a step: 6 cm at 61 m/s.
+void Rig::look_at_runway() {
+    const std::size_t patch = parameters_.runway.begun(state_.distance_m);
+    if (patch == patch_) return;
+    patch_ = patch;
+    dynamics_.set_tyre(surface().law());
+    if (compliant_) compliant_->set_tyre(surface().law());
 }
 
 void Rig::start_rolling() {
@@ -29,6 +42,7 @@ void Rig::start_rolling() {
     const double radius = parameters_.wheel.free_radius_m - device_load_N_ / parameters_.wheel.stiffness_Npm;
     state_.omega_radps = state_.v_mps / radius;
     state_.held = false;
+    if (compliant_) compliant_->settle(state_);
 }
 
 void Rig::start_at_rest(double rim_mps) {
@@ -37,6 +51,7 @@ void Rig::start_at_rest(double rim_mps) {
     state_.v_mps = rim_mps;
     state_.omega_radps = 0.0;
     state_.held = true;
+    if (compliant_) compliant_->settle(state_);
 }
 
 void Rig::set_load(double base_N, double lift_Ns2pm2) {
@@ -50,8 +65,9 @@ void Rig::set_brake(double mean_friction, double brake_on_mps) {
             "mean friction takes the friction curve below zero, or no brake-on speed");
     parameters_.mean_friction = mean_friction;
     parameters_.brake_on_mps = brake_on_mps;
-    dynamics_.set_brake(
-        BrakeTorque(parameters_.brake, parameters_.friction_curve, mean_friction, brake_on_mps));
+    const BrakeTorque brake(parameters_.brake, parameters_.friction_curve, mean_friction, brake_on_mps);
+    dynamics_.set_brake(brake);
+    if (compliant_) compliant_->set_brake(brake);
 }
 
 bool Rig::idle() const {
@@ -122,11 +138,15 @@ Forces Rig::forces() const {
     const LoadArc now = law.lag_s > 0.0 ? LoadArc{device_load_N_, 0.0, 0.0}
                         : contact_      ? LoadArc{law.base_N, 0.0, law.lift_Ns2pm2}
                                         : LoadArc{};
-    return dynamics_.forces(state_, pressure_Pa_, now);
+    return compliant_ ? compliant_->forces(state_, pressure_Pa_, now)
+                      : dynamics_.forces(state_, pressure_Pa_, now);
 }
 
-void Rig::move(const PressureArc& pressure, double h) {
-    dynamics_.advance(state_, pressure, load_arc(h), h);
+void Rig::move(const PressureArc& pressure, const LoadArc& load, double h) {
+    if (compliant_)
+        compliant_->advance(state_, pressure, load, h);
+    else
+        dynamics_.advance(state_, pressure, load, h);
 }
 
 void Rig::sense(double wheel_before, double flywheel_before, double since_s) {
@@ -143,11 +163,12 @@ Rig::Step Rig::begin(double start_mA, double end_mA) {
     const double wheel_before = state_.omega_radps;
     const double flywheel_before = state_.v_mps;
     if (pushed_) push();
+    look_at_runway();
     const double start_Pa = parameters_.pressure_map.pressure_Pa(play_.follow(start_mA));
     const double end_Pa =
         end_mA == start_mA ? start_Pa : parameters_.pressure_map.pressure_Pa(play_.follow(end_mA));
     const Valve::Arcs arcs = valve_.advance(start_Pa, end_Pa);
-    if (valve_.first_s() > 0.0) move(arcs.first, valve_.first_s());
+    if (valve_.first_s() > 0.0) move(arcs.first, load_arc(valve_.first_s()), valve_.first_s());
     return {wheel_before, flywheel_before, arcs.second, load_arc(valve_.second_s()), valve_.second_s()};
 }
 
@@ -158,7 +179,7 @@ void Rig::end(const Step& step) {
 
 void Rig::advance_current(double start_mA, double end_mA) {
     const Step step = begin(start_mA, end_mA);
-    dynamics_.advance(state_, step.pressure, step.load, step.h);
+    move(step.pressure, step.load, step.h);
     end(step);
 }
 
@@ -166,8 +187,11 @@ void Rig::advance_pressure(std::span<const PressurePart> parts) {
     const double wheel_before = state_.omega_radps;
     const double flywheel_before = state_.v_mps;
     if (pushed_) push();
-    for (const PressurePart& part : parts)
-        move(PressureArc::linear(part.start_Pa, part.end_Pa), part.share * step_s_);
+    look_at_runway();
+    for (const PressurePart& part : parts) {
+        const double h = part.share * step_s_;
+        move(PressureArc::linear(part.start_Pa, part.end_Pa), load_arc(h), h);
+    }
     pressure_Pa_ = parts.back().end_Pa;
     sense(wheel_before, flywheel_before, step_s_);
 }

@@ -9,14 +9,17 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "plant_sim/model/brake.hpp"
+#include "plant_sim/model/compliant_wheel.hpp"
 #include "plant_sim/model/drag.hpp"
 #include "plant_sim/model/encoder.hpp"
 #include "plant_sim/model/pressure_transducer.hpp"
 #include "plant_sim/model/random.hpp"
+#include "plant_sim/model/runway.hpp"
 #include "plant_sim/model/tyre.hpp"
 #include "plant_sim/model/valve.hpp"
 #include "plant_sim/model/wheel.hpp"
@@ -43,7 +46,8 @@ struct RigParameters {
     EncoderParameters flywheel_encoder;
     double flywheel_radius_m = 0.0;  ///< R_f of the wheel that measures v
     TransducerParameters transducer;
-    Surface surface;
+    Surface surface;  ///< of the whole runway, and where `runway` says nothing
+    Runway runway{};
     double brake_on_mps = 0.0;   ///< speed of the maneuver
     double touchdown_mps = 0.0;  ///< initial speed where spinning the wheel up costs some; 0: brake_on_mps
 };
@@ -108,8 +112,17 @@ class Rig {
     [[nodiscard]] double pressure_Pa() const { return pressure_Pa_; }  ///< true pressure at the brake
     [[nodiscard]] Forces forces() const;
     [[nodiscard]] bool standstill() const { return state_.v_mps <= Wheel::kSlowest_mps; }
-    [[nodiscard]] double kinetic_energy_J() const { return dynamics_.kinetic_energy_J(state_); }
-    /// What drive and drag have done since the start; kinetic energy + brake + tyre + drag - drive stays what it was.
+    /// Of aircraft or flywheel and of the wheel, and what the springs of tyre and leg hold.
+    [[nodiscard]] double kinetic_energy_J() const {
+        return compliant_ ? compliant_->energy_J(state_) : dynamics_.kinetic_energy_J(state_);
+    }
+    /// What the gear leg's damper has taken since the start.
+    [[nodiscard]] double energy_leg_J() const { return compliant_ ? compliant_->energy_leg_J() : 0.0; }
+    /// Under the wheel now.
+    [[nodiscard]] const Surface& surface() const {
+        return patch_ == 0 ? parameters_.surface : parameters_.runway.patches[patch_ - 1].surface;
+    }
+    /// What drive and drag have done since the start; kinetic energy + brake + tyre + leg + drag - drive stays what it was.
     [[nodiscard]] double energy_drive_J() const { return energy_drive_J_; }
     [[nodiscard]] double energy_drag_J() const { return energy_drag_J_; }
     [[nodiscard]] const RigParameters& parameters() const { return parameters_; }
@@ -121,6 +134,8 @@ class Rig {
 
   private:
     friend class RigLanes;
+    /// Whether the wheel can be computed beside others.
+    [[nodiscard]] bool plain() const { return !compliant_ && parameters_.runway.patches.empty(); }
 
     /// A step under way: valve and load have moved, the wheel has not yet.
     struct Step {
@@ -134,11 +149,13 @@ class Rig {
     [[nodiscard]] LoadArc load_arc(double h);
     [[nodiscard]] double load_decay(double h);
     void push();
-    void move(const PressureArc& pressure, double h);
+    void move(const PressureArc& pressure, const LoadArc& load, double h);
+    void look_at_runway();
     void sense(double wheel_before, double flywheel_before, double since_s);
 
     RigParameters parameters_;
     Wheel dynamics_;
+    std::optional<CompliantWheel> compliant_;  // instead of dynamics_
     Play play_;
     Valve valve_;
     Encoder wheel_encoder_;
@@ -147,6 +164,7 @@ class Rig {
     double step_s_;
     std::uint64_t steps_ = 0;
     WheelState state_;
+    std::size_t patch_ = 0;  // of the runway, counted from 1; 0: before the first
     bool contact_ = false;
     double device_load_N_ = 0.0;  // of a lagged loading device
     struct Decay {

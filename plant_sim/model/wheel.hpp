@@ -7,6 +7,7 @@
 #pragma once
 
 #include "plant_sim/model/brake.hpp"
+#include "plant_sim/model/compliance.hpp"
 #include "plant_sim/model/tyre.hpp"
 #include "plant_sim/model/wheel_arcs.hpp"
 #include "plant_sim/model/wheel_step.hpp"
@@ -18,6 +19,7 @@ struct WheelParameters {
     double inertia_kgm2 = 0.0;   ///< J_w
     double free_radius_m = 0.0;  ///< r_0 of r(F_z) = r_0 - F_z / k_r
     double stiffness_Npm = 0.0;  ///< k_r
+    Compliance compliance{};     ///< of tyre and leg; none: Wheel, otherwise CompliantWheel
 };
 
 /// Motion and what it has cost since the start. Energies close: eq. (8) equals eq. (9).
@@ -68,6 +70,11 @@ class Wheel {
     bool take(WheelState& state, const wheel_step::Step& step);
     [[nodiscard]] const wheel_step::Law& law() const { return law_; }
 
+    /// Another surface from here on.
+    void set_tyre(const FrictionLaw& tyre) {
+        law_.tyre = tyre;
+        last_ = {};
+    }
     /// Another brake from here on.
     void set_brake(const BrakeTorque& brake) {
         law_.brake = brake;

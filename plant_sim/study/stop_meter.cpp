@@ -13,13 +13,21 @@ void StopMeter::start(const plant::Rig& rig) {
     start_ = last_ = drop_out_ = rig.wheel();
     start_s_ = rig.time_s();
     start_energy_J_ = rig.kinetic_energy_J();
-    optimum_slip_ = plant::peak(rig.parameters().surface).slip;
+    start_leg_J_ = rig.energy_leg_J();
+    look_at(rig.surface());
+}
+
+void StopMeter::look_at(const plant::Surface& surface) {
+    changed_ = surface_ != nullptr;
+    surface_ = &surface;
+    optimum_ = plant::peak(surface);
 }
 
 void StopMeter::update(const plant::Rig& rig, double step_s) {
     const plant::WheelState& now = rig.wheel();
     const plant::Forces forces = rig.forces();
     const double metres = now.distance_m - last_.distance_m;
+    if (&rig.surface() != surface_) look_at(rig.surface());
     torque_Nms_ += forces.brake_torque_Nm * step_s;
     load_Ns_ += forces.F_z_N * step_s;
     if (!dropped_out_) {
@@ -28,7 +36,8 @@ void StopMeter::update(const plant::Rig& rig, double step_s) {
         drop_out_ = now;
         dropped_out_ = now.v_mps <= drop_out_mps_;
         peak_slip_ = std::max(peak_slip_, forces.slip);
-        efficiency_m_ += slip_efficiency(forces.slip, optimum_slip_) * metres;
+        efficiency_m_ += slip_efficiency(forces.slip, optimum_.slip) * metres;
+        most_friction_m_ += optimum_.mu * metres;
         lock_s_ = forces.slip > kLockSlip ? lock_s_ + step_s : 0.0;
         longest_lock_s_ = std::max(longest_lock_s_, lock_s_);
         if (rig.time_s() - start_s_ > kTrackingStarts_s && now.v_mps > kTrackingEnds_mps) {
@@ -43,20 +52,19 @@ void StopMeter::update(const plant::Rig& rig, double step_s) {
 
 StopFigures StopMeter::figures(const plant::Rig& rig) const {
     const plant::WheelState& now = rig.wheel();
-    const double mu_max = plant::peak(rig.parameters().surface).mu;
     const double to_drop_out = drop_out_.distance_m - start_.distance_m;
     StopFigures f;
     f.stop_distance_m = now.distance_m - start_.distance_m;
     f.duration_s = rig.time_s() - start_s_;
     f.drop_out_distance_m = to_drop_out;
-    f.j_mu = to_drop_out > 0.0
-                 ? (drop_out_.friction_distance_m - start_.friction_distance_m) / (mu_max * to_drop_out)
-                 : 0.0;
+    const double most_m = changed_ ? most_friction_m_ : optimum_.mu * to_drop_out;
+    f.j_mu = to_drop_out > 0.0 ? (drop_out_.friction_distance_m - start_.friction_distance_m) / most_m : 0.0;
     f.slip_efficiency = to_drop_out > 0.0 ? efficiency_m_ / to_drop_out : 0.0;
     f.energy_brake_J = now.energy_brake_J - start_.energy_brake_J;
     f.energy_tyre_J = now.energy_tyre_J - start_.energy_tyre_J;
+    const double leg_J = rig.energy_leg_J() - start_leg_J_;
     const double work = start_energy_J_ - rig.kinetic_energy_J();
-    f.energy_residual = work > 0.0 ? (work - f.energy_brake_J - f.energy_tyre_J) / work : 0.0;
+    f.energy_residual = work > 0.0 ? (work - f.energy_brake_J - f.energy_tyre_J - leg_J) / work : 0.0;
     f.peak_slip = peak_slip_;
     f.longest_lock_s = longest_lock_s_;
     if (tracking_m_ > 0.0) f.tracked_share = tracked_m_ / tracking_m_;

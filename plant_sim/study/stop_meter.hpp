@@ -13,13 +13,14 @@ struct StopFigures {
     double stop_distance_m = 0.0;
     double duration_s = 0.0;
     double drop_out_distance_m = 0.0;  ///< distance at which the speed fell below drop-out
-    double j_mu = 0.0;                 ///< eq. (16), pressure build-up included
-    double energy_brake_J = 0.0;       ///< integral of T_b omega, eq. (9)
-    double energy_tyre_J = 0.0;        ///< integral of F_x lambda v, eq. (9)
-    double energy_residual = 0.0;      ///< (eq. 8 - eq. 9) / eq. 8
-    double peak_slip = 0.0;            ///< above drop-out speed
-    double longest_lock_s = 0.0;       ///< longest time with slip above 0.95, above drop-out speed
-    double slip_efficiency = 0.0;      ///< wheel-slip efficiency, over the distance down to drop-out
+    double j_mu =
+        0.0;  ///< eq. (16), pressure build-up included; mu_max is that of the surface under the wheel
+    double energy_brake_J = 0.0;   ///< integral of T_b omega, eq. (9)
+    double energy_tyre_J = 0.0;    ///< integral of F_x lambda v, eq. (9)
+    double energy_residual = 0.0;  ///< (eq. 8 - eq. 9) / eq. 8
+    double peak_slip = 0.0;        ///< above drop-out speed
+    double longest_lock_s = 0.0;   ///< longest time with slip above 0.95, above drop-out speed
+    double slip_efficiency = 0.0;  ///< wheel-slip efficiency, over the distance down to drop-out
     /// Share of the distance with slip within 0.05 of the reference, see below; none where nothing was measured.
     std::optional<double> tracked_share;
     /// The tyre's share of what brake and tyre took over that distance, eq. (9); none where they took nothing.
@@ -61,6 +62,8 @@ class StopMeter {
     [[nodiscard]] StopFigures figures(const plant::Rig& rig) const;
 
   private:
+    void look_at(const plant::Surface& surface);
+
     double slip_reference_;
     double drop_out_mps_;
     bool started_ = false;
@@ -70,6 +73,7 @@ class StopMeter {
     plant::WheelState last_;
     double start_s_ = 0.0;
     double start_energy_J_ = 0.0;
+    double start_leg_J_ = 0.0;
     double peak_slip_ = 0.0;
     double lock_s_ = 0.0;
     double longest_lock_s_ = 0.0;
@@ -77,7 +81,10 @@ class StopMeter {
     double tracked_m_ = 0.0;
     double tracking_brake_J_ = 0.0;
     double tracking_tyre_J_ = 0.0;
-    double optimum_slip_ = 1.0;
+    plant::Peak optimum_{1.0, 1.0};  // of the surface under the wheel
+    const plant::Surface* surface_ = nullptr;
+    double most_friction_m_ = 0.0;  // integral of that surface's peak over the distance down to drop-out
+    bool changed_ = false;          // there was more than one
     double efficiency_m_ = 0.0;
     double torque_Nms_ = 0.0;
     double sliding_torque_Nms_ = 0.0;  // down to drop-out, as the pressure: a held wheel shows no friction

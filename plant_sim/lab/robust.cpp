@@ -1,0 +1,86 @@
+#include <fmt/format.h>
+
+#include <csignal>
+#include <memory>
+#include <thread>
+
+#include "config/reader/atomic_file.hpp"
+#include "firmware/linux/stop_signals.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
+#include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/study/robust/report.hpp"
+
+namespace plant_sim {
+
+namespace {
+
+struct RobustCommand {
+    robust::PlanOptions options;
+    unsigned threads = 0;
+    std::filesystem::path out = "out/robust";
+
+    [[nodiscard]] int run() const {
+        const robust::Plan plan = robust::load_plan(options);
+        antiskid::rt::StopSignals signals;
+        CampaignProgress progress(static_cast<std::int64_t>(plan.stops()), 0, "stops");
+        const std::vector<robust::Row> rows = robust::run(
+            plan, {.threads = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()),
+                   .stop = &signals.stop(),
+                   .progress = [&](std::size_t done) { progress.show(static_cast<std::int64_t>(done)); }});
+        progress.finish();
+        if (rows.size() < plan.stops()) {
+            fmt::print(stderr, "rig-lab: stopped after {} of {} stops; nothing is written\n", rows.size(),
+                       plan.stops());
+            return signals.number() == SIGINT ? 130 : 1;
+        }
+        const std::vector<robust::Summary> summaries = robust::summarise(plan, rows);
+        settings::write_file(out / "stops.csv", robust::to_csv(plan, rows));
+        settings::write_file(out / "results.json", robust::to_json(plan, summaries));
+        fmt::print("{}seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json\n",
+                   robust::to_table(plan, summaries), plan.seed, plan.config_hash, ANTISKID_VERSION,
+                   out.string());
+        bool sound = true;
+        for (const robust::Summary& s : summaries)
+            sound = sound && (plan.laws[s.law] != antiskid::control::Law::wheel_slip || s.tripped == 0);
+        return sound ? 0 : 1;
+    }
+};
+
+}  // namespace
+
+LabVerb robust_verb(CLI::App& lab) {
+    const auto command = std::make_shared<RobustCommand>();
+    CLI::App* verb = lab.add_subcommand(
+        "robust",
+        "Stops on plants and runways drawn from config/uncertainty.toml, every law on the same draws.");
+    verb->add_option("--families", command->options.families, "which ranges are drawn from")
+        ->delimiter(',')
+        ->capture_default_str();
+    verb->add_option("--laws", command->options.laws, "slip, threshold")
+        ->delimiter(',')
+        ->capture_default_str();
+    verb->add_option("--draws", command->options.draws,
+                     "of each family; a multiple of 14 has all landings equally often")
+        ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}))
+        ->capture_default_str();
+    verb->add_option("--seed", command->options.seed, "of the draws: 1 to tune with, others to report")
+        ->capture_default_str();
+    verb->add_option("--controller", command->options.controller,
+                     "controller configuration (default: CONFIG/controller.toml)");
+    verb->add_option("--ranges", command->options.ranges, "what is drawn (default: CONFIG/uncertainty.toml)");
+    verb->add_option("--config", command->options.config, "directory of the configuration files")
+        ->capture_default_str();
+    verb->add_option("--threads", command->threads, "results do not depend on it (default: all cores)")
+        ->check(CLI::Range(1U, 1024U));
+    verb->add_option("--out", command->out, "directory of stops.csv and results.json")->capture_default_str();
+    verb->footer(
+        "Examples:\n"
+        "  rig-lab robust\n"
+        "  rig-lab robust --families ring,relaxation --draws 168 --seed 2\n"
+        "Exit status: 0 no stop under the slip law ended safe; 1 some did; 2 mistake on the command line or "
+        "in a file; 130 "
+        "stopped by Ctrl-C.");
+    return {verb, [command] { return command->run(); }};
+}
+
+}  // namespace plant_sim

@@ -1,0 +1,29 @@
+/// A runway whose surface changes along its length.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "plant_sim/model/tyre.hpp"
+
+namespace plant {
+
+/// From `from_m` on, counted from where the rig began, to the next patch.
+struct Patch {
+    double from_m = 0.0;
+    Surface surface;
+};
+
+struct Runway {
+    std::vector<Patch> patches;  ///< `from_m` strictly increasing; empty: one surface all along
+
+    /// How many patches have begun at a distance.
+    [[nodiscard]] std::size_t begun(double distance_m) const {
+        const auto begins = [](double at, const Patch& patch) { return at < patch.from_m; };
+        return static_cast<std::size_t>(std::upper_bound(patches.begin(), patches.end(), distance_m, begins) -
+                                        patches.begin());
+    }
+};
+
+}  // namespace plant

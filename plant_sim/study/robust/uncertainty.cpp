@@ -1,0 +1,151 @@
+#include "plant_sim/study/robust/uncertainty.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "config/reader/settings.hpp"
+#include "plant_sim/wear/draw.hpp"
+
+namespace robust {
+
+namespace {
+
+using settings::Table;
+
+Interval interval(const Table& t, std::string_view key, const settings::Range& range) {
+    const std::vector<double> ends = t.numbers(key, {.range = range, .count = {.min = 2, .max = 2}});
+    if (ends[1] < ends[0]) t.fail(key, "the second number is below the first; expected [least, most]");
+    return {ends[0], ends[1]};
+}
+
+double within(const Interval& range, wear::Generator& generator) {
+    return range.low + (range.high - range.low) * wear::uniform(generator);
+}
+
+double within_logarithm(const Interval& range, wear::Generator& generator) {
+    return range.low * std::pow(range.high / range.low, wear::uniform(generator));
+}
+
+void add_ring(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
+    rig.wheel.compliance.ring = {.belt_share = within(u.belt_share, g),
+                                 .frequency_Hz = within(u.ring_Hz, g),
+                                 .damping = within(u.ring_damping, g)};
+}
+
+void add_relaxation(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
+    rig.wheel.compliance.relaxation = {.length_m = within_logarithm(u.relaxation_m, g),
+                                       .floor_m = u.relaxation_floor_m};
+}
+
+void add_leg(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
+    rig.wheel.compliance.leg = {.mass_kg = within(u.leg_kg, g),
+                                .frequency_Hz = within(u.leg_Hz, g),
+                                .damping = within(u.leg_damping, g)};
+}
+
+void change_parameters(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
+    rig.wheel.inertia_kgm2 *= within(u.wheel_inertia, g);
+    rig.brake.piston_area_m2 *= within(u.brake_gain, g);
+    rig.valve.natural_frequency_radps *= within(u.valve_frequency, g);
+    rig.valve.delay_s = within(u.delay_s, g);
+    rig.valve.hysteresis_mA = within(u.hysteresis_mA, g);
+    const double load = within(u.load, g);
+    rig.load.base_N *= load;
+    for (plant::EncoderParameters* encoder : {&rig.wheel_encoder, &rig.flywheel_encoder}) {
+        encoder->pitch_error = within(u.pitch_error, g);
+        encoder->eccentricity = within(u.eccentricity, g);
+    }
+}
+
+void add_patches(const Basis& basis, plant::RigParameters& rig, wear::Generator& g) {
+    constexpr double kLongest_m = 6000.0;  // of a stop on ice, beyond which the last patch stays
+    double from_m = 0.0;
+    while (from_m < kLongest_m) {
+        from_m += within_logarithm(basis.uncertainty.patch_m, g);
+        const auto which =
+            static_cast<std::size_t>(wear::uniform(g) * static_cast<double>(basis.surfaces.size()));
+        rig.runway.patches.push_back({from_m, basis.surfaces[which]});
+    }
+}
+
+}  // namespace
+
+Uncertainty load_uncertainty(const std::filesystem::path& file) {
+    const settings::Document doc = settings::Document::load(file);
+    const Table root = doc.root();
+    const Table landing = root.table("landing"), ring = root.table("ring"),
+                relaxation = root.table("relaxation"), leg = root.table("leg"),
+                parameters = root.table("parameters"), patches = root.table("patches");
+    constexpr settings::Range kFactor{.min = 0.1, .max = 10.0}, kDamping{.min = 0.0, .max = 1.0};
+    const Interval delay_ms = interval(parameters, "delay_ms", {.min = 0.0, .max = 100.0});
+    const Uncertainty u{.slip_reference = landing.number("slip_reference", {.min = 0.0, .max = 0.5}),
+                        .speed_mps = interval(landing, "speed_mps", {.min = 6.0, .max = 120.0}),
+                        .belt_share = interval(ring, "belt_share", {.min = 0.01, .max = 0.9}),
+                        .ring_Hz = interval(ring, "frequency_Hz", {.min = 5.0, .max = 1000.0}),
+                        .ring_damping = interval(ring, "damping", kDamping),
+                        .relaxation_m = interval(relaxation, "length_m", {.min = 0.001, .max = 2.0}),
+                        .relaxation_floor_m = relaxation.number("floor_m", {.min = 0.001, .max = 2.0}),
+                        .leg_kg = interval(leg, "mass_kg", {.min = 1.0, .max = 1000.0}),
+                        .leg_Hz = interval(leg, "frequency_Hz", {.min = 1.0, .max = 100.0}),
+                        .leg_damping = interval(leg, "damping", kDamping),
+                        .wheel_inertia = interval(parameters, "wheel_inertia", kFactor),
+                        .brake_gain = interval(parameters, "brake_gain", kFactor),
+                        .valve_frequency = interval(parameters, "valve_frequency", kFactor),
+                        .delay_s = {delay_ms.low * 1e-3, delay_ms.high * 1e-3},
+                        .hysteresis_mA = interval(parameters, "hysteresis_mA", {.min = 0.0, .max = 20.0}),
+                        .load = interval(parameters, "load", {.min = 0.5, .max = 2.0}),
+                        .pitch_error = interval(parameters, "pitch_error", {.min = 0.0, .max = 0.3}),
+                        .eccentricity = interval(parameters, "eccentricity", {.min = 0.0, .max = 0.1}),
+                        .patch_m = interval(patches, "length_m", {.min = 1.0, .max = 10000.0})};
+    doc.finish();
+    return u;
+}
+
+Draw draw(const Basis& basis, Family family, std::uint64_t seed, std::size_t number) {
+    constexpr std::uint64_t kFamilyStride = std::uint64_t{1} << 32U;
+    wear::Generator g = wear::generator_of(seed, static_cast<std::uint64_t>(family) * kFamilyStride + number);
+    const Uncertainty& u = basis.uncertainty;
+    const std::size_t landing = number % basis.landings.size();
+    Draw drawn{.landing = landing, .rig = basis.landings[landing].rig};
+    plant::RigParameters& rig = drawn.rig;
+    const bool all = family == Family::all;
+    const bool coin = wear::uniform(g) < 0.5;
+    if (family == Family::ring || (all && coin)) add_ring(u, rig, g);
+    if (family == Family::relaxation || (all && !coin)) add_relaxation(u, rig, g);
+    if (family == Family::leg || all) add_leg(u, rig, g);
+    if (family == Family::parameters || all) change_parameters(u, rig, g);
+    if (family == Family::patches || all) add_patches(basis, rig, g);
+    if (family == Family::speed) {
+        rig.brake_on_mps = within(u.speed_mps, g);
+        rig.touchdown_mps = 0.0;
+    }
+    return drawn;
+}
+
+std::string describe(const Basis& basis, const Draw& d) {
+    const Landing& landing = basis.landings[d.landing];
+    const auto& [ring, relaxation, leg] = d.rig.wheel.compliance;
+    std::string text = fmt::format("{} {}", landing.maneuver, landing.surface);
+    if (ring.belt_share > 0.0)
+        text += fmt::format(", ring {:.0f} Hz damping {:.3f} belt {:.2f}", ring.frequency_Hz, ring.damping,
+                            ring.belt_share);
+    if (relaxation.length_m > 0.0) text += fmt::format(", relaxation {:.3f} m", relaxation.length_m);
+    if (leg.mass_kg > 0.0)
+        text += fmt::format(", leg {:.1f} Hz damping {:.3f}", leg.frequency_Hz, leg.damping);
+    const plant::RigParameters& plain = landing.rig;
+    if (d.rig.valve.delay_s != plain.valve.delay_s)
+        text += fmt::format(
+            ", J x{:.2f}, k_b x{:.2f}, valve {:.0f} Hz delay {:.1f} ms hysteresis {:.1f} mA, pitch {:.1f} %",
+            d.rig.wheel.inertia_kgm2 / plain.wheel.inertia_kgm2,
+            d.rig.brake.piston_area_m2 / plain.brake.piston_area_m2,
+            d.rig.valve.natural_frequency_radps / 6.283185307179586, d.rig.valve.delay_s * 1e3,
+            d.rig.valve.hysteresis_mA, d.rig.wheel_encoder.pitch_error * 100.0);
+    if (d.rig.brake_on_mps != plain.brake_on_mps) text += fmt::format(", {:.1f} m/s", d.rig.brake_on_mps);
+    for (std::size_t i = 0; i < d.rig.runway.patches.size() && i < 4; ++i)
+        text += fmt::format(", {} from {:.0f} m", d.rig.runway.patches[i].surface.name,
+                            d.rig.runway.patches[i].from_m);
+    return text;
+}
+
+}  // namespace robust

@@ -1,0 +1,66 @@
+/// What is not known about a plant, as ranges, and plants drawn from them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "plant_sim/study/rig_session.hpp"
+
+namespace robust {
+
+/// Which ranges a draw takes.
+enum class Family : std::uint8_t { paper, ring, relaxation, leg, parameters, patches, speed, all };
+inline constexpr std::array<std::string_view, 8> kFamilyNames{"paper",      "ring",    "relaxation", "leg",
+                                                              "parameters", "patches", "speed",      "all"};
+[[nodiscard]] constexpr std::string_view name(Family family) {
+    return kFamilyNames[static_cast<std::size_t>(family)];
+}
+
+struct Interval {
+    double low = 0.0, high = 0.0;
+};
+
+/// config/uncertainty.toml; its comments say what each is.
+struct Uncertainty {
+    double slip_reference = 0.0;
+    Interval speed_mps;
+    Interval belt_share, ring_Hz, ring_damping;
+    Interval relaxation_m;
+    double relaxation_floor_m = 0.0;
+    Interval leg_kg, leg_Hz, leg_damping;
+    Interval wheel_inertia, brake_gain, valve_frequency, delay_s, hysteresis_mA, load, pitch_error,
+        eccentricity;
+    Interval patch_m;
+};
+/// Throws settings::Error.
+[[nodiscard]] Uncertainty load_uncertainty(const std::filesystem::path& file);
+
+/// A landing before anything is drawn.
+struct Landing {
+    std::string surface, maneuver;
+    plant::RigParameters rig;
+};
+
+/// What a draw takes from.
+struct Basis {
+    Uncertainty uncertainty;
+    std::vector<Landing> landings;         ///< one of them
+    std::vector<plant::Surface> surfaces;  ///< of the patches
+};
+
+struct Draw {
+    std::size_t landing = 0;
+    plant::RigParameters rig;
+};
+
+/// Draw `number` of a family: that, the family and the seed decide everything. Landings come in turn, so that every family has all of them.
+[[nodiscard]] Draw draw(const Basis& basis, Family family, std::uint64_t seed, std::size_t number);
+
+/// What was drawn, for a person: "ring 73 Hz, damping 0.05, belt 0.31 of J_w; ...".
+[[nodiscard]] std::string describe(const Basis& basis, const Draw& draw);
+
+}  // namespace robust
