@@ -14,6 +14,8 @@ struct EncoderConfig {
     float teeth = 0.0F;
     float max_speed_radps = 0.0F;
     float max_acceleration_radps2 = 0.0F;  ///< above this between two frames the reading is implausible
+    float pitch_error =
+        0.0F;  ///< of a sound ring's teeth, of their pitch: what a reading may be off by it is not implausible
 };
 
 /// Rolling radius r(F_z) = r_0 - F_z / k_r with eq. (2): a free-rolling wheel before brake-on calibrates it,
@@ -52,6 +54,39 @@ struct EstimatorConfig {
     float pressure_bandwidth_radps = 0.0F;  ///< correction of the valve model by the transducer
     float valve_offset_radps = 0.0F;        ///< at which the valve's offset from its map is learnt; 0: never
     float valve_offset_share = 0.0F;        ///< of the pressure asked for: more is not made up for
+};
+
+/// Used instead of the wheel's tracker and of SlipLaw: a filter that knows how the road answers slip (wheel_observer.hpp), and the law that
+/// goes with it (observed_slip_law.hpp). The fall at low speed stays that of SlipConfig.
+struct ObserverConfig {
+    bool used = false;
+
+    float reading_noise =
+        0.0F;  ///< standard deviation of a reading, of the encoder's pitch over the time that it took
+    float road_noise_radps2 =
+        0.0F;  ///< random walk of the road's torque as wheel acceleration, in the root of a second
+    float answer_noise =
+        0.0F;  ///< random walk of the road's answer, of itself and the floor, in the root of a second
+    float answer_floor_per_s =
+        0.0F;               ///< as uncertain as this is an answer of zero; the filter starts at half of it
+    float surprise = 0.0F;  ///< standard deviations by which readings are off to one side on another road
+    float outlook_share = 0.0F;  ///< of a restoring answer that is believed over the valve's delay, 0 to 1
+
+    float k_p_per_s = 0.0F;  ///< gains as in SlipConfig
+    float k_i_per_s2 = 0.0F;
+    float k_d = 0.0F;
+    float k_dd_s = 0.0F;
+    float k_answer = 0.0F;  ///< added to k_p: this share of a restoring answer
+    float max_slip_rate_per_s =
+        0.0F;  ///< asked for at most: the pressure above balance that a slippery runway meets
+
+    // The share of the reference that is in force is the integral of (answer + runaway_per_s) / answer_scale_per_s, within the rates.
+    float runaway_per_s = 0.0F;  ///< a wheel that runs away as fast as this is still held
+    float answer_scale_per_s = 0.0F;
+    float answer_filter_radps = 0.0F;
+    float rise_per_s = 0.0F;  ///< of the share, at most
+    float fall_per_s = 0.0F;
+    float lock_fall_per_s = 0.0F;  ///< while the wheel slips by more than 0.6
 };
 
 /// PID on predicted slip. Gains act on slip rate (1/s): the law multiplies by J v / (r k_b), which is the
@@ -145,6 +180,7 @@ struct Config {
     FlywheelConfig flywheel;
     ValveConfig valve;
     EstimatorConfig estimator;
+    ObserverConfig observer;
     SlipConfig slip;
     DecelerationConfig deceleration;
     ThresholdConfig threshold;

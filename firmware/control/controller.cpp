@@ -8,10 +8,13 @@ Controller::Controller(const Config& config)
     : valve_(config.valve),
       period_s_(config.period_s),
       pass_through_rate_Paps_(config.supervisor.pass_through_rate_Paps),
-      estimator_(config.wheel, config.flywheel, config.valve, config.estimator, config.period_s),
+      estimator_(config.wheel, config.flywheel, config.valve, config.estimator, config.observer,
+                 config.period_s),
       monitor_(config),
       supervisor_(config.supervisor, config.period_s),
+      observes_(config.observer.used),
       slip_law_(config.slip, config.period_s),
+      observed_slip_law_(config.observer, config.slip, config.period_s),
       deceleration_law_(config.deceleration, config.slip, config.period_s),
       threshold_law_(config.threshold, config.period_s),
       takeover_Pa_(config.valve.full_pressure_Pa),
@@ -20,6 +23,7 @@ Controller::Controller(const Config& config)
 void Controller::start_law(Law law, const Estimate& estimate) {
     law_ = law;
     slip_law_.start(estimate);
+    observed_slip_law_.start(estimate);
     deceleration_law_.start(estimate);
     threshold_law_.start(estimate);
 }
@@ -35,7 +39,8 @@ float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estim
     const float ceiling_Pa = smaller(maneuver.demand_Pa, takeover_Pa_);
     switch (maneuver.law) {
         case Law::wheel_slip:
-            return slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa);
+            return observes_ ? observed_slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa)
+                             : slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa);
         case Law::deceleration:
             return deceleration_law_.pressure_Pa(estimate, maneuver.deceleration_mps2, ceiling_Pa);
         case Law::open_loop:
@@ -63,8 +68,9 @@ float Controller::current_mA(const Command& command, Law law) const {
 Command Controller::step(const Sensors& sensors, Time now) {
     const Estimate& estimate = estimator_.update(sensors, current_mA_);
     const State before = supervisor_.state();
+    const float asked_slip = observes_ ? observed_slip_law_.asked() : slip_law_.reference();
     const FaultSet present = monitor_.check(
-        sensors, estimator_, {supervisor_.rolling(), before == State::braking, slip_law_.reference()}, now);
+        sensors, estimator_, {supervisor_.rolling(), before == State::braking, asked_slip}, now);
     const State state = supervisor_.update(sensors, estimate, present, now);
 
     Command command;
@@ -82,7 +88,7 @@ Command Controller::step(const Sensors& sensors, Time now) {
                                           ? braking_pressure_Pa(sensors.maneuver, estimate, before)
                                           : pass_through_Pa(ceiling_Pa, estimate, before);
         if (state == State::braking && sensors.maneuver.law == Law::wheel_slip)
-            command.slip_reference = slip_law_.reference();
+            command.slip_reference = observes_ ? observed_slip_law_.reference() : slip_law_.reference();
     }
     requested_Pa_ = command.pressure_request_Pa;
     current_mA_ = permitted ? current_mA(command, sensors.maneuver.law) : valve_.safe_current_mA;

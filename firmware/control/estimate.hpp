@@ -21,6 +21,8 @@ struct Estimate {
     float late_v_mps = 0.0F;  ///< the same after the valve's delay, from commands already given
     float late_slip = 0.0F;
     PressureState late_pressure;
+    float answer_per_s = 0.0F;  ///< the road's answer to slip, see wheel_observer.hpp; 0 without the observer
+    float late_balance_Pa = 0.0F;  ///< balance_Pa after the delay; without the observer as it is now
 };
 
 }  // namespace antiskid::control

@@ -23,7 +23,7 @@ SpeedReading usable(SpeedReading reading, float most_radps) {
 }  // namespace
 
 Estimator::Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, const ValveConfig& valve,
-                     const EstimatorConfig& estimator, float period_s)
+                     const EstimatorConfig& estimator, const ObserverConfig& observer, float period_s)
     : wheel_(wheel),
       valve_(valve),
       flywheel_most_radps_(flywheel.encoder.max_speed_radps),
@@ -33,7 +33,10 @@ Estimator::Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, c
       lift_per_stiffness_(wheel.lift_Ns2pm2 / wheel.stiffness_Npm),
       wheel_speed_(wheel.encoder.teeth),
       flywheel_speed_(flywheel.encoder.teeth),
+      observes_(observer.used),
+      outlook_share_(observer.outlook_share),
       wheel_tracker_(estimator.wheel_bandwidth_radps, wheel.encoder.max_acceleration_radps2),
+      wheel_observer_(observer, wheel.encoder, period_s),
       flywheel_tracker_(estimator.aircraft_bandwidth_radps, flywheel.encoder.max_acceleration_radps2),
       valve_model_(valve, period_s, estimator),
       standing_radius_m_(wheel.nominal_radius_m) {}
@@ -44,13 +47,53 @@ void Estimator::calibrate_radius(bool on_wheels) {
     const Estimate& e = estimate_;
     const bool free = on_wheels && e.pressure.pressure_Pa < kFreePressure_Pa &&
                       e.v_mps > kCalibrationSpeed_mps && wheel_reading_.fresh &&
-                      magnitude(wheel_tracker_.acceleration()) < kFreeAcceleration_radps2;
+                      magnitude(road_radps2()) < kFreeAcceleration_radps2;
     if (!free) return;
     const float measured = e.v_mps / e.omega_radps - lift_per_stiffness_ * e.v_mps * e.v_mps;
     const float low = wheel_.nominal_radius_m * (1.0F - wheel_.radius_tolerance);
     const float high = wheel_.nominal_radius_m * (1.0F + wheel_.radius_tolerance);
     if (measured < low || measured > high) return;
     standing_radius_m_ += (measured - standing_radius_m_) * period_s_ / (kRadiusMemory_s + period_s_);
+}
+
+/// What the wheel does without the brake.
+float Estimator::road_radps2() const {
+    return observes_ ? wheel_observer_.motion().road_radps2 : wheel_tracker_.acceleration();
+}
+
+void Estimator::follow_wheel(const PressureState& before) {
+    const PressureState& now = valve_model_.now();
+    const SpeedReading reading = usable(wheel_reading_, wheel_.encoder.max_speed_radps);
+    const float braking = brake_gain_ * 0.5F * (before.pressure_Pa + now.pressure_Pa);
+    if (observes_) {
+        wheel_observer_.update(reading, {.brake_radps2 = braking,
+                                         .brake_now_radps2 = brake_gain_ * now.pressure_Pa,
+                                         .steady_radps2 = steady_radps2_});
+    } else {
+        wheel_tracker_.update(reading, period_s_, -braking * period_s_, -brake_gain_ * now.pressure_Pa);
+    }
+}
+
+/// Over the valve's delay, from commands already given. The tracker holds what the road gives; the observer lets it follow the slip.
+void Estimator::look_ahead(float v_mps) {
+    Estimate& e = estimate_;
+    const float ahead = valve_model_.delay_s();
+    e.late_v_mps = larger(v_mps + e.v_dot_mps2 * ahead, kSlowest_mps);
+    WheelMotion late{e.omega_radps, road_radps2()};
+    if (observes_) {
+        e.answer_per_s = wheel_observer_.answer_per_s();
+        const float believed = e.answer_per_s > 0.0F ? outlook_share_ * e.answer_per_s : e.answer_per_s;
+        e.late_pressure = valve_model_.look_ahead([&](float mean_Pa) {
+            late = moved(late, brake_gain_ * mean_Pa, steady_radps2_, believed, period_s_);
+        });
+    } else {
+        const ValveModel::Outlook outlook = valve_model_.outlook();
+        e.late_pressure = outlook.end;
+        late.omega_radps =
+            larger(e.omega_radps + late.road_radps2 * ahead - brake_gain_ * outlook.impulse_Pas, 0.0F);
+    }
+    e.late_balance_Pa = larger(late.road_radps2 - steady_radps2_, 0.0F) / brake_gain_;
+    e.late_slip = limited(1.0F - late.omega_radps * e.radius_m / e.late_v_mps, -1.0F, 1.0F);
 }
 
 const Estimate& Estimator::update(const Sensors& sensors, float last_current_mA) {
@@ -65,17 +108,15 @@ const Estimate& Estimator::update(const Sensors& sensors, float last_current_mA)
     flywheel_reading_ = flywheel_speed_.update(sensors.flywheel);
     wheel_reading_ = wheel_speed_.update(sensors.wheel);
     flywheel_tracker_.update(usable(flywheel_reading_, flywheel_most_radps_), period_s_, 0.0F, 0.0F);
-    const float braking = -brake_gain_ * 0.5F * (before.pressure_Pa + pressure.pressure_Pa);
-    wheel_tracker_.update(usable(wheel_reading_, wheel_.encoder.max_speed_radps), period_s_,
-                          braking * period_s_, -brake_gain_ * pressure.pressure_Pa);
+    follow_wheel(before);
 
     Estimate& e = estimate_;
     e.speeds_known = wheel_reading_.valid && flywheel_reading_.valid;
     e.brake_gain = brake_gain_;
     e.v_mps = flywheel_tracker_.speed() * flywheel_radius_m_;
     e.v_dot_mps2 = flywheel_tracker_.acceleration() * flywheel_radius_m_;
-    e.omega_radps = wheel_tracker_.speed();
-    e.omega_dot_radps2 = wheel_tracker_.acceleration() - brake_gain_ * pressure.pressure_Pa;
+    e.omega_radps = observes_ ? wheel_observer_.motion().omega_radps : wheel_tracker_.speed();
+    e.omega_dot_radps2 = road_radps2() - brake_gain_ * pressure.pressure_Pa;
     e.pressure = pressure;
     calibrate_radius(sensors.maneuver.weight_on_wheels);
 
@@ -83,16 +124,9 @@ const Estimate& Estimator::update(const Sensors& sensors, float last_current_mA)
     e.radius_m = standing_radius_m_ + lift_per_stiffness_ * v * v;
     e.slip = e.v_mps > kSlowest_mps ? limited(1.0F - e.omega_radps * e.radius_m / v, -1.0F, 1.0F) : 0.0F;
     // A constant slip needs omega_dot = omega v_dot / v; what the road gives beyond it, the brake must take.
-    e.balance_Pa =
-        larger(wheel_tracker_.acceleration() - e.omega_radps * e.v_dot_mps2 / v, 0.0F) / brake_gain_;
-
-    const ValveModel::Outlook outlook = valve_model_.outlook();
-    const float ahead = valve_model_.delay_s();
-    e.late_pressure = outlook.end;
-    e.late_v_mps = larger(v + e.v_dot_mps2 * ahead, kSlowest_mps);
-    const float late_omega = larger(
-        e.omega_radps + wheel_tracker_.acceleration() * ahead - brake_gain_ * outlook.impulse_Pas, 0.0F);
-    e.late_slip = limited(1.0F - late_omega * e.radius_m / e.late_v_mps, -1.0F, 1.0F);
+    steady_radps2_ = e.omega_radps * e.v_dot_mps2 / v;
+    e.balance_Pa = larger(road_radps2() - steady_radps2_, 0.0F) / brake_gain_;
+    look_ahead(v);
     return e;
 }
 

@@ -6,13 +6,14 @@
 #include "firmware/control/estimate.hpp"
 #include "firmware/control/speed_tracker.hpp"
 #include "firmware/control/types.hpp"
+#include "firmware/control/wheel_observer.hpp"
 
 namespace antiskid::control {
 
 class Estimator {
   public:
     Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, const ValveConfig& valve,
-              const EstimatorConfig& estimator, float period_s);
+              const EstimatorConfig& estimator, const ObserverConfig& observer, float period_s);
 
     /// One period; `last_current_mA` is what the valve was commanded since the step before.
     const Estimate& update(const Sensors& sensors, float last_current_mA);
@@ -29,6 +30,9 @@ class Estimator {
 
   private:
     void calibrate_radius(bool on_wheels);
+    void follow_wheel(const PressureState& before);
+    void look_ahead(float v_mps);
+    [[nodiscard]] float road_radps2() const;
 
     WheelConfig wheel_;
     ValveConfig valve_;
@@ -39,7 +43,11 @@ class Estimator {
     float lift_per_stiffness_;
     SpeedEstimator wheel_speed_;
     SpeedEstimator flywheel_speed_;
+    bool observes_;
+    float outlook_share_;
     SpeedTracker wheel_tracker_;
+    WheelObserver wheel_observer_;
+    float steady_radps2_ = 0.0F;  // omega v_dot / v: of a wheel that keeps its slip
     SpeedTracker flywheel_tracker_;
     ValveModel valve_model_;
     Time pressure_received_ = kNever;

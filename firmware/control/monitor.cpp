@@ -9,6 +9,8 @@ namespace {
 Time nanoseconds(float time_s) {
     return Time{static_cast<std::int64_t>(time_s * 1e9F)};
 }
+// Whatever the runway, a wheel that slips steadily would need more torque than this to stay there.
+constexpr float kHardlyBraked_Pa = 1e5F;
 constexpr float kCommandPeriod_s = 0.01F;  // no sequencer commands faster; config/antiskid.dbc: 20 ms
 }  // namespace
 
@@ -90,8 +92,12 @@ void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReadin
     // A reading is a mean over its interval: two of them in a row cannot differ by more than the acceleration
     // times that.
     const float span = larger(reading.interval_s, period_s_);
-    const bool jumps = check.known && sensible &&
-                       magnitude(speed - check.last_radps) > encoder.max_acceleration_radps2 * span;
+    // Each is off by two misplaced teeth at the most; all four at their worst do not come together.
+    constexpr float kThreePitches = 3.0F * 6.28318531F;
+    const float misplaced = kThreePitches * encoder.pitch_error / (encoder.teeth * span);
+    const bool jumps =
+        check.known && sensible &&
+        magnitude(speed - check.last_radps) > encoder.max_acceleration_radps2 * span + misplaced;
     if (reading.fresh && sensible) {
         check.jumps = check.rate.holds(jumps);
         check.last_radps = speed;
@@ -180,8 +186,6 @@ void Monitor::check_plausibility(FaultSet& faults, const Sensors& sensors, const
         rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
     const bool overspeeds = overspeed_.holds(overspeed);
     const bool steady = magnitude(e.omega_dot_radps2) * e.radius_m < kSteady_mps2;
-    // Whatever the runway, a wheel that slips so far would need more torque than this to stay there.
-    constexpr float kHardlyBraked_Pa = 1e5F;
     const bool hardly_braked = model_Pa < kHardlyBraked_Pa;
     const bool slips_freely =
         rolling && moving && hardly_braked && steady && !wheel_stands && e.slip > config_.free_slip;
@@ -192,15 +196,17 @@ void Monitor::check_plausibility(FaultSet& faults, const Sensors& sensors, const
 /// What the laws that mean a pressure make of it.
 void Monitor::check_law(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
                         const Before& before) {
-    // Slip above what is asked for adds up, slip below it pays back: no sound loop is above it for long, on any surface.
+    // Slip above what is asked for adds up, slip below it pays back: no sound loop is above it for long, on any surface. Without pressure
+    // it does neither: on ice a released wheel takes its time.
     constexpr float kMore = 0.05F;
     constexpr float kMost_s = 0.1F;
     const bool by_slip = maneuver.law == Law::wheel_slip;
-    const float excess = estimator.estimate().slip - before.slip_reference - kMore;
+    const float model_Pa = estimator.uncorrected_pressure_Pa();
+    const bool released = model_Pa < kHardlyBraked_Pa;
+    const float excess = released ? 0.0F : estimator.estimate().slip - before.slip_reference - kMore;
     excess_slip_s_ = before.braking && by_slip ? larger(excess_slip_s_ + excess * period_s_, 0.0F) : 0.0F;
     if (excess_slip_s_ > kMost_s) faults.insert(Fault::speeds_disagree);
 
-    const float model_Pa = estimator.uncorrected_pressure_Pa();
     const float offset_Pa = magnitude(estimator.valve_offset_Pa());
     const bool means_pressure = by_slip || maneuver.law == Law::deceleration;
     const bool off = before.braking && means_pressure && model_Pa > 2.0F * released_Pa_ &&

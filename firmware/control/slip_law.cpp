@@ -4,6 +4,15 @@
 
 namespace antiskid::control {
 
+float falling_reference(const SlipConfig& config, float slip_reference, float speed_mps) {
+    if (speed_mps >= config.low_speed_mps) return slip_reference;
+    const float low = smaller(slip_reference, config.low_speed_slip);
+    const float share = limited(
+        (speed_mps - config.low_speed_floor_mps) / (config.low_speed_mps - config.low_speed_floor_mps), 0.0F,
+        1.0F);
+    return low + share * (slip_reference - low);
+}
+
 SlipLaw::SlipLaw(const SlipConfig& config, float period_s) : config_(config), period_s_(period_s) {}
 
 void SlipLaw::start(const Estimate& estimate) {
@@ -13,17 +22,8 @@ void SlipLaw::start(const Estimate& estimate) {
     build_up_Pa_ = 0.0F;
 }
 
-float SlipLaw::scheduled(float slip_reference, float speed_mps) const {
-    if (speed_mps >= config_.low_speed_mps) return slip_reference;
-    const float low = smaller(slip_reference, config_.low_speed_slip);
-    const float share = limited(
-        (speed_mps - config_.low_speed_floor_mps) / (config_.low_speed_mps - config_.low_speed_floor_mps),
-        0.0F, 1.0F);
-    return low + share * (slip_reference - low);
-}
-
 float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
-    reference_ = towards(reference_, scheduled(slip_reference, e.late_v_mps),
+    reference_ = towards(reference_, falling_reference(config_, slip_reference, e.late_v_mps),
                          config_.reference_rate_per_s * period_s_);
 
     // lambda_dot = (r k_b / (J v)) (P - P_balance), from eq. (1b) and (3): slip rate and pressure differ by

@@ -7,6 +7,9 @@
 
 namespace antiskid::control {
 
+/// `slip_reference`, below SlipConfig::low_speed_mps less.
+[[nodiscard]] float falling_reference(const SlipConfig& config, float slip_reference, float speed_mps);
+
 class SlipLaw {
   public:
     SlipLaw(const SlipConfig& config, float period_s);
@@ -21,8 +24,6 @@ class SlipLaw {
     [[nodiscard]] float reference() const { return reference_; }
 
   private:
-    [[nodiscard]] float scheduled(float slip_reference, float speed_mps) const;
-
     SlipConfig config_;
     float period_s_;
     float reference_ = 0.0F;

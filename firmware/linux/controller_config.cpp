@@ -1,5 +1,6 @@
 #include "firmware/linux/controller_config.hpp"
 
+#include <array>
 #include <initializer_list>
 #include <numbers>
 #include <string>
@@ -31,7 +32,8 @@ void tell_apart(const settings::Table& table, std::initializer_list<std::string_
 control::EncoderConfig encoder(const settings::Table& t) {
     return {.teeth = static_cast<float>(t.integer<int>("teeth", {.min = 1, .max = 1000})),
             .max_speed_radps = number(t, "max_speed_radps", 1.0, 1e4),
-            .max_acceleration_radps2 = number(t, "max_acceleration_radps2", 1.0, 1e6)};
+            .max_acceleration_radps2 = number(t, "max_acceleration_radps2", 1.0, 1e6),
+            .pitch_error = number(t, "pitch_error", 0.0, 0.2)};
 }
 
 control::WheelConfig wheel(const settings::Table& t) {
@@ -80,6 +82,29 @@ control::EstimatorConfig estimator(const settings::Table& t) {
             .pressure_bandwidth_radps = number(t, "pressure_bandwidth_radps", 1.0, 5000.0),
             .valve_offset_radps = number(t, "valve_offset_radps", 0.0, 100.0),
             .valve_offset_share = number(t, "valve_offset_share", 0.0, 0.5)};
+}
+
+control::ObserverConfig observer(const settings::Table& t) {
+    static constexpr std::array<settings::Choice<bool>, 2> kLaws{{{"slip", false}, {"observer", true}}};
+    return {.used = t.choice<bool>("slip_law", kLaws),
+            .reading_noise = number(t, "reading_noise", 1e-4, 1.0),
+            .road_noise_radps2 = number(t, "road_noise_radps2", 1.0, 1e6),
+            .answer_noise = number(t, "answer_noise", 0.0, 100.0),
+            .answer_floor_per_s = number(t, "answer_floor_per_s", 1.0, 1e4),
+            .surprise = number(t, "surprise", 1.0, 1e3),
+            .outlook_share = number(t, "outlook_share", 0.0, 1.0),
+            .k_p_per_s = number(t, "k_p_per_s", 0.0, 1e4),
+            .k_i_per_s2 = number(t, "k_i_per_s2", 0.0, 1e5),
+            .k_d = number(t, "k_d", -1.0, 100.0),
+            .k_dd_s = number(t, "k_dd_s", 0.0, 1.0),
+            .k_answer = number(t, "k_answer", 0.0, 10.0),
+            .max_slip_rate_per_s = number(t, "max_slip_rate_per_s", 0.1, 1e4),
+            .runaway_per_s = number(t, "runaway_per_s", 0.0, 1e3),
+            .answer_scale_per_s = number(t, "answer_scale_per_s", 0.1, 1e4),
+            .answer_filter_radps = number(t, "answer_filter_radps", 0.1, 200.0),
+            .rise_per_s = number(t, "rise_per_s", 0.0, 100.0),
+            .fall_per_s = number(t, "fall_per_s", 0.0, 100.0),
+            .lock_fall_per_s = number(t, "lock_fall_per_s", 0.0, 100.0)};
 }
 
 control::SlipConfig slip(const settings::Table& t) {
@@ -171,6 +196,7 @@ control::Config load_controller_config(const std::filesystem::path& path) {
                   .radius_m = number(flywheel, "radius_m", 0.05, 10.0)};
     c.valve = valve(root.table("valve"), c.period_s);
     c.estimator = estimator(root.table("estimator"));
+    if (const auto table = root.find_table("observer")) c.observer = observer(*table);
     c.slip = slip(root.table("slip"));
     c.deceleration = deceleration(root.table("deceleration"));
     c.threshold = threshold(root.table("threshold"));

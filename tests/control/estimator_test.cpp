@@ -24,7 +24,7 @@ constexpr double kLiftPerStiffness = 3.61375 / 2.7e6;
 /// A wheel under an estimator. Whoever uses it says how aircraft and wheel move.
 struct Wheel {
     explicit Wheel(const Config& c = fixed_config())
-        : config(c), estimator(c.wheel, c.flywheel, c.valve, c.estimator, c.period_s) {
+        : config(c), estimator(c.wheel, c.flywheel, c.valve, c.estimator, c.observer, c.period_s) {
         sensors.maneuver.weight_on_wheels = true;
     }
 
@@ -141,11 +141,12 @@ struct Truth {
 
 }  // namespace
 
-TEST_CASE("road torque and outlook agree with an independent simulation", "[CTL-033]") {
+TEST_CASE("road torque and outlook agree with an independent simulation", "[CTL-033][CTL-304]") {
     // Pressure swings about the one that balances the road; the slip wanders between free rolling and half locked.
     const double balance_Pa = GENERATE(2e6, 8e6);
     const double v0 = GENERATE(30.0, 60.0);
-    const Config config = fixed_config();
+    Config config = fixed_config();
+    config.observer.used = GENERATE(false, true);
     Wheel w(config);
     w.roll(v0, 0.322, 400);
     const double r = 0.322 + kLiftPerStiffness * v0 * v0;
@@ -175,7 +176,7 @@ TEST_CASE("road torque and outlook agree with an independent simulation", "[CTL-
     double most = 0.0, least = 1.0;
     for (int k = 200; k + 6 < kPeriods; ++k) {
         const auto i = static_cast<std::size_t>(k);
-        CAPTURE(k, balance_Pa, v0);
+        CAPTURE(k, balance_Pa, v0, config.observer.used);
         REQUIRE(std::abs(late[i] - slips[i + 6]) < 0.01);
         most = std::max(most, slips[i]);
         least = std::min(least, slips[i]);
@@ -260,7 +261,8 @@ struct Exact {
         sensors.maneuver.weight_on_wheels = true;
         return estimator.update(sensors, 0.0F);
     }
-    Estimator estimator{config().wheel, config().flywheel, config().valve, config().estimator, 1e-3F};
+    Estimator estimator{config().wheel,     config().flywheel, config().valve,
+                        config().estimator, config().observer, 1e-3F};
     Sensors sensors;
     Time now{};
 };
@@ -341,8 +343,8 @@ TEST_CASE("a bound above what a wheel can turn at bounds nothing", "[CTL-019]") 
         return estimator.update(sensors, 0.0F).omega_radps;
     };
     const Config c = fixed_config();
-    Estimator one(c.wheel, c.flywheel, c.valve, c.estimator, c.period_s);
-    Estimator other(c.wheel, c.flywheel, c.valve, c.estimator, c.period_s);
+    Estimator one(c.wheel, c.flywheel, c.valve, c.estimator, c.observer, c.period_s);
+    Estimator other(c.wheel, c.flywheel, c.valve, c.estimator, c.observer, c.period_s);
     const float expected = fed(one, false);
     REQUIRE(expected > 411.0F);  // the tracker is ahead of every reading
     CHECK(fed(other, true) == expected);
@@ -352,7 +354,8 @@ TEST_CASE("a wheel whose speed changes by 60 rad/s2 is not free", "[CTL-031]") {
     const float most_radps2 = GENERATE(60.0F, 59.9F);
     Config config = Exact::config();
     config.wheel.encoder.max_acceleration_radps2 = most_radps2;  // what the tracker stops at
-    Estimator estimator(config.wheel, config.flywheel, config.valve, config.estimator, 1e-3F);
+    Estimator estimator(config.wheel, config.flywheel, config.valve, config.estimator, config.observer,
+                        1e-3F);
     Exact x;
     x.estimator = estimator;
     for (int i = 0; i < 30; ++i) {
@@ -373,7 +376,8 @@ TEST_CASE("a wheel under 2 bar is not free", "[CTL-031]") {
     for (int tries = 0; tries < 400 && !found; ++tries) {
         config.valve.pressure_Pa[1] = mapped_Pa;
         Exact x;
-        x.estimator = Estimator(config.wheel, config.flywheel, config.valve, config.estimator, 1e-3F);
+        x.estimator =
+            Estimator(config.wheel, config.flywheel, config.valve, config.estimator, config.observer, 1e-3F);
         const auto move = [&x, target_Pa](const float omega_radps) {
             x.now += Time{1'000'000};
             x.sensors.wheel.received = x.sensors.flywheel.received = x.sensors.pressure.received = x.now;

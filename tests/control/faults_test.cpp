@@ -151,7 +151,7 @@ std::map<Fault, std::vector<Injection>> injections() {
     simple(Fault::wheel_rate,
            reports(&Sensors::wheel, [](float, int n) { return n % 2 == 1 ? 160.0F : 110.0F; }));
     simple(Fault::flywheel_rate,
-           reports(&Sensors::flywheel, [](float is, int n) { return n % 2 == 1 ? is + 5.0F : is - 5.0F; }));
+           reports(&Sensors::flywheel, [](float is, int n) { return n % 2 == 1 ? is + 10.0F : is - 10.0F; }));
 
     for (const Law law : {Law::wheel_slip, Law::threshold, Law::deceleration})
         add(Fault::wheel_stuck, {.spoil = frozen(&Sensors::wheel), .law = law});

@@ -28,7 +28,7 @@ inline control::Config exact_config() {
 struct Watch {
     explicit Watch(const control::Config& with = fixed_config())
         : config(with),
-          estimator(with.wheel, with.flywheel, with.valve, with.estimator, with.period_s),
+          estimator(with.wheel, with.flywheel, with.valve, with.estimator, with.observer, with.period_s),
           monitor(with) {
         sensors.wheel.source = sensors.flywheel.source = control::SpeedSource::speed;
     }

@@ -1,0 +1,142 @@
+#include "firmware/control/wheel_observer.hpp"
+
+#include "firmware/control/arithmetic.hpp"
+
+namespace antiskid::control {
+
+namespace {
+constexpr float kFullTurn = 6.28318531F;
+constexpr float kLeastNoise_radps = 0.02F;  // of a reading: the clock's resolution
+constexpr float kLeastAnswer_per_s =
+    -60.0F;  // faster than this no valve can follow, and a wild reading must not lead there
+constexpr float kMostAnswer_per_s = 6000.0F;
+
+/// The share of a step over which an excess of torque acts.
+float acting_s(float answer_per_s, float step_s) {
+    return answer_per_s > 0.0F ? step_s / (1.0F + answer_per_s * step_s) : step_s;
+}
+}  // namespace
+
+WheelMotion moved(const WheelMotion& from, float brake_radps2, float steady_radps2, float answer_per_s,
+                  float step_s) {
+    const float change = acting_s(answer_per_s, step_s) * (from.road_radps2 - brake_radps2 - steady_radps2);
+    return {larger(from.omega_radps + change + steady_radps2 * step_s, 0.0F),
+            from.road_radps2 - answer_per_s * change};
+}
+
+WheelObserver::WheelObserver(const ObserverConfig& config, const EncoderConfig& encoder, float period_s)
+    : config_(config),
+      most_radps2_(encoder.max_acceleration_radps2),
+      pitch_rad_(kFullTurn / encoder.teeth),
+      period_s_(period_s) {}
+
+void WheelObserver::begin(float omega_radps) {
+    constexpr float kSpeed_radps = 10.0F, kRoad_radps2 = 100.0F;
+    motion_ = {omega_radps, 0.0F};
+    answer_per_s_ = 0.5F * config_.answer_floor_per_s;
+    ww_ = kSpeed_radps * kSpeed_radps;
+    tt_ = kRoad_radps2 * kRoad_radps2;
+    aa_ = answer_per_s_ * answer_per_s_;
+    wt_ = wa_ = ta_ = 0.0F;
+    mean_surprise_ = 0.0F;
+    unheard_s_ = 0.0F;
+}
+
+void WheelObserver::predict(const Drive& drive) {
+    constexpr float kSpeedNoise = 1.0F;    // rad/s in the root of a second: what the equations leave out
+    constexpr float kMostVariance = 4e7F;  // of the answer
+    const float h = period_s_;
+    const float f = acting_s(answer_per_s_, h);
+    const float excess = motion_.road_radps2 - drive.brake_radps2 - drive.steady_radps2;
+    motion_ = moved(motion_, drive.brake_radps2, drive.steady_radps2, answer_per_s_, h);
+    motion_.road_radps2 = limited(motion_.road_radps2, -most_radps2_, most_radps2_);
+
+    // F = [1 f w_a; 0 1 - a f t_a; 0 0 1], then F P F^T + Q.
+    const float w_a = answer_per_s_ > 0.0F ? -f * f * excess : 0.0F;
+    const float t_a = -f * f / h * excess;
+    const float keeps = 1.0F - answer_per_s_ * f;
+    const float ww = ww_ + f * wt_ + w_a * wa_;
+    const float wt = wt_ + f * tt_ + w_a * ta_;
+    const float wa = wa_ + f * ta_ + w_a * aa_;
+    const float tt = keeps * tt_ + t_a * ta_;
+    const float ta = keeps * ta_ + t_a * aa_;
+    const float answer_noise = config_.answer_noise * (magnitude(answer_per_s_) + config_.answer_floor_per_s);
+    ww_ = ww + f * wt + w_a * wa + kSpeedNoise * kSpeedNoise * h;
+    wt_ = keeps * wt + t_a * wa;
+    wa_ = wa;
+    tt_ = keeps * tt + t_a * ta + config_.road_noise_radps2 * config_.road_noise_radps2 * h;
+    ta_ = ta;
+    if (aa_ < kMostVariance) aa_ += answer_noise * answer_noise * h;
+}
+
+/// Readings that are off to one side for longer than chance allows.
+bool WheelObserver::is_another_road(float surprise, float since_s, float variance) {
+    constexpr float kMemory_s = 0.008F;
+    mean_surprise_ += (surprise - mean_surprise_) * since_s / (kMemory_s + since_s);
+    const float of_mean = variance * since_s / (2.0F * kMemory_s);
+    return mean_surprise_ * mean_surprise_ > config_.surprise * config_.surprise * of_mean;
+}
+
+void WheelObserver::forget_road(float reading_variance) {
+    constexpr float kRoad_radps2 = 2000.0F;
+    mean_surprise_ = 0.0F;
+    answer_per_s_ = 0.5F * config_.answer_floor_per_s;
+    ww_ += reading_variance;
+    tt_ += kRoad_radps2 * kRoad_radps2;
+    aa_ = config_.answer_floor_per_s * config_.answer_floor_per_s;
+    wt_ = wa_ = ta_ = 0.0F;
+}
+
+void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
+    // The reading is the mean over its interval, which ended half a period ago on average: omega - age (tau - u).
+    const float age = 0.5F * (reading.interval_s + smaller(reading.interval_s, period_s_));
+    const float rate = motion_.omega_radps > 0.0F ? motion_.road_radps2 - drive.brake_now_radps2 : 0.0F;
+    const float surprise = reading.speed_radps - (motion_.omega_radps - rate * age);
+    const float since = larger(reading.interval_s, period_s_);
+    constexpr float kTwice = 2.0F;        // the prediction may be as far off as the reading
+    constexpr float kPatience_s = 0.01F;  // then it is the prediction that is wrong
+    if (unheard_s_ < kPatience_s && magnitude(surprise) > kTwice * most_radps2_ * since) return;
+    unheard_s_ = 0.0F;
+
+    const float noise = config_.reading_noise * pitch_rad_ / since;
+    const float variance = noise * noise + kLeastNoise_radps * kLeastNoise_radps;
+    if (is_another_road(surprise, since, ww_ - 2.0F * age * wt_ + age * age * tt_ + variance))
+        forget_road(variance);
+    const float w = ww_ - age * wt_, t = wt_ - age * tt_, a = wa_ - age * ta_;
+    const float per_variance = 1.0F / (w - age * t + variance);
+    const float k_w = w * per_variance, k_t = t * per_variance, k_a = a * per_variance;
+    motion_.omega_radps = larger(motion_.omega_radps + k_w * surprise, 0.0F);
+    motion_.road_radps2 = limited(motion_.road_radps2 + k_t * surprise, -most_radps2_, most_radps2_);
+    answer_per_s_ = limited(answer_per_s_ + k_a * surprise, kLeastAnswer_per_s, kMostAnswer_per_s);
+    // Rounding must not make a variance negative.
+    ww_ = larger(ww_ - k_w * w, 1e-6F);
+    wt_ -= k_w * t;
+    wa_ -= k_w * a;
+    tt_ = larger(tt_ - k_t * t, 1.0F);
+    ta_ -= k_t * a;
+    aa_ = larger(aa_ - k_a * a, 1e-3F);
+}
+
+void WheelObserver::update(const SpeedReading& reading, const Drive& drive) {
+    if (!reading.valid) {
+        begin(0.0F);
+        started_ = false;
+        return;
+    }
+    if (!started_) {
+        if (!reading.fresh) return;
+        begin(reading.speed_radps);
+        started_ = true;
+        return;
+    }
+    if (reading.speed_radps == 0.0F && reading.fresh) {
+        begin(0.0F);
+        return;
+    }
+    predict(drive);
+    unheard_s_ += period_s_;
+    if (reading.fresh || (reading.bounded && reading.speed_radps < motion_.omega_radps))
+        correct(reading, drive);
+}
+
+}  // namespace antiskid::control

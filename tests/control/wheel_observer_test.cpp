@@ -1,0 +1,213 @@
+// The wheel's observer against wheels whose road answers as it is told to, integrated by themselves.
+#include "firmware/control/wheel_observer.hpp"
+
+#include <cmath>
+
+#include "tests/catch.hpp"
+#include "tests/control/fixed_config.hpp"
+
+using namespace antiskid::control;
+using control_test::fixed_config;
+
+namespace {
+
+constexpr double kOnce_s = 1e-3;
+constexpr double kSteady_radps2 = -20.0;
+
+/// omega_dot = tau - u, tau_dot = a (u + steady - tau) in double, a hundred steps of the trapezoidal kind a period.
+struct Wheel {
+    double answer_per_s;
+    double omega_radps = 150.0, road_radps2 = 3000.0;
+
+    /// Mean speed of the period.
+    double turn(double brake_radps2) {
+        constexpr int kParts = 1000;
+        constexpr double h = kOnce_s / kParts;
+        const double before = omega_radps;
+        double angle = 0.0;
+        for (int i = 0; i < kParts; ++i) {
+            const double decays = std::exp(-answer_per_s * h);
+            const double excess = road_radps2 - brake_radps2 - kSteady_radps2;
+            const double acts = answer_per_s == 0.0 ? h : (1.0 - decays) / answer_per_s;
+            const double next = omega_radps + excess * acts + kSteady_radps2 * h;
+            angle += 0.5 * (omega_radps + next) * h;
+            omega_radps = next;
+            road_radps2 = brake_radps2 + kSteady_radps2 + excess * decays;
+        }
+        static_cast<void>(before);
+        return angle / kOnce_s;
+    }
+};
+
+/// The brake swings about what the road gives: without that nothing tells the road's answer.
+double brake_radps2(double mean, int i) {
+    return mean + 400.0 * std::sin(0.11 * i) + 250.0 * std::sin(0.031 * i);
+}
+
+SpeedReading reading(double radps) {
+    return {.speed_radps = static_cast<float>(radps),
+            .interval_s = static_cast<float>(kOnce_s),
+            .fresh = true,
+            .valid = true};
+}
+
+WheelObserver::Drive drive(double brake) {
+    return {.brake_radps2 = static_cast<float>(brake),
+            .brake_now_radps2 = static_cast<float>(brake),
+            .steady_radps2 = static_cast<float>(kSteady_radps2)};
+}
+
+WheelObserver started(double radps) {
+    WheelObserver observer(fixed_config().observer, fixed_config().wheel.encoder, 1e-3F);
+    observer.update(reading(radps), drive(0.0));
+    return observer;
+}
+
+}  // namespace
+
+TEST_CASE("speed, road torque and the road's answer are found", "[CTL-300]") {
+    const double answer = GENERATE(1500.0, 300.0, 60.0, 0.0, -15.0);
+    Wheel wheel{.answer_per_s = answer};
+    WheelObserver observer = started(wheel.omega_radps);
+    double sum = 0.0;
+    int counted = 0;
+    for (int i = 0; i < 3000; ++i) {
+        // A wheel that runs away is held where it is, as a law does.
+        const double held = answer < 0.0 ? 30.0 * (wheel.omega_radps - 150.0) : 0.0;
+        const double brake =
+            brake_radps2(answer > 0.0 ? 3000.0 : wheel.road_radps2 - kSteady_radps2 + held, i);
+        const double mean = wheel.turn(brake);
+        observer.update(reading(mean), drive(brake));
+        if (i < 1000) continue;
+        sum += static_cast<double>(observer.answer_per_s());
+        ++counted;
+        CHECK(std::abs(static_cast<double>(observer.motion().omega_radps) - wheel.omega_radps) < 1.5);
+        CHECK(std::abs(static_cast<double>(observer.motion().road_radps2) - wheel.road_radps2) < 450.0);
+    }
+    INFO(answer << " 1/s, found " << sum / counted);
+    CHECK(sum / counted == Approx(answer).epsilon(0.3).margin(12.0));
+}
+
+TEST_CASE("a step of the equations is the exact one for short steps, and stable for any", "[CTL-301]") {
+    const WheelMotion from{.omega_radps = 100.0F, .road_radps2 = 4000.0F};
+    for (const double a : {200.0, 20.0, 0.0, -20.0}) {
+        constexpr double h = 1e-5;
+        WheelMotion at = from;
+        for (int i = 0; i < 1000; ++i)
+            at = moved(at, 3000.0F, -20.0F, static_cast<float>(a), static_cast<float>(h));
+        const double t = 1000 * h, excess = 1020.0;
+        const double acts = a == 0.0 ? t : (1.0 - std::exp(-a * t)) / a;
+        INFO(a << " 1/s");
+        CHECK(static_cast<double>(at.omega_radps) == Approx(100.0 + excess * acts - 20.0 * t).epsilon(2e-4));
+        CHECK(static_cast<double>(at.road_radps2) ==
+              Approx(2980.0 + excess * std::exp(-a * t)).epsilon(2e-3));
+    }
+    WheelMotion fast = from;
+    for (int i = 0; i < 100; ++i) {
+        const WheelMotion next = moved(fast, 3000.0F, -20.0F, 6000.0F, 5e-3F);
+        CHECK(std::abs(next.road_radps2 - 2980.0F) <= std::abs(fast.road_radps2 - 2980.0F));
+        fast = next;
+    }
+    CHECK(fast.road_radps2 == Approx(2980.0));
+    CHECK(moved({1.0F, 0.0F}, 1e5F, 0.0F, 0.0F, 1e-3F).omega_radps == 0.0F);
+}
+
+TEST_CASE("the observer begins at the first reading, and anew with its validity", "[CTL-302]") {
+    WheelObserver observer(fixed_config().observer, fixed_config().wheel.encoder, 1e-3F);
+    CHECK(observer.motion().omega_radps == 0.0F);
+    SpeedReading nothing = reading(150.0);
+    nothing.fresh = false;
+    observer.update(nothing, drive(0.0));
+    CHECK(observer.motion().omega_radps == 0.0F);
+    observer.update(reading(150.0), drive(0.0));
+    CHECK(observer.motion().omega_radps == 150.0F);
+    CHECK(observer.answer_per_s() == 50.0F);
+    for (int i = 0; i < 100; ++i) observer.update(reading(150.0), drive(0.0));
+    CHECK(observer.motion().omega_radps == Approx(150.0).epsilon(1e-3));
+    SpeedReading invalid = reading(150.0);
+    invalid.valid = false;
+    observer.update(invalid, drive(0.0));
+    CHECK(observer.motion().omega_radps == 0.0F);
+    CHECK(observer.motion().road_radps2 == 0.0F);
+    CHECK(observer.answer_per_s() == 50.0F);
+    observer.update(reading(80.0), drive(0.0));
+    CHECK(observer.motion().omega_radps == 80.0F);
+}
+
+TEST_CASE("a wheel that stands has no road torque; an upper bound counts where it says something",
+          "[CTL-302]") {
+    WheelObserver observer = started(150.0);
+    for (int i = 0; i < 50; ++i) observer.update(reading(150.0 - 3.0 * i), drive(3000.0));
+    observer.update(reading(0.0), drive(3000.0));
+    CHECK(observer.motion().omega_radps == 0.0F);
+    CHECK(observer.motion().road_radps2 == 0.0F);
+
+    SpeedReading bound = reading(100.0);
+    bound.fresh = false;
+    bound.bounded = true;
+    WheelObserver slow = started(50.0), fast = started(150.0);
+    WheelObserver unheard = slow, also = fast;
+    SpeedReading none = bound;
+    none.bounded = false;
+    slow.update(bound, drive(0.0));
+    unheard.update(none, drive(0.0));
+    CHECK(slow.motion().omega_radps == unheard.motion().omega_radps);
+    fast.update(bound, drive(0.0));
+    also.update(none, drive(0.0));
+    CHECK(fast.motion().omega_radps < also.motion().omega_radps);
+}
+
+TEST_CASE("the observer does not believe for 10 ms what no wheel can have got to", "[CTL-302]") {
+    WheelObserver observer = started(150.0);
+    for (int i = 0; i < 200; ++i) observer.update(reading(150.0), drive(-kSteady_radps2));
+    const float before = observer.motion().omega_radps;
+    int believed_after = 0;
+    for (int i = 1; i <= 20 && believed_after == 0; ++i) {
+        observer.update(reading(380.0), drive(-kSteady_radps2));
+        if (observer.motion().omega_radps > before + 5.0F) believed_after = i;
+    }
+    CHECK(believed_after >= 10);
+    CHECK(believed_after <= 11);
+}
+
+TEST_CASE("no reading leaves an observer that the next ones do not lead back", "[CTL-303]") {
+    WheelObserver observer = started(150.0);
+    std::uint32_t random = 1;
+    for (int i = 0; i < 20'000; ++i) {
+        random = random * 1664525U + 1013904223U;
+        const double radps = static_cast<double>(random >> 8U) / 16777216.0 * 400.0;
+        const double brake = static_cast<double>(random & 0xFFU) * 60.0;
+        observer.update(reading(radps), drive(brake));
+        REQUIRE(std::isfinite(observer.motion().omega_radps));
+        REQUIRE(observer.motion().omega_radps >= 0.0F);
+        REQUIRE(std::abs(observer.motion().road_radps2) <=
+                40'000.0F);  // 30,000, and a period of running away
+        REQUIRE(observer.answer_per_s() >= -60.0F);
+        REQUIRE(observer.answer_per_s() <= 6000.0F);
+    }
+    for (int i = 0; i < 1000; ++i) observer.update(reading(120.0), {});
+    CHECK(observer.motion().omega_radps == Approx(120.0).epsilon(1e-3));
+}
+
+TEST_CASE("a wheel that comes onto another road is found again within 25 ms", "[CTL-305]") {
+    // On the steep side, then the grip is gone: nothing that was learnt of the road holds any more.
+    Wheel wheel{.answer_per_s = 800.0};
+    WheelObserver observer = started(wheel.omega_radps);
+    for (int i = 0; i < 1000; ++i) {
+        const double brake = brake_radps2(3000.0, i);
+        observer.update(reading(wheel.turn(brake)), drive(brake));
+    }
+    REQUIRE(observer.answer_per_s() > 300.0F);
+    wheel.answer_per_s = 0.0;
+    wheel.road_radps2 = 200.0;
+    double worst = 0.0;
+    for (int i = 0; i < 300; ++i) {
+        const double brake = i < 30 ? 3000.0 - 100.0 * i : 0.0;  // let go, as a law does
+        observer.update(reading(wheel.turn(brake)), drive(brake));
+        if (i > 25)
+            worst = std::max(
+                worst, std::abs(static_cast<double>(observer.motion().omega_radps) - wheel.omega_radps));
+    }
+    CHECK(worst < 5.0);
+    CHECK(observer.answer_per_s() < 60.0F);
+}
