@@ -442,3 +442,23 @@ TEST_CASE("a set of faults from the bus holds the faults that exist", "[CTL-080]
         for (unsigned k = 0; k < kFaultCount; ++k) CHECK(one.contains(static_cast<Fault>(k)) == (i == k));
     }
 }
+
+TEST_CASE("a jump that misplaced teeth explain is none", "[CTL-314]") {
+    // 60 teeth, 1/1024 s: three times 2 % of a pitch are 6.43 rad/s; 1,000 rad/s2 allow 0.98 more.
+    const bool misplaced = GENERATE(false, true);
+    Config config = control_test::exact_config();
+    config.flywheel.encoder.max_acceleration_radps2 = 1024.0F;
+    config.flywheel.encoder.pitch_error = misplaced ? 0.02F : 0.0F;
+    config.monitor.implausible_s = config.period_s;
+    const auto named = [&](float jump_radps) {
+        control_test::Watch w(config);
+        w.sensors.flywheel.speed_radps = w.sensors.wheel.speed_radps = 64.0F;
+        for (int i = 0; i < 300; ++i) w.step();
+        w.sensors.flywheel.speed_radps += jump_radps;
+        return w.step().contains(Fault::flywheel_rate);
+    };
+    CHECK_FALSE(named(0.99F));
+    CHECK(named(1.01F) == !misplaced);
+    CHECK(named(7.4F) == !misplaced);
+    CHECK(named(7.5F));
+}

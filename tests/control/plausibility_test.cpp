@@ -62,15 +62,17 @@ TEST_CASE("frames that come late after their edges are lost ones, one alone is n
     }
 }
 
-TEST_CASE("slip above what the law asks for is named once it adds up", "[CTL-274]") {
+TEST_CASE("slip above what the law asks for is named once it adds up", "[CTL-274][CTL-314]") {
     Config config = exact_config();
     config.monitor.free_slip = 0.9F;
     Watch w(config);
+    w.current_mA = 8.0F;  // 2.1 MPa
     w.sensors.maneuver.law = Law::wheel_slip;
     w.before = {.rolling = true, .braking = true, .slip_reference = 0.25F};
     const auto at = [&w](const float slip) {
         w.sensors.flywheel.speed_radps = 64.0F;
         w.sensors.wheel.speed_radps = 64.0F * (1.0F - slip);
+        w.sensors.pressure.pressure_Pa = w.estimator.uncorrected_pressure_Pa();
         return w.step();
     };
     for (int k = 0; k < 2000; ++k) at(0.25F);
@@ -97,6 +99,17 @@ TEST_CASE("slip above what the law asks for is named once it adds up", "[CTL-274
         w.before.braking = braking;
         w.sensors.maneuver.law = braking ? Law::threshold : Law::wheel_slip;
         CHECK(periods_to_name(0.4F) == 5000);
+    }
+    SECTION("without pressure neither more nor less") {
+        const auto had = [&](int periods) {
+            for (int i = 0; i < periods; ++i) REQUIRE(at(0.4F).empty());
+        };
+        had(700);
+        w.current_mA = 0.0F;
+        had(5000);
+        for (int i = 0; i < 5000; ++i) REQUIRE(at(0.0F).empty());
+        w.current_mA = 8.0F;
+        CHECK(periods_to_name(0.4F) == Approx(324).margin(60));  // what was missing
     }
 }
 

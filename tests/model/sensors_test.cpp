@@ -261,3 +261,40 @@ TEST_CASE("random: noise has mean 0, deviation 1, no third moment, its bound and
     }
     CHECK(worst < 0.01);
 }
+
+TEST_CASE("teeth that stand in the wrong place move their stamps, not their number nor the mean speed",
+          "[RIG-254]") {
+    plant::EncoderParameters off = kClean;
+    off.pitch_error = 0.02;
+    off.eccentricity = 0.003;
+    plant::Encoder sound(kClean), worn(off);
+    plant::Random random(1);
+    constexpr double kOmega = 100.0;
+    double most_s = 0.0, first_s = 0.0, last_s = 0.0;
+    std::uint32_t first = 0;
+    double slowest = 1e9, fastest = 0.0;
+    for (int i = 1; i <= 20'000; ++i) {
+        const double t = i * kStep_s;
+        sound.advance(kOmega * t, kOmega, kOmega, t, kStep_s, random);
+        worn.advance(kOmega * t, kOmega, kOmega, t, kStep_s, random);
+        REQUIRE(sound.edge_count() == worn.edge_count());
+        most_s = std::max(most_s, std::abs(worn.edge_time_s() - sound.edge_time_s()));
+        if (i == 100) {
+            first_s = worn.edge_time_s();
+            first = worn.edge_count();
+        }
+        if (i > 100) {
+            slowest = std::min(slowest, worn.speed_radps(t));
+            fastest = std::max(fastest, worn.speed_radps(t));
+        }
+        last_s = worn.edge_time_s();
+    }
+    // Neighbours are apart by as much as both are off: 2 % of the pitch each way, 0.3 % by the ring, over one edge.
+    CHECK(most_s <= (0.02 * kToothPitch_rad + 0.003) / kOmega + 1e-9);
+    CHECK(most_s > 0.5 * 0.02 * kToothPitch_rad / kOmega);
+    CHECK((worn.edge_count() - first) * kToothPitch_rad / (last_s - first_s) == Approx(kOmega).epsilon(1e-4));
+    CHECK(slowest < 0.99 * kOmega);
+    CHECK(fastest > 1.01 * kOmega);
+    CHECK(slowest > 0.93 * kOmega);
+    CHECK(fastest < 1.07 * kOmega);
+}

@@ -1,6 +1,7 @@
 /// The meter against stops whose figures are known in closed form.
 #include "plant_sim/study/stop_meter.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "plant_sim/study/report.hpp"
@@ -97,4 +98,34 @@ TEST_CASE("a slip that is held: efficiency and the tyre's share of the energy ar
     // Pressure build-up and the lowering of the reference below 23.6 m/s stand between the two.
     CHECK(run.figures.slip_efficiency == Approx(study::slip_efficiency(kSlip, optimum)).margin(0.02));
     CHECK(run.figures.tracked_tyre_share.value() == Approx(kSlip).margin(0.005));
+}
+
+TEST_CASE("on a runway of patches J_mu counts against the surface under the wheel", "[RIG-253][STUDY-034]") {
+    plant::RigParameters p = heavy();
+    p.load.lift_Ns2pm2 = 0.0;
+    const plant::Surface snow{.name = "snow", .c1 = 0.1946, .c2 = 94.129, .c3 = 0.0646};
+    p.runway.patches = {{50.0, snow}, {120.0, p.surface}};
+    plant::Rig rig(p, 1e-3, 1);
+    study::StopMeter meter(0.24, 5.0);
+    rig.touch_down();
+    rig.advance_pressure(20.7e6, 20.7e6);  // a locked wheel: friction is that of slip 1 on each patch
+    meter.start(rig);
+    double most = 0.0, had = 0.0, begins_m = -1.0, ends_m = -1.0;
+    while (!rig.standstill()) {
+        const double before_m = rig.wheel().distance_m;
+        rig.advance_pressure(20.7e6, 20.7e6);
+        meter.update(rig, 1e-3);
+        const bool on_snow = rig.surface().name == "snow";
+        if (on_snow && begins_m < 0.0) begins_m = before_m;
+        if (!on_snow && begins_m >= 0.0 && ends_m < 0.0) ends_m = before_m;
+        if (rig.wheel().v_mps < 5.0) continue;
+        const plant::Surface& under = on_snow ? snow : p.surface;
+        const double metres = rig.wheel().distance_m - before_m;
+        most += plant::peak(under).mu * metres;
+        had += plant::friction(under, 1.0).mu * metres;
+    }
+    CHECK(begins_m == Approx(50.0).margin(0.07));
+    CHECK(ends_m == Approx(120.0).margin(0.07));
+    CHECK(meter.figures(rig).j_mu == Approx(had / most).epsilon(1e-4));
+    CHECK(std::abs(meter.figures(rig).energy_residual) < 1e-9);
 }
