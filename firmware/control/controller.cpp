@@ -22,8 +22,10 @@ Controller::Controller(const Config& config)
 
 void Controller::start_law(Law law, const Estimate& estimate) {
     law_ = law;
-    slip_law_.start(estimate);
-    observed_slip_law_.start(estimate);
+    if (observes_)
+        observed_slip_law_.start(estimate);
+    else
+        slip_law_.start(estimate);
     deceleration_law_.start(estimate);
     threshold_law_.start(estimate);
 }
@@ -39,8 +41,9 @@ float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estim
     const float ceiling_Pa = smaller(maneuver.demand_Pa, takeover_Pa_);
     switch (maneuver.law) {
         case Law::wheel_slip:
-            return observes_ ? observed_slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa)
-                             : slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa);
+            if (observes_) [[unlikely]]
+                return observed_slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa);
+            return slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa);
         case Law::deceleration:
             return deceleration_law_.pressure_Pa(estimate, maneuver.deceleration_mps2, ceiling_Pa);
         case Law::open_loop:
@@ -68,7 +71,9 @@ float Controller::current_mA(const Command& command, Law law) const {
 Command Controller::step(const Sensors& sensors, Time now) {
     const Estimate& estimate = estimator_.update(sensors, current_mA_);
     const State before = supervisor_.state();
-    const float asked_slip = observes_ ? observed_slip_law_.asked() : slip_law_.reference();
+    float asked_slip = slip_law_.reference();
+    if (observes_) [[unlikely]]
+        asked_slip = observed_slip_law_.asked();
     const FaultSet present = monitor_.check(
         sensors, estimator_, {supervisor_.rolling(), before == State::braking, asked_slip}, now);
     const State state = supervisor_.update(sensors, estimate, present, now);
@@ -87,8 +92,11 @@ Command Controller::step(const Sensors& sensors, Time now) {
         command.pressure_request_Pa = state == State::braking
                                           ? braking_pressure_Pa(sensors.maneuver, estimate, before)
                                           : pass_through_Pa(ceiling_Pa, estimate, before);
-        if (state == State::braking && sensors.maneuver.law == Law::wheel_slip)
-            command.slip_reference = observes_ ? observed_slip_law_.reference() : slip_law_.reference();
+        if (state == State::braking && sensors.maneuver.law == Law::wheel_slip) {
+            command.slip_reference = slip_law_.reference();
+            if (observes_) [[unlikely]]
+                command.slip_reference = observed_slip_law_.reference();
+        }
     }
     requested_Pa_ = command.pressure_request_Pa;
     current_mA_ = permitted ? current_mA(command, sensors.maneuver.law) : valve_.safe_current_mA;

@@ -22,7 +22,7 @@ struct Estimate {
     float late_slip = 0.0F;
     PressureState late_pressure;
     float answer_per_s = 0.0F;  ///< the road's answer to slip, see wheel_observer.hpp; 0 without the observer
-    float late_balance_Pa = 0.0F;  ///< balance_Pa after the delay; without the observer as it is now
+    float late_balance_Pa = 0.0F;  ///< the observer's balance_Pa after the delay; 0 without it
 };
 
 }  // namespace antiskid::control

@@ -43,7 +43,7 @@ Estimator::Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, c
 
 /// A wheel that rolls freely shows its radius: v / omega. Brake torque would show as slip, spin-up as
 /// acceleration: both are waited out. In the air it turns at any speed.
-void Estimator::calibrate_radius(bool on_wheels) {
+inline void Estimator::calibrate_radius(bool on_wheels) {
     const Estimate& e = estimate_;
     const bool free = on_wheels && e.pressure.pressure_Pa < kFreePressure_Pa &&
                       e.v_mps > kCalibrationSpeed_mps && wheel_reading_.fresh &&
@@ -57,15 +57,15 @@ void Estimator::calibrate_radius(bool on_wheels) {
 }
 
 /// What the wheel does without the brake.
-float Estimator::road_radps2() const {
+inline float Estimator::road_radps2() const {
     return observes_ ? wheel_observer_.motion().road_radps2 : wheel_tracker_.acceleration();
 }
 
-void Estimator::follow_wheel(const PressureState& before) {
+inline void Estimator::follow_wheel(const PressureState& before) {
     const PressureState& now = valve_model_.now();
     const SpeedReading reading = usable(wheel_reading_, wheel_.encoder.max_speed_radps);
     const float braking = brake_gain_ * 0.5F * (before.pressure_Pa + now.pressure_Pa);
-    if (observes_) {
+    if (observes_) [[unlikely]] {
         wheel_observer_.update(reading, {.brake_radps2 = braking,
                                          .brake_now_radps2 = brake_gain_ * now.pressure_Pa,
                                          .steady_radps2 = steady_radps2_});
@@ -75,24 +75,25 @@ void Estimator::follow_wheel(const PressureState& before) {
 }
 
 /// Over the valve's delay, from commands already given. The tracker holds what the road gives; the observer lets it follow the slip.
-void Estimator::look_ahead(float v_mps) {
+inline void Estimator::look_ahead(float v_mps, float steady_radps2) {
     Estimate& e = estimate_;
     const float ahead = valve_model_.delay_s();
     e.late_v_mps = larger(v_mps + e.v_dot_mps2 * ahead, kSlowest_mps);
     WheelMotion late{e.omega_radps, road_radps2()};
-    if (observes_) {
+    if (observes_) [[unlikely]] {
+        steady_radps2_ = steady_radps2;
         e.answer_per_s = wheel_observer_.answer_per_s();
         const float believed = e.answer_per_s > 0.0F ? outlook_share_ * e.answer_per_s : e.answer_per_s;
         e.late_pressure = valve_model_.look_ahead([&](float mean_Pa) {
             late = moved(late, brake_gain_ * mean_Pa, steady_radps2_, believed, period_s_);
         });
+        e.late_balance_Pa = larger(late.road_radps2 - steady_radps2_, 0.0F) / brake_gain_;
     } else {
         const ValveModel::Outlook outlook = valve_model_.outlook();
         e.late_pressure = outlook.end;
         late.omega_radps =
             larger(e.omega_radps + late.road_radps2 * ahead - brake_gain_ * outlook.impulse_Pas, 0.0F);
     }
-    e.late_balance_Pa = larger(late.road_radps2 - steady_radps2_, 0.0F) / brake_gain_;
     e.late_slip = limited(1.0F - late.omega_radps * e.radius_m / e.late_v_mps, -1.0F, 1.0F);
 }
 
@@ -124,9 +125,9 @@ const Estimate& Estimator::update(const Sensors& sensors, float last_current_mA)
     e.radius_m = standing_radius_m_ + lift_per_stiffness_ * v * v;
     e.slip = e.v_mps > kSlowest_mps ? limited(1.0F - e.omega_radps * e.radius_m / v, -1.0F, 1.0F) : 0.0F;
     // A constant slip needs omega_dot = omega v_dot / v; what the road gives beyond it, the brake must take.
-    steady_radps2_ = e.omega_radps * e.v_dot_mps2 / v;
-    e.balance_Pa = larger(road_radps2() - steady_radps2_, 0.0F) / brake_gain_;
-    look_ahead(v);
+    const float steady_radps2 = e.omega_radps * e.v_dot_mps2 / v;
+    e.balance_Pa = larger(road_radps2() - steady_radps2, 0.0F) / brake_gain_;
+    look_ahead(v, steady_radps2);
     return e;
 }
 

@@ -31,7 +31,7 @@ class Estimator {
   private:
     void calibrate_radius(bool on_wheels);
     void follow_wheel(const PressureState& before);
-    void look_ahead(float v_mps);
+    void look_ahead(float v_mps, float steady_radps2);
     [[nodiscard]] float road_radps2() const;
 
     WheelConfig wheel_;
@@ -47,7 +47,7 @@ class Estimator {
     float outlook_share_;
     SpeedTracker wheel_tracker_;
     WheelObserver wheel_observer_;
-    float steady_radps2_ = 0.0F;  // omega v_dot / v: of a wheel that keeps its slip
+    float steady_radps2_ = 0.0F;  // omega v_dot / v: of a wheel that keeps its slip; the observer's
     SpeedTracker flywheel_tracker_;
     ValveModel valve_model_;
     Time pressure_received_ = kNever;

@@ -94,10 +94,9 @@ void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReadin
     const float span = larger(reading.interval_s, period_s_);
     // Each is off by two misplaced teeth at the most; all four at their worst do not come together.
     constexpr float kThreePitches = 3.0F * 6.28318531F;
-    const float misplaced = kThreePitches * encoder.pitch_error / (encoder.teeth * span);
-    const bool jumps =
-        check.known && sensible &&
-        magnitude(speed - check.last_radps) > encoder.max_acceleration_radps2 * span + misplaced;
+    const float beyond = magnitude(speed - check.last_radps) - encoder.max_acceleration_radps2 * span;
+    const bool jumps = beyond > 0.0F && check.known && sensible &&
+                       beyond * span * encoder.teeth > kThreePitches * encoder.pitch_error;
     if (reading.fresh && sensible) {
         check.jumps = check.rate.holds(jumps);
         check.last_radps = speed;
@@ -202,10 +201,12 @@ void Monitor::check_law(FaultSet& faults, const ManeuverInput& maneuver, const E
     constexpr float kMost_s = 0.1F;
     const bool by_slip = maneuver.law == Law::wheel_slip;
     const float model_Pa = estimator.uncorrected_pressure_Pa();
-    const bool released = model_Pa < kHardlyBraked_Pa;
-    const float excess = released ? 0.0F : estimator.estimate().slip - before.slip_reference - kMore;
-    excess_slip_s_ = before.braking && by_slip ? larger(excess_slip_s_ + excess * period_s_, 0.0F) : 0.0F;
-    if (excess_slip_s_ > kMost_s) faults.insert(Fault::speeds_disagree);
+    if (!by_slip || !before.braking) excess_slip_s_ = 0.0F;
+    if (by_slip && before.braking && model_Pa >= kHardlyBraked_Pa) {
+        const float excess = estimator.estimate().slip - before.slip_reference - kMore;
+        excess_slip_s_ = larger(excess_slip_s_ + excess * period_s_, 0.0F);
+        if (excess_slip_s_ > kMost_s) faults.insert(Fault::speeds_disagree);
+    }
 
     const float offset_Pa = magnitude(estimator.valve_offset_Pa());
     const bool means_pressure = by_slip || maneuver.law == Law::deceleration;

@@ -4,15 +4,6 @@
 
 namespace antiskid::control {
 
-float falling_reference(const SlipConfig& config, float slip_reference, float speed_mps) {
-    if (speed_mps >= config.low_speed_mps) return slip_reference;
-    const float low = smaller(slip_reference, config.low_speed_slip);
-    const float share = limited(
-        (speed_mps - config.low_speed_floor_mps) / (config.low_speed_mps - config.low_speed_floor_mps), 0.0F,
-        1.0F);
-    return low + share * (slip_reference - low);
-}
-
 SlipLaw::SlipLaw(const SlipConfig& config, float period_s) : config_(config), period_s_(period_s) {}
 
 void SlipLaw::start(const Estimate& estimate) {
