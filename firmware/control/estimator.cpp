@@ -84,9 +84,13 @@ inline void Estimator::look_ahead(float v_mps, float steady_radps2) {
         steady_radps2_ = steady_radps2;
         e.answer_per_s = wheel_observer_.answer_per_s();
         const float believed = e.answer_per_s > 0.0F ? outlook_share_ * e.answer_per_s : e.answer_per_s;
-        e.late_pressure = valve_model_.look_ahead([&](float mean_Pa) {
+        e.late_pressure = e.pressure;
+        for (std::size_t period = 1; period <= valve_model_.delay_periods(); ++period) {
+            const PressureState next = valve_model_.after(e.late_pressure, period);
+            const float mean_Pa = 0.5F * (e.late_pressure.pressure_Pa + next.pressure_Pa);
             late = moved(late, brake_gain_ * mean_Pa, steady_radps2_, believed, period_s_);
-        });
+            e.late_pressure = next;
+        }
         e.late_balance_Pa = larger(late.road_radps2 - steady_radps2_, 0.0F) / brake_gain_;
     } else {
         const ValveModel::Outlook outlook = valve_model_.outlook();

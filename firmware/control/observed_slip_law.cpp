@@ -9,7 +9,8 @@ ObservedSlipLaw::ObservedSlipLaw(const ObserverConfig& config, const SlipConfig&
     : config_(config), slip_(slip), period_s_(period_s) {}
 
 void ObservedSlipLaw::start(const Estimate& estimate) {
-    reference_ = asked_ = larger(estimate.slip, 0.0F);
+    reference_ = larger(estimate.slip, 0.0F);
+    asked_ = reference_;
     integral_ = 0.0F;
     answer_per_s_ = estimate.answer_per_s;
 }

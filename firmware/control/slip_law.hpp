@@ -9,8 +9,8 @@
 namespace antiskid::control {
 
 /// `slip_reference`, below SlipConfig::low_speed_mps less.
-[[nodiscard]] inline float falling_reference(const SlipConfig& config, float slip_reference,
-                                             float speed_mps) {
+[[nodiscard]] constexpr float falling_reference(const SlipConfig& config, float slip_reference,
+                                                float speed_mps) {
     if (speed_mps >= config.low_speed_mps) return slip_reference;
     const float low = smaller(slip_reference, config.low_speed_slip);
     const float share = limited(

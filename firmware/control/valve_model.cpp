@@ -100,8 +100,12 @@ float ValveModel::made_up_for_Pa(float pressure_Pa) const {
 }
 
 ValveModel::Outlook ValveModel::outlook() const {
-    Outlook outlook;
-    outlook.end = look_ahead([&](float mean_Pa) { outlook.impulse_Pas += mean_Pa * period_s_; });
+    Outlook outlook{state_, 0.0F};
+    for (std::size_t ahead = 1; ahead <= whole_; ++ahead) {
+        const float before = outlook.end.pressure_Pa;
+        propagate(outlook.end, input(ahead) + offset_Pa_);
+        outlook.impulse_Pas += 0.5F * (before + outlook.end.pressure_Pa) * period_s_;
+    }
     return outlook;
 }
 

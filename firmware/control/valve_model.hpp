@@ -47,17 +47,12 @@ class ValveModel {
         float impulse_Pas = 0.0F;  ///< integral of pressure until then
     };
     [[nodiscard]] Outlook outlook() const;
-    /// The same period by period: calls `visit` with the mean pressure of each, and returns the state at the end.
-    template <typename Visit>
-    PressureState look_ahead(const Visit& visit) const {
-        PressureState state = state_;
-        for (std::size_t ahead = 1; ahead <= whole_; ++ahead) {
-            const float before = state.pressure_Pa;
-            propagate(state, input(ahead) + offset_Pa_);
-            visit(0.5F * (before + state.pressure_Pa));
-        }
-        return state;
+    /// The same period by period: one on from `from`, `periods_ahead` - 1 from now, 1 to delay_periods().
+    [[nodiscard]] PressureState after(PressureState from, std::size_t periods_ahead) const {
+        propagate(from, input(periods_ahead) + offset_Pa_);
+        return from;
     }
+    [[nodiscard]] std::size_t delay_periods() const { return whole_; }
     [[nodiscard]] float delay_s() const { return delay_s_; }
 
   private:

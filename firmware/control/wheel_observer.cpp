@@ -37,7 +37,9 @@ void WheelObserver::begin(float omega_radps) {
     ww_ = kSpeed_radps * kSpeed_radps;
     tt_ = kRoad_radps2 * kRoad_radps2;
     aa_ = answer_per_s_ * answer_per_s_;
-    wt_ = wa_ = ta_ = 0.0F;
+    wt_ = 0.0F;
+    wa_ = 0.0F;
+    ta_ = 0.0F;
     mean_surprise_ = 0.0F;
     unheard_s_ = 0.0F;
 }
@@ -84,7 +86,9 @@ void WheelObserver::forget_road(float reading_variance) {
     ww_ += reading_variance;
     tt_ += kRoad_radps2 * kRoad_radps2;
     aa_ = config_.answer_floor_per_s * config_.answer_floor_per_s;
-    wt_ = wa_ = ta_ = 0.0F;
+    wt_ = 0.0F;
+    wa_ = 0.0F;
+    ta_ = 0.0F;
 }
 
 void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {

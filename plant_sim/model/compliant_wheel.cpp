@@ -64,7 +64,7 @@ class Equations {
 
     template <typename Number>
     Contact<Number> contact(const Vector<Number>& y, const Number& x) const {
-        Contact<Number> c;
+        Contact<Number> c{};
         c.F_z = load_.base_N + x * load_.change_N - load_.lift_Ns2pm2 * y[kSpeed] * y[kSpeed];
         c.r = law_.free_radius_m - c.F_z / law_.stiffness_Npm;
         const Number& axle = y[law_.leg ? kAxle : kSpeed];
