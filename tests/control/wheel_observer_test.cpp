@@ -16,7 +16,7 @@ constexpr double kSteady_radps2 = -20.0;
 
 /// omega_dot = tau - u, tau_dot = a (u + steady - tau) in double, a hundred steps of the trapezoidal kind a period.
 struct Wheel {
-    double answer_per_s;
+    double answer_per_s = 0.0;
     double omega_radps = 150.0, road_radps2 = 3000.0;
 
     /// Mean speed of the period.
