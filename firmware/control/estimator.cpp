@@ -74,31 +74,43 @@ inline void Estimator::follow_wheel(const PressureState& before) {
     }
 }
 
-/// Over the valve's delay, from commands already given. The tracker holds what the road gives; the observer lets it follow the slip.
+/// The road's torque follows the slip meanwhile. Not inlined: the tracker's path would pay for its registers.
+[[gnu::noinline]] float Estimator::observed_late_radps(float steady_radps2) {
+    Estimate& e = estimate_;
+    steady_radps2_ = steady_radps2;
+    e.answer_per_s = wheel_observer_.answer_per_s();
+    const float believed = e.answer_per_s > 0.0F ? outlook_share_ * e.answer_per_s : e.answer_per_s;
+    WheelMotion late = wheel_observer_.motion();
+    e.late_pressure = e.pressure;
+    for (std::size_t period = 1; period <= valve_model_.delay_periods(); ++period) {
+        const PressureState next = valve_model_.after(e.late_pressure, period);
+        const float mean_Pa = 0.5F * (e.late_pressure.pressure_Pa + next.pressure_Pa);
+        late = moved(late, brake_gain_ * mean_Pa, steady_radps2, believed, period_s_);
+        e.late_pressure = next;
+    }
+    e.late_balance_Pa = larger(late.road_radps2 - steady_radps2, 0.0F) / brake_gain_;
+    return late.omega_radps;
+}
+
+/// With what the road gives held.
+inline float Estimator::tracked_late_radps() {
+    const ValveModel::Outlook outlook = valve_model_.outlook();
+    estimate_.late_pressure = outlook.end;
+    return larger(estimate_.omega_radps + wheel_tracker_.acceleration() * valve_model_.delay_s() -
+                      brake_gain_ * outlook.impulse_Pas,
+                  0.0F);
+}
+
+/// Over the valve's delay, from commands already given.
 inline void Estimator::look_ahead(float v_mps, float steady_radps2) {
     Estimate& e = estimate_;
-    const float ahead = valve_model_.delay_s();
-    e.late_v_mps = larger(v_mps + e.v_dot_mps2 * ahead, kSlowest_mps);
-    WheelMotion late{e.omega_radps, road_radps2()};
-    if (observes_) [[unlikely]] {
-        steady_radps2_ = steady_radps2;
-        e.answer_per_s = wheel_observer_.answer_per_s();
-        const float believed = e.answer_per_s > 0.0F ? outlook_share_ * e.answer_per_s : e.answer_per_s;
-        e.late_pressure = e.pressure;
-        for (std::size_t period = 1; period <= valve_model_.delay_periods(); ++period) {
-            const PressureState next = valve_model_.after(e.late_pressure, period);
-            const float mean_Pa = 0.5F * (e.late_pressure.pressure_Pa + next.pressure_Pa);
-            late = moved(late, brake_gain_ * mean_Pa, steady_radps2_, believed, period_s_);
-            e.late_pressure = next;
-        }
-        e.late_balance_Pa = larger(late.road_radps2 - steady_radps2_, 0.0F) / brake_gain_;
-    } else {
-        const ValveModel::Outlook outlook = valve_model_.outlook();
-        e.late_pressure = outlook.end;
-        late.omega_radps =
-            larger(e.omega_radps + late.road_radps2 * ahead - brake_gain_ * outlook.impulse_Pas, 0.0F);
-    }
-    e.late_slip = limited(1.0F - late.omega_radps * e.radius_m / e.late_v_mps, -1.0F, 1.0F);
+    e.late_v_mps = larger(v_mps + e.v_dot_mps2 * valve_model_.delay_s(), kSlowest_mps);
+    float late_omega = 0.0F;
+    if (observes_) [[unlikely]]
+        late_omega = observed_late_radps(steady_radps2);
+    else
+        late_omega = tracked_late_radps();
+    e.late_slip = limited(1.0F - late_omega * e.radius_m / e.late_v_mps, -1.0F, 1.0F);
 }
 
 const Estimate& Estimator::update(const Sensors& sensors, float last_current_mA) {

@@ -31,6 +31,8 @@ class Estimator {
   private:
     void calibrate_radius(bool on_wheels);
     void follow_wheel(const PressureState& before);
+    [[nodiscard]] float observed_late_radps(float steady_radps2);
+    [[nodiscard]] float tracked_late_radps();
     void look_ahead(float v_mps, float steady_radps2);
     [[nodiscard]] float road_radps2() const;
 
