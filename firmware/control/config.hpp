@@ -47,20 +47,16 @@ struct ValveConfig {
     float full_pressure_Pa = 0.0F;
 };
 
-/// Bandwidths of the estimators, rad/s.
+/// Bandwidths of the other estimators, rad/s.
 struct EstimatorConfig {
     float aircraft_bandwidth_radps = 0.0F;  ///< speed and deceleration from the flywheel encoder
-    float wheel_bandwidth_radps = 0.0F;     ///< wheel speed and road torque
     float pressure_bandwidth_radps = 0.0F;  ///< correction of the valve model by the transducer
     float valve_offset_radps = 0.0F;        ///< at which the valve's offset from its map is learnt; 0: never
     float valve_offset_share = 0.0F;        ///< of the pressure asked for: more is not made up for
 };
 
-/// Used instead of the wheel's tracker and of SlipLaw: a filter that knows how the road answers slip (wheel_observer.hpp), and the law that
-/// goes with it (observed_slip_law.hpp). The fall at low speed stays that of SlipConfig.
+/// The wheel's observer, wheel_observer.hpp.
 struct ObserverConfig {
-    bool used = false;
-
     float reading_noise =
         0.0F;  ///< standard deviation of a reading, of the encoder's pitch over the time that it took
     float road_noise_radps2 =
@@ -71,22 +67,6 @@ struct ObserverConfig {
         0.0F;               ///< as uncertain as this is an answer of zero; the filter starts at half of it
     float surprise = 0.0F;  ///< standard deviations by which readings are off to one side on another road
     float outlook_share = 0.0F;  ///< of a restoring answer that is believed over the valve's delay, 0 to 1
-
-    float k_p_per_s = 0.0F;  ///< gains as in SlipConfig
-    float k_i_per_s2 = 0.0F;
-    float k_d = 0.0F;
-    float k_dd_s = 0.0F;
-    float k_answer = 0.0F;  ///< added to k_p: this share of a restoring answer
-    float max_slip_rate_per_s =
-        0.0F;  ///< asked for at most: the pressure above balance that a slippery runway meets
-
-    // The share of the reference that is in force is the integral of (answer + runaway_per_s) / answer_scale_per_s, within the rates.
-    float runaway_per_s = 0.0F;  ///< a wheel that runs away as fast as this is still held
-    float answer_scale_per_s = 0.0F;
-    float answer_filter_radps = 0.0F;
-    float rise_per_s = 0.0F;  ///< of the share, at most
-    float fall_per_s = 0.0F;
-    float lock_fall_per_s = 0.0F;  ///< while the wheel slips by more than 0.6
 };
 
 /// PID on predicted slip. Gains act on slip rate (1/s): the law multiplies by J v / (r k_b), which is the
@@ -97,18 +77,21 @@ struct SlipConfig {
     float k_d = 0.0F;  ///< on the slip rate
     float k_dd_s =
         0.0F;  ///< on the rate of the slip rate, which the valve model gives without differentiation
-    float road_torque_share = 0.0F;  ///< feed-forward of the observed road torque, 0 (off) to 1
-    float build_up_slip = 0.0F;  ///< the valve is overdriven at brake-on until the predicted slip passes this
-                                 ///< share of the reference
-    float build_up_reference_limit =
-        0.0F;  ///< a build-up towards a reference further past the peak ends as towards this one:
-               ///< what the delay still adds would lock the wheel
-    float build_up_pressure_Pa = 0.0F;  ///< added to the pressure that balances the road while building up
-    float build_up_rate_Paps = 0.0F;  ///< approached at this rate: a slippery surface shows itself on the way
+    float k_answer = 0.0F;  ///< added to k_p: this share of a restoring answer
+    float max_slip_rate_per_s =
+        0.0F;  ///< asked for at most: the pressure above balance that a slippery runway meets
     float reference_rate_per_s = 0.0F;  ///< the reference in force follows a change at this rate
     float low_speed_mps = 0.0F;         ///< below it the reference falls with speed; 0: the paper's exact law
     float low_speed_floor_mps = 0.0F;   ///< at and below it the reference is `low_speed_slip` at the most
     float low_speed_slip = 0.0F;
+
+    // The share of the reference that is in force is the integral of (answer + runaway_per_s) / answer_scale_per_s, within the rates.
+    float runaway_per_s = 0.0F;  ///< a wheel that runs away as fast as this is still held
+    float answer_scale_per_s = 0.0F;
+    float answer_filter_radps = 0.0F;
+    float rise_per_s = 0.0F;  ///< of the share, at most
+    float fall_per_s = 0.0F;
+    float lock_fall_per_s = 0.0F;  ///< while the wheel slips by more than 0.6
 };
 
 /// Wheel deceleration law: PI on the wheel's rim deceleration; the slip law with `slip_limit` is its

@@ -8,13 +8,10 @@ Controller::Controller(const Config& config)
     : valve_(config.valve),
       period_s_(config.period_s),
       pass_through_rate_Paps_(config.supervisor.pass_through_rate_Paps),
-      estimator_(config.wheel, config.flywheel, config.valve, config.estimator, config.observer,
-                 config.period_s),
+      estimator_(config),
       monitor_(config),
       supervisor_(config.supervisor, config.period_s),
-      observes_(config.observer.used),
       slip_law_(config.slip, config.period_s),
-      observed_slip_law_(config.observer, config.slip, config.period_s),
       deceleration_law_(config.deceleration, config.slip, config.period_s),
       threshold_law_(config.threshold, config.period_s),
       takeover_Pa_(config.valve.full_pressure_Pa),
@@ -22,10 +19,7 @@ Controller::Controller(const Config& config)
 
 void Controller::start_law(Law law, const Estimate& estimate) {
     law_ = law;
-    if (observes_)
-        observed_slip_law_.start(estimate);
-    else
-        slip_law_.start(estimate);
+    slip_law_.start(estimate);
     deceleration_law_.start(estimate);
     threshold_law_.start(estimate);
 }
@@ -36,13 +30,12 @@ float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estim
     const bool takes_over = before == State::braking && maneuver.law != law_;
     if (before != State::braking || takes_over) start_law(maneuver.law, estimate);
     if (before != State::braking) takeover_Pa_ = valve_.full_pressure_Pa;
+    if (before == State::armed || before == State::touchdown_protection) slip_law_.forget_runway();
     if (takes_over) takeover_Pa_ = requested_Pa_;
     takeover_Pa_ = smaller(takeover_Pa_ + pass_through_rate_Paps_ * period_s_, valve_.full_pressure_Pa);
     const float ceiling_Pa = smaller(maneuver.demand_Pa, takeover_Pa_);
     switch (maneuver.law) {
         case Law::wheel_slip:
-            if (observes_) [[unlikely]]
-                return observed_slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa);
             return slip_law_.pressure_Pa(estimate, maneuver.slip_reference, ceiling_Pa);
         case Law::deceleration:
             return deceleration_law_.pressure_Pa(estimate, maneuver.deceleration_mps2, ceiling_Pa);
@@ -71,11 +64,8 @@ float Controller::current_mA(const Command& command, Law law) const {
 Command Controller::step(const Sensors& sensors, Time now) {
     const Estimate& estimate = estimator_.update(sensors, current_mA_);
     const State before = supervisor_.state();
-    float asked_slip = slip_law_.reference();
-    if (observes_) [[unlikely]]
-        asked_slip = observed_slip_law_.asked();
     const FaultSet present = monitor_.check(
-        sensors, estimator_, {supervisor_.rolling(), before == State::braking, asked_slip}, now);
+        sensors, estimator_, {supervisor_.rolling(), before == State::braking, slip_law_.asked()}, now);
     const State state = supervisor_.update(sensors, estimate, present, now);
 
     Command command;
@@ -92,11 +82,8 @@ Command Controller::step(const Sensors& sensors, Time now) {
         command.pressure_request_Pa = state == State::braking
                                           ? braking_pressure_Pa(sensors.maneuver, estimate, before)
                                           : pass_through_Pa(ceiling_Pa, estimate, before);
-        if (state == State::braking && sensors.maneuver.law == Law::wheel_slip) {
+        if (state == State::braking && sensors.maneuver.law == Law::wheel_slip)
             command.slip_reference = slip_law_.reference();
-            if (observes_) [[unlikely]]
-                command.slip_reference = observed_slip_law_.reference();
-        }
     }
     requested_Pa_ = command.pressure_request_Pa;
     current_mA_ = permitted ? current_mA(command, sensors.maneuver.law) : valve_.safe_current_mA;

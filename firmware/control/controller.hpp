@@ -20,7 +20,6 @@
 #include "firmware/control/deceleration_law.hpp"
 #include "firmware/control/estimator.hpp"
 #include "firmware/control/monitor.hpp"
-#include "firmware/control/observed_slip_law.hpp"
 #include "firmware/control/slip_law.hpp"
 #include "firmware/control/supervisor.hpp"
 #include "firmware/control/threshold_law.hpp"
@@ -53,9 +52,7 @@ class Controller {
     Estimator estimator_;
     Monitor monitor_;
     Supervisor supervisor_;
-    bool observes_;
     SlipLaw slip_law_;
-    ObservedSlipLaw observed_slip_law_;
     DecelerationLaw deceleration_law_;
     ThresholdLaw threshold_law_;
     Law law_ = Law::wheel_slip;

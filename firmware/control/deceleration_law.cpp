@@ -14,6 +14,7 @@ DecelerationLaw::DecelerationLaw(const DecelerationConfig& config, const SlipCon
 
 void DecelerationLaw::start(const Estimate& estimate) {
     guard_.start(estimate);
+    guard_.forget_runway();
     // The wheel rolls with the aircraft. One reading of its own acceleration is noise of several m/s2, which the filter would
     // take a second to forget.
     measured_mps2_ = larger(-estimate.v_dot_mps2, 0.0F);

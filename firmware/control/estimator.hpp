@@ -12,8 +12,7 @@ namespace antiskid::control {
 
 class Estimator {
   public:
-    Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, const ValveConfig& valve,
-              const EstimatorConfig& estimator, const ObserverConfig& observer, float period_s);
+    explicit Estimator(const Config& config);
 
     /// One period; `last_current_mA` is what the valve was commanded since the step before.
     const Estimate& update(const Sensors& sensors, float last_current_mA);
@@ -30,11 +29,7 @@ class Estimator {
 
   private:
     void calibrate_radius(bool on_wheels);
-    void follow_wheel(const PressureState& before);
-    [[nodiscard]] float observed_late_radps(float steady_radps2);
-    [[nodiscard]] float tracked_late_radps();
-    void look_ahead(float v_mps, float steady_radps2);
-    [[nodiscard]] float road_radps2() const;
+    void look_ahead(float v_mps);
 
     WheelConfig wheel_;
     ValveConfig valve_;
@@ -45,11 +40,9 @@ class Estimator {
     float lift_per_stiffness_;
     SpeedEstimator wheel_speed_;
     SpeedEstimator flywheel_speed_;
-    bool observes_;
-    float outlook_share_;
-    SpeedTracker wheel_tracker_;
     WheelObserver wheel_observer_;
-    float steady_radps2_ = 0.0F;  // omega v_dot / v: of a wheel that keeps its slip; the observer's
+    float outlook_share_;
+    float steady_radps2_ = 0.0F;  // omega v_dot / v: of a wheel that keeps its slip
     SpeedTracker flywheel_tracker_;
     ValveModel valve_model_;
     Time pressure_received_ = kNever;

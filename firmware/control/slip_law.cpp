@@ -1,45 +1,47 @@
 #include "firmware/control/slip_law.hpp"
 
-#include "firmware/control/arithmetic.hpp"
-
 namespace antiskid::control {
 
 SlipLaw::SlipLaw(const SlipConfig& config, float period_s) : config_(config), period_s_(period_s) {}
 
 void SlipLaw::start(const Estimate& estimate) {
     reference_ = larger(estimate.slip, 0.0F);
+    asked_ = reference_;
     integral_ = 0.0F;
-    building_up_ = true;
-    build_up_Pa_ = 0.0F;
+    answer_per_s_ = estimate.answer_per_s;
+}
+
+/// Towards the reference while the road restores the slip, back while the wheel runs away.
+void SlipLaw::follow_answer(const Estimate& e) {
+    constexpr float kNearlyLocked = 0.6F;
+    constexpr float kLeast = 0.15F;
+    answer_per_s_ += (e.answer_per_s - answer_per_s_) * config_.answer_filter_radps * period_s_;
+    const float wanted = (answer_per_s_ + config_.runaway_per_s) / config_.answer_scale_per_s;
+    const float rate = limited(wanted * config_.rise_per_s, -config_.fall_per_s, config_.rise_per_s);
+    const float falls = e.slip > kNearlyLocked ? config_.lock_fall_per_s : 0.0F;
+    share_ = limited(share_ + (rate - falls) * period_s_, kLeast, 1.0F);
 }
 
 float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
-    reference_ = towards(reference_, falling_reference(config_, slip_reference, e.late_v_mps),
+    follow_answer(e);
+    const float falling = falling_reference(config_, slip_reference, e.late_v_mps);
+    reference_ = towards(reference_, smaller(falling, share_ * slip_reference),
                          config_.reference_rate_per_s * period_s_);
+    asked_ = larger(reference_, falling);
 
-    // lambda_dot = (r k_b / (J v)) (P - P_balance), from eq. (1b) and (3): slip rate and pressure differ by
-    // this factor.
+    // lambda_dot = (r k_b / (J v)) (P - P_balance), from eq. (1b) and (3): slip rate and pressure differ by this factor.
     const float rate_per_Pa = e.radius_m * e.brake_gain / e.late_v_mps;
     const float error = reference_ - e.late_slip;
-    const float rate = rate_per_Pa * (e.late_pressure.pressure_Pa - e.balance_Pa);
+    const float rate = rate_per_Pa * (e.late_pressure.pressure_Pa - e.late_balance_Pa);
     const float rate_rate = rate_per_Pa * e.late_pressure.rate_Paps;
+    const float gain = config_.k_p_per_s + config_.k_answer * larger(e.answer_per_s, 0.0F);
     const float wanted_rate =
-        config_.k_p_per_s * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate;
-    float wanted_Pa = config_.road_torque_share * e.balance_Pa + wanted_rate / rate_per_Pa;
-
-    if (building_up_) {
-        building_up_ =
-            e.late_slip < config_.build_up_slip * smaller(reference_, config_.build_up_reference_limit);
-        build_up_Pa_ =
-            smaller(build_up_Pa_ + config_.build_up_rate_Paps * period_s_, config_.build_up_pressure_Pa);
-        if (building_up_) wanted_Pa = larger(wanted_Pa, e.balance_Pa + build_up_Pa_);
-    }
-
+        smaller(gain * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate,
+                config_.max_slip_rate_per_s);
+    const float wanted_Pa = e.late_balance_Pa + wanted_rate / rate_per_Pa;
     const float given_Pa = limited(wanted_Pa, 0.0F, ceiling_Pa);
-    // The integral rests while the valve is at a limit and the error would drive it further in, and while
-    // pressure builds up.
-    const bool winds_up =
-        (wanted_Pa > given_Pa && error > 0.0F) || (wanted_Pa < given_Pa && error < 0.0F) || building_up_;
+    // The integral rests while the valve is at a limit and the error would drive it further in.
+    const bool winds_up = (wanted_Pa > given_Pa && error > 0.0F) || (wanted_Pa < given_Pa && error < 0.0F);
     if (!winds_up) integral_ += config_.k_i_per_s2 * error * period_s_;
     return given_Pa;
 }

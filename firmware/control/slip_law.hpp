@@ -1,5 +1,6 @@
-/// The wheel-slip law of Section V: PID on slip, predicted over the valve's delay, on top of the pressure
-/// that balances the road.
+/// The wheel-slip law of Section V: PID on slip, predicted over the valve's delay, on top of the pressure that balances the road. Its gain
+/// grows with the road's answer to slip, and its reference retreats towards the peak of friction when the wheel runs away faster than the
+/// valve can follow.
 #pragma once
 
 #include "firmware/control/arithmetic.hpp"
@@ -23,22 +24,29 @@ class SlipLaw {
   public:
     SlipLaw(const SlipConfig& config, float period_s);
 
-    /// Starts from rest at the present slip, so that taking over changes nothing by itself.
+    /// Starts from rest at the present slip. What it has learnt of the reference stays.
     void start(const Estimate& estimate);
+    /// On another runway the whole reference may be in force again.
+    void forget_runway() { share_ = 1.0F; }
 
     /// Pressure to ask of the valve, 0 to `ceiling_Pa`.
     [[nodiscard]] float pressure_Pa(const Estimate& estimate, float slip_reference, float ceiling_Pa);
 
-    /// The reference in force: scheduled with speed and rate-limited.
+    /// The reference in force.
     [[nodiscard]] float reference() const { return reference_; }
+    /// What it was before it retreated, if it did: slip above this is not what the law does.
+    [[nodiscard]] float asked() const { return asked_; }
 
   private:
+    void follow_answer(const Estimate& estimate);
+
     SlipConfig config_;
     float period_s_;
     float reference_ = 0.0F;
-    float integral_ = 0.0F;  // of the slip error times k_i, 1/s
-    bool building_up_ = false;
-    float build_up_Pa_ = 0.0F;
+    float asked_ = 0.0F;
+    float integral_ = 0.0F;      // of the slip error times k_i, 1/s
+    float share_ = 1.0F;         // of the reference that may be in force
+    float answer_per_s_ = 0.0F;  // filtered
 };
 
 }  // namespace antiskid::control

@@ -14,7 +14,7 @@ void SpeedTracker::reset(float speed, float acceleration) {
     started_ = true;
 }
 
-void SpeedTracker::update(const SpeedReading& reading, float period_s, float impulse, float known_rate) {
+void SpeedTracker::update(const SpeedReading& reading, float period_s) {
     if (!reading.valid) {
         reset(0.0F, 0.0F);
         started_ = false;
@@ -24,7 +24,7 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s, float imp
         if (reading.fresh) reset(reading.speed_radps, 0.0F);
         return;
     }
-    const float predicted = speed_ + acceleration_ * period_s + impulse;
+    const float predicted = speed_ + acceleration_ * period_s;
     speed_ = larger(predicted, 0.0F);
     unheard_s_ += period_s;
     if (reading.speed_radps == 0.0F && reading.fresh) {
@@ -38,7 +38,7 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s, float imp
     // Where the prediction stops at zero, the wheel did not come along that line: looking back along it would
     // find the reading explained and leave the speed at zero.
     const float age = 0.5F * (reading.interval_s + smaller(reading.interval_s, period_s));
-    const float since_middle = predicted > 0.0F ? (acceleration_ + known_rate) * age : 0.0F;
+    const float since_middle = predicted > 0.0F ? acceleration_ * age : 0.0F;
     const float innovation = reading.speed_radps - (speed_ - since_middle);
     const float since = larger(reading.interval_s, period_s);
     constexpr float kTwice = 2.0F;        // the prediction may be as far off as the reading

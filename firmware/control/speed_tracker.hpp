@@ -12,14 +12,12 @@ class SpeedTracker {
     /// and no reading, however wrong, may leave a state from which the next ones do not lead back.
     SpeedTracker(float bandwidth_radps, float most_acceleration);
 
-    /// One period of `period_s` has passed, in which a known cause changed the speed by `impulse` (0: none
-    /// known). `known_rate` is that cause's acceleration now. What is left is tracked as a slowly changing
-    /// acceleration.
-    void update(const SpeedReading& reading, float period_s, float impulse, float known_rate);
+    /// One period of `period_s` has passed. Acceleration is taken to change slowly.
+    void update(const SpeedReading& reading, float period_s);
     void reset(float speed, float acceleration);
 
     [[nodiscard]] float speed() const { return speed_; }
-    [[nodiscard]] float acceleration() const { return acceleration_; }  ///< without the known cause
+    [[nodiscard]] float acceleration() const { return acceleration_; }
 
   private:
     float bandwidth_radps_;

@@ -28,8 +28,7 @@ float valve_pressure_Pa(const ValveConfig& valve, float current_mA) {
 }
 
 ValveModel::ValveModel(const ValveConfig& valve, float period_s, const EstimatorConfig& estimator)
-    : period_s_(period_s),
-      correct_offset_(estimator.valve_offset_radps * period_s),
+    : correct_offset_(estimator.valve_offset_radps * period_s),
       offset_share_(estimator.valve_offset_share),
       most_offset_Pa_(estimator.valve_offset_share * valve.full_pressure_Pa) {
     const float delay = valve.delay_s / period_s;
@@ -97,16 +96,6 @@ void ValveModel::update(float command_Pa, float measured_Pa, bool fresh) {
 float ValveModel::made_up_for_Pa(float pressure_Pa) const {
     const float most = offset_share_ * pressure_Pa;
     return pressure_Pa - limited(offset_Pa_, -most, most);
-}
-
-ValveModel::Outlook ValveModel::outlook() const {
-    Outlook outlook{state_, 0.0F};
-    for (std::size_t ahead = 1; ahead <= whole_; ++ahead) {
-        const float before = outlook.end.pressure_Pa;
-        propagate(outlook.end, input(ahead) + offset_Pa_);
-        outlook.impulse_Pas += 0.5F * (before + outlook.end.pressure_Pa) * period_s_;
-    }
-    return outlook;
 }
 
 }  // namespace antiskid::control

@@ -41,13 +41,7 @@ class ValveModel {
     /// What to ask of the map so that `pressure_Pa` comes out.
     [[nodiscard]] float made_up_for_Pa(float pressure_Pa) const;
 
-    /// What will have happened after the delay, from commands that are already in the pipe.
-    struct Outlook {
-        PressureState end;         ///< state one delay from now
-        float impulse_Pas = 0.0F;  ///< integral of pressure until then
-    };
-    [[nodiscard]] Outlook outlook() const;
-    /// The same period by period: one on from `from`, `periods_ahead` - 1 from now, 1 to delay_periods().
+    /// One period on from `from`, which is `periods_ahead` - 1 from now, by commands that are already in the pipe; 1 to delay_periods().
     [[nodiscard]] PressureState after(PressureState from, std::size_t periods_ahead) const {
         propagate(from, input(periods_ahead) + offset_Pa_);
         return from;
@@ -63,7 +57,6 @@ class ValveModel {
     std::size_t whole_ = 0;                         // whole periods of delay
     float part_ = 0.0F;                             // and the rest, in periods
     float delay_s_ = 0.0F;
-    float period_s_;
     float a11_ = 0.0F, a12_ = 0.0F, b1_ = 0.0F, a21_ = 0.0F, a22_ = 0.0F, b2_ = 0.0F;
     float correct_pressure_, correct_rate_, correct_offset_;
     float offset_share_, most_offset_Pa_;

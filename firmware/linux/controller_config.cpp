@@ -78,33 +78,18 @@ control::ValveConfig valve(const settings::Table& t, float period_s) {
 
 control::EstimatorConfig estimator(const settings::Table& t) {
     return {.aircraft_bandwidth_radps = number(t, "aircraft_bandwidth_radps", 1.0, 1000.0),
-            .wheel_bandwidth_radps = number(t, "wheel_bandwidth_radps", 1.0, 5000.0),
             .pressure_bandwidth_radps = number(t, "pressure_bandwidth_radps", 1.0, 5000.0),
             .valve_offset_radps = number(t, "valve_offset_radps", 0.0, 100.0),
             .valve_offset_share = number(t, "valve_offset_share", 0.0, 0.5)};
 }
 
 control::ObserverConfig observer(const settings::Table& t) {
-    static constexpr std::array<settings::Choice<bool>, 2> kLaws{{{"slip", false}, {"observer", true}}};
-    return {.used = t.choice<bool>("slip_law", kLaws),
-            .reading_noise = number(t, "reading_noise", 1e-4, 1.0),
+    return {.reading_noise = number(t, "reading_noise", 1e-4, 1.0),
             .road_noise_radps2 = number(t, "road_noise_radps2", 1.0, 1e6),
             .answer_noise = number(t, "answer_noise", 0.0, 100.0),
             .answer_floor_per_s = number(t, "answer_floor_per_s", 1.0, 1e4),
             .surprise = number(t, "surprise", 1.0, 1e3),
-            .outlook_share = number(t, "outlook_share", 0.0, 1.0),
-            .k_p_per_s = number(t, "k_p_per_s", 0.0, 1e4),
-            .k_i_per_s2 = number(t, "k_i_per_s2", 0.0, 1e5),
-            .k_d = number(t, "k_d", -1.0, 100.0),
-            .k_dd_s = number(t, "k_dd_s", 0.0, 1.0),
-            .k_answer = number(t, "k_answer", 0.0, 10.0),
-            .max_slip_rate_per_s = number(t, "max_slip_rate_per_s", 0.1, 1e4),
-            .runaway_per_s = number(t, "runaway_per_s", 0.0, 1e3),
-            .answer_scale_per_s = number(t, "answer_scale_per_s", 0.1, 1e4),
-            .answer_filter_radps = number(t, "answer_filter_radps", 0.1, 200.0),
-            .rise_per_s = number(t, "rise_per_s", 0.0, 100.0),
-            .fall_per_s = number(t, "fall_per_s", 0.0, 100.0),
-            .lock_fall_per_s = number(t, "lock_fall_per_s", 0.0, 100.0)};
+            .outlook_share = number(t, "outlook_share", 0.0, 1.0)};
 }
 
 control::SlipConfig slip(const settings::Table& t) {
@@ -113,15 +98,18 @@ control::SlipConfig slip(const settings::Table& t) {
                           .k_i_per_s2 = number(t, "k_i_per_s2", 0.0, 1e5),
                           .k_d = number(t, "k_d", -1.0, 100.0),
                           .k_dd_s = number(t, "k_dd_s", 0.0, 1.0),
-                          .road_torque_share = number(t, "road_torque_share", 0.0, 1.0),
-                          .build_up_slip = number(t, "build_up_slip", 0.0, 1.0),
-                          .build_up_reference_limit = number(t, "build_up_reference_limit", 0.01, 1.0),
-                          .build_up_pressure_Pa = number(t, "build_up_pressure_Pa", 0.0, 1e8),
-                          .build_up_rate_Paps = number(t, "build_up_rate_Paps", 1e6, 1e12),
+                          .k_answer = number(t, "k_answer", 0.0, 10.0),
+                          .max_slip_rate_per_s = number(t, "max_slip_rate_per_s", 0.1, 1e4),
                           .reference_rate_per_s = number(t, "reference_rate_per_s", 0.01, 1e4),
                           .low_speed_mps = low_speed,
                           .low_speed_floor_mps = number(t, "low_speed_floor_mps", 0.0, 100.0),
-                          .low_speed_slip = number(t, "low_speed_slip", 0.0, 0.5)};
+                          .low_speed_slip = number(t, "low_speed_slip", 0.0, 0.5),
+                          .runaway_per_s = number(t, "runaway_per_s", 0.0, 1e3),
+                          .answer_scale_per_s = number(t, "answer_scale_per_s", 0.1, 1e4),
+                          .answer_filter_radps = number(t, "answer_filter_radps", 0.1, 200.0),
+                          .rise_per_s = number(t, "rise_per_s", 0.0, 100.0),
+                          .fall_per_s = number(t, "fall_per_s", 0.0, 100.0),
+                          .lock_fall_per_s = number(t, "lock_fall_per_s", 0.0, 100.0)};
     if (low_speed > 0.0F && s.low_speed_floor_mps >= low_speed) {
         t.fail("low_speed_floor_mps", "must be below low_speed_mps");
     }
@@ -196,7 +184,7 @@ control::Config load_controller_config(const std::filesystem::path& path) {
                   .radius_m = number(flywheel, "radius_m", 0.05, 10.0)};
     c.valve = valve(root.table("valve"), c.period_s);
     c.estimator = estimator(root.table("estimator"));
-    if (const auto table = root.find_table("observer")) c.observer = observer(*table);
+    c.observer = observer(root.table("observer"));
     c.slip = slip(root.table("slip"));
     c.deceleration = deceleration(root.table("deceleration"));
     c.threshold = threshold(root.table("threshold"));

@@ -17,8 +17,7 @@ namespace {
 class Senses {
   public:
     explicit Senses(const control::Config& config)
-        : estimator_(config.wheel, config.flywheel, config.valve, config.estimator, config.observer,
-                     config.period_s),
+        : estimator_(config),
           monitor_(config),
           safe_current_mA_(config.valve.safe_current_mA) {}
 

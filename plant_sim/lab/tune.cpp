@@ -71,12 +71,12 @@ std::string infeasible_table(const MarginsInput& input, const margins::StudyOpti
 std::string creep_table(const MarginsInput& input, const margins::StudyOptions& options, ordered_json& rows) {
     constexpr int kSpeeds = 200;
     const antiskid::control::SlipConfig& law = input.scenarios.front().controller.slip;
-    const auto k_p = static_cast<double>(law.k_p_per_s), share = static_cast<double>(law.road_torque_share);
+    const auto k_p = static_cast<double>(law.k_p_per_s), k_answer = static_cast<double>(law.k_answer);
     std::string t = fmt::format(
         "Where the shipped law cannot have {:.0f} dB upwards in the brake's gain with its k_p and "
-        "road_torque_share\n\n"
+        "k_answer\n\n"
         "| surface | maneuver | at and below (m/s) | at drop-out: stable pole (rad/s) | upward margin (dB) | "
-        "share that would have it |\n|---|---|---|---|---|---|\n",
+        "k_answer that would have it |\n|---|---|---|---|---|---|\n",
         options.requirement.gain_dB);
     rows = ordered_json::array();
     for (const margins::Scenario& s : input.cases) {
@@ -88,12 +88,12 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
         };
         const auto speeds = margins::speed_grid(s.rig.brake_on_mps, s.drop_out_mps, kSpeeds);
         const auto at = std::find_if(speeds.begin(), speeds.end(), [&](double v) {
-            return margins::creep_margin_dB(pole(v), share, k_p) < options.requirement.gain_dB;
+            return margins::creep_margin_dB(pole(v), k_answer, k_p) < options.requirement.gain_dB;
         });
         if (at == speeds.end()) continue;
         const double last = pole(speeds.back());
-        const double margin_dB = margins::creep_margin_dB(last, share, k_p);
-        const double enough = std::pow(10.0, -options.requirement.gain_dB / 20.0) + k_p / last;
+        const double margin_dB = margins::creep_margin_dB(last, k_answer, k_p);
+        const double enough = 1.0 - std::pow(10.0, -options.requirement.gain_dB / 20.0) - k_p / last;
         fmt::format_to(std::back_inserter(t), "| {} | {} | {:.1f} | {:.0f} | {:.1f} | {:.2f} |\n", s.surface,
                        s.maneuver, *at, last, margin_dB, enough);
         rows.push_back({{"surface", s.surface},
@@ -101,7 +101,7 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
                         {"below_mps", *at},
                         {"pole_at_drop_out_radps", last},
                         {"upward_margin_dB", margin_dB},
-                        {"share_that_would_have_it", enough}});
+                        {"k_answer_that_would_have_it", enough}});
     }
     if (rows.empty()) t += "| none | | | | | |\n";
     return t;

@@ -23,8 +23,7 @@ class FrozenStop {
         : at_(at),
           surface_(rig.surface),
           config_(with_radius(config, at)),
-          estimator_(config_.wheel, config_.flywheel, config_.valve, config_.estimator, config_.observer,
-                     config_.period_s),
+          estimator_(config_),
           law_(config_.slip, config_.period_s),
           valve_(rig.valve.natural_frequency_radps, rig.valve.damping, rig.valve.delay_s),
           wheel_(rig.wheel_encoder.teeth),
@@ -120,6 +119,10 @@ class FrozenStop {
         return command_Pa_ / at_.pressure_Pa;
     }
 
+    /// What the observer takes the road's answer for.
+    [[nodiscard]] double answer_per_s() const {
+        return static_cast<double>(estimator_.estimate().answer_per_s);
+    }
     [[nodiscard]] double slip() const { return slip_; }
     [[nodiscard]] double pressure_Pa() const { return valve_.pressure_Pa(); }
 

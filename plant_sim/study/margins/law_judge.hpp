@@ -43,8 +43,8 @@ class LawJudge {
     mutable std::vector<std::atomic<unsigned>> ended_;
 };
 
-/// The gains that are searched, all of [slip]: k_p, k_i, k_d, k_dd, the road torque's share, the three numbers of the fall at low speed. Not
-/// the build-up, which no margin sees; not the estimator, which the other laws share.
+/// The gains that are searched, all of [slip]: k_p, k_i, k_d, k_dd, the answer's share, the three numbers of the fall at low speed. Not
+/// those of the retreat, which no margin sees; not the observer.
 [[nodiscard]] std::vector<std::string> gain_names();
 [[nodiscard]] std::vector<double> gains_of(const antiskid::control::Config& config);
 [[nodiscard]] antiskid::control::Config with_gains(antiskid::control::Config config,

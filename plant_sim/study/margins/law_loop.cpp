@@ -22,6 +22,7 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kSpeedNoise = 1.0, kClockNoise_radps = 0.02;  // as in wheel_observer.cpp
 constexpr double kGone = 1e-9;  // an eigenvalue this small is a pipe that has run empty
 
 /// The lag of eq. (6) over `h` with a held input: state (p, p'), unit static gain.
@@ -87,14 +88,13 @@ double valve_gain(const antiskid::control::ValveConfig& config, const plant::Pre
 class Period {
   public:
     Period(const antiskid::control::Config& config, const plant::RigParameters& rig, const OperatingPoint& at,
-           Linearisation linearisation)
+           Linearisation linearisation, std::optional<double> answer_per_s)
         : law_(config.slip), h_(static_cast<double>(config.period_s)) {
         const auto& valve = config.valve;
         const double delay = static_cast<double>(valve.delay_s);
         whole_ = whole_periods(delay, h_);
         part_ = std::max(delay / h_ - static_cast<double>(whole_), 0.0);
         if (part_ < 1e-3) part_ = 0.0;
-        ahead_ = static_cast<double>(whole_) * h_;
         model_ =
             lag(static_cast<double>(valve.natural_frequency_radps), static_cast<double>(valve.damping), h_);
         const double l = static_cast<double>(config.estimator.pressure_bandwidth_radps);
@@ -108,10 +108,11 @@ class Period {
         edge_age_ = news_every_ == 1 ? std::min(edge_s / h_, 1.0) / 2.0 : 0.5;
         const double interval = static_cast<double>(news_every_) * h_;
         reading_age_ = 0.5 * (interval + h_);
-        const double memory =
-            1.0 / (1.0 + static_cast<double>(config.estimator.wheel_bandwidth_radps) * interval);
-        correct_speed_ = 1.0 - memory * memory;
-        correct_acceleration_ = (1.0 - memory) * (1.0 - memory) / interval;
+        answer_ = answer_per_s.value_or(at.wheel_pole_radps(linearisation));
+        believed_ = answer_ > 0.0 ? static_cast<double>(config.observer.outlook_share) * answer_ : answer_;
+        gain_ = static_cast<double>(law_.k_p_per_s) +
+                static_cast<double>(law_.k_answer) * std::max(answer_, 0.0);
+        correct_ = steady_gains(config, interval);
         deceleration_per_s_ = at.deceleration_mps2 / at.speed_mps;
 
         const double believed =
@@ -142,6 +143,47 @@ class Period {
     [[nodiscard]] Index motion_at() const { return plant_at() + static_cast<Index>(pipe_) + 2; }
     [[nodiscard]] Index means_at() const { return motion_at() + 3; }
 
+    /// moved() of wheel_observer.hpp.
+    struct Motion {
+        double slip, road;  // road: slip rate by the road
+    };
+    [[nodiscard]] Motion moved(const Motion& from, double pressed, double steady, double answer) const {
+        const double change = acting_s(answer) * (from.road + pressed - steady);
+        return {from.slip + change + steady * h_, from.road - answer * change};
+    }
+    [[nodiscard]] double acting_s(double answer) const {
+        return answer > 0.0 ? h_ / (1.0 + answer * h_) : h_;
+    }
+
+    /// Gains of the observer that has settled: at the equilibrium nothing moves that would show the answer, and speed and road are a linear
+    /// filter by themselves.
+    struct Gains {
+        double slip = 0.0, road = 0.0;
+    };
+    [[nodiscard]] Gains steady_gains(const antiskid::control::Config& config, double interval_s) const {
+        const auto& o = config.observer;
+        const double pitch_rad = 2.0 * kPi / static_cast<double>(config.wheel.encoder.teeth);
+        const double tooth = static_cast<double>(o.reading_noise) * pitch_rad / interval_s;
+        const double variance = tooth * tooth + kClockNoise_radps * kClockNoise_radps;
+        const double road = static_cast<double>(o.road_noise_radps2);
+        const double f = acting_s(answer_);
+        Matrix2d moves, noise;
+        moves << 1.0, f, 0.0, 1.0 - answer_ * f;
+        noise << kSpeedNoise * kSpeedNoise * h_, 0.0, 0.0, road * road * h_;
+        const Vector2d sees{1.0, -reading_age_};
+        Matrix2d p = Matrix2d::Identity();
+        Vector2d gains = Vector2d::Zero();
+        for (double change = 1.0; change > 1e-12;) {
+            for (std::size_t i = 0; i < news_every_; ++i) p = (moves * p * moves.transpose() + noise).eval();
+            const Vector2d seen = p * sees;
+            const Vector2d next = seen / (sees.dot(seen) + variance);
+            p -= next * seen.transpose();
+            change = (next - gains).norm() / next.norm();
+            gains = next;
+        }
+        return {gains[0], gains[1]};
+    }
+
     /// ValveModel::input.
     [[nodiscard]] double input(const VectorXd& x, std::size_t ahead) const {
         const auto age = static_cast<Index>(whole_ - ahead);
@@ -169,31 +211,30 @@ class Period {
         valve[0] += correct_p_ * innovation;
         valve[1] += correct_r_ * innovation;
 
-        double slip = x[v + 2];
-        double road = x[v + 3];  // slip rate by the road
-        slip += road * h_ + 0.5 * (before + valve[0]) * h_;
+        Motion motion{x[v + 2], x[v + 3]};
+        motion = moved(motion, 0.5 * (before + valve[0]), -deceleration_per_s_ * motion.slip, answer_);
         if (news) {
-            const double surprise = reading(x) - (slip - (road + valve[0]) * reading_age_);
-            slip += correct_speed_ * surprise;
-            road += correct_acceleration_ * surprise;
+            const double surprise = reading(x) - (motion.slip - (motion.road + valve[0]) * reading_age_);
+            motion.slip += correct_.slip * surprise;
+            motion.road += correct_.road * surprise;
         }
 
+        const double steady = -deceleration_per_s_ * motion.slip;
         Vector2d late = valve;
-        double impulse = 0.0;
+        Motion there = motion;
         for (std::size_t i = 1; i <= whole_; ++i) {
             const double from = late[0];
             late = (model_.phi * late + model_.gamma * (input(x, i) + x[v + 5])).eval();
-            impulse += 0.5 * (from + late[0]) * h_;
+            there = moved(there, 0.5 * (from + late[0]), steady, believed_);
         }
-        const double balance = -road - deceleration_per_s_ * slip;
-        const double late_slip = slip + road * ahead_ + impulse;
-        const double u = static_cast<double>(law_.road_torque_share) * balance -
-                         static_cast<double>(law_.k_p_per_s) * late_slip + x[v + 4] -
+        const double balance = steady - there.road;
+        const double late_slip = there.slip;
+        const double u = balance - gain_ * late_slip + x[v + 4] -
                          static_cast<double>(law_.k_d) * (late[0] - balance) -
                          static_cast<double>(law_.k_dd_s) * late[1] - x[v + 5];
         x.segment<2>(v) = valve;
-        x[v + 2] = slip;
-        x[v + 3] = road;
+        x[v + 2] = motion.slip;
+        x[v + 3] = motion.road;
         x[v + 4] -= static_cast<double>(law_.k_i_per_s2) * late_slip * h_;
         for (Index i = v - 1; i > 0; --i) x[i] = x[i - 1];
         x[0] = u;
@@ -218,9 +259,10 @@ class Period {
     antiskid::control::SlipConfig law_;
     double h_;
     std::size_t whole_ = 0, pipe_ = 0, news_every_ = 1;
-    double part_ = 0.0, ahead_ = 0.0;
-    double correct_p_ = 0.0, correct_r_ = 0.0, correct_offset_ = 0.0, correct_speed_ = 0.0,
-           correct_acceleration_ = 0.0;
+    double part_ = 0.0;
+    double correct_p_ = 0.0, correct_r_ = 0.0, correct_offset_ = 0.0;
+    double answer_ = 0.0, believed_ = 0.0, gain_ = 0.0;
+    Gains correct_;
     double edge_age_ = 0.0, reading_age_ = 0.0, deceleration_per_s_ = 0.0;
     Lag model_;
     Plant plant_;
@@ -349,8 +391,9 @@ double controller_growth_per_s(const PeriodicSystem& system) {
 }
 
 PeriodicSystem law_system(const antiskid::control::Config& config, const plant::RigParameters& rig,
-                          const OperatingPoint& at, Linearisation linearisation) {
-    const Period period(config, rig, at, linearisation);
+                          const OperatingPoint& at, Linearisation linearisation,
+                          std::optional<double> answer_per_s) {
+    const Period period(config, rig, at, linearisation, answer_per_s);
     const Index n = period.size();
     PeriodicSystem s;
     s.period_s = static_cast<double>(config.period_s);

@@ -1,16 +1,18 @@
 /// The shipped law as a linear loop: what control::Estimator, control::SlipLaw and the plant do to small motions around an equilibrium.
 ///
 /// Opened at the valve current, period by period, exact: the plant's wheel and valve as sampled, its delay in whole and broken periods; the
-/// controller's valve model with the commands in its pipe, its tracker, its outlook over the delay, the law. An encoder whose edges are
+/// controller's valve model with the commands in its pipe, its observer, its outlook over the delay, the law. An encoder whose edges are
 /// further apart than a period gives news only in every N-th, N = round(T_edge / h): the loop is periodic then, and margins() takes its N
 /// characteristic loci. Factor in front of L: an error of valve gain, brake gain (to first order) or current map.
 ///
-/// Neglected: limits of pressure and integral, the build-up at brake-on, the rate limit of the reference; noise, jitter and rounding; the
+/// The observer is one that has settled and knows the road's answer: the wheel's pole. Neglected: how it learns that, and forgets it; limits
+/// of pressure, slip rate and integral, the retreat of the reference and its rate limit; noise, jitter and rounding; the
 /// motion of the aircraft's speed and of its estimate; changes of load, radius and k_b while the loop settles; an edge interval that
 /// is no whole number of periods (rounded) and its beat with the period; edges bound to the angle instead of time.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "firmware/control/config.hpp"
 #include "plant_sim/study/margins/loop.hpp"
@@ -63,12 +65,14 @@ class SampledLoop final : public Loop {
 /// A controller that grows no faster is stable by itself: those are its integrals, of slip and of the valve's offset.
 inline constexpr double kIntegrates_per_s = 0.1;
 
-/// Linearised at `at`: `config` is the controller, `rig` the plant.
+/// Linearised at `at`: `config` is the controller, `rig` the plant. `answer_per_s` is what the observer takes the road's answer for: the
+/// wheel's pole, unless given.
 [[nodiscard]] PeriodicSystem law_system(const antiskid::control::Config& config,
                                         const plant::RigParameters& rig, const OperatingPoint& at,
-                                        Linearisation linearisation);
+                                        Linearisation linearisation,
+                                        std::optional<double> answer_per_s = {});
 
-/// The reference in force at this speed, SlipLaw::scheduled.
+/// falling_reference() of slip_law.hpp.
 [[nodiscard]] double scheduled_slip(const antiskid::control::SlipConfig& config, double slip_reference,
                                     double speed_mps);
 

@@ -32,8 +32,8 @@ double fastest_pole_radps(const Requirement& requirement, double delay_s, double
     return std::log(std::min(by_phase, by_gain)) / least_delay_s(delay_s, period_s);
 }
 
-double creep_margin_dB(double wheel_pole_radps, double road_torque_share, double k_p_per_s) {
-    const double returned = wheel_pole_radps > 0.0 ? road_torque_share - k_p_per_s / wheel_pole_radps : 0.0;
+double creep_margin_dB(double wheel_pole_radps, double k_answer, double k_p_per_s) {
+    const double returned = wheel_pole_radps > 0.0 ? 1.0 - k_answer - k_p_per_s / wheel_pole_radps : 0.0;
     return returned > 0.0 ? -20.0 * std::log10(returned) : std::numeric_limits<double>::infinity();
 }
 

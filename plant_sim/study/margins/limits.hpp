@@ -34,9 +34,9 @@ struct Limits {
 
 /// Upward gain margin, dB, in the brake's gain (in the valve's, where its offset is not learnt), of feed-forward and proportional gain on a
 /// wheel that is stable and faster than the loop. Slip and road torque then follow the pressure at once: of a pressure p the law asks
-/// road_torque_share p back and k_p p / a less, so that a gain of 1 / (share - k_p / a) and more lets the pressure creep up. Derivative
-/// terms and estimator do not enter; the integral adds up to half a dB. Infinite where nothing creeps: past the peak, or with k_p / a
-/// above the share.
-[[nodiscard]] double creep_margin_dB(double wheel_pole_radps, double road_torque_share, double k_p_per_s);
+/// p back and (k_p / a + k_answer) p less, so that a gain of 1 / (1 - k_answer - k_p / a) and more lets the pressure creep up. Derivative
+/// terms and estimator do not enter; the integral adds up to half a dB. Infinite where nothing creeps: past the peak, or with k_p / a +
+/// k_answer above 1.
+[[nodiscard]] double creep_margin_dB(double wheel_pole_radps, double k_answer, double k_p_per_s);
 
 }  // namespace study::margins

@@ -19,9 +19,9 @@ namespace {
 using antiskid::control::Law;
 
 Law law_of(const std::string& word) {
-    if (word == "slip" || word == "observer") return Law::wheel_slip;
+    if (word == "slip") return Law::wheel_slip;
     if (word == "threshold") return Law::threshold;
-    throw std::invalid_argument("unknown law '" + word + "'; there are slip, observer, threshold");
+    throw std::invalid_argument("unknown law '" + word + "'; there are slip, threshold");
 }
 
 Family family_of(const std::string& word) {
@@ -102,10 +102,8 @@ std::vector<Row> run(const Plan& plan, const RunOptions& options) {
             session.seed = plan.seed + row.number;
             const auto travel = travels[i] = std::make_shared<Travel>();
             const double ends_mps = plan.drop_out_mps;
-            antiskid::control::Config controller = plan.controller;
-            controller.observer.used = plan.law_names[row.law] == "observer";
             return study::Maneuver{
-                controller, draw(plan.basis, row.family, plan.seed, row.number).rig, session,
+                plan.controller, draw(plan.basis, row.family, plan.seed, row.number).rig, session,
                 [travel, period_s, ends_mps](const study::RigSession& s, const antiskid::can::ControllerView&,
                                              double current_mA) {
                     if (s.pilot().phase() == study::Phase::braking && s.rig().wheel().v_mps > ends_mps) {

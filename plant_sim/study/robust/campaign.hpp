@@ -21,7 +21,7 @@ struct PlanOptions {
     std::filesystem::path controller;  ///< empty: controller.toml of `config`
     std::filesystem::path ranges;      ///< empty: uncertainty.toml of `config`
     std::vector<std::string> families{kFamilyNames.begin(), kFamilyNames.end()};
-    std::vector<std::string> laws{"slip", "observer", "threshold"};  ///< observer: the slip law of [observer]
+    std::vector<std::string> laws{"slip", "threshold"};
     std::size_t draws = 140;                                         ///< of each family
     std::uint64_t seed = 1;
 };
