@@ -66,7 +66,12 @@ void ScenarioOptions::add_to(CLI::App& app) {
     app.add_option("--maneuver", choice.maneuver,
                    "light, medium_a, medium_b, heavy (maneuvers.toml), or endurance")
         ->capture_default_str();
-    app.add_option("--surface", choice.surface, "runway, a table of surfaces.toml")->capture_default_str();
+    auto* const surface = app.add_option("--surface", choice.surface, "runway, a table of surfaces.toml")
+                              ->capture_default_str();
+    app.add_option("--runway", choice.runway,
+                   "surfaces over distance, wet friction over speed: a file as config/runways has them")
+        ->type_name("FILE")
+        ->excludes(surface);
     app.add_option("--law", law, "slip, threshold, deceleration or open_loop")
         ->check(CLI::IsMember({"slip", "threshold", "deceleration", "open_loop"}))
         ->capture_default_str();
@@ -133,7 +138,7 @@ void Scenario::keep_brake(const ScenarioOptions& o, double energy_J) const {
 
 study::StopReport Scenario::report(const ScenarioOptions& o) const {
     return {.maneuver = o.choice.maneuver,
-            .surface = o.choice.surface,
+            .surface = o.choice.road(),
             .law = o.law,
             .slip_reference = o.slip,
             .mass_kg = plant.rig.wheel.mass_kg,
@@ -148,7 +153,7 @@ study::StopReport Scenario::report(const ScenarioOptions& o) const {
 
 std::string Scenario::title(const ScenarioOptions& o) const {
     return fmt::format("{} landing: {:.0f} kg at {:.0f} m/s on {}, law {}, slip reference {:.2f}",
-                       o.choice.maneuver, plant.rig.wheel.mass_kg, plant.rig.brake_on_mps, o.choice.surface,
+                       o.choice.maneuver, plant.rig.wheel.mass_kg, plant.rig.brake_on_mps, o.choice.road(),
                        o.law, o.slip);
 }
 

@@ -68,6 +68,7 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         "Examples:\n"
         "  virtual-rig --can vcan0 --maneuver heavy --surface dry_asphalt --slip 0.24 --out out/stop\n"
         "  virtual-rig --can vcan0 --clock timer --surface snow --law threshold\n"
+        "  virtual-rig --can vcan0 --runway config/runways/flooded.toml --out out/flooded --picture\n"
         "  virtual-rig --can vcan0 --brake-state brake.json\n"
         "Exit status: 0 the maneuver ran to standstill; 1 it did not (controller silent, interface gone, no "
         "standstill);\n"
@@ -98,7 +99,8 @@ int run(const Options& o, const plant_sim::Scenario& s) {
     const Time period(std::llround(s.session.period_s * 1e9));
     plant_sim::RigNode node(session, s.layout, bus, clock, period);
 
-    study::Trajectory trajectory;
+    const bool along_runway = !s.plant.rig.runway.patches.empty();
+    study::Trajectory trajectory(along_runway);
     plant_sim::Progress progress;
     const auto observe = [&](const study::RigSession& now, const antiskid::can::ControllerView& view,
                              double current_mA) {
@@ -133,7 +135,7 @@ int run(const Options& o, const plant_sim::Scenario& s) {
         settings::write_file(o.out / "result.json", study::to_json(report));
         if (o.picture) {
             study::draw_stop(o.out / "trajectory.csv", o.out / "maneuver.png", s.title(o.scenario),
-                             session.pilot().brake_on_s());
+                             session.pilot().brake_on_s(), along_runway);
         }
     }
     // A maneuver that never reached its brake-on wears nothing and is none.

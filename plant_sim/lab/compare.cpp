@@ -2,9 +2,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/scenario_options.hpp"
@@ -18,13 +21,22 @@ constexpr std::array<const char*, 2> kLaws{"slip", "threshold"};
 
 struct CompareCommand {
     ScenarioOptions scenario;
+    std::vector<std::filesystem::path> runways;
     std::string json;
 
-    [[nodiscard]] study::StopReport stop(const std::string& surface, const std::string& maneuver,
-                                         const char* law) const {
+    /// The runways where some are given, otherwise all surfaces.
+    [[nodiscard]] std::vector<plant::ManeuverChoice> roads() const {
+        std::vector<plant::ManeuverChoice> all;
+        const auto add = [&]() -> plant::ManeuverChoice& { return all.emplace_back(scenario.choice); };
+        for (const std::filesystem::path& runway : runways) add().runway = runway;
+        if (!all.empty()) return all;
+        for (const std::string& surface : plant::surface_names(scenario.config)) add().surface = surface;
+        return all;
+    }
+
+    [[nodiscard]] study::StopReport stop(const plant::ManeuverChoice& choice, const char* law) const {
         ScenarioOptions options = scenario;
-        options.choice.surface = surface;
-        options.choice.maneuver = maneuver;
+        options.choice = choice;
         options.law = law;
         const Scenario s = load_scenario(options);
         const study::RunResult result =
@@ -37,9 +49,9 @@ struct CompareCommand {
 
     /// Markdown, so that the table can stand in a page as it is.
     int run() const {
-        const auto surfaces = plant::surface_names(scenario.config);
+        const auto roads = this->roads();
         const auto maneuvers = plant::maneuver_names(scenario.config);
-        const std::size_t all = surfaces.size() * maneuvers.size();
+        const std::size_t all = roads.size() * maneuvers.size();
         std::string table =
             "| surface | maneuver | slip law: J_mu | distance (m) | longest lock (ms) | threshold law: J_mu "
             "| distance (m) |\n"
@@ -47,17 +59,18 @@ struct CompareCommand {
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
         std::array<double, kLaws.size()> sums{};
         std::size_t done = 0;
-        for (const std::string& surface : surfaces) {
+        for (plant::ManeuverChoice choice : roads) {
             for (const std::string& maneuver : maneuvers) {
+                choice.maneuver = maneuver;
                 std::array<study::StopFigures, kLaws.size()> f;
                 for (std::size_t i = 0; i < kLaws.size(); ++i) {
-                    const study::StopReport report = stop(surface, maneuver, kLaws[i]);
+                    const study::StopReport report = stop(choice, kLaws[i]);
                     f[i] = report.figures;
                     sums[i] += f[i].j_mu / static_cast<double>(all);
                     rows.push_back(nlohmann::ordered_json::parse(study::to_json(report)));
                 }
                 fmt::format_to(std::back_inserter(table),
-                               "| {} | {} | {:.4f} | {:.1f} | {:.0f} | {:.4f} | {:.1f} |\n", surface,
+                               "| {} | {} | {:.4f} | {:.1f} | {:.0f} | {:.4f} | {:.1f} |\n", choice.road(),
                                maneuver, f[0].j_mu, f[0].stop_distance_m, f[0].longest_lock_s * 1e3,
                                f[1].j_mu, f[1].stop_distance_m);
                 ++done;
@@ -86,8 +99,13 @@ LabVerb compare_verb(CLI::App& lab) {
         ->capture_default_str();
     verb->add_option("--mu-b", compare->scenario.choice.friction,
                      "mean brake friction instead of a new brake's");
+    verb->add_option("--runway", compare->runways,
+                     "runways instead of the surfaces, files as in config/runways")
+        ->type_name("FILE");
     verb->add_option("--json", compare->json, "every stop as JSON: a file, or - for standard output");
-    verb->footer("Example:\n  rig-lab compare --slip 0.24 --json compare.json");
+    verb->footer(
+        "Examples:\n  rig-lab compare --slip 0.24 --json compare.json\n"
+        "  rig-lab compare --runway config/runways/wet_smooth.toml --runway config/runways/wet_grooved.toml");
     return {verb, [compare] { return compare->run(); }};
 }
 

@@ -29,7 +29,12 @@ LabVerb drive_verb(CLI::App& lab) {
     CLI::App* verb =
         lab.add_subcommand("drive", "Open loop: the plant alone under a pressure or current profile.");
     verb->add_option("--maneuver", drive->choice.maneuver, "mass and speed")->capture_default_str();
-    verb->add_option("--surface", drive->choice.surface, "runway")->capture_default_str();
+    auto* const surface =
+        verb->add_option("--surface", drive->choice.surface, "runway")->capture_default_str();
+    verb->add_option("--runway", drive->choice.runway,
+                     "surfaces over distance from the profile's start: a file as config/runways has them")
+        ->type_name("FILE")
+        ->excludes(surface);
     verb->add_option("--input", drive->input,
                      "CSV: time_s,pressure_Pa or time_s,current_mA, linear between rows")
         ->required();

@@ -137,6 +137,9 @@ fs::path scenario_of(const fs::path& folder, const fs::path& config) {
 identification::Run run_of(const rig::Scenario& scenario, const fs::path& config,
                            std::vector<double> map_currents, identification::Recording recording) {
     const plant::RigParameters& rig = scenario.rig.rig;
+    if (!scenario.choice.runway.empty())
+        throw settings::Error(scenario.files.front().string(), 0, "maneuver.runway",
+                              "friction is identified surface by surface; expected a scenario on one");
     if (map_currents.empty()) {
         for (const auto& point : rig.pressure_map.points()) map_currents.push_back(point.current_mA);
     }

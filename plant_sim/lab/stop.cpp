@@ -28,7 +28,8 @@ struct StopCommand {
             const std::string notice = extrapolation_notice(*s.brake);
             if (!notice.empty()) fmt::print(stderr, "rig-lab: {}\n", notice);
         }
-        study::Trajectory rows;
+        const bool along_runway = !s.plant.rig.runway.patches.empty();
+        study::Trajectory rows(along_runway);
         std::string log;
         const auto on_step = [&](const study::RigSession& session, const antiskid::can::ControllerView& view,
                                  double current_mA) {
@@ -55,7 +56,7 @@ struct StopCommand {
             const std::string csv = trajectory.empty() || trajectory == "-" ? picture + ".csv" : trajectory;
             if (csv != trajectory) settings::write_file(csv, rows.csv());
             study::draw_stop(csv, picture, s.title(scenario),
-                             s.session.plan.touchdown_s + s.session.plan.settle_s);
+                             s.session.plan.touchdown_s + s.session.plan.settle_s, along_runway);
         }
         s.keep_brake(scenario, result.figures.energy_brake_J);
         return result.came_to_rest ? 0 : 1;
@@ -78,6 +79,7 @@ LabVerb stop_verb(CLI::App& lab) {
         "Examples:\n"
         "  rig-lab stop --maneuver heavy --surface wet_asphalt --slip 0.24 --json -\n"
         "  rig-lab stop --surface ice --law threshold --picture ice.png\n"
+        "  rig-lab stop --runway config/runways/wet_middle.toml --picture wet.png\n"
         "  rig-lab stop --brake worn\n"
         "  rig-lab stop --brake-state brake.json   # each stop wears it");
     return {verb, [stop] { return stop->run(); }};

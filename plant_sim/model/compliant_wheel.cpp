@@ -51,7 +51,8 @@ struct Sums {
 
 template <typename Number>
 struct Contact {
-    Number F_z, r, slip, mu, mu_1, F_x;
+    Number F_z, r, slip, mu, F_x;
+    Number mu_1;  // of the curve over slip, before a wet runway scales it
 };
 
 /// The equations under one pressure and load, over x = t/h.
@@ -71,6 +72,10 @@ class Equations {
         const Number sliding = axle - y[law_.ring ? kBelt : kRim] * c.r;
         c.slip = value_of(axle) > kSlowest_mps ? Number(sliding / axle) : Number(sliding / kSlowest_mps);
         friction_at(law_.tyre, law_.relaxes ? y[kSlip] : c.slip, c.mu, c.mu_1);
+        if (law_.wet) {
+            const WetGrip::Most most = law_.wet->at(value_of(axle), law_.spun_up);
+            c.mu *= law_.per_peak * (most.mu + most.mu_v * (axle - value_of(axle)));
+        }
         c.F_x = c.F_z * c.mu;
         return c;
     }
@@ -231,6 +236,7 @@ CompliantWheel::CompliantWheel(const WheelParameters& parameters, const BrakeTor
            .stiffness_Npm = parameters.stiffness_Npm,
            .relaxation = parameters.compliance.relaxation,
            .tyre = {},
+           .wet = {},
            .brake = brake},
       tolerance_(tolerance) {
     const auto& [ring, relaxation, leg] = parameters.compliance;
@@ -258,6 +264,13 @@ CompliantWheel::CompliantWheel(const WheelParameters& parameters, const BrakeTor
 void CompliantWheel::set_tyre(const FrictionLaw& tyre) {
     law_.tyre = tyre;
     law_.slope_at_rest = friction(tyre, 0.0).mu_1;
+}
+
+void CompliantWheel::set_surface(const Surface& surface, bool spun_up) {
+    set_tyre(surface.law());
+    law_.wet = surface.wet;
+    law_.per_peak = 1.0 / peak(surface).mu;
+    law_.spun_up = spun_up;
 }
 
 void CompliantWheel::settle(const WheelState& state) {

@@ -1,7 +1,9 @@
-/// The wheel of wheel.hpp on a tyre and a leg that give way (compliance.hpp). Slower than Wheel, for robustness studies.
+/// The wheel of wheel.hpp on a tyre and a leg that give way (compliance.hpp), or on a runway whose friction depends on speed. Slower than
+/// Wheel.
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "plant_sim/model/wheel.hpp"
 
@@ -15,7 +17,10 @@ struct CompliantLaw {
     double free_radius_m = 0.0, stiffness_Npm = 0.0;
     RelaxationParameters relaxation;
     FrictionLaw tyre;
-    double slope_at_rest = 0.0;  ///< of mu over slip
+    double slope_at_rest = 0.0;  ///< of its mu over slip
+    std::optional<WetGrip> wet;  ///< scales the curve `tyre` at every speed
+    double per_peak = 1.0;       ///< 1 over the curve's own peak
+    bool spun_up = true;
     BrakeTorque brake;
 };
 
@@ -38,7 +43,8 @@ class CompliantWheel {
     void advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h);
 
     void set_brake(const BrakeTorque& brake) { law_.brake = brake; }
-    void set_tyre(const FrictionLaw& tyre);
+    /// `spun_up`: what a flooded one takes the wheel for, see WetGrip.
+    void set_surface(const Surface& surface, bool spun_up);
     /// Wheel, belt and leg move as one, the tyre without force.
     void settle(const WheelState& state);
 
@@ -53,6 +59,8 @@ class CompliantWheel {
     using Parts = std::array<double, kParts>;
 
   private:
+    void set_tyre(const FrictionLaw& tyre);
+
     CompliantLaw law_;
     double tolerance_;
     Parts y_{};

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "config/reader/settings.hpp"
+#include "plant_sim/model/load_runway.hpp"
 #include "plant_sim/wear/load_brake_wear.hpp"
 
 namespace plant {
@@ -90,7 +91,41 @@ std::vector<Maneuver> maneuvers(const std::filesystem::path& path, const std::ve
 EncoderParameters encoder(const Table& t) {
     return {.teeth = static_cast<double>(t.integer("teeth", {.min = 1, .max = 1000})),
             .jitter_s = t.number("jitter_us", {.min = 0.0, .max = 1000.0}) * 1e-6,
-            .slowest_edges_hz = t.number("slowest_edges_Hz", {.min = 0.0, .max = 1000.0})};
+            .slowest_edges_hz = t.number("slowest_edges_Hz", {.min = 0.0, .max = 1000.0}),
+            .pitch_error = t.find_number("pitch_error", {.min = 0.0, .max = 0.3}).value_or(0.0),
+            .eccentricity = t.find_number("eccentricity", {.min = 0.0, .max = 0.1}).value_or(0.0)};
+}
+
+constexpr settings::Range kDamping{.min = 0.0, .max = 1.0};
+
+/// How the tyre's force follows its slip; without the table at once, as the paper has it.
+Compliance tyre(const Table& root) {
+    const std::optional<Table> t = root.find_table("tyre");
+    if (!t) return {};
+    enum class Model { rigid, ring, relaxation };
+    static constexpr std::array<settings::Choice<Model>, 3> kModels{
+        {{"static", Model::rigid}, {"ring", Model::ring}, {"relaxation", Model::relaxation}}};
+    const Model model = t->choice<Model>("model", kModels);
+    Compliance out;
+    if (model == Model::ring)
+        out.ring = {.belt_share = t->number("belt_share", {.min = 0.01, .max = 0.9}),
+                    .frequency_Hz = t->number("frequency_Hz", {.min = 5.0, .max = 1000.0}),
+                    .damping = t->number("damping", kDamping)};
+    if (model == Model::relaxation)
+        out.relaxation = {.length_m = t->number("length_m", {.min = 0.001, .max = 2.0}),
+                          .floor_m = t->number("floor_m", {.min = 0.001, .max = 2.0})};
+    return out;
+}
+
+LegParameters leg(const Table& root, double mass_kg) {
+    const std::optional<Table> t = root.find_table("leg");
+    if (!t) return {};
+    const LegParameters out{.mass_kg = t->number("mass_kg", {.min = 1.0, .max = 1000.0}),
+                            .frequency_Hz = t->number("frequency_Hz", {.min = 1.0, .max = 100.0}),
+                            .damping = t->number("damping", kDamping)};
+    if (out.mass_kg >= mass_kg)
+        t->fail("mass_kg", "is all of the " + std::to_string(mass_kg) + " kg on the wheel; expected less");
+    return out;
 }
 
 WheelParameters wheel(const Table& t) {
@@ -170,7 +205,8 @@ ValveParameters valve(const Table& t) {
                 2.0 * std::numbers::pi * t.number("natural_frequency_Hz", {.min = 1.0, .max = 100.0}),
             .damping = t.number("damping", {.min = 0.05, .max = 0.99}),
             .delay_s = t.number("delay_ms", {.min = 0.0, .max = 100.0}) * 1e-3,
-            .hysteresis_mA = t.find_number("hysteresis_mA", {.min = 0.0, .max = 20.0}).value_or(0.0)};
+            .hysteresis_mA = t.find_number("hysteresis_mA", {.min = 0.0, .max = 20.0}).value_or(0.0),
+            .line_s = t.find_number("line_ms", {.min = 0.0, .max = 1000.0}).value_or(0.0) * 1e-3};
 }
 
 TransducerParameters transducer(const Table& t) {
@@ -186,8 +222,10 @@ RigParameters common_parts(const Table& root, std::size_t friction_class, const 
     const Table valve_table = root.table("valve");
     const Table wheel_table = root.table("wheel");
     const Table flywheel = root.table("flywheel");
+    WheelParameters rolling = wheel(wheel_table);
+    rolling.compliance = tyre(root);
     return {
-        .wheel = wheel(wheel_table),
+        .wheel = rolling,
         .load = {},
         .brake = brake(brake_table),
         .friction_curve = friction_curve(brake_table.table("relative_friction"), friction_class, friction),
@@ -243,6 +281,7 @@ Landing landing(const std::filesystem::path& path, const Maneuver& maneuver, con
                                           " m/s: F_z of eq. (2) must stay above zero");
     }
     check_radius(root, landing.rig.wheel, weight);
+    landing.rig.wheel.compliance.leg = leg(root, maneuver.mass_kg);
     doc.finish();
     landing.rig.wheel.mass_kg = maneuver.mass_kg;
     landing.rig.load = {.base_N = weight, .lift_Ns2pm2 = lift, .lag_s = 0.0};
@@ -316,10 +355,12 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
     const auto maneuver_file = directory / "maneuvers.toml";
     const auto landing_file = directory / "landing_gear.toml";
     const auto flywheel_file = directory / "flywheel_rig.toml";
-    const std::vector<Surface> runways = surfaces(surface_file);
-    const Surface runway = find(runways, choice.surface, "surface", surface_file);
-    const std::vector<Maneuver> known = maneuvers(maneuver_file, runways);
-    const FlywheelRig bench = flywheel_rig(flywheel_file, runway);
+    const std::vector<Surface> known_surfaces = surfaces(surface_file);
+    const Runway runway = choice.runway.empty() ? Runway{} : load_runway(choice.runway, known_surfaces);
+    const Surface road = choice.runway.empty() ? find(known_surfaces, choice.surface, "surface", surface_file)
+                                               : runway.patches.front().surface;
+    const std::vector<Maneuver> known = maneuvers(maneuver_file, known_surfaces);
+    const FlywheelRig bench = flywheel_rig(flywheel_file, road);
     Maneuver maneuver = choice.maneuver == kEndurance ? known.front()
                                                       : find(known, choice.maneuver, "maneuver",
                                                              maneuver_file, std::string(", ") + kEndurance);
@@ -336,7 +377,7 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
                   .wear = bench.wear,
                   .files = {surface_file, maneuver_file, landing_file, flywheel_file}};
     const Landing gear =
-        landing(landing_file, choice.maneuver == kEndurance ? known.front() : maneuver, runway);
+        landing(landing_file, choice.maneuver == kEndurance ? known.front() : maneuver, road);
     out.drop_out_mps = gear.drop_out_mps;
     if (choice.maneuver == kEndurance) {
         out.deceleration_mps2 = bench.deceleration_mps2;
@@ -346,7 +387,14 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
     } else {
         out.rig = gear.rig;
         out.wear = gear.wear;
-        if (choice.carrier == Carrier::flywheel) out.rig.load.lag_s = bench.lag_s;
+        if (choice.carrier == Carrier::flywheel) {
+            out.rig.load.lag_s = bench.lag_s;
+            out.rig.wheel.compliance.leg = {};  // the sledge carries the wheel
+        }
+    }
+    if (!choice.runway.empty()) {
+        out.rig.runway = runway;
+        out.files.push_back(choice.runway);
     }
     if (!choice.friction_curves.empty()) {
         out.rig.friction_curve =

@@ -24,12 +24,16 @@ struct ManeuverChoice {
     std::string maneuver =
         "heavy";  ///< a table of config/maneuvers.toml, or `endurance` (config/flywheel_rig.toml)
     std::string surface = "dry_asphalt";  ///< a table of config/surfaces.toml
+    std::filesystem::path runway;  ///< a file as load_runway() takes it, instead of `surface`; empty: none
     Carrier carrier = Carrier::aircraft;  ///< `endurance` is always on the flywheel
     std::optional<double> mass_kg;        ///< instead of the maneuver's
     std::optional<double> speed_mps;
     std::optional<double> friction;  ///< mean mu_b instead of the new brake's
     /// A TOML file with [brake.relative_friction], as `rig-lab wear dynamics` writes it; its classes go before those of the rig. Empty: none.
     std::filesystem::path friction_curves;
+
+    /// What the wheel rolls on, by name: the surface, or the runway's file without its ending.
+    [[nodiscard]] std::string road() const { return runway.empty() ? surface : runway.stem().string(); }
 };
 
 struct LoadedRig {

@@ -33,7 +33,8 @@ class OpenLoop {
     static constexpr double kFine = 3e-8;
 
     /// The wheel rolls freely at the maneuver's speed, without pressure. Throws std::invalid_argument for an empty profile, falling times,
-    /// and a loading device that lags behind a load that changes with speed.
+    /// a loading device that lags behind a load that changes with speed, and what only Rig has: tyre or leg that give way, a valve's line,
+    /// a runway of patches.
     OpenLoop(const RigParameters& parameters, Input input, std::span<const Point> profile,
              double tolerance = kCoarse);
 

@@ -19,23 +19,29 @@ Rig::Rig(const RigParameters& parameters, double step_s, std::uint64_t seed)
       random_(seed),
       step_s_(step_s) {
     state_.v_mps = parameters.touchdown_mps > 0.0 ? parameters.touchdown_mps : parameters.brake_on_mps;
-    if (parameters.wheel.compliance.any()) {
+    if (parameters.wheel.compliance.any() || parameters.surface.wet || parameters.runway.wet()) {
         compliant_.emplace(parameters.wheel, dynamics_.law().brake, parameters.surface.law());
+        compliant_->set_surface(parameters.surface, spun_up_);
         compliant_->settle(state_);
     }
 }
 
 /// The surface under the wheel stays for a step: 6 cm at 61 m/s.
 void Rig::look_at_runway() {
-    const std::size_t patch = parameters_.runway.begun(state_.distance_m);
-    if (patch == patch_) return;
+    // Halfway is far from both ends: a wheel that water lets go, or takes again, passes it quickly.
+    constexpr double kTurns = 0.5;
+    const std::size_t patch = parameters_.runway.begun(runway_m());
+    const bool spun_up = state_.omega_radps * parameters_.wheel.free_radius_m > kTurns * state_.v_mps;
+    if (patch == patch_ && (spun_up == spun_up_ || !surface().wet)) return;
     patch_ = patch;
+    spun_up_ = spun_up;
     dynamics_.set_tyre(surface().law());
-    if (compliant_) compliant_->set_tyre(surface().law());
+    if (compliant_) compliant_->set_surface(surface(), spun_up);
 }
 
 void Rig::start_rolling() {
     contact_ = true;
+    begin_runway();
     state_.v_mps = parameters_.brake_on_mps;
     const LoadParameters& law = parameters_.load;
     device_load_N_ = law.base_N - law.lift_Ns2pm2 * state_.v_mps * state_.v_mps;

@@ -64,7 +64,10 @@ class Rig {
     /// `step_s`: 1e-4 to 5e-3.
     Rig(const RigParameters& parameters, double step_s, std::uint64_t seed);
 
-    void touch_down() { contact_ = true; }
+    void touch_down() {
+        contact_ = true;
+        begin_runway();
+    }
     /// The wheel is on the ground, loaded and rolling freely: the state in which a recorded braking maneuver begins.
     void start_rolling();
     /// Wheel at rest off the rim; the flywheel too, the state before a first spin-up, or turning already.
@@ -118,6 +121,8 @@ class Rig {
     }
     /// What the gear leg's damper has taken since the start.
     [[nodiscard]] double energy_leg_J() const { return compliant_ ? compliant_->energy_leg_J() : 0.0; }
+    /// Along the runway, from where its patches count.
+    [[nodiscard]] double runway_m() const { return state_.distance_m - runway_began_m_; }
     /// Under the wheel now.
     [[nodiscard]] const Surface& surface() const {
         return patch_ == 0 ? parameters_.surface : parameters_.runway.patches[patch_ - 1].surface;
@@ -150,12 +155,15 @@ class Rig {
     [[nodiscard]] double load_decay(double h);
     void push();
     void move(const PressureArc& pressure, const LoadArc& load, double h);
+    void begin_runway() {
+        if (parameters_.runway.from_touchdown) runway_began_m_ = state_.distance_m;
+    }
     void look_at_runway();
     void sense(double wheel_before, double flywheel_before, double since_s);
 
     RigParameters parameters_;
     Wheel dynamics_;
-    std::optional<CompliantWheel> compliant_;  // instead of dynamics_
+    std::optional<CompliantWheel> compliant_;  // instead of dynamics_, also where friction depends on speed
     Play play_;
     Valve valve_;
     Encoder wheel_encoder_;
@@ -165,6 +173,8 @@ class Rig {
     std::uint64_t steps_ = 0;
     WheelState state_;
     std::size_t patch_ = 0;  // of the runway, counted from 1; 0: before the first
+    bool spun_up_ = true;
+    double runway_began_m_ = 0.0;
     bool contact_ = false;
     double device_load_N_ = 0.0;  // of a lagged loading device
     struct Decay {

@@ -4,11 +4,16 @@
 
 namespace plant {
 
-Peak peak(const Surface& surface) {
-    const double slope_ratio =
-        surface.c1 * surface.c2 / surface.c3;  // infinite for c3 = 0, then the clamp holds
-    const double slip = std::clamp(std::log(slope_ratio) / surface.c2, 0.0, 1.0);
-    return {slip, friction(surface, slip).mu};
+Peak peak(const FrictionLaw& law) {
+    const double slope_ratio = law.c1 * law.c2 / law.c3;  // infinite for c3 = 0, then the clamp holds
+    const double slip = std::clamp(std::log(slope_ratio) / law.c2, 0.0, 1.0);
+    return {slip, friction(law, slip).mu};
+}
+
+Peak peak(const Surface& surface, double v_mps) {
+    Peak at = peak(surface);
+    if (surface.wet) at.mu = surface.wet->at(v_mps).mu;
+    return at;
 }
 
 }  // namespace plant

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 
+#include "plant_sim/model/wet_grip.hpp"
 #include "plant_sim/wear/fast_exp.hpp"
 
 namespace plant {
@@ -15,12 +17,13 @@ struct FrictionLaw {
     double c3 = 0.0;
 };
 
-/// One runway surface.
+/// One runway surface. On a wet one the curve over slip is scaled at every speed, so that its peak is that of `wet`.
 struct Surface {
     std::string name;
     double c1 = 0.0;
     double c2 = 0.0;
     double c3 = 0.0;
+    std::optional<WetGrip> wet{};
 
     [[nodiscard]] FrictionLaw law() const { return {c1, c2, c3}; }
 };
@@ -37,6 +40,7 @@ struct Friction {
     const double magnitude = law.c1 * (1.0 - e) - law.c3 * std::abs(lambda);
     return {std::copysign(magnitude, lambda), law.c1 * law.c2 * e - law.c3};
 }
+/// Of the curve itself, on a wet surface too.
 inline Friction friction(const Surface& surface, double lambda) {
     return friction(surface.law(), lambda);
 }
@@ -47,6 +51,12 @@ struct Peak {
     double slip;
     double mu;
 };
-Peak peak(const Surface& surface);
+Peak peak(const FrictionLaw& law);
+/// Of the curve itself, on a wet surface too.
+inline Peak peak(const Surface& surface) {
+    return peak(surface.law());
+}
+/// The friction that is available to a wheel that rolls at this speed.
+Peak peak(const Surface& surface, double v_mps);
 
 }  // namespace plant

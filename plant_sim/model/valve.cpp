@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <unsupported/Eigen/MatrixFunctions>
 
 namespace plant {
 
@@ -27,6 +28,28 @@ double PressureMap::pressure_Pa(double current_mA) const {
            (b.pressure_Pa - a.pressure_Pa) * (current_mA - a.current_mA) / (b.current_mA - a.current_mA);
 }
 
+namespace {
+
+/// The brake's row of the matrix exponential: pressure, rate, brake, input and its slope as one system.
+void add_line(const ValveParameters& parameters, double h, ValveDynamics::Transition& t) {
+    const double w = parameters.natural_frequency_radps;
+    const double per_line = 1.0 / parameters.line_s;
+    Eigen::Matrix<double, 5, 5> system = Eigen::Matrix<double, 5, 5>::Zero();
+    system(0, 1) = 1.0;
+    system.row(1) << -w * w, -2.0 * parameters.damping * w, 0.0, w * w, 0.0;
+    system.row(2) << per_line, 0.0, -per_line, 0.0, 0.0;
+    system(3, 4) = 1.0;
+    const Eigen::Matrix<double, 5, 5> over_h = (system * h).exp();
+    t.per_line = per_line;
+    t.bp = over_h(2, 0);
+    t.br = over_h(2, 1);
+    t.bb = over_h(2, 2);
+    t.bu1 = over_h(2, 4) / h;
+    t.bu0 = over_h(2, 3) - t.bu1;
+}
+
+}  // namespace
+
 ValveDynamics::Transition ValveDynamics::transition(const ValveParameters& parameters, double h) {
     // Underdamped second order: homogeneous part by the matrix exponential, the ramp u0 + (u1 - u0) t / h by
     // its particular solution p = u(t) - (2 xi / omega_n) u', rate = u'.
@@ -48,12 +71,14 @@ ValveDynamics::Transition ValveDynamics::transition(const ValveParameters& param
     t.rr = f_rr;
     t.ru0 = -f_rp * (1.0 + lag) + f_rr / h - 1.0 / h;
     t.ru1 = f_rp * lag - f_rr / h + 1.0 / h;
+    if (parameters.line_s > 0.0) add_line(parameters, h, t);
     return t;
 }
 
 Valve::Valve(const ValveParameters& parameters, double step_s) : step_s_(step_s) {
     if (!(parameters.damping > 0.0 && parameters.damping < 1.0))
         throw std::invalid_argument("valve damping must lie between 0 and 1");
+    if (!(parameters.line_s >= 0.0)) throw std::invalid_argument("a valve's line has no lag below zero");
     // The delay in whole steps and a rest: a command given at a step's start acts `first_s_` into a later
     // step.
     constexpr double kRounding = 1e-9;
@@ -71,9 +96,15 @@ Valve::Valve(const ValveParameters& parameters, double step_s) : step_s_(step_s)
 PressureArc ValveDynamics::advance(const Transition& t, double u0, double u1, double h) {
     const double p = t.pp * pressure_ + t.pr * rate_ + t.pu0 * u0 + t.pu1 * u1;
     const double r = t.rp * pressure_ + t.rr * rate_ + t.ru0 * u0 + t.ru1 * u1;
-    const PressureArc arc = PressureArc::hermite(pressure_, rate_, p, r, h);
+    const double b =
+        t.per_line == 0.0 ? p : t.bb * brake_ + t.bp * pressure_ + t.br * rate_ + t.bu0 * u0 + t.bu1 * u1;
+    const PressureArc arc =
+        t.per_line == 0.0
+            ? PressureArc::hermite(pressure_, rate_, p, r, h)
+            : PressureArc::hermite(brake_, (pressure_ - brake_) * t.per_line, b, (p - b) * t.per_line, h);
     pressure_ = p;
     rate_ = r;
+    brake_ = b;
     return arc;
 }
 

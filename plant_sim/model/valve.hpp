@@ -1,4 +1,4 @@
-/// The pressure valve, eq. (6): static current-to-pressure map, transport delay, second-order dynamics.
+/// The pressure valve, eq. (6): static current-to-pressure map, transport delay, second-order dynamics; and the line to the brake.
 #pragma once
 
 #include <algorithm>
@@ -31,6 +31,8 @@ struct ValveParameters {
     double damping = 0.0;                  ///< xi, in (0, 1)
     double delay_s = 0.0;                  ///< tau
     double hysteresis_mA = 0.0;            ///< width of the Play before the static map, >= 0
+    double line_s =
+        0.0;  ///< of the line between valve and brake: first-order lag, >= 0; 0: none, to the last bit
 };
 
 /// Hysteresis of the static map as play: the current in effect follows the commanded one only at the edges of a band of this width, so
@@ -51,28 +53,33 @@ class Play {
     double effect_mA_ = 0.0;
 };
 
-/// Eq. (6) without its delay, solved exactly for a static pressure that is linear in time.
+/// Eq. (6) without its delay, and the line behind it, solved exactly for a static pressure that is linear in time.
 class ValveDynamics {
   public:
     /// Over one step: state and an input from u0 to u1.
     struct Transition {
         double pp, pr, pu0, pu1;  // new pressure from pressure, rate, u0, u1
         double rp, rr, ru0, ru1;  // new rate
+        double per_line = 0.0;    // 1 / line_s; 0: no line
+        double bb = 0.0, bp = 0.0, br = 0.0, bu0 = 0.0,
+               bu1 = 0.0;  // new pressure at the brake, from that before and the others
     };
     [[nodiscard]] static Transition transition(const ValveParameters& parameters, double h);
 
     /// One step of the `h` that `transition` was made for.
     PressureArc advance(const Transition& transition, double u0, double u1, double h);
 
-    [[nodiscard]] double law_Pa() const { return pressure_; }  ///< may undershoot zero
+    [[nodiscard]] double law_Pa() const { return pressure_; }  ///< of eq. (6); may undershoot zero
     [[nodiscard]] double rate_Paps() const { return rate_; }
+    [[nodiscard]] double brake_Pa() const { return brake_; }  ///< at the line's end
 
   private:
     double pressure_ = 0.0;
     double rate_ = 0.0;
+    double brake_ = 0.0;
 };
 
-/// Eq. (6) on a fixed step.
+/// Eq. (6) and the line on a fixed step.
 class Valve {
   public:
     /// `step_s`: the fixed time between calls of `advance`.
@@ -91,7 +98,7 @@ class Valve {
     [[nodiscard]] double second_s() const { return second_s_; }
 
     /// What a gauge at the brake reads: never below zero.
-    [[nodiscard]] double pressure_Pa() const { return std::max(dynamics_.law_Pa(), 0.0); }
+    [[nodiscard]] double pressure_Pa() const { return std::max(dynamics_.brake_Pa(), 0.0); }
 
   private:
     struct Ramp {

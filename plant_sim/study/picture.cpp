@@ -8,7 +8,17 @@ namespace study {
 
 namespace {
 
-std::string script(const std::filesystem::path& csv, const std::string& title, double brake_on_s) {
+constexpr const char* kRunway = R"(unset arrow 1
+set xrange [0:*]
+set yrange [0:*]
+set xlabel 'on the runway, from touchdown (m)'
+set ylabel 'friction'
+plot data using 'runway_m':($0 >= 0 && column('F_z_N') > 0 ? column('mu_max') : NaN) with lines ls 1 title 'available at this speed', \
+     data using 'runway_m':($0 >= 0 && column('F_z_N') > 0 ? column('mu') : NaN) with lines ls 2 title 'used'
+)";
+
+std::string script(const std::filesystem::path& csv, const std::string& title, double brake_on_s,
+                   bool along_runway) {
     return fmt::format(R"(set datafile separator ','
 data = {csv}
 set style line 1 lc rgb '#1f4e79' lw 2
@@ -20,7 +30,7 @@ set lmargin 10
 set rmargin 3
 set arrow 1 from {on}, graph 0 to {on}, graph 1 nohead dt 3 lc rgb '#555555'
 set xrange [0:*]
-set multiplot layout 3,1 title {title} noenhanced
+set multiplot layout {rows},1 title {title} noenhanced
 set ylabel 'speed (m/s)'
 plot data using 'time_s':'speed_mps' with lines ls 1 title 'aircraft', \
      data using 'time_s':'wheel_rim_speed_mps' with lines ls 2 title 'wheel'
@@ -33,17 +43,19 @@ set yrange [0:*]
 set xlabel 'time (s)'
 plot data using 'time_s':(column('pressure_demand_Pa') * 1e-6) with lines ls 1 title 'requested by the pilot', \
      data using 'time_s':(column('pressure_Pa') * 1e-6) with lines ls 2 title 'applied'
-unset multiplot
+{runway}unset multiplot
 )",
                        fmt::arg("csv", gnuplot_quoted(csv.string())), fmt::arg("on", brake_on_s),
-                       fmt::arg("title", gnuplot_quoted(title)));
+                       fmt::arg("title", gnuplot_quoted(title)), fmt::arg("rows", along_runway ? 4 : 3),
+                       fmt::arg("runway", along_runway ? kRunway : ""));
 }
 
 }  // namespace
 
 void draw_stop(const std::filesystem::path& trajectory_csv, const std::filesystem::path& png,
-               const std::string& title, double brake_on_s) {
-    run_gnuplot(png, 1100, 1000, script(trajectory_csv, title, brake_on_s));
+               const std::string& title, double brake_on_s, bool along_runway) {
+    run_gnuplot(png, 1100, along_runway ? 1300 : 1000,
+                script(trajectory_csv, title, brake_on_s, along_runway));
 }
 
 }  // namespace study

@@ -18,7 +18,7 @@ void StopMeter::start(const plant::Rig& rig) {
 }
 
 void StopMeter::look_at(const plant::Surface& surface) {
-    changed_ = surface_ != nullptr;
+    changed_ = surface_ != nullptr || surface.wet;
     surface_ = &surface;
     optimum_ = plant::peak(surface);
 }
@@ -28,6 +28,7 @@ void StopMeter::update(const plant::Rig& rig, double step_s) {
     const plant::Forces forces = rig.forces();
     const double metres = now.distance_m - last_.distance_m;
     if (&rig.surface() != surface_) look_at(rig.surface());
+    if (surface_->wet) optimum_ = plant::peak(*surface_, 0.5 * (last_.v_mps + now.v_mps));
     torque_Nms_ += forces.brake_torque_Nm * step_s;
     load_Ns_ += forces.F_z_N * step_s;
     if (!dropped_out_) {

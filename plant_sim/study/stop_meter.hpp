@@ -14,7 +14,7 @@ struct StopFigures {
     double duration_s = 0.0;
     double drop_out_distance_m = 0.0;  ///< distance at which the speed fell below drop-out
     double j_mu =
-        0.0;  ///< eq. (16), pressure build-up included; mu_max is that of the surface under the wheel
+        0.0;  ///< eq. (16), pressure build-up included; mu_max is what the surface under the wheel offers at its speed
     double energy_brake_J = 0.0;   ///< integral of T_b omega, eq. (9)
     double energy_tyre_J = 0.0;    ///< integral of F_x lambda v, eq. (9)
     double energy_residual = 0.0;  ///< (eq. 8 - eq. 9) / eq. 8
@@ -83,8 +83,8 @@ class StopMeter {
     double tracking_tyre_J_ = 0.0;
     plant::Peak optimum_{1.0, 1.0};  // of the surface under the wheel
     const plant::Surface* surface_ = nullptr;
-    double most_friction_m_ = 0.0;  // integral of that surface's peak over the distance down to drop-out
-    bool changed_ = false;          // there was more than one
+    double most_friction_m_ = 0.0;  // integral of its friction over the distance down to drop-out
+    bool changed_ = false;          // it was not the same all along
     double efficiency_m_ = 0.0;
     double torque_Nms_ = 0.0;
     double sliding_torque_Nms_ = 0.0;  // down to drop-out, as the pressure: a held wheel shows no friction

@@ -11,7 +11,8 @@ namespace study {
 
 class Trajectory {
   public:
-    Trajectory();
+    /// `along_runway`: also the place on the runway and the friction that is available there at this speed.
+    explicit Trajectory(bool along_runway = false);
 
     /// After each control period: the rig, what it knows of the controller, and the current that acted.
     void record(const RigSession& session, const antiskid::can::ControllerView& controller,
@@ -20,6 +21,7 @@ class Trajectory {
     [[nodiscard]] std::string_view csv() const { return csv_; }
 
   private:
+    bool along_runway_;
     std::string csv_;
     std::int64_t rows_ = 0;
 };

@@ -59,7 +59,7 @@ WearRegulation::WearRegulation(const regulation::Order& order, const Scenario& s
     const double deviation_J = 2.0 * scenario.scatter.speed_mps / scenario.mean.speed_mps * energy_J;
     plan_ = regulation::plan_of(order, scenario.rig.wear.life_J, energy_J, deviation_J);
     try {
-        range_ = order.range(scenario.choice.surface);
+        range_ = order.range(scenario.choice.road());
         static_cast<void>(regulation::Regulator(plan_, rules_, range_));
     } catch (const std::invalid_argument& e) {
         throw settings::Error(order.files.front().string(), 0, "", e.what());

@@ -212,7 +212,8 @@ Figures Meter::now() const {
     const double omega = standstill_ ? 0.0 : wheel_.speed();
     f.kinetic_energy_J = 0.5 * parameters_.flywheel_mass_kg * (start_mps_ * start_mps_ - v * v) +
                          0.5 * parameters_.wheel_inertia_kgm2 * (start_radps_ * start_radps_ - omega * omega);
-    if (sliding_way_m_ > 0.0) f.j_mu = friction_way_m_ / (sliding_way_m_ * parameters_.peak_friction);
+    if (sliding_way_m_ > 0.0 && parameters_.peak_friction > 0.0)
+        f.j_mu = friction_way_m_ / (sliding_way_m_ * parameters_.peak_friction);
     f.standstill = standstill_;
     return f;
 }

@@ -33,9 +33,9 @@ struct MeterParameters {
     double brake_gain_m3 = 0.0;        ///< A_p N_p N_s R_eff, eq. (5): k_b without friction
     double wheel_inertia_kgm2 = 0.0;   ///< J_w
     double flywheel_mass_kg = 0.0;     ///< m = J_f / R_f^2
-    double peak_friction = 0.0;        ///< of the surface, eq. (16)
-    double drop_out_mps = 5.0;         ///< mu_b and J_mu end here
-    double period_s = 1e-3;            ///< control period: the step of the SYNC number
+    double peak_friction = 0.0;  ///< of the surface, eq. (16); 0: not the same all along, J_mu is not known
+    double drop_out_mps = 5.0;   ///< mu_b and J_mu end here
+    double period_s = 1e-3;      ///< control period: the step of the SYNC number
 };
 
 /// One shaft as the bus has it: edges, or a speed where the sensor reports that.

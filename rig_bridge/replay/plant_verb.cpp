@@ -45,6 +45,9 @@ struct PlantCommand {
     [[nodiscard]] Known known() const {
         if (!scenario.empty()) {
             const Scenario s = load_scenario(scenario, config);
+            if (!s.choice.runway.empty())
+                throw settings::Error(scenario.string(), 0, "maneuver.runway",
+                                      "a log does not tell where on a runway it was; expected one surface");
             Known k{.rig = s.rig.rig, .controller = s.controller, .files = s.files, .title = s.name};
             if (choice.friction) k.rig.mean_friction = *choice.friction;
             return k;

@@ -140,10 +140,15 @@ Scatter scatter(const Table& t) {
                 t.find_number("deceleration_deviation_mps2", {.min = 0.0, .max = 2.0}).value_or(0.0)};
 }
 
-plant::ManeuverChoice choice(const Table& t) {
+plant::ManeuverChoice choice(const Table& t, const std::filesystem::path& config) {
     plant::ManeuverChoice choice;
     choice.maneuver = t.text("name");
-    choice.surface = t.text("surface");
+    const bool one_surface = t.has("surface"), runway = t.has("runway");
+    if (one_surface && runway) t.fail("runway", "stands beside 'surface'; expected one of them");
+    if (runway)
+        choice.runway = config / t.text("runway");
+    else
+        choice.surface = t.text("surface");
     choice.carrier = plant::Carrier::flywheel;
     choice.speed_mps = t.find_number("speed_mps", {.min = 1.0, .max = 120.0});
     choice.mass_kg = t.find_number("mass_kg", {.min = 100.0, .max = 1e5});
@@ -157,7 +162,7 @@ Scenario load_scenario(const std::filesystem::path& file, const std::filesystem:
     const Document doc = Document::load(file);
     const Document base = Document::load(base_file);
     const Table root = doc.root();
-    const plant::ManeuverChoice chosen = choice(root.table("maneuver"));
+    const plant::ManeuverChoice chosen = choice(root.table("maneuver"), config);
     Scenario s{.name = file.stem().string(),
                .title = root.text("title"),
                .choice = chosen,

@@ -17,7 +17,7 @@ namespace rig {
             .brake_gain_m3 = r.brake.gain_m3(),
             .wheel_inertia_kgm2 = r.wheel.inertia_kgm2,
             .flywheel_mass_kg = r.wheel.mass_kg,
-            .peak_friction = plant::peak(r.surface).mu,
+            .peak_friction = r.runway.patches.empty() ? plant::peak(r.surface).mu : 0.0,
             .drop_out_mps = loaded.drop_out_mps,
             .period_s = period_s};
 }

@@ -37,9 +37,28 @@ double pressure_Pa(double t) {
 /// v, axle, leg, rim, twist, belt, slip of the tread; energies of brake, tyre, leg.
 using Vector = std::array<double, 10>;
 
+constexpr double kTyre_psi = 126.0;
+
+/// Smooth, flooded, kTyre_psi, relative to kTyre's own peak, as wet_grip.hpp has it, in knots: 25.109(c)(1) at 100 and 200 psi, then gone
+/// at 9 sqrt(p) knots.
+double flooded_grip(double v_mps) {
+    const double V = v_mps * 3600.0 / 1852.0, x = V / 100.0;
+    const double at_100 = -0.0437 * x * x * x + 0.320 * x * x - 0.805 * x + 0.804;
+    const double at_200 = -0.0331 * x * x * x + 0.252 * x * x - 0.658 * x + 0.692;
+    const double wet = at_100 + (kTyre_psi - 100.0) / 100.0 * (at_200 - at_100);
+    const double floats = 9.0 * std::sqrt(kTyre_psi);
+    const double s = std::clamp((V - 0.85 * floats) / (0.15 * floats), 0.0, 1.0);
+    const double left = 1.0 - s * s * (3.0 - 2.0 * s);
+    const double best = std::log(kTyre.c1 * kTyre.c2 / kTyre.c3) / kTyre.c2;
+    return (left * wet + (1.0 - left) * 0.05) /
+           (kTyre.c1 * (1.0 - std::exp(-kTyre.c2 * best)) - kTyre.c3 * best);
+}
+
 /// Written from the definitions of compliance.hpp, not from the code: forces first, then Newton.
 struct Reference {
     Compliance c;
+    bool flooded = false;
+    double pressure_share = 1.0;
 
     void operator()(const Vector& y, Vector& dy, double t) const {
         const bool ring = c.ring.belt_share > 0.0, leg = c.leg.mass_kg > 0.0;
@@ -52,8 +71,8 @@ struct Reference {
                    (kTyre.c1 * (1.0 - std::exp(-kTyre.c2 * std::abs(s))) - kTyre.c3 * std::abs(s));
         };
         const double slip = c.relaxation.length_m > 0.0 ? y[6] : kinematic;
-        const double F_x = F_z * mu(slip);
-        const double T_b = kGain_m3 * pressure_Pa(t);
+        const double F_x = F_z * mu(slip) * (flooded ? flooded_grip(axle) : 1.0);
+        const double T_b = kGain_m3 * pressure_share * pressure_Pa(t);
         const double pi = std::numbers::pi;
         const double J_b = kInertia_kgm2 * c.ring.belt_share, J_r = kInertia_kgm2 - J_b;
         const double w = 2 * pi * c.ring.frequency_Hz;
@@ -81,6 +100,9 @@ struct Reference {
 struct Case {
     const char* name;
     Compliance compliance;
+    bool flooded = false;
+    double pressure_share = 1.0;  ///< of pressure_Pa(): a flooded road holds less
+    int steps = 600;
 };
 const std::vector<Case> kCases{
     {"ring, soft", {.ring = {0.45, 50.0, 0.03}, .relaxation = {}, .leg = {}}},
@@ -90,10 +112,23 @@ const std::vector<Case> kCases{
     {"leg", {.ring = {}, .relaxation = {}, .leg = {120.0, 12.0, 0.05}}},
     {"all at once", {.ring = {0.35, 80.0, 0.06}, .relaxation = {0.2, 0.05}, .leg = {120.0, 8.0, 0.02}}}};
 
-}  // namespace
+const Surface kFlooded{.name = "flooded",
+                       .c1 = kTyre.c1,
+                       .c2 = kTyre.c2,
+                       .c3 = kTyre.c3,
+                       .wet = WetGrip(kTyre_psi, Texture::smooth, 0.05)};
+// From 95 knots, where 101 are those of hydroplaning, down to where a third more friction is back.
+const std::vector<Case> kFloodedCases{
+    {"static", {}, true, 0.14, 3000},
+    {"ring", {.ring = {0.35, 80.0, 0.06}, .relaxation = {}, .leg = {}}, true, 0.14, 3000},
+    {"all at once",
+     {.ring = {0.35, 80.0, 0.06}, .relaxation = {0.2, 0.05}, .leg = {120.0, 8.0, 0.02}},
+     true,
+     0.14,
+     3000}};
 
-TEST_CASE("a compliant wheel agrees with a tight reference integration", "[RIG-250]") {
-    for (const Case& one : kCases) {
+void check_against_reference(const std::vector<Case>& cases) {
+    for (const Case& one : cases) {
         INFO(one.name);
         WheelState state;
         state.v_mps = 49.0;
@@ -101,20 +136,22 @@ TEST_CASE("a compliant wheel agrees with a tight reference integration", "[RIG-2
         state.omega_radps = 49.0 / (kFree_m - F_z / kStiffness_Npm);
         state.held = false;
         CompliantWheel mine(wheel(one.compliance), brake(), kTyre);
+        if (one.flooded) mine.set_surface(kFlooded, true);
         mine.settle(state);
         Vector y{state.v_mps, state.v_mps, 0.0, state.omega_radps, 0.0, state.omega_radps, 0.0,
                  0.0,         0.0,         0.0};
 
         namespace ode = boost::numeric::odeint;
         const auto stepper = ode::make_controlled(1e-12, 1e-12, ode::runge_kutta_fehlberg78<Vector>());
-        const Reference reference{one.compliance};
+        const Reference reference{one.compliance, one.flooded, one.pressure_share};
+        const auto pressure = [&one](double t) { return one.pressure_share * pressure_Pa(t); };
         double worst = 0.0;
         constexpr double kStep_s = 1e-3;
-        for (int i = 0; i < 600; ++i) {
+        for (int i = 0; i < one.steps; ++i) {
             const double t0 = i * kStep_s, t1 = t0 + kStep_s;
-            const auto rate = [](double t) { return (pressure_Pa(t + 1e-6) - pressure_Pa(t - 1e-6)) / 2e-6; };
+            const auto rate = [&](double t) { return (pressure(t + 1e-6) - pressure(t - 1e-6)) / 2e-6; };
             const PressureArc arc =
-                PressureArc::hermite(pressure_Pa(t0), rate(t0), pressure_Pa(t1), rate(t1), kStep_s);
+                PressureArc::hermite(pressure(t0), rate(t0), pressure(t1), rate(t1), kStep_s);
             mine.advance(state, arc, {kWeight_N, 0.0, kLift}, kStep_s);
             ode::integrate_adaptive(stepper, reference, y, t0, t1, 1e-5);
             worst = std::max({worst, std::abs(state.v_mps / y[0] - 1.0),
@@ -124,7 +161,44 @@ TEST_CASE("a compliant wheel agrees with a tight reference integration", "[RIG-2
         CHECK(state.energy_brake_J == Approx(y[7]).epsilon(1e-6));
         CHECK(state.energy_tyre_J == Approx(y[8]).epsilon(1e-5));
         CHECK(mine.energy_leg_J() == Approx(y[9]).epsilon(1e-4).margin(1e-6));
-        CHECK(state.omega_radps * kFree_m < 0.97 * state.v_mps);  // it was braked
+        CHECK(state.omega_radps * kFree_m < (one.flooded ? 1.0 : 0.97) * state.v_mps);  // it was braked
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a compliant wheel agrees with a tight reference integration", "[RIG-250]") {
+    check_against_reference(kCases);
+}
+
+TEST_CASE("so does a wheel whose friction depends on speed, on a rigid and on a compliant tyre",
+          "[RIG-264]") {
+    check_against_reference(kFloodedCases);
+}
+
+TEST_CASE("the books close where friction depends on speed, through floating, locks and releases",
+          "[RIG-264]") {
+    for (const Case& one : kFloodedCases) {
+        INFO(one.name);
+        WheelState state;
+        state.v_mps = 52.5;  // afloat
+        state.omega_radps = 165.0;
+        state.held = false;
+        CompliantWheel mine(wheel(one.compliance), brake(), kTyre);
+        mine.set_surface(kFlooded, true);
+        mine.settle(state);
+        const double before = mine.energy_J(state);
+        bool locked = false;
+        for (int i = 0; i < 12000; ++i) {
+            const double P = i < 500 ? 0.2e6 : (i < 8000 ? 8e6 : 0.1e6);
+            mine.advance(state, PressureArc::linear(P, P), {kWeight_N, 0.0, kLift}, 1e-3);
+            locked = locked || (state.held && state.omega_radps == 0.0);
+        }
+        CHECK(locked);
+        CHECK_FALSE(state.held);
+        CHECK(state.v_mps < 51.5);
+        const double spent = state.energy_brake_J + state.energy_tyre_J + mine.energy_leg_J();
+        CHECK((before - mine.energy_J(state) - spent) / before == Approx(0.0).margin(1e-6));
     }
 }
 

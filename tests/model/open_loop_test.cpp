@@ -58,6 +58,12 @@ TEST_CASE("open loop: what it cannot do is refused", "[RIG-122]") {
     CHECK_THROWS_AS(OpenLoop(rig, OpenLoop::Input::valve, {}), std::invalid_argument);
     CHECK_THROWS_AS(OpenLoop(rig, OpenLoop::Input::valve, back), std::invalid_argument);
     CHECK_THROWS_AS(OpenLoop(lagging, OpenLoop::Input::valve, good), std::invalid_argument);
+    plant::RigParameters ring = rig, line = rig, patches = rig;
+    ring.wheel.compliance.ring = {.belt_share = 0.3, .frequency_Hz = 80.0, .damping = 0.06};
+    line.valve.line_s = 4e-3;
+    patches.runway.patches = {{10.0, rig.surface}};
+    for (const plant::RigParameters& hard : {ring, line, patches})
+        CHECK_THROWS_AS(OpenLoop(hard, OpenLoop::Input::pressure, good), std::invalid_argument);
     OpenLoop plant(rig, OpenLoop::Input::pressure, good);
     while (plant.step(2.0)) {
     }

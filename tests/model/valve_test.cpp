@@ -1,6 +1,7 @@
 /// The valve of eq. (6) against closed forms.
 #include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <stdexcept>
 
@@ -34,6 +35,24 @@ double ramp_response(const plant::ValveParameters& valve, double t) {
            std::exp(-decay * t) * (lag * std::cos(w_d * t) + (lag * decay - 1.0) / w_d * std::sin(w_d * t));
 }
 
+/// The same behind a line, by the residues of w^2 a / ((s - p1) (s - p2) (s - p3) s), a = -p3 = 1 / line_s.
+double step_behind_line(const plant::ValveParameters& valve, double t) {
+    t -= valve.delay_s;
+    if (t <= 0.0) return 0.0;
+    using Complex = std::complex<double>;
+    const double w = valve.natural_frequency_radps, a = 1.0 / valve.line_s;
+    const double w_d = w * std::sqrt(1.0 - valve.damping * valve.damping);
+    const std::array<Complex, 3> p{Complex(-valve.damping * w, w_d), Complex(-valve.damping * w, -w_d), -a};
+    Complex sum = 1.0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        Complex product = p[i];
+        for (std::size_t j = 0; j < p.size(); ++j)
+            if (j != i) product *= p[i] - p[j];
+        sum += w * w * a / product * std::exp(p[i] * t);
+    }
+    return sum.real();
+}
+
 plant::ValveParameters with_delay(double delay_s) {
     plant::ValveParameters valve = kValve;
     valve.delay_s = delay_s;
@@ -61,6 +80,54 @@ TEST_CASE("valve: step response, whatever the delay and the step", "[RIG-040]") 
             }
             CHECK(worst < 1e-9 * kFull_Pa);
         }
+    }
+}
+
+TEST_CASE("valve: the step response behind a line, whatever its lag, the delay and the step", "[RIG-267]") {
+    for (const double line_s : {1e-4, 2e-3, 30e-3}) {
+        for (const double delay_s : kDelays_s) {
+            for (const double step_s : kSteps_s) {
+                CAPTURE(line_s, delay_s, step_s);
+                plant::ValveParameters parameters = with_delay(delay_s);
+                parameters.line_s = line_s;
+                plant::Valve valve(parameters, step_s);
+                double worst = 0.0, seam = 0.0, last = 0.0;
+                for (int i = 1; i * step_s < 0.2; ++i) {
+                    const plant::Valve::Arcs arcs = valve.advance(kFull_Pa, kFull_Pa);
+                    const double truth = kFull_Pa * step_behind_line(parameters, i * step_s);
+                    worst = std::max(worst, std::abs(valve.pressure_Pa() - truth));
+                    const plant::PressureArc& begins = valve.first_s() > 0.0 ? arcs.first : arcs.second;
+                    seam = std::max({seam, std::abs(begins.at(0.0) - last),
+                                     std::abs(arcs.second.at(1.0) - valve.pressure_Pa())});
+                    last = valve.pressure_Pa();
+                }
+                CHECK(worst < 1e-9 * kFull_Pa);
+                CHECK(seam < 1e-9 * kFull_Pa);
+            }
+        }
+    }
+}
+
+TEST_CASE("valve: a line that hardly lags is none; a ramp comes later by its lag; one below zero is refused",
+          "[RIG-267]") {
+    plant::ValveParameters parameters = kValve;
+    plant::Valve bare(parameters, 1e-3);
+    parameters.line_s = 1e-7;
+    plant::Valve short_line(parameters, 1e-3);
+    parameters.line_s = 8e-3;
+    plant::Valve line(parameters, 1e-3);
+    constexpr double kRate = 5e7;
+    for (int i = 0; i < 400; ++i) {
+        const double from = kRate * i * 1e-3, to = kRate * (i + 1) * 1e-3;
+        static_cast<void>(bare.advance(from, to));
+        static_cast<void>(short_line.advance(from, to));
+        static_cast<void>(line.advance(from, to));
+        CHECK(short_line.pressure_Pa() == Approx(bare.pressure_Pa()).margin(2e-7 * kRate));
+    }
+    CHECK(bare.pressure_Pa() - line.pressure_Pa() == Approx(8e-3 * kRate).epsilon(1e-9));
+    for (const double wrong : {-1e-3, std::nan("")}) {
+        parameters.line_s = wrong;
+        CHECK_THROWS_AS(plant::Valve(parameters, 1e-3), std::invalid_argument);
     }
 }
 

@@ -209,3 +209,20 @@ TEST_CASE("a sweep is a sine of steadily rising frequency behind the points", "[
                ContainsSubstring("amplitude_mA"));
     CHECK_THAT(refused("sweep", "from_Hz", "from_hz").what(), ContainsSubstring("from_hz"));
 }
+
+TEST_CASE("a scenario on a runway: its file beside the rig's, and no J_mu from what the bridge measures",
+          "[STUDY-613]") {
+    const TemporaryDirectory directory;
+    const auto file = directory / "wet.toml";
+    put(file, replaced(content_of("config/scenarios/heavy.toml"), "surface = \"dry_asphalt\"",
+                       "runway = \"runways/wet_middle.toml\""));
+    const Scenario s = rig::load_scenario(file);
+    CHECK(s.rig.rig.runway.patches.size() == 3);
+    CHECK(s.choice.road() == "wet_middle");
+    CHECK(std::find(s.files.begin(), s.files.end(), "config/runways/wet_middle.toml") != s.files.end());
+    CHECK(rig::meter_parameters(s.rig, 1e-3).peak_friction == 0.0);
+    CHECK(rig::meter_parameters(shipped("heavy").rig, 1e-3).peak_friction > 1.0);
+    CHECK(refused("heavy", "surface = \"dry_asphalt\"", "surface = \"ice\"\nrunway = \"x.toml\"").key() ==
+          "maneuver.runway");
+    CHECK(refused("heavy", "surface = \"dry_asphalt\"", "").key() == "maneuver.surface");
+}
