@@ -62,7 +62,8 @@ struct ObserverConfig {
     float road_noise_radps2 =
         0.0F;  ///< random walk of the road's torque as wheel acceleration, in the root of a second
     float answer_noise =
-        0.0F;  ///< random walk of the road's answer, of itself and the floor, in the root of a second
+        0.0F;  ///< random walk of the road's answer, of itself and the floor, in the root of a second; 0: the
+               ///< answer is not learnt
     float answer_floor_per_s =
         0.0F;               ///< as uncertain as this is an answer of zero; the filter starts at half of it
     float surprise = 0.0F;  ///< standard deviations by which readings are off to one side on another road
@@ -87,6 +88,8 @@ struct SlipConfig {
 
     // The share of the reference that is in force is the integral of (answer + runaway_per_s) / answer_scale_per_s, within the rates.
     float runaway_per_s = 0.0F;  ///< a wheel that runs away as fast as this is still held
+    float restless_slip =
+        0.0F;  ///< no fall while the slip stays so near the reference: it is held, whatever the answer seems to be
     float answer_scale_per_s = 0.0F;
     float answer_filter_radps = 0.0F;
     float rise_per_s = 0.0F;  ///< of the share, at most

@@ -9,6 +9,7 @@ void SlipLaw::start(const Estimate& estimate) {
     asked_ = reference_;
     integral_ = 0.0F;
     answer_per_s_ = estimate.answer_per_s;
+    off_slip_ = 0.0F;
 }
 
 /// Towards the reference while the road restores the slip, back while the wheel runs away.
@@ -17,7 +18,9 @@ void SlipLaw::follow_answer(const Estimate& e) {
     constexpr float kLeast = 0.15F;
     answer_per_s_ += (e.answer_per_s - answer_per_s_) * config_.answer_filter_radps * period_s_;
     const float wanted = (answer_per_s_ + config_.runaway_per_s) / config_.answer_scale_per_s;
-    const float rate = limited(wanted * config_.rise_per_s, -config_.fall_per_s, config_.rise_per_s);
+    off_slip_ += (magnitude(e.slip - reference_) - off_slip_) * config_.answer_filter_radps * period_s_;
+    const float most_fall = off_slip_ > config_.restless_slip ? config_.fall_per_s : 0.0F;
+    const float rate = limited(wanted * config_.rise_per_s, -most_fall, config_.rise_per_s);
     const float falls = e.slip > kNearlyLocked ? config_.lock_fall_per_s : 0.0F;
     share_ = limited(share_ + (rate - falls) * period_s_, kLeast, 1.0F);
 }

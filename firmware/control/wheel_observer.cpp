@@ -28,7 +28,8 @@ WheelObserver::WheelObserver(const ObserverConfig& config, const EncoderConfig& 
     : config_(config),
       most_radps2_(encoder.max_acceleration_radps2),
       pitch_rad_(kFullTurn / encoder.teeth),
-      period_s_(period_s) {}
+      period_s_(period_s),
+      learns_answer_(config.answer_noise > 0.0F) {}
 
 void WheelObserver::begin(float omega_radps) {
     constexpr float kSpeed_radps = 10.0F, kRoad_radps2 = 100.0F;
@@ -36,7 +37,7 @@ void WheelObserver::begin(float omega_radps) {
     answer_per_s_ = 0.5F * config_.answer_floor_per_s;
     ww_ = kSpeed_radps * kSpeed_radps;
     tt_ = kRoad_radps2 * kRoad_radps2;
-    aa_ = answer_per_s_ * answer_per_s_;
+    aa_ = learns_answer_ ? answer_per_s_ * answer_per_s_ : 0.0F;
     wt_ = 0.0F;
     wa_ = 0.0F;
     ta_ = 0.0F;
@@ -85,7 +86,7 @@ void WheelObserver::forget_road(float reading_variance) {
     answer_per_s_ = 0.5F * config_.answer_floor_per_s;
     ww_ += reading_variance;
     tt_ += kRoad_radps2 * kRoad_radps2;
-    aa_ = config_.answer_floor_per_s * config_.answer_floor_per_s;
+    aa_ = learns_answer_ ? config_.answer_floor_per_s * config_.answer_floor_per_s : 0.0F;
     wt_ = 0.0F;
     wa_ = 0.0F;
     ta_ = 0.0F;

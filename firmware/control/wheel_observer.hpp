@@ -54,6 +54,7 @@ class WheelObserver {
     float most_radps2_;
     float pitch_rad_;
     float period_s_;
+    bool learns_answer_;
     WheelMotion motion_;
     float answer_per_s_ = 0.0F;
     // Covariance, upper triangle: w speed, t road, a answer.

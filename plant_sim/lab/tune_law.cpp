@@ -13,6 +13,7 @@
 #include "plant_sim/lab/controller_gains.hpp"
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/study/margins/law_judge.hpp"
+#include "plant_sim/study/robust/campaign.hpp"
 
 namespace plant_sim {
 
@@ -21,6 +22,22 @@ namespace {
 namespace margins = study::margins;
 using antiskid::control::Config;
 using nlohmann::ordered_json;
+
+/// Plants and runways that differ from what the controller believes.
+void add_drawn(margins::TrialStops& trial, const ScenarioOptions& options, const margins::LawSearch& law) {
+    robust::PlanOptions drawn;
+    drawn.config = options.config;
+    drawn.controller = options.controller;
+    drawn.seed = law.drawn_seed;
+    const robust::Plan plan = robust::load_plan(drawn);
+    for (const auto& [family, least_j_mu] : law.least_drawn_j_mu) {
+        for (std::size_t n = 0; n < law.draws; ++n)
+            trial.stops.push_back({trial.groups.size(), robust::draw(plan.basis, family, plan.seed, n).rig,
+                                   robust::session(plan, antiskid::control::Law::wheel_slip, n)});
+        trial.groups.emplace_back(robust::name(family));
+        trial.least_j_mu.push_back(least_j_mu);
+    }
+}
 
 /// The stops of all scenarios, short ones first, and the friction that the threshold law has in them.
 margins::TrialStops trial_stops(const ScenarioOptions& options, const MarginsInput& input) {
@@ -33,16 +50,17 @@ margins::TrialStops trial_stops(const ScenarioOptions& options, const MarginsInp
     baseline.layout = trial.layout;
     for (std::size_t i = 0; i < input.cases.size(); ++i) {
         const std::string& surface = input.cases[i].surface;
-        if (trial.surfaces.empty() || trial.surfaces.back() != surface) trial.surfaces.push_back(surface);
-        const std::size_t s = trial.surfaces.size() - 1;
+        if (trial.groups.empty() || trial.groups.back() != surface) trial.groups.push_back(surface);
+        const std::size_t s = trial.groups.size() - 1;
         trial.stops.push_back({s, input.scenarios[i].plant.rig, input.scenarios[i].session});
         baseline.stops.push_back({s, threshold.scenarios[i].plant.rig, threshold.scenarios[i].session});
     }
-    baseline.surfaces = trial.surfaces;
-    baseline.least_j_mu.assign(trial.surfaces.size(), 0.0);
+    trial.surfaces = baseline.surfaces = trial.groups.size();
+    baseline.groups = trial.groups;
+    baseline.least_j_mu.assign(trial.surfaces, 0.0);
     trial.least_j_mu = margins::make_stops(baseline, input.scenarios.front().controller,
                                            std::numeric_limits<double>::infinity())
-                           .surface_j_mu;
+                           .group_j_mu;
     trial.requirement = input.settings.law.stops;
     // A law may hold the slip with the brake that it knows and lose it with a worn one.
     for (const double reference : input.settings.law.worn_references) {
@@ -55,11 +73,12 @@ margins::TrialStops trial_stops(const ScenarioOptions& options, const MarginsInp
             if (c.maneuver != stops.cases.front().maneuver) continue;
             const auto at = margins::operating_point(c.rig, c.rig.brake_on_mps, reference);
             if (at.pressure_Pa > c.full_pressure_Pa) continue;  // nobody can hold that
-            const auto s = std::find(trial.surfaces.begin(), trial.surfaces.end(), c.surface);
-            trial.stops.push_back({static_cast<std::size_t>(s - trial.surfaces.begin()), c.rig,
+            const auto s = std::find(trial.groups.begin(), trial.groups.end(), c.surface);
+            trial.stops.push_back({static_cast<std::size_t>(s - trial.groups.begin()), c.rig,
                                    stops.scenarios[i].session, false});
         }
     }
+    add_drawn(trial, options, input.settings.law);
     // The slipperiest surface's stops take more time than all the others.
     const auto grip = [](const margins::TrialStop& t) { return plant::peak(t.rig.surface).mu; };
     std::stable_sort(
@@ -67,7 +86,7 @@ margins::TrialStops trial_stops(const ScenarioOptions& options, const MarginsInp
         [&](const margins::TrialStop& a, const margins::TrialStop& b) { return grip(a) > grip(b); });
     trial.first = static_cast<std::size_t>(
         std::find_if(trial.stops.begin(), trial.stops.end(),
-                     [&](const margins::TrialStop& t) { return t.surface == trial.stops.back().surface; }) -
+                     [&](const margins::TrialStop& t) { return t.group == trial.stops.back().group; }) -
         trial.stops.begin());
     return trial;
 }
@@ -90,8 +109,9 @@ ordered_json to_json(const Judged& j, const margins::TrialStops& trial) {
                            {"least_tracked_share", nullptr},
                            {"faults", j.stops.faults}};
     if (j.stops.least_tracked) json["closed_loop"]["least_tracked_share"] = *j.stops.least_tracked;
-    for (std::size_t s = 0; s < trial.surfaces.size(); ++s)
-        json["closed_loop"]["j_mu"][trial.surfaces[s]] = j.stops.surface_j_mu[s];
+    for (std::size_t g = 0; g < trial.groups.size(); ++g)
+        json["closed_loop"][g < trial.surfaces ? "j_mu" : "drawn_j_mu"][trial.groups[g]] =
+            j.stops.group_j_mu[g];
     return json;
 }
 
@@ -109,9 +129,10 @@ void print(const Judged& a, const Judged& b, const char* found, const margins::T
         a.margins.unstable, b.margins.unstable);
     fmt::print("| mean J_mu (at least {:.4f}) | {:.4f} | {:.4f} |\n", trial.requirement.mean_j_mu,
                a.stops.mean_j_mu, b.stops.mean_j_mu);
-    for (std::size_t s = 0; s < trial.surfaces.size(); ++s)
-        fmt::print("| J_mu, {} (threshold law {:.4f}) | {:.4f} | {:.4f} |\n", trial.surfaces[s],
-                   trial.least_j_mu[s], a.stops.surface_j_mu[s], b.stops.surface_j_mu[s]);
+    for (std::size_t g = 0; g < trial.groups.size(); ++g)
+        fmt::print("| J_mu, {} ({} {:.4f}) | {:.4f} | {:.4f} |\n", trial.groups[g],
+                   g < trial.surfaces ? "threshold law" : "at least", trial.least_j_mu[g],
+                   a.stops.group_j_mu[g], b.stops.group_j_mu[g]);
     const auto share = [](std::optional<double> tracked) {
         return tracked ? fmt::format("{:.4f}", *tracked) : "not measured";
     };

@@ -28,8 +28,9 @@ struct Bench {
             loaded.push_back(plant_sim::load_scenario(o));
             const auto& p = loaded.back().plant;
             scenarios.push_back({surface, "light", p.rig, p.drop_out_mps, p.full_pressure_Pa});
-            trial.surfaces.emplace_back(surface);
-            trial.stops.push_back({trial.surfaces.size() - 1, p.rig, loaded.back().session});
+            trial.groups.emplace_back(surface);
+            trial.surfaces = trial.groups.size();
+            trial.stops.push_back({trial.groups.size() - 1, p.rig, loaded.back().session});
         }
         trial.layout = &loaded.front().layout;
         trial.first = 1;
@@ -47,12 +48,12 @@ TEST_CASE("stops are judged by friction, each surface's too, and cut short where
     const StopsShown good = make_stops(b.trial, b.controller(), 0.0);
     CHECK(good.whole);
     CHECK(good.violation == 0.0);
-    CHECK(good.mean_j_mu == Approx(0.5 * (good.surface_j_mu[0] + good.surface_j_mu[1])));
+    CHECK(good.mean_j_mu == Approx(0.5 * (good.group_j_mu[0] + good.group_j_mu[1])));
     CHECK(good.mean_j_mu > 0.95);
 
-    b.trial.least_j_mu[1] = good.surface_j_mu[1] + 0.01;
+    b.trial.least_j_mu[1] = good.group_j_mu[1] + 0.01;
     CHECK(make_stops(b.trial, b.controller(), 1.0).violation == Approx(0.005));
-    b.trial.least_j_mu = {good.surface_j_mu[0] + 0.02, 0.9};
+    b.trial.least_j_mu = {good.group_j_mu[0] + 0.02, 0.9};
     const StopsShown cut = make_stops(b.trial, b.controller(), 0.0);
     CHECK_FALSE(cut.whole);
     CHECK(cut.violation == Approx(0.01));

@@ -110,8 +110,8 @@ class Period {
         reading_age_ = 0.5 * (interval + h_);
         answer_ = answer_per_s.value_or(at.wheel_pole_radps(linearisation));
         believed_ = answer_ > 0.0 ? static_cast<double>(config.observer.outlook_share) * answer_ : answer_;
-        gain_ = static_cast<double>(law_.k_p_per_s) +
-                static_cast<double>(law_.k_answer) * std::max(answer_, 0.0);
+        gain_ =
+            static_cast<double>(law_.k_p_per_s) + static_cast<double>(law_.k_answer) * std::max(answer_, 0.0);
         correct_ = steady_gains(config, interval);
         deceleration_per_s_ = at.deceleration_mps2 / at.speed_mps;
 

@@ -69,8 +69,7 @@ inline constexpr double kIntegrates_per_s = 0.1;
 /// wheel's pole, unless given.
 [[nodiscard]] PeriodicSystem law_system(const antiskid::control::Config& config,
                                         const plant::RigParameters& rig, const OperatingPoint& at,
-                                        Linearisation linearisation,
-                                        std::optional<double> answer_per_s = {});
+                                        Linearisation linearisation, std::optional<double> answer_per_s = {});
 
 /// falling_reference() of slip_law.hpp.
 [[nodiscard]] double scheduled_slip(const antiskid::control::SlipConfig& config, double slip_reference,

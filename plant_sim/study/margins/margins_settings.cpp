@@ -14,7 +14,7 @@ namespace {
 constexpr int kDigits = 3;  // of a shipped gain
 
 LawSearch law_search(const settings::Table& t) {
-    const settings::Table stops = t.table("stops"), gains = t.table("gains");
+    const settings::Table stops = t.table("stops"), draws = t.table("draws"), gains = t.table("gains");
     LawSearch s{
         .options = {.seed = t.integer<std::uint64_t>("seed", {.min = 0}),
                     .population = t.integer<int>("population", {.min = 4, .max = 1000}),
@@ -26,7 +26,13 @@ LawSearch law_search(const settings::Table& t) {
                   .tracked_share = stops.number("tracked_share", {.min = 0.0, .max = 1.0})},
         .worn_friction = stops.number("worn_friction", {.min = 0.01, .max = 1.0}),
         .worn_references = stops.numbers("worn_references", {.range = {.min = 0.01, .max = 0.5}}),
+        .drawn_seed = draws.integer<std::uint64_t>("seed", {.min = 0}),
+        .draws = draws.integer<std::size_t>("draws", {.min = 1, .max = 10000}),
+        .least_drawn_j_mu = {},
         .knobs = {}};
+    for (std::size_t i = 0; i < robust::kFamilyNames.size(); ++i)
+        if (const auto least = draws.find_number(robust::kFamilyNames[i], {.min = 0.0, .max = 1.0}))
+            s.least_drawn_j_mu.emplace_back(static_cast<robust::Family>(i), *least);
     for (const std::string& name : gain_names()) {
         const auto values = gains.numbers(
             name,

@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <utility>
 #include <vector>
 
 #include "plant_sim/study/margins/limits.hpp"
 #include "plant_sim/study/margins/pid_loop.hpp"
 #include "plant_sim/study/margins/search.hpp"
 #include "plant_sim/study/margins/trial_stops.hpp"
+#include "plant_sim/study/robust/uncertainty.hpp"
 
 namespace study::margins {
 
@@ -19,7 +21,10 @@ struct LawSearch {
     StopsRequirement stops;
     double worn_friction = 0.0;           ///< of the brake in further stops, whose tracking counts
     std::vector<double> worn_references;  ///< of these
-    std::vector<Knob> knobs;              ///< in the order of gain_names()
+    std::uint64_t drawn_seed = 1;         ///< of further stops on drawn plants (study/robust)
+    std::size_t draws = 0;                ///< so many of each family
+    std::vector<std::pair<robust::Family, double>> least_drawn_j_mu;  ///< mean of each family
+    std::vector<Knob> knobs;                                          ///< in the order of gain_names()
 };
 
 struct MarginsSettings {

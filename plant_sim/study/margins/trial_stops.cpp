@@ -11,24 +11,26 @@ namespace {
 
 /// With stops that are not made yet taken as perfect.
 void judge(StopsShown& shown, const TrialStops& trial, const std::vector<double>& j_mu) {
-    const std::size_t surfaces = trial.surfaces.size();
-    std::vector<double> sum(surfaces, 0.0), count(surfaces, 0.0);
+    const std::size_t groups = trial.groups.size();
+    std::vector<double> sum(groups, 0.0), count(groups, 0.0);
     for (std::size_t i = 0; i < trial.stops.size(); ++i) {
         if (!trial.stops[i].friction_counts) continue;
-        sum[trial.stops[i].surface] += j_mu[i];
-        count[trial.stops[i].surface] += 1.0;
+        sum[trial.stops[i].group] += j_mu[i];
+        count[trial.stops[i].group] += 1.0;
     }
-    shown.mean_j_mu =
-        std::accumulate(sum.begin(), sum.end(), 0.0) / std::accumulate(count.begin(), count.end(), 0.0);
+    const auto over_surfaces = [&](const std::vector<double>& of) {
+        return std::accumulate(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(trial.surfaces), 0.0);
+    };
+    shown.mean_j_mu = over_surfaces(sum) / over_surfaces(count);
     shown.violation = std::max(0.0, trial.requirement.mean_j_mu - shown.mean_j_mu) +
                       std::max(0.0, shown.longest_lock_s - trial.requirement.longest_lock_s) +
                       std::max(0.0, trial.requirement.tracked_share - shown.least_tracked.value_or(0.0)) +
                       (shown.faults ? 1.0 : 0.0);
-    shown.surface_j_mu.resize(surfaces);
-    for (std::size_t s = 0; s < surfaces; ++s) {
-        shown.surface_j_mu[s] = sum[s] / count[s];
+    shown.group_j_mu.resize(groups);
+    for (std::size_t g = 0; g < groups; ++g) {
+        shown.group_j_mu[g] = sum[g] / count[g];
         shown.violation +=
-            std::max(0.0, trial.least_j_mu[s] - shown.surface_j_mu[s]) / static_cast<double>(surfaces);
+            std::max(0.0, trial.least_j_mu[g] - shown.group_j_mu[g]) / static_cast<double>(groups);
     }
 }
 
@@ -50,10 +52,12 @@ StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& 
             },
             [&](std::size_t number, const RunResult& result) {
                 j_mu[first + number] = result.figures.j_mu;
+                shown.faults = shown.faults || !result.faults.empty();
+                // On a drawn plant the reference may retreat, and ice between two patches may lock the wheel.
+                if (trial.stops[first + number].group >= trial.surfaces) return;
                 shown.longest_lock_s = std::max(shown.longest_lock_s, result.figures.longest_lock_s);
                 const std::optional<double> tracked = result.figures.tracked_share;
                 if (tracked) shown.least_tracked = std::min(*tracked, shown.least_tracked.value_or(1.0));
-                shown.faults = shown.faults || !result.faults.empty();
             });
         judge(shown, trial, j_mu);
         if (shown.violation > most_violation && end < trial.stops.size()) return shown;

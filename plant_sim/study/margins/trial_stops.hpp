@@ -13,13 +13,13 @@
 namespace study::margins {
 
 struct StopsRequirement {
-    double mean_j_mu = 0.0;       ///< of all stops whose friction counts, at least
-    double longest_lock_s = 0.0;  ///< of any, at most
-    double tracked_share = 0.0;   ///< of each, at least: StopFigures::tracked_share
+    double mean_j_mu = 0.0;       ///< of all stops on surfaces whose friction counts, at least
+    double longest_lock_s = 0.0;  ///< of any of those on surfaces, at most
+    double tracked_share = 0.0;   ///< of each of them, at least: StopFigures::tracked_share
 };
 
 struct TrialStop {
-    std::size_t surface = 0;  ///< index of TrialStops::surfaces
+    std::size_t group = 0;  ///< index of TrialStops::groups
     plant::RigParameters rig;
     SessionOptions session;
     bool friction_counts =
@@ -28,21 +28,22 @@ struct TrialStop {
 
 struct TrialStops {
     const antiskid::can::Layout* layout = nullptr;
-    std::vector<std::string> surfaces;
+    std::vector<std::string> groups;  ///< surfaces first, then families of drawn plants
+    std::size_t surfaces = 0;         ///< so many of them
     std::vector<TrialStop> stops;
     std::size_t first = 0;  ///< so many of them, from the front, decide whether the others are made at all
-    std::vector<double> least_j_mu;  ///< of each surface, its mean
+    std::vector<double> least_j_mu;  ///< of each group, its mean
     StopsRequirement requirement;
 };
 
 struct StopsShown {
     double mean_j_mu = 0.0;
-    std::vector<double> surface_j_mu;  ///< means
+    std::vector<double> group_j_mu;  ///< means
     double longest_lock_s = 0.0;
     std::optional<double> least_tracked;  ///< of the stops whose tracking was measured
     bool faults = false;
     bool whole = false;  ///< all stops were made
-    /// How far it is from what is asked: what is missing of friction (mean, and each surface's share of it) and tracking, locks in s beyond
+    /// How far it is from what is asked: what is missing of friction (mean, and each group's share of it) and tracking, locks in s beyond
     /// those that are allowed, and 1 for faults. 0: nothing is missing. Of stops not made, the least that can come out. With
     /// tracking asked for and none measured, all of it is missing.
     double violation = 0.0;

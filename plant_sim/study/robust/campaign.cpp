@@ -76,6 +76,17 @@ Plan load_plan(const PlanOptions& o) {
     return plan;
 }
 
+study::SessionOptions session(const Plan& plan, Law law, std::size_t number) {
+    study::SessionOptions s;
+    s.plan.law = law;
+    s.plan.slip_reference = plan.basis.uncertainty.slip_reference;
+    s.plan.demand_Pa = plan.demand_Pa;
+    s.period_s = static_cast<double>(plan.controller.period_s);
+    s.drop_out_mps = plan.drop_out_mps;
+    s.seed = plan.seed + number;
+    return s;
+}
+
 std::vector<Row> run(const Plan& plan, const RunOptions& options) {
     const std::size_t count = plan.stops();
     const auto row_of = [&](std::size_t i) {
@@ -93,17 +104,11 @@ std::vector<Row> run(const Plan& plan, const RunOptions& options) {
         plan.layout, count,
         [&](std::size_t i) {
             const Row row = row_of(i);
-            study::SessionOptions session;
-            session.plan.law = plan.laws[row.law];
-            session.plan.slip_reference = plan.basis.uncertainty.slip_reference;
-            session.plan.demand_Pa = plan.demand_Pa;
-            session.period_s = period_s;
-            session.drop_out_mps = plan.drop_out_mps;
-            session.seed = plan.seed + row.number;
             const auto travel = travels[i] = std::make_shared<Travel>();
             const double ends_mps = plan.drop_out_mps;
             return study::Maneuver{
-                plan.controller, draw(plan.basis, row.family, plan.seed, row.number).rig, session,
+                plan.controller, draw(plan.basis, row.family, plan.seed, row.number).rig,
+                session(plan, plan.laws[row.law], row.number),
                 [travel, period_s, ends_mps](const study::RigSession& s, const antiskid::can::ControllerView&,
                                              double current_mA) {
                     if (s.pilot().phase() == study::Phase::braking && s.rig().wheel().v_mps > ends_mps) {

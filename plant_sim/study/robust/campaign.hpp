@@ -22,7 +22,7 @@ struct PlanOptions {
     std::filesystem::path ranges;      ///< empty: uncertainty.toml of `config`
     std::vector<std::string> families{kFamilyNames.begin(), kFamilyNames.end()};
     std::vector<std::string> laws{"slip", "threshold"};
-    std::size_t draws = 140;                                         ///< of each family
+    std::size_t draws = 140;  ///< of each family
     std::uint64_t seed = 1;
 };
 
@@ -60,6 +60,9 @@ struct RunOptions {
     const std::atomic<bool>* stop = nullptr;
     std::function<void(std::size_t done)> progress{};
 };
+
+/// How draw `number` is braked with a law of the plan.
+[[nodiscard]] study::SessionOptions session(const Plan& plan, antiskid::control::Law law, std::size_t number);
 
 /// In the order of families, laws and numbers, whatever the threads. Less than all of them where it was stopped.
 [[nodiscard]] std::vector<Row> run(const Plan& plan, const RunOptions& options);
