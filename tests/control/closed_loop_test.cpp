@@ -70,7 +70,6 @@ void put_with_period(const std::filesystem::path& file, const int period_ms) {
         scale("k_p_per_s", 0.23);
         scale("k_d", 0.23);
         scale("k_dd_s", 0.11);
-        scale("wheel_bandwidth_radps", 0.5);
     }
     put(file, text);
 }
