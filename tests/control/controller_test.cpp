@@ -358,6 +358,85 @@ TEST_CASE("a law that takes over is held back at the rate of a demand that passe
     CHECK(b.command.pressure_request_Pa > 8e6F);
 }
 
+namespace {
+
+/// The most that the law's reference comes to within the next 30 periods.
+float most_reference(Bench& b) {
+    float most = 0.0F;
+    for (int i = 0; i < 30; ++i) most = std::max(most, b.step().slip_reference);
+    return most;
+}
+
+void slip_to(Bench& b, const double slip) {
+    while (b.slip != slip) {
+        b.slip += std::clamp(slip - b.slip, -0.01, 0.01);
+        b.steps(1);
+    }
+}
+
+/// Braking at a reference of 0.2 that has retreated: the wheel has slipped by 0.65 for 100 ms.
+void to_retreated(Bench& b) {
+    b.to_braking();
+    b.sensors.maneuver.slip_reference = 0.2F;
+    REQUIRE(most_reference(b) == Approx(0.2));
+    slip_to(b, 0.65);
+    b.seconds(0.1);
+    REQUIRE(b.command.state == State::braking);
+    slip_to(b, 0.07);
+    REQUIRE(most_reference(b) < 0.15F);
+}
+
+}  // namespace
+
+TEST_CASE("a reference that has retreated is whole on the next landing", "[CTL-315]") {
+    const bool from_touchdown = GENERATE(false, true);
+    CAPTURE(from_touchdown);
+    Bench b;
+    to_retreated(b);
+    b.sensors.maneuver.demand_Pa = 0.0F;
+    b.seconds(0.2);
+    b.sensors.maneuver.arm = false;
+    b.sensors.maneuver.weight_on_wheels = false;
+    REQUIRE(b.step().state == State::standby);
+    b.slip = 1.0;
+    b.seconds(0.3);
+    b.sensors.maneuver.arm = true;
+    REQUIRE(b.step().state == State::armed);
+    b.sensors.maneuver.weight_on_wheels = true;
+    if (from_touchdown) {
+        b.sensors.maneuver.demand_Pa = 6e6F;
+        REQUIRE(b.step().state == State::touchdown_protection);
+        b.spin_up();
+        b.slip = 0.07;
+    } else {
+        b.spin_up();
+        b.slip = 0.07;
+        b.seconds(0.3);
+        REQUIRE(b.command.state == State::armed);
+        b.sensors.maneuver.demand_Pa = 6e6F;
+    }
+    CHECK(most_reference(b) == Approx(0.2));
+    CHECK(b.command.state == State::braking);
+}
+
+TEST_CASE("a reference that has retreated stays so within a landing", "[CTL-315]") {
+    Bench b;
+    to_retreated(b);
+    SECTION("after a lock") {
+        slip_to(b, 0.9);
+        REQUIRE(b.command.state == State::locked_wheel);
+        slip_to(b, 0.07);
+    }
+    SECTION("after another law") {
+        b.sensors.maneuver.law = Law::threshold;
+        b.seconds(0.1);
+        b.sensors.maneuver.law = Law::wheel_slip;
+        b.steps(1);
+    }
+    REQUIRE(b.command.state == State::braking);
+    CHECK(most_reference(b) < 0.15F);
+}
+
 TEST_CASE("from a reading below none the demand passes through from none", "[CTL-064]") {
     Bench b;
     b.to_braking();
