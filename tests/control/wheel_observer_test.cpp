@@ -5,6 +5,7 @@
 
 #include "tests/catch.hpp"
 #include "tests/control/fixed_config.hpp"
+#include "tests/control/shaft.hpp"
 
 using namespace antiskid::control;
 using control_test::fixed_config;
@@ -210,4 +211,35 @@ TEST_CASE("a wheel that comes onto another road is found again within 25 ms", "[
     }
     CHECK(worst < 5.0);
     CHECK(observer.answer_per_s() < 60.0F);
+}
+
+TEST_CASE("a released wheel that gains speed between sparse edges is followed", "[CTL-306]") {
+    // From a lock, at an edge in every 17 ms: most of what is heard are bounds, which are below the wheel that gains speed.
+    const double gains_radps2 = GENERATE(40.0, 75.0, 150.0);
+    CAPTURE(gains_radps2);
+    control_test::Shaft shaft(60.0);
+    SpeedEstimator encoder(60.0F);
+    WheelObserver observer(fixed_config().observer, fixed_config().wheel.encoder, 1e-3F);
+    SpeedInput input;
+    Time now{};
+    const auto turn = [&](const double radps, const double brake_radps2) {
+        shaft.turn_to(radps, kOnce_s);
+        now += Time{1'000'000};
+        shaft.report(input, now);
+        const auto brake = static_cast<float>(brake_radps2);
+        observer.update(encoder.update(input), {.brake_radps2 = brake, .brake_now_radps2 = brake});
+    };
+    for (int i = 0; i < 300; ++i) turn(115.0, 0.0);
+    double radps = 115.0;
+    for (; radps > 6.0; radps -= 2.2) turn(radps, 2200.0);
+    for (int i = 0; i < 400; ++i) {
+        radps += gains_radps2 * kOnce_s;
+        turn(radps, 0.0);
+        CAPTURE(i, observer.answer_per_s());
+        REQUIRE(observer.answer_per_s() < 500.0F);
+        if (i > 150)
+            REQUIRE(static_cast<double>(observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
+        if (i > 300)
+            REQUIRE(static_cast<double>(observer.motion().road_radps2) == Approx(gains_radps2).epsilon(0.25));
+    }
 }
