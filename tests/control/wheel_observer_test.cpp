@@ -329,3 +329,30 @@ TEST_CASE("the observer is the textbook's extended Kalman filter", "[CTL-300]") 
                 Approx(textbook.x[2]).epsilon(5e-3).margin(0.3));
     }
 }
+
+TEST_CASE("an observer whose wheel fell faster than any can is led back by sparse edges and bounds",
+          "[CTL-303]") {
+    const double gains_radps2 = GENERATE(40.0, 75.0, 150.0);
+    CAPTURE(gains_radps2);
+    control_test::Shaft shaft(60.0);
+    SpeedEstimator encoder(60.0F);
+    WheelObserver observer(fixed_config().observer, fixed_config().wheel.encoder, 1e-3F);
+    SpeedInput input;
+    Time now{};
+    const auto turn = [&](const double radps) {
+        shaft.turn_to(radps, kOnce_s);
+        now += Time{1'000'000};
+        shaft.report(input, now);
+        observer.update(encoder.update(input), {});
+    };
+    for (int i = 0; i < 300; ++i) turn(115.0);
+    double radps = 6.0;  // within one period
+    for (int i = 0; i < 400; ++i) {
+        radps += gains_radps2 * kOnce_s;
+        turn(radps);
+        CAPTURE(i);
+        REQUIRE(observer.answer_per_s() < 500.0F);
+        if (i > 200)
+            REQUIRE(static_cast<double>(observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
+    }
+}
