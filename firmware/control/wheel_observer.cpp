@@ -109,7 +109,10 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
         forget_road(variance);
     const float w = ww_ - age * wt_, t = wt_ - age * tt_, a = wa_ - age * ta_;
     const float per_variance = 1.0F / (w - age * t + variance);
-    const float k_w = w * per_variance, k_t = t * per_variance, k_a = a * per_variance;
+    const float k_w = w * per_variance, k_t = t * per_variance;
+    // A bound tells that the wheel is slower. Taken for a reading, it is late on a wheel that gains speed, and explained by a road that
+    // answers more and more.
+    const float k_a = reading.fresh ? a * per_variance : 0.0F;
     motion_.omega_radps = larger(motion_.omega_radps + k_w * surprise, 0.0F);
     motion_.road_radps2 = limited(motion_.road_radps2 + k_t * surprise, -most_radps2_, most_radps2_);
     answer_per_s_ = limited(answer_per_s_ + k_a * surprise, kLeastAnswer_per_s, kMostAnswer_per_s);

@@ -63,9 +63,7 @@ TEST_CASE("the pressure request is never above the demand", "[CTL-061]") {
         return std::uniform_real_distribution<>(a, b)(random);
     };
     const float period_s = seed % 3U == 0U ? 1e-3F : seed % 3U == 1U ? 2e-3F : 5e-3F;
-    Config config = fixed_config(period_s);
-    config.observer.used = seed % 2U == 1U;
-    Bench b(config);
+    Bench b(fixed_config(period_s));
     b.to_braking();
     int braking = 0, dropped = 0, cut = 0;
     double slip_goal = 0.1;
@@ -125,9 +123,7 @@ TEST_CASE("no input whatever makes a command that is no number or out of range",
         const auto wide = static_cast<std::int64_t>((static_cast<std::uint64_t>(random()) << 32U) | random());
         return Time{pick == 1U ? wide / 4 : wide % 1'000'000'000'000};
     };
-    Config config = fixed_config();
-    config.observer.used = seed % 2U == 1U;
-    Bench b(config);
+    Bench b;
     b.to_braking();
     int braking_through_it = 0;
     for (int k = 0; k < 60'000; ++k) {
@@ -201,7 +197,7 @@ TEST_CASE("no input whatever makes a command that is no number or out of range",
     fresh.to_braking();
     REQUIRE(fresh.command.pressure_request_Pa > 3e6F);
     CHECK(b.command.pressure_request_Pa == Approx(fresh.command.pressure_request_Pa).epsilon(0.01));
-    CHECK(std::isfinite(b.controller.estimate().balance_Pa));
+    CHECK(std::isfinite(b.controller.estimate().late_balance_Pa));
     CHECK(braking_through_it > 0);
 }
 
@@ -360,6 +356,85 @@ TEST_CASE("a law that takes over is held back at the rate of a demand that passe
     b.sensors.maneuver.demand_Pa = 20e6F;
     b.steps(150);
     CHECK(b.command.pressure_request_Pa > 8e6F);
+}
+
+namespace {
+
+/// The most that the law's reference comes to within the next 30 periods.
+float most_reference(Bench& b) {
+    float most = 0.0F;
+    for (int i = 0; i < 30; ++i) most = std::max(most, b.step().slip_reference);
+    return most;
+}
+
+void slip_to(Bench& b, const double slip) {
+    while (b.slip != slip) {
+        b.slip += std::clamp(slip - b.slip, -0.01, 0.01);
+        b.steps(1);
+    }
+}
+
+/// Braking at a reference of 0.2 that has retreated: the wheel has slipped by 0.65 for 100 ms.
+void to_retreated(Bench& b) {
+    b.to_braking();
+    b.sensors.maneuver.slip_reference = 0.2F;
+    REQUIRE(most_reference(b) == Approx(0.2));
+    slip_to(b, 0.65);
+    b.seconds(0.1);
+    REQUIRE(b.command.state == State::braking);
+    slip_to(b, 0.07);
+    REQUIRE(most_reference(b) < 0.15F);
+}
+
+}  // namespace
+
+TEST_CASE("a reference that has retreated is whole on the next landing", "[CTL-315]") {
+    const bool from_touchdown = GENERATE(false, true);
+    CAPTURE(from_touchdown);
+    Bench b;
+    to_retreated(b);
+    b.sensors.maneuver.demand_Pa = 0.0F;
+    b.seconds(0.2);
+    b.sensors.maneuver.arm = false;
+    b.sensors.maneuver.weight_on_wheels = false;
+    REQUIRE(b.step().state == State::standby);
+    b.slip = 1.0;
+    b.seconds(0.3);
+    b.sensors.maneuver.arm = true;
+    REQUIRE(b.step().state == State::armed);
+    b.sensors.maneuver.weight_on_wheels = true;
+    if (from_touchdown) {
+        b.sensors.maneuver.demand_Pa = 6e6F;
+        REQUIRE(b.step().state == State::touchdown_protection);
+        b.spin_up();
+        b.slip = 0.07;
+    } else {
+        b.spin_up();
+        b.slip = 0.07;
+        b.seconds(0.3);
+        REQUIRE(b.command.state == State::armed);
+        b.sensors.maneuver.demand_Pa = 6e6F;
+    }
+    CHECK(most_reference(b) == Approx(0.2));
+    CHECK(b.command.state == State::braking);
+}
+
+TEST_CASE("a reference that has retreated stays so within a landing", "[CTL-315]") {
+    Bench b;
+    to_retreated(b);
+    SECTION("after a lock") {
+        slip_to(b, 0.9);
+        REQUIRE(b.command.state == State::locked_wheel);
+        slip_to(b, 0.07);
+    }
+    SECTION("after another law") {
+        b.sensors.maneuver.law = Law::threshold;
+        b.seconds(0.1);
+        b.sensors.maneuver.law = Law::wheel_slip;
+        b.steps(1);
+    }
+    REQUIRE(b.command.state == State::braking);
+    CHECK(most_reference(b) < 0.15F);
 }
 
 TEST_CASE("from a reading below none the demand passes through from none", "[CTL-064]") {

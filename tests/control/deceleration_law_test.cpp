@@ -143,7 +143,7 @@ TEST_CASE("far from the slip limit the guard takes nothing away, at any speed", 
         d.start(e);
         for (int i = 0; i < 2000; ++i) {
             roll(e, 4.0F);
-            e.balance_Pa = i % 2 == 0 ? 5e6F : 7e6F;
+            e.late_balance_Pa = i % 2 == 0 ? 5e6F : 7e6F;
             REQUIRE(d.pressure_Pa(e, 4.0F, kFull_Pa) == Approx(6e6F).epsilon(1e-3));
         }
     }
@@ -201,7 +201,7 @@ TEST_CASE("at half the slip limit the guard still rests, above it it acts", "[CT
     Estimate e = decelerating(50.0F, 0.05F, 6e6F, 4.0F);
     d.start(e);
     roll(e, 4.0F);
-    e.balance_Pa = 0.0F;  // ice: the slip law would ask for next to nothing
+    e.late_balance_Pa = 0.0F;  // ice: the slip law would ask for next to nothing
     e.late_slip = above ? std::nextafter(0.5F * 0.15F, 1.0F) : 0.5F * 0.15F;
     CHECK((d.pressure_Pa(e, 4.0F, kFull_Pa) < 3e6F) == above);
 }

@@ -22,10 +22,10 @@ inline constexpr float kFull_Pa = 20.7e6F;
     e.slip = slip;
     e.pressure.pressure_Pa = pressure_Pa;
     e.brake_gain = c.wheel.brake_gain_m3 / c.wheel.inertia_kgm2;
-    e.balance_Pa = pressure_Pa;
     e.late_v_mps = v_mps;
     e.late_slip = slip;
     e.late_pressure = e.pressure;
+    e.late_balance_Pa = pressure_Pa;
     return e;
 }
 

@@ -27,9 +27,7 @@ inline control::Config exact_config() {
 /// Estimator and monitor with a standing rig that reports in every period.
 struct Watch {
     explicit Watch(const control::Config& with = fixed_config())
-        : config(with),
-          estimator(with.wheel, with.flywheel, with.valve, with.estimator, with.observer, with.period_s),
-          monitor(with) {
+        : config(with), estimator(with), monitor(with) {
         sensors.wheel.source = sensors.flywheel.source = control::SpeedSource::speed;
     }
     control::FaultSet step() {

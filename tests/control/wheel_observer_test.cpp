@@ -1,10 +1,12 @@
 // The wheel's observer against wheels whose road answers as it is told to, integrated by themselves.
 #include "firmware/control/wheel_observer.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "tests/catch.hpp"
 #include "tests/control/fixed_config.hpp"
+#include "tests/control/shaft.hpp"
 
 using namespace antiskid::control;
 using control_test::fixed_config;
@@ -210,4 +212,147 @@ TEST_CASE("a wheel that comes onto another road is found again within 25 ms", "[
     }
     CHECK(worst < 5.0);
     CHECK(observer.answer_per_s() < 60.0F);
+}
+
+TEST_CASE("a released wheel that gains speed between sparse edges is followed", "[CTL-306]") {
+    // From a lock, at an edge in every 17 ms: most of what is heard are bounds, which are below the wheel that gains speed.
+    const double gains_radps2 = GENERATE(40.0, 75.0, 150.0);
+    CAPTURE(gains_radps2);
+    control_test::Shaft shaft(60.0);
+    SpeedEstimator encoder(60.0F);
+    WheelObserver observer(fixed_config().observer, fixed_config().wheel.encoder, 1e-3F);
+    SpeedInput input;
+    Time now{};
+    const auto turn = [&](const double radps, const double brake_radps2) {
+        shaft.turn_to(radps, kOnce_s);
+        now += Time{1'000'000};
+        shaft.report(input, now);
+        const auto brake = static_cast<float>(brake_radps2);
+        observer.update(encoder.update(input), {.brake_radps2 = brake, .brake_now_radps2 = brake});
+    };
+    for (int i = 0; i < 300; ++i) turn(115.0, 0.0);
+    double radps = 115.0;
+    for (; radps > 6.0; radps -= 2.2) turn(radps, 2200.0);
+    for (int i = 0; i < 400; ++i) {
+        radps += gains_radps2 * kOnce_s;
+        turn(radps, 0.0);
+        CAPTURE(i, observer.answer_per_s());
+        REQUIRE(observer.answer_per_s() < 500.0F);
+        if (i > 150)
+            REQUIRE(static_cast<double>(observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
+        if (i > 300)
+            REQUIRE(static_cast<double>(observer.motion().road_radps2) == Approx(gains_radps2).epsilon(0.25));
+    }
+}
+
+namespace {
+
+using Vector = std::array<double, 3>;  // speed, road torque, answer
+using Matrix = std::array<Vector, 3>;
+
+/// The same filter by the textbook: full matrices in double, derivatives by differences.
+struct Textbook {
+    static Vector moved(const Vector& x, const double brake, const double steady) {
+        const double acts = x[2] > 0.0 ? kOnce_s / (1.0 + x[2] * kOnce_s) : kOnce_s;
+        const double change = acts * (x[1] - brake - steady);
+        return {x[0] + change + steady * kOnce_s, x[1] - x[2] * change, x[2]};
+    }
+    void predict(const double brake, const double steady) {
+        Matrix f{};
+        for (std::size_t column = 0; column < 3; ++column) {
+            const double step = 1e-4 * (1.0 + std::abs(x[column]));
+            Vector more = x, less = x;
+            more[column] += step;
+            less[column] -= step;
+            const Vector up = moved(more, brake, steady), down = moved(less, brake, steady);
+            for (std::size_t row = 0; row < 3; ++row) f[row][column] = (up[row] - down[row]) / (2.0 * step);
+        }
+        const ObserverConfig c = fixed_config().observer;
+        const double answer_noise = static_cast<double>(c.answer_noise) *
+                                    (std::abs(x[2]) + static_cast<double>(c.answer_floor_per_s));
+        const Vector noise{1.0, static_cast<double>(c.road_noise_radps2), answer_noise};
+        Matrix next{};
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j)
+                for (std::size_t k = 0; k < 3; ++k)
+                    for (std::size_t l = 0; l < 3; ++l) next[i][j] += f[i][k] * p[k][l] * f[j][l];
+        for (std::size_t i = 0; i < 3; ++i) next[i][i] += noise[i] * noise[i] * kOnce_s;
+        x = moved(x, brake, steady);
+        p = next;
+    }
+    /// A reading of the mean over the last period, which ended half a period ago on average.
+    void correct(const double radps, const double brake) {
+        const Vector h{1.0, -kOnce_s, 0.0};
+        const double noise = static_cast<double>(fixed_config().observer.reading_noise) * 2.0 *
+                             3.14159265358979 / 60.0 / kOnce_s;
+        Vector ph{};
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t k = 0; k < 3; ++k) ph[i] += p[i][k] * h[k];
+        const double variance = ph[0] * h[0] + ph[1] * h[1] + noise * noise + 0.02 * 0.02;
+        const double surprise = radps - (x[0] - kOnce_s * (x[1] - brake));
+        for (std::size_t i = 0; i < 3; ++i) x[i] += ph[i] / variance * surprise;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j) p[i][j] -= ph[i] * ph[j] / variance;
+    }
+
+    Vector x{};
+    Matrix p{};
+};
+
+}  // namespace
+
+TEST_CASE("the observer is the textbook's extended Kalman filter", "[CTL-300]") {
+    const double answer = GENERATE(800.0, 100.0, -15.0);
+    CAPTURE(answer);
+    ObserverConfig config = fixed_config().observer;
+    config.surprise = 1e6F;  // the textbook knows no other road
+    WheelObserver observer(config, fixed_config().wheel.encoder, 1e-3F);
+    Wheel wheel{.answer_per_s = answer};
+    observer.update(reading(wheel.omega_radps), drive(0.0));
+    Textbook textbook{.x = {wheel.omega_radps, 0.0, 50.0}, .p = {}};
+    textbook.p[0][0] = 10.0 * 10.0;
+    textbook.p[1][1] = 100.0 * 100.0;
+    textbook.p[2][2] = 50.0 * 50.0;
+    for (int i = 0; i < 400; ++i) {
+        const double held = answer < 0.0 ? 30.0 * (wheel.omega_radps - 150.0) : 0.0;
+        const double brake =
+            brake_radps2(answer > 0.0 ? 3000.0 : wheel.road_radps2 - kSteady_radps2 + held, i);
+        const double mean = wheel.turn(brake);
+        observer.update(reading(mean), drive(brake));
+        textbook.predict(brake, kSteady_radps2);
+        textbook.correct(mean, brake);
+        CAPTURE(i);
+        REQUIRE(static_cast<double>(observer.motion().omega_radps) == Approx(textbook.x[0]).epsilon(1e-4));
+        REQUIRE(static_cast<double>(observer.motion().road_radps2) ==
+                Approx(textbook.x[1]).epsilon(2e-3).margin(2.0));
+        REQUIRE(static_cast<double>(observer.answer_per_s()) ==
+                Approx(textbook.x[2]).epsilon(5e-3).margin(0.3));
+    }
+}
+
+TEST_CASE("an observer whose wheel fell faster than any can is led back by sparse edges and bounds",
+          "[CTL-303]") {
+    const double gains_radps2 = GENERATE(40.0, 75.0, 150.0);
+    CAPTURE(gains_radps2);
+    control_test::Shaft shaft(60.0);
+    SpeedEstimator encoder(60.0F);
+    WheelObserver observer(fixed_config().observer, fixed_config().wheel.encoder, 1e-3F);
+    SpeedInput input;
+    Time now{};
+    const auto turn = [&](const double radps) {
+        shaft.turn_to(radps, kOnce_s);
+        now += Time{1'000'000};
+        shaft.report(input, now);
+        observer.update(encoder.update(input), {});
+    };
+    for (int i = 0; i < 300; ++i) turn(115.0);
+    double radps = 6.0;  // within one period
+    for (int i = 0; i < 400; ++i) {
+        radps += gains_radps2 * kOnce_s;
+        turn(radps);
+        CAPTURE(i);
+        REQUIRE(observer.answer_per_s() < 500.0F);
+        if (i > 200)
+            REQUIRE(static_cast<double>(observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
+    }
 }
