@@ -3,6 +3,7 @@
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
+#include <linux/sock_diag.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -51,6 +52,14 @@ struct WallMinusMonotonic {
     }
 };
 
+can_frame raw(const Frame& frame) {
+    can_frame out{};
+    out.can_id = frame.id & CAN_SFF_MASK;
+    out.can_dlc = std::min<std::uint8_t>(frame.length, CAN_MAX_DLEN);
+    std::memcpy(out.data, frame.data.data(), sizeof out.data);
+    return out;
+}
+
 }  // namespace
 
 struct SocketCan::Batch {
@@ -63,6 +72,11 @@ struct SocketCan::Batch {
             headers[i].msg_hdr.msg_iovlen = 1;
             headers[i].msg_hdr.msg_control = &control[i];
         }
+        for (std::size_t i = 0; i < kMostSent; ++i) {
+            sent_vectors[i] = {.iov_base = &sent_frames[i], .iov_len = sizeof sent_frames[i]};
+            sent_headers[i].msg_hdr.msg_iov = &sent_vectors[i];
+            sent_headers[i].msg_hdr.msg_iovlen = 1;
+        }
     }
 
     struct alignas(cmsghdr) Control {
@@ -74,12 +88,15 @@ struct SocketCan::Batch {
     std::array<iovec, kBatch> vectors{};
     std::array<Control, kBatch> control{};
     std::array<mmsghdr, kBatch> headers{};
+    std::array<can_frame, kMostSent> sent_frames{};
+    std::array<iovec, kMostSent> sent_vectors{};
+    std::array<mmsghdr, kMostSent> sent_headers{};
 };
 
 SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t> ids,
                      const SocketCanOptions& options)
-    : batch_(std::make_unique<Batch>()) {
-    RawSocket socket(interface);
+    : newest_only_(options.newest_only), batch_(std::make_unique<Batch>()) {
+    RawSocket socket(interface, RawSocket::Calls::may_wait);
 
     // Remote frames of a wanted identifier pass, to be counted.
     std::vector<can_filter> filters;
@@ -96,6 +113,8 @@ SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t
     // The kernel raises this to its least value, room for a handful of frames.
     const int smallest = 1;
     socket.set_option(SOL_SOCKET, SO_SNDBUF, smallest, "the send buffer");
+    const timeval longest{.tv_sec = 0, .tv_usec = kLongestWait.count() / 1000};
+    socket.set_option(SOL_SOCKET, SO_RCVTIMEO, longest, "the longest wait");
 
     socket.bind();
     socket_ = socket.release();
@@ -106,12 +125,21 @@ SocketCan::~SocketCan() {
 }
 
 std::size_t SocketCan::receive(std::span<Frame> frames) {
+    return receive(frames, MSG_DONTWAIT);
+}
+
+std::size_t SocketCan::receive_within(Time timeout, std::span<Frame> frames) {
+    if (timeout >= kLongestWait) return receive(frames, MSG_WAITFORONE);
+    return wait(timeout) ? receive(frames, MSG_DONTWAIT) : 0;
+}
+
+std::size_t SocketCan::receive(std::span<Frame> frames, int flags) {
     const std::size_t wanted = std::min(frames.size(), kBatch);
     for (std::size_t i = 0; i < wanted; ++i) {
         batch_->headers[i].msg_hdr.msg_controllen = Batch::kControl;
     }
     const int received =
-        recvmmsg(socket_, batch_->headers.data(), static_cast<unsigned>(wanted), MSG_DONTWAIT, nullptr);
+        recvmmsg(socket_, batch_->headers.data(), static_cast<unsigned>(wanted), flags, nullptr);
     if (received < 0) {
         note_error(errno);
         return 0;
@@ -154,17 +182,46 @@ std::size_t SocketCan::receive(std::span<Frame> frames) {
 }
 
 bool SocketCan::send(const Frame& frame) {
-    can_frame raw{};
-    raw.can_id = frame.id & CAN_SFF_MASK;
-    raw.can_dlc = std::min<std::uint8_t>(frame.length, CAN_MAX_DLEN);
-    std::memcpy(raw.data, frame.data.data(), sizeof raw.data);
-    if (::send(socket_, &raw, sizeof raw, MSG_DONTWAIT) == static_cast<ssize_t>(sizeof raw)) {
-        if (!status_.bus_off) status_.up = true;
+    const can_frame out = raw(frame);
+    if (::send(socket_, &out, sizeof out, MSG_DONTWAIT) == static_cast<ssize_t>(sizeof out)) {
+        note_sent();
         return true;
     }
     ++status_.transmit_dropped;
     note_error(errno);
     return false;
+}
+
+std::size_t SocketCan::send_all(std::span<const Frame> frames) {
+    if (frames.empty()) return 0;
+    const std::size_t wanted = std::min(frames.size(), kMostSent);
+    std::transform(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(wanted),
+                   batch_->sent_frames.begin(), raw);
+    std::size_t taken = 0;
+    if (!newest_only_ || !earlier_frames_wait()) {
+        const int sent =
+            sendmmsg(socket_, batch_->sent_headers.data(), static_cast<unsigned>(wanted), MSG_DONTWAIT);
+        if (sent < 0) {
+            note_error(errno);
+        } else {
+            taken = static_cast<std::size_t>(sent);
+            note_sent();
+        }
+    }
+    status_.transmit_dropped += static_cast<std::uint32_t>(frames.size() - taken);
+    return taken;
+}
+
+/// As the kernel counts what has not yet left the interface's queue for the adapter. A kernel that does not say has nothing waiting.
+bool SocketCan::earlier_frames_wait() const {
+    std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+    socklen_t size = sizeof memory;
+    return getsockopt(socket_, SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0 &&
+           memory[SK_MEMINFO_WMEM_ALLOC] > 0;
+}
+
+void SocketCan::note_sent() {
+    if (!status_.bus_off) status_.up = true;
 }
 
 bool SocketCan::wait(Time timeout) {

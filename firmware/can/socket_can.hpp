@@ -17,9 +17,13 @@
 ///
 /// Transmit queue: the socket's own send buffer is made as small as the kernel allows, so that only a few
 /// frames can wait ahead; a frame that finds it full is given up and counted, and the caller's next, newer
-/// one is tried on its own: a jam is never followed by a burst of old commands.
+/// one is tried on its own. Nobody can call back what the kernel has taken. With `newest_only`, send_all()
+/// therefore hands over nothing while frames of an earlier call still wait: when a jam ends, at most one
+/// call's frames are old, and the next ones are the newest.
 ///
-/// System calls: receive() makes one for up to kBatch frames, send() one, status() none.
+/// System calls: receive() makes one for up to kBatch frames; receive_within() the same one where `timeout` is
+/// kLongestWait or more, a second one before it else; send() and send_all() one, with `newest_only` two;
+/// status() none.
 #pragma once
 
 #include <cstdint>
@@ -34,11 +38,14 @@ namespace antiskid::can {
 
 struct SocketCanOptions {
     int receive_buffer_bytes = 1 << 20;  ///< asked of the kernel, which may give less (net.core.rmem_max)
+    bool newest_only = false;            ///< see above
 };
 
 class SocketCan final : public Bus {
   public:
     static constexpr std::size_t kBatch = 32;
+    static constexpr std::size_t kMostSent = 8;  ///< in one call of send_all(); the rest is given up
+    static constexpr Time kLongestWait{20'000'000};
 
     /// `ids`: the identifiers to receive; none: error frames only. Throws std::runtime_error naming the
     /// interface and the command that mends it when the interface is absent, down or no CAN, or the kernel
@@ -50,7 +57,10 @@ class SocketCan final : public Bus {
     SocketCan& operator=(const SocketCan&) = delete;
 
     std::size_t receive(std::span<Frame> frames) override;
+    /// Waits kLongestWait at most, as the kernel's tick counts it: some ms more.
+    std::size_t receive_within(Time timeout, std::span<Frame> frames) override;
     bool send(const Frame& frame) override;
+    std::size_t send_all(std::span<const Frame> frames) override;
     /// True also when the link's state changed; receive() then takes note of it.
     bool wait(Time timeout) override;
     [[nodiscard]] LinkStatus status() const override { return status_; }
@@ -60,10 +70,14 @@ class SocketCan final : public Bus {
 
   private:
     struct Batch;
+    std::size_t receive(std::span<Frame> frames, int flags);
+    [[nodiscard]] bool earlier_frames_wait() const;
+    void note_sent();
     void note_error(int error);
     void note_error_frame(std::uint32_t classes);
 
     int socket_ = -1;
+    bool newest_only_;
     std::uint32_t kernel_drops_ = 0;
     LinkStatus status_;
     std::unique_ptr<Batch> batch_;  // the kernel's structures, made once

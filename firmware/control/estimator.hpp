@@ -15,7 +15,7 @@ class Estimator {
     Estimator(const WheelConfig& wheel, const FlywheelConfig& flywheel, const ValveConfig& valve,
               const EstimatorConfig& estimator, const ObserverConfig& observer, float period_s);
 
-    /// One period; `last_current_mA` is what the valve was commanded since the step before.
+    /// One period; `last_current_mA` is what the valve has held since the step before.
     const Estimate& update(const Sensors& sensors, float last_current_mA);
 
     [[nodiscard]] const Estimate& estimate() const { return estimate_; }

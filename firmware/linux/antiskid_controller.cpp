@@ -58,13 +58,17 @@ int run(const rt::Options& options, const rt::Setup& setup) {
     rt::StopSignals signals;
     if (const auto refused = rt::lock_memory()) spdlog::warn(*refused);
     const can::IdList wanted = can::ids(setup.layout, can::kToController);
-    rt::SupervisedCan bus(
-        [&options, &wanted] { return std::make_unique<can::SocketCan>(options.interface, wanted.span()); });
+    rt::SupervisedCan bus([&options, &wanted] {
+        // In lockstep nothing is late, and the look at the queue would be.
+        return std::make_unique<can::SocketCan>(
+            options.interface, wanted.span(),
+            can::SocketCanOptions{.newest_only = options.clock != rt::ClockSource::sync});
+    });
     rt::MonotonicClock clock;
     const auto session = std::make_unique<rt::Session>(setup, options, bus, clock);
     rt::ServiceManager service = rt::ServiceManager::of_this_process();
     rt::Telemetry telemetry(*spdlog::default_logger(), options.interface);
-    const std::string clock_name = options.clock == rt::ClockSource::timer ? "timer" : "sync";
+    const std::string clock_name(rt::name(options.clock));
     spdlog::info("antiskid-controller {} on {}, {} us by {}, configuration {}", ANTISKID_VERSION,
                  options.interface, setup.period / 1us, clock_name, setup.config_hash);
     {

@@ -1,4 +1,4 @@
-/// The real-time loop: wait, take in frames, step, send, leave a record. Nothing in it allocates, locks, logs
+/// The real-time loop: one wait, one receive, a step, one send, a record. Nothing in it allocates, locks, logs
 /// or throws.
 ///
 /// The valve command goes first, so that nothing delays it; in lockstep it goes last, because the rig moves

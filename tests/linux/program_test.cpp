@@ -30,7 +30,7 @@ std::variant<Options, int> parse(const Arguments... arguments) {
 TEST_CASE("options are what was typed, or their defaults", "[RT-080]") {
     const auto plain = std::get<Options>(parse("--can", "can0"));
     CHECK(plain.interface == "can0");
-    CHECK(plain.clock == rt::ClockSource::timer);
+    CHECK(plain.clock == rt::ClockSource::sensors);
     CHECK(plain.config == "config/controller.toml");
     CHECK_FALSE(plain.report);
     CHECK_FALSE(plain.realtime.cpu);
