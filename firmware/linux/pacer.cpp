@@ -28,23 +28,23 @@ SensorPacer::SensorPacer(Clock& clock, const Time period, const can::Role messag
     : clock_(clock), period_(period), message_(message), bus_(bus), port_(port), intake_(intake) {}
 
 std::optional<Wake> SensorPacer::next(const std::atomic<bool>& stop) {
-    if (!last_) last_ = clock_.now();
-    const Time earliest = *last_ + period_ / 2;
-    const Time latest = *last_ + period_ + (by_frame_ ? period_ / 2 : Time{0});
+    if (!started_) last_ = woke_ = clock_.now();
+    started_ = true;
+    const Time earliest = last_ + period_ / 2;
+    const Time latest = last_ + period_ + (by_frame_ ? period_ / 2 : Time{0});
     const std::uint32_t before = arrived();
     std::size_t frames = 0;
-    // The clock is not asked before the first wait: the step took too little to matter to a time-out.
-    for (Time woke = *last_; !stop.load(std::memory_order_relaxed);) {
+    while (!stop.load(std::memory_order_relaxed)) {
         if (arrived() != before)
             clock_.sleep_until(earliest);
-        else
-            (void)bus_.wait(latest - woke);
-        woke = clock_.now();
-        FrameIntake::Taken taken = intake_.drain(woke);
+        else  // the first time without asking the clock: the step took too little to matter to a time-out
+            (void)bus_.wait(latest - woke_);
+        woke_ = clock_.now();
+        FrameIntake::Taken taken = intake_.drain(woke_);
         frames += taken.frames;
         const bool by_frame = arrived() != before;
-        if (woke < (by_frame ? earliest : latest)) continue;
-        Wake wake = by_frame ? on_frame(woke) : on_silence(woke, latest);
+        if (woke_ < (by_frame ? earliest : latest)) continue;
+        Wake wake = by_frame ? on_frame() : on_silence(latest);
         taken.frames = frames;
         wake.taken = taken;
         return wake;
@@ -58,24 +58,25 @@ std::uint32_t SensorPacer::arrived() const {
     return stats.accepted + stats.rejected();
 }
 
-Wake SensorPacer::on_frame(const Time woke) {
-    const std::int64_t periods = (woke - *last_) / period_;
+Wake SensorPacer::on_frame() {
+    const std::int64_t periods = (woke_ - last_) / period_;
     const Time received = reception();
-    last_ = received > *last_ ? received : woke;  // of a damaged one nobody knows
+    const Time came = received > last_ ? received : woke_;  // of a damaged one nobody knows
+    last_ = std::max(came, woke_ - period_);
     by_frame_ = true;
-    return Wake{.now = woke,
-                .woke = woke,
-                .latency = woke - *last_,
+    return Wake{.now = woke_,
+                .woke = woke_,
+                .latency = woke_ - came,
                 .skipped = static_cast<std::uint64_t>(std::max<std::int64_t>(periods - 1, 0))};
 }
 
-Wake SensorPacer::on_silence(const Time woke, const Time deadline) {
-    const std::int64_t skipped = (woke - deadline) / period_;
+Wake SensorPacer::on_silence(const Time deadline) {
+    const std::int64_t skipped = (woke_ - deadline) / period_;
     last_ = deadline + skipped * period_;
     by_frame_ = false;
-    return Wake{.now = woke,
-                .woke = woke,
-                .latency = woke - deadline,
+    return Wake{.now = woke_,
+                .woke = woke_,
+                .latency = woke_ - deadline,
                 .skipped = static_cast<std::uint64_t>(skipped),
                 .by_timer = true};
 }
@@ -111,7 +112,8 @@ std::optional<Wake> SyncPacer::next(const std::atomic<bool>& stop) {
         if (taken.sync) return on_sync(taken);
         if (!started_ || (more && turn % kTurnsPerReading != 0)) continue;
         const Time reading = clock_.now();
-        left = last_ + patience - reading;
+        if (!last_) last_ = reading;
+        left = *last_ + patience - reading;
         if (left > Time{0}) continue;
         synchronised_ = false;
         last_ = reading;
@@ -126,11 +128,11 @@ std::optional<Wake> SyncPacer::next(const std::atomic<bool>& stop) {
 
 Wake SyncPacer::on_sync(const FrameIntake::Taken& taken) {
     const bool follows = follows_last();
-    last_ = taken.sync_received;
+    last_.reset();
     started_ = true;
     synchronised_ = true;
     return Wake{.now = std::exchange(next_now_, next_now_ + period_),
-                .woke = last_,
+                .woke = taken.sync_received,
                 .skipped = follows ? 0U : 1U,
                 .taken = taken};
 }

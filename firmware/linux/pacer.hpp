@@ -64,8 +64,8 @@ class SensorPacer final : public Pacer {
   private:
     [[nodiscard]] std::uint32_t arrived() const;
     [[nodiscard]] Time reception() const;
-    [[nodiscard]] Wake on_frame(Time woke);
-    [[nodiscard]] Wake on_silence(Time woke, Time deadline);
+    [[nodiscard]] Wake on_frame();
+    [[nodiscard]] Wake on_silence(Time deadline);
 
     Clock& clock_;
     Time period_;
@@ -73,15 +73,16 @@ class SensorPacer final : public Pacer {
     can::Bus& bus_;
     const can::ControllerPort& port_;
     FrameIntake& intake_;
-    std::optional<Time>
-        last_;               ///< reception of the frame or, without one, the deadline that made the last step
+    Time last_{};            ///< reception of the frame or, without one, the deadline that made the last step
     bool by_frame_ = false;  ///< which of them
+    Time woke_{};
+    bool started_ = false;
 };
 
 /// Lockstep: one step for each SYNC, and the controller's time is the number of steps before it times the
 /// period, so that a run does not depend on the machine's speed.
 ///
-/// Nothing happens before the first SYNC. When the next one fails to come within `timeout`, steps go on once a
+/// Nothing happens before the first SYNC. When the next one fails to come within `timeout` (and up to kLongestWait), steps go on once a
 /// period on the machine's clock until it does: the ages of the inputs grow, and the controller names what is
 /// missing. While SYNC comes the clock is not asked before the step: a reading costs as much as one in a virtual
 /// machine. A SYNC whose number does not follow the last one's counts as a missed period.
@@ -106,7 +107,7 @@ class SyncPacer final : public Pacer {
     std::uint64_t sync_modulo_;
     FrameIntake& intake_;
     Time next_now_{};
-    Time last_{};  ///< when the last step was made or its SYNC received
+    std::optional<Time> last_;  ///< first reading of the clock since the last step
     std::uint32_t last_number_ = 0;
     bool started_ = false;
     bool synchronised_ = false;

@@ -41,6 +41,7 @@ TEST_CASE("options are what was typed, or their defaults", "[RT-080]") {
         parse("--can", "vcan1", "--clock", "sync", "--sync-timeout", "250", "--config", "a", "--dbc", "b",
               "--binding", "c", "--report", "d", "--cpu", "1", "--priority", "0", "--log-level", "warning"));
     CHECK(full.clock == rt::ClockSource::sync);
+    CHECK(std::get<Options>(parse("--can", "can0", "--clock", "timer")).clock == rt::ClockSource::timer);
     CHECK(full.sync_timeout_ms == 250);
     CHECK(full.binding == "c");
     CHECK(full.report == "d");

@@ -230,6 +230,49 @@ TEST_CASE("a full transmit queue gives frames up, counts them, and never sends t
     }
 }
 
+TEST_CASE("newest_only: after a jam one call's frames are old, and right behind them comes the newest",
+          "[CAN-211]") {
+    const Interface slow("vcan6");
+    SocketCan b("vcan6", kWanted);
+    SocketCan a("vcan6", kWanted, {.newest_only = true});
+    shell("tc qdisc add dev vcan6 root tbf rate 8kbit burst 32 limit 100000");
+    std::vector<std::uint32_t> taken;
+    std::uint32_t number = 0;
+    const auto send_next = [&] {
+        const std::array<Frame, 2> frames{numbered(0x110, number), numbered(0x120, number)};
+        const std::size_t count = a.send_all(frames);
+        if (count == 2) taken.push_back(number);
+        ++number;
+        return count;
+    };
+    while (number < 200) send_next();
+    CHECK(taken.size() <= 3);  // two frames go at once, and one call's wait
+    CHECK(a.status().transmit_dropped == 2 * (200 - taken.size()));
+    const Time deadline = monotonic() + kPatience;
+    while (send_next() == 0 && monotonic() < deadline) static_cast<void>(a.wait(Time{1'000'000}));
+    CHECK(taken.back() == number - 1);
+    std::vector<std::uint32_t> arrived;
+    while (arrived.size() < 2 * taken.size() && b.wait(kPatience))
+        for (const Frame& frame : drain(b)) arrived.push_back(number_of(frame));
+    REQUIRE(arrived.size() == 2 * taken.size());
+    for (std::size_t i = 0; i < arrived.size(); ++i) CHECK(arrived[i] == taken[i / 2]);
+}
+
+TEST_CASE("a long wait ends with a frame, or in good time without", "[CAN-210]") {
+    SocketCan a("vcan0", kWanted);
+    SocketCan b("vcan0", kWanted);
+    std::array<Frame, 4> frames;
+    const Time began = monotonic();
+    CHECK(b.receive_within(SocketCan::kLongestWait, frames) == 0);
+    CHECK(monotonic() - began >= SocketCan::kLongestWait);
+    CHECK(b.receive_within(Time{1'500'000}, frames) == 0);
+    const std::array<Frame, 2> sent{numbered(0x110, 1), numbered(0x120, 2)};
+    CHECK(a.send_all(sent) == 2);
+    std::size_t count = b.receive_within(SocketCan::kLongestWait, frames);
+    if (count == 1) count += b.receive_within(SocketCan::kLongestWait, frames);
+    CHECK(count == 2);
+}
+
 TEST_CASE("an interface that goes down is reported, and used again when it comes up", "[CAN-085]") {
     const Interface fragile("vcan4");
     SocketCan a("vcan4", kWanted);
