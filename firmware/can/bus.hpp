@@ -24,12 +24,15 @@ struct LinkStatus {
 
 class Bus {
   public:
+    /// Of one call. A wait of this length may end some ms late; shorter ones are exact and can cost a system call more.
+    static constexpr Time kLongestWait{20'000'000};
+
     virtual ~Bus() = default;
 
     /// Moves frames that have arrived into `frames`, oldest first; returns how many. Never waits.
     virtual std::size_t receive(std::span<Frame> frames) = 0;
 
-    /// The same, but where none has arrived it waits for one, at most about `timeout`.
+    /// The same, but where none has arrived it waits for one, at most `timeout` or kLongestWait.
     virtual std::size_t receive_within(Time timeout, std::span<Frame> frames) {
         const std::size_t count = receive(frames);
         return count > 0 || !wait(timeout) ? count : receive(frames);

@@ -21,9 +21,8 @@
 /// therefore hands over nothing while frames of an earlier call still wait: when a jam ends, at most one
 /// call's frames are old, and the next ones are the newest.
 ///
-/// System calls: receive() makes one for up to kBatch frames; receive_within() the same one where `timeout` is
-/// kLongestWait or more, a second one before it else; send() and send_all() one, with `newest_only` two;
-/// status() none.
+/// System calls: receive() makes one for up to kBatch frames; so does receive_within() for the longest wait, for a
+/// shorter one two; send() and send_all() make one, send_all() with `newest_only` two; status() none.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +44,6 @@ class SocketCan final : public Bus {
   public:
     static constexpr std::size_t kBatch = 32;
     static constexpr std::size_t kMostSent = 8;  ///< in one call of send_all(); the rest is given up
-    static constexpr Time kLongestWait{20'000'000};
 
     /// `ids`: the identifiers to receive; none: error frames only. Throws std::runtime_error naming the
     /// interface and the command that mends it when the interface is absent, down or no CAN, or the kernel
@@ -57,7 +55,6 @@ class SocketCan final : public Bus {
     SocketCan& operator=(const SocketCan&) = delete;
 
     std::size_t receive(std::span<Frame> frames) override;
-    /// Waits kLongestWait at most, as the kernel's tick counts it: some ms more.
     std::size_t receive_within(Time timeout, std::span<Frame> frames) override;
     bool send(const Frame& frame) override;
     std::size_t send_all(std::span<const Frame> frames) override;

@@ -88,7 +88,7 @@ class SensorPacer final : public Pacer {
 /// machine. A SYNC whose number does not follow the last one's counts as a missed period.
 class SyncPacer final : public Pacer {
   public:
-    static constexpr Time kLongestWait = std::chrono::milliseconds{20};
+    static constexpr Time kLongestWait = can::Bus::kLongestWait;
 
     SyncPacer(Clock& clock, Time period, Time timeout, const can::ControllerPort& port,
               std::uint64_t sync_modulo, FrameIntake& intake);
