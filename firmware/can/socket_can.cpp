@@ -5,6 +5,7 @@
 #include <linux/can/raw.h>
 #include <linux/sock_diag.h>
 #include <poll.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -13,6 +14,7 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <system_error>
 #include <vector>
 
 #include "firmware/can/raw_socket.hpp"
@@ -58,6 +60,18 @@ can_frame raw(const Frame& frame) {
     out.can_dlc = std::min<std::uint8_t>(frame.length, CAN_MAX_DLEN);
     std::memcpy(out.data, frame.data.data(), sizeof out.data);
     return out;
+}
+
+/// Tells of each frame that arrives at `bell`, read or not.
+int edge_triggered(const int bell, const std::string& interface) {
+    epoll_event arrival{};
+    arrival.events = EPOLLIN | EPOLLET;
+    const int epoll = epoll_create1(EPOLL_CLOEXEC);
+    if (epoll >= 0 && epoll_ctl(epoll, EPOLL_CTL_ADD, bell, &arrival) == 0) return epoll;
+    const int error = errno;
+    if (epoll >= 0) close(epoll);
+    throw std::system_error(error, std::generic_category(),
+                            "CAN interface '" + interface + "' cannot be waited for");
 }
 
 }  // namespace
@@ -117,11 +131,24 @@ SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t
     socket.set_option(SOL_SOCKET, SO_RCVTIMEO, longest, "the longest wait");
 
     socket.bind();
+    if (options.wakes) {
+        // A filter for one identifier alone is the kernel's last to be served: when the bell rings, the frame is in the other socket.
+        RawSocket bell(interface);
+        const can_filter one{.can_id = *options.wakes,
+                             .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK};
+        bell.set_option(SOL_CAN_RAW, CAN_RAW_FILTER, one, "the filters");
+        bell.bind();
+        bell_rings_ = edge_triggered(bell.get(), interface);
+        bell_ = bell.release();
+    }
     socket_ = socket.release();
 }
 
 SocketCan::~SocketCan() {
     close(socket_);
+    if (bell_ < 0) return;
+    close(bell_rings_);
+    close(bell_);
 }
 
 std::size_t SocketCan::receive(std::span<Frame> frames) {
@@ -227,8 +254,20 @@ void SocketCan::note_sent() {
 bool SocketCan::wait(Time timeout) {
     const std::int64_t left = std::max<std::int64_t>(timeout.count(), 0);
     const timespec limit{.tv_sec = left / kPerSecond, .tv_nsec = left % kPerSecond};
+    if (bell_ >= 0) return wait_for_bell(limit);
     pollfd descriptor{.fd = socket_, .events = POLLIN, .revents = 0};
     return ppoll(&descriptor, 1, &limit, nullptr) > 0;
+}
+
+bool SocketCan::wait_for_bell(const timespec& limit) {
+    epoll_event event{};
+    const bool rung = epoll_pwait2(bell_rings_, &event, 1, &limit, nullptr) > 0;
+    // A full bell would not ring any more.
+    if (!rung || ++rings_ % kBatch == 0) {
+        for (mmsghdr& header : batch_->headers) header.msg_hdr.msg_controllen = Batch::kControl;
+        (void)recvmmsg(bell_, batch_->headers.data(), kBatch, MSG_DONTWAIT, nullptr);
+    }
+    return rung;
 }
 
 void SocketCan::note_error(int error) {

@@ -26,7 +26,9 @@
 #pragma once
 
 #include <cstdint>
+#include <ctime>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -38,6 +40,8 @@ namespace antiskid::can {
 struct SocketCanOptions {
     int receive_buffer_bytes = 1 << 20;  ///< asked of the kernel, which may give less (net.core.rmem_max)
     bool newest_only = false;            ///< see above
+    /// The only identifier that ends wait(): without it every frame of a period would wake the program up.
+    std::optional<std::uint16_t> wakes{};
 };
 
 class SocketCan final : public Bus {
@@ -70,10 +74,14 @@ class SocketCan final : public Bus {
     std::size_t receive(std::span<Frame> frames, int flags);
     [[nodiscard]] bool earlier_frames_wait() const;
     void note_sent();
+    [[nodiscard]] bool wait_for_bell(const timespec& limit);
     void note_error(int error);
     void note_error_frame(std::uint32_t classes);
 
     int socket_ = -1;
+    int bell_ = -1;        // a second socket, for `wakes` alone
+    int bell_rings_ = -1;  // epoll, edge-triggered: the bell need not be emptied each time
+    std::uint32_t rings_ = 0;
     bool newest_only_;
     std::uint32_t kernel_drops_ = 0;
     LinkStatus status_;

@@ -54,15 +54,22 @@ int finish(const rt::Options& options, const rt::RunReport& report) {
     return 1;
 }
 
+can::SocketCanOptions socket_options(const rt::ClockSource clock, const rt::Setup& setup) {
+    can::SocketCanOptions socket;
+    // In lockstep nothing is late, and a look at the queue costs a system call.
+    socket.newest_only = clock != rt::ClockSource::sync;
+    const auto message = rt::SensorPacer::message(setup.layout, setup.period);
+    if (clock == rt::ClockSource::sensors && message) socket.wakes = setup.layout[*message].id;
+    return socket;
+}
+
 int run(const rt::Options& options, const rt::Setup& setup) {
     rt::StopSignals signals;
     if (const auto refused = rt::lock_memory()) spdlog::warn(*refused);
     const can::IdList wanted = can::ids(setup.layout, can::kToController);
-    rt::SupervisedCan bus([&options, &wanted] {
-        // In lockstep nothing is late, and the look at the queue would be.
-        return std::make_unique<can::SocketCan>(
-            options.interface, wanted.span(),
-            can::SocketCanOptions{.newest_only = options.clock != rt::ClockSource::sync});
+    const can::SocketCanOptions socket = socket_options(options.clock, setup);
+    rt::SupervisedCan bus([&options, &wanted, &socket] {
+        return std::make_unique<can::SocketCan>(options.interface, wanted.span(), socket);
     });
     rt::MonotonicClock clock;
     const auto session = std::make_unique<rt::Session>(setup, options, bus, clock);

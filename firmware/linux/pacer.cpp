@@ -59,15 +59,16 @@ std::uint32_t SensorPacer::arrived() const {
 }
 
 Wake SensorPacer::on_frame() {
-    const std::int64_t periods = (woke_ - last_) / period_;
+    const Time first_missed = last_ + period_;
+    const std::int64_t skipped = std::max<std::int64_t>((woke_ - first_missed) / period_, 0);
     const Time received = reception();
     const Time came = received > last_ ? received : woke_;  // of a damaged one nobody knows
     last_ = std::max(came, woke_ - period_);
     by_frame_ = true;
     return Wake{.now = woke_,
                 .woke = woke_,
-                .latency = woke_ - came,
-                .skipped = static_cast<std::uint64_t>(std::max<std::int64_t>(periods - 1, 0))};
+                .latency = woke_ - (skipped > 0 ? first_missed : came),
+                .skipped = static_cast<std::uint64_t>(skipped)};
 }
 
 Wake SensorPacer::on_silence(const Time deadline) {

@@ -3,6 +3,7 @@
 #include <linux/can/raw.h>
 #include <linux/sock_diag.h>
 #include <poll.h>
+#include <sys/epoll.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -179,6 +180,29 @@ int __wrap_getsockopt(int descriptor, int level, int option, void* value, sockle
     memory[SK_MEMINFO_WMEM_ALLOC] = fake->queued_bytes;
     std::memcpy(value, memory.data(), sizeof memory);
     return 0;
+}
+
+int __wrap_epoll_create1(int flags) {
+    if (fake->epoll_error != 0) return refuse(fake->epoll_error);
+    if (flags != EPOLL_CLOEXEC) throw std::logic_error("a child would inherit it");
+    const int descriptor = can_test::kFirst + static_cast<int>(fake->open.size());
+    fake->open.insert(descriptor);
+    return descriptor;
+}
+
+int __wrap_epoll_ctl(int /*epoll*/, int operation, int descriptor, epoll_event* event) {
+    if (operation != EPOLL_CTL_ADD || event->events != (EPOLLIN | EPOLLET) ||
+        !fake->open.contains(descriptor))
+        throw std::logic_error("not each arrival at an open socket");
+    return fake->epoll_add_error == 0 ? 0 : refuse(fake->epoll_add_error);
+}
+
+int __wrap_epoll_pwait2(int epoll, epoll_event* /*events*/, int /*most*/, const timespec* timeout,
+                        const void* /*mask*/) {
+    if (!fake->open.contains(epoll)) throw std::logic_error("not open");
+    fake->calls.emplace_back("wait for the bell");
+    fake->waited.push_back(FakeKernel::Time{timeout->tv_sec * can_test::kNanoseconds + timeout->tv_nsec});
+    return fake->poll_answer;
 }
 
 int __wrap_ppoll(pollfd* descriptors, nfds_t count, const timespec* timeout, const void* /*mask*/) {

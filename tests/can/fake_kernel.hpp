@@ -48,6 +48,8 @@ class FakeKernel {
     std::size_t room = SIZE_MAX;  ///< frames that one call of sendmmsg() may send
     std::uint32_t queued_bytes = 0;
     int memory_error = 0;
+    int epoll_error = 0;
+    int epoll_add_error = 0;
     int receive_error = EAGAIN;  ///< when nothing has arrived
     std::map<std::pair<int, int>, int> option_errors;
 

@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <sys/time.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -327,6 +328,36 @@ TEST_CASE("newest_only: no frame is put behind one of an earlier call that still
     kernel.memory_error = 0;
     kernel.queued_bytes = 0;
     CHECK(bus.send_all(frames) == 2);
+}
+
+TEST_CASE("a wait that one identifier ends is one call, and the bell never stays full", "[CAN-212]") {
+    FakeKernel kernel;
+    {
+        SocketCan bus("can0", kWanted, SocketCanOptions{.wakes = kWanted[1]});
+        CHECK(kernel.open.size() == 3);
+        const auto filter = value<can_filter>(kernel.options[{SOL_CAN_RAW, CAN_RAW_FILTER}]);
+        CHECK(filter.can_id == kWanted[1]);
+        CHECK(filter.can_mask == (CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK));
+        CHECK(bus.wait(Time{1'500'000}));
+        CHECK(kernel.calls == std::vector<std::string>{"wait for the bell"});
+        CHECK(kernel.waited.back() == Time{1'500'000});
+        for (std::size_t ring = 1; ring < 10 * SocketCan::kBatch; ++ring) CHECK(bus.wait(Time{1}));
+        CHECK(std::count(kernel.calls.begin(), kernel.calls.end(), "receive") == 10);
+        kernel.calls.clear();
+        kernel.poll_answer = 0;
+        CHECK_FALSE(bus.wait(Time{1}));
+        CHECK(kernel.calls == std::vector<std::string>{"wait for the bell", "receive"});
+    }
+    CHECK(kernel.open.empty());
+}
+
+TEST_CASE("a bell that cannot be had is an error, and no descriptor stays open", "[CAN-212][CAN-200]") {
+    FakeKernel kernel;
+    int& error = GENERATE(false, true) ? kernel.epoll_error : kernel.epoll_add_error;
+    error = EMFILE;
+    CHECK_THROWS_WITH(SocketCan("can0", kWanted, SocketCanOptions{.wakes = kWanted[1]}),
+                      ContainsSubstring("'can0' cannot be waited for"));
+    CHECK(kernel.open.empty());
 }
 
 TEST_CASE("a long wait and the reception after it are one call, a short wait is exact", "[CAN-210]") {

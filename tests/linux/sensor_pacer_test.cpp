@@ -162,7 +162,7 @@ TEST_CASE("a loop that is held up steps once, with the newest, and says how many
     const rt::Wake late = bench.next();
     CHECK(late.now - bench.start == 4300us);
     CHECK(late.skipped == 2);
-    CHECK(late.latency == 300us);
+    CHECK(late.latency == 2300us);
     CHECK(late.taken.frames == 9);
     const rt::Wake next = bench.next();
     CHECK(next.now - bench.start == 5000us);

@@ -258,6 +258,31 @@ TEST_CASE("newest_only: after a jam one call's frames are old, and right behind 
     for (std::size_t i = 0; i < arrived.size(); ++i) CHECK(arrived[i] == taken[i / 2]);
 }
 
+TEST_CASE("of one period's frames only that which is waited for ends the wait, and all of them are there",
+          "[CAN-212]") {
+    SocketCan a("vcan0", kWanted);
+    SocketCan b("vcan0", kWanted, {.wakes = kWanted[1]});
+    std::array<Frame, 4> frames;
+    CHECK(a.send(numbered(0x110, 0)));
+    CHECK_FALSE(b.wait(Time{5'000'000}));
+    CHECK(b.receive(frames) == 1);
+    for (std::uint32_t period = 0; period < 1000; ++period) {  // more than a bell holds unread
+        const std::array<Frame, 2> sent{numbered(0x110, period), numbered(0x120, period)};
+        REQUIRE(a.send_all(sent) == 2);
+        REQUIRE(b.wait(kPatience));
+        REQUIRE(b.receive(frames) == 2);
+        REQUIRE(number_of(frames[1]) == period);
+    }
+    // A program that was held up finds the bell full, and hears it again after that.
+    for (std::uint32_t period = 0; period < 1000; ++period) REQUIRE(a.send(numbered(0x120, period)));
+    while (b.receive(frames) > 0) continue;
+    while (b.wait(Time{1'000'000})) continue;
+    for (int turn = 0; turn < 100; ++turn) CHECK_FALSE(b.wait(Time{100'000}));
+    CHECK(a.send(numbered(0x120, 1)));
+    CHECK(b.wait(kPatience));
+    CHECK(b.receive(frames) == 1);
+}
+
 TEST_CASE("a long wait ends with a frame, or in good time without", "[CAN-210]") {
     SocketCan a("vcan0", kWanted);
     SocketCan b("vcan0", kWanted);
