@@ -19,7 +19,6 @@ void ControlLoop::cycle(const Wake& wake) {
     const control::Command command = doors_.controller.step(doors_.port.sensors(), wake.now);
     doors_.port.clear_one_shots();
     const std::uint32_t unsent = send_due(command);
-    const Time done = doors_.clock.now();
 
     if (statistics_.steps > 0) statistics_.period.add(wake.woke - last_woke_);
     last_woke_ = wake.woke;
@@ -27,7 +26,6 @@ void ControlLoop::cycle(const Wake& wake) {
     CycleRecord record{.step = statistics_.steps + 1,
                        .now = wake.now,
                        .latency = wake.latency,
-                       .work = done - wake.woke,
                        .skipped = wake.skipped,
                        .received = static_cast<std::uint32_t>(wake.taken.frames),
                        .unsent = unsent,
@@ -35,8 +33,12 @@ void ControlLoop::cycle(const Wake& wake) {
                        .by_timer = wake.by_timer,
                        .link = link,
                        .command = command};
-    const Time edge = settings_.valve_last ? wake.woke : doors_.port.sensors().wheel.received;
-    if (edge != control::kNever) record.edge_to_command = done - edge;
+    if (!settings_.valve_last || statistics_.steps % kTimedSteps == 0) {
+        const Time done = doors_.clock.now();
+        const Time edge = settings_.valve_last ? wake.woke : doors_.port.sensors().wheel.received;
+        record.work = done - wake.woke;
+        if (edge != control::kNever) record.edge_to_command = done - edge;
+    }
     statistics_.add(record);
     doors_.ring.push(record);
 }

@@ -39,6 +39,9 @@ class ControlLoop {
     /// Closing commands: as many as must get through, and how often at most that is tried, one period apart.
     static constexpr std::uint32_t kSafeCommands = 3;
     static constexpr std::uint32_t kSafeAttempts = 100;
+    /// In lockstep every so many-th step is timed: the rig waits for all that the loop does, and in a virtual machine
+    /// a reading of the clock costs as much as a reception.
+    static constexpr std::uint64_t kTimedSteps = 16;
 
     ControlLoop(const LoopSettings& settings, const LoopDoors& doors) : settings_(settings), doors_(doors) {}
 

@@ -15,9 +15,9 @@ struct CycleRecord {
     control::Time now{};     ///< time handed to the controller
     /// From the deadline waited for, or the reception of the frame gone by, to the loop running; 0 in lockstep.
     control::Time latency{};
-    /// From there, in lockstep from the reception of SYNC, to the last frame handed to the bus.
-    control::Time work{};
-    /// From the reception of the newest wheel frame, in lockstep of SYNC, to there. None: no wheel frame yet.
+    /// From there, in lockstep from the reception of SYNC, to the last frame handed to the bus. None: not timed.
+    std::optional<control::Time> work{};
+    /// From the reception of the newest wheel frame, in lockstep of SYNC, to there. None: no wheel frame yet, or not timed.
     std::optional<control::Time> edge_to_command{};
     std::uint64_t skipped = 0;   ///< periods missed just before this one
     std::uint32_t received = 0;  ///< frames taken from the bus

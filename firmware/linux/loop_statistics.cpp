@@ -5,7 +5,7 @@ namespace antiskid::rt {
 void LoopStatistics::add(const CycleRecord& record) {
     ++steps;
     latency.add(record.latency);
-    work.add(record.work);
+    if (record.work) work.add(*record.work);
     if (record.edge_to_command) edge_to_command.add(*record.edge_to_command);
     if (record.skipped > 0) {
         ++overruns;
