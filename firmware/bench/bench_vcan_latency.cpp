@@ -94,9 +94,9 @@ int main(int argc, char** argv) {
         bench::Settings settings;
         settings.cpu = last_processor();
         CLI::App app{
-            "Latency of antiskid-controller on a CAN interface: its wake-up against cyclictest, its command "
-            "against a "
-            "bare SocketCAN ping-pong.",
+            "Latency of antiskid-controller on a CAN interface: its wake-up against cyclictest, wheel frame "
+            "to command "
+            "by the sensors and by the timer, SYNC to command against a bare SocketCAN ping-pong.",
             "bench_vcan_latency"};
         add_options(app, settings);
         try {

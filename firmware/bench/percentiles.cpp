@@ -32,10 +32,10 @@ Percentiles exact(std::vector<std::int64_t>& latencies_ns) {
     return {.count = count, .p50_us = at(0.5), .p99_us = at(0.99), .p99_9_us = at(0.999), .max_us = at(1.0)};
 }
 
-Percentiles from_report(const nlohmann::json& report) {
-    const nlohmann::json& latency = report.at("durations").at("latency");
-    const auto us = [&](const char* key) { return latency.at(key).get<double>() * 1e-3; };
-    return {.count = latency.at("count").get<std::uint64_t>(),
+Percentiles from_report(const nlohmann::json& report, const std::string& duration) {
+    const nlohmann::json& figures = report.at("durations").at(duration);
+    const auto us = [&](const char* key) { return figures.at(key).get<double>() * 1e-3; };
+    return {.count = figures.at("count").get<std::uint64_t>(),
             .p50_us = us("p50_ns"),
             .p99_us = us("p99_ns"),
             .p99_9_us = us("p99_9_ns"),

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 namespace antiskid::bench {
@@ -20,8 +21,8 @@ struct Percentiles {
 /// Exact; reorders `latencies_ns`, which must not be empty.
 [[nodiscard]] Percentiles exact(std::vector<std::int64_t>& latencies_ns);
 
-/// `durations.latency` of a report of antiskid-controller. Upper bounds of buckets 1/64 wide: 1 us at 64 to 128 us.
-[[nodiscard]] Percentiles from_report(const nlohmann::json& report);
+/// One of the `durations` of a report of antiskid-controller. Upper bounds of buckets 1/64 wide: 1 us at 64 to 128 us.
+[[nodiscard]] Percentiles from_report(const nlohmann::json& report, const std::string& duration);
 
 /// The only thread of `cyclictest --json`. It cuts to whole microseconds, so these are upper bounds of buckets
 /// 1 us wide. What its histogram did not hold (its option -h) stands at the maximum.

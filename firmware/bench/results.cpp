@@ -39,15 +39,20 @@ Json wake_up_json(const std::vector<WakeUpRound>& rounds) {
     for (const WakeUpRound& round : rounds)
         each.push_back({{"controller", as_json(round.controller)},
                         {"cyclictest", as_json(round.cyclictest)},
+                        {"edge_by_sensors", as_json(round.edge_by_sensors)},
+                        {"edge_by_timer", as_json(round.edge_by_timer)},
                         {"frames_received", round.frames_received},
                         {"faults", round.faults},
                         {"cut_short", round.cut_short}});
     const Percentiles ours = middle(rounds, &WakeUpRound::controller);
     const Percentiles theirs = middle(rounds, &WakeUpRound::cyclictest);
-    return {
-        {"median",
-         {{"controller", as_json(ours)}, {"cyclictest", as_json(theirs)}, {"ratio", ratio(ours, theirs)}}},
-        {"rounds", each}};
+    return {{"median",
+             {{"controller", as_json(ours)},
+              {"cyclictest", as_json(theirs)},
+              {"ratio", ratio(ours, theirs)},
+              {"edge_by_sensors", as_json(middle(rounds, &WakeUpRound::edge_by_sensors))},
+              {"edge_by_timer", as_json(middle(rounds, &WakeUpRound::edge_by_timer))}}},
+            {"rounds", each}};
 }
 
 Json command_json(const CommandLatency& command) {
@@ -83,6 +88,9 @@ std::string table(const Results& results) {
         add_rows(text, fmt::format("wake-up latency, us, median of {} rounds", results.wake_up.size()),
                  "antiskid-controller by its timer", middle(results.wake_up, &WakeUpRound::controller),
                  "cyclictest", middle(results.wake_up, &WakeUpRound::cyclictest));
+        add_rows(text, fmt::format("edge to command, us, median of {} rounds", results.wake_up.size()),
+                 "steps by the sensors' frame", middle(results.wake_up, &WakeUpRound::edge_by_sensors),
+                 "steps by the timer", middle(results.wake_up, &WakeUpRound::edge_by_timer));
     }
     if (results.command) {
         const CommandLatency& c = *results.command;

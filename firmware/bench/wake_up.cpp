@@ -46,26 +46,36 @@ class Traffic {
     Child rig_;
 };
 
-void measure_controller(const Settings& s, const can::IdList& ids, WakeUpRound& round) {
+/// The controller's report.
+nlohmann::json run_controller(const Settings& s, const can::IdList& ids, const std::string& clock,
+                              WakeUpRound& round) {
     Traffic traffic(s, ids);
     traffic.close_socket();
     const auto report_path = std::filesystem::path(s.json).replace_extension(".controller.json");
-    Child controller({s.controller, "--can", s.interface, "--priority", std::to_string(s.priority), "--cpu",
-                      std::to_string(s.cpu), "--log-level", "warning", "--report", report_path},
-                     s.log());
-    round.cut_short = traffic.ends_within(std::chrono::seconds{s.seconds});
+    Child controller(
+        {s.controller, "--can", s.interface, "--clock", clock, "--priority", std::to_string(s.priority),
+         "--cpu", std::to_string(s.cpu), "--log-level", "warning", "--report", report_path},
+        s.log());
+    if (traffic.ends_within(std::chrono::seconds{s.seconds})) round.cut_short = true;
     if (controller.ends_within(0ms))
         throw std::runtime_error("antiskid-controller ended with status " +
                                  std::to_string(controller.status()) + "; see " + s.log().string());
     controller.stop();
     controller.expect_success();
     traffic.stop();
-    const nlohmann::json report = read_json(report_path);
+    nlohmann::json report = read_json(report_path);
     std::filesystem::remove(report_path);
-    round.controller = from_report(report);
-    round.frames_received = report.at("link").at("frames_received").get<std::uint64_t>();
     for (const nlohmann::json& fault : report.at("faults"))
         round.faults.push_back(fault.at("name").get<std::string>());
+    return report;
+}
+
+void measure_controller(const Settings& s, const can::IdList& ids, WakeUpRound& round) {
+    const nlohmann::json by_timer = run_controller(s, ids, "timer", round);
+    round.controller = from_report(by_timer, "latency");
+    round.edge_by_timer = from_report(by_timer, "edge_to_command");
+    round.frames_received = by_timer.at("link").at("frames_received").get<std::uint64_t>();
+    round.edge_by_sensors = from_report(run_controller(s, ids, "sensors", round), "edge_to_command");
 }
 
 void measure_cyclictest(const Settings& s, const can::IdList& ids, WakeUpRound& round) {

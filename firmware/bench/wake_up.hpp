@@ -1,7 +1,8 @@
-/// How late the controller's loop wakes up, against cyclictest in its place.
+/// How late the controller's loop wakes up, against cyclictest in its place; and how old the newest wheel frame is when the
+/// command that answers it leaves, by the sensors' frame and by the timer.
 ///
 /// In turn, each for the same time, on the same processor, at the same priority and with an interval of 1 ms:
-/// antiskid-controller by its timer, by its own histogram; and cyclictest. Both times virtual-rig puts its
+/// antiskid-controller by its timer and by the sensors' frame, by its own histograms; and cyclictest. Each time virtual-rig puts its
 /// sensor frames on the bus, by the same clock, 1,000 times a second. It brakes against the controller;
 /// against cyclictest, which commands no valve, it stays at its first sample, and its frames go to a socket
 /// that nobody reads.
@@ -20,7 +21,9 @@ namespace antiskid::bench {
 struct WakeUpRound {
     Percentiles controller;
     Percentiles cyclictest;
-    std::uint64_t frames_received = 0;  ///< by the controller
+    Percentiles edge_by_sensors;  ///< from the reception of the newest wheel frame to the command on its way
+    Percentiles edge_by_timer;
+    std::uint64_t frames_received = 0;  ///< by the controller, by its timer
     std::vector<std::string> faults;    ///< that the controller reported, e.g. overrun on a busy machine
     bool cut_short = false;             ///< virtual-rig gave up, e.g. for such a fault: measured until then
 };

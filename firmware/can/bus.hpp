@@ -17,24 +17,39 @@ struct LinkStatus {
     bool bus_off = false;            ///< the controller chip left the bus
     std::uint32_t error_frames = 0;  ///< error frames of any class
     std::uint32_t bus_off_events = 0;
-    std::uint32_t receive_dropped = 0;  ///< frames the kernel dropped since our queue was full
-    std::uint32_t transmit_dropped =
-        0;                        ///< frames given up: queue full, a newer one of the same id took its place
-    std::uint32_t malformed = 0;  ///< remote, extended, FD or over-long frames, ignored
+    std::uint32_t receive_dropped = 0;   ///< frames the kernel dropped since our queue was full
+    std::uint32_t transmit_dropped = 0;  ///< frames given up: queue full or link down; none is sent later
+    std::uint32_t malformed = 0;         ///< remote, extended, FD or over-long frames, ignored
 };
 
 class Bus {
   public:
+    /// Of one call. A wait of this length may end some ms late; shorter ones are exact and can cost a system call more.
+    static constexpr Time kLongestWait{20'000'000};
+
     virtual ~Bus() = default;
 
     /// Moves frames that have arrived into `frames`, oldest first; returns how many. Never waits.
     virtual std::size_t receive(std::span<Frame> frames) = 0;
 
+    /// The same, but where none has arrived it waits for one, at most `timeout` or kLongestWait.
+    virtual std::size_t receive_within(Time timeout, std::span<Frame> frames) {
+        const std::size_t count = receive(frames);
+        return count > 0 || !wait(timeout) ? count : receive(frames);
+    }
+
     /// Sends now or not at all: false when the queue is full or the link is down. Never waits, never retries.
     virtual bool send(const Frame& frame) = 0;
 
-    /// Waits until a frame can be received or `timeout` has passed; false on time-out. For the lockstep clock
-    /// and tests only.
+    /// A period's frames, in order, each now or not at all: returns how many were taken. What follows one that
+    /// was not taken is given up with it.
+    virtual std::size_t send_all(std::span<const Frame> frames) {
+        std::size_t taken = 0;
+        while (taken < frames.size() && send(frames[taken])) ++taken;
+        return taken;
+    }
+
+    /// Waits until a frame can be received or `timeout` has passed; false on time-out.
     virtual bool wait(Time timeout) = 0;
 
     [[nodiscard]] virtual LinkStatus status() const = 0;

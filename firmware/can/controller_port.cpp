@@ -80,6 +80,7 @@ void ControllerPort::note_link(const LinkStatus& status) {
 void ControllerPort::clear_one_shots() {
     sensors_.emergency_stop = false;
     sensors_.missed_periods = 0;
+    sensors_.command_unsent = false;
 }
 
 std::size_t ControllerPort::due_frames(const control::Command& command, std::span<Frame> out) {

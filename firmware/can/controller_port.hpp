@@ -8,7 +8,8 @@
 ///     port.note_link(bus.status());
 ///     const Command command = controller.step(port.sensors(), now);
 ///     port.clear_one_shots();
-///     for (const Frame& f : span.first(port.due_frames(command, span))) bus.send(f);
+///     const auto due = span.first(port.due_frames(command, span));
+///     if (bus.send_all(due) == 0 && !due.empty()) port.note_command_unsent();
 #pragma once
 
 #include <array>
@@ -43,7 +44,9 @@ class ControllerPort {
     void note_link(const LinkStatus& status);
     /// Sensors::missed_periods until clear_one_shots().
     void note_missed_periods(std::uint32_t count) { sensors_.missed_periods += count; }
-    /// After each step: emergency_stop and missed_periods are reported once.
+    /// Sensors::command_unsent until clear_one_shots(): the bus did not take the last valve command.
+    void note_command_unsent() { sensors_.command_unsent = true; }
+    /// After each step: emergency_stop, missed_periods and command_unsent are reported once.
     void clear_one_shots();
 
     /// SYNC frames accepted since start, and what the newest carried (0 when this layout's SYNC carries

@@ -38,11 +38,12 @@ std::string make(const std::string& interface) {
     refuse(interface, what + ": " + std::generic_category().message(error));
 }
 
-int open(const std::string& interface) {
+int open(const std::string& interface, RawSocket::Calls calls) {
     if (interface.empty() || interface.size() >= IFNAMSIZ) {
         refuse(interface, "is no interface name: expected 1 to 15 characters, like can0");
     }
-    const int fd = ::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
+    const int waiting = calls == RawSocket::Calls::never_wait ? SOCK_NONBLOCK : 0;
+    const int fd = ::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | waiting, CAN_RAW);
     if (fd >= 0) return fd;
     if (errno == EAFNOSUPPORT || errno == EPROTONOSUPPORT) {
         refuse(interface,
@@ -71,7 +72,8 @@ int index_of(int fd, const std::string& interface) {
 
 }  // namespace
 
-RawSocket::RawSocket(std::string interface) : interface_(std::move(interface)), socket_(open(interface_)) {
+RawSocket::RawSocket(std::string interface, Calls calls)
+    : interface_(std::move(interface)), socket_(open(interface_, calls)) {
     try {
         index_ = index_of(socket_, interface_);
     } catch (...) {

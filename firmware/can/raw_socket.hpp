@@ -11,8 +11,9 @@ namespace antiskid::can {
 
 class RawSocket {
   public:
-    /// Not blocking, closed on exec. Refused when the interface is absent, down or no CAN, or the kernel has no CAN.
-    explicit RawSocket(std::string interface);
+    enum class Calls : bool { never_wait, may_wait };  ///< those that do not say MSG_DONTWAIT
+    /// Closed on exec. Refused when the interface is absent, down or no CAN, or the kernel has no CAN.
+    explicit RawSocket(std::string interface, Calls calls = Calls::never_wait);
     ~RawSocket();
     RawSocket(const RawSocket&) = delete;
     RawSocket& operator=(const RawSocket&) = delete;

@@ -3,7 +3,9 @@
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
+#include <linux/sock_diag.h>
 #include <poll.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -12,6 +14,7 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <system_error>
 #include <vector>
 
 #include "firmware/can/raw_socket.hpp"
@@ -51,6 +54,26 @@ struct WallMinusMonotonic {
     }
 };
 
+can_frame raw(const Frame& frame) {
+    can_frame out{};
+    out.can_id = frame.id & CAN_SFF_MASK;
+    out.can_dlc = std::min<std::uint8_t>(frame.length, CAN_MAX_DLEN);
+    std::memcpy(out.data, frame.data.data(), sizeof out.data);
+    return out;
+}
+
+/// Tells of each frame that arrives at `bell`, read or not.
+int edge_triggered(const int bell, const std::string& interface) {
+    epoll_event arrival{};
+    arrival.events = EPOLLIN | EPOLLET;
+    const int epoll = epoll_create1(EPOLL_CLOEXEC);
+    if (epoll >= 0 && epoll_ctl(epoll, EPOLL_CTL_ADD, bell, &arrival) == 0) return epoll;
+    const int error = errno;
+    if (epoll >= 0) close(epoll);
+    throw std::system_error(error, std::generic_category(),
+                            "CAN interface '" + interface + "' cannot be waited for");
+}
+
 }  // namespace
 
 struct SocketCan::Batch {
@@ -63,6 +86,11 @@ struct SocketCan::Batch {
             headers[i].msg_hdr.msg_iovlen = 1;
             headers[i].msg_hdr.msg_control = &control[i];
         }
+        for (std::size_t i = 0; i < kMostSent; ++i) {
+            sent_vectors[i] = {.iov_base = &sent_frames[i], .iov_len = sizeof sent_frames[i]};
+            sent_headers[i].msg_hdr.msg_iov = &sent_vectors[i];
+            sent_headers[i].msg_hdr.msg_iovlen = 1;
+        }
     }
 
     struct alignas(cmsghdr) Control {
@@ -74,12 +102,15 @@ struct SocketCan::Batch {
     std::array<iovec, kBatch> vectors{};
     std::array<Control, kBatch> control{};
     std::array<mmsghdr, kBatch> headers{};
+    std::array<can_frame, kMostSent> sent_frames{};
+    std::array<iovec, kMostSent> sent_vectors{};
+    std::array<mmsghdr, kMostSent> sent_headers{};
 };
 
 SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t> ids,
                      const SocketCanOptions& options)
-    : batch_(std::make_unique<Batch>()) {
-    RawSocket socket(interface);
+    : newest_only_(options.newest_only), batch_(std::make_unique<Batch>()) {
+    RawSocket socket(interface, RawSocket::Calls::may_wait);
 
     // Remote frames of a wanted identifier pass, to be counted.
     std::vector<can_filter> filters;
@@ -96,22 +127,46 @@ SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t
     // The kernel raises this to its least value, room for a handful of frames.
     const int smallest = 1;
     socket.set_option(SOL_SOCKET, SO_SNDBUF, smallest, "the send buffer");
+    const timeval longest{.tv_sec = 0, .tv_usec = kLongestWait.count() / 1000};
+    socket.set_option(SOL_SOCKET, SO_RCVTIMEO, longest, "the longest wait");
 
     socket.bind();
+    if (options.wakes) {
+        // A filter for one identifier alone is the kernel's last to be served: when the bell rings, the frame is in the other socket.
+        RawSocket bell(interface);
+        const can_filter one{.can_id = *options.wakes,
+                             .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK};
+        bell.set_option(SOL_CAN_RAW, CAN_RAW_FILTER, one, "the filters");
+        bell.bind();
+        bell_rings_ = edge_triggered(bell.get(), interface);
+        bell_ = bell.release();
+    }
     socket_ = socket.release();
 }
 
 SocketCan::~SocketCan() {
     close(socket_);
+    if (bell_ < 0) return;
+    close(bell_rings_);
+    close(bell_);
 }
 
 std::size_t SocketCan::receive(std::span<Frame> frames) {
+    return receive(frames, MSG_DONTWAIT);
+}
+
+std::size_t SocketCan::receive_within(Time timeout, std::span<Frame> frames) {
+    if (timeout >= kLongestWait) return receive(frames, MSG_WAITFORONE);
+    return wait(timeout) ? receive(frames, MSG_DONTWAIT) : 0;
+}
+
+std::size_t SocketCan::receive(std::span<Frame> frames, int flags) {
     const std::size_t wanted = std::min(frames.size(), kBatch);
     for (std::size_t i = 0; i < wanted; ++i) {
         batch_->headers[i].msg_hdr.msg_controllen = Batch::kControl;
     }
     const int received =
-        recvmmsg(socket_, batch_->headers.data(), static_cast<unsigned>(wanted), MSG_DONTWAIT, nullptr);
+        recvmmsg(socket_, batch_->headers.data(), static_cast<unsigned>(wanted), flags, nullptr);
     if (received < 0) {
         note_error(errno);
         return 0;
@@ -154,12 +209,9 @@ std::size_t SocketCan::receive(std::span<Frame> frames) {
 }
 
 bool SocketCan::send(const Frame& frame) {
-    can_frame raw{};
-    raw.can_id = frame.id & CAN_SFF_MASK;
-    raw.can_dlc = std::min<std::uint8_t>(frame.length, CAN_MAX_DLEN);
-    std::memcpy(raw.data, frame.data.data(), sizeof raw.data);
-    if (::send(socket_, &raw, sizeof raw, MSG_DONTWAIT) == static_cast<ssize_t>(sizeof raw)) {
-        if (!status_.bus_off) status_.up = true;
+    const can_frame out = raw(frame);
+    if (::send(socket_, &out, sizeof out, MSG_DONTWAIT) == static_cast<ssize_t>(sizeof out)) {
+        note_sent();
         return true;
     }
     ++status_.transmit_dropped;
@@ -167,11 +219,55 @@ bool SocketCan::send(const Frame& frame) {
     return false;
 }
 
+std::size_t SocketCan::send_all(std::span<const Frame> frames) {
+    if (frames.empty()) return 0;
+    const std::size_t wanted = std::min(frames.size(), kMostSent);
+    std::transform(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(wanted),
+                   batch_->sent_frames.begin(), raw);
+    std::size_t taken = 0;
+    if (!newest_only_ || !earlier_frames_wait()) {
+        const int sent =
+            sendmmsg(socket_, batch_->sent_headers.data(), static_cast<unsigned>(wanted), MSG_DONTWAIT);
+        if (sent < 0) {
+            note_error(errno);
+        } else {
+            taken = static_cast<std::size_t>(sent);
+            note_sent();
+        }
+    }
+    status_.transmit_dropped += static_cast<std::uint32_t>(frames.size() - taken);
+    return taken;
+}
+
+/// As the kernel counts what has not yet left the interface's queue for the adapter. A kernel that does not say has nothing waiting.
+bool SocketCan::earlier_frames_wait() const {
+    std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+    socklen_t size = sizeof memory;
+    return getsockopt(socket_, SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0 &&
+           memory[SK_MEMINFO_WMEM_ALLOC] > 0;
+}
+
+void SocketCan::note_sent() {
+    if (!status_.bus_off) status_.up = true;
+}
+
 bool SocketCan::wait(Time timeout) {
     const std::int64_t left = std::max<std::int64_t>(timeout.count(), 0);
     const timespec limit{.tv_sec = left / kPerSecond, .tv_nsec = left % kPerSecond};
+    if (bell_ >= 0) return wait_for_bell(limit);
     pollfd descriptor{.fd = socket_, .events = POLLIN, .revents = 0};
     return ppoll(&descriptor, 1, &limit, nullptr) > 0;
+}
+
+bool SocketCan::wait_for_bell(const timespec& limit) {
+    epoll_event event{};
+    const bool rung = epoll_pwait2(bell_rings_, &event, 1, &limit, nullptr) > 0;
+    // A full bell would not ring any more.
+    if (!rung || ++rings_ % kBatch == 0) {
+        for (mmsghdr& header : batch_->headers) header.msg_hdr.msg_controllen = Batch::kControl;
+        (void)recvmmsg(bell_, batch_->headers.data(), kBatch, MSG_DONTWAIT, nullptr);
+    }
+    return rung;
 }
 
 void SocketCan::note_error(int error) {

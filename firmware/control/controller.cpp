@@ -6,8 +6,7 @@ namespace antiskid::control {
 
 Controller::Controller(const Config& config)
     : valve_(config.valve),
-      period_s_(config.period_s),
-      pass_through_rate_Paps_(config.supervisor.pass_through_rate_Paps),
+      pass_through_step_Pa_(config.supervisor.pass_through_rate_Paps * config.period_s),
       estimator_(config),
       monitor_(config),
       supervisor_(config.supervisor, config.period_s),
@@ -15,7 +14,8 @@ Controller::Controller(const Config& config)
       deceleration_law_(config.deceleration, config.slip, config.period_s),
       threshold_law_(config.threshold, config.period_s),
       takeover_Pa_(config.valve.full_pressure_Pa),
-      current_mA_(config.valve.safe_current_mA) {}
+      current_mA_(config.valve.safe_current_mA),
+      held_mA_(config.valve.safe_current_mA) {}
 
 void Controller::start_law(Law law, const Estimate& estimate) {
     law_ = law;
@@ -32,7 +32,7 @@ float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estim
     if (before != State::braking) takeover_Pa_ = valve_.full_pressure_Pa;
     if (before == State::armed || before == State::touchdown_protection) slip_law_.forget_runway();
     if (takes_over) takeover_Pa_ = requested_Pa_;
-    takeover_Pa_ = smaller(takeover_Pa_ + pass_through_rate_Paps_ * period_s_, valve_.full_pressure_Pa);
+    takeover_Pa_ = smaller(takeover_Pa_ + pass_through_step_Pa_, valve_.full_pressure_Pa);
     const float ceiling_Pa = smaller(maneuver.demand_Pa, takeover_Pa_);
     switch (maneuver.law) {
         case Law::wheel_slip:
@@ -49,8 +49,7 @@ float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estim
 /// Below drop-out the demand passes through, approached from the present pressure at a limited rate.
 float Controller::pass_through_Pa(float ceiling_Pa, const Estimate& estimate, State before) {
     if (before != State::drop_out) passed_Pa_ = estimate.pressure.pressure_Pa;
-    passed_Pa_ =
-        limited(towards(passed_Pa_, ceiling_Pa, pass_through_rate_Paps_ * period_s_), 0.0F, ceiling_Pa);
+    passed_Pa_ = limited(towards(passed_Pa_, ceiling_Pa, pass_through_step_Pa_), 0.0F, ceiling_Pa);
     return passed_Pa_;
 }
 
@@ -62,7 +61,8 @@ float Controller::current_mA(const Command& command, Law law) const {
 }
 
 Command Controller::step(const Sensors& sensors, Time now) {
-    const Estimate& estimate = estimator_.update(sensors, current_mA_);
+    if (!sensors.command_unsent) held_mA_ = current_mA_;
+    const Estimate& estimate = estimator_.update(sensors, held_mA_);
     const State before = supervisor_.state();
     const FaultSet present = monitor_.check(
         sensors, estimator_, {supervisor_.rolling(), before == State::braking, slip_law_.asked()}, now);

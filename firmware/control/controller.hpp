@@ -47,8 +47,7 @@ class Controller {
     void start_law(Law law, const Estimate& estimate);
 
     ValveConfig valve_;
-    float period_s_;
-    float pass_through_rate_Paps_;
+    float pass_through_step_Pa_;  // the most by which a demand that passes through may rise in a period
     Estimator estimator_;
     Monitor monitor_;
     Supervisor supervisor_;
@@ -59,7 +58,8 @@ class Controller {
     float passed_Pa_ = 0.0F;
     float requested_Pa_ = 0.0F;  // by the last step
     float takeover_Pa_;          // ceiling while one law takes over from another
-    float current_mA_;
+    float current_mA_;           // by the last step
+    float held_mA_;              // by the valve: of the last command that left
 };
 
 }  // namespace antiskid::control

@@ -14,7 +14,7 @@ class Estimator {
   public:
     explicit Estimator(const Config& config);
 
-    /// One period; `last_current_mA` is what the valve was commanded since the step before.
+    /// One period; `last_current_mA` is what the valve has held since the step before.
     const Estimate& update(const Sensors& sensors, float last_current_mA);
 
     [[nodiscard]] const Estimate& estimate() const { return estimate_; }

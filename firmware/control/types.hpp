@@ -73,6 +73,7 @@ struct Sensors {
     bool emergency_stop = false;       ///< an emergency stop frame was accepted since the last step
     bool bus_off = false;              ///< the interface is bus-off or down
     std::uint32_t missed_periods = 0;  ///< periods without a step since the last step
+    bool command_unsent = false;  ///< the last step's command did not leave: the valve holds the one before
 };
 
 enum class State : std::uint8_t {

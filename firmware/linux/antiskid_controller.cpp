@@ -54,17 +54,28 @@ int finish(const rt::Options& options, const rt::RunReport& report) {
     return 1;
 }
 
+can::SocketCanOptions socket_options(const rt::ClockSource clock, const rt::Setup& setup) {
+    can::SocketCanOptions socket;
+    // In lockstep nothing is late, and a look at the queue costs a system call.
+    socket.newest_only = clock != rt::ClockSource::sync;
+    const auto message = rt::SensorPacer::message(setup.layout, setup.period);
+    if (clock == rt::ClockSource::sensors && message) socket.wakes = setup.layout[*message].id;
+    return socket;
+}
+
 int run(const rt::Options& options, const rt::Setup& setup) {
     rt::StopSignals signals;
     if (const auto refused = rt::lock_memory()) spdlog::warn(*refused);
     const can::IdList wanted = can::ids(setup.layout, can::kToController);
-    rt::SupervisedCan bus(
-        [&options, &wanted] { return std::make_unique<can::SocketCan>(options.interface, wanted.span()); });
+    const can::SocketCanOptions socket = socket_options(options.clock, setup);
+    rt::SupervisedCan bus([&options, &wanted, &socket] {
+        return std::make_unique<can::SocketCan>(options.interface, wanted.span(), socket);
+    });
     rt::MonotonicClock clock;
     const auto session = std::make_unique<rt::Session>(setup, options, bus, clock);
     rt::ServiceManager service = rt::ServiceManager::of_this_process();
     rt::Telemetry telemetry(*spdlog::default_logger(), options.interface);
-    const std::string clock_name = options.clock == rt::ClockSource::timer ? "timer" : "sync";
+    const std::string clock_name(rt::name(options.clock));
     spdlog::info("antiskid-controller {} on {}, {} us by {}, configuration {}", ANTISKID_VERSION,
                  options.interface, setup.period / 1us, clock_name, setup.config_hash);
     {

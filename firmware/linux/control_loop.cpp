@@ -23,16 +23,22 @@ void ControlLoop::cycle(const Wake& wake) {
     if (statistics_.steps > 0) statistics_.period.add(wake.woke - last_woke_);
     last_woke_ = wake.woke;
     if (wake.taken.full) ++statistics_.full_drains;
-    const CycleRecord record{.step = statistics_.steps + 1,
-                             .now = wake.now,
-                             .latency = wake.latency,
-                             .work = doors_.clock.now() - wake.woke,
-                             .skipped = wake.skipped,
-                             .received = static_cast<std::uint32_t>(wake.taken.frames),
-                             .unsent = unsent,
-                             .synchronised = wake.synchronised,
-                             .link = link,
-                             .command = command};
+    CycleRecord record{.step = statistics_.steps + 1,
+                       .now = wake.now,
+                       .latency = wake.latency,
+                       .skipped = wake.skipped,
+                       .received = static_cast<std::uint32_t>(wake.taken.frames),
+                       .unsent = unsent,
+                       .synchronised = wake.synchronised,
+                       .by_timer = wake.by_timer,
+                       .link = link,
+                       .command = command};
+    if (!settings_.valve_last || statistics_.steps % kTimedSteps == 0) {
+        const Time done = doors_.clock.now();
+        const Time edge = settings_.valve_last ? wake.woke : doors_.port.sensors().wheel.received;
+        record.work = done - wake.woke;
+        if (edge != control::kNever) record.edge_to_command = done - edge;
+    }
     statistics_.add(record);
     doors_.ring.push(record);
 }
@@ -43,11 +49,10 @@ std::uint32_t ControlLoop::send_due(const control::Command& command) {
     const auto due = std::span(frames).first(count);
     // The port gives the valve command first, where it is due.
     if (settings_.valve_last && !due.empty()) std::rotate(due.begin(), due.begin() + 1, due.end());
-    std::uint32_t unsent = 0;
-    for (const can::Frame& frame : due)
-        if (!doors_.bus.send(frame)) ++unsent;
-    statistics_.frames_sent += count - unsent;
-    return unsent;
+    const std::size_t sent = doors_.bus.send_all(due);
+    if (sent < count && (settings_.valve_last || sent == 0)) doors_.port.note_command_unsent();
+    statistics_.frames_sent += sent;
+    return static_cast<std::uint32_t>(count - sent);
 }
 
 void ControlLoop::send_safe_current() {

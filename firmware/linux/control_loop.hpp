@@ -1,4 +1,4 @@
-/// The real-time loop: wait, take in frames, step, send, leave a record. Nothing in it allocates, locks, logs
+/// The real-time loop: one wait, one receive, a step, one send, a record. Nothing in it allocates, locks, logs
 /// or throws.
 ///
 /// The valve command goes first, so that nothing delays it; in lockstep it goes last, because the rig moves
@@ -39,6 +39,9 @@ class ControlLoop {
     /// Closing commands: as many as must get through, and how often at most that is tried, one period apart.
     static constexpr std::uint32_t kSafeCommands = 3;
     static constexpr std::uint32_t kSafeAttempts = 100;
+    /// In lockstep every so many-th step is timed: the rig waits for all that the loop does, and in a virtual machine
+    /// a reading of the clock costs as much as a reception.
+    static constexpr std::uint64_t kTimedSteps = 16;
 
     ControlLoop(const LoopSettings& settings, const LoopDoors& doors) : settings_(settings), doors_(doors) {}
 

@@ -25,16 +25,16 @@ class FrameIntake {
     /// Both must outlive the intake.
     FrameIntake(can::Bus& bus, can::ControllerPort& port) : bus_(bus), port_(port) {}
 
-    /// All that has arrived. A reception later than `now` (a frame that came while this call ran) becomes
+    /// All that has arrived, by one call to the bus unless there is more than a batch. A reception later than `now` (a frame that came while this call ran) becomes
     /// `now`.
     Taken drain(control::Time now);
 
-    /// Up to and including the next SYNC; all of them count as received at `now`, the lockstep time. Frames
-    /// behind SYNC wait for the next call.
-    Taken take_until_sync(control::Time now);
+    /// Up to and including the next SYNC, waiting up to `longest` where nothing is there; all of them count as
+    /// received at `now`, the lockstep time. Frames behind SYNC wait for the next call.
+    Taken take_until_sync(control::Time now, control::Time longest = {});
 
   private:
-    bool refill();
+    [[nodiscard]] bool has_next(bool first, control::Time longest);
 
     can::Bus& bus_;
     can::ControllerPort& port_;

@@ -5,13 +5,15 @@ namespace antiskid::rt {
 void LoopStatistics::add(const CycleRecord& record) {
     ++steps;
     latency.add(record.latency);
-    work.add(record.work);
+    if (record.work) work.add(*record.work);
+    if (record.edge_to_command) edge_to_command.add(*record.edge_to_command);
     if (record.skipped > 0) {
         ++overruns;
         missed_periods += record.skipped;
         overrun.add(record.latency);
     }
     if (!record.synchronised) ++unsynchronised;
+    if (record.by_timer) ++by_timer;
     frames_received += record.received;
     frames_unsent += record.unsent;
 

@@ -14,6 +14,7 @@ struct LoopStatistics {
     Histogram period;   ///< from one wake-up to the next
     Histogram latency;  ///< CycleRecord::latency
     Histogram work;     ///< CycleRecord::work
+    Histogram edge_to_command;
     Histogram
         overrun;  ///< of steps that came after missed periods: how late, counted from the first one missed
 
@@ -21,6 +22,7 @@ struct LoopStatistics {
     std::uint64_t overruns = 0;  ///< steps that came after missed periods
     std::uint64_t missed_periods = 0;
     std::uint64_t unsynchronised = 0;  ///< lockstep: steps taken without SYNC
+    std::uint64_t by_timer = 0;        ///< by the sensors: steps taken without their frame
     std::uint64_t link_outages = 0;    ///< times that the link went down, vanished or went bus-off
     std::uint64_t frames_received = 0;
     std::uint64_t frames_sent = 0;

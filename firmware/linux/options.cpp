@@ -8,7 +8,7 @@ namespace antiskid::rt {
 namespace {
 
 constexpr auto kFooter = R"(Examples:
-  antiskid-controller --can can0 --cpu 1                  on a rig, by its own timer, alone on processor 1
+  antiskid-controller --can can0 --cpu 1                  on a rig, by the sensors' frames, alone on processor 1
   antiskid-controller --can vcan0 --clock sync            in lockstep with virtual-rig
   antiskid-controller --can can0 --dbc config/foreign.dbc --binding config/foreign_binding.toml
                                                           on a rig with other encoders and another valve driver
@@ -51,6 +51,11 @@ void add_check_options(CLI::App& app, bool& wanted, CheckRequest& check) {
 
 }  // namespace
 
+std::string_view name(const ClockSource clock) {
+    if (clock == ClockSource::timer) return "timer";
+    return clock == ClockSource::sync ? "sync" : "sensors";
+}
+
 std::variant<Options, int> parse_options(const int argc, const char* const* argv) {
     Options options;
     CLI::App app{
@@ -59,10 +64,12 @@ std::variant<Options, int> parse_options(const int argc, const char* const* argv
     app.footer(kFooter);
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.add_option("--can", options.interface, "CAN interface, e.g. can0")->required()->type_name("IF");
-    std::string clock = "timer";
-    app.add_option("--clock", clock,
-                   "the machine's clock, for a rig, or one step for each SYNC frame, for lockstep")
-        ->check(CLI::IsMember({"timer", "sync"}))
+    std::string clock(name(options.clock));
+    app.add_option(
+           "--clock", clock,
+           "what a step waits for: the sensors' frame, with the machine's clock where it fails to come; "
+           "the machine's clock alone; or SYNC, for lockstep")
+        ->check(CLI::IsMember({"sensors", "timer", "sync"}))
         ->capture_default_str();
     app.add_option("--sync-timeout", options.sync_timeout_ms,
                    "--clock sync: a rig silent for so long is a fault")
@@ -101,7 +108,8 @@ std::variant<Options, int> parse_options(const int argc, const char* const* argv
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
-    options.clock = clock == "sync" ? ClockSource::sync : ClockSource::timer;
+    for (const ClockSource source : {ClockSource::sensors, ClockSource::timer, ClockSource::sync})
+        if (clock == name(source)) options.clock = source;
     options.log_level = spdlog::level::from_str(level);
     if (check) options.check = request;
     return options;

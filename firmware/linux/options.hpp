@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "config/reader/config_directory.hpp"
@@ -14,7 +15,9 @@
 
 namespace antiskid::rt {
 
-enum class ClockSource : std::uint8_t { timer, sync };
+enum class ClockSource : std::uint8_t { sensors, timer, sync };
+/// As on the command line.
+[[nodiscard]] std::string_view name(ClockSource clock);
 
 /// `--check`: look at everything before the wheel turns, and run nothing.
 struct CheckRequest {
@@ -27,7 +30,7 @@ struct CheckRequest {
 
 struct Options {
     std::string interface;
-    ClockSource clock = ClockSource::timer;
+    ClockSource clock = ClockSource::sensors;
     std::filesystem::path config = settings::config_directory() / "controller.toml";
     std::filesystem::path dbc = settings::config_directory() / "antiskid.dbc";
     std::filesystem::path binding = settings::config_directory() / "antiskid_binding.toml";

@@ -21,9 +21,12 @@ struct NamedHistogram {
     const Histogram& histogram;
 };
 
-std::array<NamedHistogram, 4> histograms(const LoopStatistics& loop) {
-    return {
-        {{"period", loop.period}, {"latency", loop.latency}, {"work", loop.work}, {"overrun", loop.overrun}}};
+std::array<NamedHistogram, 5> histograms(const LoopStatistics& loop) {
+    return {{{"period", loop.period},
+             {"latency", loop.latency},
+             {"work", loop.work},
+             {"edge_to_command", loop.edge_to_command},
+             {"overrun", loop.overrun}}};
 }
 
 double us(const control::Time time) {
@@ -85,6 +88,7 @@ std::string json(const RunReport& report) {
                                       {"overruns", loop.overruns},
                                       {"missed_periods", loop.missed_periods},
                                       {"unsynchronised_steps", loop.unsynchronised},
+                                      {"steps_by_timer", loop.by_timer},
                                       {"records_lost", report.records_lost},
                                       {"safe_commands_sent", loop.safe_commands_sent},
                                       {"last_state", name(loop.last_state)},
@@ -114,10 +118,10 @@ std::string table(const RunReport& report) {
     const auto out = std::back_inserter(text);
     fmt::format_to(out, "{} steps of {:.0f} us on {} by {}, last state {}\n", loop.steps, us(report.period),
                    report.interface, report.clock, name(loop.last_state));
-    fmt::format_to(out, "{:<10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}  us\n", "", "count", "min", "p50", "p99",
+    fmt::format_to(out, "{:<16}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}  us\n", "", "count", "min", "p50", "p99",
                    "p99.9", "max");
     for (const auto& [label, h] : histograms(loop))
-        fmt::format_to(out, "{:<10}{:>10}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}\n", label, h.count(),
+        fmt::format_to(out, "{:<16}{:>10}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}\n", label, h.count(),
                        us(h.minimum()), us(h.percentile(0.5)), us(h.percentile(0.99)),
                        us(h.percentile(0.999)), us(h.maximum()));
     fmt::format_to(out, "{:<18}{:>10}{:>10}{:>10}\n", "message", "accepted", "rejected", "lost");

@@ -10,10 +10,13 @@ namespace {
 
 std::unique_ptr<Pacer> make_pacer(const Setup& setup, const Options& options, can::Bus& bus, Clock& clock,
                                   const can::ControllerPort& port, FrameIntake& intake) {
-    if (options.clock == ClockSource::timer) return std::make_unique<TimerPacer>(clock, setup.period, intake);
+    const auto message = SensorPacer::message(setup.layout, setup.period);
+    if (options.clock == ClockSource::sensors && message)
+        return std::make_unique<SensorPacer>(clock, setup.period, *message, bus, port, intake);
+    if (options.clock != ClockSource::sync) return std::make_unique<TimerPacer>(clock, setup.period, intake);
     const can::Signal& number = setup.layout.sync_counter;
     return std::make_unique<SyncPacer>(clock, setup.period,
-                                       std::chrono::milliseconds{options.sync_timeout_ms}, bus, port,
+                                       std::chrono::milliseconds{options.sync_timeout_ms}, port,
                                        number.bound() ? number.mask() + 1 : 0, intake);
 }
 

@@ -31,8 +31,17 @@ std::size_t SupervisedCan::receive(const std::span<can::Frame> frames) {
     return active_->receive(frames);
 }
 
+std::size_t SupervisedCan::receive_within(const can::Time timeout, const std::span<can::Frame> frames) {
+    take_fresh();
+    return active_->receive_within(timeout, frames);
+}
+
 bool SupervisedCan::send(const can::Frame& frame) {
     return active_->send(frame);
+}
+
+std::size_t SupervisedCan::send_all(const std::span<const can::Frame> frames) {
+    return active_->send_all(frames);
 }
 
 bool SupervisedCan::wait(const can::Time timeout) {

@@ -28,7 +28,9 @@ class SupervisedCan final : public can::Bus {
 
     // The loop's thread.
     std::size_t receive(std::span<can::Frame> frames) override;
+    std::size_t receive_within(can::Time timeout, std::span<can::Frame> frames) override;
     bool send(const can::Frame& frame) override;
+    std::size_t send_all(std::span<const can::Frame> frames) override;
     bool wait(can::Time timeout) override;
     /// Counts go on across sockets.
     [[nodiscard]] can::LinkStatus status() const override;

@@ -1,11 +1,15 @@
 #include "tests/can/fake_kernel.hpp"
 
 #include <linux/can/raw.h>
+#include <linux/sock_diag.h>
 #include <poll.h>
+#include <sys/epoll.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdarg>
 #include <cstring>
 #include <ctime>
@@ -78,14 +82,16 @@ using can_test::refuse;
 extern "C" {
 
 int __real_close(int descriptor);
+int __real_getsockopt(int descriptor, int level, int option, void* value, socklen_t* size);
 int __real_socket(int domain, int type, int protocol);
 int __real_clock_gettime(clockid_t clock, timespec* now);
 
 int __wrap_socket(int domain, int type, int protocol) {
     if (fake == nullptr) return __real_socket(domain, type, protocol);
     if (fake->socket_error != 0) return refuse(fake->socket_error);
-    if (domain != PF_CAN || type != (SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK) || protocol != CAN_RAW)
-        throw std::logic_error("not a raw CAN socket that never blocks and no child inherits");
+    if (domain != PF_CAN || (type | SOCK_NONBLOCK) != (SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK) ||
+        protocol != CAN_RAW)
+        throw std::logic_error("not a raw CAN socket that no child inherits");
     const int descriptor = can_test::kFirst + static_cast<int>(fake->open.size());
     fake->open.insert(descriptor);
     return descriptor;
@@ -131,8 +137,11 @@ int __wrap_bind(int /*descriptor*/, const sockaddr* address, socklen_t /*size*/)
     return fake->bind_error == 0 ? 0 : refuse(fake->bind_error);
 }
 
-int __wrap_recvmmsg(int /*descriptor*/, mmsghdr* messages, unsigned count, int /*flags*/,
-                    timespec* /*timeout*/) {
+int __wrap_recvmmsg(int /*descriptor*/, mmsghdr* messages, unsigned count, int flags, timespec* /*timeout*/) {
+    const bool limited = (flags & MSG_WAITFORONE) != 0 && fake->options.contains({SOL_SOCKET, SO_RCVTIMEO});
+    if ((flags & MSG_DONTWAIT) == 0 && !limited)
+        throw std::logic_error("may wait for ever, or for a full batch");
+    fake->calls.emplace_back((flags & MSG_DONTWAIT) != 0 ? "receive" : "wait and receive");
     if (fake->arrivals.empty()) return refuse(fake->receive_error);
     unsigned received = 0;
     for (; received < count && !fake->arrivals.empty(); ++received) {
@@ -142,7 +151,8 @@ int __wrap_recvmmsg(int /*descriptor*/, mmsghdr* messages, unsigned count, int /
     return static_cast<int>(received);
 }
 
-ssize_t __wrap_send(int /*descriptor*/, const void* data, std::size_t size, int /*flags*/) {
+ssize_t __wrap_send(int /*descriptor*/, const void* data, std::size_t size, int flags) {
+    if ((flags & MSG_DONTWAIT) == 0) throw std::logic_error("may wait for room");
     if (fake->send_error != 0) return refuse(fake->send_error);
     can_frame frame{};
     std::memcpy(&frame, data, sizeof frame);
@@ -150,9 +160,55 @@ ssize_t __wrap_send(int /*descriptor*/, const void* data, std::size_t size, int 
     return static_cast<ssize_t>(size);
 }
 
+int __wrap_sendmmsg(int descriptor, mmsghdr* messages, unsigned count, int flags) {
+    fake->calls.emplace_back("send");
+    int sent = 0;
+    for (; sent < static_cast<int>(std::min<std::size_t>(count, fake->room)); ++sent) {
+        const iovec& bytes = *messages[sent].msg_hdr.msg_iov;
+        if (__wrap_send(descriptor, bytes.iov_base, bytes.iov_len, flags) < 0) return -1;
+    }
+    return sent > 0 ? sent : can_test::refuse(ENOBUFS);
+}
+
+int __wrap_getsockopt(int descriptor, int level, int option, void* value, socklen_t* size) {
+    if (fake == nullptr) return __real_getsockopt(descriptor, level, option, value, size);
+    fake->calls.emplace_back("look at the queue");
+    std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+    if (level != SOL_SOCKET || option != SO_MEMINFO || *size != sizeof memory)
+        throw std::logic_error("not the memory of this socket");
+    if (fake->memory_error != 0) return refuse(fake->memory_error);
+    memory[SK_MEMINFO_WMEM_ALLOC] = fake->queued_bytes;
+    std::memcpy(value, memory.data(), sizeof memory);
+    return 0;
+}
+
+int __wrap_epoll_create1(int flags) {
+    if (fake->epoll_error != 0) return refuse(fake->epoll_error);
+    if (flags != EPOLL_CLOEXEC) throw std::logic_error("a child would inherit it");
+    const int descriptor = can_test::kFirst + static_cast<int>(fake->open.size());
+    fake->open.insert(descriptor);
+    return descriptor;
+}
+
+int __wrap_epoll_ctl(int /*epoll*/, int operation, int descriptor, epoll_event* event) {
+    if (operation != EPOLL_CTL_ADD || event->events != (EPOLLIN | EPOLLET) ||
+        !fake->open.contains(descriptor))
+        throw std::logic_error("not each arrival at an open socket");
+    return fake->epoll_add_error == 0 ? 0 : refuse(fake->epoll_add_error);
+}
+
+int __wrap_epoll_pwait2(int epoll, epoll_event* /*events*/, int /*most*/, const timespec* timeout,
+                        const void* /*mask*/) {
+    if (!fake->open.contains(epoll)) throw std::logic_error("not open");
+    fake->calls.emplace_back("wait for the bell");
+    fake->waited.push_back(FakeKernel::Time{timeout->tv_sec * can_test::kNanoseconds + timeout->tv_nsec});
+    return fake->poll_answer;
+}
+
 int __wrap_ppoll(pollfd* descriptors, nfds_t count, const timespec* timeout, const void* /*mask*/) {
     if (count != 1 || descriptors->events != POLLIN || !fake->open.contains(descriptors->fd))
         throw std::logic_error("not a wait for this socket's frames alone");
+    fake->calls.emplace_back("wait");
     fake->waited.push_back(FakeKernel::Time{timeout->tv_sec * can_test::kNanoseconds + timeout->tv_nsec});
     return fake->poll_answer;
 }

@@ -45,6 +45,11 @@ class FakeKernel {
     int flags_error = 0;
     int bind_error = 0;
     int send_error = 0;
+    std::size_t room = SIZE_MAX;  ///< frames that one call of sendmmsg() may send
+    std::uint32_t queued_bytes = 0;
+    int memory_error = 0;
+    int epoll_error = 0;
+    int epoll_add_error = 0;
     int receive_error = EAGAIN;  ///< when nothing has arrived
     std::map<std::pair<int, int>, int> option_errors;
 
@@ -64,8 +69,9 @@ class FakeKernel {
     std::map<std::pair<int, int>, std::vector<unsigned char>> options;
     std::vector<can_frame> sent;
     std::vector<Time> waited;
-    std::set<int> open;  ///< descriptors
-    int readings = 0;    ///< of the wall clock
+    std::vector<std::string> calls;  ///< those that a period may make, in order
+    std::set<int> open;              ///< descriptors
+    int readings = 0;                ///< of the wall clock
 };
 
 }  // namespace can_test

@@ -2,12 +2,16 @@
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "firmware/can/socket_can.hpp"
 #include "tests/can/fake_kernel.hpp"
@@ -272,6 +276,109 @@ TEST_CASE("what is sent is a classic data frame, whatever the caller's frame say
     CHECK(kernel.sent[0].data[7] == 8);
     CHECK(kernel.sent[1].can_id == 0x7FF);
     CHECK(kernel.sent[1].can_dlc == 8);
+}
+
+TEST_CASE("a period's frames go out by one call, in order; what follows one that was refused is given up",
+          "[CAN-210]") {
+    FakeKernel kernel;
+    SocketCan bus("can0", kWanted);
+    std::array<Frame, SocketCan::kMostSent + 1> frames{};
+    for (std::uint32_t i = 0; i < frames.size(); ++i) frames[i].id = 0x100 + i;
+    CHECK(bus.send_all({}) == 0);
+    CHECK(kernel.calls.empty());
+    CHECK(bus.send_all(std::span(frames).first(3)) == 3);
+    CHECK(kernel.calls == std::vector<std::string>{"send"});
+    REQUIRE(kernel.sent.size() == 3);
+    CHECK(kernel.sent[0].can_id == 0x100);
+    CHECK(kernel.sent[2].can_id == 0x102);
+    CHECK(bus.status().transmit_dropped == 0);
+
+    kernel.room = 2;
+    CHECK(bus.send_all(std::span(frames).first(3)) == 2);
+    CHECK(bus.status().transmit_dropped == 1);
+    kernel.room = 0;
+    CHECK(bus.send_all(std::span(frames).first(3)) == 0);
+    CHECK(bus.status().transmit_dropped == 4);
+    CHECK(bus.status().up);
+    kernel.room = SIZE_MAX;
+    CHECK(bus.send_all(frames) == SocketCan::kMostSent);
+    CHECK(bus.status().transmit_dropped == 5);
+
+    kernel.send_error = ENETDOWN;
+    CHECK(bus.send_all(std::span(frames).first(1)) == 0);
+    CHECK_FALSE(bus.status().up);
+    kernel.send_error = 0;
+    CHECK(bus.send_all(std::span(frames).first(1)) == 1);
+    CHECK(bus.status().up);
+}
+
+TEST_CASE("newest_only: no frame is put behind one of an earlier call that still waits", "[CAN-211]") {
+    FakeKernel kernel;
+    SocketCan bus("can0", kWanted, SocketCanOptions{.newest_only = true});
+    const std::array<Frame, 2> frames{};
+    CHECK(bus.send_all(frames) == 2);
+    CHECK(kernel.calls == std::vector<std::string>{"look at the queue", "send"});
+    kernel.queued_bytes = 768;
+    CHECK(bus.send_all(frames) == 0);
+    CHECK(bus.status().transmit_dropped == 2);
+    CHECK(bus.status().up);
+    CHECK(kernel.sent.size() == 2);
+    kernel.memory_error = ENOPROTOOPT;  // a kernel that does not say
+    CHECK(bus.send_all(frames) == 2);
+    kernel.memory_error = 0;
+    kernel.queued_bytes = 0;
+    CHECK(bus.send_all(frames) == 2);
+}
+
+TEST_CASE("a wait that one identifier ends is one call, and the bell never stays full", "[CAN-212]") {
+    FakeKernel kernel;
+    {
+        SocketCan bus("can0", kWanted, SocketCanOptions{.wakes = kWanted[1]});
+        CHECK(kernel.open.size() == 3);
+        const auto filter = value<can_filter>(kernel.options[{SOL_CAN_RAW, CAN_RAW_FILTER}]);
+        CHECK(filter.can_id == kWanted[1]);
+        CHECK(filter.can_mask == (CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK));
+        CHECK(bus.wait(Time{1'500'000}));
+        CHECK(kernel.calls == std::vector<std::string>{"wait for the bell"});
+        CHECK(kernel.waited.back() == Time{1'500'000});
+        for (std::size_t ring = 1; ring < 10 * SocketCan::kBatch; ++ring) CHECK(bus.wait(Time{1}));
+        CHECK(std::count(kernel.calls.begin(), kernel.calls.end(), "receive") == 10);
+        kernel.calls.clear();
+        kernel.poll_answer = 0;
+        CHECK_FALSE(bus.wait(Time{1}));
+        CHECK(kernel.calls == std::vector<std::string>{"wait for the bell", "receive"});
+    }
+    CHECK(kernel.open.empty());
+}
+
+TEST_CASE("a bell that cannot be had is an error, and no descriptor stays open", "[CAN-212][CAN-200]") {
+    FakeKernel kernel;
+    int& error = GENERATE(false, true) ? kernel.epoll_error : kernel.epoll_add_error;
+    error = EMFILE;
+    CHECK_THROWS_WITH(SocketCan("can0", kWanted, SocketCanOptions{.wakes = kWanted[1]}),
+                      ContainsSubstring("'can0' cannot be waited for"));
+    CHECK(kernel.open.empty());
+}
+
+TEST_CASE("a long wait and the reception after it are one call, a short wait is exact", "[CAN-210]") {
+    FakeKernel kernel;
+    SocketCan bus("can0", kWanted);
+    std::array<Frame, 4> frames;
+    kernel.arrivals = {data(0x110, 8, 1), data(0x110, 8, 2)};
+    CHECK(bus.receive_within(SocketCan::kLongestWait, frames) == 2);
+    CHECK(kernel.calls == std::vector<std::string>{"wait and receive"});
+    CHECK(bus.receive_within(SocketCan::kLongestWait, frames) == 0);  // in vain
+
+    kernel.calls.clear();
+    kernel.arrivals = {data(0x110, 8, 3)};
+    CHECK(bus.receive_within(Time{1'500'000}, frames) == 1);
+    CHECK(kernel.calls == std::vector<std::string>{"wait", "receive"});
+    CHECK(kernel.waited.back() == Time{1'500'000});
+    kernel.poll_answer = 0;
+    CHECK(bus.receive_within(Time{1'500'000}, frames) == 0);
+    CHECK(kernel.calls.back() == "wait");
+    const auto limit = value<timeval>(kernel.options[{SOL_SOCKET, SO_RCVTIMEO}]);
+    CHECK(Time{limit.tv_sec * 1'000'000'000 + limit.tv_usec * 1000} == SocketCan::kLongestWait);
 }
 
 TEST_CASE("waiting asks for the time that is left, never for less than none", "[CAN-200]") {

@@ -219,6 +219,43 @@ TEST_CASE("open loop is the commanded current, limited by the demand", "[CTL-060
     CHECK(b.command.pressure_request_Pa == 4.3e6F);
 }
 
+TEST_CASE("a command that did not leave is not taken for given: the valve holds the one before",
+          "[CTL-320]") {
+    const bool told = GENERATE(false, true);
+    Bench b;
+    b.to_braking(Law::open_loop);
+    const float held_mA = b.command.current_mA;
+    bool unsent = false;
+    // The model alone: no reading that would correct it.
+    Time read = b.now;
+    b.tamper = [&](Sensors& seen) {
+        seen.pressure.received = read;
+        seen.command_unsent = unsent;
+    };
+    b.sensors.maneuver.current_mA = 5.0F;
+    const auto believed_Pa = [&] { return b.controller.estimate().pressure.pressure_Pa; };
+    for (int period = 0; period < 16; ++period) {
+        CHECK(b.step().current_mA == Approx(5.0F));
+        b.command.current_mA = held_mA;
+        unsent = told;
+    }
+    if (told)
+        CHECK(believed_Pa() == Approx(b.sensors.pressure.pressure_Pa).epsilon(0.005));
+    else
+        CHECK(believed_Pa() < 0.97F * b.sensors.pressure.pressure_Pa);
+
+    // The next that leaves is taken for given again.
+    b.command.current_mA = 5.0F;
+    unsent = false;
+    read = b.now;
+    const float before_Pa = b.sensors.pressure.pressure_Pa;
+    b.steps(16);
+    if (told) {
+        CHECK(b.sensors.pressure.pressure_Pa < 0.97F * before_Pa);
+        CHECK(believed_Pa() == Approx(b.sensors.pressure.pressure_Pa).epsilon(0.005));
+    }
+}
+
 TEST_CASE("a valve that gives less than its map is asked for more where a pressure is meant", "[CTL-025]") {
     antiskid::control::Config config = fixed_config();
     config.estimator.pressure_bandwidth_radps = 30.0F;

@@ -46,7 +46,7 @@ class WaitingBus final : public can::Bus {
   public:
     WaitingBus(can::Bus& end, StepClock& clock) : end_(end), clock_(clock) {}
     std::size_t receive(const std::span<can::Frame> frames) override { return end_.receive(frames); }
-    bool send(const can::Frame& frame) override { return end_.send(frame); }
+    bool send(const can::Frame& frame) override { return !(refuses && refuses(frame)) && end_.send(frame); }
     bool wait(const Time timeout) override {
         if (on_wait) on_wait();
         if (end_.wait(timeout)) return true;
@@ -56,6 +56,7 @@ class WaitingBus final : public can::Bus {
     [[nodiscard]] can::LinkStatus status() const override { return end_.status(); }
 
     std::function<void()> on_wait;
+    std::function<bool(const can::Frame&)> refuses;  ///< a full queue
 
   private:
     can::Bus& end_;
@@ -104,6 +105,14 @@ struct LoopBench {
         clock.on_sleep = [this, periods, before = std::move(before), period = 0](Time) mutable {
             if (stop) return;  // the closing commands sleep, too
             before(period++);
+            stop = period == periods;
+        };
+    }
+    /// The same by the sensors: `before` is called in each wait, when the period is over.
+    void plan_sensors(const int periods, std::function<void(int period)> before) {
+        bus.on_wait = [this, periods, before = std::move(before), period = 0]() mutable {
+            clock.advance(setup.period);
+            if (period < periods) before(period++);
             stop = period == periods;
         };
     }

@@ -314,6 +314,35 @@ TEST_CASE("a link that goes down is named, counted and survived", "[RT-040]") {
     CHECK(bench.statistics().safe_commands_sent == 3);
 }
 
+TEST_CASE("a valve command that the bus did not take is not taken for sent", "[RT-048]") {
+    const auto source = GENERATE(ClockSource::timer, ClockSource::sync);
+    LoopBench bench(source);
+    std::vector<bool> unsent;
+    bench.bus.refuses = [&](const can::Frame& frame) {
+        const auto period = unsent.size();
+        if (period > 200 && period <= 203) return true;
+        return period > 300 && period <= 400 && frame.id != bench.id(can::Role::valve);
+    };
+    const auto before = [&](int) {
+        unsent.push_back(bench.session->port().sensors().command_unsent);
+        bench.rig_period(at_rest());
+        bench.rig_sync();
+    };
+    if (source == ClockSource::timer)
+        bench.run_timer(500, before);
+    else
+        bench.run_sync(500, before);
+    REQUIRE(unsent.size() == 500);
+    // Of a status frame that was refused the valve command before it, by the timer, knows nothing.
+    for (std::size_t period = 0; period < 300; ++period) {
+        INFO("period " << period);
+        CHECK(unsent[period] == (period > 200 && period <= 203));
+    }
+    const auto later = std::count(unsent.begin() + 300, unsent.end(), true);
+    CHECK((later > 0) == (source == ClockSource::sync));
+    CHECK(bench.statistics().frames_unsent > 20);
+}
+
 TEST_CASE("every step leaves a record, and the ring gives them in order", "[RT-041]") {
     LoopBench bench(ClockSource::sync);
     bench.run_sync(1000, [&](int) {

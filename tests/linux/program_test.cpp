@@ -30,7 +30,7 @@ std::variant<Options, int> parse(const Arguments... arguments) {
 TEST_CASE("options are what was typed, or their defaults", "[RT-080]") {
     const auto plain = std::get<Options>(parse("--can", "can0"));
     CHECK(plain.interface == "can0");
-    CHECK(plain.clock == rt::ClockSource::timer);
+    CHECK(plain.clock == rt::ClockSource::sensors);
     CHECK(plain.config == "config/controller.toml");
     CHECK_FALSE(plain.report);
     CHECK_FALSE(plain.realtime.cpu);
@@ -41,6 +41,7 @@ TEST_CASE("options are what was typed, or their defaults", "[RT-080]") {
         parse("--can", "vcan1", "--clock", "sync", "--sync-timeout", "250", "--config", "a", "--dbc", "b",
               "--binding", "c", "--report", "d", "--cpu", "1", "--priority", "0", "--log-level", "warning"));
     CHECK(full.clock == rt::ClockSource::sync);
+    CHECK(std::get<Options>(parse("--can", "can0", "--clock", "timer")).clock == rt::ClockSource::timer);
     CHECK(full.sync_timeout_ms == 250);
     CHECK(full.binding == "c");
     CHECK(full.report == "d");

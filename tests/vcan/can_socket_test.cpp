@@ -230,6 +230,74 @@ TEST_CASE("a full transmit queue gives frames up, counts them, and never sends t
     }
 }
 
+TEST_CASE("newest_only: after a jam one call's frames are old, and right behind them comes the newest",
+          "[CAN-211]") {
+    const Interface slow("vcan6");
+    SocketCan b("vcan6", kWanted);
+    SocketCan a("vcan6", kWanted, {.newest_only = true});
+    shell("tc qdisc add dev vcan6 root tbf rate 8kbit burst 32 limit 100000");
+    std::vector<std::uint32_t> taken;
+    std::uint32_t number = 0;
+    const auto send_next = [&] {
+        const std::array<Frame, 2> frames{numbered(0x110, number), numbered(0x120, number)};
+        const std::size_t count = a.send_all(frames);
+        if (count == 2) taken.push_back(number);
+        ++number;
+        return count;
+    };
+    while (number < 200) send_next();
+    CHECK(taken.size() <= 3);  // two frames go at once, and one call's wait
+    CHECK(a.status().transmit_dropped == 2 * (200 - taken.size()));
+    const Time deadline = monotonic() + kPatience;
+    while (send_next() == 0 && monotonic() < deadline) static_cast<void>(a.wait(Time{1'000'000}));
+    CHECK(taken.back() == number - 1);
+    std::vector<std::uint32_t> arrived;
+    while (arrived.size() < 2 * taken.size() && b.wait(kPatience))
+        for (const Frame& frame : drain(b)) arrived.push_back(number_of(frame));
+    REQUIRE(arrived.size() == 2 * taken.size());
+    for (std::size_t i = 0; i < arrived.size(); ++i) CHECK(arrived[i] == taken[i / 2]);
+}
+
+TEST_CASE("of one period's frames only that which is waited for ends the wait, and all of them are there",
+          "[CAN-212]") {
+    SocketCan a("vcan0", kWanted);
+    SocketCan b("vcan0", kWanted, {.wakes = kWanted[1]});
+    std::array<Frame, 4> frames;
+    CHECK(a.send(numbered(0x110, 0)));
+    CHECK_FALSE(b.wait(Time{5'000'000}));
+    CHECK(b.receive(frames) == 1);
+    for (std::uint32_t period = 0; period < 1000; ++period) {  // more than a bell holds unread
+        const std::array<Frame, 2> sent{numbered(0x110, period), numbered(0x120, period)};
+        REQUIRE(a.send_all(sent) == 2);
+        REQUIRE(b.wait(kPatience));
+        REQUIRE(b.receive(frames) == 2);
+        REQUIRE(number_of(frames[1]) == period);
+    }
+    // A program that was held up finds the bell full, and hears it again after that.
+    for (std::uint32_t period = 0; period < 1000; ++period) REQUIRE(a.send(numbered(0x120, period)));
+    while (b.receive(frames) > 0) continue;
+    while (b.wait(Time{1'000'000})) continue;
+    for (int turn = 0; turn < 100; ++turn) CHECK_FALSE(b.wait(Time{100'000}));
+    CHECK(a.send(numbered(0x120, 1)));
+    CHECK(b.wait(kPatience));
+    CHECK(b.receive(frames) == 1);
+}
+
+TEST_CASE("a long wait ends with a frame, or in good time without", "[CAN-210]") {
+    SocketCan a("vcan0", kWanted);
+    SocketCan b("vcan0", kWanted);
+    std::array<Frame, 4> frames;
+    const Time began = monotonic();
+    CHECK(b.receive_within(SocketCan::kLongestWait, frames) == 0);
+    CHECK(monotonic() - began >= SocketCan::kLongestWait);
+    CHECK(b.receive_within(Time{1'500'000}, frames) == 0);
+    const std::array<Frame, 2> sent{numbered(0x110, 1), numbered(0x120, 2)};
+    CHECK(a.send_all(sent) == 2);
+    std::size_t count = b.receive_within(SocketCan::kLongestWait, frames);
+    if (count == 1) count += b.receive_within(SocketCan::kLongestWait, frames);
+    CHECK(count == 2);
+}
+
 TEST_CASE("an interface that goes down is reported, and used again when it comes up", "[CAN-085]") {
     const Interface fragile("vcan4");
     SocketCan a("vcan4", kWanted);

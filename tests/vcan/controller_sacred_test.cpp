@@ -98,7 +98,9 @@ TEST_CASE("by the machine's own clock, too", "[RT-052]") {
         return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span());
     });
     rt::MonotonicClock clock;
-    const auto session = std::make_unique<rt::Session>(setup, rt::Options{}, socket, clock);
+    rt::Options options;
+    options.clock = GENERATE(rt::ClockSource::sensors, rt::ClockSource::timer);
+    const auto session = std::make_unique<rt::Session>(setup, options, socket, clock);
     std::atomic<bool> stop{false};
     std::thread stopper([&] {
         clock.sleep_until(clock.now() + 500ms);
