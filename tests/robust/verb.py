@@ -20,12 +20,12 @@ def run(*arguments):
 
 with tempfile.TemporaryDirectory() as scratch:
     out = pathlib.Path(scratch, "out")
-    status, text, err = run("--families", "paper,relaxation", "--laws", "slip,observer", "--draws", 2, "--seed", 5, "--out", out)
+    status, text, err = run("--families", "paper,relaxation", "--laws", "slip,threshold", "--draws", 2, "--seed", 5, "--out", out)
     rows = list(csv.DictReader((out / "stops.csv").open()))
     results = json.loads((out / "results.json").read_text())
-    assert len(rows) == 8 and {r["law"] for r in rows} == {"slip", "observer"}, rows
+    assert len(rows) == 8 and {r["law"] for r in rows} == {"slip", "threshold"}, rows
     assert results["seed"] == 5 and [(f["family"], f["law"]) for f in results["families"]] == [
-        (family, law) for family in ("paper", "relaxation") for law in ("slip", "observer")], results
+        (family, law) for family in ("paper", "relaxation") for law in ("slip", "threshold")], results
     for summary in results["families"]:
         own = [float(r["j_mu"]) for r in rows if r["family"] == summary["family"] and r["law"] == summary["law"]]
         assert abs(sum(own) / len(own) - summary["mean_j_mu"]) < 1e-6 and abs(min(own) - summary["worst_j_mu"]) < 1e-6
@@ -34,7 +34,7 @@ with tempfile.TemporaryDirectory() as scratch:
     assert "| paper | slip | 2 |" in text and str(out) in text, text
 
     before = (out / "stops.csv").read_bytes()
-    run("--families", "paper,relaxation", "--laws", "slip,observer", "--draws", 2, "--seed", 5, "--threads", 1, "--out", out)
+    run("--families", "paper,relaxation", "--laws", "slip,threshold", "--draws", 2, "--seed", 5, "--threads", 1, "--out", out)
     assert (out / "stops.csv").read_bytes() == before, "threads change the bytes"
 
     nowhere = pathlib.Path(scratch, "nowhere")
