@@ -67,10 +67,11 @@ void put_with_period(const std::filesystem::path& file, const int period_ms) {
     const auto scale = [&text](const char* key, double by) { scale_number(text, key, by); };
     scale("period_ms", period_ms);
     if (period_ms > 2) {
-        scale("k_p_per_s", 0.4);
-        scale("k_d", 0.4);
-        scale("k_dd_s", 0.25);
-        scale("low_speed_mps", 1.6);
+        scale("k_p_per_s", 0.3);
+        scale("k_d", 0.2);
+        scale("k_dd_s", 0.2);
+        scale("max_slip_rate_per_s", 0.5);
+        scale("low_speed_mps", 1.2);
     }
     put(file, text);
 }
