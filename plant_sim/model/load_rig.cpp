@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "config/reader/settings.hpp"
+#include "plant_sim/model/load_compliance.hpp"
 #include "plant_sim/model/load_runway.hpp"
 #include "plant_sim/wear/load_brake_wear.hpp"
 
@@ -94,38 +95,6 @@ EncoderParameters encoder(const Table& t) {
             .slowest_edges_hz = t.number("slowest_edges_Hz", {.min = 0.0, .max = 1000.0}),
             .pitch_error = t.find_number("pitch_error", {.min = 0.0, .max = 0.3}).value_or(0.0),
             .eccentricity = t.find_number("eccentricity", {.min = 0.0, .max = 0.1}).value_or(0.0)};
-}
-
-constexpr settings::Range kDamping{.min = 0.0, .max = 1.0};
-
-/// How the tyre's force follows its slip; without the table at once, as the paper has it.
-Compliance tyre(const Table& root) {
-    const std::optional<Table> t = root.find_table("tyre");
-    if (!t) return {};
-    enum class Model { rigid, ring, relaxation };
-    static constexpr std::array<settings::Choice<Model>, 3> kModels{
-        {{"static", Model::rigid}, {"ring", Model::ring}, {"relaxation", Model::relaxation}}};
-    const Model model = t->choice<Model>("model", kModels);
-    Compliance out;
-    if (model == Model::ring)
-        out.ring = {.belt_share = t->number("belt_share", {.min = 0.01, .max = 0.9}),
-                    .frequency_Hz = t->number("frequency_Hz", {.min = 5.0, .max = 1000.0}),
-                    .damping = t->number("damping", kDamping)};
-    if (model == Model::relaxation)
-        out.relaxation = {.length_m = t->number("length_m", {.min = 0.001, .max = 2.0}),
-                          .floor_m = t->number("floor_m", {.min = 0.001, .max = 2.0})};
-    return out;
-}
-
-LegParameters leg(const Table& root, double mass_kg) {
-    const std::optional<Table> t = root.find_table("leg");
-    if (!t) return {};
-    const LegParameters out{.mass_kg = t->number("mass_kg", {.min = 1.0, .max = 1000.0}),
-                            .frequency_Hz = t->number("frequency_Hz", {.min = 1.0, .max = 100.0}),
-                            .damping = t->number("damping", kDamping)};
-    if (out.mass_kg >= mass_kg)
-        t->fail("mass_kg", "is all of the " + std::to_string(mass_kg) + " kg on the wheel; expected less");
-    return out;
 }
 
 WheelParameters wheel(const Table& t) {
@@ -223,7 +192,7 @@ RigParameters common_parts(const Table& root, std::size_t friction_class, const 
     const Table wheel_table = root.table("wheel");
     const Table flywheel = root.table("flywheel");
     WheelParameters rolling = wheel(wheel_table);
-    rolling.compliance = tyre(root);
+    rolling.compliance = load_tyre(root);
     return {
         .wheel = rolling,
         .load = {},
@@ -281,7 +250,7 @@ Landing landing(const std::filesystem::path& path, const Maneuver& maneuver, con
                                           " m/s: F_z of eq. (2) must stay above zero");
     }
     check_radius(root, landing.rig.wheel, weight);
-    landing.rig.wheel.compliance.leg = leg(root, maneuver.mass_kg);
+    landing.rig.wheel.compliance.leg = load_leg(root, maneuver.mass_kg);
     doc.finish();
     landing.rig.wheel.mass_kg = maneuver.mass_kg;
     landing.rig.load = {.base_N = weight, .lift_Ns2pm2 = lift, .lag_s = 0.0};

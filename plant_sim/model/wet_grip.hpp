@@ -1,8 +1,9 @@
 /// The greatest friction of a wet runway, which falls with ground speed and, on a flooded one, is gone above the hydroplaning speed.
 ///
 /// Wet: 14 CFR 25.109(c)(1) for smooth runways and (d)(2) for grooved ones or porous friction courses (Amdt. 25-92), polynomials in true
-/// ground speed at tyre pressures of 50, 100, 200 and 300 psi; between them linear, as the regulation allows. Each falls over all speeds
-/// of a landing, but for the grooved ones' first knots.
+/// ground speed at tyre pressures of 50, 100, 200 and 300 psi; between them linear, as the regulation allows. The
+/// coefficients were not compared with a printed copy (docs/scenarios.md). Each curve falls over all speeds of a landing, but for the
+/// grooved ones' first knots.
 ///
 /// Flooded: a rolling tyre floats from 9 sqrt(p) knots on, p in psi (W. B. Horne, R. C. Dreher, Phenomena of pneumatic tire hydroplaning,
 /// NASA TN D-2056, 1963), one that does not turn from 7.7 sqrt(p) on (Horne's for touchdown). From 0.85 of that speed on friction leaves

@@ -1,4 +1,4 @@
-/// Wet friction against values of 14 CFR 25.109 worked in fractions, hydroplaning, the runway's file, and the keys that make a plant hard.
+/// Wet friction worked in fractions from the same coefficients, hydroplaning, the runway's file, and the keys that make a plant hard.
 #include <algorithm>
 #include <cmath>
 
@@ -44,14 +44,15 @@ plant::LoadedRig on_runway(const std::string& text, const std::filesystem::path&
 
 }  // namespace
 
-TEST_CASE("wet friction is that of the regulation, in exact fractions at 0, 50, 100 and 150 knots",
+TEST_CASE("wet friction is the polynomials' value, in exact fractions at 0, 50, 100 and 150 knots",
           "[RIG-262]") {
     struct Printed {
         double psi;
         Texture texture;
         double at_0, at_50, at_100, at_150;
     };
-    // a x^3 + b x^2 + c x + d and its like of order five, x = 0, 0.5, 1, 1.5, from the text in rational arithmetic.
+    // a x^3 + b x^2 + c x + d and its like of order five, x = 0, 0.5, 1, 1.5, in rational arithmetic. A wrong coefficient would be wrong
+    // here, too.
     for (const Printed& p : {Printed{50.0, Texture::smooth, 0.883, 0.529625, 0.303, 0.176875},
                              Printed{100.0, Texture::smooth, 0.804, 0.4760375, 0.2753, 0.1690125},
                              Printed{200.0, Texture::smooth, 0.692, 0.4218625, 0.2529, 0.1602875},
