@@ -58,12 +58,13 @@ inline void Estimator::calibrate_radius(bool on_wheels) {
 inline void Estimator::look_ahead(float v_mps) {
     Estimate& e = estimate_;
     const float believed = e.answer_per_s > 0.0F ? outlook_share_ * e.answer_per_s : e.answer_per_s;
+    const WheelStep step(believed, period_s_);
     WheelMotion late = wheel_observer_.motion();
     e.late_pressure = e.pressure;
     for (std::size_t period = 1; period <= valve_model_.delay_periods(); ++period) {
         const PressureState next = valve_model_.after(e.late_pressure, period);
         const float mean_Pa = 0.5F * (e.late_pressure.pressure_Pa + next.pressure_Pa);
-        late = moved(late, brake_gain_ * mean_Pa, steady_radps2_, believed, period_s_);
+        late = step.from(late, brake_gain_ * mean_Pa, steady_radps2_);
         e.late_pressure = next;
     }
     e.late_v_mps = larger(v_mps + e.v_dot_mps2 * valve_model_.delay_s(), kSlowest_mps);

@@ -66,19 +66,6 @@ ValveModel::ValveModel(const ValveConfig& valve, float period_s, const Estimator
     correct_rate_ = correct_pressure_ * estimator.pressure_bandwidth_radps * 0.5F;
 }
 
-void ValveModel::propagate(PressureState& state, float input) const {
-    const float p = a11_ * state.pressure_Pa + a12_ * state.rate_Paps + b1_ * input;
-    state.rate_Paps = a21_ * state.pressure_Pa + a22_ * state.rate_Paps + b2_ * input;
-    state.pressure_Pa = p;
-}
-
-/// The static pressure that drives the lag `periods_ahead` periods from the newest command on its way out of
-/// the pipe.
-float ValveModel::input(std::size_t periods_ahead) const {
-    const std::size_t age = whole_ - periods_ahead;
-    return part_ > 0.0F ? (1.0F - part_) * commands_[age] + part_ * commands_[age + 1] : commands_[age];
-}
-
 void ValveModel::update(float command_Pa, float measured_Pa, bool fresh) {
     for (std::size_t i = whole_ + 1; i > 0; --i) commands_[i] = commands_[i - 1];
     commands_[0] = command_Pa;

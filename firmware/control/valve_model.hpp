@@ -50,8 +50,16 @@ class ValveModel {
     [[nodiscard]] float delay_s() const { return delay_s_; }
 
   private:
-    void propagate(PressureState& state, float input) const;
-    [[nodiscard]] float input(std::size_t periods_ahead) const;
+    void propagate(PressureState& state, float input) const {
+        const float p = a11_ * state.pressure_Pa + a12_ * state.rate_Paps + b1_ * input;
+        state.rate_Paps = a21_ * state.pressure_Pa + a22_ * state.rate_Paps + b2_ * input;
+        state.pressure_Pa = p;
+    }
+    /// The static pressure that drives the lag `periods_ahead` periods from the newest command on its way out of the pipe.
+    [[nodiscard]] float input(std::size_t periods_ahead) const {
+        const std::size_t age = whole_ - periods_ahead;
+        return part_ > 0.0F ? (1.0F - part_) * commands_[age] + part_ * commands_[age + 1] : commands_[age];
+    }
 
     std::array<float, kMostDelay + 2> commands_{};  // [0] newest
     std::size_t whole_ = 0;                         // whole periods of delay

@@ -1,7 +1,5 @@
 #include "firmware/control/wheel_observer.hpp"
 
-#include "firmware/control/arithmetic.hpp"
-
 namespace antiskid::control {
 
 namespace {
@@ -10,19 +8,7 @@ constexpr float kLeastNoise_radps = 0.02F;  // of a reading: the clock's resolut
 constexpr float kLeastAnswer_per_s =
     -60.0F;  // faster than this no valve can follow, and a wild reading must not lead there
 constexpr float kMostAnswer_per_s = 6000.0F;
-
-/// The share of a step over which an excess of torque acts.
-float acting_s(float answer_per_s, float step_s) {
-    return answer_per_s > 0.0F ? step_s / (1.0F + answer_per_s * step_s) : step_s;
-}
 }  // namespace
-
-WheelMotion moved(const WheelMotion& from, float brake_radps2, float steady_radps2, float answer_per_s,
-                  float step_s) {
-    const float change = acting_s(answer_per_s, step_s) * (from.road_radps2 - brake_radps2 - steady_radps2);
-    return {larger(from.omega_radps + change + steady_radps2 * step_s, 0.0F),
-            from.road_radps2 - answer_per_s * change};
-}
 
 WheelObserver::WheelObserver(const ObserverConfig& config, const EncoderConfig& encoder, float period_s)
     : config_(config),
@@ -49,9 +35,10 @@ void WheelObserver::predict(const Drive& drive) {
     constexpr float kSpeedNoise = 1.0F;    // rad/s in the root of a second: what the equations leave out
     constexpr float kMostVariance = 4e7F;  // of the answer
     const float h = period_s_;
-    const float f = acting_s(answer_per_s_, h);
+    const WheelStep step(answer_per_s_, h);
+    const float f = step.acting_s();
     const float excess = motion_.road_radps2 - drive.brake_radps2 - drive.steady_radps2;
-    motion_ = moved(motion_, drive.brake_radps2, drive.steady_radps2, answer_per_s_, h);
+    motion_ = step.from(motion_, drive.brake_radps2, drive.steady_radps2);
     motion_.road_radps2 = limited(motion_.road_radps2, -most_radps2_, most_radps2_);
 
     // F = [1 f w_a; 0 1 - a f t_a; 0 0 1], then F P F^T + Q.

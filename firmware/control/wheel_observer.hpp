@@ -10,6 +10,7 @@
 /// beyond it: the wheel runs away as exp(|a| t).
 #pragma once
 
+#include "firmware/control/arithmetic.hpp"
 #include "firmware/control/config.hpp"
 #include "firmware/control/speed_estimator.hpp"
 
@@ -21,10 +22,28 @@ struct WheelMotion {
     float road_radps2 = 0.0F;  ///< tau
 };
 
-/// One step of the equations above with what acts held. Implicit where the road restores, which is stable for any step; explicit where
-/// it does not.
-[[nodiscard]] WheelMotion moved(const WheelMotion& from, float brake_radps2, float steady_radps2,
-                                float answer_per_s, float step_s);
+/// A step of the equations above with what acts held. Implicit where the road restores, which is stable for any step; explicit where it
+/// does not.
+class WheelStep {
+  public:
+    WheelStep(float answer_per_s, float step_s)
+        : answer_per_s_(answer_per_s),
+          step_s_(step_s),
+          acting_s_(answer_per_s > 0.0F ? step_s / (1.0F + answer_per_s * step_s) : step_s) {}
+
+    [[nodiscard]] WheelMotion from(const WheelMotion& at, float brake_radps2, float steady_radps2) const {
+        const float change = acting_s_ * (at.road_radps2 - brake_radps2 - steady_radps2);
+        return {larger(at.omega_radps + change + steady_radps2 * step_s_, 0.0F),
+                at.road_radps2 - answer_per_s_ * change};
+    }
+    /// The share of the step over which an excess of torque acts.
+    [[nodiscard]] float acting_s() const { return acting_s_; }
+
+  private:
+    float answer_per_s_;
+    float step_s_;
+    float acting_s_;
+};
 
 class WheelObserver {
   public:

@@ -96,7 +96,7 @@ TEST_CASE("a step of the equations is the exact one for short steps, and stable 
         constexpr double h = 1e-5;
         WheelMotion at = from;
         for (int i = 0; i < 1000; ++i)
-            at = moved(at, 3000.0F, -20.0F, static_cast<float>(a), static_cast<float>(h));
+            at = WheelStep(static_cast<float>(a), static_cast<float>(h)).from(at, 3000.0F, -20.0F);
         const double t = 1000 * h, excess = 1020.0;
         const double acts = a == 0.0 ? t : (1.0 - std::exp(-a * t)) / a;
         INFO(a << " 1/s");
@@ -106,12 +106,12 @@ TEST_CASE("a step of the equations is the exact one for short steps, and stable 
     }
     WheelMotion fast = from;
     for (int i = 0; i < 100; ++i) {
-        const WheelMotion next = moved(fast, 3000.0F, -20.0F, 6000.0F, 5e-3F);
+        const WheelMotion next = WheelStep(6000.0F, 5e-3F).from(fast, 3000.0F, -20.0F);
         CHECK(std::abs(next.road_radps2 - 2980.0F) <= std::abs(fast.road_radps2 - 2980.0F));
         fast = next;
     }
     CHECK(fast.road_radps2 == Approx(2980.0));
-    CHECK(moved({1.0F, 0.0F}, 1e5F, 0.0F, 0.0F, 1e-3F).omega_radps == 0.0F);
+    CHECK(WheelStep(0.0F, 1e-3F).from({1.0F, 0.0F}, 1e5F, 0.0F).omega_radps == 0.0F);
 }
 
 TEST_CASE("the observer begins at the first reading, and anew with its validity", "[CTL-302]") {

@@ -143,7 +143,7 @@ class Period {
     [[nodiscard]] Index motion_at() const { return plant_at() + static_cast<Index>(pipe_) + 2; }
     [[nodiscard]] Index means_at() const { return motion_at() + 3; }
 
-    /// moved() of wheel_observer.hpp.
+    /// WheelStep of wheel_observer.hpp.
     struct Motion {
         double slip, road;  // road: slip rate by the road
     };
