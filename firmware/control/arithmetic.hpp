@@ -5,8 +5,10 @@
 
 namespace antiskid::control {
 
+/// Up to 2 s by way of 32 bits, the same value: a Cortex-M7 has an instruction for those, and none for 64.
 [[nodiscard]] constexpr float seconds(Time time) {
-    return static_cast<float>(time.count()) * 1e-9F;
+    const auto low = static_cast<std::int32_t>(time.count());
+    return (low == time.count() ? static_cast<float>(low) : static_cast<float>(time.count())) * 1e-9F;
 }
 
 [[nodiscard]] constexpr float smaller(float a, float b) {

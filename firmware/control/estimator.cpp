@@ -60,13 +60,14 @@ inline void Estimator::look_ahead(float v_mps) {
     const float believed = e.answer_per_s > 0.0F ? outlook_share_ * e.answer_per_s : e.answer_per_s;
     const WheelStep step(believed, period_s_);
     WheelMotion late = wheel_observer_.motion();
-    e.late_pressure = e.pressure;
+    PressureState pressure = e.pressure;
     for (std::size_t period = 1; period <= valve_model_.delay_periods(); ++period) {
-        const PressureState next = valve_model_.after(e.late_pressure, period);
-        const float mean_Pa = 0.5F * (e.late_pressure.pressure_Pa + next.pressure_Pa);
+        const PressureState next = valve_model_.after(pressure, period);
+        const float mean_Pa = 0.5F * (pressure.pressure_Pa + next.pressure_Pa);
         late = step.from(late, brake_gain_ * mean_Pa, steady_radps2_);
-        e.late_pressure = next;
+        pressure = next;
     }
+    e.late_pressure = pressure;
     e.late_v_mps = larger(v_mps + e.v_dot_mps2 * valve_model_.delay_s(), kSlowest_mps);
     e.late_balance_Pa = larger(late.road_radps2 - steady_radps2_, 0.0F) / brake_gain_;
     e.late_slip = limited(1.0F - late.omega_radps * e.radius_m / e.late_v_mps, -1.0F, 1.0F);

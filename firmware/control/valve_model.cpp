@@ -67,8 +67,8 @@ ValveModel::ValveModel(const ValveConfig& valve, float period_s, const Estimator
 }
 
 void ValveModel::update(float command_Pa, float measured_Pa, bool fresh) {
-    for (std::size_t i = whole_ + 1; i > 0; --i) commands_[i] = commands_[i - 1];
-    commands_[0] = command_Pa;
+    newest_ = (newest_ + 1) % kKept;
+    commands_[newest_] = command_Pa;
     const float acting = input(0);
     propagate(uncorrected_, acting);
     propagate(state_, acting + offset_Pa_);

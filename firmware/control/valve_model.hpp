@@ -58,12 +58,16 @@ class ValveModel {
     /// The static pressure that drives the lag `periods_ahead` periods from the newest command on its way out of the pipe.
     [[nodiscard]] float input(std::size_t periods_ahead) const {
         const std::size_t age = whole_ - periods_ahead;
-        return part_ > 0.0F ? (1.0F - part_) * commands_[age] + part_ * commands_[age + 1] : commands_[age];
+        return part_ > 0.0F ? (1.0F - part_) * command(age) + part_ * command(age + 1) : command(age);
     }
+    /// The one of `age` periods ago.
+    [[nodiscard]] float command(std::size_t age) const { return commands_[(newest_ - age) % kKept]; }
 
-    std::array<float, kMostDelay + 2> commands_{};  // [0] newest
-    std::size_t whole_ = 0;                         // whole periods of delay
-    float part_ = 0.0F;                             // and the rest, in periods
+    static constexpr std::size_t kKept = 32;  // a power of two above kMostDelay + 1
+    std::array<float, kKept> commands_{};     // a ring
+    std::size_t newest_ = 0;
+    std::size_t whole_ = 0;  // whole periods of delay
+    float part_ = 0.0F;      // and the rest, in periods
     float delay_s_ = 0.0F;
     float a11_ = 0.0F, a12_ = 0.0F, b1_ = 0.0F, a21_ = 0.0F, a22_ = 0.0F, b2_ = 0.0F;
     float correct_pressure_, correct_rate_, correct_offset_;

@@ -165,6 +165,7 @@ struct TuneCommand {
         const bool law = loop == "law";
         if (!law && (check || !write.empty()))
             throw std::invalid_argument("--check and --write need --loop law");
+        if (check && !write.empty()) throw std::invalid_argument("--check finds nothing to --write");
         scenario.seed = seed.value_or(1);
         MarginsInput input = load_margins_input(scenario);
         if (floor) input.settings.law.stops.mean_j_mu = *floor;
@@ -220,8 +221,8 @@ LabVerb tune_verb(CLI::App& lab) {
     verb->add_flag("--constant-slip", command->constant_slip, "the reference does not fall at low speed");
     verb->add_flag(
         "--check", command->check,
-        "law: no search; exit status 1 unless the shipped gains keep what is asked and no single step "
-        "from them is better");
+        "law: no search; exit status 1 unless the stops of the shipped gains are what is asked and every "
+        "cell is stable");
     verb->add_option("--write", command->write, "law: controller files that get the gains in place of theirs")
         ->check(CLI::ExistingFile);
     verb->add_option("--floor", command->floor,
@@ -246,7 +247,8 @@ LabVerb tune_verb(CLI::App& lab) {
         "  rig-lab tune\n"
         "  rig-lab tune --loop law --write config/controller.toml --write config/controller_endurance.toml\n"
         "  rig-lab tune --loop law --check\n"
-        "Exit status: 0; 1 --check found better; 2 mistake on the command line or in a file.");
+        "Exit status: 0; 1 --check: the gains are not what is asked; 2 mistake on the command line or in a "
+        "file.");
     return {verb, [command] { return command->run(); }};
 }
 

@@ -15,12 +15,12 @@ struct LawTuning {
     ScenarioOptions scenario;
     study::margins::StudyOptions options;
     study::margins::SearchOptions search;
-    bool check = false;                        ///< no search: the climb alone, from the shipped gains
+    bool check = false;                        ///< no search: the shipped gains are judged, nothing is written
     std::filesystem::path out;                 ///< gets slip.toml
     std::vector<std::filesystem::path> write;  ///< controller files that get the gains
 };
 
-/// Prints and reports what it found. 0; with `check` 1 where the shipped gains are not what is asked, or a step from them is better.
+/// Prints and reports what it found. 0; with `check` 1 where the stops of the shipped gains are not what is asked, or a cell is unstable.
 [[nodiscard]] int tune_law(const LawTuning& tuning, const MarginsInput& input, nlohmann::ordered_json& json);
 
 }  // namespace plant_sim

@@ -24,6 +24,7 @@ LawSearch law_search(const settings::Table& t) {
         .stops = {.mean_j_mu = stops.number("mean_j_mu", {.min = 0.0, .max = 1.0}),
                   .longest_lock_s = 1e-3 * stops.number("longest_lock_ms", {.min = 0.0, .max = 10000.0}),
                   .tracked_share = stops.number("tracked_share", {.min = 0.0, .max = 1.0})},
+        .surface_loss = stops.number("surface_loss", {.min = 0.0, .max = 1.0}),
         .worn_friction = stops.number("worn_friction", {.min = 0.01, .max = 1.0}),
         .worn_references = stops.numbers("worn_references", {.range = {.min = 0.01, .max = 0.5}}),
         .drawn_seed = draws.integer<std::uint64_t>("seed", {.min = 0}),

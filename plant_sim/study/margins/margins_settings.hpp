@@ -19,6 +19,7 @@ struct LawSearch {
     SearchOptions options;    ///< but threads
     double least_gain = 0.0;  ///< of its last part, climb()
     StopsRequirement stops;
+    double surface_loss = 0.0;            ///< of mean J_mu against the threshold law's, on any surface
     double worn_friction = 0.0;           ///< of the brake in further stops, whose tracking counts
     std::vector<double> worn_references;  ///< of these
     std::uint64_t drawn_seed = 1;         ///< of further stops on drawn plants (study/robust)
