@@ -86,14 +86,14 @@ struct SlipConfig {
     float low_speed_floor_mps = 0.0F;   ///< at and below it the reference is `low_speed_slip` at the most
     float low_speed_slip = 0.0F;
 
-    // The share of the reference that is in force is the integral of (answer + runaway_per_s) / answer_scale_per_s, within the rates.
+    // The share of the reference that is in force is the integral of rise_per_s (answer + runaway_per_s) / answer_scale_per_s, which
+    // exceeds rise_per_s at no time.
     float runaway_per_s = 0.0F;  ///< a wheel that runs away as fast as this is still held
     float restless_slip =
         0.0F;  ///< no fall while the slip stays so near the reference: it is held, whatever the answer seems to be
     float answer_scale_per_s = 0.0F;
     float answer_filter_radps = 0.0F;
-    float rise_per_s = 0.0F;  ///< of the share, at most
-    float fall_per_s = 0.0F;
+    float rise_per_s = 0.0F;
     float lock_fall_per_s = 0.0F;  ///< while the wheel slips by more than 0.6
 };
 

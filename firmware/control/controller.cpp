@@ -30,7 +30,6 @@ float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estim
     const bool takes_over = before == State::braking && maneuver.law != law_;
     if (before != State::braking || takes_over) start_law(maneuver.law, estimate);
     if (before != State::braking) takeover_Pa_ = valve_.full_pressure_Pa;
-    if (before == State::armed || before == State::touchdown_protection) slip_law_.forget_runway();
     if (takes_over) takeover_Pa_ = requested_Pa_;
     takeover_Pa_ = smaller(takeover_Pa_ + pass_through_step_Pa_, valve_.full_pressure_Pa);
     const float ceiling_Pa = smaller(maneuver.demand_Pa, takeover_Pa_);
@@ -67,6 +66,7 @@ Command Controller::step(const Sensors& sensors, Time now) {
     const FaultSet present = monitor_.check(
         sensors, estimator_, {supervisor_.rolling(), before == State::braking, slip_law_.asked()}, now);
     const State state = supervisor_.update(sensors, estimate, present, now);
+    if (state == State::standby || !sensors.maneuver.weight_on_wheels) slip_law_.forget_runway();
 
     Command command;
     command.state = state;

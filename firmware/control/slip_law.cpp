@@ -19,8 +19,8 @@ void SlipLaw::follow_answer(const Estimate& e) {
     answer_per_s_ += (e.answer_per_s - answer_per_s_) * config_.answer_filter_radps * period_s_;
     const float wanted = (answer_per_s_ + config_.runaway_per_s) / config_.answer_scale_per_s;
     off_slip_ += (magnitude(e.slip - reference_) - off_slip_) * config_.answer_filter_radps * period_s_;
-    const float most_fall = off_slip_ >= config_.restless_slip ? config_.fall_per_s : 0.0F;
-    const float rate = limited(wanted * config_.rise_per_s, -most_fall, config_.rise_per_s);
+    const bool may_fall = wanted > 0.0F || off_slip_ >= config_.restless_slip;
+    const float rate = may_fall ? smaller(wanted, 1.0F) * config_.rise_per_s : 0.0F;
     const float falls = e.slip > kNearlyLocked ? config_.lock_fall_per_s : 0.0F;
     share_ = limited(share_ + (rate - falls) * period_s_, kLeast, 1.0F);
 }

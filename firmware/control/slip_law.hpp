@@ -26,7 +26,7 @@ class SlipLaw {
 
     /// Starts from rest at the present slip. What it has learnt of the reference stays.
     void start(const Estimate& estimate);
-    /// On another runway the whole reference may be in force again.
+    /// On another landing the whole reference may be in force again.
     void forget_runway() { share_ = 1.0F; }
 
     /// Pressure to ask of the valve, 0 to `ceiling_Pa`.

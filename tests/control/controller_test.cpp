@@ -464,6 +464,13 @@ TEST_CASE("a reference that has retreated stays so within a landing", "[CTL-315]
         REQUIRE(b.command.state == State::locked_wheel);
         slip_to(b, 0.07);
     }
+    SECTION("after the demand was taken back") {
+        b.sensors.maneuver.demand_Pa = 0.0F;
+        b.seconds(0.2);
+        REQUIRE(b.command.state == State::armed);
+        b.sensors.maneuver.demand_Pa = 6e6F;
+        b.steps(1);
+    }
     SECTION("after another law") {
         b.sensors.maneuver.law = Law::threshold;
         b.seconds(0.1);
