@@ -219,10 +219,8 @@ LabVerb tune_verb(CLI::App& lab) {
     verb->add_option("--speeds", command->speeds, "speeds from brake-on to drop-out (default: pid 4, law 8)")
         ->check(CLI::Range(2, 50));
     verb->add_flag("--constant-slip", command->constant_slip, "the reference does not fall at low speed");
-    verb->add_flag(
-        "--check", command->check,
-        "law: no search; exit status 1 unless the stops of the shipped gains are what is asked and every "
-        "cell is stable");
+    verb->add_flag("--check", command->check,
+                   "law: no search; exit status 1 unless the stops of the shipped gains are what is asked");
     verb->add_option("--write", command->write, "law: controller files that get the gains in place of theirs")
         ->check(CLI::ExistingFile);
     verb->add_option("--floor", command->floor,

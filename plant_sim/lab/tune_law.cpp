@@ -171,10 +171,9 @@ int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& j
     json["shipped"] = to_json(before, trial);
     if (tuning.check) {
         print({before}, trial, tuning.options.requirement);
-        const bool shows = before.stops.violation <= 0.0, stable = before.margins.unstable == 0;
-        fmt::print("\nThe shipped gains {} what stops must show, and {}.\n", shows ? "show" : "do not show",
-                   stable ? "every cell is stable" : "cells are unstable");
-        return shows && stable ? 0 : 1;
+        const bool shows = before.stops.violation <= 0.0;
+        fmt::print("\nThe shipped gains {} what stops must show.\n", shows ? "show" : "do not show");
+        return shows ? 0 : 1;
     }
     const margins::Found found = margins::search(law.knobs, score, tuning.search, progress);
     const margins::Found top =

@@ -20,7 +20,7 @@ struct LawTuning {
     std::vector<std::filesystem::path> write;  ///< controller files that get the gains
 };
 
-/// Prints and reports what it found. 0; with `check` 1 where the stops of the shipped gains are not what is asked, or a cell is unstable.
+/// Prints and reports what it found. 0; with `check` 1 where the stops of the shipped gains are not what is asked.
 [[nodiscard]] int tune_law(const LawTuning& tuning, const MarginsInput& input, nlohmann::ordered_json& json);
 
 }  // namespace plant_sim

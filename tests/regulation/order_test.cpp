@@ -54,7 +54,7 @@ TEST_CASE("the shipped order: a plan that is feasible within the range of its fl
     CHECK(plan.landings == 256);
     const double share = plan.tyre_budget_J() / (plan.tyre_budget_J() + plan.brake_budget_J());
     CHECK(share > range.lowest);
-    CHECK(share < range.highest * 0.93);
+    CHECK(share < range.highest * 0.96);
     CHECK((plan.tyre_budget_J() + plan.brake_budget_J()) / (256 * 5.12e6) == Approx(1.0).margin(0.01));
 }
 
@@ -83,7 +83,7 @@ TEST_CASE("surfaces to reckon with are all, unless the order names them; each al
     std::string text = contents(few.file());
     text.replace(text.find("default = 0.24"), 14, "default = 0.10");
     std::ofstream(few.file()) << text;
-    CHECK_THROWS_WITH(regulation::load_order(few.file()), ContainsSubstring("on dry_asphalt J_mu"));
+    CHECK_THROWS_WITH(regulation::load_order(few.file()), ContainsSubstring("on dry_cobblestone J_mu"));
 }
 
 TEST_CASE("a forecast is asked for by its table, and left out without it", "[STUDY-341]") {

