@@ -38,17 +38,17 @@ with tempfile.TemporaryDirectory() as scratch:
     # Gains that lose the wheel, and a floor that no gains reach, are told.
     config = scratch / "config"
     shutil.copytree("config", config)
+    margins = (config / "margins.toml").read_text()
+    (config / "margins.toml").write_text(changed(changed(margins, "draws", 1), "least_gain", 1.0))
     controller = (config / "controller.toml").read_text()
     (config / "controller.toml").write_text(changed(controller, "k_d", "15.0"))
     done = tune("--check", "--config", config, "--out", scratch)
     assert done.returncode == 1 and "do not show" in done.stdout, done.returncode
-    done = tune("--check", "--floor", "0.999", "--out", scratch)
+    (config / "controller.toml").write_text(controller)
+    done = tune("--check", "--config", config, "--floor", "0.999", "--out", scratch)
     assert done.returncode == 1 and "do not show what stops must show" in done.stdout, done.returncode
 
     # Four gains are no search; they show that it ends, takes the best, and writes it.
-    margins = (config / "margins.toml").read_text()
-    (config / "margins.toml").write_text(changed(changed(margins, "draws", 1), "least_gain", 1.0))
-    (config / "controller.toml").write_text(controller)
     other = scratch / "other.toml"
     other.write_text(controller)
     done = tune("--population", 4, "--generations", 0, "--config", config, "--write", other, "--out", scratch)
