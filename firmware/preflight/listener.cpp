@@ -17,9 +17,7 @@ namespace {
 class Senses {
   public:
     explicit Senses(const control::Config& config)
-        : estimator_(config),
-          monitor_(config),
-          safe_current_mA_(config.valve.safe_current_mA) {}
+        : estimator_(config), monitor_(config), safe_current_mA_(config.valve.safe_current_mA) {}
 
     [[nodiscard]] control::FaultSet step(const control::Sensors& sensors, control::Time now) {
         (void)estimator_.update(sensors, safe_current_mA_);

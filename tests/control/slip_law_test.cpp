@@ -280,6 +280,20 @@ TEST_CASE("the reference retreats while the wheel runs away, and comes back", "[
     CHECK(run(law, 500.0F, 0.05F, 10'000) == Approx(0.2));
 }
 
+TEST_CASE("a slip that stays at its reference is held, whatever the answer seems to be", "[CTL-312]") {
+    SlipConfig c = exact_law();
+    c.restless_slip = 0.01F;
+    SlipLaw law = settled(c, 0.2F);
+    CHECK(run(law, -60.0F, 0.2F, 2000) == Approx(0.2));
+    CHECK(run(law, -60.0F, 0.2095F, 2000) == Approx(0.2));  // on either side
+    CHECK(run(law, -60.0F, 0.1905F, 2000) == Approx(0.2));
+    CHECK(run(law, -60.0F, 0.2105F, 2000) < 0.15F);
+    // The way back asks for no rest.
+    CHECK(run(law, 500.0F, 0.2F, 10'000) == Approx(0.2));
+    // Down to a slip below it the reference follows no further than to where that is at rest.
+    CHECK(run(law, -60.0F, 0.15F, 5000) == Approx(0.16).margin(2e-3));
+}
+
 TEST_CASE("a wheel that nearly locks takes the reference back at once", "[CTL-312]") {
     SlipLaw law = settled(exact_law(), 0.2F);
     CHECK(run(law, 500.0F, 0.61F, 100) == Approx(0.2 * (1.0 - (5.0 - 0.2) * 0.1)).epsilon(0.02));
