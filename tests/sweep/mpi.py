@@ -9,4 +9,5 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "study"))
 import team  # noqa: E402
 
-team.same_bytes(*sys.argv[1:3], ["sweep", "--references", "0.2,0.24", "--landings", "4", "--no-pictures"], ["--references", "7"])
+team.same_bytes(*sys.argv[1:3], ["sweep", "--references", "0.2,0.24", "--landings", "4", "--no-pictures"], ["--references", "7"],
+                "--references")
