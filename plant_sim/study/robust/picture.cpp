@@ -19,8 +19,8 @@ set style line 2 lc rgb '#c55a11' lw 2
 set key bottom right Left reverse samplen 2 spacing 1.1 font ',10'
 set lmargin 8
 set rmargin 2
-set tmargin 2
-set bmargin 3
+set tmargin 2.6
+set bmargin 3.3
 set xrange [0:100]
 )";
 
@@ -82,7 +82,7 @@ void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector
                                s.tripped);
         }
         fmt::format_to(std::back_inserter(script),
-                       "set title '{{/:Bold {}}}' offset 0,-0.5\nset ylabel '{}'\nset xlabel '{}'\n{}\n",
+                       "set title '{{/:Bold {}}}' offset 0,-0.7\nset ylabel '{}'\nset xlabel '{}'\n{}\n",
                        name(plan.families[panel]), panel % columns == 0 ? "J_{/Symbol m}" : "",
                        panel + columns >= panels ? "share of the stops (%)" : "", plots);
     }
