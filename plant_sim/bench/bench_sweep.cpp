@@ -20,6 +20,7 @@
 #include "plant_sim/study/side_by_side.hpp"
 #include "plant_sim/study/sweep/run.hpp"
 #include "plant_sim/study/sweep/setup.hpp"
+#include "plant_sim/study/team/shared_work.hpp"
 
 namespace {
 
@@ -92,7 +93,7 @@ struct Engine {
 
 int run() {
     const sweep::Plan plan = sweep::load_plan({});
-    const std::vector<std::size_t> order = sweep::order_of_work(plan.stops());
+    const std::vector<std::size_t> order = study::order_of_work(plan.stops());
     const std::vector<std::size_t> numbers(order.begin(), order.begin() + kStops);
     const unsigned threads = std::max(std::thread::hardware_concurrency(), 1U);
 

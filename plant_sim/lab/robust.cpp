@@ -2,12 +2,13 @@
 
 #include <csignal>
 #include <memory>
-#include <thread>
 
 #include "config/reader/atomic_file.hpp"
 #include "firmware/linux/stop_signals.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
+#include "plant_sim/lab/in_team.hpp"
 #include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/study/robust/picture.hpp"
 #include "plant_sim/study/robust/report.hpp"
 
 namespace plant_sim {
@@ -18,16 +19,20 @@ struct RobustCommand {
     robust::PlanOptions options;
     unsigned threads = 0;
     std::filesystem::path out = "out/robust";
+    bool pictures = true;
 
-    [[nodiscard]] int run() const {
+    [[nodiscard]] int run(study::Team& team) const {
         const robust::Plan plan = robust::load_plan(options);
         antiskid::rt::StopSignals signals;
         CampaignProgress progress(static_cast<std::int64_t>(plan.stops()), 0, "stops");
         const std::vector<robust::Row> rows = robust::run(
-            plan, {.threads = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()),
-                   .stop = &signals.stop(),
-                   .progress = [&](std::size_t done) { progress.show(static_cast<std::int64_t>(done)); }});
+            plan,
+            {.threads = threads_in(team, threads),
+             .stop = &signals.stop(),
+             .progress = [&](std::size_t done) { progress.show(static_cast<std::int64_t>(done)); }},
+            team);
         progress.finish();
+        if (team.rank() != 0) return 0;
         if (rows.size() < plan.stops()) {
             fmt::print(stderr, "rig-lab: stopped after {} of {} stops; nothing is written\n", rows.size(),
                        plan.stops());
@@ -36,9 +41,10 @@ struct RobustCommand {
         const std::vector<robust::Summary> summaries = robust::summarise(plan, rows);
         settings::write_file(out / "stops.csv", robust::to_csv(plan, rows));
         settings::write_file(out / "results.json", robust::to_json(plan, summaries));
-        fmt::print("{}seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json\n",
+        if (pictures) robust::draw_j_mu(plan, rows, summaries, out / "robust.png");
+        fmt::print("{}seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
                    robust::to_table(plan, summaries), plan.seed, plan.config_hash, ANTISKID_VERSION,
-                   out.string());
+                   out.string(), pictures ? " robust.png" : "");
         bool sound = true;
         for (const robust::Summary& s : summaries)
             sound = sound && (plan.laws[s.law] != antiskid::control::Law::wheel_slip || s.tripped == 0);
@@ -70,17 +76,21 @@ LabVerb robust_verb(CLI::App& lab) {
     verb->add_option("--ranges", command->options.ranges, "what is drawn (default: CONFIG/uncertainty.toml)");
     verb->add_option("--config", command->options.config, "directory of the configuration files")
         ->capture_default_str();
-    verb->add_option("--threads", command->threads, "results do not depend on it (default: all cores)")
+    verb->add_option("--threads", command->threads,
+                     "results do not depend on it (default: all cores; 1 for each process of mpirun)")
         ->check(CLI::Range(1U, 1024U));
-    verb->add_option("--out", command->out, "directory of stops.csv and results.json")->capture_default_str();
+    verb->add_option("--out", command->out, "directory of stops.csv, results.json and robust.png")
+        ->capture_default_str();
+    verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"
         "  rig-lab robust\n"
         "  rig-lab robust --families ring,relaxation --draws 168 --seed 2\n"
+        "  mpirun -n 4 rig-lab robust        the same bytes\n"
         "Exit status: 0 no stop under the slip law ended safe; 1 some did; 2 mistake on the command line or "
         "in a file; 130 "
         "stopped by Ctrl-C.");
-    return {verb, [command] { return command->run(); }};
+    return {verb, [command] { return in_team([command](study::Team& team) { return command->run(team); }); }};
 }
 
 }  // namespace plant_sim

@@ -6,16 +6,15 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <thread>
 
 #include "config/reader/atomic_file.hpp"
 #include "firmware/linux/stop_signals.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
+#include "plant_sim/lab/in_team.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/sweep/pictures.hpp"
 #include "plant_sim/study/sweep/setup.hpp"
 #include "plant_sim/study/sweep/summary.hpp"
-#include "plant_sim/study/sweep/team.hpp"
 #include "plant_sim/study/sweep/together.hpp"
 
 namespace plant_sim {
@@ -123,10 +122,10 @@ struct SweepCommand {
     [[nodiscard]] int run();
 
   private:
-    [[nodiscard]] int run_with(sweep::Team& team) const;
+    [[nodiscard]] int run_with(study::Team& team) const;
 };
 
-int SweepCommand::run_with(sweep::Team& team) const {
+int SweepCommand::run_with(study::Team& team) const {
     antiskid::rt::StopSignals signals;
     const sweep::Plan study = sweep::load_plan(plan);
     const sweep::Shard part = parse_shard(shard);
@@ -134,9 +133,7 @@ int SweepCommand::run_with(sweep::Team& team) const {
     const std::string name = whole ? "stops" : fmt::format("shard-{}-of-{}", part.index, part.count);
     std::optional<CampaignProgress> progress;
     sweep::Work work{.shard = part, .part = out / (name + ".part"), .stop = &signals.stop()};
-    // mpirun is told how many processes there shall be: one thread each, unless more are asked for.
-    const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-    work.threads = threads > 0 ? threads : (team.size() > 1 ? 1 : cores);
+    work.threads = threads_in(team, threads);
     work.progress = [&progress](std::size_t done, std::size_t all, std::size_t before) {
         if (!progress) progress.emplace(static_cast<std::int64_t>(all), static_cast<std::int64_t>(before));
         progress->show(static_cast<std::int64_t>(done));
@@ -167,16 +164,7 @@ int SweepCommand::run_with(sweep::Team& team) const {
 
 int SweepCommand::run() {
     if (!references.empty()) plan.references = parse_references(references);
-    const std::unique_ptr<sweep::Team> team = sweep::join_team();
-    try {
-        return run_with(*team);
-    } catch (const std::exception& e) {
-        if (team->size() == 1) throw;
-        // The others would wait for this one for ever.
-        fmt::print(stderr, "rig-lab: process {}: {}\n", team->rank(), e.what());
-        team->end_all(2);
-        return 2;
-    }
+    return in_team([this](study::Team& team) { return run_with(team); });
 }
 
 struct MergeCommand {

@@ -2,9 +2,11 @@
 #include "plant_sim/study/robust/campaign.hpp"
 
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "plant_sim/study/robust/report.hpp"
 #include "tests/catch.hpp"
+#include "tests/study/team_of_threads.hpp"
 
 using namespace robust;
 
@@ -27,6 +29,36 @@ TEST_CASE("rows do not depend on threads, and come in the order of the plan", "[
         CHECK(one[i].travel_mAps > 0.0);
     }
     CHECK(to_csv(plan, one) == to_csv(plan, three));
+}
+
+TEST_CASE("three processes give the rows of one; one with another plan refuses to work", "[STUDY-614]") {
+    PlanOptions options;
+    options.families = {"speed"};
+    options.laws = {"slip"};
+    options.draws = 5;
+    const Plan plan = load_plan(options);
+    threads::Wire wire;
+    std::vector<std::vector<Row>> rows(3);
+    std::size_t last = 0;
+    {
+        std::vector<std::jthread> processes;
+        for (std::size_t rank = 0; rank < 3; ++rank)
+            processes.emplace_back([&, rank] {
+                threads::Member member(wire, rank, 3);
+                RunOptions run_options;
+                if (rank == 0) run_options.progress = [&last](std::size_t done) { last = done; };
+                rows[rank] = run(plan, run_options, member);
+            });
+    }
+    CHECK(last == 5);
+    CHECK(rows[1].empty());
+    CHECK(rows[2].empty());
+    CHECK(to_csv(plan, rows[0]) == to_csv(plan, run(plan, {})));
+
+    Plan other = plan;
+    other.seed = 2;
+    threads::Member member(wire, 1, 3);  // the leader has spoken
+    CHECK_THROWS_WITH(run(other, {}, member), ContainsSubstring("other stops than the leading one"));
 }
 
 TEST_CASE("a summary counts what its rows say", "[STUDY-601]") {
@@ -54,6 +86,7 @@ TEST_CASE("a summary counts what its rows say", "[STUDY-601]") {
     CHECK(all[0].percentile_j_mu == Approx(0.501));
     CHECK(all[0].worst_j_mu == Approx(0.5));
     CHECK(all[0].worst == 0);
+    CHECK_THAT(to_table(plan, all), ContainsSubstring("paper, slip: worst: draw 0 (light "));
     CHECK(all[0].mean_travel_mAps == Approx(10.0));
     const auto json = nlohmann::json::parse(to_json(plan, all));
     CHECK(json["families"][0]["ended_safe"] == 4);

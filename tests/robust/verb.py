@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""rig-lab robust: its files, its exit status, and what bad input gets. [STUDY-604]
+"""rig-lab robust: its files, its exit status, and what bad input gets. [STUDY-604] [STUDY-615] [STUDY-616]
 
 usage: verb.py RIG_LAB
 """
@@ -32,10 +32,18 @@ with tempfile.TemporaryDirectory() as scratch:
     tripped = any(r["law"] == "slip" and r["faults"] != "0" for r in rows)
     assert status == (1 if tripped else 0), (status, rows)
     assert "| paper | slip | 2 |" in text and str(out) in text, text
+    assert (out / "robust.png").read_bytes().startswith(b"\x89PNG") and "robust.png" in text, text
+    for summary in results["families"]:
+        worst = min((r for r in rows if (r["family"], r["law"]) == (summary["family"], summary["law"])), key=lambda r: float(r["j_mu"]))
+        assert (summary["worst_draw"], summary["worst_is"]) == (int(worst["draw"]), worst["what"]), (summary, worst)
+        assert f"{summary['family']}, {summary['law']}: worst: draw {worst['draw']} ({worst['what']})" in text, text
 
-    before = (out / "stops.csv").read_bytes()
-    run("--families", "paper,relaxation", "--laws", "slip,threshold", "--draws", 2, "--seed", 5, "--threads", 1, "--out", out)
-    assert (out / "stops.csv").read_bytes() == before, "threads change the bytes"
+    again = pathlib.Path(scratch, "again")
+    status, text, err = run("--families", "paper,relaxation", "--laws", "slip,threshold", "--draws", 2, "--seed", 5, "--threads", 1,
+                            "--no-pictures", "--out", again)
+    for file in ("stops.csv", "results.json"):
+        assert (again / file).read_bytes() == (out / file).read_bytes(), "threads change the bytes of " + file
+    assert sorted(p.name for p in again.iterdir()) == ["results.json", "stops.csv"] and "robust.png" not in text, text
 
     nowhere = pathlib.Path(scratch, "nowhere")
     for arguments, says in ((("--families", "rings"), "rings"), (("--laws", "bang"), "bang"), (("--draws", 0), "--draws"),

@@ -6,6 +6,7 @@
 #include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/study/sweep/setup.hpp"
 #include "plant_sim/study/sweep/stops_table.hpp"
+#include "plant_sim/study/team/shared_work.hpp"
 #include "tests/catch.hpp"
 
 TEST_CASE("the paper's sweep: 32 scenarios, 45 references, 100 landings, 4,500 stops and the threshold law's",
@@ -86,7 +87,7 @@ TEST_CASE("friction is drawn from the brake's wear model at the wear that was dr
 }
 
 TEST_CASE("the order of work has every stop once, and shards share it out", "[STUDY-144]") {
-    const auto all = sweep::order_of_work(4600);
+    const auto all = study::order_of_work(4600);
     CHECK(std::set<std::size_t>(all.begin(), all.end()).size() == 4600);
     std::set<std::size_t> seen;
     for (std::size_t i = 1; i <= 3; ++i) {

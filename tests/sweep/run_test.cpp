@@ -3,17 +3,16 @@
 
 #include <unistd.h>
 
-#include <condition_variable>
-#include <deque>
 #include <fstream>
 #include <iterator>
-#include <mutex>
 #include <numeric>
 #include <thread>
 
 #include "plant_sim/study/sweep/part_file.hpp"
 #include "plant_sim/study/sweep/together.hpp"
+#include "plant_sim/study/team/shared_work.hpp"
 #include "tests/catch.hpp"
+#include "tests/study/team_of_threads.hpp"
 #include "tests/sweep/small_plan.hpp"
 
 namespace {
@@ -47,47 +46,6 @@ std::string text_of(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// A team of threads: messages through a queue instead of MPI.
-struct Wire {
-    std::mutex mutex;
-    std::condition_variable changed;
-    std::deque<std::string> to_leader;
-    std::optional<std::string> from_leader;
-};
-
-class Member : public sweep::Team {
-  public:
-    Member(Wire& wire, std::size_t rank, std::size_t size) : wire_(wire), rank_(rank), size_(size) {}
-    [[nodiscard]] std::size_t rank() const override { return rank_; }
-    [[nodiscard]] std::size_t size() const override { return size_; }
-    [[nodiscard]] std::string from_leader(std::string text) override {
-        std::unique_lock lock(wire_.mutex);
-        if (rank_ == 0) wire_.from_leader = text;
-        wire_.changed.notify_all();
-        wire_.changed.wait(lock, [this] { return wire_.from_leader.has_value(); });
-        return *wire_.from_leader;
-    }
-    void to_leader(std::string_view text) override {
-        const std::scoped_lock lock(wire_.mutex);
-        wire_.to_leader.emplace_back(text);
-        wire_.changed.notify_all();
-    }
-    [[nodiscard]] std::optional<std::string> received(bool wait) override {
-        std::unique_lock lock(wire_.mutex);
-        if (wait) wire_.changed.wait(lock, [this] { return !wire_.to_leader.empty(); });
-        if (wire_.to_leader.empty()) return std::nullopt;
-        std::string text = std::move(wire_.to_leader.front());
-        wire_.to_leader.pop_front();
-        return text;
-    }
-    void end_all(int) override {}
-
-  private:
-    Wire& wire_;
-    std::size_t rank_;
-    std::size_t size_;
-};
-
 }  // namespace
 
 TEST_CASE("the number of threads and the order of work change no byte", "[STUDY-142]") {
@@ -95,7 +53,7 @@ TEST_CASE("the number of threads and the order of work change no byte", "[STUDY-
     std::vector<std::size_t> in_order(plan.stops());
     std::iota(in_order.begin(), in_order.end(), std::size_t{0});
     CHECK(csv_of(plan, sweep::run(plan, in_order, {.threads = 1})) == reference_csv());
-    CHECK(csv_of(plan, sweep::run(plan, sweep::order_of_work(plan.stops()), {.threads = 5})) ==
+    CHECK(csv_of(plan, sweep::run(plan, study::order_of_work(plan.stops()), {.threads = 5})) ==
           reference_csv());
     const sweep::Plan other = small::plan(2);
     CHECK(csv_of(other, sweep::run(other, in_order, {.threads = 2})) != reference_csv());
@@ -114,7 +72,7 @@ std::vector<double> many_references() {
 
 TEST_CASE("what a stop or an observer throws ends the run and comes out of it", "[STUDY-142]") {
     const sweep::Plan plan = small::plan(1, many_references());
-    const auto numbers = sweep::order_of_work(plan.stops());
+    const auto numbers = study::order_of_work(plan.stops());
     std::size_t seen = 0;
     const auto full_disk = [&seen](const sweep::Row&) {
         if (++seen == 2) throw std::runtime_error("no space left on device");
@@ -129,8 +87,8 @@ TEST_CASE("a sweep that is stopped or killed goes on: nothing twice, nothing los
     const Scratch scratch;
     const auto part = scratch.path / "new" / "stops.part";
     const sweep::Plan plan = small::plan(1, many_references());
-    Wire wire;
-    Member team(wire, 0, 1);
+    threads::Wire wire;
+    threads::Member team(wire, 0, 1);
     std::atomic<bool> stop{false};
     sweep::Work work{.part = part, .threads = 2, .stop = &stop};
     work.progress = [&stop](std::size_t done, std::size_t all, std::size_t before) {
@@ -152,7 +110,7 @@ TEST_CASE("a sweep that is stopped or killed goes on: nothing twice, nothing los
     };
     const auto second = sweep::run_together(plan, work, team);
     CHECK(ran == 88 - first.size());
-    const auto at_once = sweep::run(plan, sweep::order_of_work(plan.stops()), {.threads = 2});
+    const auto at_once = sweep::run(plan, study::order_of_work(plan.stops()), {.threads = 2});
     CHECK(csv_of(plan, second) == csv_of(plan, at_once));
     CHECK(sweep::read_stops(part).rows.size() == 88);
 
@@ -201,14 +159,14 @@ TEST_CASE("three processes give the bytes of one, and go on where one was stoppe
         sweep::PartFile file(part, plan, {});
         file.append(sweep::line(sweep::run_one(plan, 5)));
     }
-    Wire wire;
+    threads::Wire wire;
     std::vector<sweep::Row> rows;
     std::vector<std::size_t> others(3, 1);
     {
         std::vector<std::jthread> processes;
         for (std::size_t rank = 0; rank < 3; ++rank)
             processes.emplace_back([&, rank] {
-                Member member(wire, rank, 3);
+                threads::Member member(wire, rank, 3);
                 auto found = sweep::run_together(plan, {.part = part, .threads = 1}, member);
                 if (rank == 0) rows = found;
                 others[rank] = found.size();
@@ -219,12 +177,12 @@ TEST_CASE("three processes give the bytes of one, and go on where one was stoppe
 }
 
 TEST_CASE("a process with another plan than the leader's refuses to work", "[STUDY-145]") {
-    Wire wire;
+    threads::Wire wire;
     const sweep::Plan plan = small::plan();
     wire.from_leader = csv_of(plan, {});
     sweep::Plan other = plan;
     other.config_hash = "another";
-    Member member(wire, 1, 2);
+    threads::Member member(wire, 1, 2);
     CHECK_THROWS_WITH(sweep::run_together(other, {}, member),
                       ContainsSubstring("another sweep than the leading one"));
 }

@@ -5,6 +5,7 @@
 #include "plant_sim/study/sweep/run.hpp"
 #include "plant_sim/study/sweep/setup.hpp"
 #include "plant_sim/study/sweep/summary.hpp"
+#include "plant_sim/study/team/shared_work.hpp"
 #include "tests/catch.hpp"
 
 TEST_CASE(
@@ -14,7 +15,7 @@ TEST_CASE(
     options.references = {0.06, 0.1, 0.15, 0.2, 0.24, 0.3, 0.36, 0.44};
     options.landings = 40;
     const sweep::Plan plan = sweep::load_plan(options);
-    const auto rows = sweep::run(plan, sweep::order_of_work(plan.stops()),
+    const auto rows = sweep::run(plan, study::order_of_work(plan.stops()),
                                  {.threads = std::max(1U, std::thread::hardware_concurrency())});
     const sweep::Summary s = sweep::summarised(sweep::identity_of(plan), rows);
     CHECK(s.unchecked.empty());

@@ -13,6 +13,7 @@
 #include "firmware/control/config.hpp"
 #include "plant_sim/study/robust/uncertainty.hpp"
 #include "plant_sim/study/stop_meter.hpp"
+#include "plant_sim/study/team/team.hpp"
 
 namespace robust {
 
@@ -56,15 +57,18 @@ struct Row {
 };
 
 struct RunOptions {
-    unsigned threads = 1;
+    unsigned threads = 1;  ///< of each process
     const std::atomic<bool>* stop = nullptr;
-    std::function<void(std::size_t done)> progress{};
+    std::function<void(std::size_t done)> progress{};  ///< by the leader
 };
 
 /// How draw `number` is braked with a law of the plan.
 [[nodiscard]] study::SessionOptions session(const Plan& plan, antiskid::control::Law law, std::size_t number);
 
-/// In the order of families, laws and numbers, whatever the threads. Less than all of them where it was stopped.
+/// By this process alone: in the order of families, laws and numbers, whatever the threads. Less than all of them where it was stopped.
 [[nodiscard]] std::vector<Row> run(const Plan& plan, const RunOptions& options);
+/// The same rows for the leader of a team, nothing for the others. Every process must be given the same plan: one that was not throws
+/// std::invalid_argument.
+[[nodiscard]] std::vector<Row> run(const Plan& plan, const RunOptions& options, study::Team& team);
 
 }  // namespace robust

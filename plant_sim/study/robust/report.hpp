@@ -24,6 +24,7 @@ struct Summary {
 /// In the order of the plan. Families without rows are left out.
 [[nodiscard]] std::vector<Summary> summarise(const Plan& plan, const std::vector<Row>& rows);
 
+/// In Markdown, and below it a line for each worst stop with what was drawn for it.
 [[nodiscard]] std::string to_table(const Plan& plan, const std::vector<Summary>& summaries);
 [[nodiscard]] std::string to_json(const Plan& plan, const std::vector<Summary>& summaries);
 [[nodiscard]] std::string to_csv(const Plan& plan, const std::vector<Row>& rows);

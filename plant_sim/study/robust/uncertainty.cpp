@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "config/reader/settings.hpp"
@@ -128,23 +129,29 @@ std::string describe(const Basis& basis, const Draw& d) {
     const auto& [ring, relaxation, leg] = d.rig.wheel.compliance;
     std::string text = fmt::format("{} {}", landing.maneuver, landing.surface);
     if (ring.belt_share > 0.0)
-        text += fmt::format(", ring {:.0f} Hz damping {:.3f} belt {:.2f}", ring.frequency_Hz, ring.damping,
+        text += fmt::format(", ring {:.1f} Hz damping {:.3f} belt {:.2f}", ring.frequency_Hz, ring.damping,
                             ring.belt_share);
     if (relaxation.length_m > 0.0) text += fmt::format(", relaxation {:.3f} m", relaxation.length_m);
     if (leg.mass_kg > 0.0)
-        text += fmt::format(", leg {:.1f} Hz damping {:.3f}", leg.frequency_Hz, leg.damping);
+        text += fmt::format(", leg {:.0f} kg {:.1f} Hz damping {:.3f}", leg.mass_kg, leg.frequency_Hz,
+                            leg.damping);
     const plant::RigParameters& plain = landing.rig;
     if (d.rig.valve.delay_s != plain.valve.delay_s)
         text += fmt::format(
-            ", J x{:.2f}, k_b x{:.2f}, valve {:.0f} Hz delay {:.1f} ms hysteresis {:.1f} mA, pitch {:.1f} %",
+            ", J x{:.2f}, k_b x{:.2f}, valve {:.0f} Hz delay {:.1f} ms hysteresis {:.1f} mA, load x{:.2f}, "
+            "wheel's teeth {:.1f} % eccentric {:.2f} %, flywheel's teeth {:.1f} % eccentric {:.2f} %",
             d.rig.wheel.inertia_kgm2 / plain.wheel.inertia_kgm2,
             d.rig.brake.piston_area_m2 / plain.brake.piston_area_m2,
             d.rig.valve.natural_frequency_radps / 6.283185307179586, d.rig.valve.delay_s * 1e3,
-            d.rig.valve.hysteresis_mA, d.rig.wheel_encoder.pitch_error * 100.0);
+            d.rig.valve.hysteresis_mA, d.rig.load.base_N / plain.load.base_N,
+            d.rig.wheel_encoder.pitch_error * 100.0, d.rig.wheel_encoder.eccentricity * 100.0,
+            d.rig.flywheel_encoder.pitch_error * 100.0, d.rig.flywheel_encoder.eccentricity * 100.0);
     if (d.rig.brake_on_mps != plain.brake_on_mps) text += fmt::format(", {:.1f} m/s", d.rig.brake_on_mps);
-    for (std::size_t i = 0; i < d.rig.runway.patches.size() && i < 4; ++i)
-        text += fmt::format(", {} from {:.0f} m", d.rig.runway.patches[i].surface.name,
-                            d.rig.runway.patches[i].from_m);
+    constexpr std::size_t kShown = 4;
+    const auto& patches = d.rig.runway.patches;
+    for (std::size_t i = 0; i < std::min(patches.size(), kShown); ++i)
+        text += fmt::format(", {} from {:.0f} m", patches[i].surface.name, patches[i].from_m);
+    if (patches.size() > kShown) text += fmt::format(", {} more", patches.size() - kShown);
     return text;
 }
 

@@ -60,7 +60,7 @@ struct Draw {
 /// Draw `number` of a family: that, the family and the seed decide everything. Landings come in turn, so that every family has all of them.
 [[nodiscard]] Draw draw(const Basis& basis, Family family, std::uint64_t seed, std::size_t number);
 
-/// What was drawn, for a person: "ring 73 Hz, damping 0.05, belt 0.31 of J_w; ...".
+/// What was drawn, for a person: "heavy snow, ring 73.2 Hz damping 0.050 belt 0.31". Of patches the first four.
 [[nodiscard]] std::string describe(const Basis& basis, const Draw& draw);
 
 }  // namespace robust

@@ -1,10 +1,5 @@
 #include "plant_sim/study/sweep/plan.hpp"
 
-#include <algorithm>
-#include <numeric>
-
-#include "plant_sim/model/random.hpp"
-
 namespace sweep {
 
 std::vector<double> paper_references() {
@@ -66,17 +61,6 @@ std::vector<Landing> draw_landings(std::uint64_t seed, std::size_t count, std::s
         landings.push_back(landing);
     }
     return landings;
-}
-
-std::vector<std::size_t> order_of_work(std::size_t stops) {
-    constexpr std::uint64_t kShuffle = 1;
-    plant::Random random(kShuffle);
-    std::vector<std::size_t> numbers(stops);
-    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-    // Fisher and Yates; std::shuffle is not the same with every standard library. Its bias from % is of no concern here.
-    for (std::size_t i = stops; i > 1; --i)
-        std::swap(numbers[i - 1], numbers[static_cast<std::size_t>(random.bits() % i)]);
-    return numbers;
 }
 
 }  // namespace sweep

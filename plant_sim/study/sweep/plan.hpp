@@ -86,8 +86,4 @@ struct Plan {
 [[nodiscard]] std::vector<Landing> draw_landings(std::uint64_t seed, std::size_t count, std::size_t scenarios,
                                                  const BrakeLife& brake);
 
-/// Numbers 0 to `stops` - 1 in the order of work: mixed, so that long stops (ice) and short ones fall evenly to threads, shards and
-/// processes, and time left follows from the share done. The same for every seed.
-[[nodiscard]] std::vector<std::size_t> order_of_work(std::size_t stops);
-
 }  // namespace sweep

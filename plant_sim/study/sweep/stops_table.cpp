@@ -15,6 +15,7 @@
 #include <type_traits>
 
 #include "firmware/can/value_names.hpp"
+#include "plant_sim/study/team/shared_work.hpp"
 
 namespace sweep {
 
@@ -188,7 +189,7 @@ std::string difference(const Identity& got, const Identity& wanted) {
 }
 
 std::vector<std::size_t> numbers_of(std::size_t stops, const Shard& shard) {
-    const std::vector<std::size_t> all = order_of_work(stops);
+    const std::vector<std::size_t> all = study::order_of_work(stops);
     std::vector<std::size_t> ours;
     ours.reserve(stops / shard.count + 1);
     for (std::size_t i = shard.index - 1; i < stops; i += shard.count) ours.push_back(all[i]);

@@ -5,71 +5,62 @@
 #include <stdexcept>
 
 #include "plant_sim/study/sweep/part_file.hpp"
+#include "plant_sim/study/team/shared_work.hpp"
 
 namespace sweep {
 
 namespace {
 
-/// What is not in `done` and falls to this process.
-std::vector<std::size_t> share_of(const std::vector<std::size_t>& numbers, const std::vector<Row>& done,
-                                  const Team& team) {
+/// Numbers of the shard, in the order of work, that are not in `done`.
+std::vector<std::size_t> pending(const Plan& plan, const Shard& shard, const std::vector<Row>& done) {
     std::set<std::size_t> finished;
     for (const Row& row : done) finished.insert(row.stop.number);
-    std::vector<std::size_t> ours;
-    std::size_t pending = 0;
-    for (const std::size_t number : numbers) {
-        if (!finished.contains(number) && pending++ % team.size() == team.rank()) ours.push_back(number);
-    }
-    return ours;
+    std::vector<std::size_t> numbers = numbers_of(plan.stops(), shard);
+    std::erase_if(numbers, [&finished](std::size_t number) { return finished.contains(number); });
+    return numbers;
 }
 
-std::vector<Row> lead(const Plan& plan, const Work& work, Team& team) {
+/// This process's share of what is not in `done`.
+void work_on(const Plan& plan, const Work& work, const std::vector<Row>& done, study::Team& team,
+             const std::function<void(std::string_view line)>& take) {
+    const auto ours = study::share_of(pending(plan, work.shard, done), team);
+    study::work_together(
+        team,
+        [&](const study::HandIn& hand_in) {
+            (void)run(plan, ours, {.threads = work.threads, .stop = work.stop, .on_row = [&](const Row& row) {
+                                       hand_in(line(row));
+                                   }});
+        },
+        take);
+}
+
+std::vector<Row> lead(const Plan& plan, const Work& work, study::Team& team) {
     PartFile part(work.part, plan, work.shard);
-    const std::vector<std::size_t> numbers = numbers_of(plan.stops(), work.shard);
+    const std::size_t all = numbers_of(plan.stops(), work.shard).size();
     std::vector<Row> rows = part.rows();
     const std::size_t before = rows.size();
     (void)team.from_leader(to_csv(identity_of(plan), work.shard, rows));
-    std::size_t at_work = team.size() - 1;
-    const auto take = [&](std::string_view text, Row row) {
+    work_on(plan, work, part.rows(), team, [&](std::string_view text) {
         part.append(text);
-        rows.push_back(std::move(row));
-        if (work.progress) work.progress(rows.size(), numbers.size(), before);
-    };
-    const auto hear = [&](bool wait) {
-        const auto text = team.received(wait);
-        if (text && text->empty()) --at_work;
-        if (text && !text->empty())
-            take(*text, parse_row("a stop of another process", 1,
-                                  std::string_view(*text).substr(0, text->size() - 1)));
-        return text.has_value();
-    };
-    (void)run(plan, share_of(numbers, part.rows(), team),
-              {.threads = work.threads, .stop = work.stop, .on_row = [&](const Row& row) {
-                   take(line(row), row);
-                   while (at_work > 0 && hear(false)) {
-                   }
-               }});
-    while (at_work > 0) (void)hear(true);
+        rows.push_back(parse_row("a finished stop", 1, text.substr(0, text.size() - 1)));
+        if (work.progress) work.progress(rows.size(), all, before);
+    });
     std::sort(rows.begin(), rows.end(),
               [](const Row& a, const Row& b) { return a.stop.number < b.stop.number; });
     return rows;
 }
 
-void follow(const Plan& plan, const Work& work, Team& team) {
+void follow(const Plan& plan, const Work& work, study::Team& team) {
     const StopsTable begun = parse_stops("the leading process", team.from_leader({}));
     const std::string differs = difference(identity_of(plan), begun.identity);
     if (!differs.empty() || begun.shard != work.shard)
         throw std::invalid_argument("this process was given another sweep than the leading one: " + differs);
-    (void)run(plan, share_of(numbers_of(plan.stops(), work.shard), begun.rows, team),
-              {.threads = work.threads, .stop = work.stop, .on_row = [&team](const Row& row) {
-                   team.to_leader(line(row));
-               }});
-    team.to_leader({});
+    work_on(plan, work, begun.rows, team, {});
 }
 
 }  // namespace
 
-std::vector<Row> run_together(const Plan& plan, const Work& work, Team& team) {
+std::vector<Row> run_together(const Plan& plan, const Work& work, study::Team& team) {
     if (team.rank() == 0) return lead(plan, work, team);
     follow(plan, work, team);
     return {};

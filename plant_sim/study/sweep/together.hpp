@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "plant_sim/study/sweep/stops_table.hpp"
-#include "plant_sim/study/sweep/team.hpp"
+#include "plant_sim/study/team/team.hpp"
 
 namespace sweep {
 
@@ -22,6 +22,6 @@ struct Work {
 
 /// For the leader: the stops of the shard that are finished, by number; all of them unless it was stopped. Nothing for the others. Every
 /// process must be given the same plan: one that was not throws std::invalid_argument. Otherwise as PartFile and run().
-[[nodiscard]] std::vector<Row> run_together(const Plan& plan, const Work& work, Team& team);
+[[nodiscard]] std::vector<Row> run_together(const Plan& plan, const Work& work, study::Team& team);
 
 }  // namespace sweep

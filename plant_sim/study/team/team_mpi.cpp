@@ -3,9 +3,9 @@
 #include <limits>
 #include <stdexcept>
 
-#include "plant_sim/study/sweep/team_alone.hpp"
+#include "plant_sim/study/team/team_alone.hpp"
 
-namespace sweep {
+namespace study {
 
 namespace {
 
@@ -78,4 +78,4 @@ std::unique_ptr<Team> join_team() {
     return std::make_unique<Alone>();
 }
 
-}  // namespace sweep
+}  // namespace study

@@ -1,11 +1,11 @@
-/// Inside the sweep: a team of one.
+/// A team of one.
 #pragma once
 
 #include <cstdlib>
 
-#include "plant_sim/study/sweep/team.hpp"
+#include "plant_sim/study/team/team.hpp"
 
-namespace sweep {
+namespace study {
 
 class Alone : public Team {
   public:
@@ -20,4 +20,4 @@ class Alone : public Team {
 /// How many processes mpirun started, by the variables that Open MPI, MPICH and Slurm set; 1 without it.
 [[nodiscard]] std::size_t started_by_mpirun();
 
-}  // namespace sweep
+}  // namespace study

@@ -1,15 +1,15 @@
 #include <stdexcept>
 
-#include "plant_sim/study/sweep/team_alone.hpp"
+#include "plant_sim/study/team/team_alone.hpp"
 
-namespace sweep {
+namespace study {
 
 std::unique_ptr<Team> join_team() {
     if (started_by_mpirun() > 1)
         throw std::runtime_error(
             "mpirun started several processes, but this program was built where MPI was not installed "
-            "(libopenmpi-dev): each would run the whole sweep. Use --shard I/N instead.");
+            "(libopenmpi-dev): each would do all of the work. `rig-lab sweep --shard I/N` needs no MPI.");
     return std::make_unique<Alone>();
 }
 
-}  // namespace sweep
+}  // namespace study

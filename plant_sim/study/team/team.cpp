@@ -1,9 +1,9 @@
 #include <charconv>
 #include <cstring>
 
-#include "plant_sim/study/sweep/team_alone.hpp"
+#include "plant_sim/study/team/team_alone.hpp"
 
-namespace sweep {
+namespace study {
 
 std::size_t started_by_mpirun() {
     for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}) {
@@ -15,4 +15,4 @@ std::size_t started_by_mpirun() {
     return 1;
 }
 
-}  // namespace sweep
+}  // namespace study

@@ -1,0 +1,32 @@
+#include "plant_sim/lab/in_team.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <thread>
+
+namespace plant_sim {
+
+int in_team(const std::function<int(study::Team& team)>& work) {
+    const std::unique_ptr<study::Team> team = study::join_team();
+    try {
+        return work(*team);
+    } catch (const std::exception& e) {
+        if (team->size() == 1) throw;
+        // The others would wait for this one for ever.
+        fmt::print(stderr, "rig-lab: process {}: {}\n", team->rank(), e.what());
+        team->end_all(2);
+        return 2;
+    }
+}
+
+unsigned threads_in(const study::Team& team, unsigned asked) {
+    if (asked > 0) return asked;
+    // mpirun is told how many processes there shall be: one thread each, unless more are asked for.
+    return team.size() > 1 ? 1 : std::max(1U, std::thread::hardware_concurrency());
+}
+
+}  // namespace plant_sim
