@@ -172,6 +172,33 @@ TEST_CASE("a full receive queue drops the newest and counts; a link that is down
     CHECK(a.receive(frames) == 1);
 }
 
+TEST_CASE("a bus that has no better way waits, receives and sends frame by frame", "[CAN-210]") {
+    /// Its first frame arrives during the wait, and it takes two.
+    class Slow final : public Bus {
+      public:
+        std::size_t receive(std::span<Frame> frames) override {
+            if (!arrived) return 0;
+            frames[0] = {.id = 5, .length = 0, .data = {}, .received = {}};
+            return 1;
+        }
+        bool send(const Frame&) override { return sent < 2 && ++sent > 0; }
+        bool wait(Time timeout) override { return arrived = timeout > Time{0}; }
+        [[nodiscard]] LinkStatus status() const override { return {}; }
+        bool arrived = false;
+        int sent = 0;
+    };
+    Slow bus;
+    std::array<Frame, 3> frames;
+    CHECK(bus.receive_within(Time{0}, frames) == 0);
+    REQUIRE(bus.receive_within(Time{1}, frames) == 1);
+    CHECK(frames[0].id == 5);
+    CHECK(bus.receive_within(Time{0}, frames) == 1);  // it was there: no wait
+    CHECK(bus.arrived);
+    CHECK(bus.send_all(std::span(frames).first(1)) == 1);
+    CHECK(bus.send_all(frames) == 1);
+    CHECK(bus.send_all({}) == 0);
+}
+
 TEST_CASE("without the interface, or without CAN in the kernel, the refusal says so", "[CAN-080]") {
     // Which of the two depends on the machine; over a real vcan each refusal is tested by itself.
     CHECK_THROWS_WITH(
