@@ -229,10 +229,10 @@ TEST_CASE("a law or state that does not exist is refused", "[CAN-054]") {
         maneuver.law = static_cast<control::Law>(law);
         port.accept(rig.maneuver(maneuver));
     }
-    CHECK(port.stats(Role::maneuver).accepted == 4);
-    CHECK(port.stats(Role::maneuver).wrong_value == 4);
-    CHECK(port.sensors().maneuver.rejected == 4);
-    CHECK(port.sensors().maneuver.law == control::Law::threshold);
+    CHECK(port.stats(Role::maneuver).accepted == 5);
+    CHECK(port.stats(Role::maneuver).wrong_value == 3);
+    CHECK(port.sensors().maneuver.rejected == 3);
+    CHECK(port.sensors().maneuver.law == control::Law::pressure_bias);
     control::Command command;
     for (int state = 0; state < 16; ++state) {
         command.state = static_cast<control::State>(state);
