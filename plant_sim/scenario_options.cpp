@@ -124,6 +124,9 @@ Scenario load_scenario(const ScenarioOptions& o) {
     files.insert(files.end(), {controller_file, dbc_file, binding_file});
     s.config_hash = settings::hash(files);
     s.session.plan = plan(o, s.plant);
+    if (!s.layout.maneuver.has(s.session.plan.law))
+        throw std::invalid_argument(
+            fmt::format("--law {}: the law's field of {} is too narrow for it", o.law, dbc_file.string()));
     s.session.period_s = static_cast<double>(s.controller.period_s);
     s.session.drop_out_mps = s.plant.drop_out_mps;
     s.session.seed = o.seed;
