@@ -22,7 +22,8 @@ const std::map<std::string, Law>& laws() {
     static const std::map<std::string, Law> kLaws{{"slip", Law::wheel_slip},
                                                   {"deceleration", Law::deceleration},
                                                   {"open_loop", Law::open_loop},
-                                                  {"threshold", Law::threshold}};
+                                                  {"threshold", Law::threshold},
+                                                  {"pressure_bias", Law::pressure_bias}};
     return kLaws;
 }
 
@@ -72,8 +73,8 @@ void ScenarioOptions::add_to(CLI::App& app) {
                    "surfaces over distance, wet friction over speed: a file as config/runways has them")
         ->type_name("FILE")
         ->excludes(surface);
-    app.add_option("--law", law, "slip, threshold, deceleration or open_loop")
-        ->check(CLI::IsMember({"slip", "threshold", "deceleration", "open_loop"}))
+    app.add_option("--law", law, "slip, threshold, pressure_bias, deceleration or open_loop")
+        ->check(CLI::IsMember({"slip", "threshold", "pressure_bias", "deceleration", "open_loop"}))
         ->capture_default_str();
     app.add_option("--slip", slip, "slip reference")->check(CLI::Range(0.0, 0.5))->capture_default_str();
     app.add_option("--deceleration", deceleration_mps2, "reference of the deceleration law, m/s2");
@@ -123,6 +124,9 @@ Scenario load_scenario(const ScenarioOptions& o) {
     files.insert(files.end(), {controller_file, dbc_file, binding_file});
     s.config_hash = settings::hash(files);
     s.session.plan = plan(o, s.plant);
+    if (!s.layout.maneuver.has(s.session.plan.law))
+        throw std::invalid_argument(
+            fmt::format("--law {}: the law's field of {} is too narrow for it", o.law, dbc_file.string()));
     s.session.period_s = static_cast<double>(s.controller.period_s);
     s.session.drop_out_mps = s.plant.drop_out_mps;
     s.session.seed = o.seed;

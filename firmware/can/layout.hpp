@@ -75,6 +75,11 @@ struct ManeuverSignals {
     Signal slip_reference;
     Signal deceleration_mps2;
     Signal current_mA;
+
+    /// A narrower field would send another law's code.
+    [[nodiscard]] constexpr bool has(control::Law code) const {
+        return static_cast<std::uint64_t>(code) <= law.mask();
+    }
 };
 
 struct LoadCellSignals {

@@ -73,7 +73,7 @@ void SpeedDecoder::apply(const SpeedSignals& signals, const RawSpeed& raw, contr
 
 bool apply(const ManeuverSignals& signals, const RawManeuver& raw, control::Time received,
            control::ManeuverInput& input) {
-    if (raw.law > static_cast<std::int64_t>(control::Law::threshold)) return false;
+    if (raw.law >= control::kLawCount) return false;
     input.received = received;
     input.law = static_cast<control::Law>(raw.law);
     input.arm = raw.arm != 0;

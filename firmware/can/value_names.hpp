@@ -9,8 +9,8 @@
 
 namespace antiskid::can {
 
-inline constexpr std::array<std::string_view, 4> kLawNames{"wheel_slip", "deceleration", "open_loop",
-                                                           "threshold"};
+inline constexpr std::array<std::string_view, control::kLawCount> kLawNames{
+    "wheel_slip", "deceleration", "open_loop", "threshold", "pressure_bias"};
 
 /// Phases of a maneuver as the rig bridge steps through them.
 inline constexpr std::array<std::string_view, 11> kPhaseNames{

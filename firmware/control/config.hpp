@@ -122,6 +122,19 @@ struct ThresholdConfig {
         0.0F;  ///< INCREASE starts at this share of the pressure at which the last skid began
 };
 
+/// Pressure-bias modulation: what is taken off the demand for velocity error, its integral and the wheel's deceleration.
+struct PressureBiasConfig {
+    float reference_fall_mps2 = 0.0F;     ///< the reference speed follows the wheel down no faster
+    float dead_band_mps = 0.0F;           ///< velocity error up to which the wheel does not skid
+    float k_transient_Pa_per_mps = 0.0F;  ///< of the error beyond it, at once
+    float k_bias_Pa_per_m = 0.0F;         ///< of its integral: the bias
+    float first_bleed_Paps = 0.0F;        ///< the bias of the start bleeds off so until the first skid
+    float bleed_Paps = 0.0F;              ///< and so after it, while the wheel does not skid
+    float most_bias_share = 0.0F;         ///< of the demand
+    float lead_dead_band_mps2 = 0.0F;     ///< rim deceleration up to which there is no lead
+    float k_lead_Pa_per_mps2 = 0.0F;      ///< of the deceleration beyond it
+};
+
 /// States and their thresholds.
 struct SupervisorConfig {
     float self_test_s = 0.0F;           ///< every input good and the wheel at rest for this long
@@ -170,6 +183,7 @@ struct Config {
     SlipConfig slip;
     DecelerationConfig deceleration;
     ThresholdConfig threshold;
+    PressureBiasConfig pressure_bias;
     SupervisorConfig supervisor;
     MonitorConfig monitor;
 };

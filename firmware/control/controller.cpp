@@ -13,22 +13,28 @@ Controller::Controller(const Config& config)
       slip_law_(config.slip, config.period_s),
       deceleration_law_(config.deceleration, config.slip, config.period_s),
       threshold_law_(config.threshold, config.period_s),
+      pressure_bias_law_(config.pressure_bias, config.period_s),
       takeover_Pa_(config.valve.full_pressure_Pa),
       current_mA_(config.valve.safe_current_mA),
       held_mA_(config.valve.safe_current_mA) {}
 
-void Controller::start_law(Law law, const Estimate& estimate) {
+void Controller::start_law(Law law, const Estimate& estimate, State before) {
+    const bool resumes = before == State::locked_wheel && law == law_;
     law_ = law;
     slip_law_.start(estimate);
     deceleration_law_.start(estimate);
     threshold_law_.start(estimate);
+    if (resumes)
+        pressure_bias_law_.resume(estimate);
+    else
+        pressure_bias_law_.start(estimate);
 }
 
 float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estimate& estimate, State before) {
     // Every return from another state starts the law at the present slip and pressure. A law that takes over from another one starts from
     // the pressure that was asked last and may raise it no faster than a demand that passes through: bumpless, and free to release.
     const bool takes_over = before == State::braking && maneuver.law != law_;
-    if (before != State::braking || takes_over) start_law(maneuver.law, estimate);
+    if (before != State::braking || takes_over) start_law(maneuver.law, estimate, before);
     if (before != State::braking) takeover_Pa_ = valve_.full_pressure_Pa;
     if (takes_over) takeover_Pa_ = requested_Pa_;
     takeover_Pa_ = smaller(takeover_Pa_ + pass_through_step_Pa_, valve_.full_pressure_Pa);
@@ -40,8 +46,10 @@ float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estim
             return deceleration_law_.pressure_Pa(estimate, maneuver.deceleration_mps2, ceiling_Pa);
         case Law::open_loop:
             return limited(valve_pressure_Pa(valve_, maneuver.current_mA), 0.0F, ceiling_Pa);
-        default:  // threshold: Monitor lets no law through that does not exist
+        case Law::threshold:
             return threshold_law_.pressure_Pa(estimate, ceiling_Pa);
+        default:  // pressure_bias: Monitor lets no law through that does not exist
+            return pressure_bias_law_.pressure_Pa(estimate, ceiling_Pa);
     }
 }
 
@@ -52,9 +60,11 @@ float Controller::pass_through_Pa(float ceiling_Pa, const Estimate& estimate, St
     return passed_Pa_;
 }
 
-/// The valve's offset is made up for where a pressure is meant: open loop asks for a current, and the threshold law switches.
+/// The valve's offset is made up for where a pressure is meant: open loop asks for a current, the threshold law switches, and a fielded
+/// system does not measure pressure.
 float Controller::current_mA(const Command& command, Law law) const {
-    const bool by_map = command.state == State::braking && (law == Law::open_loop || law == Law::threshold);
+    const bool means_pressure = law == Law::wheel_slip || law == Law::deceleration;
+    const bool by_map = command.state == State::braking && !means_pressure;
     return by_map ? valve_current_mA(valve_, command.pressure_request_Pa)
                   : estimator_.current_mA(command.pressure_request_Pa);
 }
@@ -66,7 +76,10 @@ Command Controller::step(const Sensors& sensors, Time now) {
     const FaultSet present = monitor_.check(
         sensors, estimator_, {supervisor_.rolling(), before == State::braking, slip_law_.asked()}, now);
     const State state = supervisor_.update(sensors, estimate, present, now);
-    if (state == State::standby || !sensors.maneuver.weight_on_wheels) slip_law_.forget_runway();
+    if (state == State::standby || !sensors.maneuver.weight_on_wheels) {
+        slip_law_.forget_runway();
+        pressure_bias_law_.forget_runway();
+    }
 
     Command command;
     command.state = state;

@@ -20,6 +20,7 @@
 #include "firmware/control/deceleration_law.hpp"
 #include "firmware/control/estimator.hpp"
 #include "firmware/control/monitor.hpp"
+#include "firmware/control/pressure_bias_law.hpp"
 #include "firmware/control/slip_law.hpp"
 #include "firmware/control/supervisor.hpp"
 #include "firmware/control/threshold_law.hpp"
@@ -44,7 +45,7 @@ class Controller {
                                             State before);
     [[nodiscard]] float pass_through_Pa(float ceiling_Pa, const Estimate& estimate, State before);
     [[nodiscard]] float current_mA(const Command& command, Law law) const;
-    void start_law(Law law, const Estimate& estimate);
+    void start_law(Law law, const Estimate& estimate, State before);
 
     ValveConfig valve_;
     float pass_through_step_Pa_;  // the most by which a demand that passes through may rise in a period
@@ -54,6 +55,7 @@ class Controller {
     SlipLaw slip_law_;
     DecelerationLaw deceleration_law_;
     ThresholdLaw threshold_law_;
+    PressureBiasLaw pressure_bias_law_;
     Law law_ = Law::wheel_slip;
     float passed_Pa_ = 0.0F;
     float requested_Pa_ = 0.0F;  // by the last step

@@ -221,7 +221,7 @@ void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
                           m.slip_reference >= 0.0F && m.slip_reference <= 0.5F &&
                           m.deceleration_mps2 >= 0.0F &&
                           m.deceleration_mps2 <= config_.most_deceleration_mps2 && m.current_mA >= 0.0F &&
-                          m.current_mA <= 100.0F && m.law <= Law::threshold;
+                          m.current_mA <= 100.0F && static_cast<std::uint8_t>(m.law) < kLawCount;
     if (!sensible) faults.insert(Fault::maneuver_range);
 }
 

@@ -46,8 +46,11 @@ enum class Law : std::uint8_t {
     wheel_slip = 0,    ///< PID on slip, Section V
     deceleration = 1,  ///< prescribed wheel deceleration, the endurance campaign's law, Section IV.B
     open_loop = 2,     ///< the commanded current, limited by the demand
-    threshold = 3,     ///< HOLD, DECREASE, INCREASE on wheel deceleration and slip, Section I: the baseline
+    threshold = 3,     ///< HOLD, DECREASE, INCREASE on wheel deceleration and slip, Section I: a baseline
+    pressure_bias =
+        4,  ///< velocity error, its integral as a bias, lead: the other baseline, of fielded systems
 };
+inline constexpr std::uint8_t kLawCount = 5;
 
 /// What the pilot or the rig's sequencer asks for.
 struct ManeuverInput {

@@ -136,6 +136,19 @@ control::ThresholdConfig threshold(const settings::Table& t) {
             .restore_share = number(t, "restore_share", 0.0, 1.0)};
 }
 
+control::PressureBiasConfig pressure_bias(const settings::Table& t) {
+    tell_apart(t, {"bleed_Paps", "first_bleed_Paps", "dead_band_mps", "lead_dead_band_mps2"});
+    return {.reference_fall_mps2 = number(t, "reference_fall_mps2", 0.1, 1e3),
+            .dead_band_mps = number(t, "dead_band_mps", 0.0, 50.0),
+            .k_transient_Pa_per_mps = number(t, "k_transient_Pa_per_mps", 0.0, 1e9),
+            .k_bias_Pa_per_m = number(t, "k_bias_Pa_per_m", 0.0, 1e10),
+            .first_bleed_Paps = number(t, "first_bleed_Paps", 1e5, 1e10),
+            .bleed_Paps = number(t, "bleed_Paps", 1e4, 1e10),
+            .most_bias_share = number(t, "most_bias_share", 0.0, 1.0),
+            .lead_dead_band_mps2 = number(t, "lead_dead_band_mps2", 0.0, 1e4),
+            .k_lead_Pa_per_mps2 = number(t, "k_lead_Pa_per_mps2", 0.0, 1e8)};
+}
+
 control::SupervisorConfig supervisor(const settings::Table& t) {
     tell_apart(t, {"lock_share", "unlock_share"});
     return {.self_test_s = milliseconds(t, "self_test_ms", 10.0, 10000.0),
@@ -188,6 +201,7 @@ control::Config load_controller_config(const std::filesystem::path& path) {
     c.slip = slip(root.table("slip"));
     c.deceleration = deceleration(root.table("deceleration"));
     c.threshold = threshold(root.table("threshold"));
+    c.pressure_bias = pressure_bias(root.table("pressure_bias"));
     const settings::Table states = root.table("supervisor");
     c.supervisor = supervisor(states);
     if (c.supervisor.unlock_share <= c.supervisor.lock_share)

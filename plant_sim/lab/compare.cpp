@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <array>
 #include <filesystem>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -17,11 +15,10 @@ namespace plant_sim {
 
 namespace {
 
-constexpr std::array<const char*, 2> kLaws{"slip", "threshold"};
-
 struct CompareCommand {
     ScenarioOptions scenario;
     std::vector<std::filesystem::path> runways;
+    std::vector<std::string> laws{"slip", "threshold"};
     std::string json;
 
     /// The runways where some are given, otherwise all surfaces.
@@ -34,7 +31,7 @@ struct CompareCommand {
         return all;
     }
 
-    [[nodiscard]] study::StopReport stop(const plant::ManeuverChoice& choice, const char* law) const {
+    [[nodiscard]] study::StopReport stop(const plant::ManeuverChoice& choice, const std::string& law) const {
         ScenarioOptions options = scenario;
         options.choice = choice;
         options.law = law;
@@ -52,33 +49,39 @@ struct CompareCommand {
         const auto roads = this->roads();
         const auto maneuvers = plant::maneuver_names(scenario.config);
         const std::size_t all = roads.size() * maneuvers.size();
-        std::string table =
-            "| surface | maneuver | slip law: J_mu | distance (m) | longest lock (ms) | threshold law: J_mu "
-            "| distance (m) |\n"
-            "|---|---|---|---|---|---|---|\n";
+        std::string table = "| surface | maneuver |", line = "|---|---|";
+        for (const std::string& law : laws) {
+            const bool first = &law == &laws.front();
+            table +=
+                fmt::format(" {} law: J_mu | distance (m) |{}", law, first ? " longest lock (ms) |" : "");
+            line += first ? "---|---|---|" : "---|---|";
+        }
+        table += "\n" + line + "\n";
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-        std::array<double, kLaws.size()> sums{};
+        std::vector<double> sums(laws.size());
         std::size_t done = 0;
         for (plant::ManeuverChoice choice : roads) {
             for (const std::string& maneuver : maneuvers) {
                 choice.maneuver = maneuver;
-                std::array<study::StopFigures, kLaws.size()> f;
-                for (std::size_t i = 0; i < kLaws.size(); ++i) {
-                    const study::StopReport report = stop(choice, kLaws[i]);
-                    f[i] = report.figures;
-                    sums[i] += f[i].j_mu / static_cast<double>(all);
+                table += fmt::format("| {} | {} |", choice.road(), maneuver);
+                for (std::size_t i = 0; i < laws.size(); ++i) {
+                    const study::StopReport report = stop(choice, laws[i]);
+                    const study::StopFigures& f = report.figures;
+                    sums[i] += f.j_mu / static_cast<double>(all);
                     rows.push_back(nlohmann::ordered_json::parse(study::to_json(report)));
+                    table += fmt::format(" {:.4f} | {:.1f} |", f.j_mu, f.stop_distance_m);
+                    if (i == 0) table += fmt::format(" {:.0f} |", f.longest_lock_s * 1e3);
                 }
-                fmt::format_to(std::back_inserter(table),
-                               "| {} | {} | {:.4f} | {:.1f} | {:.0f} | {:.4f} | {:.1f} |\n", choice.road(),
-                               maneuver, f[0].j_mu, f[0].stop_distance_m, f[0].longest_lock_s * 1e3,
-                               f[1].j_mu, f[1].stop_distance_m);
+                table += "\n";
                 ++done;
                 if (::isatty(STDERR_FILENO) == 1)
                     fmt::print(stderr, "\r{} of {} scenarios{}", done, all, done == all ? "\n" : "");
             }
         }
-        fmt::format_to(std::back_inserter(table), "| mean | | {:.4f} | | | {:.4f} | |\n", sums[0], sums[1]);
+        table += "| mean | |";
+        for (std::size_t i = 0; i < laws.size(); ++i)
+            table += fmt::format(" {:.4f} | |{}", sums[i], i == 0 ? " |" : "");
+        table += "\n";
         if (json != "-") fmt::print("{}", table);
         if (!json.empty()) deliver(json, rows.dump(2) + "\n");
         return 0;
@@ -91,6 +94,10 @@ LabVerb compare_verb(CLI::App& lab) {
     const auto compare = std::make_shared<CompareCommand>();
     CLI::App* verb = lab.add_subcommand(
         "compare", "The slip law against the threshold law on all surfaces and maneuvers.");
+    verb->add_option("--laws", compare->laws, "slip, threshold, pressure_bias")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"slip", "threshold", "pressure_bias"}))
+        ->capture_default_str();
     verb->add_option("--slip", compare->scenario.slip, "slip reference")
         ->check(CLI::Range(0.0, 0.5))
         ->capture_default_str();
@@ -105,6 +112,7 @@ LabVerb compare_verb(CLI::App& lab) {
     verb->add_option("--json", compare->json, "every stop as JSON: a file, or - for standard output");
     verb->footer(
         "Examples:\n  rig-lab compare --slip 0.24 --json compare.json\n"
+        "  rig-lab compare --laws slip,threshold,pressure_bias\n"
         "  rig-lab compare --runway config/runways/wet_smooth.toml --runway config/runways/wet_grooved.toml");
     return {verb, [compare] { return compare->run(); }};
 }

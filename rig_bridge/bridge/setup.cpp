@@ -44,6 +44,8 @@ Setup load_setup(const RigOptions& o, const std::vector<std::filesystem::path>& 
             .meter = {},
             .limits = {},
             .config_hash = {}};
+    if (!s.layout.maneuver.has(static_cast<antiskid::control::Law>(s.scenario.mean.law)))
+        throw std::invalid_argument(dbc.string() + ": the law's field is too narrow for the scenario's law");
     const auto controller = antiskid::load_controller_config(s.scenario.controller);
     s.meter = meter_parameters(s.scenario.rig, static_cast<double>(controller.period_s));
     if (!s.layout[Role::maneuver_state].bound)

@@ -81,7 +81,13 @@ inline constexpr std::uint8_t kAbortCount = 16;
 [[nodiscard]] bool stops_controller(Abort abort);
 
 /// How the current is found; codes as on the bus.
-enum class BrakeLaw : std::uint8_t { slip = 0, deceleration = 1, open_loop = 2, threshold = 3 };
+enum class BrakeLaw : std::uint8_t {
+    slip = 0,
+    deceleration = 1,
+    open_loop = 2,
+    threshold = 3,
+    pressure_bias = 4
+};
 
 struct CurrentPoint {
     double time_s = 0.0;  ///< since brake-on

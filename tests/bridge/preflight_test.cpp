@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tests/bridge/fakes.hpp"
+#include "tests/config/refusal.hpp"
 #include "tests/preflight/sound_link.hpp"
 #include "tests/preflight/verdicts.hpp"
 
@@ -89,6 +90,20 @@ class Folder {
 };
 
 }  // namespace
+
+TEST_CASE("a scenario's law that the bus has no code for is refused by name", "[CTL-336]") {
+    const TemporaryDirectory directory;
+    std::string text = content_of("config/scenarios/heavy.toml");
+    text.resize(text.find("law = \"slip\""));
+    put(directory / "heavy.toml", text + "law = \"pressure_bias\"\n");
+    rig::RigOptions options = heavy().rig;
+    options.scenario = directory / "heavy.toml";
+    CHECK(rig::load_setup(options).scenario.mean.law == sequencer::BrakeLaw::pressure_bias);
+    options.dbc = "config/foreign.dbc";
+    options.binding = "config/foreign_binding.toml";
+    CHECK_THROWS_WITH(rig::load_setup(options),
+                      ContainsSubstring("foreign.dbc: the law's field is too narrow"));
+}
 
 TEST_CASE("A rig that is good in every respect passes every check but what nobody tells", "[BRG-150]") {
     PreflightBench bench;

@@ -221,6 +221,12 @@ TEST_CASE("an edge before the zero of the sensor's clock lies in its own tick", 
     CHECK(time_after(50) - first == Time{200});
 }
 
+TEST_CASE("a layout knows which laws it has a code for", "[CTL-336]") {
+    CHECK(ours().maneuver.has(control::Law::pressure_bias));
+    CHECK(foreign().maneuver.has(control::Law::threshold));
+    CHECK_FALSE(foreign().maneuver.has(control::Law::pressure_bias));
+}
+
 TEST_CASE("a law or state that does not exist is refused", "[CAN-054]") {
     RigPort rig(ours(), kStep);
     ControllerPort port(ours(), kStep);
@@ -229,10 +235,10 @@ TEST_CASE("a law or state that does not exist is refused", "[CAN-054]") {
         maneuver.law = static_cast<control::Law>(law);
         port.accept(rig.maneuver(maneuver));
     }
-    CHECK(port.stats(Role::maneuver).accepted == 4);
-    CHECK(port.stats(Role::maneuver).wrong_value == 4);
-    CHECK(port.sensors().maneuver.rejected == 4);
-    CHECK(port.sensors().maneuver.law == control::Law::threshold);
+    CHECK(port.stats(Role::maneuver).accepted == 5);
+    CHECK(port.stats(Role::maneuver).wrong_value == 3);
+    CHECK(port.sensors().maneuver.rejected == 3);
+    CHECK(port.sensors().maneuver.law == control::Law::pressure_bias);
     control::Command command;
     for (int state = 0; state < 16; ++state) {
         command.state = static_cast<control::State>(state);

@@ -92,9 +92,12 @@ TEST_CASE("no false fault with the loading device of the flywheel rig", "[CTL-08
     all_scenarios([](plant_sim::ScenarioOptions& o) { o.choice.carrier = plant::Carrier::flywheel; });
 }
 
-TEST_CASE("no false fault with any law", "[CTL-086]") {
+TEST_CASE("no false fault with any law", "[CTL-086][CTL-335]") {
     SECTION("threshold") {
         all_scenarios([](plant_sim::ScenarioOptions& o) { o.law = "threshold"; });
+    }
+    SECTION("pressure bias") {
+        all_scenarios([](plant_sim::ScenarioOptions& o) { o.law = "pressure_bias"; });
     }
     SECTION("deceleration") {
         const double mps2 = GENERATE(1.5, 6.0);

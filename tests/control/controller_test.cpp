@@ -71,7 +71,7 @@ TEST_CASE("the pressure request is never above the demand", "[CTL-061]") {
         // Steps, ramps and nonsense of everything that the pilot, the runway and the sequencer can do.
         ManeuverInput& m = b.sensors.maneuver;
         if (k % 37 == 0) m.demand_Pa = static_cast<float>(between(0.0, 1.0) < 0.1 ? 0.0 : between(0.0, 25e6));
-        if (k % 101 == 0) m.law = static_cast<Law>(random() % 4U);
+        if (k % 101 == 0) m.law = static_cast<Law>(random() % kLawCount);
         if (k % 53 == 0) m.slip_reference = static_cast<float>(between(0.0, 0.5));
         if (k % 61 == 0) m.deceleration_mps2 = static_cast<float>(between(0.0, 15.0));
         if (k % 71 == 0) m.current_mA = static_cast<float>(between(0.0, 100.0));
@@ -280,14 +280,16 @@ TEST_CASE("a valve that gives less than its map is asked for more where a pressu
     open.seconds(3.0);
     CHECK(open.command.current_mA == Approx(12.0F).epsilon(1e-5));
 
-    Bench threshold(config);
-    threshold.to_braking(Law::threshold);
-    threshold.tamper = b.tamper;
-    threshold.seconds(1.0);
-    REQUIRE(threshold.command.state == State::braking);
-    REQUIRE(threshold.command.pressure_request_Pa > 1e6F);
-    CHECK(threshold.command.current_mA ==
-          antiskid::control::valve_current_mA(config.valve, threshold.command.pressure_request_Pa));
+    for (const Law law : {Law::threshold, Law::pressure_bias}) {
+        Bench baseline(config);
+        baseline.to_braking(law);
+        baseline.tamper = b.tamper;
+        baseline.seconds(1.0);
+        REQUIRE(baseline.command.state == State::braking);
+        REQUIRE(baseline.command.pressure_request_Pa > 1e6F);
+        CHECK(baseline.command.current_mA ==
+              antiskid::control::valve_current_mA(config.valve, baseline.command.pressure_request_Pa));
+    }
 
     Bench slip(config);
     slip.to_braking();
@@ -348,8 +350,8 @@ TEST_CASE("pass-through starts from the pressure that is there", "[CTL-064]") {
 
 TEST_CASE("changing the law does not jump", "[CTL-065]") {
     // A quiet wheel at its reference under 6 MPa; the law changes in mid-braking, each into each.
-    const auto from = static_cast<Law>(GENERATE(range(0, 4)));
-    const auto to = static_cast<Law>(GENERATE(range(0, 4)));
+    const auto from = static_cast<Law>(GENERATE(range(0, int{kLawCount})));
+    const auto to = static_cast<Law>(GENERATE(range(0, int{kLawCount})));
     Bench b;
     b.to_braking(Law::open_loop);
     b.sensors.maneuver.demand_Pa = 20e6F;
@@ -479,6 +481,54 @@ TEST_CASE("a reference that has retreated stays so within a landing", "[CTL-315]
     }
     REQUIRE(b.command.state == State::braking);
     CHECK(most_reference(b) < 0.15F);
+}
+
+TEST_CASE("the bias outlasts a lock, neither another law nor a landing", "[CTL-334]") {
+    Config config = fixed_config();
+    config.pressure_bias.most_bias_share = 1.0F;
+    Bench b(config);
+    b.to_braking(Law::pressure_bias);
+    b.sensors.maneuver.demand_Pa = 20e6F;
+    slip_to(b, 0.3);
+    b.seconds(0.05);
+    slip_to(b, 0.07);
+    const float biased_Pa = b.command.pressure_request_Pa;
+    slip_to(b, 0.9);
+    REQUIRE(b.command.state == State::locked_wheel);
+    REQUIRE(b.command.pressure_request_Pa == 0.0F);
+    const auto come_back = [&b] {
+        while (b.command.state == State::locked_wheel) slip_to(b, b.slip - 0.01);
+        REQUIRE(b.command.state == State::braking);
+        return b.command.pressure_request_Pa;
+    };
+    SECTION("back with the same law") {
+        const float back_Pa = come_back();
+        CHECK(back_Pa < biased_Pa);
+        CHECK(back_Pa > 3e6F);
+        CHECK(b.step().pressure_request_Pa == Approx(back_Pa + 4e3F));
+    }
+    SECTION("another law in between: from the present pressure") {
+        b.sensors.maneuver.law = Law::threshold;
+        static_cast<void>(come_back());
+        slip_to(b, 0.9);
+        REQUIRE(b.command.state == State::locked_wheel);
+        b.sensors.maneuver.law = Law::pressure_bias;
+        CHECK(come_back() == Approx(64e3).margin(30e3));
+    }
+    SECTION("on the next landing the wheel is locked from the first: from the present pressure, slowly") {
+        b.sensors.maneuver.arm = false;
+        b.sensors.maneuver.demand_Pa = 0.0F;
+        slip_to(b, 0.07);
+        REQUIRE(b.command.state == State::standby);
+        b.sensors.maneuver.arm = true;
+        b.steps(2);
+        REQUIRE(b.command.state == State::armed);
+        slip_to(b, 0.9);
+        b.sensors.maneuver.demand_Pa = 20e6F;
+        b.steps(2);
+        REQUIRE(b.command.state == State::locked_wheel);
+        CHECK(come_back() == Approx(4e3).margin(30e3));
+    }
 }
 
 TEST_CASE("from a reading below none the demand passes through from none", "[CTL-064]") {

@@ -64,6 +64,15 @@ namespace control_test {
                    .acceleration_high_mps2 = 2.0F,
                    .slip_low = 0.2F,
                    .restore_share = 0.9F};
+    c.pressure_bias = {.reference_fall_mps2 = 10.0F,
+                       .dead_band_mps = 2.0F,
+                       .k_transient_Pa_per_mps = 0.5e6F,
+                       .k_bias_Pa_per_m = 8e6F,
+                       .first_bleed_Paps = 64e6F,
+                       .bleed_Paps = 4e6F,
+                       .most_bias_share = 0.9F,
+                       .lead_dead_band_mps2 = 40.0F,
+                       .k_lead_Pa_per_mps2 = 1e4F};
     c.supervisor = {.self_test_s = 0.05F,
                     .residual_pressure_Pa = 0.5e6F,
                     .spin_up_mps = 30.0F,

@@ -53,7 +53,7 @@ TEST_CASE("random inputs make every transition of the table and no other", "[CTL
             if (chance(calm ? 0.0002 : 0.003))
                 s.sensors.maneuver.weight_on_wheels = !s.sensors.maneuver.weight_on_wheels;
             if (chance(0.01)) s.sensors.maneuver.demand_Pa = chance(0.3) ? 0.0F : between(0.0F, 20e6F);
-            if (chance(0.005)) s.sensors.maneuver.law = static_cast<Law>(random() % 4U);
+            if (chance(0.005)) s.sensors.maneuver.law = static_cast<Law>(random() % kLawCount);
             if (chance(0.02)) {
                 const float v = chance(0.3) ? between(0.0F, 8.0F) : between(0.0F, calm ? 27.0F : 70.0F);
                 s.move(v, chance(0.3) ? 0.0F : v * between(0.0F, calm ? 0.68F : 1.1F));

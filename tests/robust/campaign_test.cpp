@@ -99,5 +99,5 @@ TEST_CASE("families and laws that are not there are named", "[STUDY-603]") {
     CHECK_THROWS_WITH(load_plan(options), ContainsSubstring("relaxation"));
     options.families = {"ring"};
     options.laws = {"bang"};
-    CHECK_THROWS_WITH(load_plan(options), ContainsSubstring("threshold"));
+    CHECK_THROWS_WITH(load_plan(options), ContainsSubstring("threshold, pressure_bias"));
 }

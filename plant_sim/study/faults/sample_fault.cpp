@@ -36,7 +36,7 @@ SampleFault::SampleFault(const Fault& fault, const plant::RigParameters& rig, do
       period_s_(period_s) {}
 
 void SampleFault::apply_law(antiskid::can::ManeuverSample& maneuver, plant::Random& random) const {
-    constexpr auto kLaws = static_cast<unsigned>(Law::threshold) + 1U;
+    constexpr unsigned kLaws = antiskid::control::kLawCount;
     const auto law = static_cast<unsigned>(maneuver.law);
     unsigned wrong = law;
     if (fault_.what.kind == Kind::bias) wrong = (law + 1U) % kLaws;

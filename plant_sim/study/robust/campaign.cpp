@@ -28,7 +28,8 @@ using antiskid::control::Law;
 Law law_of(const std::string& word) {
     if (word == "slip") return Law::wheel_slip;
     if (word == "threshold") return Law::threshold;
-    throw std::invalid_argument("unknown law '" + word + "'; there are slip, threshold");
+    if (word == "pressure_bias") return Law::pressure_bias;
+    throw std::invalid_argument("unknown law '" + word + "'; there are slip, threshold, pressure_bias");
 }
 
 Family family_of(const std::string& word) {
