@@ -33,7 +33,10 @@ void friction_at(const FrictionLaw& law, const Eigen::AutoDiffScalar<Derivatives
     const Friction f = friction(law, slip.value());
     // mu_1 = c1 c2 exp(-c2 |lambda|) - c3: its own slope is -c2 (mu_1 + c3), odd in lambda.
     const double mu_2 = std::copysign(law.c2 * (f.mu_1 + law.c3), -slip.value());
-    mu = {f.mu, Derivatives(f.mu_1 * slip.derivatives())};
+    // Under a locked rim the belt swings to slips where eq. (4) is below zero; friction() gives its magnitude, which rises again. With the
+    // other sign here the method has order two at best, and takes a hundred steps for one.
+    const double slope = law.c3 * std::abs(slip.value()) > law.c1 ? -f.mu_1 : f.mu_1;
+    mu = {f.mu, Derivatives(slope * slip.derivatives())};
     mu_1 = {f.mu_1, Derivatives(mu_2 * slip.derivatives())};
 }
 
@@ -296,6 +299,7 @@ void CompliantWheel::advance(WheelState& state, const PressureArc& pressure, con
         double part = std::min(part_s_, h - done);
         double error = 0.0;
         Motion end = equations.step(y, x, part, error);
+        ++steps_;
         const double next = part * std::clamp(0.9 * std::pow(error / tolerance_, -0.25), 0.2, 4.0);
         if (error > tolerance_ && part > kShortest_s) {
             part_s_ = next;

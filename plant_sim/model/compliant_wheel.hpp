@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 
 #include "plant_sim/model/wheel.hpp"
@@ -53,6 +54,8 @@ class CompliantWheel {
     [[nodiscard]] double energy_J(const WheelState& state) const;
     [[nodiscard]] double energy_leg_J() const { return energy_leg_J_; }  ///< that the leg's damper took
     [[nodiscard]] double belt_radps() const { return y_[5]; }
+    /// Tried so far, those that were too long included.
+    [[nodiscard]] std::uint64_t steps() const { return steps_; }
 
     /// Speeds of aircraft and axle, bend of the leg, speed of the rim, twist, speed of the belt, slip of the tread.
     static constexpr int kParts = 7;
@@ -66,6 +69,7 @@ class CompliantWheel {
     Parts y_{};
     double part_s_ = 1e-4;  // that the last step took
     double energy_leg_J_ = 0.0;
+    std::uint64_t steps_ = 0;
 };
 
 }  // namespace plant

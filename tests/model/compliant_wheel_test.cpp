@@ -226,6 +226,27 @@ TEST_CASE("the books of a compliant wheel close, through a lock and its release,
     }
 }
 
+TEST_CASE("a belt that swings under a locked rim, far beyond slip 1, takes few steps", "[RIG-268]") {
+    const Compliance c{.ring = {0.35, 100.0, 0.03}, .relaxation = {}, .leg = {}};
+    CompliantWheel mine(wheel(c), brake(), kTyre);
+    WheelState state;
+    state.v_mps = 4.0;
+    state.omega_radps = 0.0;
+    state.held = true;
+    mine.settle(state);
+    double most_slip = 0.0;
+    constexpr int kMs = 150;
+    for (int i = 0; i < kMs; ++i) {
+        mine.advance(state, PressureArc::linear(20e6, 20e6), {kWeight_N, 0.0, kLift}, 1e-3);
+        const double r = kFree_m - (kWeight_N - kLift * state.v_mps * state.v_mps) / kStiffness_Npm;
+        most_slip = std::max(most_slip, 1.0 - mine.belt_radps() * r / state.v_mps);
+    }
+    CHECK(state.held);
+    CHECK(state.v_mps > 1.0);
+    CHECK(most_slip > 1.2 * kTyre.c1 / kTyre.c3);  // there eq. (4) is below zero
+    CHECK(mine.steps() < 60 * kMs);
+}
+
 TEST_CASE("off the ground, rim and belt swing at the mode that was asked for, and die out as asked",
           "[RIG-252]") {
     const Compliance c{.ring = {0.35, 70.0, 0.05}, .relaxation = {}, .leg = {}};
