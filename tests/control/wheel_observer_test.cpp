@@ -100,7 +100,7 @@ TEST_CASE("an answer without noise is known, and stays what it is", "[CTL-300]")
     observer.update(reading(wheel.omega_radps), drive(0.0));
     float most = 0.0F, least = 1e6F;
     for (int i = 0; i < 1000; ++i) {
-        if (i == 700) wheel.road_radps2 += 4000.0;  // another road
+        if (i == 700) wheel.omega_radps -= 40.0;  // another road
         const double brake = brake_radps2(3000.0, i);
         observer.update(reading(wheel.turn(brake)), drive(brake));
         most = std::max(most, observer.answer_per_s());
