@@ -244,7 +244,7 @@ TEST_CASE("a belt that swings under a locked rim, far beyond slip 1, takes few s
     CHECK(state.held);
     CHECK(state.v_mps > 1.0);
     CHECK(most_slip > 1.2 * kTyre.c1 / kTyre.c3);  // there eq. (4) is below zero
-    CHECK(mine.steps() < 60 * kMs);
+    CHECK(mine.steps() < 60UL * kMs);
 }
 
 TEST_CASE("off the ground, rim and belt swing at the mode that was asked for, and die out as asked",
