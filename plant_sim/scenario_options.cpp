@@ -19,11 +19,9 @@ namespace {
 using antiskid::control::Law;
 
 const std::map<std::string, Law>& laws() {
-    static const std::map<std::string, Law> kLaws{{"slip", Law::wheel_slip},
-                                                  {"deceleration", Law::deceleration},
-                                                  {"open_loop", Law::open_loop},
-                                                  {"threshold", Law::threshold},
-                                                  {"pressure_bias", Law::pressure_bias}};
+    static const std::map<std::string, Law> kLaws{
+        {"slip", Law::wheel_slip},     {"deceleration", Law::deceleration},   {"open_loop", Law::open_loop},
+        {"threshold", Law::threshold}, {"pressure_bias", Law::pressure_bias}, {"peak_slip", Law::peak_slip}};
     return kLaws;
 }
 
@@ -73,8 +71,9 @@ void ScenarioOptions::add_to(CLI::App& app) {
                    "surfaces over distance, wet friction over speed: a file as config/runways has them")
         ->type_name("FILE")
         ->excludes(surface);
-    app.add_option("--law", law, "slip, threshold, pressure_bias, deceleration or open_loop")
-        ->check(CLI::IsMember({"slip", "threshold", "pressure_bias", "deceleration", "open_loop"}))
+    app.add_option("--law", law, "slip, peak_slip, threshold, pressure_bias, deceleration or open_loop")
+        ->check(
+            CLI::IsMember({"slip", "peak_slip", "threshold", "pressure_bias", "deceleration", "open_loop"}))
         ->capture_default_str();
     app.add_option("--slip", slip, "slip reference")->check(CLI::Range(0.0, 0.5))->capture_default_str();
     app.add_option("--deceleration", deceleration_mps2, "reference of the deceleration law, m/s2");

@@ -10,7 +10,7 @@
 namespace antiskid::can {
 
 inline constexpr std::array<std::string_view, control::kLawCount> kLawNames{
-    "wheel_slip", "deceleration", "open_loop", "threshold", "pressure_bias"};
+    "wheel_slip", "deceleration", "open_loop", "threshold", "pressure_bias", "peak_slip"};
 
 /// Phases of a maneuver as the rig bridge steps through them.
 inline constexpr std::array<std::string_view, 11> kPhaseNames{

@@ -97,6 +97,21 @@ struct SlipConfig {
     float lock_fall_per_s = 0.0F;  ///< while the wheel slips by more than 0.6
 };
 
+/// The search for the slip of most friction, peak_seeker.hpp.
+struct PeakConfig {
+    float start_slip = 0.0F;  ///< sought from here at brake-on, and on another road if less was in force
+    float least_slip = 0.0F;
+    float most_slip = 0.0F;
+    float elasticity = 0.0F;       ///< asked for, of friction over slip: 0 is the peak, above it less slip
+    float swing = 0.0F;            ///< of the reference, of itself: without it the road tells nothing
+    float swing_Hz = 0.0F;         ///< below what the loop can follow, above how fast the load changes
+    float filter_radps = 0.0F;     ///< of the elasticity
+    float gain = 0.0F;             ///< share of `rate_per_s` for an elasticity of 1; the whole of it at most
+    float rate_per_s = 0.0F;       ///< the reference changes by this share of itself at most
+    float lock_fall_per_s = 0.0F;  ///< and falls so while the wheel slips by more than 0.6
+    float least_speed_mps = 0.0F;  ///< below it nothing is sought
+};
+
 /// Wheel deceleration law: PI on the wheel's rim deceleration; the slip law with `slip_limit` is its
 /// anti-skid ceiling.
 struct DecelerationConfig {
@@ -181,6 +196,7 @@ struct Config {
     EstimatorConfig estimator;
     ObserverConfig observer;
     SlipConfig slip;
+    PeakConfig peak;
     DecelerationConfig deceleration;
     ThresholdConfig threshold;
     PressureBiasConfig pressure_bias;

@@ -11,6 +11,7 @@ Controller::Controller(const Config& config)
       monitor_(config),
       supervisor_(config.supervisor, config.period_s),
       slip_law_(config.slip, config.period_s),
+      peak_seeker_(config.peak, config.period_s),
       deceleration_law_(config.deceleration, config.slip, config.period_s),
       threshold_law_(config.threshold, config.period_s),
       pressure_bias_law_(config.pressure_bias, config.period_s),
@@ -22,6 +23,7 @@ void Controller::start_law(Law law, const Estimate& estimate, State before) {
     const bool resumes = before == State::locked_wheel && law == law_;
     law_ = law;
     slip_law_.start(estimate);
+    peak_seeker_.start();
     deceleration_law_.start(estimate);
     threshold_law_.start(estimate);
     if (resumes)
@@ -46,6 +48,8 @@ float Controller::braking_pressure_Pa(const ManeuverInput& maneuver, const Estim
             return deceleration_law_.pressure_Pa(estimate, maneuver.deceleration_mps2, ceiling_Pa);
         case Law::open_loop:
             return limited(valve_pressure_Pa(valve_, maneuver.current_mA), 0.0F, ceiling_Pa);
+        case Law::peak_slip:
+            return slip_law_.follow_Pa(estimate, peak_seeker_.reference(estimate), ceiling_Pa);
         case Law::threshold:
             return threshold_law_.pressure_Pa(estimate, ceiling_Pa);
         default:  // pressure_bias: Monitor lets no law through that does not exist
@@ -63,7 +67,7 @@ float Controller::pass_through_Pa(float ceiling_Pa, const Estimate& estimate, St
 /// The valve's offset is made up for where a pressure is meant: open loop asks for a current, the threshold law switches, and a fielded
 /// system does not measure pressure.
 float Controller::current_mA(const Command& command, Law law) const {
-    const bool means_pressure = law == Law::wheel_slip || law == Law::deceleration;
+    const bool means_pressure = holds_slip(law) || law == Law::deceleration;
     const bool by_map = command.state == State::braking && !means_pressure;
     return by_map ? valve_current_mA(valve_, command.pressure_request_Pa)
                   : estimator_.current_mA(command.pressure_request_Pa);
@@ -78,6 +82,7 @@ Command Controller::step(const Sensors& sensors, Time now) {
     const State state = supervisor_.update(sensors, estimate, present, now);
     if (state == State::standby || !sensors.maneuver.weight_on_wheels) {
         slip_law_.forget_runway();
+        peak_seeker_.forget_runway();
         pressure_bias_law_.forget_runway();
     }
 
@@ -95,7 +100,7 @@ Command Controller::step(const Sensors& sensors, Time now) {
         command.pressure_request_Pa = state == State::braking
                                           ? braking_pressure_Pa(sensors.maneuver, estimate, before)
                                           : pass_through_Pa(ceiling_Pa, estimate, before);
-        if (state == State::braking && sensors.maneuver.law == Law::wheel_slip)
+        if (state == State::braking && holds_slip(sensors.maneuver.law))
             command.slip_reference = slip_law_.reference();
     }
     requested_Pa_ = command.pressure_request_Pa;

@@ -20,6 +20,7 @@
 #include "firmware/control/deceleration_law.hpp"
 #include "firmware/control/estimator.hpp"
 #include "firmware/control/monitor.hpp"
+#include "firmware/control/peak_seeker.hpp"
 #include "firmware/control/pressure_bias_law.hpp"
 #include "firmware/control/slip_law.hpp"
 #include "firmware/control/supervisor.hpp"
@@ -53,6 +54,7 @@ class Controller {
     Monitor monitor_;
     Supervisor supervisor_;
     SlipLaw slip_law_;
+    PeakSeeker peak_seeker_;
     DecelerationLaw deceleration_law_;
     ThresholdLaw threshold_law_;
     PressureBiasLaw pressure_bias_law_;

@@ -199,7 +199,7 @@ void Monitor::check_law(FaultSet& faults, const ManeuverInput& maneuver, const E
     // it does neither: on ice a released wheel takes its time.
     constexpr float kMore = 0.05F;
     constexpr float kMost_s = 0.1F;
-    const bool by_slip = maneuver.law == Law::wheel_slip;
+    const bool by_slip = holds_slip(maneuver.law);
     const float model_Pa = estimator.uncorrected_pressure_Pa();
     if (!by_slip || !before.braking) excess_slip_s_ = 0.0F;
     if (by_slip && before.braking && model_Pa >= kHardlyBraked_Pa) {

@@ -27,9 +27,16 @@ void SlipLaw::follow_answer(const Estimate& e) {
 
 float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
     follow_answer(e);
-    const float falling = falling_reference(config_, slip_reference, e.late_v_mps);
-    reference_ = towards(reference_, smaller(falling, share_ * slip_reference),
-                         config_.reference_rate_per_s * period_s_);
+    return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference,
+                   ceiling_Pa);
+}
+
+float SlipLaw::follow_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
+    return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), slip_reference, ceiling_Pa);
+}
+
+float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ceiling_Pa) {
+    reference_ = towards(reference_, smaller(falling, allowed), config_.reference_rate_per_s * period_s_);
     asked_ = larger(reference_, falling);
 
     // lambda_dot = (r k_b / (J v)) (P - P_balance), from eq. (1b) and (3): slip rate and pressure differ by this factor.

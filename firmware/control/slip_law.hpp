@@ -29,8 +29,10 @@ class SlipLaw {
     /// On another landing the whole reference may be in force again.
     void forget_runway() { share_ = 1.0F; }
 
-    /// Pressure to ask of the valve, 0 to `ceiling_Pa`.
+    /// Pressure to ask of the valve, 0 to `ceiling_Pa`. The reference retreats.
     [[nodiscard]] float pressure_Pa(const Estimate& estimate, float slip_reference, float ceiling_Pa);
+    /// The same for a reference that somebody else has found: it falls at low speed, but does not retreat.
+    [[nodiscard]] float follow_Pa(const Estimate& estimate, float slip_reference, float ceiling_Pa);
 
     /// The reference in force.
     [[nodiscard]] float reference() const { return reference_; }
@@ -39,6 +41,7 @@ class SlipLaw {
 
   private:
     void follow_answer(const Estimate& estimate);
+    float hold_Pa(const Estimate& estimate, float falling, float allowed, float ceiling_Pa);
 
     SlipConfig config_;
     float period_s_;

@@ -48,9 +48,14 @@ enum class Law : std::uint8_t {
     open_loop = 2,     ///< the commanded current, limited by the demand
     threshold = 3,     ///< HOLD, DECREASE, INCREASE on wheel deceleration and slip, Section I: a baseline
     pressure_bias =
-        4,  ///< velocity error, its integral as a bias, lead: the other baseline, of fielded systems
+        4,          ///< velocity error, its integral as a bias, lead: the other baseline, of fielded systems
+    peak_slip = 5,  ///< PID on slip at the slip of most friction, which it finds by itself
 };
-inline constexpr std::uint8_t kLawCount = 5;
+inline constexpr std::uint8_t kLawCount = 6;
+
+[[nodiscard]] constexpr bool holds_slip(Law law) {
+    return law == Law::wheel_slip || law == Law::peak_slip;
+}
 
 /// What the pilot or the rig's sequencer asks for.
 struct ManeuverInput {
@@ -60,7 +65,7 @@ struct ManeuverInput {
     bool arm = false;  ///< false to true earns permission (and re-arms after a latched fault); false ends it
     bool weight_on_wheels = false;   ///< squat switch, or the sledge holding the wheel on the flywheel
     float demand_Pa = 0.0F;          ///< the pilot's demand: the ceiling of brake pressure, always
-    float slip_reference = 0.0F;     ///< lambda bar, 0 to 0.5
+    float slip_reference = 0.0F;     ///< lambda bar of `wheel_slip`, 0 to 0.5
     float deceleration_mps2 = 0.0F;  ///< wheel deceleration reference, as rim deceleration
     float current_mA = 0.0F;         ///< open loop valve current
 };

@@ -69,6 +69,7 @@ bool WheelObserver::is_another_road(float surprise, float since_s, float varianc
 
 void WheelObserver::forget_road(float reading_variance) {
     constexpr float kRoad_radps2 = 2000.0F;
+    another_road_ = true;
     mean_surprise_ = 0.0F;
     answer_per_s_ = 0.5F * config_.answer_floor_per_s;
     ww_ += reading_variance;
@@ -113,6 +114,7 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
 }
 
 void WheelObserver::update(const SpeedReading& reading, const Drive& drive) {
+    another_road_ = false;
     if (!reading.valid) {
         begin(0.0F);
         started_ = false;

@@ -61,6 +61,8 @@ class WheelObserver {
 
     [[nodiscard]] const WheelMotion& motion() const { return motion_; }
     [[nodiscard]] float answer_per_s() const { return answer_per_s_; }
+    /// The last update met another road.
+    [[nodiscard]] bool another_road() const { return another_road_; }
 
   private:
     void begin(float omega_radps);
@@ -81,6 +83,7 @@ class WheelObserver {
     float mean_surprise_ = 0.0F;
     float unheard_s_ = 0.0F;  // since a reading was believed
     bool started_ = false;
+    bool another_road_ = false;
 };
 
 }  // namespace antiskid::control

@@ -116,6 +116,23 @@ control::SlipConfig slip(const settings::Table& t) {
     return s;
 }
 
+control::PeakConfig peak(const settings::Table& t) {
+    control::PeakConfig p{.start_slip = number(t, "start_slip", 0.01, 0.5),
+                          .least_slip = number(t, "least_slip", 0.005, 0.5),
+                          .most_slip = number(t, "most_slip", 0.01, 0.5),
+                          .elasticity = number(t, "elasticity", -0.5, 0.9),
+                          .swing = number(t, "swing", 0.0, 0.5),
+                          .swing_Hz = number(t, "swing_Hz", 0.5, 20.0),
+                          .filter_radps = number(t, "filter_radps", 1.0, 200.0),
+                          .gain = number(t, "gain", 0.0, 100.0),
+                          .rate_per_s = number(t, "rate_per_s", 0.0, 100.0),
+                          .lock_fall_per_s = number(t, "lock_fall_per_s", 0.0, 100.0),
+                          .least_speed_mps = number(t, "least_speed_mps", 0.0, 100.0)};
+    if (p.least_slip > p.start_slip) t.fail("least_slip", "must not be above start_slip");
+    if (p.start_slip > p.most_slip) t.fail("start_slip", "must not be above most_slip");
+    return p;
+}
+
 control::DecelerationConfig deceleration(const settings::Table& t) {
     return {.k_p_Pa_per_mps2 = number(t, "k_p_Pa_per_mps2", 0.0, 1e9),
             .k_i_Pa_per_m_per_s = number(t, "k_i_Pa_per_m_per_s", 0.0, 1e9),
@@ -201,6 +218,7 @@ control::Config load_controller_config(const std::filesystem::path& path) {
     c.slip = slip(root.table("slip"));
     c.deceleration = deceleration(root.table("deceleration"));
     c.threshold = threshold(root.table("threshold"));
+    c.peak = peak(root.table("peak"));
     c.pressure_bias = pressure_bias(root.table("pressure_bias"));
     const settings::Table states = root.table("supervisor");
     c.supervisor = supervisor(states);

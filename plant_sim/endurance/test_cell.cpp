@@ -37,6 +37,8 @@ antiskid::control::Law law(sequencer::BrakeLaw law) {
             return antiskid::control::Law::open_loop;
         case sequencer::BrakeLaw::threshold:
             return antiskid::control::Law::threshold;
+        case sequencer::BrakeLaw::peak_slip:
+            return antiskid::control::Law::peak_slip;
         case sequencer::BrakeLaw::pressure_bias:
             return antiskid::control::Law::pressure_bias;
     }

@@ -94,9 +94,9 @@ LabVerb compare_verb(CLI::App& lab) {
     const auto compare = std::make_shared<CompareCommand>();
     CLI::App* verb = lab.add_subcommand(
         "compare", "The slip law against the threshold law on all surfaces and maneuvers.");
-    verb->add_option("--laws", compare->laws, "slip, threshold, pressure_bias")
+    verb->add_option("--laws", compare->laws, "slip, peak_slip, threshold, pressure_bias")
         ->delimiter(',')
-        ->check(CLI::IsMember({"slip", "threshold", "pressure_bias"}))
+        ->check(CLI::IsMember({"slip", "peak_slip", "threshold", "pressure_bias"}))
         ->capture_default_str();
     verb->add_option("--slip", compare->scenario.slip, "slip reference")
         ->check(CLI::Range(0.0, 0.5))
@@ -112,7 +112,7 @@ LabVerb compare_verb(CLI::App& lab) {
     verb->add_option("--json", compare->json, "every stop as JSON: a file, or - for standard output");
     verb->footer(
         "Examples:\n  rig-lab compare --slip 0.24 --json compare.json\n"
-        "  rig-lab compare --laws slip,threshold,pressure_bias\n"
+        "  rig-lab compare --laws slip,peak_slip,threshold,pressure_bias\n"
         "  rig-lab compare --runway config/runways/wet_smooth.toml --runway config/runways/wet_grooved.toml");
     return {verb, [compare] { return compare->run(); }};
 }

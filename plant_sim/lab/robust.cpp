@@ -62,7 +62,7 @@ LabVerb robust_verb(CLI::App& lab) {
     verb->add_option("--families", command->options.families, "which ranges are drawn from")
         ->delimiter(',')
         ->capture_default_str();
-    verb->add_option("--laws", command->options.laws, "slip, threshold, pressure_bias")
+    verb->add_option("--laws", command->options.laws, "slip, peak_slip, threshold, pressure_bias")
         ->delimiter(',')
         ->capture_default_str();
     verb->add_option("--draws", command->options.draws,

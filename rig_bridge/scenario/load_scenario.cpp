@@ -17,11 +17,12 @@ using settings::Document;
 using settings::Range;
 using settings::Table;
 
-constexpr std::array<settings::Choice<BrakeLaw>, 5> kLaws{{{"slip", BrakeLaw::slip},
+constexpr std::array<settings::Choice<BrakeLaw>, 6> kLaws{{{"slip", BrakeLaw::slip},
                                                            {"deceleration", BrakeLaw::deceleration},
                                                            {"open_loop", BrakeLaw::open_loop},
                                                            {"threshold", BrakeLaw::threshold},
-                                                           {"pressure_bias", BrakeLaw::pressure_bias}}};
+                                                           {"pressure_bias", BrakeLaw::pressure_bias},
+                                                           {"peak_slip", BrakeLaw::peak_slip}}};
 
 /// Numbers that every scenario has from sequencer.toml and may replace by its own.
 class Layered {

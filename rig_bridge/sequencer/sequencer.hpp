@@ -86,7 +86,8 @@ enum class BrakeLaw : std::uint8_t {
     deceleration = 1,
     open_loop = 2,
     threshold = 3,
-    pressure_bias = 4
+    pressure_bias = 4,
+    peak_slip = 5
 };
 
 struct CurrentPoint {

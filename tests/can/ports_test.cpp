@@ -235,10 +235,10 @@ TEST_CASE("a law or state that does not exist is refused", "[CAN-054]") {
         maneuver.law = static_cast<control::Law>(law);
         port.accept(rig.maneuver(maneuver));
     }
-    CHECK(port.stats(Role::maneuver).accepted == 5);
-    CHECK(port.stats(Role::maneuver).wrong_value == 3);
-    CHECK(port.sensors().maneuver.rejected == 3);
-    CHECK(port.sensors().maneuver.law == control::Law::pressure_bias);
+    CHECK(port.stats(Role::maneuver).accepted == 6);
+    CHECK(port.stats(Role::maneuver).wrong_value == 2);
+    CHECK(port.sensors().maneuver.rejected == 2);
+    CHECK(port.sensors().maneuver.law == control::Law::peak_slip);
     control::Command command;
     for (int state = 0; state < 16; ++state) {
         command.state = static_cast<control::State>(state);

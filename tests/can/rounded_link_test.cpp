@@ -133,7 +133,7 @@ TEST_CASE(
     ControllerPort port(slow, step);
     RoundedLink link(slow, step);
     RigSample sample;
-    sample.maneuver.law = static_cast<control::Law>(5);
+    sample.maneuver.law = static_cast<control::Law>(control::kLawCount);
     std::array<Frame, RigPort::kMostFrames> frames;
     for (int i = 0; i < 60; ++i) {
         const std::size_t count = rig.due_frames(sample, frames);

@@ -92,12 +92,15 @@ TEST_CASE("no false fault with the loading device of the flywheel rig", "[CTL-08
     all_scenarios([](plant_sim::ScenarioOptions& o) { o.choice.carrier = plant::Carrier::flywheel; });
 }
 
-TEST_CASE("no false fault with any law", "[CTL-086][CTL-335]") {
+TEST_CASE("no false fault with any law", "[CTL-086][CTL-335][CTL-345]") {
     SECTION("threshold") {
         all_scenarios([](plant_sim::ScenarioOptions& o) { o.law = "threshold"; });
     }
     SECTION("pressure bias") {
         all_scenarios([](plant_sim::ScenarioOptions& o) { o.law = "pressure_bias"; });
+    }
+    SECTION("peak slip") {
+        all_scenarios([](plant_sim::ScenarioOptions& o) { o.law = "peak_slip"; });
     }
     SECTION("deceleration") {
         const double mps2 = GENERATE(1.5, 6.0);

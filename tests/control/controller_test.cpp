@@ -483,6 +483,55 @@ TEST_CASE("a reference that has retreated stays so within a landing", "[CTL-315]
     CHECK(most_reference(b) < 0.15F);
 }
 
+TEST_CASE("the slip of most friction is sought from its start on each landing, and told", "[CTL-344]") {
+    Config config = fixed_config();
+    config.peak.swing = 0.0F;
+    config.peak.elasticity = -1.0F;  // always upwards
+    Bench b(config);
+    const auto land = [&b] {
+        float first = 0.0F;
+        b.sensors.maneuver.arm = true;
+        b.sensors.maneuver.weight_on_wheels = true;
+        b.spin_up();
+        b.slip = 0.07;
+        b.seconds(0.3);
+        b.sensors.maneuver.demand_Pa = 6e6F;
+        for (int i = 0; i < 40; ++i) first = b.step().slip_reference;
+        return first;
+    };
+    b.to_standby();
+    b.sensors.maneuver.law = Law::peak_slip;
+    const float begins = land();
+    CHECK(begins == Approx(0.16).epsilon(0.2));
+    b.seconds(1.0);
+    REQUIRE(b.command.state == State::braking);
+    CHECK(b.command.slip_reference == 0.4F);
+    SECTION("not on the same landing") {
+        b.sensors.maneuver.demand_Pa = 0.0F;
+        b.seconds(0.2);
+        REQUIRE(b.command.state == State::armed);
+        b.sensors.maneuver.demand_Pa = 6e6F;
+        b.steps(40);
+        CHECK(b.command.slip_reference == 0.4F);
+    }
+    SECTION("the measured elasticity is forgotten with a lock") {
+        slip_to(b, 0.9);
+        REQUIRE(b.command.state == State::locked_wheel);
+        slip_to(b, 0.07);
+        CHECK(b.command.state == State::braking);
+    }
+    SECTION("on the next one") {
+        b.sensors.maneuver.demand_Pa = 0.0F;
+        b.seconds(0.2);
+        b.sensors.maneuver.arm = false;
+        b.sensors.maneuver.weight_on_wheels = false;
+        b.slip = 1.0;
+        b.seconds(0.3);
+        REQUIRE(b.command.state == State::standby);
+        CHECK(land() == Approx(begins).epsilon(0.02));
+    }
+}
+
 TEST_CASE("the bias outlasts a lock, neither another law nor a landing", "[CTL-334]") {
     Config config = fixed_config();
     config.pressure_bias.most_bias_share = 1.0F;

@@ -153,11 +153,12 @@ std::map<Fault, std::vector<Injection>> injections() {
     simple(Fault::flywheel_rate,
            reports(&Sensors::flywheel, [](float is, int n) { return n % 2 == 1 ? is + 10.0F : is - 10.0F; }));
 
-    for (const Law law : {Law::wheel_slip, Law::threshold, Law::pressure_bias, Law::deceleration})
+    for (const Law law :
+         {Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias, Law::deceleration})
         add(Fault::wheel_stuck, {.spoil = frozen(&Sensors::wheel), .law = law});
     for (const double v : {20.0, 40.0, 60.0}) {
-        for (const Law law :
-             {Law::wheel_slip, Law::threshold, Law::pressure_bias, Law::deceleration, Law::open_loop})
+        for (const Law law : {Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias,
+                              Law::deceleration, Law::open_loop})
             add(Fault::flywheel_stuck, {.spoil = frozen(&Sensors::flywheel), .law = law, .v_mps = v});
         // A sensor that reports speed drops to nothing.
         add(Fault::flywheel_stuck,

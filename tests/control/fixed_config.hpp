@@ -64,6 +64,17 @@ namespace control_test {
                    .acceleration_high_mps2 = 2.0F,
                    .slip_low = 0.2F,
                    .restore_share = 0.9F};
+    c.peak = {.start_slip = 0.16F,
+              .least_slip = 0.03F,
+              .most_slip = 0.4F,
+              .elasticity = 0.0F,
+              .swing = 0.25F,
+              .swing_Hz = 5.0F,
+              .filter_radps = 50.0F,
+              .gain = 2.0F,
+              .rate_per_s = 4.0F,
+              .lock_fall_per_s = 10.0F,
+              .least_speed_mps = 6.0F};
     c.pressure_bias = {.reference_fall_mps2 = 10.0F,
                        .dead_band_mps = 2.0F,
                        .k_transient_Pa_per_mps = 0.5e6F,

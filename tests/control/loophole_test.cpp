@@ -98,9 +98,10 @@ TEST_CASE(
     "at once",
     "[CTL-114]") {
     Bench b(shipped());
-    const Law from = GENERATE(Law::wheel_slip, Law::threshold, Law::pressure_bias, Law::deceleration);
-    const Law to =
-        GENERATE(Law::wheel_slip, Law::threshold, Law::pressure_bias, Law::deceleration, Law::open_loop);
+    const Law from =
+        GENERATE(Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias, Law::deceleration);
+    const Law to = GENERATE(Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias,
+                            Law::deceleration, Law::open_loop);
     if (from == to) return;
     CAPTURE(static_cast<int>(from), static_cast<int>(to));
     b.to_braking(from);
@@ -183,7 +184,8 @@ TEST_CASE("frames that are mostly refused are a fault although some pass, repeat
 }
 
 TEST_CASE("a reference speed that leaps while the wheel rolls is a fault within five readings", "[CTL-250]") {
-    const Law law = GENERATE(Law::wheel_slip, Law::threshold, Law::pressure_bias, Law::deceleration);
+    const Law law =
+        GENERATE(Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias, Law::deceleration);
     const float share = GENERATE(0.5F, 0.84F, 0.9F, 1.1F, 1.16F, 1.5F);
     CAPTURE(law, share);
     Bench b(shipped());

@@ -96,7 +96,7 @@ TEST_CASE("the limits themselves are allowed", "[CTL-081]") {
     m.slip_reference = 0.5F;
     m.deceleration_mps2 = 15.0F;
     m.current_mA = 100.0F;
-    m.law = Law::pressure_bias;
+    m.law = Law::peak_slip;
     CHECK(stays().empty());
     m = {};
     CHECK(stays().empty());

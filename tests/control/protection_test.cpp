@@ -95,7 +95,8 @@ TEST_CASE(
 }
 
 TEST_CASE("a wheel below 30 % is released until 70 %", "[CTL-074]") {
-    const auto law = GENERATE(Law::wheel_slip, Law::deceleration, Law::threshold, Law::pressure_bias);
+    const auto law =
+        GENERATE(Law::wheel_slip, Law::deceleration, Law::threshold, Law::pressure_bias, Law::peak_slip);
     Stand s;
     s.to_braking();
     s.sensors.maneuver.law = law;
@@ -173,7 +174,7 @@ TEST_CASE("open loop has no lock protection and no drop-out", "[CTL-074]") {
 }
 
 TEST_CASE("anti-skid drops out below 5 m/s and comes back above 6", "[CTL-075]") {
-    const auto law = GENERATE(Law::wheel_slip, Law::threshold, Law::pressure_bias);
+    const auto law = GENERATE(Law::wheel_slip, Law::threshold, Law::pressure_bias, Law::peak_slip);
     Stand s;
     s.to_braking();
     s.sensors.maneuver.law = law;

@@ -312,3 +312,20 @@ TEST_CASE("a reference that has retreated stays so when the law starts again, un
     law.forget_runway();
     CHECK(run(law, 0.0F, 0.05F, 10) == Approx(0.2));
 }
+
+TEST_CASE("a reference that somebody else has found falls at low speed, and does not retreat", "[CTL-344]") {
+    const SlipConfig config = fixed_config().slip;
+    SlipLaw law(config, kPeriod_s);
+    Estimate e = at_rest(40.0F, 0.3F, -40.0F);
+    law.start(e);
+    for (int i = 0; i < 2000; ++i) static_cast<void>(law.follow_Pa(e, 0.2F, kCeiling_Pa));
+    CHECK(law.reference() == 0.2F);
+    CHECK(law.asked() == 0.2F);
+    SlipLaw retreats(config, kPeriod_s);
+    retreats.start(e);
+    CHECK(run(retreats, -40.0F, 0.3F, 2000) < 0.15F);
+    e.late_v_mps = 12.0F;
+    for (int i = 0; i < 2000; ++i) static_cast<void>(law.follow_Pa(e, 0.2F, kCeiling_Pa));
+    CHECK(law.reference() == falling_reference(config, 0.2F, 12.0F));
+    CHECK(law.reference() < 0.2F);
+}

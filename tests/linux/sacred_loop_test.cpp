@@ -49,7 +49,7 @@ void act(LoopBench& bench, ToyRig& rig, const Plight plight, const int period) {
 TEST_CASE("the loop does nothing forbidden", "[RT-050]") {
     const auto source = GENERATE(ClockSource::sensors, ClockSource::timer, ClockSource::sync);
     const auto law = GENERATE(control::Law::wheel_slip, control::Law::deceleration, control::Law::open_loop,
-                              control::Law::threshold, control::Law::pressure_bias);
+                              control::Law::threshold, control::Law::pressure_bias, control::Law::peak_slip);
     const auto plight =
         GENERATE(Plight::none, Plight::link_lost, Plight::silence, Plight::damage, Plight::overruns);
     LoopBench bench(source);

@@ -73,6 +73,25 @@ TEST_CASE("the slip law beats the threshold law on every surface whose friction 
     CHECK(slip["dry_cobblestone"].j_mu >= 0.96 * plant::friction(cobble, 0.24).mu / plant::peak(cobble).mu);
 }
 
+TEST_CASE("the peak is found without being told the surface", "[STUDY-617]") {
+    std::map<std::string, double> sum;
+    for (const Name& name : scenarios::all()) {
+        INFO(name.surface << ", " << name.maneuver);
+        auto options = scenarios::options(name, "peak_slip");
+        const auto run = scenarios::run(options);
+        CHECK(run.faults.empty());
+        CHECK(run.figures.longest_lock_s <= 0.050);
+        sum[name.surface] += run.figures.j_mu / 4.0;
+    }
+    double mean = 0.0;
+    for (const auto& [surface, j_mu] : sum) {
+        INFO(surface << " " << j_mu);
+        CHECK(j_mu >= 0.955);
+        mean += j_mu / static_cast<double>(sum.size());
+    }
+    CHECK(mean >= 0.980);
+}
+
 TEST_CASE("a reference far past the peak is reached without a lock, and tracked", "[CTL-181]") {
     // What is held exactly is the most that can be had; build-up, drop-out and the fall of the reference take the rest.
     for (const double reference : {0.44, 0.50}) {

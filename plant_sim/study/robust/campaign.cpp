@@ -29,7 +29,9 @@ Law law_of(const std::string& word) {
     if (word == "slip") return Law::wheel_slip;
     if (word == "threshold") return Law::threshold;
     if (word == "pressure_bias") return Law::pressure_bias;
-    throw std::invalid_argument("unknown law '" + word + "'; there are slip, threshold, pressure_bias");
+    if (word == "peak_slip") return Law::peak_slip;
+    throw std::invalid_argument("unknown law '" + word +
+                                "'; there are slip, peak_slip, threshold, pressure_bias");
 }
 
 Family family_of(const std::string& word) {
