@@ -52,6 +52,29 @@ TEST_CASE("the law takes over without a jump", "[CTL-050]") {
     }
 }
 
+TEST_CASE("a demand that falls below what the law asks takes its integral along", "[CTL-050]") {
+    DecelerationLaw d = law();
+    Estimate e = decelerating(50.0F, 0.05F, 6e6F, 4.0F);
+    d.start(e);
+    roll(e, 4.0F);
+    // The wheel decelerates more than it should: the error leads down, the demand even further.
+    CHECK(d.pressure_Pa(e, 0.0F, 3e6F) == 3e6F);
+    roll(e, 4.0F);
+    const float back_Pa = d.pressure_Pa(e, 0.0F, kFull_Pa);
+    CHECK(back_Pa < 3e6F);
+    CHECK(back_Pa > 2.9e6F);
+}
+
+TEST_CASE("from a reading below none the law begins at none", "[CTL-050]") {
+    DecelerationLaw d = law();
+    Estimate e = decelerating(50.0F, 0.01F, -0.4e6F, 0.0F);
+    d.start(e);
+    CHECK(d.pressure_Pa(e, 5.0F, kFull_Pa) == 0.0F);
+    const float next_Pa = d.pressure_Pa(e, 5.0F, kFull_Pa);
+    CHECK(next_Pa > 0.0F);
+    CHECK(next_Pa < 0.1e6F);
+}
+
 TEST_CASE("the prescribed deceleration is reached and held", "[CTL-050]") {
     // 0.8 m/s2 per MPa behind a first-order lag of 20 ms.
     const float reference = GENERATE(1.0F, 3.24F, 8.0F);
