@@ -95,9 +95,11 @@ TEST_CASE("a scenario's law that the bus has no code for is refused by name", "[
     const TemporaryDirectory directory;
     std::string text = content_of("config/scenarios/heavy.toml");
     text.resize(text.find("law = \"slip\""));
-    put(directory / "heavy.toml", text + "law = \"pressure_bias\"\n");
     rig::RigOptions options = heavy().rig;
     options.scenario = directory / "heavy.toml";
+    put(directory / "heavy.toml", text + "law = \"peak_slip\"\n");
+    CHECK(rig::load_setup(options).scenario.mean.law == sequencer::BrakeLaw::peak_slip);
+    put(directory / "heavy.toml", text + "law = \"pressure_bias\"\n");
     CHECK(rig::load_setup(options).scenario.mean.law == sequencer::BrakeLaw::pressure_bias);
     options.dbc = "config/foreign.dbc";
     options.binding = "config/foreign_binding.toml";
