@@ -88,6 +88,7 @@ std::size_t ControllerPort::due_frames(const control::Command& command, std::spa
     if (schedule_.due(Role::valve, step_index_)) out[count++] = valve_command(command.current_mA);
     if (schedule_.due(Role::status, step_index_)) out[count++] = status(command);
     if (schedule_.due(Role::faults, step_index_)) out[count++] = faults(command.faults);
+    if (schedule_.due(Role::road, step_index_)) out[count++] = road(command.road);
     if (schedule_.due(Role::controller_heartbeat, step_index_)) out[count++] = heartbeat();
     ++step_index_;
     return count;
@@ -116,6 +117,15 @@ Frame ControllerPort::faults(control::FaultSet faults) {
         payload.write(layout_.faults[i], (faults.bits() >> i) & 1U);
     }
     return protect(Role::faults, payload);
+}
+
+Frame ControllerPort::road(const control::RoadEstimate& road) {
+    const RoadSignals& s = layout_.road;
+    Payload payload;
+    payload.write(s.peak_slip, s.peak_slip.raw(static_cast<double>(road.peak_slip)));
+    payload.write(s.grip_N, s.grip_N.raw(static_cast<double>(road.grip_N)));
+    payload.write(s.confidence, s.confidence.raw(static_cast<double>(road.confidence)));
+    return protect(Role::road, payload);
 }
 
 Frame ControllerPort::heartbeat() {

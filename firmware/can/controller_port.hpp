@@ -28,7 +28,7 @@ namespace antiskid::can {
 class ControllerPort {
   public:
     /// Most frames that due_frames() can give.
-    static constexpr std::size_t kMostFrames = 4;
+    static constexpr std::size_t kMostFrames = 5;
 
     /// `layout` must outlive the port. `step` > 0 is the control period.
     ControllerPort(const Layout& layout, control::Time step);
@@ -63,6 +63,8 @@ class ControllerPort {
     [[nodiscard]] Frame valve_command(float current_mA);
     [[nodiscard]] Frame status(const control::Command& command);
     [[nodiscard]] Frame faults(control::FaultSet faults);
+    /// Only where the layout has the message.
+    [[nodiscard]] Frame road(const control::RoadEstimate& road);
     [[nodiscard]] Frame heartbeat();
 
     [[nodiscard]] const MessageStats& stats(Role role) const { return gate_.stats(role); }

@@ -31,6 +31,12 @@ bool apply(const Layout& layout, Role role, const Payload& payload, control::Tim
             view.faults = control::FaultSet::from_bits(bits);
             return true;
         }
+        case Role::road:
+            view.road_received = received;
+            view.road = {.peak_slip = value(layout.road.peak_slip),
+                         .grip_N = value(layout.road.grip_N),
+                         .confidence = value(layout.road.confidence)};
+            return true;
         case Role::controller_heartbeat:
             view.heartbeat_received = received;
             return true;

@@ -17,6 +17,8 @@ struct ControllerView {
     float speed_mps = 0.0F;
     control::Time faults_received = control::kNever;
     control::FaultSet faults;
+    control::Time road_received = control::kNever;
+    control::RoadEstimate road;
     control::Time heartbeat_received = control::kNever;
 };
 

@@ -29,25 +29,20 @@ enum class Role : std::uint8_t {
     valve,
     status,
     faults,
+    road,
     controller_heartbeat,
 };
-inline constexpr std::size_t kRoleCount = 13;
+inline constexpr std::size_t kRoleCount = 14;
 
 /// The name of the role's table in the binding.
 [[nodiscard]] constexpr std::string_view name(Role role) {
-    constexpr std::array<std::string_view, kRoleCount> kNames{"wheel",
-                                                              "flywheel",
-                                                              "pressure",
-                                                              "maneuver",
-                                                              "rig_heartbeat",
-                                                              "emergency_stop",
-                                                              "sync",
-                                                              "load_cells",
-                                                              "maneuver_state",
-                                                              "valve",
-                                                              "status",
-                                                              "faults",
-                                                              "controller_heartbeat"};
+    constexpr std::array<std::string_view, kRoleCount> kNames{"wheel",          "flywheel",
+                                                              "pressure",       "maneuver",
+                                                              "rig_heartbeat",  "emergency_stop",
+                                                              "sync",           "load_cells",
+                                                              "maneuver_state", "valve",
+                                                              "status",         "faults",
+                                                              "road",           "controller_heartbeat"};
     return kNames[static_cast<std::size_t>(role)];
 }
 
@@ -101,6 +96,12 @@ struct StatusSignals {
     Signal speed_mps;
 };
 
+struct RoadSignals {
+    Signal peak_slip;
+    Signal grip_N;
+    Signal confidence;
+};
+
 struct Layout {
     std::array<Message, kRoleCount> messages{};
     SpeedSignals wheel;
@@ -113,6 +114,7 @@ struct Layout {
     Signal valve_current_mA;
     StatusSignals status;
     std::array<Signal, control::kFaultCount> faults{};  ///< one bit each, in the order of control::Fault
+    RoadSignals road;
 
     [[nodiscard]] constexpr const Message& operator[](Role role) const {
         return messages[static_cast<std::size_t>(role)];

@@ -85,6 +85,12 @@ class Loader {
         for (std::size_t i = 0; i < kFaultNames.size(); ++i) {
             layout_.faults[i] = faults.whole(bits, kFaultNames[i], kFlag);
         }
+        if (root_.has(name(Role::road))) {
+            MessageBinder road = bind(Role::road, {});
+            layout_.road.peak_slip = road.physical("peak_slip", Quantity::ratio);
+            layout_.road.grip_N = road.physical("grip", Quantity::force);
+            layout_.road.confidence = road.physical("confidence", Quantity::ratio);
+        }
         static_cast<void>(bind(Role::controller_heartbeat, {}));
     }
 

@@ -13,7 +13,8 @@ namespace antiskid::can {
 inline constexpr std::array kToController{Role::wheel,    Role::flywheel,      Role::pressure,
                                           Role::maneuver, Role::rig_heartbeat, Role::emergency_stop,
                                           Role::sync};
-inline constexpr std::array kToRig{Role::valve, Role::status, Role::faults, Role::controller_heartbeat};
+inline constexpr std::array kToRig{Role::valve, Role::status, Role::faults, Role::road,
+                                   Role::controller_heartbeat};
 
 /// What a rig without a bridge sends; SYNC is sent apart.
 inline constexpr std::array kFromRig{Role::wheel,     Role::flywheel,      Role::pressure,

@@ -18,6 +18,8 @@ std::uint32_t first_step(Role role) {
             return 5;
         case Role::faults:
             return 6;
+        case Role::road:
+            return 7;
         case Role::rig_heartbeat:
             return 8;
         case Role::controller_heartbeat:

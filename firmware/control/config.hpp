@@ -81,6 +81,10 @@ struct SlipConfig {
     float k_answer = 0.0F;  ///< added to k_p: this share of a restoring answer
     float max_slip_rate_per_s =
         0.0F;  ///< asked for at most: the pressure above balance that a slippery runway meets
+    float earliest_peak_slip =
+        0.0F;  ///< no runway's friction has its peak before: up to here the road restores the slip
+    float early_slip_rate_per_s =
+        0.0F;  ///< asked for at most without slip; falls to max_slip_rate_per_s there
     float reference_rate_per_s = 0.0F;  ///< the reference in force follows a change at this rate
     float low_speed_mps = 0.0F;         ///< below it the reference falls with speed; 0: the paper's exact law
     float low_speed_floor_mps = 0.0F;   ///< at and below it the reference is `low_speed_slip` at the most

@@ -11,7 +11,7 @@ Controller::Controller(const Config& config)
       monitor_(config),
       supervisor_(config.supervisor, config.period_s),
       slip_law_(config.slip, config.period_s),
-      peak_seeker_(config.peak, config.period_s),
+      peak_seeker_(config.peak, config.wheel.inertia_kgm2, config.period_s),
       deceleration_law_(config.deceleration, config.slip, config.period_s),
       threshold_law_(config.threshold, config.period_s),
       pressure_bias_law_(config.pressure_bias, config.period_s),
@@ -102,6 +102,8 @@ Command Controller::step(const Sensors& sensors, Time now) {
                                           : pass_through_Pa(ceiling_Pa, estimate, before);
         if (state == State::braking && holds_slip(sensors.maneuver.law))
             command.slip_reference = slip_law_.reference();
+        if (state == State::braking && sensors.maneuver.law == Law::peak_slip)
+            command.road = peak_seeker_.found();
     }
     requested_Pa_ = command.pressure_request_Pa;
     current_mA_ = permitted ? current_mA(command, sensors.maneuver.law) : valve_.safe_current_mA;

@@ -98,6 +98,7 @@ const Estimate& Estimator::update(const Sensors& sensors, float last_current_mA)
     e.omega_radps = wheel_observer_.motion().omega_radps;
     e.omega_dot_radps2 = wheel_observer_.motion().road_radps2 - brake_gain_ * pressure.pressure_Pa;
     e.answer_per_s = wheel_observer_.answer_per_s();
+    e.answer_variance_per_s2 = wheel_observer_.answer_variance_per_s2();
     e.road_radps2 = wheel_observer_.motion().road_radps2;
     e.another_road = wheel_observer_.another_road();
     e.pressure = pressure;

@@ -13,24 +13,30 @@ float triangle(float turns) {
     return turns < 0.75F ? 2.0F - 4.0F * turns : 4.0F * turns - 4.0F;
 }
 
-/// Of friction over slip, -1 to 1.
-float elasticity_of(const Estimate& e) {
+/// Of friction over slip, per answer of the road.
+float elasticity_per_answer_s(const Estimate& e) {
     constexpr float kLeastSlip = 0.01F;
     constexpr float kLeastRoad_radps2 = 50.0F;  // less is noise
     const float road = larger(e.road_radps2, kLeastRoad_radps2);
-    return limited(e.answer_per_s * larger(e.slip, kLeastSlip) * e.v_mps / (e.radius_m * road), -1.0F, 1.0F);
+    return larger(e.slip, kLeastSlip) * e.v_mps / (e.radius_m * road);
 }
 }  // namespace
 
-PeakSeeker::PeakSeeker(const PeakConfig& config, float period_s)
-    : config_(config), period_s_(period_s), slip_(config.start_slip) {}
+PeakSeeker::PeakSeeker(const PeakConfig& config, float inertia_kgm2, float period_s)
+    : config_(config), inertia_kgm2_(inertia_kgm2), period_s_(period_s), slip_(config.start_slip) {}
 
 void PeakSeeker::follow(const Estimate& e) {
     if (e.another_road) {
         elasticity_ = 0.0F;
         slip_ = larger(slip_, config_.start_slip);
     }
-    elasticity_ += (elasticity_of(e) - elasticity_) * config_.filter_radps * period_s_;
+    const float per_answer_s = elasticity_per_answer_s(e);
+    const float share = config_.filter_radps * period_s_;
+    elasticity_ += (limited(e.answer_per_s * per_answer_s, -1.0F, 1.0F) - elasticity_) * share;
+    const float at_peak = 1.0F - magnitude(elasticity_);
+    const float known = 1.0F / (1.0F + e.answer_variance_per_s2 * per_answer_s * per_answer_s);
+    confidence_ += (at_peak * known - confidence_) * share;
+    grip_N_ += (inertia_kgm2_ * e.road_radps2 / e.radius_m - grip_N_) * at_peak * share;
     const float missing = limited(config_.gain * (elasticity_ - config_.elasticity), -1.0F, 1.0F);
     const float falls = e.slip > kNearlyLocked ? config_.lock_fall_per_s : 0.0F;
     slip_ += slip_ * (config_.rate_per_s * missing - falls) * period_s_;

@@ -13,18 +13,22 @@ namespace antiskid::control {
 
 class PeakSeeker {
   public:
-    PeakSeeker(const PeakConfig& config, float period_s);
+    PeakSeeker(const PeakConfig& config, float inertia_kgm2, float period_s);
 
     /// The wheel comes back from a lock or another law: what was found stays, what was measured goes.
     void start() { elasticity_ = 0.0F; }
     /// On another landing it begins anew.
-    void forget_runway() { slip_ = config_.start_slip; }
+    void forget_runway() {
+        slip_ = config_.start_slip;
+        grip_N_ = 0.0F;
+        confidence_ = 0.0F;
+    }
 
     /// Slip reference to hold now. Once a period.
     [[nodiscard]] float reference(const Estimate& estimate);
 
-    /// What was found, without the swing.
-    [[nodiscard]] float slip() const { return slip_; }
+    /// What was found. The grip is the friction force, taken in as far as the slip is at the peak, where friction does not change with slip.
+    [[nodiscard]] RoadEstimate found() const { return {slip_, grip_N_, confidence_}; }
     /// Measured at the present slip, filtered.
     [[nodiscard]] float elasticity() const { return elasticity_; }
 
@@ -32,9 +36,12 @@ class PeakSeeker {
     void follow(const Estimate& estimate);
 
     PeakConfig config_;
+    float inertia_kgm2_;
     float period_s_;
     float slip_;
     float elasticity_ = 0.0F;
+    float grip_N_ = 0.0F;
+    float confidence_ = 0.0F;
     float phase_ = 0.0F;  // of the swing, in turns
 };
 

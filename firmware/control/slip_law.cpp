@@ -2,6 +2,15 @@
 
 namespace antiskid::control {
 
+namespace {
+/// The road's answer along the chord of friction from no slip, r tau / (lambda v): a wheel that follows the pressure at once, as one with
+/// hardly any slip does, shows no slope by its speed, but its torque over its slip.
+float chord_per_s(const Estimate& e) {
+    constexpr float kLeastSlip = 0.01F;  // less is the error of the wheel's radius
+    return larger(e.road_radps2, 0.0F) * e.radius_m / (larger(e.slip, kLeastSlip) * e.late_v_mps);
+}
+}  // namespace
+
 SlipLaw::SlipLaw(const SlipConfig& config, float period_s) : config_(config), period_s_(period_s) {}
 
 void SlipLaw::start(const Estimate& estimate) {
@@ -35,6 +44,11 @@ float SlipLaw::follow_Pa(const Estimate& e, float slip_reference, float ceiling_
     return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), slip_reference, ceiling_Pa);
 }
 
+/// 1 without slip, 0 from the slip on at which a runway's friction may have its peak.
+float SlipLaw::earliness(float slip) const {
+    return limited(1.0F - slip / config_.earliest_peak_slip, 0.0F, 1.0F);
+}
+
 float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ceiling_Pa) {
     reference_ = towards(reference_, smaller(falling, allowed), config_.reference_rate_per_s * period_s_);
     asked_ = larger(reference_, falling);
@@ -44,10 +58,13 @@ float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ce
     const float error = reference_ - e.late_slip;
     const float rate = rate_per_Pa * (e.late_pressure.pressure_Pa - e.late_balance_Pa);
     const float rate_rate = rate_per_Pa * e.late_pressure.rate_Paps;
-    const float gain = config_.k_p_per_s + config_.k_answer * larger(e.answer_per_s, 0.0F);
-    const float wanted_rate =
-        smaller(gain * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate,
-                config_.max_slip_rate_per_s);
+    const float early = earliness(e.slip);
+    const float answer = larger(config_.k_answer * larger(e.answer_per_s, 0.0F), early * chord_per_s(e));
+    const float max_rate =
+        config_.max_slip_rate_per_s + early * (config_.early_slip_rate_per_s - config_.max_slip_rate_per_s);
+    const float wanted_rate = smaller(
+        (config_.k_p_per_s + answer) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate,
+        max_rate);
     const float wanted_Pa = e.late_balance_Pa + wanted_rate / rate_per_Pa;
     const float given_Pa = limited(wanted_Pa, 0.0F, ceiling_Pa);
     // The integral rests while the valve is at a limit and the error would drive it further in.

@@ -41,6 +41,7 @@ class SlipLaw {
 
   private:
     void follow_answer(const Estimate& estimate);
+    [[nodiscard]] float earliness(float slip) const;
     float hold_Pa(const Estimate& estimate, float falling, float allowed, float ceiling_Pa);
 
     SlipConfig config_;

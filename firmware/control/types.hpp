@@ -151,6 +151,14 @@ class FaultSet {
     std::uint32_t bits_ = 0;
 };
 
+/// What the search for the slip of most friction has found; all zero under any other law and while not braking.
+struct RoadEstimate {
+    float peak_slip = 0.0F;  ///< slip of most friction, without the swing of the reference
+    float grip_N = 0.0F;     ///< friction force F_x there
+    float confidence =
+        0.0F;  ///< 0 nothing is known to 1: the slip is at the peak, and the slope there is known
+};
+
 /// What one step decides.
 struct Command {
     float current_mA = 0.0F;  ///< valve current to apply until the next command
@@ -161,6 +169,7 @@ struct Command {
     float speed_mps = 0.0F;       ///< measured aircraft (flywheel rim) speed
     float wheel_speed_radps = 0.0F;
     float pressure_request_Pa = 0.0F;  ///< what the law asks of the valve, never above the demand
+    RoadEstimate road;
 };
 
 }  // namespace antiskid::control

@@ -61,6 +61,7 @@ class WheelObserver {
 
     [[nodiscard]] const WheelMotion& motion() const { return motion_; }
     [[nodiscard]] float answer_per_s() const { return answer_per_s_; }
+    [[nodiscard]] float answer_variance_per_s2() const { return aa_; }
     /// The last update met another road.
     [[nodiscard]] bool another_road() const { return another_road_; }
 

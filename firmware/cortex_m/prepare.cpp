@@ -84,7 +84,8 @@ Streams streams_of(const std::filesystem::path& log, const Layout& layout, std::
         Record record{.id = static_cast<std::uint16_t>(entry.frame.id), .length = entry.frame.length};
         std::copy_n(entry.frame.data.begin(), entry.frame.length, record.data.begin());
         const auto is = [&](Role role) { return layout[role].bound && layout[role].id == entry.frame.id; };
-        if (is(Role::valve) || is(Role::status) || is(Role::faults) || is(Role::controller_heartbeat)) {
+        if (is(Role::valve) || is(Role::status) || is(Role::faults) || is(Role::road) ||
+            is(Role::controller_heartbeat)) {
             append(out.expected, record);
             continue;
         }

@@ -100,6 +100,8 @@ control::SlipConfig slip(const settings::Table& t) {
                           .k_dd_s = number(t, "k_dd_s", 0.0, 1.0),
                           .k_answer = number(t, "k_answer", 0.0, 10.0),
                           .max_slip_rate_per_s = number(t, "max_slip_rate_per_s", 0.1, 1e4),
+                          .earliest_peak_slip = number(t, "earliest_peak_slip", 0.001, 0.5),
+                          .early_slip_rate_per_s = number(t, "early_slip_rate_per_s", 0.1, 1e4),
                           .reference_rate_per_s = number(t, "reference_rate_per_s", 0.01, 1e4),
                           .low_speed_mps = low_speed,
                           .low_speed_floor_mps = number(t, "low_speed_floor_mps", 0.0, 100.0),

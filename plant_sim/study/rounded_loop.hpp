@@ -45,6 +45,8 @@ class RoundedLoop {
                 .speed_mps = command_.speed_mps,
                 .faults_received = now_,
                 .faults = command_.faults,
+                .road_received = now_,
+                .road = command_.road,
                 .heartbeat_received = now_};
     }
     [[nodiscard]] RigSession& session() { return session_; }

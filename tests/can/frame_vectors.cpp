@@ -163,6 +163,17 @@ class Writer {
         }
         write(Role::faults, faults, sent, read);
         write(Role::controller_heartbeat, heartbeat, json::object(), json::object());
+        if (!layout_[Role::road].bound) return;
+        const control::RoadEstimate found{.peak_slip = static_cast<float>(below(5'000)) * 1e-4F,
+                                          .grip_N = static_cast<float>(below(300'000)),
+                                          .confidence = static_cast<float>(below(200)) * 5e-3F};
+        const Frame road = port_.road(found);
+        rig_.accept(road);
+        write(Role::road, road,
+              {{"peak_slip", found.peak_slip}, {"grip", found.grip_N}, {"confidence", found.confidence}},
+              {{"peak_slip", view.road.peak_slip},
+               {"grip", view.road.grip_N},
+               {"confidence", view.road.confidence}});
     }
 
     void write(Role role, const Frame& frame, const json& sent, const json& read) {

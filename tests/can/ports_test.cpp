@@ -310,6 +310,19 @@ TEST_CASE("command, state and every fault arrive at the rig", "[CAN-057]") {
     }
 }
 
+TEST_CASE("what the peak law has found arrives at the rig, where the layout has the message", "[CAN-061]") {
+    ControllerPort port(ours(), kStep);
+    RigPort rig(ours(), kStep);
+    Frame frame = port.road({.peak_slip = 0.1713F, .grip_N = 31'002.0F, .confidence = 0.752F});
+    frame.received = Time{7};
+    rig.accept(frame);
+    CHECK(rig.controller().road_received == Time{7});
+    CHECK(rig.controller().road.peak_slip == Approx(0.1713).margin(5e-5));
+    CHECK(rig.controller().road.grip_N == Approx(31'002.0).margin(2.5));
+    CHECK(rig.controller().road.confidence == Approx(0.752).margin(0.0025));
+    CHECK_FALSE(foreign()[Role::road].bound);
+}
+
 TEST_CASE("every message comes at its period, and slow ones never meet within a step", "[CAN-058]") {
     RigPort rig(ours(), kStep);
     ControllerPort port(ours(), kStep);

@@ -190,6 +190,7 @@ TEST_CASE("what the addressees said arrives with its time, each by itself", "[CA
                 const Time seen = role == Role::valve    ? view.command_received
                                   : role == Role::status ? view.status_received
                                   : role == Role::faults ? view.faults_received
+                                  : role == Role::road   ? view.road_received
                                                          : view.heartbeat_received;
                 REQUIRE(seen == received);
             }

@@ -41,6 +41,8 @@ namespace control_test {
               .k_dd_s = 0.005F,
               .k_answer = 0.3F,
               .max_slip_rate_per_s = 20.0F,
+              .earliest_peak_slip = 0.03F,
+              .early_slip_rate_per_s = 40.0F,
               .reference_rate_per_s = 50.0F,
               .low_speed_mps = 24.0F,
               .low_speed_floor_mps = 8.0F,

@@ -13,6 +13,8 @@ using control_test::kPeriod_s;
 
 namespace {
 
+constexpr float kInertia_kgm2 = 1.3F;
+
 /// A wheel at 40 m/s and this slip, on a road whose friction has this elasticity over slip.
 Estimate on_road(const float elasticity, const float slip = 0.2F, const float road_radps2 = 4000.0F) {
     Estimate e = balanced(40.0F, slip, 8e6F);
@@ -28,7 +30,7 @@ PeakConfig without_swing() {
 }
 
 PeakSeeker after(const int periods, const Estimate& e, const PeakConfig& config = without_swing()) {
-    PeakSeeker seeker(config, kPeriod_s);
+    PeakSeeker seeker(config, kInertia_kgm2, kPeriod_s);
     for (int i = 0; i < periods; ++i) static_cast<void>(seeker.reference(e));
     return seeker;
 }
@@ -37,9 +39,9 @@ PeakSeeker after(const int periods, const Estimate& e, const PeakConfig& config 
 double growth(const Estimate& e, const PeakConfig& config = without_swing()) {
     PeakSeeker seeker = after(400, e, config);
     seeker.forget_runway();
-    const float before = seeker.slip();
+    const float before = seeker.found().peak_slip;
     static_cast<void>(seeker.reference(e));
-    return static_cast<double>(seeker.slip() / before);
+    return static_cast<double>(seeker.found().peak_slip / before);
 }
 
 }  // namespace
@@ -70,6 +72,37 @@ TEST_CASE("what cannot be is bounded before it is believed", "[CTL-340]") {
     CHECK(after(400, e).elasticity() == Approx(0.01 * 40.0 / (0.32 * 50.0)).epsilon(1e-4));
 }
 
+TEST_CASE("grip is the road's force, taken in as far as friction does not change with slip", "[CTL-346]") {
+    // J tau / r = 1.3 * 4000 / 0.32
+    CHECK(after(400, on_road(0.0F)).found().grip_N == Approx(16250.0).epsilon(1e-4));
+    CHECK(after(400, on_road(0.0F, 0.2F, 400.0F)).found().grip_N == Approx(1625.0).epsilon(1e-4));
+    // A first-order filter, its bandwidth falling with the elasticity: hardly anything where friction rises as slip does.
+    CHECK(after(20, on_road(0.0F)).found().grip_N == Approx(16250.0 * 0.641514).epsilon(1e-4));
+    Estimate steep = on_road(1.0F);
+    PeakSeeker seeker = after(400, steep);
+    const float before = seeker.found().grip_N;
+    steep.road_radps2 *= 2.0F;
+    steep.answer_per_s *= 2.0F;
+    for (int i = 0; i < 400; ++i) static_cast<void>(seeker.reference(steep));
+    CHECK(seeker.found().grip_N == Approx(before).epsilon(1e-4));
+    seeker.forget_runway();
+    CHECK(seeker.found().grip_N == 0.0F);
+}
+
+TEST_CASE("confidence needs a slip at the peak and a slope that is known", "[CTL-346]") {
+    CHECK(after(400, on_road(0.0F)).found().confidence == Approx(1.0).epsilon(1e-4));
+    CHECK(after(400, on_road(0.4F)).found().confidence == Approx(0.6).epsilon(1e-3));
+    CHECK(after(400, on_road(-0.4F)).found().confidence == Approx(0.6).epsilon(1e-3));
+    Estimate unsure = on_road(0.0F);
+    // A standard deviation of the elasticity of 0.5: 1 / (1 + 0.25).
+    const float per_elasticity = unsure.radius_m * unsure.road_radps2 / (unsure.slip * unsure.v_mps);
+    unsure.answer_variance_per_s2 = 0.25F * per_elasticity * per_elasticity;
+    PeakSeeker seeker = after(400, unsure);
+    CHECK(seeker.found().confidence == Approx(0.8).epsilon(1e-3));
+    seeker.forget_runway();
+    CHECK(seeker.found().confidence == 0.0F);
+}
+
 TEST_CASE("the reference moves by what is missing of the elasticity asked for", "[CTL-341]") {
     CHECK(growth(on_road(0.1F)) == Approx(1.0 + 4.0 * 2.0 * 0.1e-3).epsilon(1e-6));
     CHECK(growth(on_road(-0.1F)) == Approx(1.0 - 4.0 * 2.0 * 0.1e-3).epsilon(1e-6));
@@ -83,19 +116,19 @@ TEST_CASE("the reference moves by what is missing of the elasticity asked for", 
 }
 
 TEST_CASE("it begins at its start, and stays between its ends", "[CTL-341]") {
-    CHECK(PeakSeeker(without_swing(), kPeriod_s).slip() == 0.16F);
-    CHECK(after(3000, on_road(0.9F)).slip() == 0.4F);
-    CHECK(after(3000, on_road(-0.9F)).slip() == 0.03F);
+    CHECK(PeakSeeker(without_swing(), kInertia_kgm2, kPeriod_s).found().peak_slip == 0.16F);
+    CHECK(after(3000, on_road(0.9F)).found().peak_slip == 0.4F);
+    CHECK(after(3000, on_road(-0.9F)).found().peak_slip == 0.03F);
 }
 
 TEST_CASE("the reference swings about what was found", "[CTL-342]") {
     PeakConfig config = fixed_config().peak;  // a quarter of itself at 5 Hz
-    PeakSeeker seeker(config, kPeriod_s);
+    PeakSeeker seeker(config, kInertia_kgm2, kPeriod_s);
     const Estimate e = on_road(0.0F);
     float reference[200];
     double sum = 0.0;
     for (float& one : reference) sum += static_cast<double>(one = seeker.reference(e));
-    CHECK(seeker.slip() == 0.16F);
+    CHECK(seeker.found().peak_slip == 0.16F);
     CHECK(sum / 200.0 == Approx(0.16).epsilon(1e-3));
     CHECK(reference[24] == Approx(0.16 * 1.125).epsilon(1e-3));
     CHECK(reference[49] == Approx(0.16 * 1.25).epsilon(1e-3));
@@ -113,12 +146,12 @@ TEST_CASE("the reference swings about what was found", "[CTL-342]") {
 TEST_CASE("on another road it begins at its start, if less was in force", "[CTL-343]") {
     for (const float before : {-0.9F, 0.9F}) {
         PeakSeeker seeker = after(3000, on_road(before));
-        const float was = seeker.slip();
+        const float was = seeker.found().peak_slip;
         Estimate e = on_road(0.0F);
         e.another_road = true;
         static_cast<void>(seeker.reference(e));
         CHECK(seeker.elasticity() == 0.0F);
-        CHECK(seeker.slip() == std::max(was, 0.16F));
+        CHECK(seeker.found().peak_slip == std::max(was, 0.16F));
     }
 }
 
@@ -131,19 +164,19 @@ TEST_CASE("a wheel that is nearly locked takes the reference down", "[CTL-343]")
 TEST_CASE("at walking speed nothing is sought", "[CTL-341]") {
     Estimate e = on_road(0.9F);
     e.v_mps = 5.9F;
-    CHECK(after(400, e).slip() == 0.16F);
+    CHECK(after(400, e).found().peak_slip == 0.16F);
     CHECK(after(400, e).elasticity() == 0.0F);
     e.v_mps = 6.0F;
-    CHECK(after(400, e).slip() > 0.2F);
+    CHECK(after(400, e).found().peak_slip > 0.2F);
 }
 
 TEST_CASE("a lock leaves what was found, another landing does not", "[CTL-343]") {
     PeakSeeker seeker = after(200, on_road(0.5F));
-    const float found = seeker.slip();
+    const float found = seeker.found().peak_slip;
     REQUIRE(found > 0.2F);
     seeker.start();
-    CHECK(seeker.slip() == found);
+    CHECK(seeker.found().peak_slip == found);
     CHECK(seeker.elasticity() == 0.0F);
     seeker.forget_runway();
-    CHECK(seeker.slip() == 0.16F);
+    CHECK(seeker.found().peak_slip == 0.16F);
 }

@@ -106,6 +106,36 @@ TEST_CASE("each term is worth its gain, scheduled with speed", "[CTL-040]") {
     }
 }
 
+TEST_CASE("a wheel that hardly slips is brought up along the chord of friction, faster the less it slips",
+          "[CTL-047]") {
+    SlipLaw law = settled(exact_law(), 0.2F);
+    const auto asked = [&](const float slip, const float late_slip, const float road_radps2) {
+        SlipLaw copy = law;
+        Estimate e = at_rest(40.0F, slip);
+        e.late_slip = late_slip;
+        e.road_radps2 = road_radps2;
+        return (static_cast<double>(copy.pressure_Pa(e, 0.2F, 1e12F)) - 8e6) * rate_per_Pa(e);  // 1/s
+    };
+    // r tau / (lambda v) = 0.32 * 500 / (0.015 * 40) = 266.67 1/s; half of it at half of the earliest peak. Error 0.01.
+    CHECK(asked(0.015F, 0.19F, 500.0F) == Approx((100.0 + 0.5 * 266.667) * 0.01).epsilon(1e-3));
+    CHECK(asked(0.03F, 0.19F, 500.0F) == Approx(1.0).epsilon(1e-3));
+    CHECK(asked(0.2F, 0.19F, 500.0F) == Approx(1.0).epsilon(1e-3));
+    // Slip counts as 0.01 at the least, and a road that pulls back as none.
+    CHECK(asked(0.0F, 0.19F, 50.0F) == Approx((100.0 + 0.32 * 50.0 / (0.01 * 40.0)) * 0.01).epsilon(1e-3));
+    CHECK(asked(-0.1F, 0.19F, -50.0F) == Approx(1.0).epsilon(1e-3));
+    // The largest slip rate, 40 without slip, 20 from the earliest peak on.
+    CHECK(asked(0.0F, -0.5F, 5000.0F) == Approx(40.0).epsilon(1e-3));
+    CHECK(asked(0.015F, -0.5F, 5000.0F) == Approx(30.0).epsilon(1e-3));
+    CHECK(asked(0.03F, -0.5F, 5000.0F) == Approx(20.0).epsilon(1e-3));
+    SECTION("an observed answer that is larger counts alone") {
+        Estimate e = at_rest(40.0F, 0.015F, 1000.0F);
+        e.late_slip = 0.19F;
+        e.road_radps2 = 500.0F;
+        CHECK((static_cast<double>(law.pressure_Pa(e, 0.2F, 1e12F)) - 8e6) * rate_per_Pa(e) ==
+              Approx(400.0 * 0.01).epsilon(1e-3));
+    }
+}
+
 TEST_CASE("the integral does not wind up at the ceiling", "[CTL-041]") {
     SlipLaw law = settled(exact_law(), 0.2F);
     SlipLaw never = law;
