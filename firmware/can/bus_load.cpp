@@ -14,7 +14,7 @@ BusLoad bus_load(const Layout& layout, control::Time step, std::uint32_t bitrate
     const auto steps = static_cast<std::uint64_t>(std::max(10.0 / step_s, 1.0));
     double sum = 0.0;
     double fullest = 0.0;
-    for (std::uint64_t index = 0; index < steps; ++index) {
+    for (std::uint32_t index = 0; index < steps; ++index) {
         double bits = 0.0;
         for (std::size_t i = 0; i < kRoleCount; ++i) {
             const auto role = static_cast<Role>(i);

@@ -86,7 +86,7 @@ class ControllerPort {
     std::array<E2eSender, kRoleCount> senders_{};
     std::uint32_t sync_number_ = 0;
     std::uint32_t bus_off_events_ = 0;
-    std::uint64_t step_index_ = 0;
+    std::uint32_t step_index_ = 0;
 };
 
 }  // namespace antiskid::can

@@ -65,7 +65,7 @@ class RigPort {
     std::array<E2eSender, kRoleCount> senders_{};
     std::array<bool, kRoleCount> sends_{};
     ManeuverStateSample last_state_;
-    std::uint64_t step_index_ = 0;
+    std::uint32_t step_index_ = 0;
 };
 
 }  // namespace antiskid::can

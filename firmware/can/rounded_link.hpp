@@ -36,7 +36,7 @@ class RoundedLink {
     control::Sensors sensors_;
     SpeedDecoder wheel_;
     SpeedDecoder flywheel_;
-    std::uint64_t step_index_ = 0;
+    std::uint32_t step_index_ = 0;
 };
 
 }  // namespace antiskid::can

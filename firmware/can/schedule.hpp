@@ -18,8 +18,8 @@ class Schedule {
     /// `step` > 0: the period of the program that asks.
     Schedule(const Layout& layout, control::Time step);
 
-    /// Whether the message is cyclic, bound and due at step `index`, counted from 0.
-    [[nodiscard]] bool due(Role role, std::uint64_t index) const {
+    /// Whether the message is cyclic, bound and due at step `index`, counted from 0; a count that rolls over shifts the slow messages once.
+    [[nodiscard]] bool due(Role role, std::uint32_t index) const {
         const Slot& slot = slots_[static_cast<std::size_t>(role)];
         return slot.every == 1 || (slot.every != 0 && index % slot.every == slot.phase);
     }

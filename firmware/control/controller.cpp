@@ -16,8 +16,9 @@ Controller::Controller(const Config& config)
       threshold_law_(config.threshold, config.period_s),
       pressure_bias_law_(config.pressure_bias, config.period_s),
       takeover_Pa_(config.valve.full_pressure_Pa),
-      current_mA_(config.valve.safe_current_mA),
-      held_mA_(config.valve.safe_current_mA) {}
+      safe_Pa_(valve_pressure_Pa(config.valve, config.valve.safe_current_mA)),
+      commanded_Pa_(safe_Pa_),
+      held_Pa_(safe_Pa_) {}
 
 void Controller::start_law(Law law, const Estimate& estimate, State before) {
     const bool resumes = before == State::locked_wheel && law == law_;
@@ -66,16 +67,15 @@ float Controller::pass_through_Pa(float ceiling_Pa, const Estimate& estimate, St
 
 /// The valve's offset is made up for where a pressure is meant: open loop asks for a current, the threshold law switches, and a fielded
 /// system does not measure pressure.
-float Controller::current_mA(const Command& command, Law law) const {
+float Controller::asked_of_map_Pa(const Command& command, Law law) const {
     const bool means_pressure = holds_slip(law) || law == Law::deceleration;
     const bool by_map = command.state == State::braking && !means_pressure;
-    return by_map ? valve_current_mA(valve_, command.pressure_request_Pa)
-                  : estimator_.current_mA(command.pressure_request_Pa);
+    return by_map ? command.pressure_request_Pa : estimator_.made_up_for_Pa(command.pressure_request_Pa);
 }
 
 Command Controller::step(const Sensors& sensors, Time now) {
-    if (!sensors.command_unsent) held_mA_ = current_mA_;
-    const Estimate& estimate = estimator_.update(sensors, held_mA_);
+    if (!sensors.command_unsent) held_Pa_ = commanded_Pa_;
+    const Estimate& estimate = estimator_.update(sensors, held_Pa_);
     const State before = supervisor_.state();
     const FaultSet present = monitor_.check(
         sensors, estimator_, {supervisor_.rolling(), before == State::braking, slip_law_.asked()}, now);
@@ -106,8 +106,10 @@ Command Controller::step(const Sensors& sensors, Time now) {
             command.road = peak_seeker_.found();
     }
     requested_Pa_ = command.pressure_request_Pa;
-    current_mA_ = permitted ? current_mA(command, sensors.maneuver.law) : valve_.safe_current_mA;
-    command.current_mA = current_mA_;
+    const float asked_Pa = permitted ? asked_of_map_Pa(command, sensors.maneuver.law) : 0.0F;
+    command.current_mA = permitted ? valve_current_mA(valve_, asked_Pa) : valve_.safe_current_mA;
+    const bool above_least = permitted && asked_Pa > valve_.pressure_Pa[0];
+    commanded_Pa_ = above_least ? smaller(asked_Pa, valve_.pressure_Pa[valve_.points - 1U]) : safe_Pa_;
     return command;
 }
 

@@ -45,7 +45,7 @@ class Controller {
     [[nodiscard]] float braking_pressure_Pa(const ManeuverInput& maneuver, const Estimate& estimate,
                                             State before);
     [[nodiscard]] float pass_through_Pa(float ceiling_Pa, const Estimate& estimate, State before);
-    [[nodiscard]] float current_mA(const Command& command, Law law) const;
+    [[nodiscard]] float asked_of_map_Pa(const Command& command, Law law) const;
     void start_law(Law law, const Estimate& estimate, State before);
 
     ValveConfig valve_;
@@ -62,8 +62,8 @@ class Controller {
     float passed_Pa_ = 0.0F;
     float requested_Pa_ = 0.0F;  // by the last step
     float takeover_Pa_;          // ceiling while one law takes over from another
-    float current_mA_;           // by the last step
-    float held_mA_;              // by the valve: of the last command that left
+    // Static pressures by the map, of the current that is safe, of the last step's, and of what the valve holds: the last that left.
+    float safe_Pa_, commanded_Pa_, held_Pa_;
 };
 
 }  // namespace antiskid::control

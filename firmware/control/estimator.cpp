@@ -11,21 +11,11 @@ constexpr float kFreePressure_Pa = 2e5F;
 constexpr float kFreeAcceleration_radps2 = 60.0F;
 constexpr float kRadiusMemory_s = 0.05F;
 constexpr float kMostReading = 2.0F;  // times full pressure
-
-/// A reading that cannot be (or is no number) must not reach a filter, where it would stay. The monitor names it.
-SpeedReading usable(SpeedReading reading, float most_radps) {
-    if (!(reading.speed_radps >= 0.0F && reading.speed_radps <= most_radps)) {
-        reading.fresh = false;
-        reading.bounded = false;
-    }
-    return reading;
-}
 }  // namespace
 
 Estimator::Estimator(const Config& config)
     : wheel_(config.wheel),
-      valve_(config.valve),
-      flywheel_most_radps_(config.flywheel.encoder.max_speed_radps),
+      most_reading_Pa_(kMostReading * config.valve.full_pressure_Pa),
       flywheel_radius_m_(config.flywheel.radius_m),
       period_s_(config.period_s),
       brake_gain_(config.wheel.brake_gain_m3 / config.wheel.inertia_kgm2),
@@ -34,8 +24,7 @@ Estimator::Estimator(const Config& config)
       flywheel_speed_(config.flywheel.encoder.teeth),
       wheel_observer_(config.observer, config.wheel.encoder, config.period_s),
       outlook_share_(config.observer.outlook_share),
-      flywheel_tracker_(config.estimator.aircraft_bandwidth_radps,
-                        config.flywheel.encoder.max_acceleration_radps2),
+      flywheel_tracker_(config.estimator.aircraft_bandwidth_radps, config.flywheel.encoder),
       valve_model_(config.valve, config.period_s, config.estimator),
       standing_radius_m_(config.wheel.nominal_radius_m) {}
 
@@ -58,34 +47,42 @@ inline void Estimator::calibrate_radius(bool on_wheels) {
 inline void Estimator::look_ahead(float v_mps) {
     Estimate& e = estimate_;
     const float believed = e.answer_per_s > 0.0F ? outlook_share_ * e.answer_per_s : e.answer_per_s;
+    // WheelStep's steps, the change of speed taken together: a wheel that would stop on the way stops at the end.
     const WheelStep step(believed, period_s_);
+    const float follows = believed * step.acting_s();
+    const float half_gain = 0.5F * brake_gain_;
     WheelMotion late = wheel_observer_.motion();
     PressureState pressure = e.pressure;
+    float excess_radps2 = 0.0F;
     for (std::size_t period = 1; period <= valve_model_.delay_periods(); ++period) {
         const PressureState next = valve_model_.after(pressure, period);
-        const float mean_Pa = 0.5F * (pressure.pressure_Pa + next.pressure_Pa);
-        late = step.from(late, brake_gain_ * mean_Pa, steady_radps2_);
+        const float excess =
+            late.road_radps2 - half_gain * (pressure.pressure_Pa + next.pressure_Pa) - steady_radps2_;
+        late.road_radps2 -= follows * excess;
+        excess_radps2 += excess;
         pressure = next;
     }
+    late.omega_radps = larger(
+        late.omega_radps + step.acting_s() * excess_radps2 + steady_radps2_ * valve_model_.delay_s(), 0.0F);
     e.late_pressure = pressure;
     e.late_v_mps = larger(v_mps + e.v_dot_mps2 * valve_model_.delay_s(), kSlowest_mps);
     e.late_balance_Pa = larger(late.road_radps2 - steady_radps2_, 0.0F) / brake_gain_;
     e.late_slip = limited(1.0F - late.omega_radps * e.radius_m / e.late_v_mps, -1.0F, 1.0F);
 }
 
-const Estimate& Estimator::update(const Sensors& sensors, float last_current_mA) {
+const Estimate& Estimator::update(const Sensors& sensors, float held_Pa) {
     const float before_Pa = valve_model_.now().pressure_Pa;
     const float measured_Pa = sensors.pressure.pressure_Pa;
-    const bool fresh = sensors.pressure.received != pressure_received_ &&
-                       magnitude(measured_Pa) <= kMostReading * valve_.full_pressure_Pa;
-    valve_model_.update(valve_pressure_Pa(valve_, last_current_mA), measured_Pa, fresh);
+    const bool fresh =
+        sensors.pressure.received != pressure_received_ && magnitude(measured_Pa) <= most_reading_Pa_;
+    valve_model_.update(held_Pa, measured_Pa, fresh);
     pressure_received_ = sensors.pressure.received;
     const PressureState pressure = valve_model_.now();
 
     flywheel_reading_ = flywheel_speed_.update(sensors.flywheel);
     wheel_reading_ = wheel_speed_.update(sensors.wheel);
-    flywheel_tracker_.update(usable(flywheel_reading_, flywheel_most_radps_), period_s_);
-    wheel_observer_.update(usable(wheel_reading_, wheel_.encoder.max_speed_radps),
+    flywheel_tracker_.update(flywheel_reading_, period_s_);
+    wheel_observer_.update(wheel_reading_,
                            {.brake_radps2 = brake_gain_ * 0.5F * (before_Pa + pressure.pressure_Pa),
                             .brake_now_radps2 = brake_gain_ * pressure.pressure_Pa,
                             .steady_radps2 = steady_radps2_});

@@ -14,17 +14,17 @@ class Estimator {
   public:
     explicit Estimator(const Config& config);
 
-    /// One period; `last_current_mA` is what the valve has held since the step before.
-    const Estimate& update(const Sensors& sensors, float last_current_mA);
+    /// One period; `held_Pa` is the static pressure, by the map, of the current that the valve has held since the step before.
+    const Estimate& update(const Sensors& sensors, float held_Pa);
 
     [[nodiscard]] const Estimate& estimate() const { return estimate_; }
     [[nodiscard]] const SpeedReading& wheel_reading() const { return wheel_reading_; }
     [[nodiscard]] const SpeedReading& flywheel_reading() const { return flywheel_reading_; }
     [[nodiscard]] float uncorrected_pressure_Pa() const { return valve_model_.uncorrected_Pa(); }
     [[nodiscard]] float valve_offset_Pa() const { return valve_model_.offset_Pa(); }
-    /// The current for a pressure on the valve as it is.
-    [[nodiscard]] float current_mA(float pressure_Pa) const {
-        return valve_current_mA(valve_, valve_model_.made_up_for_Pa(pressure_Pa));
+    /// What to ask of the map for a pressure on the valve as it is.
+    [[nodiscard]] float made_up_for_Pa(float pressure_Pa) const {
+        return valve_model_.made_up_for_Pa(pressure_Pa);
     }
 
   private:
@@ -32,8 +32,7 @@ class Estimator {
     void look_ahead(float v_mps);
 
     WheelConfig wheel_;
-    ValveConfig valve_;
-    float flywheel_most_radps_;
+    float most_reading_Pa_;
     float flywheel_radius_m_;
     float period_s_;
     float brake_gain_;  // k_b / J_w

@@ -47,10 +47,11 @@ Monitor::Monitor(const Config& config)
 
 Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now) {
     // Of frames that mostly fail their checks some pass by chance: what they say is worth nothing. A repeat of each good one is harmless.
-    const std::uint32_t more = rejected_now - rejected_before;
-    rejected_before = rejected_now;
-    constexpr std::uint32_t kCountWentBack = 1U << 31U;
-    if (more < kCountWentBack) refused = smaller(refused + static_cast<float>(more), 2.0F * most_refused);
+    if (const std::uint32_t more = rejected_now - rejected_before; more != 0) {
+        rejected_before = rejected_now;
+        constexpr std::uint32_t kCountWentBack = 1U << 31U;
+        if (more < kCountWentBack) refused = smaller(refused + static_cast<float>(more), 2.0F * most_refused);
+    }
     if (newest != received) {
         received = newest;
         rejected = rejected_now;

@@ -8,6 +8,7 @@
 
 #include "firmware/control/config.hpp"
 #include "firmware/control/estimate.hpp"
+#include "firmware/control/types.hpp"
 
 namespace antiskid::control {
 

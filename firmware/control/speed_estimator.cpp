@@ -15,10 +15,10 @@ SpeedEstimator::SpeedEstimator(float teeth) : radians_per_edge_(kTwoPi / teeth) 
 /// The sensor's clock has another zero than ours, which the quickest frames tell. They are forgotten within some thousand readings: the clocks
 /// drift, and one that is set is no frame that is late.
 bool SpeedEstimator::late(const SpeedInput& input) {
-    constexpr std::int64_t kForgotten = 1024;  // readings
+    constexpr int kForgotten = 10;  // as a power of two, readings
     const Time after = input.received - input.edge_time;
     const Time behind = clock_known_ ? after - quickest_ : Time{};
-    quickest_ = behind.count() > 0 ? quickest_ + behind / kForgotten : after;
+    quickest_ = behind.count() > 0 ? quickest_ + Time{behind.count() >> kForgotten} : after;
     clock_known_ = true;
     return behind > kLatest;
 }

@@ -18,6 +18,11 @@ struct SpeedReading {
     bool valid = false;  ///< false until two edges, or no edge for 100 ms, have been seen
 };
 
+/// One that cannot be, or is no number, must not reach a filter, where it would stay. The monitor names it.
+[[nodiscard]] constexpr bool is_possible(const SpeedReading& reading, float max_speed_radps) {
+    return reading.speed_radps >= 0.0F && reading.speed_radps <= max_speed_radps;
+}
+
 class SpeedEstimator {
   public:
     explicit SpeedEstimator(float teeth);

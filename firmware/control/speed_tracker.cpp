@@ -4,8 +4,10 @@
 
 namespace antiskid::control {
 
-SpeedTracker::SpeedTracker(float bandwidth_radps, float most_acceleration)
-    : bandwidth_radps_(bandwidth_radps), most_acceleration_(most_acceleration) {}
+SpeedTracker::SpeedTracker(float bandwidth_radps, const EncoderConfig& encoder)
+    : bandwidth_radps_(bandwidth_radps),
+      most_speed_(encoder.max_speed_radps),
+      most_acceleration_(encoder.max_acceleration_radps2) {}
 
 void SpeedTracker::reset(float speed, float acceleration) {
     speed_ = speed;
@@ -20,8 +22,9 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s) {
         started_ = false;
         return;
     }
+    const bool possible = is_possible(reading, most_speed_);
     if (!started_) {
-        if (reading.fresh) reset(reading.speed_radps, 0.0F);
+        if (reading.fresh && possible) reset(reading.speed_radps, 0.0F);
         return;
     }
     const float predicted = speed_ + acceleration_ * period_s;
@@ -31,6 +34,7 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s) {
         reset(0.0F, 0.0F);
         return;
     }
+    if (!possible) return;
     if (!reading.fresh && !(reading.bounded && reading.speed_radps < speed_)) return;
 
     // The reading is the mean over its interval: compare it with the speed at the interval's middle. The last

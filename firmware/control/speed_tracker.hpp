@@ -2,15 +2,16 @@
 /// second-order tracker.
 #pragma once
 
+#include "firmware/control/config.hpp"
 #include "firmware/control/speed_estimator.hpp"
 
 namespace antiskid::control {
 
 class SpeedTracker {
   public:
-    /// `most_acceleration`, either way: readings that are off the prediction by more than twice what it explains are not believed for 10 ms,
+    /// The encoder's largest acceleration, either way: readings that are off the prediction by more than twice what it explains are not believed for 10 ms,
     /// and no reading, however wrong, may leave a state from which the next ones do not lead back.
-    SpeedTracker(float bandwidth_radps, float most_acceleration);
+    SpeedTracker(float bandwidth_radps, const EncoderConfig& encoder);
 
     /// One period of `period_s` has passed. Acceleration is taken to change slowly.
     void update(const SpeedReading& reading, float period_s);
@@ -21,6 +22,7 @@ class SpeedTracker {
 
   private:
     float bandwidth_radps_;
+    float most_speed_;
     float most_acceleration_;
     float speed_ = 0.0F;
     float acceleration_ = 0.0F;

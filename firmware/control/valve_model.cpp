@@ -68,7 +68,8 @@ ValveModel::ValveModel(const ValveConfig& valve, float period_s, const Estimator
 
 void ValveModel::update(float command_Pa, float measured_Pa, bool fresh) {
     newest_ = (newest_ + 1) % kKept;
-    commands_[newest_] = command_Pa;
+    inputs_[newest_] = (1.0F - part_) * command_Pa + part_ * newest_command_Pa_;
+    newest_command_Pa_ = command_Pa;
     const float acting = input(0);
     propagate(uncorrected_, acting);
     propagate(state_, acting + offset_Pa_);

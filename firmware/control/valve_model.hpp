@@ -57,14 +57,13 @@ class ValveModel {
     }
     /// The static pressure that drives the lag `periods_ahead` periods from the newest command on its way out of the pipe.
     [[nodiscard]] float input(std::size_t periods_ahead) const {
-        const std::size_t age = whole_ - periods_ahead;
-        return part_ > 0.0F ? (1.0F - part_) * command(age) + part_ * command(age + 1) : command(age);
+        return inputs_[(newest_ + periods_ahead - whole_) % kKept];
     }
-    /// The one of `age` periods ago.
-    [[nodiscard]] float command(std::size_t age) const { return commands_[(newest_ - age) % kKept]; }
 
     static constexpr std::size_t kKept = 32;  // a power of two above kMostDelay + 1
-    std::array<float, kKept> commands_{};     // a ring
+    std::array<float, kKept>
+        inputs_{};  // a ring; of commands a part of a period apart, where the delay is no whole one
+    float newest_command_Pa_ = 0.0F;
     std::size_t newest_ = 0;
     std::size_t whole_ = 0;  // whole periods of delay
     float part_ = 0.0F;      // and the rest, in periods

@@ -12,6 +12,7 @@ constexpr float kMostAnswer_per_s = 6000.0F;
 
 WheelObserver::WheelObserver(const ObserverConfig& config, const EncoderConfig& encoder, float period_s)
     : config_(config),
+      most_radps_(encoder.max_speed_radps),
       most_radps2_(encoder.max_acceleration_radps2),
       pitch_rad_(kFullTurn / encoder.teeth),
       period_s_(period_s),
@@ -120,8 +121,9 @@ void WheelObserver::update(const SpeedReading& reading, const Drive& drive) {
         started_ = false;
         return;
     }
+    const bool possible = is_possible(reading, most_radps_);
     if (!started_) {
-        if (!reading.fresh) return;
+        if (!reading.fresh || !possible) return;
         begin(reading.speed_radps);
         started_ = true;
         return;
@@ -132,7 +134,7 @@ void WheelObserver::update(const SpeedReading& reading, const Drive& drive) {
     }
     predict(drive);
     unheard_s_ += period_s_;
-    if (reading.fresh || (reading.bounded && reading.speed_radps < motion_.omega_radps))
+    if (possible && (reading.fresh || (reading.bounded && reading.speed_radps < motion_.omega_radps)))
         correct(reading, drive);
 }
 

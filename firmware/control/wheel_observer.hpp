@@ -73,6 +73,7 @@ class WheelObserver {
     void forget_road(float reading_variance);
 
     ObserverConfig config_;
+    float most_radps_;
     float most_radps2_;
     float pitch_rad_;
     float period_s_;

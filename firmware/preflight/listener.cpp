@@ -17,10 +17,12 @@ namespace {
 class Senses {
   public:
     explicit Senses(const control::Config& config)
-        : estimator_(config), monitor_(config), safe_current_mA_(config.valve.safe_current_mA) {}
+        : estimator_(config),
+          monitor_(config),
+          safe_Pa_(control::valve_pressure_Pa(config.valve, config.valve.safe_current_mA)) {}
 
     [[nodiscard]] control::FaultSet step(const control::Sensors& sensors, control::Time now) {
-        (void)estimator_.update(sensors, safe_current_mA_);
+        (void)estimator_.update(sensors, safe_Pa_);
         return monitor_.check(sensors, estimator_, {}, now);
     }
     [[nodiscard]] float wheel_radps() const { return estimator_.wheel_reading().speed_radps; }
@@ -29,7 +31,7 @@ class Senses {
   private:
     control::Estimator estimator_;
     control::Monitor monitor_;
-    float safe_current_mA_;
+    float safe_Pa_;
 };
 
 void note(Heard& heard, control::FaultSet faults, const Senses& senses) {

@@ -23,7 +23,7 @@ class Timetable {
         before_.reserve(steps + 1);
         before_.push_back(0);
         for (std::uint64_t i = 0; i < steps; ++i)
-            before_.push_back(before_.back() + (schedule.due(role, i) ? 1U : 0U));
+            before_.push_back(before_.back() + (schedule.due(role, static_cast<std::uint32_t>(i)) ? 1U : 0U));
     }
 
     [[nodiscard]] bool agrees(std::uint64_t step, int sent) const {

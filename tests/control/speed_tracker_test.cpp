@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 
 #include "tests/catch.hpp"
 
+using antiskid::control::EncoderConfig;
 using antiskid::control::SpeedReading;
 using antiskid::control::SpeedTracker;
 
@@ -13,6 +15,7 @@ namespace {
 
 constexpr float kPeriod_s = 1e-3F;
 constexpr float kMost = 30'000.0F;  // of acceleration
+constexpr EncoderConfig kEncoder{.max_speed_radps = 1e6F, .max_acceleration_radps2 = kMost};
 
 /// A reading over one whole period that ended, on average, half a period ago.
 SpeedReading reading_of(const double speed, const float interval_s = kPeriod_s) {
@@ -28,7 +31,7 @@ SpeedReading reading_of(const double speed, const float interval_s = kPeriod_s) 
 TEST_CASE("constant acceleration is tracked without error", "[CTL-018]") {
     const double bandwidth = GENERATE(50.0, 450.0);
     const double acceleration = GENERATE(-300.0, 0.0, 40.0, 2000.0);
-    SpeedTracker tracker(static_cast<float>(bandwidth), kMost);
+    SpeedTracker tracker(static_cast<float>(bandwidth), kEncoder);
     double speed = acceleration < 0.0 ? 390.0 : 20.0;
     for (int i = 0; i < 600; ++i) {
         speed += acceleration * 1e-3;
@@ -41,7 +44,7 @@ TEST_CASE("constant acceleration is tracked without error", "[CTL-018]") {
 
 TEST_CASE("sparse readings are weighed by the time they stand for", "[CTL-018]") {
     // 20 m/s2 at 8 ms between edges: the tracker must find the same motion as with dense ones.
-    SpeedTracker tracker(450.0F, kMost);
+    SpeedTracker tracker(450.0F, kEncoder);
     const double acceleration = -60.0;
     double speed = 60.0;
     int since = 0;
@@ -61,7 +64,7 @@ TEST_CASE("sparse readings are weighed by the time they stand for", "[CTL-018]")
 }
 
 TEST_CASE("the tracker starts at the first reading and forgets with its validity", "[CTL-018]") {
-    SpeedTracker tracker(450.0F, kMost);
+    SpeedTracker tracker(450.0F, kEncoder);
     SpeedReading stale = reading_of(99.0);
     stale.fresh = false;
     tracker.update(stale, kPeriod_s);
@@ -76,7 +79,7 @@ TEST_CASE("the tracker starts at the first reading and forgets with its validity
 }
 
 TEST_CASE("a bound is used only where it says something", "[CTL-018]") {
-    SpeedTracker tracker(450.0F, kMost);
+    SpeedTracker tracker(450.0F, kEncoder);
     tracker.update(reading_of(50.0), kPeriod_s);
     const SpeedReading above{
         .speed_radps = 80.0F, .interval_s = 0.0F, .fresh = false, .bounded = true, .valid = true};
@@ -90,7 +93,7 @@ TEST_CASE("a bound is used only where it says something", "[CTL-018]") {
 }
 
 TEST_CASE("a wheel that stands has no acceleration, and no speed is negative", "[CTL-018]") {
-    SpeedTracker tracker(450.0F, kMost);
+    SpeedTracker tracker(450.0F, kEncoder);
     for (int i = 0; i < 20; ++i) tracker.update(reading_of(50.0 - 2.0 * i), kPeriod_s);
     CHECK(tracker.acceleration() < -500.0F);
     tracker.update(reading_of(0.0), kPeriod_s);
@@ -113,7 +116,7 @@ TEST_CASE("a wheel that stands has no acceleration, and no speed is negative", "
 TEST_CASE("a wheel that nearly stopped is found again, however fast it slowed down", "[CTL-018]") {
     // 15 rad/s is an edge every 7 ms. A prediction that has run into zero must not explain the reading away.
     const double slows_by = GENERATE(135.0, 15.0, 4.0);  // rad/s a period
-    SpeedTracker tracker(450.0F, kMost);
+    SpeedTracker tracker(450.0F, kEncoder);
     for (int i = 0; i < 50; ++i) tracker.update(reading_of(150.0), kPeriod_s);
     for (double speed = 150.0; speed > 15.0; speed -= slows_by) tracker.update(reading_of(speed), kPeriod_s);
     int ms = 0;
@@ -130,7 +133,7 @@ TEST_CASE("no reading leaves a tracker that the next ones do not lead back", "[C
     // An interval of minutes, as an encoder shows it whose clock jumps, and a speed that no wheel has.
     const double wrong = GENERATE(0.0, 1.0, 1e6);
     const float interval_s = GENERATE(1e-6F, 20.0F, 429.0F);
-    SpeedTracker tracker(450.0F, kMost);
+    SpeedTracker tracker(450.0F, kEncoder);
     for (int i = 0; i < 50; ++i) tracker.update(reading_of(33.0), kPeriod_s);
     tracker.update(reading_of(wrong, interval_s), kPeriod_s);
     for (int ms = 0; ms < 300; ++ms) {
@@ -143,7 +146,7 @@ TEST_CASE("no reading leaves a tracker that the next ones do not lead back", "[C
 }
 
 TEST_CASE("what is not known is zero, before the first reading and after the last", "[CTL-018]") {
-    SpeedTracker tracker(450.0F, kMost);
+    SpeedTracker tracker(450.0F, kEncoder);
     CHECK(tracker.speed() == 0.0F);
     CHECK(tracker.acceleration() == 0.0F);
     for (int i = 0; i < 20; ++i) tracker.update(reading_of(100.0 + i), kPeriod_s);
@@ -154,7 +157,7 @@ TEST_CASE("what is not known is zero, before the first reading and after the las
 }
 
 TEST_CASE("an upper bound that is just met says nothing", "[CTL-018]") {
-    SpeedTracker tracker(450.0F, kMost);
+    SpeedTracker tracker(450.0F, kEncoder);
     for (int i = 0; i < 20; ++i) tracker.update(reading_of(100.0 - 0.5 * i), kPeriod_s);
     REQUIRE(tracker.acceleration() < -100.0F);
     SpeedTracker unheard = tracker;
@@ -175,7 +178,7 @@ TEST_CASE("an upper bound that is just met says nothing", "[CTL-018]") {
 TEST_CASE("a prediction that ends at zero is not looked back along", "[CTL-018]") {
     // With half of its memory lost in a period every number is exact: 22.5 rad/s, and as much less in a period.
     constexpr float kExact_s = 1.0F / 1024.0F;
-    SpeedTracker tracker(1024.0F, kMost);
+    SpeedTracker tracker(1024.0F, kEncoder);
     for (const double radps : {100.0, 60.0, 20.0}) tracker.update(reading_of(radps, kExact_s), kExact_s);
     REQUIRE(tracker.speed() == 22.5F);
     REQUIRE(tracker.acceleration() == -22.5F * 1024.0F);
@@ -184,7 +187,7 @@ TEST_CASE("a prediction that ends at zero is not looked back along", "[CTL-018]"
 }
 
 TEST_CASE("a reading that no wheel can have got to is not believed for 10 ms", "[CTL-270]") {
-    SpeedTracker tracker(450.0F, kMost);
+    SpeedTracker tracker(450.0F, kEncoder);
     for (int i = 0; i < 50; ++i) tracker.update(reading_of(33.0), kPeriod_s);
     const auto most = 0.99 * static_cast<double>(kMost * kPeriod_s);
     SECTION("wild ones leave nothing behind") {
@@ -208,8 +211,19 @@ TEST_CASE("a reading that no wheel can have got to is not believed for 10 ms", "
 
 TEST_CASE("a reading exactly at the limit is believed", "[CTL-270]") {
     constexpr float kExact_s = 1.0F / 1024.0F;
-    SpeedTracker tracker(450.0F, 16.0F);
+    SpeedTracker tracker(450.0F, {.max_speed_radps = 400.0F, .max_acceleration_radps2 = 16.0F});
     tracker.update(reading_of(32.0, kExact_s), kExact_s);
     tracker.update(reading_of(32.0 + 2.0 * 16.0 / 1024.0, kExact_s), kExact_s);
     CHECK(tracker.speed() > 32.0F);
+}
+
+TEST_CASE("a reading that cannot be does not reach the tracker", "[CTL-019]") {
+    SpeedTracker tracker(450.0F, {.max_speed_radps = 400.0F, .max_acceleration_radps2 = 1e9F});
+    tracker.update({.speed_radps = 100.0F, .interval_s = 1e-3F, .fresh = true, .valid = true}, 1e-3F);
+    for (const float radps : {-1.0F, 401.0F, std::numeric_limits<float>::quiet_NaN()}) {
+        for (int i = 0; i < 30; ++i)
+            tracker.update({.speed_radps = radps, .interval_s = 1e-3F, .fresh = true, .valid = true}, 1e-3F);
+        CHECK(tracker.speed() == 100.0F);
+        CHECK(tracker.acceleration() == 0.0F);
+    }
 }

@@ -37,7 +37,7 @@ struct Watch {
         return silent_step();
     }
     control::FaultSet silent_step() {
-        estimator.update(sensors, current_mA);
+        estimator.update(sensors, control::valve_pressure_Pa(config.valve, current_mA));
         return monitor.check(sensors, estimator, before, now);
     }
 
