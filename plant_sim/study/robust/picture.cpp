@@ -62,29 +62,31 @@ void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector
     }
     std::string script = kStyle;
     for (std::size_t n = 0; n < summaries.size(); ++n) script += data(worst_first(rows, summaries[n]), n);
-    fmt::format_to(
-        std::back_inserter(script), "set yrange [{:.1f}:{:.1f}]\nset multiplot layout {},{} title {}\n",
-        std::floor(least * 10.0) / 10.0, std::ceil(most * 10.0) / 10.0, lines, columns,
-        study::gnuplot_quoted(fmt::format(
-            "J_{{/Symbol m}} of every stop, worst first: {} draws of each family, seed {}, slip reference {}",
-            plan.draws, plan.seed, plan.basis.uncertainty.slip_reference)));
+    fmt::format_to(std::back_inserter(script),
+                   "set yrange [{:.1f}:{:.1f}]\nset multiplot layout {},{} title {}\n",
+                   std::floor(least * 10.0) / 10.0, std::ceil(most * 10.0) / 10.0, lines, columns,
+                   study::gnuplot_quoted(
+                       fmt::format("J_{{/Symbol m}} of every stop, worst first: seed {}, slip reference {}",
+                                   plan.seed, plan.basis.uncertainty.slip_reference)));
     for (std::size_t panel = 0; panel < panels; ++panel) {
         std::string plots;
         for (std::size_t n = 0; n < summaries.size(); ++n) {
             const Summary& s = summaries[n];
             if (s.family != plan.families[panel]) continue;
-            const int style = plan.laws[s.law] == antiskid::control::Law::wheel_slip ? 1 : 2;
+            const int style = plan.laws[s.law].law == antiskid::control::Law::wheel_slip ? 1 : 2;
             fmt::format_to(std::back_inserter(plots), "{}$all{} with lines ls {} title '{}, mean {:.3f}'",
-                           plots.empty() ? "plot " : ", ", n, style, plan.law_names[s.law], s.mean_j_mu);
+                           plots.empty() ? "plot " : ", ", n, style, plan.laws[s.law].name, s.mean_j_mu);
             if (s.tripped > 0)
                 fmt::format_to(std::back_inserter(plots),
                                ", $safe{} with points ls {} pt 2 ps 1.1 title '{} ended safe'", n, style,
                                s.tripped);
         }
-        fmt::format_to(std::back_inserter(script),
-                       "set title '{{/:Bold {}}}' offset 0,-0.7\nset ylabel '{}'\nset xlabel '{}'\n{}\n",
-                       name(plan.families[panel]), panel % columns == 0 ? "J_{/Symbol m}" : "",
-                       panel + columns >= panels ? "share of the stops (%)" : "", plots);
+        fmt::format_to(
+            std::back_inserter(script),
+            "set title '{{/:Bold {}}}, {} stops' offset 0,-0.7\nset ylabel '{}'\nset xlabel '{}'\n{}\n",
+            name(plan.families[panel]), plan.draws_of(plan.families[panel]),
+            panel % columns == 0 ? "J_{/Symbol m}" : "",
+            panel + columns >= panels ? "share of the stops (%)" : "", plots);
     }
     study::run_gnuplot(png, columns == 1 ? kWidth * 3 / 4 : kWidth, kTitle + kPanel * static_cast<int>(lines),
                        script + "unset multiplot\n");
