@@ -16,6 +16,9 @@ constexpr const char* kStyle = R"(set grid lt 1 lc rgb '#e4e4e4'
 set border lc rgb '#555555'
 set style line 1 lc rgb '#1f4e79' lw 2
 set style line 2 lc rgb '#c55a11' lw 2
+set style line 3 lc rgb '#538135' lw 2
+set style line 4 lc rgb '#7f6000' lw 2
+set style line 5 lc rgb '#7030a0' lw 2
 set key bottom right Left reverse samplen 2 spacing 1.1 font ',10'
 set lmargin 8
 set rmargin 2
@@ -23,6 +26,13 @@ set tmargin 2.6
 set bmargin 3.3
 set xrange [0:100]
 )";
+
+/// An underscore would begin a subscript.
+std::string escaped(std::string_view name) {
+    std::string text;
+    for (const char c : name) text += c == '_' ? std::string("\\_") : std::string(1, c);
+    return text;
+}
 
 std::vector<Row> worst_first(const std::vector<Row>& rows, const Summary& s) {
     std::vector<Row> own;
@@ -73,8 +83,9 @@ void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector
         for (std::size_t n = 0; n < summaries.size(); ++n) {
             const Summary& s = summaries[n];
             if (s.family != plan.families[panel]) continue;
-            const int style = plan.laws[s.law].law == antiskid::control::Law::wheel_slip ? 1 : 2;
-            fmt::format_to(std::back_inserter(plots), "{}$all{} with lines ls {} title '{}, mean {:.3f}'",
+            const std::size_t style = s.law % 5 + 1;
+            fmt::format_to(std::back_inserter(plots),
+                           "{}$all{} with lines ls {} title '{}, mean {:.3f}' noenhanced",
                            plots.empty() ? "plot " : ", ", n, style, plan.laws[s.law].name, s.mean_j_mu);
             if (s.tripped > 0)
                 fmt::format_to(std::back_inserter(plots),
@@ -84,7 +95,7 @@ void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector
         fmt::format_to(
             std::back_inserter(script),
             "set title '{{/:Bold {}}}, {} stops' offset 0,-0.7\nset ylabel '{}'\nset xlabel '{}'\n{}\n",
-            name(plan.families[panel]), plan.draws_of(plan.families[panel]),
+            escaped(name(plan.families[panel])), plan.draws_of(plan.families[panel]),
             panel % columns == 0 ? "J_{/Symbol m}" : "",
             panel + columns >= panels ? "share of the stops (%)" : "", plots);
     }
