@@ -40,14 +40,14 @@ struct RobustCommand {
         }
         const std::vector<robust::Summary> summaries = robust::summarise(plan, rows);
         settings::write_file(out / "stops.csv", robust::to_csv(plan, rows));
-        settings::write_file(out / "results.json", robust::to_json(plan, summaries));
+        settings::write_file(out / "results.json", robust::to_json(plan, rows, summaries));
         if (pictures) robust::draw_j_mu(plan, rows, summaries, out / "robust.png");
         fmt::print("{}seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
-                   robust::to_table(plan, summaries), plan.seed, plan.config_hash, ANTISKID_VERSION,
+                   robust::to_table(plan, rows, summaries), plan.seed, plan.config_hash, ANTISKID_VERSION,
                    out.string(), pictures ? " robust.png" : "");
         bool sound = true;
         for (const robust::Summary& s : summaries)
-            sound = sound && (plan.laws[s.law] != antiskid::control::Law::wheel_slip || s.tripped == 0);
+            sound = sound && (plan.laws[s.law].law != antiskid::control::Law::wheel_slip || s.tripped == 0);
         return sound ? 0 : 1;
     }
 };
@@ -59,14 +59,18 @@ LabVerb robust_verb(CLI::App& lab) {
     CLI::App* verb = lab.add_subcommand(
         "robust",
         "Stops on plants and runways drawn from config/uncertainty.toml, every law on the same draws.");
-    verb->add_option("--families", command->options.families, "which ranges are drawn from")
+    verb->add_option("--families", command->options.families,
+                     "which ranges are drawn from; changes and brake_on, grids of stops: see below")
         ->delimiter(',')
         ->capture_default_str();
-    verb->add_option("--laws", command->options.laws, "slip, peak_slip, threshold, pressure_bias")
+    verb->add_option(
+            "--laws", command->options.laws,
+            "slip, peak_slip, threshold, pressure_bias; told_peak: the slip law told the peak of the "
+            "surface under the wheel, with whose distances the others' are compared")
         ->delimiter(',')
         ->capture_default_str();
     verb->add_option("--draws", command->options.draws,
-                     "of each family; a multiple of 14 has all landings equally often")
+                     "of each family that is drawn; a multiple of 14 has all landings equally often")
         ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}))
         ->capture_default_str();
     verb->add_option("--seed", command->options.seed, "of the draws: 1 to tune with, others to report")
@@ -87,6 +91,9 @@ LabVerb robust_verb(CLI::App& lab) {
         "  rig-lab robust\n"
         "  rig-lab robust --families ring,relaxation --draws 168 --seed 2\n"
         "  mpirun -n 4 rig-lab robust        the same bytes\n"
+        "  rig-lab robust --families patches --laws told_peak,peak_slip,slip --draws 1000 --seed 4\n"
+        "  rig-lab robust --families changes --laws slip,peak_slip   friction after a change of surface\n"
+        "  rig-lab robust --families brake_on --laws slip,peak_slip  brake-on from 12 to 61 m/s\n"
         "Exit status: 0 no stop under the slip law ended safe; 1 some did; 2 mistake on the command line or "
         "in a file; 130 "
         "stopped by Ctrl-C.");

@@ -29,11 +29,12 @@ void add_drawn(margins::TrialStops& trial, const ScenarioOptions& options, const
     drawn.config = options.config;
     drawn.controller = options.controller;
     drawn.seed = law.drawn_seed;
+    drawn.laws = {"slip"};
     const robust::Plan plan = robust::load_plan(drawn);
     for (const auto& [family, least_j_mu] : law.least_drawn_j_mu) {
         for (std::size_t n = 0; n < law.draws; ++n)
             trial.stops.push_back({trial.groups.size(), robust::draw(plan.basis, family, plan.seed, n).rig,
-                                   robust::session(plan, antiskid::control::Law::wheel_slip, n)});
+                                   robust::session(plan, plan.laws.front(), n)});
         trial.groups.emplace_back(robust::name(family));
         trial.least_j_mu.push_back(least_j_mu);
     }

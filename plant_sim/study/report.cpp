@@ -50,6 +50,7 @@ std::string to_json(const StopReport& r) {
         {"mean_friction", f.mean_friction},
         {"mean_torque_Nm", f.mean_torque_Nm},
         {"mean_load_N", f.mean_load_N},
+        {"valve_travel_mAps", or_null(f.valve_travel_mAps)},
         {"faults", names(r.faults)},
         {"frames_sent", r.frames_sent},
         {"frames_received", r.frames_received},
@@ -87,6 +88,9 @@ std::string to_table(const StopReport& r) {
         f.tracked_share ? fmt::format("{:.1f}", *f.tracked_share * 100.0) : "not measured",
         f.tracked_share ? "% (from 0.5 s down to 20 m/s)" : "(from 0.5 s down to 20 m/s)");
     row("mean brake friction, eq. (7)", fmt::format("{:.4f}", f.mean_friction), "");
+    row("valve travel above drop-out",
+        f.valve_travel_mAps ? fmt::format("{:.0f}", *f.valve_travel_mAps) : "not measured",
+        f.valve_travel_mAps ? "mA/s" : "");
     row("frames sent / received / lost",
         fmt::format("{} / {} / {}", r.frames_sent, r.frames_received, r.frames_lost), "");
     row("periods missed by the rig", fmt::format("{}", r.overruns), "");

@@ -36,6 +36,10 @@ void RigSession::sense() {
     sample_.flywheel = plc::speed_sample(rig_.flywheel_encoder(), now);
     sample_.pressure_Pa = static_cast<float>(rig_.measured_pressure_Pa());
     sample_.maneuver = pilot_.command();
+    if (!options_.slip_reference) return;
+    const double asked = options_.slip_reference(rig_);
+    meter_.ask(asked);
+    sample_.maneuver.slip_reference = static_cast<float>(asked);
 }
 
 antiskid::can::LoadCellSample RigSession::load_cells() const {
@@ -46,6 +50,7 @@ antiskid::can::LoadCellSample RigSession::load_cells() const {
 }
 
 void RigSession::advance(double current_mA, antiskid::control::State controller) {
+    meter_.command(current_mA);
     for (int i = 0; i < plant_steps_; ++i) {
         rig_.advance_current(current_mA);
         if (!measure()) break;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "firmware/can/rig_sample.hpp"
 #include "plant_sim/model/rig.hpp"
@@ -17,6 +18,8 @@ namespace study {
 
 struct SessionOptions {
     ManeuverPlan plan;
+    /// Slip reference that the pilot gives at each period, from the rig as it is then; empty: that of `plan` all along.
+    std::function<double(const plant::Rig&)> slip_reference{};
     double period_s = 1e-3;     ///< control period, a whole multiple of 1 ms
     double drop_out_mps = 5.0;  ///< end of eq. (16)
     double longest_s = 600.0;   ///< a run that does not come to rest ends here

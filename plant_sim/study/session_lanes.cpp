@@ -13,6 +13,7 @@ void SessionLanes::advance(const std::array<Period, kLanes>& periods) {
     rigs_.advance_current(current_mA);
     for (std::size_t i = 0; i < kLanes; ++i) {
         if (sessions_[i] == nullptr) continue;
+        sessions_[i]->meter_.command(periods[i].current_mA);
         sessions_[i]->measure();
         sessions_[i]->close_period(periods[i].controller);
     }

@@ -8,10 +8,15 @@ namespace study {
 StopMeter::StopMeter(double slip_reference, double drop_out_mps)
     : slip_reference_(slip_reference), drop_out_mps_(drop_out_mps) {}
 
+void StopMeter::command(double current_mA) {
+    if (started_ && !dropped_out_ && current_mA_) travel_mA_ += std::abs(current_mA - *current_mA_);
+    current_mA_ = current_mA;
+}
+
 void StopMeter::start(const plant::Rig& rig) {
     started_ = true;
     start_ = last_ = drop_out_ = rig.wheel();
-    start_s_ = rig.time_s();
+    start_s_ = drop_out_s_ = rig.time_s();
     start_energy_J_ = rig.kinetic_energy_J();
     start_leg_J_ = rig.energy_leg_J();
     look_at(rig.surface());
@@ -35,6 +40,7 @@ void StopMeter::update(const plant::Rig& rig, double step_s) {
         sliding_torque_Nms_ += forces.brake_torque_Nm * step_s;
         pressure_Pas_ += rig.pressure_Pa() * step_s;
         drop_out_ = now;
+        drop_out_s_ = rig.time_s();
         dropped_out_ = now.v_mps <= drop_out_mps_;
         peak_slip_ = std::max(peak_slip_, forces.slip);
         efficiency_m_ += slip_efficiency(forces.slip, optimum_.slip) * metres;
@@ -77,6 +83,7 @@ StopFigures StopMeter::figures(const plant::Rig& rig) const {
         f.mean_torque_Nm = torque_Nms_ / f.duration_s;
         f.mean_load_N = load_Ns_ / f.duration_s;
     }
+    if (current_mA_ && drop_out_s_ > start_s_) f.valve_travel_mAps = travel_mA_ / (drop_out_s_ - start_s_);
     f.standstill = rig.standstill();
     return f;
 }

@@ -28,6 +28,8 @@ struct StopFigures {
     double mean_friction = 0.0;  ///< eq. (7) down to drop-out: mean torque over mean pressure and geometry
     double mean_torque_Nm = 0.0;
     double mean_load_N = 0.0;
+    /// Travel of the valve current over the time down to drop-out; none where no current was commanded.
+    std::optional<double> valve_travel_mAps;
     bool standstill = false;
     bool operator==(const StopFigures&) const = default;
 };
@@ -49,6 +51,11 @@ class StopMeter {
     static constexpr double kLockSlip = 0.95;
 
     StopMeter(double slip_reference, double drop_out_mps);
+
+    /// What is asked for from now on, instead of the reference given at construction.
+    void ask(double slip_reference) { slip_reference_ = slip_reference; }
+    /// The current that the valve gets from now on: every control period, before brake-on too.
+    void command(double current_mA);
 
     /// Brake-on: everything counts from here.
     void start(const plant::Rig& rig);
@@ -72,6 +79,9 @@ class StopMeter {
     plant::WheelState drop_out_;
     plant::WheelState last_;
     double start_s_ = 0.0;
+    double drop_out_s_ = 0.0;
+    std::optional<double> current_mA_;
+    double travel_mA_ = 0.0;  // down to drop-out
     double start_energy_J_ = 0.0;
     double start_leg_J_ = 0.0;
     double peak_slip_ = 0.0;

@@ -15,8 +15,9 @@ TEST_CASE("on tyres, legs and speeds it was not made from the slip law keeps the
     options.draws = 14;
     options.seed = 20261123;
     const Plan plan = load_plan(options);
-    const std::vector<Summary> all = summarise(plan, run(plan, {.threads = 2}));
-    INFO(to_table(plan, all));
+    const std::vector<Row> rows = run(plan, {.threads = 2});
+    const std::vector<Summary> all = summarise(plan, rows);
+    INFO(to_table(plan, rows, all));
     REQUIRE(all.size() == 8);
     for (std::size_t family = 0; family < 4; ++family) {
         const Summary& slip = all[2 * family];

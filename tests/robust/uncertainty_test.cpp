@@ -30,7 +30,7 @@ TEST_CASE("a draw takes what its family says, within the ranges, and leaves the 
     const Uncertainty& u = plan.basis.uncertainty;
     REQUIRE(plan.basis.landings.size() == 14);
     REQUIRE(plan.basis.surfaces.size() == 8);
-    for (std::size_t f = 0; f < kFamilyNames.size(); ++f) {
+    for (std::size_t f = 0; f < kDrawnFamilies; ++f) {
         const auto family = static_cast<Family>(f);
         int rings = 0;
         std::set<std::size_t> landings;
@@ -121,5 +121,7 @@ TEST_CASE("ranges that cannot be are refused with file, line and key", "[STUDY-6
     refused("delay_ms = [4.0, 10.0]", "delay_ms = [4.0]", "delay_ms");
     refused("belt_share = [0.25, 0.45]", "belt_share = [0.25, 1.45]", "belt_share");
     refused("[leg]", "[legs]", "leg");
+    refused("[25.0, 40.0, 55.0]", "[25.0, 90.0]", "speed_mps");
+    refused("[12.0, 16.667,", "[16.667, 12.0,", "speed_mps");
     refused("[patches]", "[patches]\nwidth_m = 3.0", "width_m");
 }

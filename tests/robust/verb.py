@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""rig-lab robust: its files, its exit status, and what bad input gets. [STUDY-604] [STUDY-615] [STUDY-616]
+"""rig-lab robust: its files, its exit status, its grids, and what bad input gets. [STUDY-604] [STUDY-606] [STUDY-607] [STUDY-608] [STUDY-615]
+[STUDY-616]
 
 usage: verb.py RIG_LAB
 """
@@ -44,6 +45,28 @@ with tempfile.TemporaryDirectory() as scratch:
     for file in ("stops.csv", "results.json"):
         assert (again / file).read_bytes() == (out / file).read_bytes(), "threads change the bytes of " + file
     assert sorted(p.name for p in again.iterdir()) == ["results.json", "stops.csv"] and "robust.png" not in text, text
+
+    grids = pathlib.Path(scratch, "grids")
+    status, text, err = run("--families", "changes,brake_on", "--laws", "slip,told_peak", "--draws", 1, "--no-pictures", "--out", grids)
+    results = json.loads((grids / "results.json").read_text())
+    rows = list(csv.DictReader((grids / "stops.csv").open()))
+    changes, brake_on = results["changes"], results["brake_on"]
+    assert len(rows) == 2 * (252 + 98) == len(changes["changes"]) + len(brake_on["stops"]), (len(rows), err)
+    assert [(s["law"], s["speed_mps"]) for s in brake_on["summaries"]] == [
+        (law, v) for law in ("slip", "told_peak") for v in (12.0, 16.667, 20.0, 25.0, 30.0, 40.0, 61.0)], brake_on["summaries"]
+    for row, stop in zip([r for r in rows if r["family"] == "brake_on"], brake_on["stops"]):
+        assert abs(float(row["j_mu"]) - stop["j_mu"]) < 1e-6 and abs(float(row["valve_travel_mAps"]) - stop["valve_travel_mAps"]) < 0.06
+        assert 0.5 < stop["held_j_mu"] <= 1.0 and stop["travel_ratio"] > 0.0, stop
+    for law in ("slip", "told_peak"):
+        whole = next(s for s in changes["summaries"] if (s["law"], s["of"]) == (law, "all"))
+        own = [c for c in changes["changes"] if c["law"] == law]
+        assert whole["changes"] == 252 and whole["measured"] == sum(c["measured"] for c in own), whole
+        in_time = sum(c["measured"] and c["regained_s"] is not None and c["regained_s"] <= 0.4 for c in own)
+        assert whole["within_0.4_s"] == in_time, whole
+        assert f"| {law} | all | {whole['measured']} of 252 |" in text and f"| {law} | 61.0 | " in text, text
+    for summary in results["families"]:
+        told = summary["distance_over_told_peak"]
+        assert told["mean"] == 1.0 if summary["law"] == "told_peak" else told["mean"] > 0.9, summary
 
     nowhere = pathlib.Path(scratch, "nowhere")
     for arguments, says in ((("--families", "rings"), "rings"), (("--laws", "bang"), "bang"), (("--draws", 0), "--draws"),

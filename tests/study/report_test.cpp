@@ -8,16 +8,18 @@
 TEST_CASE("result.json has the keys that users read, and the faults by name", "[STUDY-040]") {
     study::StopReport report;
     report.figures.stop_distance_m = 197.4;
+    report.figures.valve_travel_mAps = 41.2;
     report.faults.insert(antiskid::control::Fault::wheel_lost);
     report.seed = 7;
     const auto json = nlohmann::json::parse(study::to_json(report));
-    for (const char* key :
-         {"stop_distance_m", "duration_s", "j_mu", "energy_brake_J", "energy_tyre_J", "energy_residual",
-          "peak_slip", "frames_sent", "frames_lost", "overruns", "seed", "version", "config_hash"}) {
+    for (const char* key : {"stop_distance_m", "duration_s", "j_mu", "energy_brake_J", "energy_tyre_J",
+                            "energy_residual", "peak_slip", "valve_travel_mAps", "frames_sent", "frames_lost",
+                            "overruns", "seed", "version", "config_hash"}) {
         INFO(key);
         CHECK(json.contains(key));
     }
     CHECK(json["stop_distance_m"] == 197.4);
+    CHECK(json["valve_travel_mAps"] == 41.2);
     CHECK(json["seed"] == 7);
     CHECK(json["faults"] == nlohmann::json::array({"wheel_lost"}));
     CHECK(study::to_table(report).find("wheel_lost") != std::string::npos);

@@ -79,6 +79,63 @@ TEST_CASE("eq. (7) gives back the friction that the brake had", "[STUDY-031]") {
     CHECK(meter.figures(rig).mean_friction == Approx(0.27).epsilon(1e-6));
 }
 
+TEST_CASE("the valve's travel counts from brake-on to drop-out, against the time between", "[STUDY-035]") {
+    plant::RigParameters p = heavy();
+    plant::Rig rig(p, 1e-3, 1);
+    rig.start_rolling();
+    study::StopMeter meter(0.24, 5.0);
+    for (int i = 0; i < 100; ++i) meter.command(i % 2 == 0 ? 0.0 : 40.0);  // before brake-on
+    meter.command(10.0);
+    meter.start(rig);
+    double drop_out_s = 0.0, travel_mA = 0.0;
+    for (int i = 0; !rig.standstill(); ++i) {
+        // 0.25 mA up in each of four periods, 1 mA down in the fifth: 2 mA in 5 ms. A swing from limit to limit below drop-out.
+        const double current_mA = drop_out_s > 0.0 ? (i % 2 == 0 ? 0.0 : 40.0) : 10.0 + 0.25 * (i % 5);
+        meter.command(current_mA);
+        rig.advance_pressure(6e6, 6e6);
+        meter.update(rig, 1e-3);
+        if (drop_out_s > 0.0) continue;
+        if (i > 0) travel_mA += i % 5 == 0 ? 1.0 : 0.25;
+        if (rig.wheel().v_mps <= 5.0) drop_out_s = rig.time_s();
+    }
+    const study::StopFigures f = meter.figures(rig);
+    REQUIRE(f.valve_travel_mAps);
+    CHECK(*f.valve_travel_mAps == Approx(travel_mA / drop_out_s).epsilon(1e-9));
+    CHECK(*f.valve_travel_mAps == Approx(400.0).epsilon(1e-3));
+}
+
+TEST_CASE("a stop without a valve current has no travel; every landing under a controller has",
+          "[STUDY-035]") {
+    plant::Rig rig(heavy(), 1e-3, 1);
+    rig.start_rolling();
+    study::StopMeter meter(0.24, 5.0);
+    meter.start(rig);
+    while (!rig.standstill()) {
+        rig.advance_pressure(6e6, 6e6);
+        meter.update(rig, 1e-3);
+    }
+    study::StopReport report;
+    report.figures = meter.figures(rig);
+    CHECK_FALSE(report.figures.valve_travel_mAps);
+    CHECK_THAT(study::to_table(report), ContainsSubstring("valve travel above drop-out        not measured"));
+    CHECK(nlohmann::json::parse(study::to_json(report)).at("valve_travel_mAps").is_null());
+
+    // As the observer of a run sees the currents, whatever carries them.
+    for (const auto link : {study::Link::rounded, study::Link::frames}) {
+        double last_mA = 0.0, travel_mA = 0.0, seconds = 0.0;
+        const auto watch = [&](const study::RigSession& s, const antiskid::can::ControllerView&,
+                               double current_mA) {
+            if (s.pilot().phase() == study::Phase::braking && s.rig().wheel().v_mps > 5.0) {
+                travel_mA += std::abs(current_mA - last_mA);
+                seconds += 1e-3;
+            }
+            last_mA = current_mA;
+        };
+        const auto run = scenarios::run(scenarios::options({"wet_asphalt", "heavy"}), link, watch);
+        CHECK(run.figures.valve_travel_mAps.value() == Approx(travel_mA / seconds).epsilon(2e-3));
+    }
+}
+
 TEST_CASE("wheel-slip efficiency: the printed formula at its corners", "[STUDY-032]") {
     CHECK(study::slip_efficiency(-0.2, 0.16) == 0.0);
     CHECK(study::slip_efficiency(0.0, 0.16) == 0.0);

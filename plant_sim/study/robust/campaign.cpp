@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <chrono>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -15,6 +15,8 @@
 #include "firmware/can/load_layout.hpp"
 #include "firmware/linux/controller_config.hpp"
 #include "plant_sim/model/load_rig.hpp"
+#include "plant_sim/study/robust/grids.hpp"
+#include "plant_sim/study/rounded_loop.hpp"
 #include "plant_sim/study/run_many.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
 #include "plant_sim/study/team/team_alone.hpp"
@@ -25,13 +27,20 @@ namespace {
 
 using antiskid::control::Law;
 
-Law law_of(const std::string& word) {
-    if (word == "slip") return Law::wheel_slip;
-    if (word == "threshold") return Law::threshold;
-    if (word == "pressure_bias") return Law::pressure_bias;
-    if (word == "peak_slip") return Law::peak_slip;
+Peer peer_of(const std::string& word) {
+    if (word == "slip") return {.name = word, .law = Law::wheel_slip};
+    if (word == "peak_slip") return {.name = word, .law = Law::peak_slip, .holds_peak = true};
+    if (word == "threshold") return {.name = word, .law = Law::threshold};
+    if (word == "pressure_bias") return {.name = word, .law = Law::pressure_bias};
+    if (word == kToldPeak) return {.name = word, .law = Law::wheel_slip, .holds_peak = true};
     throw std::invalid_argument("unknown law '" + word +
-                                "'; there are slip, peak_slip, threshold, pressure_bias");
+                                "'; there are slip, peak_slip, threshold, pressure_bias, told_peak");
+}
+
+/// As far as the controller takes a reference.
+double peak_slip(const plant::Surface& surface) {
+    constexpr double kMost = 0.5;
+    return std::min(plant::peak(surface).slip, kMost);
 }
 
 Family family_of(const std::string& word) {
@@ -42,25 +51,24 @@ Family family_of(const std::string& word) {
     throw std::invalid_argument("unknown family '" + word + "'; there are " + known);
 }
 
-/// Travel of the valve current while braking above drop-out.
-struct Travel {
-    double last_mA = 0.0, sum_mA = 0.0, seconds = 0.0;
-};
-
 /// What two processes must have alike to work on one campaign.
 std::string identity_of(const Plan& plan) {
     std::string text = fmt::format("{} {} {} {}", ANTISKID_VERSION, plan.config_hash, plan.seed, plan.draws);
     for (const Family family : plan.families) text.append(" ").append(name(family));
-    for (const std::string& law : plan.law_names) text.append(" ").append(law);
+    for (const Peer& law : plan.laws) text.append(" ").append(law.name);
     return text;
 }
 
 Row row_of(const Plan& plan, std::size_t stop) {
-    return Row{.family = plan.families[stop / (plan.laws.size() * plan.draws)],
-               .law = stop / plan.draws % plan.laws.size(),
-               .number = stop % plan.draws,
+    auto family = plan.families.begin();
+    for (; stop >= plan.draws_of(*family) * plan.laws.size(); ++family)
+        stop -= plan.draws_of(*family) * plan.laws.size();
+    return Row{.family = *family,
+               .law = stop / plan.draws_of(*family),
+               .number = stop % plan.draws_of(*family),
                .figures = {},
-               .faults = {}};
+               .faults = {},
+               .regrip = {}};
 }
 
 /// A stop as processes hand it over: its bytes, since all of them are the same program.
@@ -86,32 +94,28 @@ Finished read(std::string_view text) {
 
 void run_share(const Plan& plan, const std::vector<std::size_t>& stops, const RunOptions& options,
                const study::HandIn& hand_in) {
-    std::vector<std::shared_ptr<Travel>> travels(stops.size());
-    const double period_s = static_cast<double>(plan.controller.period_s);
-    const double ends_mps = plan.drop_out_mps;
+    std::vector<std::shared_ptr<RegripMeter>> meters(stops.size());
     study::run_many(
         plan.layout, stops.size(),
         [&](std::size_t i) {
             const Row row = row_of(plan, stops[i]);
-            const auto travel = travels[i] = std::make_shared<Travel>();
-            return study::Maneuver{
-                plan.controller, draw(plan.basis, row.family, plan.seed, row.number).rig,
-                session(plan, plan.laws[row.law], row.number),
-                [travel, period_s, ends_mps](const study::RigSession& s, const antiskid::can::ControllerView&,
-                                             double current_mA) {
-                    if (s.pilot().phase() == study::Phase::braking && s.rig().wheel().v_mps > ends_mps) {
-                        travel->sum_mA += std::abs(current_mA - travel->last_mA);
-                        travel->seconds += period_s;
-                    }
-                    travel->last_mA = current_mA;
-                }};
+            study::Maneuver maneuver{plan.controller, draw(plan.basis, row.family, plan.seed, row.number).rig,
+                                     session(plan, plan.laws[row.law], row.number)};
+            if (row.family != Family::changes) return maneuver;
+            const auto meter = meters[i] = std::make_shared<RegripMeter>(
+                std::chrono::duration<double>(study::period_of(plan.controller)).count());
+            maneuver.on_step = [meter](const study::RigSession& s, const antiskid::can::ControllerView&,
+                                       double) {
+                if (s.pilot().phase() == study::Phase::braking)
+                    meter->update(s.rig().surface(), s.rig().wheel().v_mps, s.rig().forces().mu);
+            };
+            return maneuver;
         },
         [&](std::size_t i, const study::RunResult& result) {
             Finished finished{.stop = stops[i], .row = row_of(plan, stops[i])};
             finished.row.figures = result.figures;
             finished.row.faults = result.faults;
-            if (travels[i]->seconds > 0.0)
-                finished.row.travel_mAps = travels[i]->sum_mA / travels[i]->seconds;
+            if (meters[i]) finished.row.regrip = meters[i]->regrip();
             hand_in(bytes_of(finished));
         },
         {.threads = options.threads, .stop = options.stop});
@@ -131,12 +135,11 @@ Plan load_plan(const PlanOptions& o) {
         .layout = antiskid::can::load_layout(o.config / "antiskid.dbc", o.config / "antiskid_binding.toml"),
         .families = {},
         .laws = {},
-        .law_names = o.laws,
         .draws = o.draws,
         .seed = o.seed,
         .config_hash = {}};
     for (const std::string& word : o.families) plan.families.push_back(family_of(word));
-    for (const std::string& word : o.laws) plan.laws.push_back(law_of(word));
+    for (const std::string& word : o.laws) plan.laws.push_back(peer_of(word));
     std::vector<std::filesystem::path> files{ranges, controller};
     for (const std::string& surface : plant::surface_names(o.config)) {
         for (const char* maneuver : {"light", "heavy"}) {
@@ -156,9 +159,27 @@ Plan load_plan(const PlanOptions& o) {
     return plan;
 }
 
-study::SessionOptions session(const Plan& plan, Law law, std::size_t number) {
+std::size_t Plan::draws_of(Family family) const {
+    const std::size_t grid = grid_size(basis, family);
+    return grid > 0 ? grid : draws;
+}
+
+std::size_t Plan::stops() const {
+    std::size_t all = 0;
+    for (const Family family : families) all += laws.size() * draws_of(family);
+    return all;
+}
+
+std::optional<double> held_slip(const Plan& plan, const Peer& law, const plant::Surface& surface) {
+    if (!antiskid::control::holds_slip(law.law)) return std::nullopt;
+    return law.holds_peak ? peak_slip(surface) : plan.basis.uncertainty.slip_reference;
+}
+
+study::SessionOptions session(const Plan& plan, const Peer& law, std::size_t number) {
     study::SessionOptions s;
-    s.plan.law = law;
+    s.plan.law = law.law;
+    if (law.law == Law::wheel_slip && law.holds_peak)
+        s.slip_reference = [](const plant::Rig& rig) { return peak_slip(rig.surface()); };
     s.plan.slip_reference = plan.basis.uncertainty.slip_reference;
     s.plan.demand_Pa = plan.demand_Pa;
     s.period_s = static_cast<double>(plan.controller.period_s);

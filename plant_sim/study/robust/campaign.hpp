@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "config/reader/config_directory.hpp"
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"
+#include "plant_sim/study/robust/regrip.hpp"
 #include "plant_sim/study/robust/uncertainty.hpp"
 #include "plant_sim/study/stop_meter.hpp"
 #include "plant_sim/study/team/team.hpp"
@@ -21,26 +23,37 @@ struct PlanOptions {
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path controller;  ///< empty: controller.toml of `config`
     std::filesystem::path ranges;      ///< empty: uncertainty.toml of `config`
-    std::vector<std::string> families{kFamilyNames.begin(), kFamilyNames.end()};
+    std::vector<std::string> families{kFamilyNames.begin(), kFamilyNames.begin() + kDrawnFamilies};
     std::vector<std::string> laws{"slip", "threshold"};
-    std::size_t draws = 140;  ///< of each family
+    std::size_t draws = 140;  ///< of each family that is drawn
     std::uint64_t seed = 1;
 };
+
+/// A law as a campaign compares it.
+struct Peer {
+    std::string name;
+    antiskid::control::Law law{};
+    bool holds_peak =
+        false;  ///< of the surface under the wheel: told it, or found; otherwise Uncertainty::slip_reference
+};
+/// The slip law, told at each period where the peak of the surface under the wheel is: what a law that must find it is measured against.
+inline constexpr std::string_view kToldPeak = "told_peak";
 
 struct Plan {
     Basis basis;
     antiskid::control::Config controller;
     antiskid::can::Layout layout;
     std::vector<Family> families;
-    std::vector<antiskid::control::Law> laws;
-    std::vector<std::string> law_names;
+    std::vector<Peer> laws;
     std::size_t draws = 0;
     std::uint64_t seed = 0;
     double drop_out_mps = 0.0;
     double demand_Pa = 0.0;
     std::string config_hash;
 
-    [[nodiscard]] std::size_t stops() const { return families.size() * laws.size() * draws; }
+    /// Of a grid, all its stops.
+    [[nodiscard]] std::size_t draws_of(Family family) const;
+    [[nodiscard]] std::size_t stops() const;
 };
 
 /// Landings: light and heavy on every surface but ice, whose stops are minutes long. Throws settings::Error or std::invalid_argument.
@@ -52,7 +65,7 @@ struct Row {
     std::size_t number = 0;  ///< of the draw
     study::StopFigures figures;
     antiskid::control::FaultSet faults;
-    double travel_mAps = 0.0;  ///< of the valve current, from brake-on to drop-out
+    std::optional<Regrip> regrip;  ///< of the family `changes`
     [[nodiscard]] bool tripped() const { return !faults.empty(); }
 };
 
@@ -63,7 +76,10 @@ struct RunOptions {
 };
 
 /// How draw `number` is braked with a law of the plan.
-[[nodiscard]] study::SessionOptions session(const Plan& plan, antiskid::control::Law law, std::size_t number);
+[[nodiscard]] study::SessionOptions session(const Plan& plan, const Peer& law, std::size_t number);
+/// The slip that a law of the plan holds on a surface, if it holds one.
+[[nodiscard]] std::optional<double> held_slip(const Plan& plan, const Peer& law,
+                                              const plant::Surface& surface);
 
 /// By this process alone: in the order of families, laws and numbers, whatever the threads. Less than all of them where it was stopped.
 [[nodiscard]] std::vector<Row> run(const Plan& plan, const RunOptions& options);

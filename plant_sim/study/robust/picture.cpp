@@ -16,6 +16,9 @@ constexpr const char* kStyle = R"(set grid lt 1 lc rgb '#e4e4e4'
 set border lc rgb '#555555'
 set style line 1 lc rgb '#1f4e79' lw 2
 set style line 2 lc rgb '#c55a11' lw 2
+set style line 3 lc rgb '#538135' lw 2
+set style line 4 lc rgb '#7f6000' lw 2
+set style line 5 lc rgb '#7030a0' lw 2
 set key bottom right Left reverse samplen 2 spacing 1.1 font ',10'
 set lmargin 8
 set rmargin 2
@@ -23,6 +26,13 @@ set tmargin 2.6
 set bmargin 3.3
 set xrange [0:100]
 )";
+
+/// An underscore would begin a subscript.
+std::string escaped(std::string_view name) {
+    std::string text;
+    for (const char c : name) text += c == '_' ? std::string("\\_") : std::string(1, c);
+    return text;
+}
 
 std::vector<Row> worst_first(const std::vector<Row>& rows, const Summary& s) {
     std::vector<Row> own;
@@ -62,29 +72,32 @@ void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector
     }
     std::string script = kStyle;
     for (std::size_t n = 0; n < summaries.size(); ++n) script += data(worst_first(rows, summaries[n]), n);
-    fmt::format_to(
-        std::back_inserter(script), "set yrange [{:.1f}:{:.1f}]\nset multiplot layout {},{} title {}\n",
-        std::floor(least * 10.0) / 10.0, std::ceil(most * 10.0) / 10.0, lines, columns,
-        study::gnuplot_quoted(fmt::format(
-            "J_{{/Symbol m}} of every stop, worst first: {} draws of each family, seed {}, slip reference {}",
-            plan.draws, plan.seed, plan.basis.uncertainty.slip_reference)));
+    fmt::format_to(std::back_inserter(script),
+                   "set yrange [{:.1f}:{:.1f}]\nset multiplot layout {},{} title {}\n",
+                   std::floor(least * 10.0) / 10.0, std::ceil(most * 10.0) / 10.0, lines, columns,
+                   study::gnuplot_quoted(
+                       fmt::format("J_{{/Symbol m}} of every stop, worst first: seed {}, slip reference {}",
+                                   plan.seed, plan.basis.uncertainty.slip_reference)));
     for (std::size_t panel = 0; panel < panels; ++panel) {
         std::string plots;
         for (std::size_t n = 0; n < summaries.size(); ++n) {
             const Summary& s = summaries[n];
             if (s.family != plan.families[panel]) continue;
-            const int style = plan.laws[s.law] == antiskid::control::Law::wheel_slip ? 1 : 2;
-            fmt::format_to(std::back_inserter(plots), "{}$all{} with lines ls {} title '{}, mean {:.3f}'",
-                           plots.empty() ? "plot " : ", ", n, style, plan.law_names[s.law], s.mean_j_mu);
+            const std::size_t style = s.law % 5 + 1;
+            fmt::format_to(std::back_inserter(plots),
+                           "{}$all{} with lines ls {} title '{}, mean {:.3f}' noenhanced",
+                           plots.empty() ? "plot " : ", ", n, style, plan.laws[s.law].name, s.mean_j_mu);
             if (s.tripped > 0)
                 fmt::format_to(std::back_inserter(plots),
                                ", $safe{} with points ls {} pt 2 ps 1.1 title '{} ended safe'", n, style,
                                s.tripped);
         }
-        fmt::format_to(std::back_inserter(script),
-                       "set title '{{/:Bold {}}}' offset 0,-0.7\nset ylabel '{}'\nset xlabel '{}'\n{}\n",
-                       name(plan.families[panel]), panel % columns == 0 ? "J_{/Symbol m}" : "",
-                       panel + columns >= panels ? "share of the stops (%)" : "", plots);
+        fmt::format_to(
+            std::back_inserter(script),
+            "set title '{{/:Bold {}}}, {} stops' offset 0,-0.7\nset ylabel '{}'\nset xlabel '{}'\n{}\n",
+            escaped(name(plan.families[panel])), plan.draws_of(plan.families[panel]),
+            panel % columns == 0 ? "J_{/Symbol m}" : "",
+            panel + columns >= panels ? "share of the stops (%)" : "", plots);
     }
     study::run_gnuplot(png, columns == 1 ? kWidth * 3 / 4 : kWidth, kTitle + kPanel * static_cast<int>(lines),
                        script + "unset multiplot\n");

@@ -5,7 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "plant_sim/study/robust/brake_on_report.hpp"
+#include "plant_sim/study/robust/changes_report.hpp"
+#include "plant_sim/study/robust/json_number.hpp"
+#include "plant_sim/study/robust/percentile.hpp"
 
 namespace robust {
 
@@ -17,13 +24,55 @@ std::string worst_is(const Plan& plan, const Summary& s) {
     return describe(plan.basis, draw(plan.basis, s.family, plan.seed, s.worst));
 }
 
+double distance_m(const Row& row) {
+    return row.figures.standstill ? row.figures.stop_distance_m : std::numeric_limits<double>::infinity();
+}
+
+std::optional<std::size_t> told_peak(const Plan& plan) {
+    const auto at = std::find_if(plan.laws.begin(), plan.laws.end(),
+                                 [](const Peer& law) { return law.name == kToldPeak; });
+    if (at == plan.laws.end()) return std::nullopt;
+    return static_cast<std::size_t>(at - plan.laws.begin());
+}
+
+/// `yardstick`: the law that was told.
+std::optional<AgainstToldPeak> against(const std::vector<Row>& rows, const Summary& s,
+                                       std::size_t yardstick) {
+    std::map<std::size_t, double> told_m;  // by draw
+    for (const Row& row : rows)
+        if (row.family == s.family && row.law == yardstick && row.figures.standstill)
+            told_m[row.number] = distance_m(row);
+    AgainstToldPeak a;
+    std::vector<double> ratios;
+    for (const Row& row : rows) {
+        if (row.family != s.family || row.law != s.law) continue;
+        const auto told = told_m.find(row.number);
+        if (told != told_m.end()) ratios.push_back(distance_m(row) / told->second);
+    }
+    if (ratios.empty()) return std::nullopt;
+    std::sort(ratios.begin(), ratios.end());
+    a.draws = ratios.size();
+    const auto within = std::upper_bound(ratios.begin(), ratios.end(), AgainstToldPeak::kWithin);
+    a.within = static_cast<double>(within - ratios.begin()) / static_cast<double>(a.draws);
+    a.percentile_90 = percentile(ratios, 90);
+    a.percentile_99 = percentile(ratios, 99);
+    const auto rest = std::find_if(ratios.begin(), ratios.end(), [](double r) { return !std::isfinite(r); });
+    a.mean = std::accumulate(ratios.begin(), rest, 0.0) / static_cast<double>(rest - ratios.begin());
+    return a;
+}
+
+std::string ratio(double value) {
+    return std::isfinite(value) ? fmt::format("{:.4f}", value) : "no stop";
+}
+
 }  // namespace
 
 std::vector<Summary> summarise(const Plan& plan, const std::vector<Row>& rows) {
     std::vector<Summary> all;
+    const std::optional<std::size_t> yardstick = told_peak(plan);
     for (const Family family : plan.families) {
         for (std::size_t law = 0; law < plan.laws.size(); ++law) {
-            Summary s{.family = family, .law = law};
+            Summary s{.family = family, .law = law, .against_told_peak = {}};
             std::vector<double> j_mu;
             for (const Row& row : rows) {
                 if (row.family != family || row.law != law) continue;
@@ -35,36 +84,48 @@ std::vector<Summary> summarise(const Plan& plan, const std::vector<Row>& rows) {
                 s.tripped += row.tripped() ? 1U : 0U;
                 s.locked += row.figures.longest_lock_s > kLock_s ? 1U : 0U;
                 s.mean_j_mu += row.figures.j_mu;
-                s.mean_travel_mAps += row.travel_mAps;
+                s.mean_travel_mAps += row.figures.valve_travel_mAps.value_or(0.0);
             }
             if (j_mu.empty()) continue;
             s.stops = j_mu.size();
             s.mean_j_mu /= static_cast<double>(s.stops);
             s.mean_travel_mAps /= static_cast<double>(s.stops);
             std::sort(j_mu.begin(), j_mu.end());
-            s.percentile_j_mu = j_mu[(s.stops - 1) / 100];
+            s.percentile_j_mu = percentile(j_mu, 1);
+            if (yardstick) s.against_told_peak = against(rows, s, *yardstick);
             all.push_back(s);
         }
     }
     return all;
 }
 
-std::string to_table(const Plan& plan, const std::vector<Summary>& summaries) {
+std::string to_table(const Plan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
+    const bool told = told_peak(plan).has_value();
     std::string text =
         "| family | law | stops | ended safe | locked | mean J_mu | 1st percentile | worst | valve travel "
-        "(mA/s) |\n|---|---|---|---|---|---|---|---|---|\n";
-    for (const Summary& s : summaries)
+        "(mA/s) |";
+    if (told) text += " distance over told_peak's: mean | 90 % | 99 % | within 3 % |";
+    text += told ? "\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n"
+                 : "\n|---|---|---|---|---|---|---|---|---|\n";
+    for (const Summary& s : summaries) {
         fmt::format_to(std::back_inserter(text),
-                       "| {} | {} | {} | {} | {} | {:.4f} | {:.3f} | {:.3f} | {:.0f} |\n", name(s.family),
-                       plan.law_names[s.law], s.stops, s.tripped, s.locked, s.mean_j_mu, s.percentile_j_mu,
+                       "| {} | {} | {} | {} | {} | {:.4f} | {:.3f} | {:.3f} | {:.0f} |", name(s.family),
+                       plan.laws[s.law].name, s.stops, s.tripped, s.locked, s.mean_j_mu, s.percentile_j_mu,
                        s.worst_j_mu, s.mean_travel_mAps);
+        if (const auto& a = s.against_told_peak)
+            fmt::format_to(std::back_inserter(text), " {} | {} | {} | {:.1f} % of {} |", ratio(a->mean),
+                           ratio(a->percentile_90), ratio(a->percentile_99), 100.0 * a->within, a->draws);
+        else if (told)
+            text += " not measured | | | |";
+        text += "\n";
+    }
     for (const Summary& s : summaries)
         fmt::format_to(std::back_inserter(text), "{}, {}: worst: draw {} ({})\n", name(s.family),
-                       plan.law_names[s.law], s.worst, worst_is(plan, s));
-    return text;
+                       plan.laws[s.law].name, s.worst, worst_is(plan, s));
+    return text + changes_table(plan, rows) + brake_on_table(plan, rows);
 }
 
-std::string to_json(const Plan& plan, const std::vector<Summary>& summaries) {
+std::string to_json(const Plan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
     nlohmann::ordered_json json;
     json["seed"] = plan.seed;
     json["draws"] = plan.draws;
@@ -72,9 +133,9 @@ std::string to_json(const Plan& plan, const std::vector<Summary>& summaries) {
     json["config_hash"] = plan.config_hash;
     json["version"] = ANTISKID_VERSION;
     json["families"] = nlohmann::ordered_json::array();
-    for (const Summary& s : summaries)
+    for (const Summary& s : summaries) {
         json["families"].push_back({{"family", name(s.family)},
-                                    {"law", plan.law_names[s.law]},
+                                    {"law", plan.laws[s.law].name},
                                     {"stops", s.stops},
                                     {"ended_safe", s.tripped},
                                     {"locked", s.locked},
@@ -84,6 +145,19 @@ std::string to_json(const Plan& plan, const std::vector<Summary>& summaries) {
                                     {"worst_draw", s.worst},
                                     {"worst_is", worst_is(plan, s)},
                                     {"mean_valve_travel_mAps", s.mean_travel_mAps}});
+        if (const auto& a = s.against_told_peak)
+            json["families"].back()["distance_over_told_peak"] = {
+                {"draws", a->draws},
+                {"mean", or_null(a->mean)},
+                {"percentile_90", or_null(a->percentile_90)},
+                {"percentile_99", or_null(a->percentile_99)},
+                {"within_3_percent", a->within}};
+    }
+    const auto has = [&](Family family) {
+        return std::find(plan.families.begin(), plan.families.end(), family) != plan.families.end();
+    };
+    if (has(Family::changes)) json["changes"] = changes_json(plan, rows);
+    if (has(Family::brake_on)) json["brake_on"] = brake_on_json(plan, rows);
     return json.dump(2) + "\n";
 }
 
@@ -92,9 +166,9 @@ std::string to_csv(const Plan& plan, const std::vector<Row>& rows) {
         "family,law,draw,j_mu,stop_distance_m,longest_lock_s,peak_slip,faults,valve_travel_mAps,what\n";
     for (const Row& row : rows)
         fmt::format_to(std::back_inserter(text), "{},{},{},{:.6f},{:.3f},{:.4f},{:.4f},{},{:.1f},\"{}\"\n",
-                       name(row.family), plan.law_names[row.law], row.number, row.figures.j_mu,
+                       name(row.family), plan.laws[row.law].name, row.number, row.figures.j_mu,
                        row.figures.stop_distance_m, row.figures.longest_lock_s, row.figures.peak_slip,
-                       row.faults.bits(), row.travel_mAps,
+                       row.faults.bits(), row.figures.valve_travel_mAps.value_or(0.0),
                        describe(plan.basis, draw(plan.basis, row.family, plan.seed, row.number)));
     return text;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "config/reader/settings.hpp"
+#include "plant_sim/study/robust/grids.hpp"
 #include "plant_sim/wear/draw.hpp"
 
 namespace robust {
@@ -77,33 +78,39 @@ Uncertainty load_uncertainty(const std::filesystem::path& file) {
     const Table root = doc.root();
     const Table landing = root.table("landing"), ring = root.table("ring"),
                 relaxation = root.table("relaxation"), leg = root.table("leg"),
-                parameters = root.table("parameters"), patches = root.table("patches");
-    constexpr settings::Range kFactor{.min = 0.1, .max = 10.0}, kDamping{.min = 0.0, .max = 1.0};
+                parameters = root.table("parameters"), patches = root.table("patches"),
+                changes = root.table("changes"), brake_on = root.table("brake_on");
+    constexpr settings::Range kFactor{.min = 0.1, .max = 10.0}, kDamping{.min = 0.0, .max = 1.0},
+        kGrid_mps{.min = 6.0, .max = 61.0};
     const Interval delay_ms = interval(parameters, "delay_ms", {.min = 0.0, .max = 100.0});
-    const Uncertainty u{.slip_reference = landing.number("slip_reference", {.min = 0.0, .max = 0.5}),
-                        .speed_mps = interval(landing, "speed_mps", {.min = 6.0, .max = 120.0}),
-                        .belt_share = interval(ring, "belt_share", {.min = 0.01, .max = 0.9}),
-                        .ring_Hz = interval(ring, "frequency_Hz", {.min = 5.0, .max = 1000.0}),
-                        .ring_damping = interval(ring, "damping", kDamping),
-                        .relaxation_m = interval(relaxation, "length_m", {.min = 0.001, .max = 2.0}),
-                        .relaxation_floor_m = relaxation.number("floor_m", {.min = 0.001, .max = 2.0}),
-                        .leg_kg = interval(leg, "mass_kg", {.min = 1.0, .max = 1000.0}),
-                        .leg_Hz = interval(leg, "frequency_Hz", {.min = 1.0, .max = 100.0}),
-                        .leg_damping = interval(leg, "damping", kDamping),
-                        .wheel_inertia = interval(parameters, "wheel_inertia", kFactor),
-                        .brake_gain = interval(parameters, "brake_gain", kFactor),
-                        .valve_frequency = interval(parameters, "valve_frequency", kFactor),
-                        .delay_s = {delay_ms.low * 1e-3, delay_ms.high * 1e-3},
-                        .hysteresis_mA = interval(parameters, "hysteresis_mA", {.min = 0.0, .max = 20.0}),
-                        .load = interval(parameters, "load", {.min = 0.5, .max = 2.0}),
-                        .pitch_error = interval(parameters, "pitch_error", {.min = 0.0, .max = 0.3}),
-                        .eccentricity = interval(parameters, "eccentricity", {.min = 0.0, .max = 0.1}),
-                        .patch_m = interval(patches, "length_m", {.min = 1.0, .max = 10000.0})};
+    const Uncertainty u{
+        .slip_reference = landing.number("slip_reference", {.min = 0.0, .max = 0.5}),
+        .speed_mps = interval(landing, "speed_mps", {.min = 6.0, .max = 120.0}),
+        .belt_share = interval(ring, "belt_share", {.min = 0.01, .max = 0.9}),
+        .ring_Hz = interval(ring, "frequency_Hz", {.min = 5.0, .max = 1000.0}),
+        .ring_damping = interval(ring, "damping", kDamping),
+        .relaxation_m = interval(relaxation, "length_m", {.min = 0.001, .max = 2.0}),
+        .relaxation_floor_m = relaxation.number("floor_m", {.min = 0.001, .max = 2.0}),
+        .leg_kg = interval(leg, "mass_kg", {.min = 1.0, .max = 1000.0}),
+        .leg_Hz = interval(leg, "frequency_Hz", {.min = 1.0, .max = 100.0}),
+        .leg_damping = interval(leg, "damping", kDamping),
+        .wheel_inertia = interval(parameters, "wheel_inertia", kFactor),
+        .brake_gain = interval(parameters, "brake_gain", kFactor),
+        .valve_frequency = interval(parameters, "valve_frequency", kFactor),
+        .delay_s = {delay_ms.low * 1e-3, delay_ms.high * 1e-3},
+        .hysteresis_mA = interval(parameters, "hysteresis_mA", {.min = 0.0, .max = 20.0}),
+        .load = interval(parameters, "load", {.min = 0.5, .max = 2.0}),
+        .pitch_error = interval(parameters, "pitch_error", {.min = 0.0, .max = 0.3}),
+        .eccentricity = interval(parameters, "eccentricity", {.min = 0.0, .max = 0.1}),
+        .patch_m = interval(patches, "length_m", {.min = 1.0, .max = 10000.0}),
+        .change_mps = changes.numbers("speed_mps", {.range = kGrid_mps}),
+        .brake_on_mps = brake_on.numbers("speed_mps", {.range = kGrid_mps, .strictly_increasing = true})};
     doc.finish();
     return u;
 }
 
 Draw draw(const Basis& basis, Family family, std::uint64_t seed, std::size_t number) {
+    if (grid_size(basis, family) > 0) return grid_stop(basis, family, number);
     constexpr std::uint64_t kFamilyStride = std::uint64_t{1} << 32U;
     wear::Generator g = wear::generator_of(seed, static_cast<std::uint64_t>(family) * kFamilyStride + number);
     const Uncertainty& u = basis.uncertainty;

@@ -12,10 +12,22 @@
 
 namespace robust {
 
-/// Which ranges a draw takes.
-enum class Family : std::uint8_t { paper, ring, relaxation, leg, parameters, patches, speed, all };
-inline constexpr std::array<std::string_view, 8> kFamilyNames{"paper",      "ring",    "relaxation", "leg",
-                                                              "parameters", "patches", "speed",      "all"};
+/// Which ranges a draw takes; `changes` and `brake_on` take none, they are grids (grids.hpp).
+enum class Family : std::uint8_t {
+    paper,
+    ring,
+    relaxation,
+    leg,
+    parameters,
+    patches,
+    speed,
+    all,
+    changes,
+    brake_on
+};
+inline constexpr std::array<std::string_view, 10> kFamilyNames{
+    "paper", "ring", "relaxation", "leg", "parameters", "patches", "speed", "all", "changes", "brake_on"};
+inline constexpr std::size_t kDrawnFamilies = 8;  ///< of them, from the front
 [[nodiscard]] constexpr std::string_view name(Family family) {
     return kFamilyNames[static_cast<std::size_t>(family)];
 }
@@ -35,6 +47,8 @@ struct Uncertainty {
     Interval wheel_inertia, brake_gain, valve_frequency, delay_s, hysteresis_mA, load, pitch_error,
         eccentricity;
     Interval patch_m;
+    std::vector<double> change_mps;    ///< of the grid `changes`
+    std::vector<double> brake_on_mps;  ///< of the grid `brake_on`, slowest first
 };
 /// Throws settings::Error.
 [[nodiscard]] Uncertainty load_uncertainty(const std::filesystem::path& file);
@@ -58,6 +72,7 @@ struct Draw {
 };
 
 /// Draw `number` of a family: that, the family and the seed decide everything. Landings come in turn, so that every family has all of them.
+/// A grid begins again after its last stop.
 [[nodiscard]] Draw draw(const Basis& basis, Family family, std::uint64_t seed, std::size_t number);
 
 /// What was drawn, for a person: "heavy snow, ring 73.2 Hz damping 0.050 belt 0.31". Of patches the first four.

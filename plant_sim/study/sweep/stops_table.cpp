@@ -56,7 +56,8 @@ constexpr std::array kFigures{figure<&StopFigures::j_mu>("j_mu"),
                               figure<&StopFigures::longest_lock_s>("longest_lock_s"),
                               figure<&StopFigures::mean_friction>("measured_friction"),
                               figure<&StopFigures::mean_torque_Nm>("mean_torque_Nm"),
-                              figure<&StopFigures::mean_load_N>("mean_load_N")};
+                              figure<&StopFigures::mean_load_N>("mean_load_N"),
+                              figure<&StopFigures::valve_travel_mAps>("valve_travel_mAps")};
 
 std::string field(const std::optional<double>& value) {
     return value ? fmt::format("{}", *value) : std::string();

@@ -1,0 +1,150 @@
+#include "plant_sim/study/robust/brake_on_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "plant_sim/study/robust/grids.hpp"
+#include "plant_sim/study/robust/held_reference.hpp"
+#include "plant_sim/study/robust/json_number.hpp"
+
+namespace robust {
+
+namespace {
+
+double travel_mAps(const Row& row) {
+    return row.figures.valve_travel_mAps.value_or(0.0);
+}
+
+std::string stop_is(const Plan& plan, std::size_t number) {
+    const Landing& landing = plan.basis.landings[brake_on_at(plan.basis, number).landing];
+    return landing.surface + ", " + landing.maneuver;
+}
+
+BrakeOnSummary stops_at(const Plan& plan, const std::vector<Row>& rows, std::size_t law, double speed_mps) {
+    BrakeOnSummary s{.law = law, .speed_mps = speed_mps, .mean_share = {}, .least_share = {}};
+    double shares = 0.0;
+    for (const Row& row : rows) {
+        if (row.family != Family::brake_on || row.law != law ||
+            brake_on_at(plan.basis, row.number).speed_mps != speed_mps)
+            continue;
+        ++s.stops;
+        s.tripped += row.tripped() ? 1U : 0U;
+        s.mean_j_mu += row.figures.j_mu;
+        s.mean_travel_mAps += travel_mAps(row);
+        const BrakeOnShare of = share_of(plan, rows, row);
+        if (of.travel_ratio > s.most_travel_ratio) {
+            s.most_travel_ratio = of.travel_ratio;
+            s.most = row.number;
+        }
+        if (!of.held_j_mu) continue;
+        const double share = row.figures.j_mu / *of.held_j_mu;
+        shares += share;
+        s.reached += share >= asked_share(speed_mps) ? 1U : 0U;
+        if (!s.least_share || share < *s.least_share) {
+            s.least_share = share;
+            s.least = row.number;
+        }
+    }
+    if (s.stops == 0) return s;
+    s.mean_j_mu /= static_cast<double>(s.stops);
+    s.mean_travel_mAps /= static_cast<double>(s.stops);
+    if (s.least_share) s.mean_share = shares / static_cast<double>(s.stops);
+    return s;
+}
+
+}  // namespace
+
+double asked_share(double speed_mps) {
+    constexpr double kSlow_mps = 16.6;
+    return speed_mps < kSlow_mps ? 0.87 : 0.93;
+}
+
+BrakeOnShare share_of(const Plan& plan, const std::vector<Row>& rows, const Row& row) {
+    const BrakeOn at = brake_on_at(plan.basis, row.number);
+    const plant::RigParameters rig = grid_stop(plan.basis, Family::brake_on, row.number).rig;
+    BrakeOnShare share;
+    if (const auto slip = held_slip(plan, plan.laws[row.law], rig.surface))
+        share.held_j_mu = held_j_mu(rig, plan.controller.slip, *slip, plan.drop_out_mps);
+    const auto fastest = std::find_if(rows.begin(), rows.end(), [&](const Row& other) {
+        const BrakeOn stop = brake_on_at(plan.basis, other.number);
+        return other.family == Family::brake_on && other.law == row.law && stop.landing == at.landing &&
+               stop.speed_mps == plan.basis.uncertainty.brake_on_mps.back();
+    });
+    if (fastest != rows.end() && travel_mAps(*fastest) > 0.0)
+        share.travel_ratio = travel_mAps(row) / travel_mAps(*fastest);
+    return share;
+}
+
+std::vector<BrakeOnSummary> summarise_brake_on(const Plan& plan, const std::vector<Row>& rows) {
+    std::vector<BrakeOnSummary> all;
+    if (std::find(plan.families.begin(), plan.families.end(), Family::brake_on) == plan.families.end())
+        return all;
+    for (std::size_t law = 0; law < plan.laws.size(); ++law)
+        for (const double speed_mps : plan.basis.uncertainty.brake_on_mps)
+            all.push_back(stops_at(plan, rows, law, speed_mps));
+    return all;
+}
+
+std::string brake_on_table(const Plan& plan, const std::vector<Row>& rows) {
+    const std::vector<BrakeOnSummary> all = summarise_brake_on(plan, rows);
+    if (all.empty()) return {};
+    std::string text =
+        "\nJ_mu over that of the reference held exactly, and valve travel over that of the fastest "
+        "brake-on\n\n"
+        "| law | brake-on (m/s) | ended safe | mean J_mu | mean share | least share | at least as asked | "
+        "valve travel (mA/s) | most over the fastest's |\n|---|---|---|---|---|---|---|---|---|\n";
+    for (const BrakeOnSummary& s : all) {
+        fmt::format_to(std::back_inserter(text), "| {} | {:.1f} | {} | {:.4f} |", plan.laws[s.law].name,
+                       s.speed_mps, s.tripped, s.mean_j_mu);
+        if (s.least_share)
+            fmt::format_to(std::back_inserter(text), " {:.3f} | {:.3f}: {} | {} of {} at {:.2f} |",
+                           *s.mean_share, *s.least_share, stop_is(plan, s.least), s.reached, s.stops,
+                           asked_share(s.speed_mps));
+        else
+            text += " none is held | | |";
+        fmt::format_to(std::back_inserter(text), " {:.0f} | {:.1f}: {} |\n", s.mean_travel_mAps,
+                       s.most_travel_ratio, stop_is(plan, s.most));
+    }
+    return text;
+}
+
+nlohmann::ordered_json brake_on_json(const Plan& plan, const std::vector<Row>& rows) {
+    nlohmann::ordered_json json{{"asked_travel_ratio", kAskedTravelRatio},
+                                {"summaries", nlohmann::ordered_json::array()},
+                                {"stops", nlohmann::ordered_json::array()}};
+    for (const BrakeOnSummary& s : summarise_brake_on(plan, rows))
+        json["summaries"].push_back(
+            {{"law", plan.laws[s.law].name},
+             {"speed_mps", s.speed_mps},
+             {"stops", s.stops},
+             {"ended_safe", s.tripped},
+             {"mean_j_mu", s.mean_j_mu},
+             {"asked_share_of_held", asked_share(s.speed_mps)},
+             {"mean_share_of_held", or_null(s.mean_share)},
+             {"least_share_of_held", or_null(s.least_share)},
+             {"least_is",
+              s.least_share ? nlohmann::ordered_json(stop_is(plan, s.least)) : nlohmann::ordered_json()},
+             {"reached", s.reached},
+             {"mean_valve_travel_mAps", s.mean_travel_mAps},
+             {"most_travel_ratio", s.most_travel_ratio},
+             {"most_travel_is", stop_is(plan, s.most)}});
+    for (const Row& row : rows) {
+        if (row.family != Family::brake_on) continue;
+        const BrakeOn at = brake_on_at(plan.basis, row.number);
+        const BrakeOnShare share = share_of(plan, rows, row);
+        json["stops"].push_back({{"law", plan.laws[row.law].name},
+                                 {"surface", plan.basis.landings[at.landing].surface},
+                                 {"maneuver", plan.basis.landings[at.landing].maneuver},
+                                 {"speed_mps", at.speed_mps},
+                                 {"ended_safe", row.tripped()},
+                                 {"j_mu", row.figures.j_mu},
+                                 {"held_j_mu", or_null(share.held_j_mu)},
+                                 {"valve_travel_mAps", or_null(row.figures.valve_travel_mAps)},
+                                 {"travel_ratio", share.travel_ratio}});
+    }
+    return json;
+}
+
+}  // namespace robust

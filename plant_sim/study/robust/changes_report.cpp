@@ -1,0 +1,153 @@
+#include "plant_sim/study/robust/changes_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <limits>
+
+#include "plant_sim/study/robust/grids.hpp"
+#include "plant_sim/study/robust/json_number.hpp"
+#include "plant_sim/study/robust/percentile.hpp"
+
+namespace robust {
+
+namespace {
+
+constexpr double kNever_s = std::numeric_limits<double>::infinity();
+
+struct Group {
+    std::string of;
+    std::function<bool(const SurfaceChange&)> has;
+};
+
+std::vector<Group> groups_of(const Plan& plan) {
+    std::vector<Group> groups{{"all", [](const SurfaceChange&) { return true; }}};
+    for (const double speed_mps : plan.basis.uncertainty.change_mps)
+        groups.push_back({fmt::format("at {:.0f} m/s", speed_mps),
+                          [speed_mps](const SurfaceChange& c) { return c.speed_mps == speed_mps; }});
+    for (const Landing& landing : plan.basis.landings) {
+        const std::string of = "to " + landing.surface;
+        if (std::any_of(groups.begin(), groups.end(), [&](const Group& g) { return g.of == of; })) continue;
+        groups.push_back({of, [&plan, &landing](const SurfaceChange& c) {
+                              return plan.basis.landings[c.to].surface == landing.surface;
+                          }});
+    }
+    return groups;
+}
+
+double regained_s(const Regrip& regrip) {
+    return regrip.regained_s.value_or(kNever_s);
+}
+
+ChangesSummary changes_of(const Plan& plan, const std::vector<Row>& rows, std::size_t law,
+                          const Group& group) {
+    ChangesSummary s{.law = law, .of = group.of};
+    std::vector<double> times_s;
+    for (const Row& row : rows) {
+        if (row.family != Family::changes || row.law != law || !group.has(change_at(plan.basis, row.number)))
+            continue;
+        ++s.changes;
+        if (!row.regrip || !row.regrip->measured()) continue;
+        const double time_s = regained_s(*row.regrip);
+        if (times_s.empty() || time_s > s.worst_s) {
+            s.worst_s = time_s;
+            s.worst = row.number;
+        }
+        times_s.push_back(time_s);
+        s.in_time += time_s <= Regrip::kAsked_s ? 1U : 0U;
+        s.never += time_s == kNever_s ? 1U : 0U;
+    }
+    s.measured = times_s.size();
+    if (times_s.empty()) return s;
+    std::sort(times_s.begin(), times_s.end());
+    s.median_s = percentile(times_s, 50);
+    s.percentile_90_s = percentile(times_s, 90);
+    return s;
+}
+
+std::string seconds(double time_s) {
+    return std::isfinite(time_s) ? fmt::format("{:.3f}", time_s) : "never";
+}
+
+std::string change_is(const Plan& plan, std::size_t number) {
+    const SurfaceChange change = change_at(plan.basis, number);
+    const Landing& from = plan.basis.landings[change.from];
+    return fmt::format("{} to {}, {}, {:.0f} m/s", from.surface, plan.basis.landings[change.to].surface,
+                       from.maneuver, change.speed_mps);
+}
+
+nlohmann::ordered_json summary_json(const Plan& plan, const ChangesSummary& s) {
+    nlohmann::ordered_json json{
+        {"law", plan.laws[s.law].name}, {"of", s.of}, {"changes", s.changes}, {"measured", s.measured}};
+    if (s.measured == 0) return json;
+    json["within_0.4_s"] = s.in_time;
+    json["never"] = s.never;
+    json["median_s"] = or_null(s.median_s);
+    json["percentile_90_s"] = or_null(s.percentile_90_s);
+    json["worst_s"] = or_null(s.worst_s);
+    json["worst_is"] = change_is(plan, s.worst);
+    return json;
+}
+
+}  // namespace
+
+std::vector<ChangesSummary> summarise_changes(const Plan& plan, const std::vector<Row>& rows) {
+    std::vector<ChangesSummary> all;
+    if (std::find(plan.families.begin(), plan.families.end(), Family::changes) == plan.families.end())
+        return all;
+    const std::vector<Group> groups = groups_of(plan);
+    for (std::size_t law = 0; law < plan.laws.size(); ++law)
+        for (const Group& group : groups) all.push_back(changes_of(plan, rows, law, group));
+    return all;
+}
+
+std::string changes_table(const Plan& plan, const std::vector<Row>& rows) {
+    const std::vector<ChangesSummary> all = summarise_changes(plan, rows);
+    if (all.empty()) return {};
+    std::string text =
+        "\n95 % of the new surface's friction, regained and kept after a change of surface\n\n"
+        "| law | changes | measured | within 0.4 s | median (s) | 90 % (s) | never | worst (s) |\n"
+        "|---|---|---|---|---|---|---|---|\n";
+    for (const ChangesSummary& s : all) {
+        fmt::format_to(std::back_inserter(text), "| {} | {} | {} of {} |", plan.laws[s.law].name, s.of,
+                       s.measured, s.changes);
+        if (s.measured == 0)
+            text += " not measured | | | | |\n";
+        else
+            fmt::format_to(std::back_inserter(text), " {:.1f} % | {} | {} | {} | {}: {} |\n",
+                           100.0 * static_cast<double>(s.in_time) / static_cast<double>(s.measured),
+                           seconds(s.median_s), seconds(s.percentile_90_s), s.never, seconds(s.worst_s),
+                           change_is(plan, s.worst));
+    }
+    return text;
+}
+
+nlohmann::ordered_json changes_json(const Plan& plan, const std::vector<Row>& rows) {
+    nlohmann::ordered_json json{{"summaries", nlohmann::ordered_json::array()},
+                                {"changes", nlohmann::ordered_json::array()}};
+    for (const ChangesSummary& s : summarise_changes(plan, rows))
+        json["summaries"].push_back(summary_json(plan, s));
+    for (const Row& row : rows) {
+        if (row.family != Family::changes) continue;
+        const SurfaceChange change = change_at(plan.basis, row.number);
+        nlohmann::ordered_json one{{"law", plan.laws[row.law].name},
+                                   {"from", plan.basis.landings[change.from].surface},
+                                   {"to", plan.basis.landings[change.to].surface},
+                                   {"maneuver", plan.basis.landings[change.from].maneuver},
+                                   {"grid_speed_mps", change.speed_mps},
+                                   {"measured", row.regrip && row.regrip->measured()},
+                                   {"ended_safe", row.tripped()}};
+        if (row.regrip) {
+            one["speed_mps"] = row.regrip->speed_mps;
+            one["judged_s"] = row.regrip->judged_s;
+            one["regained_s"] = or_null(row.regrip->regained_s);
+        }
+        json["changes"].push_back(one);
+    }
+    return json;
+}
+
+}  // namespace robust
