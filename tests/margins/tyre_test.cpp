@@ -66,9 +66,9 @@ class RealWheel {
 };
 
 struct Case {
-    const char* what;
-    const char* surface;
-    double speed_mps, slip;
+    const char* what = "";
+    const char* surface = "";
+    double speed_mps = 0.0, slip = 0.0;
     plant::Compliance tyre;
 };
 const std::vector<Case> kBeforePeak{
@@ -225,8 +225,8 @@ TEST_CASE("the real estimator and law on the plant's own ring: the loop that a f
     // As near as on the rigid wheel (law_loop_test.cpp), up to two thirds of the ring's frequency: at its resonance a percent of frequency
     // is ten of L.
     struct Ring {
-        const char* surface;
-        double speed_mps, slip;
+        const char* surface = "";
+        double speed_mps = 0.0, slip = 0.0;
         plant::RingParameters ring;
     };
     for (const Ring& r : {Ring{"dry_asphalt", 46.0, 0.12, {0.25, 120.0, 0.10}},
