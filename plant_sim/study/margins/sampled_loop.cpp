@@ -88,7 +88,7 @@ SampledLoop::SampledLoop(const PeriodicSystem& system) : system_(system) {
 }
 
 double SampledLoop::end_radps() const {
-    return kPi / (system_.period_s * static_cast<double>(system_.a.size()));
+    return std::numbers::pi / (system_.period_s * static_cast<double>(system_.a.size()));
 }
 
 MatrixXcd SampledLoop::lifted(Complex s) const {
