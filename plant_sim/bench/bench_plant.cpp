@@ -1,13 +1,19 @@
-/// bench_plant: the plant alone, open loop, against general-purpose integrators on the same equations. See --help.
+/// bench_plant: the plant alone, open loop, against general-purpose integrators on the same equations: work over precision. See --help.
 
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <exception>
+#include <filesystem>
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "config/reader/atomic_file.hpp"
@@ -15,12 +21,20 @@
 #include "plant_sim/bench/odeint_plant.hpp"
 #include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/model/open_loop.hpp"
+#include "plant_sim/study/gnuplot.hpp"
 #include "tests/model/reference/profiles.hpp"
 #include "tests/model/reference/reference_plant.hpp"
 
 namespace {
 
 using reference::Profile;
+
+constexpr const char* kOurs = "this plant";
+constexpr const char* kFixed = "its fixed step";
+constexpr const char* kOdeint = "odeint dopri5";
+constexpr const char* kCvode = "CVODE";
+constexpr std::array<const char*, 4> kMethods{kOurs, kFixed, kOdeint, kCvode};
+constexpr double kOutput_s = 5e-3;
 
 /// One open-loop run: static pressure before the valve, from brake-on to 5 m/s or `end_s`.
 struct Case {
@@ -69,8 +83,8 @@ std::vector<Case> cases(double longest_s) {
     return all;
 }
 
-/// Valve and wheel of plant_sim/model, without sensors.
-void run_ours(const Case& c, double step_s, Trajectory& out) {
+/// Valve and wheel of plant_sim/model on a fixed step, without sensors.
+void run_fixed(const Case& c, double output_s, double step_s, Trajectory& out) {
     plant::Wheel wheel(
         c.rig.wheel,
         plant::BrakeTorque(c.rig.brake, c.rig.friction_curve, c.rig.mean_friction, c.rig.brake_on_mps),
@@ -82,7 +96,7 @@ void run_ours(const Case& c, double step_s, Trajectory& out) {
     state.omega_radps = bench::Equations(c.rig).rolling_radps(state.v_mps);
     state.held = false;
     out.push_back({state.v_mps, state.omega_radps});
-    const auto steps = static_cast<int>(std::lround(c.end_s / step_s));
+    const auto steps = std::lround(c.end_s / step_s), each = std::lround(output_s / step_s);
     std::size_t knot = 0;
     const auto& p = c.static_Pa;
     // The value right after `t`, or right before it where the profile jumps there.
@@ -94,22 +108,22 @@ void run_ours(const Case& c, double step_s, Trajectory& out) {
         const double span = p[knot + 1].time_s - p[knot].time_s;
         return p[knot].value + (p[knot + 1].value - p[knot].value) * (t - p[knot].time_s) / span;
     };
-    for (int i = 0; i < steps; ++i) {
-        const double from = value(i * step_s, true);
-        const double to = value((i + 1) * step_s, false);
+    for (std::int64_t i = 0; i < steps; ++i) {
+        const double from = value(static_cast<double>(i) * step_s, true);
+        const double to = value(static_cast<double>(i + 1) * step_s, false);
         const plant::Valve::Arcs arcs = valve.advance(from, to);
         if (valve.first_s() > 0.0) wheel.advance(state, arcs.first, load, valve.first_s());
         wheel.advance(state, arcs.second, load, valve.second_s());
-        out.push_back({state.v_mps, state.omega_radps});
+        if ((i + 1) % each == 0) out.push_back({state.v_mps, state.omega_radps});
     }
 }
 
 /// The same with steps as long as the motion allows.
-void run_open_loop(const Case& c, double step_s, Trajectory& out) {
+void run_open_loop(const Case& c, double step_s, double tolerance, Trajectory& out) {
     std::vector<plant::OpenLoop::Point> points;
     points.reserve(c.static_Pa.size());
     for (const reference::Knot& k : c.static_Pa) points.push_back({k.time_s, k.value});
-    plant::OpenLoop plant(c.rig, plant::OpenLoop::Input::valve, points);
+    plant::OpenLoop plant(c.rig, plant::OpenLoop::Input::valve, points, tolerance);
     out.push_back({plant.wheel().v_mps, plant.wheel().omega_radps});
     for (std::size_t next = 1; plant.step(c.end_s);) {
         for (; static_cast<double>(next) * step_s <= plant.time_s() + 1e-12; ++next) {
@@ -169,16 +183,43 @@ void run_odeint(const Case& c, double step_s, double tolerance, Trajectory& out)
     }
 }
 
+/// One integrator with one step or tolerance.
 struct Contestant {
-    std::string name;
-    std::function<void(const Case&, double step_s, Trajectory&)> run;
-    std::vector<double> seconds;  // of each round
+    std::string method, setting;
+    std::function<void(const Case&, double output_s, Trajectory&)> run;
+    std::vector<double> seconds{};  // of each round
     double error_v = 0.0, error_omega = 0.0;
+
+    [[nodiscard]] double median_s() const { return bench::median(seconds); }
 };
 
-void judge(Contestant& one, const Case& c, double step_s, const Trajectory& truth) {
+std::vector<Contestant> contestants() {
+    std::vector<Contestant> all;
+    for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9})
+        all.push_back({kOurs, fmt::format("tolerance {:.0e}", tolerance),
+                       [=](const Case& c, double output_s, Trajectory& out) {
+                           run_open_loop(c, output_s, tolerance, out);
+                       }});
+    for (const double step_s : {5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4})
+        all.push_back(
+            {kFixed, fmt::format("{:g} ms", step_s * 1e3),
+             [=](const Case& c, double output_s, Trajectory& out) { run_fixed(c, output_s, step_s, out); }});
+    for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10})
+        all.push_back({kOdeint, fmt::format("tolerance {:.0e}", tolerance),
+                       [=](const Case& c, double output_s, Trajectory& out) {
+                           run_odeint(c, output_s, tolerance, out);
+                       }});
+    for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8})
+        all.push_back({kCvode, fmt::format("tolerance {:.0e}", tolerance),
+                       [=](const Case& c, double output_s, Trajectory& out) {
+                           run_cvode(c, output_s, tolerance, false, out);
+                       }});
+    return all;
+}
+
+void judge(Contestant& one, const Case& c, double output_s, const Trajectory& truth) {
     Trajectory mine;
-    one.run(c, step_s, mine);
+    one.run(c, output_s, mine);
     const bench::Equations equations(c.rig);
     for (std::size_t i = 0; i < std::min(mine.size(), truth.size()); ++i) {
         one.error_v = std::max(one.error_v, std::abs(mine[i].v / truth[i].v - 1.0));
@@ -188,59 +229,101 @@ void judge(Contestant& one, const Case& c, double step_s, const Trajectory& trut
     if (mine.size() + 1 < truth.size()) one.error_v = one.error_omega = 1.0;
 }
 
-nlohmann::ordered_json race(const std::vector<Case>& all, double step_s, int rounds) {
-    std::vector<Contestant> contestants{
-        {"this plant", [](const Case& c, double h, Trajectory& out) { run_open_loop(c, h, out); }, {}},
-        {"its fixed step", [](const Case& c, double h, Trajectory& out) { run_ours(c, h, out); }, {}},
-        {"CVODE 1e-6",
-         [](const Case& c, double h, Trajectory& out) { run_cvode(c, h, 1e-6, false, out); },
-         {}},
-        {"CVODE 1e-7",
-         [](const Case& c, double h, Trajectory& out) { run_cvode(c, h, 1e-7, false, out); },
-         {}},
-        {"odeint dopri5 1e-6",
-         [](const Case& c, double h, Trajectory& out) { run_odeint(c, h, 1e-6, out); },
-         {}}};
-    double simulated_s = 0.0;
+/// How long `method` takes for an error: between its settings linear in the logarithms, less than the coarsest at most; NaN beyond the
+/// finest.
+double seconds_for(const std::vector<Contestant>& all, const std::string& method, double error_omega) {
+    std::vector<std::pair<double, double>> curve;  // error and time, the smallest error first
+    for (const Contestant& one : all)
+        if (one.method == method) curve.emplace_back(std::log(one.error_omega), std::log(one.median_s()));
+    std::sort(curve.begin(), curve.end());
+    // Whoever is slower for a larger error is not on the curve.
+    double best = std::numeric_limits<double>::infinity();
+    for (auto& [error, seconds] : curve) best = seconds = std::min(best, seconds);
+    const double wanted = std::log(error_omega);
+    if (wanted < curve.front().first) return std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t i = 1; i < curve.size(); ++i) {
+        if (wanted > curve[i].first) continue;
+        const auto& [e0, t0] = curve[i - 1];
+        const auto& [e1, t1] = curve[i];
+        return std::exp(t0 + (t1 - t0) * (wanted - e0) / (e1 - e0));
+    }
+    return std::exp(curve.back().second);
+}
+
+void draw(const std::vector<Contestant>& all, double simulated_s, const std::filesystem::path& png) {
+    std::string script =
+        "set logscale xy\nset format xy '10^{%L}'\nset grid lc rgb '#dddddd'\nset key bottom left\n"
+        "set xlabel 'processor time per simulated millisecond (ns)'\n"
+        "set ylabel 'largest error of the wheel speed, of free rolling'\n";
+    std::string plots;
+    for (const char* method : kMethods) {
+        const std::size_t number = script.size();
+        script += fmt::format("$m{} << EOD\n", number);
+        for (const Contestant& one : all)
+            if (one.method == method)
+                script += fmt::format("{:.6g} {:.6g}\n", one.median_s() / simulated_s * 1e6, one.error_omega);
+        script += "EOD\n";
+        plots += fmt::format("{}$m{} with linespoints pt 7 lw 1.5 title {}", plots.empty() ? "plot " : ", ",
+                             number, study::gnuplot_quoted(method));
+    }
+    study::run_gnuplot(png, 900, 650, script + plots + "\n");
+}
+
+nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int rounds,
+                            const std::filesystem::path& png) {
+    std::vector<Contestant> them = contestants();
+    double simulated_s = 0.0, reference_error = 0.0;
     for (const Case& c : all) {
         simulated_s += c.end_s;
         Trajectory truth;
-        run_cvode(c, step_s, 1e-10, true, truth);
-        for (Contestant& one : contestants) judge(one, c, step_s, truth);
+        run_cvode(c, output_s, 1e-12, true, truth);
+        for (Contestant& one : them) judge(one, c, output_s, truth);
+        Contestant other{"", "",
+                         [](const Case& k, double h, Trajectory& out) { run_odeint(k, h, 1e-12, out); }};
+        judge(other, c, output_s, truth);
+        reference_error = std::max(reference_error, other.error_omega);
     }
     Trajectory out;
     out.reserve(200000);
     for (int round = 0; round < rounds; ++round) {
-        for (Contestant& one : contestants) {
+        for (Contestant& one : them) {
             one.seconds.push_back(bench::processor_s_of([&] {
                 for (const Case& c : all) {
                     out.clear();
-                    one.run(c, step_s, out);
+                    one.run(c, output_s, out);
                 }
             }));
         }
     }
-    fmt::print("{} runs, {:.0f} s simulated, speeds given out every {:.0f} ms, {} rounds\n", all.size(),
-               simulated_s, step_s * 1e3, rounds);
-    fmt::print("  {:<20} {:>14} {:>12} {:>12} {:>14}\n", "", "ns per sim. ms", "error v", "error omega",
-               "slower by");
-    nlohmann::ordered_json json{
-        {"output_s", step_s}, {"runs", all.size()}, {"simulated_s", simulated_s}, {"rounds", rounds}};
-    for (const Contestant& one : contestants) {
-        std::vector<double> ratios;
-        for (std::size_t i = 0; i < one.seconds.size(); ++i)
-            ratios.push_back(one.seconds[i] / contestants[0].seconds[i]);
-        const double ns_per_ms = bench::median(one.seconds) / simulated_s * 1e6;
-        fmt::print("  {:<20} {:>14.1f} {:>12.1e} {:>12.1e} {:>14.2f}\n", one.name, ns_per_ms, one.error_v,
-                   one.error_omega, bench::median(ratios));
-        json["integrators"].push_back({{"name", one.name},
-                                       {"ns_per_simulated_ms", ns_per_ms},
-                                       {"error_v", one.error_v},
-                                       {"error_omega", one.error_omega},
-                                       {"slower_than_this_plant", bench::median(ratios)},
-                                       {"slower_least", bench::quantile(ratios, 0.0)},
-                                       {"slower_most", bench::quantile(ratios, 1.0)}});
+    fmt::print(
+        "{} runs, {:.0f} s simulated, speeds given out every {:g} ms, {} rounds; odeint at 1e-12 is within "
+        "{:.0e} of the "
+        "reference\n",
+        all.size(), simulated_s, output_s * 1e3, rounds, reference_error);
+    fmt::print("  {:<26} {:>16} {:>12} {:>10} {:>12} {:>24}\n", "", "", "ns per sim. ms", "error v",
+               "error omega", "odeint, at equal error");
+    nlohmann::ordered_json json{{"output_s", output_s},
+                                {"runs", all.size()},
+                                {"simulated_s", simulated_s},
+                                {"rounds", rounds},
+                                {"odeint_1e-12_from_reference", reference_error}};
+    for (const Contestant& one : them) {
+        const double ns_per_ms = one.median_s() / simulated_s * 1e6;
+        const double ratio = seconds_for(them, kOdeint, one.error_omega) / one.median_s();
+        const bool compared = one.method != kOdeint && std::isfinite(ratio);
+        fmt::print("  {:<26} {:>16} {:>12.1f} {:>10.1e} {:>12.1e} {:>24}\n", one.method, one.setting,
+                   ns_per_ms, one.error_v, one.error_omega,
+                   compared ? fmt::format("takes {:.2f} times", ratio) : "");
+        json["integrators"].push_back(
+            {{"method", one.method},
+             {"setting", one.setting},
+             {"ns_per_simulated_ms", ns_per_ms},
+             {"error_v", one.error_v},
+             {"error_omega", one.error_omega},
+             {"odeint_over_this_at_equal_error",
+              compared ? nlohmann::ordered_json(ratio) : nlohmann::ordered_json()}});
     }
+    draw(them, simulated_s, png);
     return json;
 }
 
@@ -248,29 +331,31 @@ int run(int argc, char** argv) {
     CLI::App app{
         "bench_plant: valve, brake, wheel and tyre, open loop on all 32 scenarios (ramp and hold, triangles, "
         "held\n"
-        "steps), against CVODE (BDF, dense, integrals without error control) and boost::odeint's dopri5 on "
+        "steps): error over processor time of this plant with steps as long as the motion allows and with "
+        "fixed\n"
+        "ones, of boost::odeint's dopri5 (dense) and of CVODE (BDF, dense, integrals without error control) "
+        "on "
         "the\n"
-        "same equations. Processor time, one run after the other; errors against CVODE at 1e-10, omega "
-        "relative\n"
-        "to free rolling.",
+        "same equations, at several tolerances or steps each. Errors are the largest of all runs against "
+        "CVODE at "
+        "1e-12,\n"
+        "omega relative to free rolling.",
         "bench_plant"};
-    int rounds = 5;
-    double longest_s = 20.0;
+    int rounds = 3;
+    double longest_s = 10.0;
     std::string json = "out/bench/plant.json";
     app.add_option("--rounds", rounds, "of all, in turns")->check(CLI::Range(1, 1000))->capture_default_str();
     app.add_option("--longest", longest_s, "of a run, simulated seconds")
         ->check(CLI::Range(1.0, 200.0))
         ->capture_default_str();
-    app.add_option("--json", json, "where the figures go")->capture_default_str();
+    app.add_option("--json", json, "where the figures go, the picture beside them")->capture_default_str();
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
         return app.exit(e);
     }
-    const std::vector<Case> all = cases(longest_s);
-    nlohmann::ordered_json result;
-    for (const double step_s : {1e-3, 5e-3}) result.push_back(race(all, step_s, rounds));
-    settings::write_file(json, result.dump(2) + "\n");
+    const auto png = std::filesystem::path(json).replace_extension(".png");
+    settings::write_file(json, race(cases(longest_s), kOutput_s, rounds, png).dump(2) + "\n");
     return 0;
 }
 

@@ -6,8 +6,10 @@
 #include <stdexcept>
 
 #include "plant_sim/lab/margins_input.hpp"
+#include "plant_sim/lab/tyre_options.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/margins_report.hpp"
+#include "plant_sim/study/margins/tyres.hpp"
 
 namespace plant_sim {
 
@@ -17,6 +19,7 @@ namespace margins = study::margins;
 
 struct MarginsCommand {
     ScenarioOptions scenario;
+    TyreOptions tyre;
     margins::StudyOptions options;
     bool constant_slip = false;
     double picture_mps = 30.0;
@@ -26,28 +29,45 @@ struct MarginsCommand {
         // CLI::Range lets a value pass that is no number.
         if (!std::isfinite(picture_mps))
             throw std::invalid_argument("--picture-speed must be a number from 5 to 49");
-        const MarginsInput input = load_margins_input(scenario);
+        MarginsInput input = load_margins_input(scenario);
+        const auto tyres = tyre.tyres(input.cases.front().rig.wheel.compliance);
         std::filesystem::create_directories(out);  // refused now, not when the study is over
         options.slip_reference = scenario.slip;
         options.low_speed_fall = !constant_slip;
         options.requirement = input.settings.requirement;
 
-        const bool terminal = ::isatty(STDERR_FILENO) == 1;
-        const auto cells = margins::study_cells(
-            input.cases, input.scenarios.front().controller, input.settings.pid, options,
-            [terminal](std::size_t done, std::size_t all) {
-                if (terminal)
-                    fmt::print(stderr, "\r{} of {} scenarios{}", done, all, done == all ? "\n" : "");
-            });
-        const margins::ReportHead head{.config_hash = input.config_hash,
-                                       .version = ANTISKID_VERSION,
-                                       .options = options,
-                                       .pid = input.settings.pid};
-        deliver((out / "results.json").string(), margins::to_json(input.cases, cells, head));
-        margins::draw_plant(input.cases, options.slip_reference, picture_mps, out / "margins.png");
-        margins::draw_margins(input.cases, cells, options.requirement, out / "margins_speed.png");
-        fmt::print("{}", margins::to_table(input.cases, cells, head));
+        std::vector<margins::TyreRow> rows;
+        margins::ReportHead head{.config_hash = input.config_hash,
+                                 .version = ANTISKID_VERSION,
+                                 .options = options,
+                                 .pid = input.settings.pid};
+        for (std::size_t i = 0; i < tyres.size(); ++i) {
+            for (margins::Scenario& s : input.cases) s.rig.wheel.compliance = tyres[i];
+            const auto cells = margins::study_cells(input.cases, input.scenarios.front().controller,
+                                                    input.settings.pid, options, progress(i, tyres.size()));
+            if (tyres.size() > 1) {
+                rows.push_back(margins::tyre_row(tyres[i], cells, options.requirement));
+                continue;
+            }
+            head.tyre = margins::tyre_name(tyres[i]);
+            deliver((out / "results.json").string(), margins::to_json(input.cases, cells, head));
+            margins::draw_plant(input.cases, options.slip_reference, picture_mps, out / "margins.png");
+            margins::draw_margins(input.cases, cells, head, out / "margins_speed.png");
+            fmt::print("{}{}", margins::to_table(input.cases, cells, head),
+                       margins::excited_table(input.cases, cells));
+        }
+        if (rows.empty()) return 0;
+        deliver((out / "results.json").string(), margins::to_json(rows, head));
+        fmt::print("{}", margins::to_table(rows, head));
         return 0;
+    }
+
+    [[nodiscard]] static margins::Progress progress(std::size_t before, std::size_t tyres) {
+        if (::isatty(STDERR_FILENO) != 1) return {};
+        return [=](std::size_t done, std::size_t all) {
+            const std::size_t ever = before * all + done, of = tyres * all;
+            fmt::print(stderr, "\r{} of {} scenarios{}", ever, of, ever == of ? "\n" : "");
+        };
     }
 };
 
@@ -66,6 +86,7 @@ LabVerb margins_verb(CLI::App& lab) {
         ->capture_default_str();
     verb->add_flag("--constant-slip", command->constant_slip,
                    "the reference does not fall at low speed: the paper's exact law");
+    command->tyre.add_to(*verb);
     verb->add_option("--mu-b", command->scenario.choice.friction,
                      "mean brake friction instead of a new brake's");
     verb->add_option("--picture-speed", command->picture_mps, "speed of margins.png, m/s")
@@ -82,7 +103,8 @@ LabVerb margins_verb(CLI::App& lab) {
         "Two loops: the shipped law with its observer and predictor, and the paper's PID on measured slip "
         "with the gains of "
         "CONFIG/margins.toml.\nExamples:\n  rig-lab margins\n  rig-lab margins --constant-slip --speeds 20 "
-        "--out out/exact");
+        "--out out/exact\n  rig-lab margins --tyre ring --frequency 50,80,120 --damping 0.03,0.10 "
+        "--belt-share 0.25,0.45");
     return {verb, [command] { return command->run(); }};
 }
 

@@ -6,16 +6,19 @@
 #include <complex>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 
 #include "firmware/control/estimator.hpp"
 #include "firmware/control/slip_law.hpp"
+#include "plant_sim/model/compliant_wheel.hpp"
 #include "plant_sim/study/margins/operating_point.hpp"
 #include "tests/control/shaft.hpp"
 #include "tests/control/valve_truth.hpp"
 
 namespace margins_test {
 
-/// Eq. (1b) and (3) at a constant speed, the aircraft's deceleration in v' only, the pressure by eq. (6), and the shipped law on it.
+/// Eq. (1b) and (3) at a constant speed, the aircraft's deceleration in v' only, the pressure by eq. (6), and the shipped law on it. On a
+/// tyre that gives way the wheel is plant::CompliantWheel, and speed stays constant only with a mass that nothing slows down.
 class FrozenStop {
   public:
     FrozenStop(antiskid::control::Config config, const plant::RigParameters& rig,
@@ -30,6 +33,16 @@ class FrozenStop {
           flywheel_(rig.flywheel_encoder.teeth),
           flywheel_radius_m_(rig.flywheel_radius_m),
           slip_(at.slip) {
+        if (rig.wheel.compliance.any()) {
+            tyre_.emplace(
+                rig.wheel,
+                plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps),
+                rig.surface.law());
+            motion_ = {.v_mps = at.speed_mps,
+                       .omega_radps = (1.0 - at.slip) * at.speed_mps / at.radius_m,
+                       .held = false};
+            tyre_->settle(motion_);
+        }
         config_.slip.low_speed_mps = 0.0F;
         law_ = antiskid::control::SlipLaw(config_.slip, config_.period_s);
         command_Pa_ = at.pressure_Pa;
@@ -46,10 +59,13 @@ class FrozenStop {
         const double h = static_cast<double>(config_.period_s);
         const double given = command_Pa_;
         if (hold_ || deaf_) {
-            valve_.hold(at_.pressure_Pa, h);
+            // A tyre that gives way comes to its equilibrium by itself, where it has one.
+            valve_.hold(at_.pressure_Pa, h, [this](double p, double dt) {
+                if (tyre_ && hold_) move(p, dt);
+            });
         } else {
             valve_.hold(at_.pressure_Pa + gain_ * (given + added_Pa - at_.pressure_Pa), h,
-                        [this](double p, double dt) { slip_ += rate(p) * dt; });
+                        [this](double p, double dt) { move(p, dt); });
         }
         now_ += antiskid::control::Time(std::llround(h * 1e9));
         wheel_.turn_to((1.0 - slip_) * at_.speed_mps / at_.radius_m, h);
@@ -135,6 +151,16 @@ class FrozenStop {
         return c;
     }
 
+    void move(double pressure_Pa, double dt) {
+        if (!tyre_) {
+            slip_ += rate(pressure_Pa) * dt;
+            return;
+        }
+        tyre_->advance(motion_, plant::PressureArc::linear(pressure_Pa, pressure_Pa), {at_.load_N, 0.0, 0.0},
+                       dt);
+        slip_ = 1.0 - motion_.omega_radps * at_.radius_m / at_.speed_mps;
+    }
+
     [[nodiscard]] double rate(double pressure_Pa) const {
         const double mu = plant::friction(surface_, slip_).mu;
         const double ratio = at_.mass_kg * at_.radius_m * at_.radius_m / at_.inertia_kgm2;
@@ -154,6 +180,8 @@ class FrozenStop {
     antiskid::control::Sensors sensors_;
     antiskid::control::Time now_{};
     double slip_;
+    std::optional<plant::CompliantWheel> tyre_;  // where it gives way: then the wheel is the plant's own
+    plant::WheelState motion_;
     double command_Pa_ = 0.0;
     bool hold_ = true;
     bool deaf_ = false;  // the plant stays where it is

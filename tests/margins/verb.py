@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""rig-lab margins and tune: what bad input gets, and that a study leaves its files. [STUDY-300]
+"""rig-lab margins and tune: what bad input gets, and that a study leaves its files. [STUDY-300] [STUDY-305]
 
 usage: verb.py RIG_LAB
 """
@@ -82,6 +82,10 @@ with tempfile.TemporaryDirectory() as scratch:
     refused("tune: --check of the PID", ["--loop law"], "tune", "--check", "--out", out)
     refused("tune: --check and --write", ["--write"], "tune", "--loop", "law", "--check", "--write", CONFIG / "controller.toml", "--out", out)
     refused("tune: --write of the PID", ["--loop law"], "tune", "--write", CONFIG / "controller.toml", "--out", out)
+    for says, *bad in (("--tyre", "--tyre", "solid"), ("--frequency", "--frequency", 80), ("--length", "--tyre", "ring", "--length", 0.2),
+                       ("--damping", "--tyre", "relaxation", "--damping", 0.1), ("--frequency", "--tyre", "ring", "--frequency", "80,4"),
+                       ("--belt-share", "--tyre", "ring", "--belt-share", "nan"), ("--floor", "--tyre", "relaxation", "--floor", 0)):
+        refused(f"margins: {' '.join(map(str, bad))}", [says], "margins", *bad, "--out", out)
     refused("margins: --mu-b nan", ["mu_b"], "margins", "--mu-b", "nan", "--out", out)
     check("and all that left nothing", not out.exists())
 
@@ -97,3 +101,29 @@ with tempfile.TemporaryDirectory() as scratch:
           and "| dry_cobblestone | heavy |" in text.split("Where the shipped law cannot have")[1], str(creeping))
     check("the cells that no controller can meet are listed on screen and in the file", len(infeasible) == 11
           and all(f"| {surface} | {maneuver} |" in text for surface, maneuver in infeasible), text)
+
+    def margins_of(*arguments):
+        status, text, err = run("margins", "--speeds", 2, "--out", out, *arguments)
+        check(f"margins {' '.join(map(str, arguments))}", status == 0, err)
+        return json.loads((out / "results.json").read_text()), text
+
+    own = CONFIG / "landing_gear.toml"
+    (config / own.name).write_text(own.read_text() + '[tyre]\nmodel = "ring"\nbelt_share = 0.45\nfrequency_Hz = 50.0\ndamping = 0.03\n')
+    file.write_text(good)
+    ring, text = margins_of("--tyre", "ring", "--frequency", 50, "--damping", 0.03, "--belt-share", 0.45)
+    check("the ring's swing is told", "ring 50 Hz, damping 0.03, belt 0.45" in text and "swings up by itself" in text
+          and all(cell["wheel_swing_radps"] > 0 for cell in ring["cells"]), text)
+    of_file, _ = margins_of("--config", config)
+    check("the rig file's tyre is the same", of_file["cells"] == ring["cells"] and of_file["tyre"] == ring["tyre"])
+    static, _ = margins_of()
+    check("without one the tyre is the paper's", static["tyre"] == "static" and static["cells"] != ring["cells"]
+          and all(cell["wheel_swing_radps"] is None for cell in static["cells"]))
+    check("and so it is on request", margins_of("--config", config, "--tyre", "static")[0]["cells"] == static["cells"])
+    table, text = margins_of("--tyre", "ring", "--frequency", "50,120", "--damping", 0.03, "--belt-share", 0.45)
+    stable = sum(cell["law"]["full"]["stable"] for cell in ring["cells"])
+    swings = sum(cell["wheel_swing_growth_per_s"] > 0 for cell in ring["cells"])
+    check("lists make a table by tyre", [row["tyre"].split(",")[0] for row in table["tyres"]] == ["ring 50 Hz", "ring 120 Hz"]
+          and text.count("| ring ") == 2 and (table["tyres"][0]["stable"], table["tyres"][0]["wheel_swings_up"]) == (stable, swings), text)
+    check("a stiffer carcass swings up in fewer cells", table["tyres"][1]["wheel_swings_up"] < swings, text)
+    relaxed, _ = margins_of("--tyre", "relaxation", "--length", 0.3)
+    check("a relaxation length changes margins, too", relaxed["cells"] != static["cells"])

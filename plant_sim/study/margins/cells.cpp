@@ -1,9 +1,12 @@
 #include "plant_sim/study/margins/cells.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "plant_sim/study/margins/law_loop.hpp"
+#include "plant_sim/study/margins/linear_wheel.hpp"
 
 namespace study::margins {
 
@@ -11,15 +14,24 @@ namespace {
 
 constexpr double kUndecided_per_s = 1e-3;  // growth this slow is the limit of stability itself
 
-Margins law_margins(const antiskid::control::Config& controller, const Scenario& scenario,
-                    const OperatingPoint& at, Linearisation linearisation) {
-    const SampledLoop loop(law_system(controller, scenario.rig, at, linearisation));
+/// `slowest`: Cell::law_slowest.
+Margins law_margins(const PeriodicSystem& system, const Scenario& scenario, Complex& slowest) {
+    const SampledLoop loop(system);
     const Margins m = margins(loop);
-    const double growth = loop.closed_poles().front().real();
+    slowest = loop.closed_poles().front();
+    const double growth = slowest.real();
     if (std::abs(growth) > kUndecided_per_s && m.stable != (growth < 0.0))
         throw std::logic_error("Nyquist's count disagrees with the closed loop's eigenvalues on " +
                                scenario.surface + ", " + scenario.maneuver);
     return m;
+}
+
+/// As OperatingPoint::wheel_pole_radps.
+double fastest_real_pole_radps(const LinearWheel& wheel) {
+    double fastest = -std::numeric_limits<double>::infinity();
+    for (const Complex& p : wheel.poles())
+        if (p.imag() == 0.0) fastest = std::max(fastest, p.real());
+    return -fastest;
 }
 
 }  // namespace
@@ -45,15 +57,19 @@ std::vector<Cell> study_cells(const std::vector<Scenario>& scenarios,
             c.printed_pole_radps = c.at.wheel_pole_radps(Linearisation::printed);
             c.full_pole_radps = c.at.wheel_pole_radps(Linearisation::full);
             c.reachable = c.at.pressure_Pa <= s.full_pressure_Pa;
-            c.limits =
-                limits(c.full_pole_radps, s.rig.valve.delay_s, static_cast<double>(controller.period_s));
+            const LinearWheel wheel = linear_wheel(c.at, Linearisation::full);
+            c.swing = wheel.swing();
+            c.limits = limits(fastest_real_pole_radps(wheel), s.rig.valve.delay_s,
+                              static_cast<double>(controller.period_s));
             c.pid = {margins(pid_loop(pid, s.rig.valve, c.at, Linearisation::printed)),
                      margins(pid_loop(pid, s.rig.valve, c.at, Linearisation::full))};
             const PeriodicSystem law = law_system(controller, s.rig, c.at, Linearisation::full);
             c.edge_periods = law.a.size();
             c.controller_growth_per_s = controller_growth_per_s(law);
-            c.law = {law_margins(controller, s, c.at, Linearisation::printed),
-                     law_margins(controller, s, c.at, Linearisation::full)};
+            Complex printed_slowest;
+            c.law.printed =
+                law_margins(law_system(controller, s.rig, c.at, Linearisation::printed), s, printed_slowest);
+            c.law.full = law_margins(law, s, c.law_slowest);
             cells.push_back(c);
         }
         if (progress) progress(i + 1, scenarios.size());

@@ -1,8 +1,8 @@
 /// The study: every scenario at every speed, both loops, both linearisations, beside what is possible at all.
 #pragma once
 
-#include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,13 +40,21 @@ struct Cell {
     double printed_pole_radps = 0.0;
     double full_pole_radps = 0.0;
     bool reachable = true;  ///< the valve's full pressure can hold this slip
-    Limits limits;          ///< of any controller with this period, full linearisation
+    Limits
+        limits;  ///< of any controller with this period, by the wheel's fastest unstable pole that does not swing
+    std::optional<Complex> swing;  ///< of the wheel by itself, full linearisation, as LinearWheel::swing()
     BothMargins pid;
     BothMargins law;
+    Complex law_slowest;  ///< the closed loop's pole that grows fastest or dies slowest, 1/s and rad/s
     double controller_growth_per_s =
         0.0;                       ///< of the law by itself, controller_growth_per_s() of law_loop.hpp
     std::size_t edge_periods = 1;  ///< periods between two edges of the wheel's encoder, N of law_loop.hpp
 };
+
+/// The wheel's own swing grows: beyond the peak a belt that is damped too lightly excites itself.
+[[nodiscard]] inline bool excites_itself(const Cell& cell) {
+    return cell.swing && cell.swing->real() > 0.0;
+}
 
 [[nodiscard]] bool meets(const Margins& margins, const Requirement& requirement);
 

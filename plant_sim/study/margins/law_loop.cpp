@@ -1,13 +1,12 @@
 #include "plant_sim/study/margins/law_loop.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <stdexcept>
 
 #include "plant_sim/study/margins/dense.hpp"
+#include "plant_sim/study/margins/linear_wheel.hpp"
+#include "plant_sim/study/margins/sampled_plant.hpp"
 
 namespace study::margins {
 
@@ -15,7 +14,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Matrix2d;
-using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::Vector2d;
@@ -23,7 +21,6 @@ using Eigen::VectorXd;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kSpeedNoise = 1.0, kClockNoise_radps = 0.02;  // as in wheel_observer.cpp
-constexpr double kGone = 1e-9;  // an eigenvalue this small is a pipe that has run empty
 
 /// The lag of eq. (6) over `h` with a held input: state (p, p'), unit static gain.
 struct Lag {
@@ -38,49 +35,8 @@ Lag lag(double omega_n, double xi, double h) {
     return {phi, {1.0 - phi(0, 0), -phi(1, 0)}};
 }
 
-/// Valve and wheel over one period: pressure and its rate, slip, and the integral of slip since the period began.
-struct Plant {
-    Eigen::Matrix4d phi;
-    Eigen::Vector4d old_input, new_input;  // before and after the broken part of the delay
-};
-
-Plant plant(const plant::ValveParameters& valve, double wheel_pole, double per_pressure, double valve_gain,
-            double h, double broken) {
-    const double w = valve.natural_frequency_radps;
-    Eigen::Matrix<double, 5, 5> a = Eigen::Matrix<double, 5, 5>::Zero();
-    a(0, 1) = 1.0;
-    a(1, 0) = -w * w;
-    a(1, 1) = -2.0 * valve.damping * w;
-    a(1, 4) = w * w * valve_gain;
-    a(2, 0) = per_pressure;
-    a(2, 2) = -wheel_pole;
-    a(3, 2) = 1.0;
-    const Eigen::Matrix<double, 5, 5> first = exponential(a * broken);
-    const Eigen::Matrix<double, 5, 5> second = exponential(a * (h - broken));
-    return {second.topLeftCorner<4, 4>() * first.topLeftCorner<4, 4>(),
-            second.topLeftCorner<4, 4>() * first.topRightCorner<4, 1>(), second.topRightCorner<4, 1>()};
-}
-
 std::size_t whole_periods(double delay_s, double period_s) {
     return static_cast<std::size_t>(std::floor(delay_s / period_s + 1e-3));
-}
-
-/// dP/di of a polyline at pressure `p`.
-double slope(const std::vector<plant::PressureMap::Point>& points, double p) {
-    std::size_t i = 1;
-    while (i + 1 < points.size() && points[i].pressure_Pa < p) ++i;
-    return (points[i].pressure_Pa - points[i - 1].pressure_Pa) /
-           (points[i].current_mA - points[i - 1].current_mA);
-}
-
-/// Valve gain of the plant over the one that the controller divides by, at pressure `p`.
-double valve_gain(const antiskid::control::ValveConfig& config, const plant::PressureMap& map, double p) {
-    std::vector<plant::PressureMap::Point> believed;
-    believed.reserve(config.points);
-    for (std::size_t i = 0; i < config.points; ++i)
-        believed.push_back(
-            {static_cast<double>(config.current_mA[i]), static_cast<double>(config.pressure_Pa[i])});
-    return slope(map.points(), p) / slope(believed, p);
 }
 
 /// One period of controller and plant, step by step as their code does it, in units of slip: pressure as the slip rate that it causes
@@ -120,12 +76,14 @@ class Period {
         const double true_per_believed = at.brake_gain_m3 / at.inertia_kgm2 / believed;
         pipe_ = whole_periods(rig.valve.delay_s, h_);
         const double broken = std::max(rig.valve.delay_s - static_cast<double>(pipe_) * h_, 0.0);
-        plant_ = plant(rig.valve, at.wheel_pole_radps(linearisation), true_per_believed,
-                       valve_gain(valve, rig.pressure_map, at.pressure_Pa), h_, broken);
+        const LinearWheel wheel = linear_wheel(at, linearisation);
+        wheel_states_ = wheel.a.rows();
+        plant_ = sampled_plant(rig.valve, wheel, true_per_believed,
+                               valve_gain(valve, rig.pressure_map, at.pressure_Pa), h_, broken);
     }
 
     // The state, in this order: commands in the controller's pipe, its valve state, tracker, integral, valve offset; commands in the
-    // valve's pipe, valve state and slip, mean slip over the last periods, newest first.
+    // valve's pipe, valve state and wheel, mean slip of the rim over the last periods, newest first.
     [[nodiscard]] Index size() const { return means_at() + static_cast<Index>(news_every_) + 1; }
     [[nodiscard]] std::size_t news_every() const { return news_every_; }
     [[nodiscard]] Index controller_states() const { return plant_at(); }
@@ -141,7 +99,7 @@ class Period {
     [[nodiscard]] Index valve_at() const { return static_cast<Index>(whole_) + 2; }
     [[nodiscard]] Index plant_at() const { return valve_at() + 6; }
     [[nodiscard]] Index motion_at() const { return plant_at() + static_cast<Index>(pipe_) + 2; }
-    [[nodiscard]] Index means_at() const { return motion_at() + 3; }
+    [[nodiscard]] Index means_at() const { return motion_at() + 2 + wheel_states_; }
 
     /// WheelStep of wheel_observer.hpp.
     struct Motion {
@@ -247,13 +205,14 @@ class Period {
         x[p] = w;
         // The command of `pipe_` periods ago acts once the broken part of the delay has passed, until then the one before it.
         const Index acting = p + static_cast<Index>(pipe_);
-        Eigen::Vector4d motion;
-        motion << x.segment<3>(m), 0.0;
+        const Index moving = 2 + wheel_states_;
+        VectorXd motion(moving + 1);
+        motion << x.segment(m, moving), 0.0;
         motion =
             (plant_.phi * motion + plant_.new_input * x[acting] + plant_.old_input * x[acting + 1]).eval();
-        x.segment<3>(m) = motion.head<3>();
+        x.segment(m, moving) = motion.head(moving);
         for (Index i = size() - 1; i > means_at(); --i) x[i] = x[i - 1];
-        x[means_at()] = motion[3] / h_;
+        x[means_at()] = motion[moving] / h_;
     }
 
     antiskid::control::SlipConfig law_;
@@ -265,130 +224,11 @@ class Period {
     Gains correct_;
     double edge_age_ = 0.0, reading_age_ = 0.0, deceleration_per_s_ = 0.0;
     Lag model_;
-    Plant plant_;
+    Index wheel_states_ = 1;
+    SampledPlant plant_;
 };
 
-/// Solves (z I - H) X = B for upper Hessenberg H.
-MatrixXcd solve_hessenberg(const MatrixXd& h, Complex z, const MatrixXd& b) {
-    const Index n = h.rows();
-    MatrixXcd m = -h.cast<Complex>();
-    m.diagonal().array() += z;
-    MatrixXcd x = b.cast<Complex>();
-    for (Index i = 0; i + 1 < n; ++i) {
-        if (std::abs(m(i + 1, i)) > std::abs(m(i, i))) {
-            m.row(i).tail(n - i).swap(m.row(i + 1).tail(n - i));
-            x.row(i).swap(x.row(i + 1));
-        }
-        if (m(i, i) == 0.0)
-            continue;  // the whole column is zero: z is a pole, and the division below says so
-        const Complex f = m(i + 1, i) / m(i, i);
-        if (f == 0.0) continue;
-        m.row(i + 1).tail(n - i) -= f * m.row(i).tail(n - i);
-        x.row(i + 1) -= f * x.row(i);
-    }
-    m.triangularView<Eigen::Upper>().solveInPlace(x);
-    return x;
-}
-
-/// As growth rate and frequency, the most unstable first; pipes that have run empty are left out.
-std::vector<Complex> rates(const MatrixXd& monodromy, double h) {
-    std::vector<Complex> s;
-    const std::vector<Complex> values = eigenvalues(monodromy);
-    s.reserve(values.size());
-    for (const Complex& v : values)
-        if (std::abs(v) > kGone) s.push_back(std::log(v) / h);
-    std::sort(s.begin(), s.end(), [](Complex a, Complex b) {
-        return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag();
-    });
-    return s;
-}
-
 }  // namespace
-
-SampledLoop::SampledLoop(const PeriodicSystem& system) : system_(system) {
-    const std::size_t n = system.a.size();
-    if (n == 0 || system.c.size() != n || !(system.period_s > 0.0))
-        throw std::invalid_argument("a periodic system needs as many matrices A as rows C, and a period");
-    const Index states = system.b.size();
-    const auto columns = static_cast<Index>(n);
-    MatrixXd monodromy = MatrixXd::Identity(states, states);
-    MatrixXd b = MatrixXd::Zero(states, columns);
-    MatrixXd c(columns, states);
-    through_ = MatrixXd::Zero(columns, columns);
-    for (Index i = 0; i < columns; ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        if (system.a[k].rows() != states || system.a[k].cols() != states || system.c[k].size() != states)
-            throw std::invalid_argument("matrices of a periodic system differ in size");
-        c.row(i) = system.c[k] * monodromy;
-        through_.row(i) = system.c[k] * b;
-        b = (system.a[k] * b).eval();
-        b.col(i) += system.b;
-        monodromy = (system.a[k] * monodromy).eval();
-    }
-    const Eigen::HessenbergDecomposition<MatrixXd> decomposition(monodromy);
-    const MatrixXd q = decomposition.matrixQ();
-    hessenberg_ = decomposition.matrixH();
-    into_ = q.transpose() * b;
-    out_ = c * q;
-    const std::vector<Complex> poles = rates(monodromy, system.period_s * static_cast<double>(n));
-    unstable_poles_ = static_cast<int>(std::count_if(
-        poles.begin(), poles.end(), [](Complex s) { return s.real() > 0.0 && std::abs(s) > kIndent_radps; }));
-}
-
-double SampledLoop::end_radps() const {
-    return kPi / (system_.period_s * static_cast<double>(system_.a.size()));
-}
-
-MatrixXcd SampledLoop::lifted(Complex s) const {
-    const Complex z = std::exp(s * system_.period_s * static_cast<double>(system_.a.size()));
-    return -(through_.cast<Complex>() + out_.cast<Complex>() * solve_hessenberg(hessenberg_, z, into_));
-}
-
-void SampledLoop::at(Complex s, std::vector<Complex>& loci) const {
-    const MatrixXcd l = lifted(s);
-    if (l.size() == 1) {
-        loci.assign(1, l(0, 0));
-        return;
-    }
-    loci = eigenvalues(l);
-}
-
-double SampledLoop::most_approach(Complex from, Complex to, const std::vector<Complex>& loci) const {
-    std::vector<Complex> there;
-    double most = 0.0;
-    for (const Complex s : {0.5 * (from + to), to}) {
-        at(s, there);
-        for (const Complex l : loci) {
-            double nearest = std::numeric_limits<double>::infinity();
-            for (const Complex t : there) nearest = std::min(nearest, std::abs(t - l));
-            most = std::max(most, nearest / std::abs(1.0 + l));
-        }
-    }
-    return 2.0 * most;
-}
-
-Complex SampledLoop::response(double frequency_radps) const {
-    const Complex turn(0.0, frequency_radps * system_.period_s);
-    const MatrixXcd l = lifted({0.0, frequency_radps});
-    Complex sum = 0.0;
-    for (Index i = 0; i < l.rows(); ++i)
-        for (Index j = 0; j < l.cols(); ++j) sum += l(i, j) * std::exp(turn * static_cast<double>(j - i));
-    return sum / static_cast<double>(l.rows());
-}
-
-std::vector<Complex> SampledLoop::closed_poles(double gain) const {
-    MatrixXd monodromy = MatrixXd::Identity(system_.b.size(), system_.b.size());
-    for (std::size_t i = 0; i < system_.a.size(); ++i)
-        monodromy = ((system_.a[i] + gain * system_.b * system_.c[i]) * monodromy).eval();
-    return rates(monodromy, system_.period_s * static_cast<double>(system_.a.size()));
-}
-
-double controller_growth_per_s(const PeriodicSystem& system) {
-    const Index n = system.controller_states;
-    MatrixXd monodromy = MatrixXd::Identity(n, n);
-    for (const MatrixXd& a : system.a) monodromy = (a.topLeftCorner(n, n) * monodromy).eval();
-    return rates(monodromy, system.period_s * static_cast<double>(system.a.size())).front().real();
-}
 
 PeriodicSystem law_system(const antiskid::control::Config& config, const plant::RigParameters& rig,
                           const OperatingPoint& at, Linearisation linearisation,

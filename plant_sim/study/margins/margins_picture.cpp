@@ -106,7 +106,8 @@ void draw_plant(const std::vector<Scenario>& scenarios, double slip_reference, d
 }
 
 void draw_margins(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells,
-                  const Requirement& requirement, const std::filesystem::path& png) {
+                  const ReportHead& head, const std::filesystem::path& png) {
+    const Requirement& requirement = head.options.requirement;
     const std::vector<std::string> names = surfaces(scenarios);
     std::vector<std::string> bodies(names.size());
     std::size_t last = scenarios.size();
@@ -117,13 +118,15 @@ void draw_margins(const std::vector<Scenario>& scenarios, const std::vector<Cell
         const auto shown = [](double x) { return std::isfinite(x) ? fmt::format("{:.4f}", x) : "NaN"; };
         fmt::format_to(std::back_inserter(body), "{:.4f} {} {} {} {:.4f}\n", c.at.speed_mps,
                        shown(c.law.full.phase_deg), shown(c.law.full.gain_up_dB),
-                       shown(c.law.full.gain_down_dB), c.full_pole_radps < 0.0 ? c.limits.phase_deg : 180.0);
+                       shown(c.law.full.gain_down_dB), c.limits.phase_deg);
     }
     std::string script = blocks(bodies) + kStyle;
-    script +=
-        "set multiplot layout 2,2 title 'Margins of the shipped slip law over speed, all scenarios (one line "
-        "each)' margins "
-        "0.07,0.985,0.17,0.91 spacing 0.075,0.1\nset xrange [0:*]\n";
+    script += fmt::format(
+        "set multiplot layout 2,2 title {} noenhanced margins 0.07,0.985,0.17,0.91 spacing 0.075,0.1\n"
+        "set xrange [0:*]\n",
+        gnuplot_quoted(
+            fmt::format("Margins of the shipped slip law over speed, tyre {}, all scenarios (one line each)",
+                        head.tyre)));
     const auto panel = [&](const char* title, const char* y_range, const char* columns, double wanted,
                            bool bottom, bool titled) {
         fmt::format_to(

@@ -86,12 +86,13 @@ std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<C
                      const ReportHead& head) {
     const Requirement& r = head.options.requirement;
     std::string t = fmt::format(
-        "Worst margins over the speeds from brake-on to drop-out, full linearisation, slip reference "
+        "Worst margins over the speeds from brake-on to drop-out, full linearisation, tyre {}, slip "
+        "reference "
         "{:.2f}{}: value at speed (m/s)\n\n"
         "| surface | maneuver | law: PM (deg) | up (dB) | down (dB) | PID: PM (deg) | up (dB) | down (dB) | "
         "cells below {:.0f} deg or {:.0f} dB: law | PID | "
         "infeasible for any controller |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
-        head.options.slip_reference,
+        head.tyre, head.options.slip_reference,
         head.options.low_speed_fall ? ", falling at low speed" : " at every speed", r.phase_deg, r.gain_dB);
     const auto law_fails = [&](const Cell& c) { return !meets(c.law.full, r); };
     const auto pid_fails = [&](const Cell& c) { return !meets(c.pid.full, r); };
@@ -124,7 +125,7 @@ std::string to_json(const std::vector<Scenario>& scenarios, const std::vector<Ce
                     const ReportHead& head) {
     ordered_json rows = ordered_json::array();
     for (const Cell& c : cells) {
-        const bool limited = c.full_pole_radps < 0.0;
+        const bool limited = c.limits.gamma > 1.0;
         rows.push_back(
             {{"surface", scenarios[c.scenario].surface},
              {"maneuver", scenarios[c.scenario].maneuver},
@@ -134,8 +135,12 @@ std::string to_json(const std::vector<Scenario>& scenarios, const std::vector<Ce
              {"reachable", c.reachable},
              {"pole_printed_radps", -c.printed_pole_radps},
              {"pole_full_radps", -c.full_pole_radps},
+             {"wheel_swing_growth_per_s", c.swing ? ordered_json(c.swing->real()) : ordered_json()},
+             {"wheel_swing_radps", c.swing ? ordered_json(c.swing->imag()) : ordered_json()},
              {"wheel_edge_periods", c.edge_periods},
              {"law_alone_growth_per_s", c.controller_growth_per_s},
+             {"law_slowest_growth_per_s", c.law_slowest.real()},
+             {"law_slowest_radps", std::abs(c.law_slowest.imag())},
              {"limit_phase_margin_deg", limited ? ordered_json(c.limits.phase_deg) : ordered_json()},
              {"limit_gain_range_dB", limited ? ordered_json(c.limits.gain_range_dB) : ordered_json()},
              {"feasible", c.limits.allow(head.options.requirement)},
@@ -147,6 +152,7 @@ std::string to_json(const std::vector<Scenario>& scenarios, const std::vector<Ce
         {"config_hash", head.config_hash},
         {"version", head.version},
         {"seed", nullptr},  // nothing is drawn
+        {"tyre", head.tyre},
         {"slip_reference", head.options.slip_reference},
         {"low_speed_fall", head.options.low_speed_fall},
         {"required_phase_margin_deg", head.options.requirement.phase_deg},

@@ -15,6 +15,7 @@ struct ReportHead {
     std::string version;
     StudyOptions options;
     Pid pid;
+    std::string tyre = "static";  ///< tyre_name() of tyres.hpp
 };
 
 /// Markdown, one row a scenario: the worst margins over its speeds and where, full linearisation; then what is infeasible.
@@ -29,6 +30,6 @@ void draw_plant(const std::vector<Scenario>& scenarios, double slip_reference, d
                 const std::filesystem::path& png);
 /// Margins of the shipped law over speed, all scenarios.
 void draw_margins(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells,
-                  const Requirement& requirement, const std::filesystem::path& png);
+                  const ReportHead& head, const std::filesystem::path& png);
 
 }  // namespace study::margins

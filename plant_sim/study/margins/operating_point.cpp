@@ -1,5 +1,6 @@
 #include "plant_sim/study/margins/operating_point.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -29,6 +30,11 @@ OperatingPoint operating_point(const plant::RigParameters& rig, double speed_mps
     const plant::Friction f = plant::friction(rig.surface, slip);
     p.mu = f.mu;
     p.mu_1 = f.mu_1;
+    p.ring = rig.wheel.compliance.ring;
+    if (const plant::RelaxationParameters& relaxation = rig.wheel.compliance.relaxation;
+        relaxation.length_m > 0.0)
+        p.relaxation_m = std::max(relaxation.length_m * f.mu_1 / plant::friction(rig.surface, 0.0).mu_1,
+                                  relaxation.floor_m);
     p.deceleration_mps2 = p.load_N * f.mu / p.mass_kg;
     // At constant slip the wheel slows down with the aircraft, eq. (3): the brake takes its spin, too.
     const double wheel_radps2 = (1.0 - slip) / p.radius_m * p.deceleration_mps2;

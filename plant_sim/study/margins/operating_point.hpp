@@ -26,8 +26,10 @@ struct OperatingPoint {
     double mu_1 = 0.0;               ///< d mu / d lambda
     double pressure_Pa = 0.0;        ///< that holds the slip; may be more than the valve can give
     double deceleration_mps2 = 0.0;  ///< F_x / m
+    plant::RingParameters ring{};    ///< of the tyre; without a belt none
+    double relaxation_m = 0.0;       ///< sigma of compliance.hpp at this slip; 0: none
 
-    /// a of G(s) = (r / (J v)) / (s + a): below zero past the peak, where the wheel runs away.
+    /// Of the rigid wheel, whatever the tyre: a of G(s) = (r / (J v)) / (s + a): below zero past the peak, where the wheel runs away.
     [[nodiscard]] double wheel_pole_radps(Linearisation linearisation) const;
 };
 

@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
+
+#include "plant_sim/study/margins/linear_wheel.hpp"
 
 namespace study::margins {
 
@@ -26,13 +29,25 @@ std::vector<Complex> valve_poles(const plant::ValveParameters& valve) {
     return roots(1.0, 2.0 * valve.damping * w, w * w);
 }
 
-DelayLoop make(const Pid& pid, const plant::ValveParameters& valve, double pole, double factor) {
+/// The wheel's answer to a slip rate that the brake asks for: gain prod(s - z) / prod(s - p).
+struct Wheel {
+    double gain;
+    std::vector<Complex> zeros, poles;
+};
+
+Wheel wheel_at(const OperatingPoint& at, Linearisation linearisation) {
+    const LinearWheel w = linear_wheel(at, linearisation);
+    return {w.gain, w.zeros(), w.poles()};
+}
+
+DelayLoop make(const Pid& pid, const plant::ValveParameters& valve, Wheel wheel, double factor) {
     if (pid.k_d != 0.0 && !(pid.filter_s > 0.0))
         throw std::invalid_argument("a derivative needs a filter time above zero");
     const double w = valve.natural_frequency_radps;
-    std::vector<Complex> poles = valve_poles(valve);
-    poles.emplace_back(-pole);
-    double gain = factor * w * w;
+    std::vector<Complex> poles = std::move(wheel.poles), zeros = std::move(wheel.zeros);
+    const std::vector<Complex> lag = valve_poles(valve);
+    poles.insert(poles.begin(), lag.begin(), lag.end());
+    double gain = factor * w * w * wheel.gain;
     // C(s) = (k_p s (1 + s T) + k_i (1 + s T) + k_d s^2) / (s (1 + s T))
     const double t = pid.k_d != 0.0 ? pid.filter_s : 0.0;
     double c2 = pid.k_p_per_s * t + pid.k_d, c1 = pid.k_p_per_s + pid.k_i_per_s2 * t, c0 = pid.k_i_per_s2;
@@ -48,25 +63,27 @@ DelayLoop make(const Pid& pid, const plant::ValveParameters& valve, double pole,
     double leading = c2;
     if (leading == 0.0) leading = c1;
     if (leading == 0.0) leading = c0;
-    return {gain * leading, roots(c2, c1, c0), poles, valve.delay_s};
+    const std::vector<Complex> controller = roots(c2, c1, c0);
+    zeros.insert(zeros.begin(), controller.begin(), controller.end());
+    return {gain * leading, std::move(zeros), std::move(poles), valve.delay_s};
 }
 
 }  // namespace
 
 DelayLoop pid_loop(const Pid& pid, const plant::ValveParameters& valve, const OperatingPoint& at,
                    Linearisation linearisation) {
-    return make(pid, valve, at.wheel_pole_radps(linearisation),
+    return make(pid, valve, wheel_at(at, linearisation),
                 std::pow(at.speed_mps / Pid::kScheduleSpeed_mps, pid.schedule - 1.0));
 }
 
 DelayLoop pid_loop(const Pid& pid, const plant::ValveParameters& valve, double wheel_pole_radps) {
-    return make(pid, valve, wheel_pole_radps, 1.0);
+    return make(pid, valve, {1.0, {}, {-wheel_pole_radps}}, 1.0);
 }
 
 DelayLoop plant_loop(const plant::ValveParameters& valve, const OperatingPoint& at,
                      Linearisation linearisation) {
     const double per_MPa = 1e6 * at.brake_gain_m3 * at.radius_m / (at.inertia_kgm2 * at.speed_mps);
-    return make({.k_p_per_s = 1.0}, valve, at.wheel_pole_radps(linearisation), per_MPa);
+    return make({.k_p_per_s = 1.0}, valve, wheel_at(at, linearisation), per_MPa);
 }
 
 }  // namespace study::margins
