@@ -54,7 +54,8 @@ struct Bench {
     ClientPlc client{map, server.port()};
     FakeFeed feed;
     FakeBus bus;
-    rig::Node node{layout, 1e-3, {.registers_s = 30.0, .commit_s = 30.0, .watchdog_s = 30.0}, client, feed, bus};
+    rig::Node node{layout, 1e-3, {.registers_s = 30.0, .commit_s = 30.0, .watchdog_s = 30.0},
+                   client, feed, bus};
     sequencer::Sequencer sequencer{rig::plan(scenario, 1, 1)};
     bridge_test::Time now = 1s;
     double encoder_scale = 1.0;  ///< of the flywheel's encoder on the bus
