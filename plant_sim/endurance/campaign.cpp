@@ -11,6 +11,7 @@
 #include "plant_sim/endurance/test_cell.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 #include "rig_bridge/health/health_watch.hpp"
+#include "rig_bridge/scenario/acceptance.hpp"
 
 namespace endurance {
 
@@ -80,13 +81,15 @@ rig::Summary head(const Setup& setup, const CampaignOptions& options) {
     return summary;
 }
 
-rig::Summary summary_of(const rig::Summary& head, const Outcome& outcome) {
+rig::Summary summary_of(const rig::Summary& head, const Outcome& outcome,
+                        const std::vector<rig::Band>& bands) {
     rig::Summary summary = head;
     const bool finished = outcome.phase == sequencer::Phase::finished;
     summary.outcome = finished ? "finished" : sequencer::name(outcome.abort);
     summary.figures = outcome.figures;
     summary.cumulative_energy_J += outcome.figures.energy_brake_J;
     summary.faults = names(outcome.faults);
+    if (finished && !bands.empty()) summary.out_of_tolerance = rig::out_of_tolerance(bands, summary.figures);
     return summary;
 }
 
@@ -126,9 +129,11 @@ CampaignResult run_campaign(const Setup& setup, const CampaignOptions& options,
         next.started = rig_clock(cell.time_s());
         (void)ledger.begin(*number, next.started, slip_reference);
         cell.rig().take_up(brake);
-        result.last = summary_of(next, cell.run(rig::plan(setup.scenario, options.seed, *number)));
+        const sequencer::Plan plan = rig::plan(setup.scenario, options.seed, *number);
+        result.last = summary_of(next, cell.run(plan), rig::acceptance(setup.scenario, plan));
         ledger.finish(result.last);
-        if (watch && result.last.outcome == "finished") ledger.judge(*number, watch->after(result.last));
+        if (watch && result.last.outcome == "finished" && !rig::off_conditions(result.last))
+            ledger.judge(*number, watch->after(result.last));
         next.cumulative_energy_J = result.last.cumulative_energy_J;
         brake = {brake.seed, brake.maneuvers + 1, next.cumulative_energy_J};
         if (!options.brake_state.empty()) wear::keep_brake_state(options.brake_state, brake, wear);

@@ -8,7 +8,7 @@ using rig::Measured;
 namespace {
 
 /// Everything but watchdog and commit.
-rig::CommandedValues registers(const sequencer::Outputs& out) {
+rig::CommandedValues registers(const sequencer::Outputs& out, bool reset) {
     rig::CommandedValues c{};
     rig::at(c, Commanded::drive_enable) = out.drive_enable ? 1.0 : 0.0;
     rig::at(c, Commanded::flywheel_speed_mps) = out.flywheel_set_mps;
@@ -16,6 +16,7 @@ rig::CommandedValues registers(const sequencer::Outputs& out) {
     rig::at(c, Commanded::load_enable) = out.load_enable ? 1.0 : 0.0;
     rig::at(c, Commanded::load_base_N) = out.load_base_N;
     rig::at(c, Commanded::load_lift_Ns2pm2) = out.load_lift_Ns2pm2;
+    rig::at(c, Commanded::reset) = reset ? 1.0 : 0.0;
     return c;
 }
 
@@ -26,8 +27,8 @@ bool good(const rig::MeasuredValues& m, rig::Interlock interlock) {
 
 }  // namespace
 
-const rig::CommandedValues& DirectPlc::command(const sequencer::Outputs& wanted, double now_s) {
-    rig::CommandedValues next = registers(wanted);
+const rig::CommandedValues& DirectPlc::command(const sequencer::Outputs& wanted, bool reset, double now_s) {
+    rig::CommandedValues next = registers(wanted, reset);
     rig::at(next, Commanded::bridge_watchdog) = rig::at(commanded_, Commanded::bridge_watchdog);
     rig::at(next, Commanded::commit) = commit_;
     if (next != commanded_ || commit_ == 0) {

@@ -14,7 +14,8 @@ class DirectPlc {
     static constexpr double kConfirm_s = 0.1;
 
     /// Once per step of the sequencer: the holding registers. A new commit number where anything differs; the watchdog always moves.
-    [[nodiscard]] const rig::CommandedValues& command(const sequencer::Outputs& wanted, double now_s);
+    [[nodiscard]] const rig::CommandedValues& command(const sequencer::Outputs& wanted, bool reset,
+                                                      double now_s);
 
     /// What the PLC says, as Inputs: all but those of bus and controller.
     [[nodiscard]] sequencer::Inputs read(const rig::MeasuredValues& measured, double now_s) const;

@@ -90,13 +90,17 @@ TestCell::TestCell(const rig::Scenario& scenario, const antiskid::control::Confi
       periods_per_step_(std::max<std::int64_t>(1, std::llround(kSequencer_s / seconds(period_)))),
       rig_(scenario.rig, with_period(std::move(options), period_), seed),
       controller_(controller),
-      link_(layout, period_) {}
+      link_(layout, period_),
+      wheel_(scenario.rig.rig.wheel_encoder.teeth),
+      flywheel_(scenario.rig.rig.flywheel_encoder.teeth) {}
 
-sequencer::Inputs TestCell::look(const rig::Meter& meter) const {
+sequencer::Inputs TestCell::look() const {
     sequencer::Inputs in = plc_.read(rig_.measured(), rig_.time_s());
     in.bus_up = true;
     in.sensors_fresh = true;
-    in.wheel_rim_mps = meter.speed_mps() * (1.0 - meter.slip());
+    in.rim_mps = flywheel_.radps() * scenario_.rig.rig.flywheel_radius_m;
+    in.wheel_radps = wheel_.radps();
+    in.wheel_rim_mps = in.wheel_radps * scenario_.rolling_radius_m(in.load_N);
     in.pressure_Pa = static_cast<double>(rig_.sample().pressure_Pa);
     in.controller_fresh = true;
     in.controller_standby = command_.state == State::standby;
@@ -123,7 +127,10 @@ void TestCell::period(const sequencer::Outputs& outputs, rig::Meter& meter, cons
     sample.maneuver = maneuver(outputs);
     sample.emergency_stop = outputs.emergency_stop;
     if (metered(outputs.phase)) measure(outputs.phase, sample, meter);
-    command_ = controller_.step(link_.sense(sample, now_), now_);
+    const antiskid::control::Sensors& sensed = link_.sense(sample, now_);
+    wheel_.update(sensed.wheel, now_);
+    flywheel_.update(sensed.flywheel, now_);
+    command_ = controller_.step(sensed, now_);
     faults_.insert(command_.faults);
     const auto current_mA = static_cast<double>(link_.current_mA(command_));
     if (observe) {
@@ -140,13 +147,29 @@ void TestCell::cool(const sequencer::Plan& plan) {
     if (std::isfinite(wait_s)) rig_.pass_idle(wait_s);
 }
 
+void TestCell::await_cold_brake(const sequencer::Plan& plan) {
+    const double cold_C = std::min(plan.cool_to_C, plan.brake_on_limit_C);
+    rig::Meter none(rig::meter_parameters(scenario_.rig, seconds(period_)));
+    while (rig_.brake_temperature_C() > cold_C && std::isfinite(rig_.cooling_time_s(cold_C))) {
+        rig_.command(plc_.command({}, false, rig_.time_s()));
+        if (rig_.idle()) rig_.pass_idle(rig_.cooling_time_s(cold_C) + seconds(period_));
+        for (std::int64_t i = 0; i < periods_per_step_; ++i) period({}, none, {});
+    }
+}
+
 Outcome TestCell::run(const sequencer::Plan& plan, const PeriodObserver& observe) {
     sequencer::Sequencer sequencer(plan);
     rig::Meter meter(rig::meter_parameters(scenario_.rig, seconds(period_)));
+    await_cold_brake(plan);
     faults_ = {};
     while (!sequencer.over()) {
-        const sequencer::Outputs outputs = sequencer.step(look(meter), rig_.time_s());
-        rig_.command(plc_.command(outputs, rig_.time_s()));
+        const sequencer::Inputs seen = look();
+        const sequencer::Outputs outputs = sequencer.step(seen, rig_.time_s());
+        const bool reset =
+            reset_.step(outputs.phase == Phase::idle && !seen.plc_ready && seen.emergency_stop_clear &&
+                            seen.guard_closed && seen.hydraulics_ready && seen.drive_healthy,
+                        rig_.time_s());
+        rig_.command(plc_.command(outputs, reset, rig_.time_s()));
         if (outputs.phase == Phase::cool_down && rig_.idle()) cool(plan);
         for (std::int64_t i = 0; i < periods_per_step_; ++i) period(outputs, meter, observe);
     }

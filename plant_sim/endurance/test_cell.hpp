@@ -15,6 +15,8 @@
 #include "firmware/control/controller.hpp"
 #include "plant_sim/endurance/direct_plc.hpp"
 #include "plant_sim/plc/served_rig.hpp"
+#include "rig_bridge/bridge/live_speed.hpp"
+#include "rig_bridge/bridge/reset_desk.hpp"
 #include "rig_bridge/record/meter.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
 
@@ -45,7 +47,8 @@ class TestCell {
     TestCell(const rig::Scenario& scenario, const antiskid::control::Config& controller,
              const antiskid::can::Layout& layout, plc::ServedRigOptions options, std::uint64_t seed);
 
-    /// One maneuver from idle to its end. `observe` sees every period that is not slept through.
+    /// One maneuver from idle to its end, as the bridge runs it: a brake that the one before left hot cools first, and a tripped PLC is
+    /// reset where every interlock is good. `observe` sees every period from then on that is not slept through.
     [[nodiscard]] Outcome run(const sequencer::Plan& plan, const PeriodObserver& observe = {});
 
     /// The rig, e.g. to open an interlock or to look at the truth.
@@ -56,9 +59,10 @@ class TestCell {
 
   private:
     void measure(sequencer::Phase phase, const antiskid::can::RigSample& sample, rig::Meter& meter) const;
-    [[nodiscard]] sequencer::Inputs look(const rig::Meter& meter) const;
+    [[nodiscard]] sequencer::Inputs look() const;
     void period(const sequencer::Outputs& outputs, rig::Meter& meter, const PeriodObserver& observe);
     void cool(const sequencer::Plan& plan);
+    void await_cold_brake(const sequencer::Plan& plan);
 
     rig::Scenario scenario_;
     const antiskid::can::Layout& layout_;
@@ -67,7 +71,9 @@ class TestCell {
     plc::ServedRig rig_;
     antiskid::control::Controller controller_;
     antiskid::can::RoundedLink link_;
+    rig::LiveSpeed wheel_, flywheel_;
     DirectPlc plc_;
+    rig::ResetDesk reset_;
     antiskid::control::Time now_{};       // of the controller
     antiskid::control::Command command_;  // its newest
     antiskid::control::FaultSet faults_;

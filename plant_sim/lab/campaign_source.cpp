@@ -36,19 +36,27 @@ std::string chosen_campaign(const std::filesystem::path& ledger, const std::stri
                     : fmt::format("holds {} campaigns; choose one with --campaign: {}", all.size(), names));
 }
 
-wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::string& wanted) {
+wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::string& wanted,
+                           OutOfTolerance off) {
     const std::string name = chosen_campaign(ledger, wanted);
     wear::Campaign out;
     out.source = fmt::format("{}, campaign {}", ledger.string(), name);
     const std::vector<rig::LedgerRow> rows = rig::read_ledger(ledger, name);
     out.points.reserve(rows.size());
     out.brakings.reserve(rows.size());
+    std::size_t left_out = 0;
     for (const rig::LedgerRow& row : rows) {
         if (row.state != rig::RowState::finished) continue;
+        if (off == OutOfTolerance::left_out && rig::off_conditions(row.summary)) {
+            ++left_out;
+            continue;
+        }
         const rig::Figures& f = row.summary.figures;
         out.points.push_back({row.summary.cumulative_energy_J, f.mean_friction});
         out.brakings.push_back({f.brake_on_mps, f.mean_torque_Nm, f.mean_load_N});
     }
+    if (left_out > 0)
+        out.source += fmt::format(" ({} out of tolerance left out, --out-of-tolerance takes them)", left_out);
     wear::check(out);
     return out;
 }
@@ -61,15 +69,17 @@ std::filesystem::path ledger_in(const std::filesystem::path& directory) {
 
 }  // namespace
 
-wear::Campaign load_campaign(const std::filesystem::path& where, const std::string& campaign) {
+wear::Campaign load_campaign(const std::filesystem::path& where, const std::string& campaign,
+                             OutOfTolerance off) {
     const std::filesystem::path file = std::filesystem::is_directory(where) ? ledger_in(where) : where;
-    if (is_sqlite(file)) return from_ledger(file, campaign);
+    if (is_sqlite(file)) return from_ledger(file, campaign, off);
     if (!campaign.empty())
         throw settings::Error(file.string(), 0, "", "--campaign is for ledgers; this file is none");
     return wear::read_campaign(file);
 }
 
-std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::path>& sources) {
+std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::path>& sources,
+                                           OutOfTolerance off) {
     std::vector<std::filesystem::path> files;
     for (const std::filesystem::path& source : sources) {
         if (!std::filesystem::is_directory(source) || std::filesystem::exists(ledger_in(source))) {
@@ -85,8 +95,14 @@ std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::pa
     }
     std::vector<wear::Campaign> campaigns;
     campaigns.reserve(files.size());
-    for (const std::filesystem::path& file : files) campaigns.push_back(load_campaign(file, ""));
+    for (const std::filesystem::path& file : files) campaigns.push_back(load_campaign(file, "", off));
     return campaigns;
+}
+
+void add_out_of_tolerance_flag(CLI::App& verb, OutOfTolerance& off) {
+    verb.add_flag_callback(
+        "--out-of-tolerance", [&off] { off = OutOfTolerance::taken; },
+        "take a ledger's maneuvers that were out of tolerance, too");
 }
 
 }  // namespace plant_sim

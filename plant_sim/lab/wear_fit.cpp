@@ -40,13 +40,14 @@ std::string table_of(const wear::Fit& fit, const wear::Model& model) {
 struct FitCommand {
     std::filesystem::path source;
     std::string campaign;
+    OutOfTolerance off = OutOfTolerance::left_out;
     wear::FitSettings settings;
     unsigned threads = std::max(1U, std::thread::hardware_concurrency());
     std::filesystem::path out = "out/wear";
     bool pictures = true;
 
     int run() const {
-        const wear::Campaign data = load_campaign(source, campaign);
+        const wear::Campaign data = load_campaign(source, campaign, off);
         const wear::Fit fit = wear::fit(data, settings, {threads, {}, [](std::size_t done, std::size_t all) {
                                                              show_steps(done, all, "EM runs");
                                                          }});
@@ -76,6 +77,7 @@ LabVerb wear_fit_verb(CLI::App& wear) {
         "fit", "Gaussian mixtures of eq. (10) to (13) on a campaign; BIC chooses the number of components.");
     verb->add_option("SOURCE", fit->source, "as for `wear table`")->required()->check(CLI::ExistingPath);
     verb->add_option("--campaign", fit->campaign, "which of a ledger's campaigns; may be left out for one");
+    add_out_of_tolerance_flag(*verb, fit->off);
     verb->add_option("--components", fit->settings.most_components, "the most that are tried")
         ->check(CLI::Range(std::size_t{1}, wear::kMostComponents))
         ->capture_default_str();

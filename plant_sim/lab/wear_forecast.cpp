@@ -37,6 +37,7 @@ std::string landings(const std::optional<int>& left) {
 struct ForecastCommand {
     std::filesystem::path source;
     std::string campaign;
+    OutOfTolerance off = OutOfTolerance::left_out;
     std::filesystem::path model = settings::config_directory() / "wear/population.json";
     std::filesystem::path config = settings::config_directory();
     std::optional<double> limit;
@@ -127,7 +128,7 @@ std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& setti
 }
 
 int ForecastCommand::run_forecast(const wear::PopulationFile& file) {
-    const wear::Campaign recorded = load_campaign(source, campaign);
+    const wear::Campaign recorded = load_campaign(source, campaign, off);
     const wear::LandingMix to_come = landings_to_come(recorded);
     wear::BrakeFilter filter(file.population);
     const std::size_t n = recorded.points.size();
@@ -163,7 +164,7 @@ int ForecastCommand::run_forecast(const wear::PopulationFile& file) {
 }
 
 int ForecastCommand::run_back_test(const wear::PopulationFile& file) const {
-    const std::vector<wear::Campaign> campaigns = load_campaigns({back_test});
+    const std::vector<wear::Campaign> campaigns = load_campaigns({back_test}, off);
     wear::FitSettings fit;
     fit.most_components = 8;
     fit.starts = 10;
@@ -220,6 +221,7 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
     verb->add_option("SOURCE", f->source, "the brake's campaign so far, as for `wear table`")
         ->check(CLI::ExistingPath);
     verb->add_option("--campaign", f->campaign, "which of a ledger's campaigns; may be left out for one");
+    add_out_of_tolerance_flag(*verb, f->off);
     verb->add_option("--model", f->model, "population.json of `wear population`, or model.json of `wear fit`")
         ->check(CLI::ExistingFile)
         ->capture_default_str();

@@ -17,12 +17,13 @@ namespace {
 struct PopulationCommand {
     std::vector<std::filesystem::path> sources;
     std::vector<std::filesystem::path> healthy;
+    OutOfTolerance off = OutOfTolerance::left_out;
     wear::LearnSettings settings;
     std::filesystem::path out = "out/wear/population.json";
 
     int run() {
-        const std::vector<wear::Campaign> campaigns = load_campaigns(sources);
-        settings.healthy = load_campaigns(healthy);
+        const std::vector<wear::Campaign> campaigns = load_campaigns(sources, off);
+        settings.healthy = load_campaigns(healthy, off);
         const wear::Population p = wear::learn_population(
             campaigns, settings, [](std::size_t done, std::size_t all) { show_steps(done, all, "steps"); });
         fmt::print(
@@ -62,6 +63,7 @@ LabVerb wear_population_verb(CLI::App& wear) {
             "campaigns of other brakes that were healthy: health limits are learnt from them (default: "
             "from the same brakes, each given the others)")
         ->check(CLI::ExistingPath);
+    add_out_of_tolerance_flag(*verb, command->off);
     verb->add_option("--seed", command->settings.fit.seed, "seed of every random draw")
         ->capture_default_str();
     verb->add_option("--threads", command->settings.threads, "the result does not depend on it")

@@ -61,6 +61,7 @@ nlohmann::ordered_json json_of(const wear::Comparison& c) {
 struct SimulateCommand {
     std::filesystem::path source;
     std::string campaign;
+    OutOfTolerance off = OutOfTolerance::left_out;
     std::filesystem::path model;
     std::string replay;  ///< empty: torque where it was recorded
     std::string maneuver = plant::kEndurance;
@@ -70,7 +71,7 @@ struct SimulateCommand {
     std::filesystem::path out = "out/wear";
 
     int run() const {
-        const wear::Campaign recorded = load_campaign(source, campaign);
+        const wear::Campaign recorded = load_campaign(source, campaign, off);
         if (replay == "torque" && recorded.brakings.empty())
             throw settings::Error(recorded.source, 0, "mean_torque_Nm",
                                   "--replay torque needs the columns brake_on_mps, mean_torque_Nm and "
@@ -149,6 +150,7 @@ LabVerb wear_simulate_verb(CLI::App& wear) {
     verb->add_option("SOURCE", simulate->source, "as for `wear table`")->required()->check(CLI::ExistingPath);
     verb->add_option("--campaign", simulate->campaign,
                      "which of a ledger's campaigns; may be left out for one");
+    add_out_of_tolerance_flag(*verb, simulate->off);
     verb->add_option("--model", simulate->model, "model.json of `wear fit`")
         ->required()
         ->check(CLI::ExistingFile);

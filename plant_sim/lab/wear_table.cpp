@@ -14,10 +14,11 @@ namespace {
 struct TableCommand {
     std::filesystem::path source;
     std::string campaign;
+    OutOfTolerance off = OutOfTolerance::left_out;
     std::string csv;
 
     int run() const {
-        const wear::Campaign data = load_campaign(source, campaign);
+        const wear::Campaign data = load_campaign(source, campaign, off);
         if (csv != "-") {
             std::string table = fmt::format("{:>8}{:>15}{:>18}{:>24}\n", "maneuver", "mean_friction",
                                             "brake_energy_MJ", "cumulative_energy_MJ");
@@ -49,6 +50,7 @@ LabVerb wear_table_verb(CLI::App& wear) {
         ->required()
         ->check(CLI::ExistingPath);
     verb->add_option("--campaign", table->campaign, "which of a ledger's campaigns; may be left out for one");
+    add_out_of_tolerance_flag(*verb, table->off);
     verb->add_option("--csv", table->csv, "the table as CSV, exact: a file, or - for standard output");
     verb->footer("Examples:\n  rig-lab wear table out/endurance\n  rig-lab wear table measured.csv --csv -");
     return {verb, [table] { return table->run(); }};

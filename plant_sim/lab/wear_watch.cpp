@@ -23,6 +23,7 @@ using Json = nlohmann::ordered_json;
 struct WatchCommand {
     std::filesystem::path source;
     std::string campaign;
+    OutOfTolerance off = OutOfTolerance::left_out;
     std::filesystem::path model = settings::config_directory() / "wear/population.json";
     bool trial = false;
     std::uint64_t seed = 1;
@@ -40,7 +41,7 @@ struct WatchCommand {
 };
 
 int WatchCommand::watch(const wear::PopulationFile& file) const {
-    const wear::Campaign recorded = load_campaign(source, campaign);
+    const wear::Campaign recorded = load_campaign(source, campaign, off);
     wear::HealthMonitor monitor(file.population);
     std::vector<wear::Verdict> verdicts;
     verdicts.reserve(recorded.points.size());
@@ -85,7 +86,7 @@ int WatchCommand::run_trial(const wear::PopulationFile& file) const {
         Case{Fault::glazing, 0.05}, Case{Fault::glazing, 0.10}, Case{Fault::glazing, 0.20},
         Case{Fault::drop, 0.05},    Case{Fault::drop, 0.10},    Case{Fault::drop, 0.20},
         Case{Fault::drag, 0.05},    Case{Fault::drag, 0.10},    Case{Fault::drag, 0.20}};
-    const std::vector<wear::Campaign> healthy = load_campaigns({source});
+    const std::vector<wear::Campaign> healthy = load_campaigns({source}, off);
     const wear::HealthyTrial h = wear::try_healthy(file.population, healthy);
     show_steps(1, kCases.size() + 1, "trials");
     std::string table = fmt::format(
@@ -140,6 +141,7 @@ LabVerb wear_watch_verb(CLI::App& wear) {
         ->required()
         ->check(CLI::ExistingPath);
     verb->add_option("--campaign", watch->campaign, "which of a ledger's campaigns; may be left out for one");
+    add_out_of_tolerance_flag(*verb, watch->off);
     verb->add_option("--model", watch->model,
                      "population.json of `wear population`, or model.json of `wear fit`")
         ->check(CLI::ExistingFile)

@@ -121,7 +121,8 @@ void BusRecorder::measure_speeds() {
     const double radius_m = parameters_.wheel_radius_m -
                             static_cast<double>(view.load_cells.vertical_N) / parameters_.wheel_stiffness_Npm;
     now_.rim_mps = flywheel_.radps() * parameters_.flywheel_radius_m;
-    now_.wheel_rim_mps = wheel_.radps() * radius_m;
+    now_.wheel_radps = wheel_.radps();
+    now_.wheel_rim_mps = now_.wheel_radps * radius_m;
     now_.slip = now_.rim_mps > 0.0 ? 1.0 - now_.wheel_rim_mps / now_.rim_mps : 0.0;
 }
 

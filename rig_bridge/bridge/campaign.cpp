@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "rig_bridge/sequencer/sequencer.hpp"
@@ -12,9 +14,12 @@ using sequencer::Abort;
 
 namespace {
 
-bool made_by_a_person(const std::string& outcome) {
-    return outcome == name(Abort::emergency_stop) || outcome == name(Abort::guard_open) ||
-           outcome == name(Abort::requested);
+/// Made by a person, or by a drive that does not do what it is told: to try again would be to try whether it does it twice.
+bool needs_a_person(const std::string& outcome) {
+    constexpr std::array kCauses{Abort::emergency_stop,  Abort::guard_open, Abort::requested,
+                                 Abort::foreign_command, Abort::overspeed,  Abort::speed_mismatch};
+    return std::any_of(kCauses.begin(), kCauses.end(),
+                       [&outcome](Abort cause) { return outcome == name(cause); });
 }
 
 }  // namespace
@@ -24,6 +29,7 @@ Decision CampaignJudge::brake(const Summary& summary, const Health& health) cons
         return {Verdict::abnormal,
                 fmt::format("maneuver {}: the brake is abnormal: {}", summary.number, health.reason)};
     const double friction = summary.figures.mean_friction;
+    if (off_conditions(summary)) return {};
     if (!rules_.min_friction || friction >= *rules_.min_friction) return {};
     return {Verdict::worn, fmt::format("maneuver {}: mean friction {:.4f} is below the wear limit {:.4f}",
                                        summary.number, friction, *rules_.min_friction)};
@@ -37,7 +43,7 @@ Decision CampaignJudge::after(const Summary& summary, const Health& health) {
     failures_ = failing_ == summary.number ? failures_ + 1 : 1;
     failing_ = summary.number;
     std::string what = fmt::format("maneuver {} was aborted: {}", summary.number, summary.outcome);
-    if (made_by_a_person(summary.outcome)) return {Verdict::fault, what + "; never retried by itself"};
+    if (needs_a_person(summary.outcome)) return {Verdict::fault, what + "; never retried by itself"};
     if (failures_ <= rules_.retries)
         return {Verdict::go_on, what + fmt::format("; retry {} of {}", failures_, rules_.retries)};
     return {Verdict::fault,

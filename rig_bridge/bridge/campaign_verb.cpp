@@ -117,7 +117,8 @@ Ran CampaignRun::one(const Attempt& attempt) {
         }
         write_summary(attempt.folder / "summary.json", ran.summary);
         ledger_.finish(ran.summary);
-        if (watch_ != nullptr && ran.summary.outcome == name(sequencer::Phase::finished))
+        if (watch_ != nullptr && ran.summary.outcome == name(sequencer::Phase::finished) &&
+            !off_conditions(ran.summary))
             ledger_.judge(ran.summary.number, watch_->after(ran.summary));
         if (regulation_) {
             const regulation::Regulator shares = regulator();
@@ -147,8 +148,15 @@ int CampaignRun::run() {
                 ran.summary.number, ran.summary.figures.mean_torque_Nm, ran.summary.figures.mean_friction,
                 ran.summary.cumulative_energy_J * 1e-6,
                 watch_ == nullptr ? "" : "; brake " + health_text(health)));
+        if (!ran.outside.empty())
+            terminal_.say(
+                fmt::format("rig-bridge: maneuver {} is out of tolerance: {}", attempt->number, ran.outside));
         if (regulation_) terminal_.say(shared_);
-        if (stops_.count() > 0) return interrupted();
+        const bool interrupts = stops_.count() > 0;
+        if (ran.summary.outcome != name(sequencer::Phase::finished) &&
+            (interrupts || decision.verdict == Verdict::fault))
+            session_.watch_rim(setup_.scenario.mean.standstill_mps);
+        if (interrupts) return interrupted();
         if (decision.verdict == Verdict::fault || decision.verdict == Verdict::abnormal) return 1;
         if (decision.verdict == Verdict::worn) return 0;
     }
@@ -167,8 +175,9 @@ void tell(const Resumed& resumed, std::int64_t finished, Terminal& terminal) {
 /// The last maneuver before the bridge died may have reached the wear limit or shown an abnormal brake.
 Decision before(const CampaignRules& rules, const std::filesystem::path& file, const std::string& name) {
     const std::vector<LedgerRow> rows = read_ledger(file, name);
-    const auto last = std::find_if(rows.rbegin(), rows.rend(),
-                                   [](const LedgerRow& row) { return row.state == RowState::finished; });
+    const auto last = std::find_if(rows.rbegin(), rows.rend(), [](const LedgerRow& row) {
+        return row.state == RowState::finished && !off_conditions(row.summary);
+    });
     return last == rows.rend() ? Decision{} : CampaignJudge(rules).before(last->summary, last->health);
 }
 

@@ -67,11 +67,14 @@ int run_maneuver(const ManeuverCommand& command) {
             terminal.say("rig-bridge: the record is not whole: " + ran.record_error);
             return 1;
         }
-        if (stops.count() > 0) return 128 + stops.number();
-        if (ran.summary.outcome == name(sequencer::Phase::finished)) return 0;
-        terminal.say("rig-bridge: the maneuver was aborted: " + ran.summary.outcome +
-                     (ran.note.empty() ? "" : "; " + ran.note));
-        return 1;
+        if (!ran.outside.empty()) terminal.say("rig-bridge: out of tolerance: " + ran.outside);
+        const int interrupted = stops.count() > 0 ? 128 + stops.number() : 0;
+        if (ran.summary.outcome == name(sequencer::Phase::finished)) return interrupted;
+        if (interrupted == 0)
+            terminal.say("rig-bridge: the maneuver was aborted: " + ran.summary.outcome +
+                         (ran.note.empty() ? "" : "; " + ran.note));
+        session.watch_rim(order.plan.standstill_mps);
+        return interrupted != 0 ? interrupted : 1;
     } catch (const EndAtOnce&) {
         terminal.say(
             "rig-bridge: ended at once; the PLC's watchdog and the controller's time-outs make the rig safe");

@@ -43,6 +43,8 @@ const Moment& Node::step(sequencer::Sequencer* sequencer, const Wishes& wishes, 
     moment_.inputs = look(moment_.plc, moment_.bus, now, limits_);
     moment_.inputs.bus_up = moment_.inputs.bus_up && bus_.status().up;
     moment_.inputs.abort_requested = wishes.abort;
+    moment_.inputs.foreign_command = moment_.plc.foreign_commands != foreign_commands_;
+    foreign_commands_ = moment_.plc.foreign_commands;
     moment_.rig_s = time_.at(std::chrono::duration<double>(now).count(), moment_.bus.syncs);
     moment_.outputs =
         sequencer == nullptr ? sequencer::Outputs{} : sequencer->step(moment_.inputs, moment_.rig_s);

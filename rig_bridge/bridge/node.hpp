@@ -59,6 +59,7 @@ class Node {
     Moment moment_;
     std::uint64_t steps_ = 0;
     std::uint64_t load_cell_steps_ = 1;
+    std::uint64_t foreign_commands_ = 0;  // at the last step
 };
 
 }  // namespace rig

@@ -97,7 +97,7 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
         ->required()
         ->check(CLI::Range(1, 1'000'000));
     many->add_option("--retry", campaign.rules.retries,
-                     "run an aborted maneuver again, so many times; never after emergency stop or open guard")
+                     "run an aborted maneuver again, so many times; never where a person has to look first")
         ->check(CLI::Range(0, 1000))
         ->capture_default_str();
     many->add_option("--min-friction", campaign.rules.min_friction,
@@ -144,6 +144,11 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     CLI::App* const state = app.add_subcommand("status", "how far a campaign is, from its ledger");
     state->add_option("DIR", status.directory, "folder of the campaign")->required();
     state->add_flag("--json", status.json, "as JSON");
+    constexpr auto kLeave =
+        "after an abort end although the rim may still turn; without this its speed is shown until it "
+        "stands, or until Ctrl-C";
+    one->add_flag("--leave-turning", maneuver.rig.leave_turning, kLeave);
+    many->add_flag("--leave-turning", campaign.rig.leave_turning, kLeave);
     for (CLI::App* const verb : {one, many, before, state}) verb->footer(kFooter);
     try {
         app.parse(argc, argv);

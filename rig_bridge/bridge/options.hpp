@@ -29,6 +29,7 @@ struct RigOptions {
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path dbc, binding, registers;  ///< empty: those of `config`
     bool reset = true;  ///< a tripped PLC is led back while nothing is on and every interlock is good
+    bool leave_turning = false;  ///< after an abort: end although the rim may still turn
     int priority = 50;
     View view = View::automatic;
 };

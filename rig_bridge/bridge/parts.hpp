@@ -25,7 +25,8 @@ struct BusNow {
     /// When everything that had arrived was in `view`: ages count to here, so that a reader that was held up takes nobody for silent.
     antiskid::can::Time looked = antiskid::control::kNever;
     double rim_mps = 0.0;         ///< flywheel, by its encoder
-    double wheel_rim_mps = 0.0;   ///< r(F_z) omega of the braked wheel, by its encoder
+    double wheel_radps = 0.0;     ///< omega of the braked wheel, by its encoder
+    double wheel_rim_mps = 0.0;   ///< r(F_z) omega
     double slip = 0.0;            ///< eq. (3), by both encoders
     std::uint64_t syncs = 0;      ///< SYNC frames so far
     std::uint64_t frames = 0;     ///< of the recording

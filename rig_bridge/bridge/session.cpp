@@ -6,8 +6,10 @@
 
 #include "firmware/can/socket_can.hpp"
 #include "firmware/can/value_names.hpp"
+#include "rig_bridge/bridge/next_step.hpp"
 #include "rig_bridge/bridge/view_model.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
+#include "rig_bridge/scenario/acceptance.hpp"
 
 namespace rig {
 
@@ -139,11 +141,38 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
             record_error_ = lost;
             abort_ = true;
         }
-        if (sequencer.phase() == Phase::aborting && before != Phase::aborting) note_ = how_it_was(before, m);
+        if (sequencer.phase() == Phase::aborting && before != Phase::aborting) {
+            note_ = how_it_was(before, m);
+            terminal_.say("rig-bridge: " + advice(sequencer.abort(), before, m.bus.view.controller.faults));
+        }
         before = sequencer.phase();
         if (rests(m.outputs.phase) && resting <= kTail && ++resting > kTail) recorder_.end();
         show(order, m, record_error_);
     }
+}
+
+void Session::watch_rim(double standstill_mps) {
+    constexpr double kUnknown_s = 3.0;  // a link that is lost may come back
+    double known_s = node_.moment().rig_s;
+    std::optional<double> rim_mps = rim_speed_mps(node_.moment());
+    while (stops_.count() == 0 && !setup_.options.leave_turning) {
+        const Moment& m = step(nullptr, nullptr);
+        rim_mps = rim_speed_mps(m);
+        if (rim_mps) known_s = m.rig_s;
+        if (rim_mps ? *rim_mps < standstill_mps : m.rig_s - known_s > kUnknown_s) break;
+        const double now_s = std::chrono::duration<double>(m.now).count();
+        if (!terminal_.due(now_s, Phase::aborted, aborted_by_)) continue;
+        ViewModel view = view_of(m, node_.limits());
+        view.scenario = setup_.scenario.title;
+        view.phase = Phase::aborted;
+        view.abort = aborted_by_;
+        view.time_s = m.rig_s - began_s_;
+        view.phase_s = m.rig_s - phase_began_s_;
+        view.note = rim_text(rim_mps, standstill_mps) + "; Ctrl-C ends the program at once";
+        terminal_.show(view, now_s);
+    }
+    terminal_.leave();
+    terminal_.say("rig-bridge: " + rim_text(rim_mps, standstill_mps));
 }
 
 Ran Session::run(const Order& order) {
@@ -160,7 +189,7 @@ Ran Session::run(const Order& order) {
     recorder_.begin(order.folder / "bus.log");
     SampleLog samples(order.folder / "modbus.csv");
     sequence(order, sequencer, samples);
-    Ran ran{.summary = {}, .record_error = {}, .trace = {}, .note = note_};
+    Ran ran{.summary = {}, .record_error = {}, .trace = {}, .note = note_, .outside = {}};
     ran.trace = std::move(trace_);
     std::unique_ptr<Recording> recording;
     while (!recording) {
@@ -176,6 +205,7 @@ Ran Session::run(const Order& order) {
     terminal_.leave();
     if (!whole) record_error_ = recording->log.error().empty() ? samples.error() : recording->log.error();
     ran.record_error = record_error_;
+    aborted_by_ = sequencer.abort();
 
     Summary& s = ran.summary;
     s.campaign = order.campaign;
@@ -185,6 +215,11 @@ Ran Session::run(const Order& order) {
         std::string(sequencer.phase() == Phase::finished ? name(Phase::finished) : name(sequencer.abort()));
     s.started = started;
     s.figures = recording->meter.figures();
+    if (sequencer.phase() == Phase::finished) {
+        const std::vector<Band> bands = acceptance(setup_.scenario, order.plan);
+        if (!bands.empty()) s.out_of_tolerance = out_of_tolerance(bands, s.figures);
+        ran.outside = what_is_outside(bands, s.figures);
+    }
     s.cumulative_energy_J = order.taken_J + s.figures.energy_brake_J;
     s.faults = fault_names(recording->meter.faults());
     s.frames = recording->log.frames() - recording->log.missing();

@@ -38,7 +38,8 @@ struct Ran {
     /// Why the record is not whole (the disk is full): the maneuver does not count then. Empty: it is.
     std::string record_error;
     Trace trace;
-    std::string note;  ///< where it was aborted, and what was seen then
+    std::string note;     ///< where it was aborted, and what was seen then
+    std::string outside;  ///< figures out of tolerance with their bands
 };
 
 /// The second Ctrl-C.
@@ -53,6 +54,10 @@ class Session {
     /// Waits until the brake is cold enough (or nothing is heard of the PLC), then runs the maneuver to its end, safe end included, and
     /// closes its records. Throws std::runtime_error when the record cannot be begun, EndAtOnce.
     [[nodiscard]] Ran run(const Order& order);
+
+    /// After an abort, with its record closed: shows the rim's speed until it stands, until nobody knows it, or until somebody wants the
+    /// program to end, and says how the rim is left. Everything is off meanwhile.
+    void watch_rim(double standstill_mps);
 
     /// Runs `work` on another thread while the loop goes on; rethrows what it throws.
     void meanwhile(const std::function<void()>& work);
@@ -84,6 +89,7 @@ class Session {
     double began_s_ = 0.0;
     double phase_began_s_ = 0.0;
     sequencer::Phase phase_ = sequencer::Phase::idle;
+    sequencer::Abort aborted_by_ = sequencer::Abort::none;
 };
 
 }  // namespace rig

@@ -63,7 +63,7 @@ std::string row_text(const LedgerRow& row) {
             " {:8.2f} {:8.2f} {:8.1f} {:9.1f} {:8.4f} {:10.3f} {:>6}  {}", f.brake_on_mps, f.duration_s,
             f.length_m, f.mean_torque_Nm, f.mean_friction, row.summary.cumulative_energy_J * 1e-6,
             std::isfinite(row.slip_reference) ? fmt::format("{:.3f}", row.slip_reference) : "-",
-            name(row.health.state));
+            name(row.health.state) + std::string(off_conditions(row.summary) ? "  out_of_tolerance" : ""));
     else if (row.state == RowState::aborted)
         text += " " + row.summary.outcome;
     return text + "\n";
@@ -134,6 +134,9 @@ std::string status_json(const std::filesystem::path& ledger) {
             for (const FigureField& field : kFigureFields)
                 entry[field.key] = row.summary.figures.*field.value;
             if (std::isfinite(row.slip_reference)) entry["slip_reference"] = row.slip_reference;
+            entry["out_of_tolerance"] = row.summary.out_of_tolerance
+                                            ? nlohmann::ordered_json(*row.summary.out_of_tolerance)
+                                            : nlohmann::ordered_json(nullptr);
             entry["health"] = name(row.health.state);
             if (!row.health.model.empty()) {
                 entry["health_statistic"] = row.health.statistic;

@@ -57,6 +57,7 @@ Inputs look(const Snapshot& plc, const BusNow& bus, Time now, const Freshness& l
         in.hydraulics_ready = interlock(plc, Interlock::hydraulics_ready);
         in.drive_healthy = interlock(plc, Interlock::drive_healthy);
         in.flywheel_mps = plc.value(Measured::flywheel_speed_mps);
+        in.flywheel_age_s = plc.age_s[static_cast<std::size_t>(Measured::flywheel_speed_mps)];
         in.sledge_m = plc.value(Measured::sledge_position_m);
         in.wheel_on_rim = plc.value(Measured::wheel_on_rim) == 1.0;
         in.load_N = plc.value(Measured::vertical_load_N);
@@ -72,6 +73,8 @@ Inputs look(const Snapshot& plc, const BusNow& bus, Time now, const Freshness& l
     in.sensors_fresh = heard(v.wheel.received, bus.looked, limits.sensors_s) &&
                        heard(v.flywheel.received, bus.looked, limits.sensors_s) &&
                        heard(v.pressure.received, bus.looked, limits.sensors_s);
+    in.rim_mps = bus.rim_mps;
+    in.wheel_radps = bus.wheel_radps;
     in.wheel_rim_mps = bus.wheel_rim_mps;
     in.pressure_Pa = static_cast<double>(v.pressure.pressure_Pa);
     in.controller_fresh = heard(v.controller.status_received, bus.looked, limits.controller_s);

@@ -1,5 +1,8 @@
 #include "rig_bridge/bridge/view_model.hpp"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "firmware/can/value_names.hpp"
@@ -51,9 +54,27 @@ ViewModel view_of(const Moment& m, const Freshness& limits) {
     return v;
 }
 
+std::optional<double> rim_speed_mps(const Moment& m) {
+    std::optional<double> rim_mps;
+    if (m.inputs.plc_fresh) rim_mps = m.inputs.flywheel_mps;
+    if (m.inputs.bus_up && m.inputs.sensors_fresh)
+        rim_mps = std::max(rim_mps.value_or(0.0), m.inputs.rim_mps);
+    return rim_mps;
+}
+
+std::string rim_text(std::optional<double> rim_mps, double standstill_mps) {
+    if (!rim_mps) return "nobody says how fast the rim turns: take it for turning";
+    if (*rim_mps < standstill_mps) return "the rim stands";
+    return fmt::format("the rim still turns, at {:.2f} m/s: the guard stays closed until it stands",
+                       *rim_mps);
+}
+
 std::string note_of(const Moment& m) {
     if (!m.bus.up && !m.bus.error.empty()) return m.bus.error;
     if (m.plc.link != LinkState::connected && !m.plc.error.empty()) return "PLC: " + m.plc.error;
+    if (m.inputs.foreign_command)
+        return "somebody else commands the PLC: commit " + std::to_string(m.plc.foreign_commit) +
+               " is not the bridge's";
     if (m.plc.command == CommandState::unsendable) return "PLC command: " + m.plc.command_error;
     if (m.plc.command == CommandState::refused)
         return "PLC refused the command with commit " + std::to_string(m.plc.commit);

@@ -1,6 +1,7 @@
 /// From one step of the main loop to what people see of it. Pure.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "rig_bridge/bridge/node.hpp"
@@ -13,5 +14,10 @@ namespace rig {
 
 /// What keeps PLC or bus from working, as they say it; empty while both work.
 [[nodiscard]] std::string note_of(const Moment& moment);
+
+/// Rim speed, m/s, by PLC and encoder on the bus, the faster of those that are heard; none: neither is.
+[[nodiscard]] std::optional<double> rim_speed_mps(const Moment& moment);
+/// How the rim is left, for people.
+[[nodiscard]] std::string rim_text(std::optional<double> rim_mps, double standstill_mps);
 
 }  // namespace rig

@@ -35,7 +35,7 @@ HealthWatch::HealthWatch(const std::filesystem::path& model) : impl_(std::make_u
 HealthWatch::~HealthWatch() = default;
 
 Health HealthWatch::after(const Summary& summary) {
-    if (summary.outcome != "finished") return newest_;
+    if (summary.outcome != "finished" || off_conditions(summary)) return newest_;
     const wear::Verdict v =
         impl_->monitor.after({summary.cumulative_energy_J, summary.figures.mean_friction});
     newest_.state = state_of(v.condition);
@@ -47,7 +47,7 @@ Health HealthWatch::after(const Summary& summary) {
 
 void catch_up(HealthWatch& watch, Ledger& ledger, const std::vector<LedgerRow>& rows) {
     for (const LedgerRow& row : rows) {
-        if (row.state != RowState::finished) continue;
+        if (row.state != RowState::finished || off_conditions(row.summary)) continue;
         const Health health = watch.after(row.summary);
         if (row.health.model.empty()) ledger.judge(row.summary.number, health);
     }

@@ -21,7 +21,7 @@ class HealthWatch {
     HealthWatch(const HealthWatch&) = delete;
     HealthWatch& operator=(const HealthWatch&) = delete;
 
-    /// After a finished maneuver, in their order; others are passed over with the health of the one before.
+    /// After a finished maneuver, in their order; others, and those out of tolerance, are passed over with the health of the one before.
     Health after(const Summary& summary);
     [[nodiscard]] const Health& newest() const { return newest_; }
 

@@ -94,6 +94,8 @@ class ModbusClient::Impl {
         shown.command = desk_.state();
         shown.pending_s = desk_.pending_s(now);
         shown.command_error = desk_.error();
+        shown.foreign_commands = desk_.foreign_commands();
+        shown.foreign_commit = desk_.foreign_commit();
         return shown;
     }
 
@@ -214,7 +216,7 @@ class ModbusClient::Impl {
         const double watchdog = at(shown_.values, Measured::plc_watchdog);
         const auto applied = static_cast<std::uint16_t>(at(shown_.values, Measured::applied_commit));
         const auto refused = static_cast<std::uint16_t>(at(shown_.values, Measured::refused_commit));
-        desk_.seen(applied, refused);
+        desk_.seen(applied, refused, shown_.read_at[static_cast<std::size_t>(Measured::applied_commit)]);
         if (plc_watchdog_ && *plc_watchdog_ != watchdog) {
             plc_seen_running_ = true;
             plc_moved_at_ = shown_.read_at[static_cast<std::size_t>(Measured::plc_watchdog)];

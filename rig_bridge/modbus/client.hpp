@@ -64,6 +64,9 @@ struct Snapshot {
     double pending_s = 0.0;
     std::string
         command_error;  ///< of an unsendable command, e.g. "load_base: 90000 N is out of range 0 to 60000"
+    std::uint64_t foreign_commands =
+        0;                             ///< that the PLC took over or refused, and that were not this client's
+    std::uint16_t foreign_commit = 0;  ///< number of the newest of them
 
     [[nodiscard]] double value(Measured q) const { return at(values, q); }
     /// Read, at most `limit_s` old, and within its declared range.

@@ -55,6 +55,7 @@ void CommandDesk::want(const CommandedValues& wanted, ClockTime now) {
 void CommandDesk::reconnected(std::uint16_t commit, ClockTime now) {
     // Also away from our own last number: the PLC may have been restarted, and its answer to that one be gone.
     next_ = static_cast<std::uint16_t>(std::max(commit, commit_) + 1);
+    looked_ = false;
     if (!any_) return;
     if (!resend_ && wanted_ == last_) wished_at_ = now;
     resend_ = true;
@@ -73,6 +74,10 @@ void CommandDesk::sending(const RegisterImage& image) {
     const Field& number = map_.field(Commanded::commit);
     commit_ = static_cast<std::uint16_t>(image.read(number).value);
     next_ = static_cast<std::uint16_t>(commit_ + 1);
+    // More than a PLC can be behind and still confirm in time.
+    constexpr std::size_t kMostUnanswered = 64;
+    unanswered_.push_back(commit_);
+    if (unanswered_.size() > kMostUnanswered) unanswered_.pop_front();
     last_ = image;
     static_cast<void>(last_.write(number, 0.0));
     resend_ = false;
@@ -82,7 +87,28 @@ void CommandDesk::sending(const RegisterImage& image) {
     wished_at_ = newest_at_;
 }
 
-void CommandDesk::seen(std::uint16_t applied, std::uint16_t refused) {
+bool CommandDesk::foreign(std::uint16_t number, std::uint16_t before) const {
+    return looked_ && number != before && number != 0 &&
+           std::find(unanswered_.begin(), unanswered_.end(), number) == unanswered_.end();
+}
+
+/// Ours, and none before it can be answered any more: a PLC looks at the newest. From then on that number would be somebody else's.
+void CommandDesk::answered(std::uint16_t number) {
+    const auto found = std::find(unanswered_.begin(), unanswered_.end(), number);
+    if (found != unanswered_.end()) unanswered_.erase(unanswered_.begin(), found + 1);
+}
+
+void CommandDesk::seen(std::uint16_t applied, std::uint16_t refused, ClockTime now) {
+    const bool applies = foreign(applied, applied_), refuses = foreign(refused, refused_);
+    if (applies || refuses) {
+        ++foreign_;
+        foreign_commit_ = applies ? applied : refused;
+        if (any_ && !resend_ && wanted_ == last_) wished_at_ = now;
+        resend_ = any_;
+    }
+    looked_ = true;
+    answered(applied);
+    answered(refused);
     applied_ = applied;
     refused_ = refused;
     if (answer_ != CommandState::pending) return;

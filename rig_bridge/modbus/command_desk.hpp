@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,17 +37,24 @@ class CommandDesk {
     [[nodiscard]] std::optional<RegisterImage> due();
     /// All of what due() gave is written but its commit number, which goes out now. There may be a newer wish already.
     void sending(const RegisterImage& image);
-    /// Registers of the PLC.
-    void seen(std::uint16_t applied, std::uint16_t refused);
+    /// Registers of the PLC. A number that has changed to one that is none of ours means that somebody else commands: it is counted, and ours
+    /// is due again, whole. The first reading on a link is taken as it is.
+    void seen(std::uint16_t applied, std::uint16_t refused, ClockTime now);
 
     [[nodiscard]] CommandState state() const;
     [[nodiscard]] std::uint16_t commit() const { return commit_; }  ///< newest in use, 0 none
+    /// Of commands that were not ours, whether the PLC took them over or refused them.
+    [[nodiscard]] std::uint64_t foreign_commands() const { return foreign_; }
+    [[nodiscard]] std::uint16_t foreign_commit() const { return foreign_commit_; }  ///< the newest of them
     /// How long state() has been pending.
     [[nodiscard]] double pending_s(ClockTime now) const;
     /// Which value is unsendable, and why; "" otherwise.
     [[nodiscard]] const std::string& error() const { return error_; }
 
   private:
+    [[nodiscard]] bool foreign(std::uint16_t number, std::uint16_t before) const;
+    void answered(std::uint16_t number);
+
     RegisterMap map_;
     RegisterImage wanted_;  // commit and watchdog 0
     RegisterImage last_;    // as last sent, likewise
@@ -55,8 +63,12 @@ class CommandDesk {
     std::string error_;
     std::uint16_t next_ = 1;
     std::uint16_t commit_ = 0;
+    bool looked_ = false;        // on this link
     std::uint16_t applied_ = 0;  // as last seen
     std::uint16_t refused_ = 0;
+    std::deque<std::uint16_t> unanswered_;  // ours, oldest first: what may appear in these two
+    std::uint64_t foreign_ = 0;
+    std::uint16_t foreign_commit_ = 0;
     CommandState answer_ = CommandState::none;  // to commit_
     ClockTime wished_at_{};                     // first wish that is not sent
     ClockTime newest_at_{};                     // last change of wanted_

@@ -194,8 +194,8 @@ void Ledger::Impl::enter(const Summary& summary, std::int64_t row) {
         "UPDATE maneuvers SET state = ?2, scenario = ?3, outcome = ?4, started = ?5, standstill = ?6, "
         "cumulative_energy_J = ?7, faults = ?8, frames = ?9, frames_dropped = ?10, seed = ?11, version = "
         "?12, "
-        "config_hash = ?13";
-    int parameter = 14;
+        "config_hash = ?13, out_of_tolerance = ?14";
+    int parameter = 15;
     for (const FigureField& field : kFigureFields) sql += fmt::format(", {} = ?{}", field.key, parameter++);
     Statement update = database.prepare(sql + " WHERE id = ?1");
     update.bind(1, row)
@@ -211,7 +211,8 @@ void Ledger::Impl::enter(const Summary& summary, std::int64_t row) {
         .bind(11, as_integer(summary.seed, path.string(), "seed"))
         .bind(12, summary.version)
         .bind(13, summary.config_hash);
-    parameter = 14;
+    if (summary.out_of_tolerance) update.bind(14, joined(*summary.out_of_tolerance));  // else NULL
+    parameter = 15;
     for (const FigureField& field : kFigureFields) update.bind(parameter++, summary.figures.*field.value);
     update.run();
 }

@@ -50,6 +50,7 @@ ALTER TABLE maneuvers ADD COLUMN health_reason TEXT NOT NULL DEFAULT '';
 ALTER TABLE maneuvers ADD COLUMN health_model TEXT NOT NULL DEFAULT '';
 )",
     "ALTER TABLE maneuvers ADD COLUMN slip_reference REAL;",
+    "ALTER TABLE maneuvers ADD COLUMN out_of_tolerance TEXT;",
 };
 
 /// Of a ledger of schema 1.

@@ -94,6 +94,6 @@ class LedgerDatabase {
     std::unique_ptr<sqlite3, Closer> database_;
 };
 
-inline constexpr std::int64_t kLedgerSchema = 3;
+inline constexpr std::int64_t kLedgerSchema = 4;
 
 }  // namespace rig

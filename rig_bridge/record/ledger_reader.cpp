@@ -30,7 +30,7 @@ std::string columns() {
     for (const FigureField& field : kFigureFields) list += std::string(", ") + field.key;
     return list +
            ", standstill, cumulative_energy_J, faults, frames, frames_dropped, seed, version, config_hash, "
-           "health, health_statistic, health_reason, health_model, slip_reference";
+           "health, health_statistic, health_reason, health_model, slip_reference, out_of_tolerance";
 }
 
 LedgerRow read_row(const Statement& row, const std::filesystem::path& ledger, const std::string& campaign) {
@@ -70,6 +70,7 @@ LedgerRow read_row(const Statement& row, const std::filesystem::path& ledger, co
     out.health.reason = row.text(c++);
     out.health.model = row.text(c++);
     out.slip_reference = row.real(c++);
+    if (!row.null(c)) s.out_of_tolerance = split(row.text(c));
     return out;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,12 +36,19 @@ struct Summary {
     double cumulative_energy_J = 0.0;  ///< brake energy of the campaign, this maneuver included
     Figures figures;
     std::vector<std::string> faults;  ///< the controller's, by name
-    std::uint64_t frames = 0;         ///< recorded
+    /// Figures of a finished maneuver outside the scenario's bands, by their keys; none: not judged.
+    std::optional<std::vector<std::string>> out_of_tolerance;
+    std::uint64_t frames = 0;  ///< recorded
     std::uint64_t frames_dropped =
         0;  ///< that the kernel dropped before the recorder: then the figures lack them
     std::uint64_t seed = 0;
     std::string version;
     std::string config_hash;
 };
+
+/// Finished, but not the maneuver that was asked for: its energy counts, its friction is no point of the campaign.
+[[nodiscard]] inline bool off_conditions(const Summary& summary) {
+    return summary.out_of_tolerance && !summary.out_of_tolerance->empty();
+}
 
 }  // namespace rig

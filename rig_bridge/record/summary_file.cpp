@@ -64,6 +64,11 @@ class Reader {
         }
         return all;
     }
+    [[nodiscard]] bool has(const char* key) {
+        known_.insert(key);
+        const auto found = root_.find(key);
+        return found != root_.end() && !found->is_null();
+    }
     void finish() const {
         for (const auto& item : root_.items()) {
             if (!known_.contains(item.key())) throw settings::Error(path_, 0, item.key(), "unknown key");
@@ -106,6 +111,8 @@ void write_summary(const std::filesystem::path& path, const Summary& summary) {
     json["standstill"] = summary.figures.standstill;
     json["cumulative_energy_J"] = number(summary.cumulative_energy_J);
     json["faults"] = summary.faults;
+    json["out_of_tolerance"] =
+        summary.out_of_tolerance ? ordered_json(*summary.out_of_tolerance) : ordered_json(nullptr);
     json["frames"] = summary.frames;
     json["frames_dropped"] = summary.frames_dropped;
     json["seed"] = summary.seed;
@@ -127,6 +134,7 @@ Summary read_summary(const std::filesystem::path& path) {
     summary.figures.standstill = reader.flag("standstill");
     summary.cumulative_energy_J = reader.real("cumulative_energy_J");
     summary.faults = reader.texts("faults");
+    if (reader.has("out_of_tolerance")) summary.out_of_tolerance = reader.texts("out_of_tolerance");
     summary.frames = reader.whole<std::uint64_t>("frames");
     summary.frames_dropped = reader.whole<std::uint64_t>("frames_dropped");
     summary.seed = reader.whole<std::uint64_t>("seed");
@@ -145,6 +153,10 @@ std::string summary_table(const Summary& summary) {
     if (summary.number > 0) row("maneuver", std::to_string(summary.number));
     row("scenario", summary.scenario);
     row("outcome", summary.outcome);
+    if (summary.out_of_tolerance)
+        row("verdict", off_conditions(summary)
+                           ? fmt::format("out_of_tolerance: {}", fmt::join(*summary.out_of_tolerance, ", "))
+                           : "within tolerance");
     for (const FigureField& field : kFigureFields)
         row(field.label, fmt::format("{:.5g} {}", summary.figures.*field.value * field.scale, field.unit));
     if (!summary.figures.standstill) row("standstill", "not reached");

@@ -50,7 +50,8 @@ void read_sequence(const Layered& t, Scenario& scenario) {
     constexpr Range kTime_s{.min = 0.0, .max = 60.0};
     plan.speed_tolerance_mps = t.number("speed_tolerance_mps", {.min = 0.001, .max = 5.0});
     plan.speed_band_mps = t.number("speed_band_mps", {.min = 0.01, .max = 50.0});
-    scenario.coasting_mps = t.number("coasting_mps", {.min = 0.0, .max = 5.0});
+    plan.mismatch_s = t.number("mismatch_s", {.min = 0.05, .max = 10.0});
+    plan.coasting_mps = t.number("coasting_mps", {.min = 0.0, .max = 5.0});
     plan.settle_s = t.number("settle_s", kTime_s);
     plan.settle_slip = t.number("settle_slip", {.min = 1e-4, .max = 0.5});
     plan.settle_hold_s = t.number("settle_hold_s", kTime_s);
@@ -142,6 +143,16 @@ Scatter scatter(const Table& t) {
                 t.find_number("deceleration_deviation_mps2", {.min = 0.0, .max = 2.0}).value_or(0.0)};
 }
 
+std::vector<Band> declared_bands(const Table& t) {
+    std::vector<Band> bands;
+    for (const FigureField& field : kFigureFields) {
+        const auto ends =
+            t.find_numbers(field.key, {.count = {.min = 2, .max = 2}, .strictly_increasing = true});
+        if (ends) bands.push_back({.figure = &field, .least = ends->front(), .most = ends->back()});
+    }
+    return bands;
+}
+
 plant::ManeuverChoice choice(const Table& t, const std::filesystem::path& config) {
     plant::ManeuverChoice choice;
     choice.maneuver = t.text("name");
@@ -172,6 +183,7 @@ Scenario load_scenario(const std::filesystem::path& file, const std::filesystem:
                .controller = config / root.text("controller"),
                .mean = {},
                .scatter = {},
+               .acceptance = {},
                .files = {file, base_file}};
     s.mean.speed_mps = s.rig.rig.brake_on_mps;
     s.mean.load_base_N = s.rig.rig.load.base_N;
@@ -182,6 +194,7 @@ Scenario load_scenario(const std::filesystem::path& file, const std::filesystem:
     s.files.insert(s.files.end(), s.rig.files.begin(), s.rig.files.end());
     s.mean = plan(s, 0, 0);
     if (const auto t = root.find_table("scatter")) s.scatter = scatter(*t);
+    if (const auto t = root.find_table("acceptance")) s.acceptance = declared_bands(*t);
     doc.finish();
     base.finish();
     sequencer::check(s.mean);

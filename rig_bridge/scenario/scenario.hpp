@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "plant_sim/model/load_rig.hpp"
+#include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/sequencer/sequencer.hpp"
 
 namespace rig {
@@ -22,15 +23,22 @@ struct Scatter {
     double deceleration_mps2 = 0.0;
 };
 
+/// What a figure of a finished maneuver may be, both ends included.
+struct Band {
+    const FigureField* figure = nullptr;  ///< of kFigureFields
+    double least = 0.0;
+    double most = 0.0;
+};
+
 struct Scenario {
     std::string name;   ///< the file's, without its ending
     std::string title;  ///< one line for people
     plant::ManeuverChoice choice;
     plant::LoadedRig rig;              ///< always on the flywheel
     std::filesystem::path controller;  ///< configuration of the controller that this rig needs
-    sequencer::Plan mean;              ///< without scatter; overspeed for the prescribed speed
+    sequencer::Plan mean;              ///< without scatter
     Scatter scatter;
-    double coasting_mps = 0.0;  ///< lost to drag between drive off and brake-on; part of the overspeed
+    std::vector<Band> acceptance;  ///< as the file declares it; what holds: acceptance.hpp
     /// Every file that was read, for the hash of results: scenario, sequencer.toml, those of the rig. Not `controller`, which is the
     /// controller's own.
     std::vector<std::filesystem::path> files;

@@ -39,6 +39,8 @@ void check(const Plan& plan) {
         {"load_base_N", plan.load_base_N},
         {"demand_Pa", plan.demand_Pa},
         {"speed_tolerance_mps", plan.speed_tolerance_mps},
+        {"rolling_radius_m", plan.rolling_radius_m},
+        {"mismatch_s", plan.mismatch_s},
         {"speed_band_mps", plan.speed_band_mps},
         {"settle_slip", plan.settle_slip},
         {"standstill_mps", plan.standstill_mps},
@@ -59,13 +61,10 @@ void check(const Plan& plan) {
         if (!(n.value > 0.0) || !std::isfinite(n.value)) refuse(n.name, n.value, "a number above 0");
     }
     const Number not_negative[] = {
-        {"load_lift_Ns2pm2", plan.load_lift_Ns2pm2},
-        {"slip_reference", plan.slip_reference},
-        {"deceleration_mps2", plan.deceleration_mps2},
-        {"overspeed_mps", plan.overspeed_mps},
-        {"settle_s", plan.settle_s},
-        {"settle_hold_s", plan.settle_hold_s},
-        {"hold_s", plan.hold_s},
+        {"load_lift_Ns2pm2", plan.load_lift_Ns2pm2},   {"slip_reference", plan.slip_reference},
+        {"deceleration_mps2", plan.deceleration_mps2}, {"wheel_share", plan.wheel_share},
+        {"coasting_mps", plan.coasting_mps},           {"settle_s", plan.settle_s},
+        {"settle_hold_s", plan.settle_hold_s},         {"hold_s", plan.hold_s},
     };
     for (const Number& n : not_negative) {
         if (!(n.value >= 0.0) || !std::isfinite(n.value)) refuse(n.name, n.value, "0 or more");
@@ -73,10 +72,10 @@ void check(const Plan& plan) {
     if (!std::isfinite(plan.cool_to_C)) refuse("cool_to_C", plan.cool_to_C, "a temperature");
     if (!std::isfinite(plan.brake_on_limit_C))
         refuse("brake_on_limit_C", plan.brake_on_limit_C, "a temperature");
-    const double fastest_mps = plan.speed_mps + plan.overspeed_mps;
+    const double fastest_mps = top_speed_mps(plan);
     if (plan.load_base_N - plan.load_lift_Ns2pm2 * fastest_mps * fastest_mps <= 0.0)
         refuse("load_lift_Ns2pm2", plan.load_lift_Ns2pm2,
-               "a load that stays above zero at the prescribed speed");
+               "a load that stays above zero up to speed_band_mps above the set-point");
     check_current(plan);
 }
 

@@ -28,7 +28,10 @@ std::string_view name(Abort abort) {
                                                                "sensors_lost",
                                                                "phase_timeout",
                                                                "brake_hot",
-                                                               "load_lost"};
+                                                               "load_lost",
+                                                               "foreign_command",
+                                                               "overspeed",
+                                                               "speed_mismatch"};
     const auto i = static_cast<std::size_t>(abort);
     return i < kNames.size() ? kNames[i] : "?";
 }
@@ -45,6 +48,9 @@ bool stops_controller(Abort abort) {
         case Abort::bus_lost:
         case Abort::sensors_lost:
         case Abort::load_lost:
+        case Abort::foreign_command:
+        case Abort::overspeed:
+        case Abort::speed_mismatch:
             return true;
         case Abort::none:
         case Abort::requested:

@@ -16,7 +16,8 @@ bool plc_heard(const Inputs& in) {
 }
 
 bool sensors_heard(const Inputs& in) {
-    return in.sensors_fresh && std::isfinite(in.wheel_rim_mps) && std::isfinite(in.pressure_Pa);
+    return in.sensors_fresh && std::isfinite(in.rim_mps) && std::isfinite(in.wheel_radps) &&
+           std::isfinite(in.wheel_rim_mps) && std::isfinite(in.pressure_Pa);
 }
 
 /// Whether somebody counts on the controller's permission.
@@ -31,6 +32,10 @@ bool before_brake_on(Phase phase) {
 
 }  // namespace
 
+double top_speed_mps(const Plan& plan) {
+    return plan.speed_mps * (1.0 + plan.wheel_share) + plan.coasting_mps + plan.speed_band_mps;
+}
+
 Sequencer::Sequencer(Plan plan) : plan_(std::move(plan)) {
     check(plan_);
 }
@@ -42,11 +47,14 @@ Abort Sequencer::cause(const Inputs& in) const {
     if (!in.hydraulics_ready) return Abort::hydraulics_lost;
     if (!in.drive_healthy) return Abort::drive_fault;
     if (!in.plc_ready) return Abort::plc_tripped;
+    if (in.foreign_command) return Abort::foreign_command;
     if (in.commit_refused || in.commit_late || (phase_ == Phase::spin_up && !sledge_back(in)))
         return Abort::command_refused;
+    if (in.flywheel_mps > top_speed_mps(plan_)) return Abort::overspeed;
     if (!in.bus_up) return Abort::bus_lost;
     if (!in.controller_fresh) return Abort::controller_silent;
     if (!sensors_heard(in)) return Abort::sensors_lost;
+    if (now_s_ - agreed_s_ > plan_.mismatch_s) return Abort::speed_mismatch;
     const bool holds = phase_ == Phase::standstill && elapsed_s() < plan_.hold_s;
     if (in.controller_safe || ((armed_phase(phase_) || holds) && !in.controller_armed))
         return Abort::controller_fault;
@@ -67,11 +75,25 @@ bool Sequencer::load_in_band(const Inputs& in) const {
 
 bool Sequencer::ready(const Inputs& in) const {
     return in.controller_standby && sledge_back(in) && in.pressure_Pa < plan_.pressure_gone_Pa &&
-           in.flywheel_mps <= plan_.speed_mps + plan_.overspeed_mps + plan_.speed_tolerance_mps;
+           in.flywheel_mps <= set_point_mps(in) + plan_.speed_tolerance_mps;
+}
+
+/// Or one of them is not heard. An old reading may be off by what a tyre can have done since.
+bool Sequencer::speeds_agree(const Inputs& in) const {
+    constexpr double kHardest_mps2 = 12.0;  // all of dry asphalt's friction, 1.17 g
+    return !plc_heard(in) || !sensors_heard(in) ||
+           std::abs(in.flywheel_mps - in.rim_mps) <= plan_.speed_band_mps + kHardest_mps2 * in.flywheel_age_s;
+}
+
+double Sequencer::set_point_mps(const Inputs& in) const {
+    const double lacks_mps = plan_.speed_mps - plan_.rolling_radius_m * in.wheel_radps;
+    return plan_.speed_mps + plan_.wheel_share * lacks_mps + plan_.coasting_mps;
 }
 
 bool Sequencer::at_speed(const Inputs& in) {
-    const double set_mps = plan_.speed_mps + plan_.overspeed_mps;
+    const double set_mps = set_point_mps(in);
+    // Each change is a command of its own to the PLC.
+    if (std::abs(set_mps - set_mps_) > 0.5 * plan_.speed_tolerance_mps) set_mps_ = set_mps;
     const bool there = std::abs(in.flywheel_mps - set_mps) <= plan_.speed_tolerance_mps;
     if (there && (arming_ || in.controller_standby)) arming_ = true;
     return there && arming_ && in.controller_armed;
@@ -94,6 +116,7 @@ bool Sequencer::released(const Inputs& in) {
 bool Sequencer::done(const Inputs& in) {
     switch (phase_) {
         case Phase::idle:
+            set_mps_ = set_point_mps(in);
             return ready(in);
         case Phase::spin_up:
             return at_speed(in);
@@ -162,12 +185,13 @@ void Sequencer::leave_for_abort(Abort cause) {
 Outputs Sequencer::step(const Inputs& in, double now_s) {
     if (!started_) {
         started_ = true;
-        now_s_ = now_s;
+        now_s_ = agreed_s_ = now_s;
         enter(Phase::idle);
         return outputs(in);
     }
     if (now_s > now_s_) now_s_ = now_s;
     if (over()) return outputs(in);
+    if (speeds_agree(in)) agreed_s_ = now_s_;
 
     const bool late = elapsed_s() > limit_s();
     if (phase_ == Phase::aborting) {
@@ -215,7 +239,7 @@ Outputs Sequencer::outputs(const Inputs& in) const {
         phase_ == Phase::aborting && (stops_controller(abort_) || stops_controller(cause(in)));
     if (phase_ == Phase::spin_up) {
         out.drive_enable = true;
-        out.flywheel_set_mps = plan_.speed_mps + plan_.overspeed_mps;
+        out.flywheel_set_mps = set_mps_;
         out.arm = arming_;
     }
     if (armed_phase(phase_) || phase_ == Phase::standstill) {

@@ -10,7 +10,7 @@
 /// What leads on, and what is on meanwhile (everything else is off, and demand 0):
 ///   idle        nothing on. Every interlock good, PLC ready, sledge back, flywheel not above the set-point, brake cold enough for
 ///               brake-on, no pressure, controller in standby
-///   spin_up     drive on. Set-point held within `speed_tolerance_mps`: arms; controller armed: on
+///   spin_up     drive on. Set-point (below) held within `speed_tolerance_mps`: arms; controller armed: on
 ///   touchdown   armed, sledge advances, load enabled, drive off. Wheel on the rim: on
 ///   settling    the same, weight on wheels. `settle_s` over, slip below `settle_slip` and load within its band for
 ///               `settle_hold_s`, and the speed has fallen to the prescribed one: brake-on
@@ -19,6 +19,11 @@
 ///   retract     disarmed, load off, sledge back. Sledge back: on
 ///   cool_down   nothing on. Brake at `cool_to_C`: finished
 /// Each has a time limit. One step goes on by one phase at the most; the first is always idle.
+///
+/// The set-point of the drive is what leaves the prescribed speed when the wheel has touched down. The flywheel, whose rim runs at v', gives a
+/// wheel that turns at omega what it lacks: m v' + (J_w / r^2) r omega = (m + J_w / r^2) v. omega is measured, so a wheel that still turns
+/// after an abort is brought to the same speed at brake-on as one that stands. `coasting_mps` for drag comes on top. While the wheel slows
+/// down the set-point rises, in steps of half the tolerance.
 ///
 /// Abort. The conditions of Abort are looked at in every phase before anything else; the outputs of that very step are the safe ones:
 /// disarmed, no demand, no current, drive off, load off, sledge back. In idle, where nothing is on, a condition only keeps the maneuver from
@@ -52,8 +57,8 @@ inline constexpr std::uint8_t kPhaseCount = 11;
 [[nodiscard]] std::string_view name(Phase phase);
 
 /// Why a maneuver was aborted; the first cause counts. Of several in one step it is the one nearest to the root: plc_silent, interlocks,
-/// plc_tripped, command_refused, bus_lost, controller_silent, sensors_lost, controller_fault, load_lost, brake_hot, requested,
-/// phase_timeout.
+/// plc_tripped, foreign_command, command_refused, overspeed, bus_lost, controller_silent, sensors_lost, speed_mismatch, controller_fault,
+/// load_lost, brake_hot, requested, phase_timeout. What each means, in plain words, and what to do: next_step.hpp.
 enum class Abort : std::uint8_t {
     none,
     requested,       ///< the user
@@ -67,12 +72,15 @@ enum class Abort : std::uint8_t {
     controller_silent,  ///< no fresh status frames
     controller_fault,  ///< the controller is in its safe state; or, from touchdown to the end of the hold, not armed
     bus_lost,          ///< CAN interface down or bus-off
-    sensors_lost,   ///< no fresh encoder or pressure frames, or a reading that is no number
-    phase_timeout,  ///< a phase took longer than its limit
-    brake_hot,      ///< above the limit for brake-on, before brake-on
-    load_lost,      ///< while braking: vertical load out of its band, or the wheel off the rim
+    sensors_lost,     ///< no fresh encoder or pressure frames, or a reading that is no number
+    phase_timeout,    ///< a phase took longer than its limit
+    brake_hot,        ///< above the limit for brake-on, before brake-on
+    load_lost,        ///< while braking: vertical load out of its band, or the wheel off the rim
+    foreign_command,  ///< the PLC took over, or refused, a command that is not ours
+    overspeed,        ///< the flywheel is faster than top_speed_mps(), by the PLC's reading
+    speed_mismatch,   ///< PLC and encoder on the bus differ in the rim's speed for `mismatch_s`
 };
-inline constexpr std::uint8_t kAbortCount = 16;
+inline constexpr std::uint8_t kAbortCount = 19;
 [[nodiscard]] std::string_view name(Abort abort);
 
 /// Causes that send the emergency stop, because disarming by the maneuver command alone may not do: a danger to people or machine, a
@@ -107,13 +115,18 @@ struct Plan {
     std::vector<CurrentPoint> current;  ///< of the open-loop law
 
     // How long and how exactly.
-    double speed_tolerance_mps = 0.1;  ///< spin-up is over within this of the set-point ...
-    double overspeed_mps = 0.3;  ///< ... which stands this much higher: touchdown and settling cost some
-    double settle_s = 1.0;       ///< shortest settling
-    double settle_slip = 0.01;   ///< settled when wheel and rim differ by less, for settle_hold_s
+    double speed_tolerance_mps =
+        0.02;  ///< spin-up ends within this of the set-point, brake-on is at most so much too fast
+    double wheel_share = 0.005;      ///< J_w / (m r^2): inertia of the wheel, at the rim, over the flywheel's
+    double rolling_radius_m = 0.32;  ///< r(F_z) of the wheel at brake-on
+    double coasting_mps = 0.07;      ///< lost to drag between drive off and brake-on
+    double settle_s = 1.0;           ///< shortest settling
+    double settle_slip = 0.01;       ///< settled when wheel and rim differ by less, for settle_hold_s
     double settle_hold_s = 0.2;
-    double speed_band_mps =
-        2.0;  ///< no brake-on when the speed has fallen by more than this below the prescribed one
+    /// No brake-on when the speed has fallen by more than this below the prescribed one; no rim faster by more than this than a spin-up can
+    /// ask for; and PLC and encoder differ by no more.
+    double speed_band_mps = 2.0;
+    double mismatch_s = 0.5;  ///< for so long they may, all the same: readings are as old as the link is slow
     double standstill_mps = 0.1;
     double sledge_back_m = 0.01;       ///< retracted is below this
     double pressure_gone_Pa = 0.5e6;   ///< released is below this
@@ -133,9 +146,11 @@ struct Inputs {
     bool plc_fresh = false;  ///< registers younger than the bridge's limit, watchdog alive
     bool plc_ready = false;  ///< PlcState::ready
     bool commit_refused = false;
-    bool commit_late = false;  ///< the last command has not been confirmed in time
+    bool commit_late = false;      ///< the last command has not been confirmed in time
+    bool foreign_command = false;  ///< the PLC has answered a command of somebody else since the last step
     bool emergency_stop_clear = false, guard_closed = false, hydraulics_ready = false, drive_healthy = false;
     double flywheel_mps = 0.0;
+    double flywheel_age_s = 0.0;  ///< of that reading
     double sledge_m = 0.0;
     bool wheel_on_rim = false;
     double load_N = 0.0;
@@ -143,7 +158,9 @@ struct Inputs {
 
     bool bus_up = false;
     bool sensors_fresh = false;  ///< encoder and pressure frames
-    double wheel_rim_mps = 0.0;  ///< r omega of the braked wheel, from its encoder
+    double rim_mps = 0.0;        ///< of the flywheel, from the encoder on the bus
+    double wheel_radps = 0.0;    ///< omega of the braked wheel, from its encoder
+    double wheel_rim_mps = 0.0;  ///< r omega of it, r under the present load
     double pressure_Pa = 0.0;    ///< brake pressure, measured
     bool controller_fresh = false;
     bool controller_standby = false;  ///< self-test passed, not armed
@@ -174,6 +191,9 @@ struct Outputs {
     bool emergency_stop = false;  ///< send the emergency stop frame
 };
 
+/// The fastest that a rim may turn: the set-point for a wheel that stands, and `speed_band_mps`.
+[[nodiscard]] double top_speed_mps(const Plan& plan);
+
 class Sequencer {
   public:
     /// Throws std::invalid_argument, naming the member, for a plan that cannot be run: a number that is not finite or negative where it may
@@ -194,6 +214,8 @@ class Sequencer {
     [[nodiscard]] Abort cause(const Inputs& inputs) const;
     [[nodiscard]] bool done(const Inputs& inputs);
     [[nodiscard]] bool ready(const Inputs& inputs) const;
+    [[nodiscard]] bool speeds_agree(const Inputs& inputs) const;
+    [[nodiscard]] double set_point_mps(const Inputs& inputs) const;
     [[nodiscard]] bool at_speed(const Inputs& inputs);
     [[nodiscard]] bool settled(const Inputs& inputs);
     [[nodiscard]] bool released(const Inputs& inputs);
@@ -215,7 +237,9 @@ class Sequencer {
     double entered_s_ = 0.0;  // the phase
     double brake_on_s_ = 0.0;
     double unsettled_s_ = 0.0;  // newest time at which the wheel was not settled
-    bool arming_ = false;       // in spin_up: the set-point was reached
+    double agreed_s_ = 0.0;  // newest time at which PLC and encoder had the same speed, or one was not heard
+    double set_mps_ = 0.0;   // in spin_up: what the drive is told
+    bool arming_ = false;    // in spin_up: the set-point was reached
     bool safe_end_ = false;
 };
 

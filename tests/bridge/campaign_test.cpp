@@ -44,7 +44,8 @@ TEST_CASE("Retries are counted for one maneuver, in a row", "[BRG-410]") {
 }
 
 TEST_CASE("What a person stopped is never started again by itself", "[BRG-411]") {
-    for (const char* const outcome : {"emergency_stop", "guard_open", "requested"}) {
+    for (const char* const outcome :
+         {"emergency_stop", "guard_open", "requested", "foreign_command", "overspeed", "speed_mismatch"}) {
         CampaignJudge judge({.maneuvers = 500, .retries = 100});
         const rig::Decision decision = judge.after(summary(7, outcome));
         CHECK(decision.verdict == Verdict::fault);
@@ -61,7 +62,10 @@ TEST_CASE("The wear limit ends the campaign, also when the limit was reached in 
     CHECK(decision.reason == "maneuver 2: mean friction 0.1499 is below the wear limit 0.1500");
     CHECK(judge.before(summary(2, "finished", 0.1499)).verdict == Verdict::worn);
     CHECK(judge.before(summary(2, "finished", 0.2)).verdict == Verdict::go_on);
-    // An aborted one says nothing about wear.
+    // One that was not the maneuver asked for says nothing about wear, nor does an aborted one.
+    rig::Summary off = summary(3, "finished", 0.1);
+    off.out_of_tolerance = std::vector<std::string>{"mean_load_N"};
+    CHECK(judge.after(off).verdict == Verdict::go_on);
     CHECK(judge.after(summary(3, "plc_silent", 0.0)).verdict == Verdict::fault);
 }
 

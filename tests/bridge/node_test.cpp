@@ -104,6 +104,38 @@ TEST_CASE("A link of its own that is down counts as a lost bus", "[BRG-405]") {
     CHECK(sequencer.abort() == sequencer::Abort::bus_lost);
 }
 
+TEST_CASE("Somebody else's command is the abort of the same step, once", "[BRG-137]") {
+    Bench b;
+    b.plc.now.foreign_commands = 3;  // while nothing ran
+    b.step(nullptr);
+    sequencer::Sequencer sequencer(plan());
+    for (int i = 0; i < 5; ++i) b.step(&sequencer);
+    REQUIRE(sequencer.phase() == Phase::spin_up);
+    b.plc.now.foreign_commands = 4;
+    b.plc.now.foreign_commit = 4711;
+    const rig::Moment& m = b.step(&sequencer);
+    CHECK(sequencer.abort() == sequencer::Abort::foreign_command);
+    CHECK(note_of(m) == "somebody else commands the PLC: commit 4711 is not the bridge's");
+    CHECK(b.plc.commands.back() == rig::CommandedValues{});
+    CHECK(note_of(b.step(&sequencer)).empty());
+}
+
+TEST_CASE("How fast the rim still turns is said by whoever is heard", "[BRG-426]") {
+    Bench b;
+    rig::at(b.plc.now.values, Measured::flywheel_speed_mps) = 30.0;
+    b.feed.bus.rim_mps = 30.5;
+    CHECK(rig::rim_speed_mps(b.step(nullptr)) == 30.5);
+    b.feed.bus.up = false;
+    CHECK(rig::rim_speed_mps(b.step(nullptr)) == 30.0);
+    b.plc.now.age_s.fill(3.0);
+    CHECK_FALSE(rig::rim_speed_mps(b.step(nullptr)).has_value());
+    b.feed.bus.up = true;
+    CHECK(rig::rim_speed_mps(b.step(nullptr)) == 30.5);
+    CHECK_THAT(rig::rim_text(30.5, 0.1), ContainsSubstring("still turns, at 30.50 m/s"));
+    CHECK_THAT(rig::rim_text(std::nullopt, 0.1), ContainsSubstring("take it for turning"));
+    CHECK(rig::rim_text(0.09, 0.1) == "the rim stands");
+}
+
 TEST_CASE("The wish to stop aborts as requested", "[BRG-405]") {
     Bench b;
     sequencer::Sequencer sequencer(plan());

@@ -28,6 +28,10 @@ TEST_CASE("The command line says which rig, which maneuver and where to", "[BRG-
     CHECK(one.rig.seed == 1);
     CHECK(one.rig.reset);
     CHECK(one.cool_down);
+    CHECK_FALSE(one.rig.leave_turning);
+    CHECK(command<rig::ManeuverCommand>(
+              {"maneuver", "heavy.toml", "--can", "vcan0", "--plc", "127.0.0.1:1502", "--leave-turning"})
+              .rig.leave_turning);
     const auto many = command<rig::CampaignCommand>({"campaign", "e.toml", "--can", "can0", "--plc-rtu",
                                                      "/dev/ttyUSB0", "--out", "runs/1", "--maneuvers", "500",
                                                      "--retry", "2", "--min-friction", "0.15", "--no-reset"});

@@ -28,6 +28,7 @@ TEST_CASE("A good rig is seen as it is", "[BRG-400]") {
     rig::at(plc.values, Measured::vertical_load_N) = 40e3;
     rig::BusNow bus = good_bus(1s);
     bus.rim_mps = 60.0;
+    bus.wheel_radps = 140.0;
     bus.wheel_rim_mps = 45.0;
     bus.slip = 0.25;
     bus.view.pressure.pressure_Pa = 5e6F;
@@ -36,6 +37,7 @@ TEST_CASE("A good rig is seen as it is", "[BRG-400]") {
     CHECK(in.plc_ready);
     CHECK((in.emergency_stop_clear && in.guard_closed && in.hydraulics_ready && in.drive_healthy));
     CHECK(in.flywheel_mps == 61.0);
+    CHECK(in.flywheel_age_s == 0.01);
     CHECK(in.sledge_m == 0.25);
     CHECK(in.wheel_on_rim);
     CHECK(in.load_N == 40e3);
@@ -43,6 +45,8 @@ TEST_CASE("A good rig is seen as it is", "[BRG-400]") {
     CHECK((in.bus_up && in.sensors_fresh && in.controller_fresh && in.controller_standby));
     CHECK_FALSE((in.controller_armed || in.controller_safe || in.commit_refused || in.commit_late ||
                  in.abort_requested));
+    CHECK(in.rim_mps == 60.0);
+    CHECK(in.wheel_radps == 140.0);
     CHECK(in.wheel_rim_mps == 45.0);
     CHECK(in.pressure_Pa == 5e6);
 }

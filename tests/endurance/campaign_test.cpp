@@ -58,7 +58,10 @@ TEST_CASE(
     CHECK(result.finished.back().cumulative_energy_J == Approx(488e6).epsilon(0.02));
     CHECK(result.finished.front().figures.mean_friction > 0.28);
     CHECK(result.finished.back().figures.mean_friction < 0.20);
-    for (const rig::Summary& m : result.finished) REQUIRE((m.faults.empty() && m.figures.standstill));
+    for (const rig::Summary& m : result.finished) {
+        REQUIRE((m.faults.empty() && m.figures.standstill));
+        REQUIRE(m.out_of_tolerance == std::vector<std::string>{});  // judged, and within
+    }
 }
 
 TEST_CASE("same seed: the same rows to the last bit; another seed: others", "[STUDY-075]") {

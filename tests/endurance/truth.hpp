@@ -14,4 +14,9 @@ inline endurance::TestCell cell(const endurance::Setup& s, std::uint64_t seed = 
     return {s.scenario, s.controller, s.layout, s.machinery, seed};
 }
 
+/// How far off the prescribed speed brake-on may come: the tolerance, by a reading that is noisy.
+inline double held_to_mps(const endurance::Setup& s, const sequencer::Plan& plan) {
+    return plan.speed_tolerance_mps + 3.0 * s.machinery.machinery.gauges.speed.noise;
+}
+
 }  // namespace endurance_test

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rig_bridge/modbus/modbus_context.hpp"
 #include "tests/catch.hpp"
 #include "tests/modbus/fake_plc.hpp"
 #include "tests/modbus/plc_stub.hpp"
@@ -80,6 +81,34 @@ TEST_CASE("A command is applied whole and confirmed by its number", "[BRG-031]")
     CHECK(at(orders, Commanded::load_lift_Ns2pm2) == 3.625);
     CHECK(at(orders, Commanded::commit) == client.snapshot().commit);
     CHECK(client.snapshot().pending_s == 0.0);
+}
+
+TEST_CASE("A second master's command is seen, and the client's own restored", "[BRG-136]") {
+    const auto map = stub::shipped_map();
+    stub::Plc plc(map);
+    rig::ModbusClient client(map, at_port(plc.server().port()));
+    const auto wanted = landing(49.0);
+    REQUIRE(commanding(client, wanted, [&] { return client.snapshot().command == CommandState::applied; }));
+    CHECK(client.snapshot().foreign_commands == 0);
+
+    const rig::ModbusContext other(modbus_new_tcp("127.0.0.1", plc.server().port()));
+    REQUIRE(modbus_connect(other.get()) == 0);
+    modbus_set_slave(other.get(), map.unit_id);
+    rig::RegisterImage image(map.commanded, map.word_order);
+    REQUIRE(image.write(map.field(Commanded::flywheel_speed_mps), 75.0));
+    REQUIRE(image.write(map.field(Commanded::drive_enable), 1.0));
+    REQUIRE(image.write(map.field(Commanded::commit), 4711.0));
+    const auto words = image.words(1, 11);  // all but the watchdog
+    REQUIRE(modbus_write_registers(other.get(), 1, 11, words.data()) == 11);
+
+    REQUIRE(commanding(client, wanted, [&] { return client.snapshot().foreign_commands == 1; }));
+    CHECK(client.snapshot().foreign_commit == 4711);
+    REQUIRE(commanding(client, wanted, [&] {
+        return at(plc.orders().commanded, Commanded::flywheel_speed_mps) == 49.0 &&
+               client.snapshot().command == CommandState::applied;
+    }));
+    CHECK(at(plc.orders().commanded, Commanded::load_base_N) == 43609.5);
+    modbus_close(other.get());
 }
 
 TEST_CASE("A refused command is told, and so is one that cannot be sent", "[BRG-041]") {

@@ -46,9 +46,9 @@ TEST_CASE("A wish is pending until its number is confirmed", "[BRG-031]") {
     CHECK(d.send() == 0);
     CHECK(d.desk.state() == CommandState::pending);
     CHECK(d.desk.pending_s(4s) == 3.0);
-    d.desk.seen(0, 0);
+    d.desk.seen(0, 0, 0s);
     CHECK(d.desk.state() == CommandState::pending);
-    d.desk.seen(1, 0);
+    d.desk.seen(1, 0, 0s);
     CHECK(d.desk.state() == CommandState::applied);
     CHECK(d.desk.pending_s(9s) == 0.0);
 }
@@ -57,7 +57,7 @@ TEST_CASE("Only what the registers would show differently is sent", "[BRG-031]")
     Desk d;
     d.desk.want(speed(50.0), 1s);
     CHECK(d.send() == 1);
-    d.desk.seen(1, 0);
+    d.desk.seen(1, 0, 0s);
     auto same = speed(50.0 + 1e-9);  // no other float32
     at(same, Commanded::bridge_watchdog) = 77.0;
     at(same, Commanded::commit) = 9.0;
@@ -78,10 +78,10 @@ TEST_CASE("A newer wish does not wait for the older one's answer, and is as late
     d.desk.sending(*first);
     CHECK(d.desk.pending_s(3s) == 2.0);
     CHECK(d.send() == 2);
-    d.desk.seen(1, 0);
+    d.desk.seen(1, 0, 0s);
     CHECK(d.desk.state() == CommandState::pending);
     CHECK(d.desk.pending_s(3s) == 2.0);
-    d.desk.seen(2, 0);
+    d.desk.seen(2, 0, 0s);
     CHECK(d.desk.state() == CommandState::applied);
 
     // Confirmed before the newer one goes out: that one's own time counts.
@@ -89,7 +89,7 @@ TEST_CASE("A newer wish does not wait for the older one's answer, and is as late
     const auto third = d.desk.due();
     d.desk.want(speed(40.0), 12s);
     d.desk.sending(*third);
-    d.desk.seen(3, 0);
+    d.desk.seen(3, 0, 0s);
     CHECK(d.desk.pending_s(13s) == 1.0);
 }
 
@@ -97,7 +97,7 @@ TEST_CASE("A refused command is not repeated, a changed one is sent", "[BRG-041]
     Desk d;
     d.desk.want(speed(10.0), 1s);
     CHECK(d.send() == 1);
-    d.desk.seen(0, 1);
+    d.desk.seen(0, 1, 0s);
     CHECK(d.desk.state() == CommandState::refused);
     d.desk.want(speed(10.0), 2s);
     CHECK(d.desk.state() == CommandState::refused);
@@ -105,7 +105,7 @@ TEST_CASE("A refused command is not repeated, a changed one is sent", "[BRG-041]
     d.desk.want(speed(11.0), 3s);
     CHECK(d.desk.state() == CommandState::pending);
     CHECK(d.send() == 2);
-    d.desk.seen(2, 1);
+    d.desk.seen(2, 1, 0s);
     CHECK(d.desk.state() == CommandState::applied);
 }
 
@@ -138,16 +138,16 @@ TEST_CASE("After a reconnection the newest wish goes out again under a new numbe
     CHECK(d.send() == 0);  // nobody has asked for anything
     d.desk.want(speed(10.0), 2s);
     CHECK(d.send() == 42);
-    d.desk.seen(42, 0);
+    d.desk.seen(42, 0, 0s);
     CHECK(d.desk.state() == CommandState::applied);
 
     d.desk.reconnected(0, 5s);  // a PLC that was restarted
     CHECK(d.desk.state() == CommandState::pending);
     CHECK(d.desk.pending_s(6s) == 1.0);
-    d.desk.seen(0, 0);
+    d.desk.seen(0, 0, 0s);
     CHECK(d.send() == 43);
     CHECK(d.desk.state() == CommandState::pending);
-    d.desk.seen(43, 0);
+    d.desk.seen(43, 0, 0s);
     CHECK(d.desk.state() == CommandState::applied);
 }
 
@@ -156,13 +156,70 @@ TEST_CASE("Commit numbers wrap around without 0 and without one that already has
     d.desk.reconnected(65534, 1s);
     d.desk.want(speed(1.0), 1s);
     CHECK(d.send() == 65535);
-    d.desk.seen(65535, 2);
+    d.desk.seen(65535, 2, 0s);
     d.desk.want(speed(2.0), 2s);
     CHECK(d.send() == 1);
-    d.desk.seen(1, 2);
+    d.desk.seen(1, 2, 0s);
     d.desk.want(speed(3.0), 3s);
     CHECK(d.send() == 3);  // 2 was refused in the last round
     CHECK(d.desk.state() == CommandState::pending);
+}
+
+TEST_CASE("A number that is none of ours is somebody else's command: counted, and answered by ours",
+          "[BRG-136]") {
+    Desk d;
+    d.desk.seen(41, 7, 1s);  // what an earlier bridge left
+    CHECK(d.desk.foreign_commands() == 0);
+    d.desk.want(speed(10.0), 1s);
+    CHECK(d.send() == 1);
+    d.desk.seen(41, 7, 1s);
+    d.desk.seen(1, 7, 1s);
+    CHECK(d.desk.foreign_commands() == 0);
+    CHECK(d.desk.state() == CommandState::applied);
+
+    std::uint16_t refused = 7;
+    SECTION("taken over") {
+        d.desk.seen(900, 7, 5s);
+        CHECK(d.desk.foreign_commit() == 900);
+    }
+    SECTION("refused") {
+        refused = 900;
+        d.desk.seen(1, refused, 5s);
+        CHECK(d.desk.foreign_commit() == 900);
+    }
+    SECTION("under a number that was ours before") {
+        d.desk.want(speed(20.0), 2s);
+        CHECK(d.send() == 2);
+        d.desk.seen(2, 7, 3s);
+        d.desk.seen(1, 7, 5s);
+        CHECK(d.desk.foreign_commit() == 1);
+    }
+    CHECK(d.desk.foreign_commands() == 1);
+    CHECK(d.desk.state() == CommandState::pending);
+    CHECK(d.desk.pending_s(6s) == 1.0);
+    const std::uint16_t again = d.send();
+    CHECK(again > 1);
+    d.desk.seen(again, refused, 6s);
+    CHECK(d.desk.state() == CommandState::applied);
+    CHECK(d.desk.foreign_commands() == 1);
+}
+
+TEST_CASE("Ours that a slow PLC passes over, and a PLC that begins anew, are nobody else's", "[BRG-136]") {
+    Desk d;
+    d.desk.seen(0, 0, 1s);
+    for (int i = 1; i <= 5; ++i) {
+        d.desk.want(speed(i), 1s);
+        CHECK(d.send() == i);
+    }
+    d.desk.seen(3, 2, 1s);  // refused the second, saw neither the first nor yet the last
+    d.desk.seen(5, 2, 1s);
+    CHECK(d.desk.state() == CommandState::applied);
+    d.desk.seen(0, 0, 1s);  // restarted
+    CHECK(d.desk.foreign_commands() == 0);
+    d.desk.reconnected(77, 2s);
+    d.desk.seen(77, 0, 2s);  // whoever commanded while the link was down: it is commanded anew anyway
+    CHECK(d.desk.foreign_commands() == 0);
+    CHECK(d.send() == 78);
 }
 
 TEST_CASE("Waits between attempts double up to their bound and start anew after success", "[BRG-042]") {

@@ -78,11 +78,13 @@ TEST_CASE("numbers shared by all come from sequencer.toml, a scenario's own stan
     CHECK(shipped("heavy").mean.abort_limit_s == 60.0);
 }
 
-TEST_CASE("overspeed is what the wheel's spin-up and drag cost", "[BRG-122]") {
+TEST_CASE("the wheel's share in the momentum, and its radius, are the rig's", "[BRG-122]") {
     const Scenario s = shipped("endurance");
-    // m (v' - v) = J v / r^2 with m = 228.10 / 0.6^2, J = 1.3, r = 0.30: Table III's rig.
-    const double cost = 54.86 * 1.3 / (228.10 / 0.36 * 0.30 * 0.30);
-    CHECK(s.mean.overspeed_mps == Approx(cost + s.coasting_mps).epsilon(1e-4));
+    // m = 228.10 / 0.6^2, J = 1.3, r = 0.30: Table III's rig.
+    CHECK(s.mean.wheel_share == Approx(1.3 / (228.10 / 0.36 * 0.30 * 0.30)).epsilon(1e-4));
+    CHECK(s.mean.rolling_radius_m == Approx(0.30).epsilon(1e-5));
+    CHECK(s.mean.coasting_mps == 0.07);
+    CHECK(shipped("ramp").mean.coasting_mps == 0.055);
     CHECK(s.rolling_radius_m(23532.78) == Approx(0.30).epsilon(1e-5));
 }
 
@@ -96,11 +98,11 @@ TEST_CASE("a maneuver follows from seed and number alone", "[BRG-123]") {
     CHECK(a.deceleration_mps2 == b.deceleration_mps2);
     CHECK(rig::plan(s, 5, 18).speed_mps != a.speed_mps);
     CHECK(rig::plan(s, 6, 17).speed_mps != a.speed_mps);
-    CHECK(rig::plan(s, 5, 17).overspeed_mps != s.mean.overspeed_mps);  // of its own speed
+    CHECK(rig::plan(s, 5, 17).rolling_radius_m != s.mean.rolling_radius_m);  // of its own load
 
     const Scenario landing = shipped("heavy");
     CHECK(rig::plan(landing, 1, 1).speed_mps == landing.mean.speed_mps);
-    CHECK(rig::plan(landing, 1, 1).overspeed_mps == landing.mean.overspeed_mps);
+    CHECK(rig::plan(landing, 1, 1).wheel_share == landing.mean.wheel_share);
 }
 
 TEST_CASE("what is drawn has the mean and deviation asked for, each for itself", "[BRG-123]") {

@@ -63,12 +63,13 @@ def quick_rig(folder, patient=True):
     edits = {
         "rig_machinery.toml": dict(torque_Nm="120.0e3", power_W="10.0e6", response_s=0.05, speed_mps=0.5, heat_capacity_JpK="20.0e6"),
         "controller.toml": dict(spin_up_mps=6.0, touchdown_timeout_s=0.3),
-        "sequencer.toml": dict(settle_s=0.4, settle_hold_s=0.1, coasting_mps=0.03, idle_s=20.0, abort_s=4.0, speed_tolerance_mps=0.1),
+        "sequencer.toml": dict(settle_s=0.4, settle_hold_s=0.1, coasting_mps=0.004, idle_s=20.0, abort_s=4.0),
     }
     config = configuration(folder, edits | (PATIENT if patient else {}))
     scenario = config / "scenarios" / "quick.toml"
-    scenario.write_text(changed((config / "scenarios" / "heavy.toml").read_text().replace('name = "heavy"', 'name = "heavy"\nspeed_mps = 0'),
-                                speed_mps=12.0))
+    heavy = (config / "scenarios" / "heavy.toml").read_text().split("[acceptance]")[0]
+    scenario.write_text(changed(heavy.replace('name = "heavy"', 'name = "heavy"\nspeed_mps = 0'), speed_mps=12.0) +
+                        "[acceptance]\nbrake_on_mps = [11.95, 12.05]\n")
     return scenario, config
 
 
@@ -184,16 +185,26 @@ class Rig:
         self.plc = Plc(1502, self.config)
 
     def command(self, verb, out, *more):
+        if verb in ("maneuver", "campaign"):
+            more = ("--leave-turning", *more)  # the rim coasts for minutes
         return [self.build / "rig_bridge/bridge/rig-bridge", verb, self.scenario, "--can", "vcan0", "--plc", "127.0.0.1:1502", "--config",
                 self.config, "--out", out, *more]
 
     def bridge(self, verb, out, *more, priority=0):
         """Started; its words are in .log of the result."""
+        return self.start_bridge(self.command(verb, out, "--priority", str(priority), *more))
+
+    def start_bridge(self, command):
         self.runs += 1
         log = self.folder / f"bridge{self.runs}.log"
-        process = subprocess.Popen(self.command(verb, out, "--priority", str(priority), *more), stdout=open(log, "w"), stderr=subprocess.STDOUT)
+        process = subprocess.Popen(command, stdout=open(log, "w"), stderr=subprocess.STDOUT)
         process.log = log
         return process
+
+    def await_words(self, process, wanted):
+        """All that a bridge has said, once it has said this."""
+        eventually(lambda: wanted in words(process) or process.poll() is not None, f"never said: {wanted}")
+        return words(process)
 
     def end(self):
         for process in (self.virtual_rig, self.controller):

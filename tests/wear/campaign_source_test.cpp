@@ -33,7 +33,7 @@ class Folder {
 };
 
 void enter(rig::Ledger& ledger, const std::string& campaign, std::int64_t number, const std::string& outcome,
-           double c_e_J, double friction) {
+           double c_e_J, double friction, const std::vector<std::string>& out_of_tolerance = {}) {
     (void)ledger.begin(number, "2026-01-01T00:00:00Z");
     rig::Summary s;
     s.campaign = campaign;
@@ -42,6 +42,7 @@ void enter(rig::Ledger& ledger, const std::string& campaign, std::int64_t number
     s.started = "2026-01-01T00:00:00Z";
     s.cumulative_energy_J = c_e_J;
     s.figures.mean_friction = friction;
+    s.out_of_tolerance = out_of_tolerance;
     ledger.finish(s);
 }
 
@@ -81,6 +82,28 @@ TEST_CASE("a ledger is a campaign", "[WEAR-014]") {
     CHECK_THROWS_WITH(plant_sim::load_campaign(folder.path(), "second"),
                       ContainsSubstring("one maneuver only"));
     CHECK_THROWS_WITH(plant_sim::load_campaign(folder.path(), "third"), ContainsSubstring("third"));
+}
+
+TEST_CASE("maneuvers out of tolerance are left out unless they are asked for; their energy is not",
+          "[WEAR-015]") {
+    const Folder folder("wear_off");
+    {
+        rig::Ledger ledger(folder / "ledger.sqlite", {.durable = false});
+        ledger.open_campaign(campaign("first"), rig::IfChanged::refuse);
+        enter(ledger, "first", 1, "finished", 1.0e6, 0.31);
+        enter(ledger, "first", 2, "finished", 3.3e6, 0.22, {"mean_load_N", "length_m"});
+        enter(ledger, "first", 3, "finished", 4.3e6, 0.29);
+    }
+    const wear::Campaign kept = plant_sim::load_campaign(folder.path(), "");
+    CHECK(kept.points == std::vector<wear::Point>{{1.0e6, 0.31}, {4.3e6, 0.29}});
+    CHECK(kept.brakings.size() == 2);
+    CHECK_THAT(kept.source, ContainsSubstring("1 out of tolerance left out"));
+    const auto taken = plant_sim::OutOfTolerance::taken;
+    const wear::Campaign all = plant_sim::load_campaign(folder.path(), "", taken);
+    CHECK(all.points == std::vector<wear::Point>{{1.0e6, 0.31}, {3.3e6, 0.22}, {4.3e6, 0.29}});
+    CHECK_THAT(all.source, !ContainsSubstring("left out"));
+    CHECK(plant_sim::load_campaigns({folder.path()}).at(0).points == kept.points);
+    CHECK(plant_sim::load_campaigns({folder.path()}, taken).at(0).points == all.points);
 }
 
 TEST_CASE("what is no ledger is read as CSV", "[WEAR-014]") {

@@ -1,0 +1,67 @@
+/// The drive is watched: by its own reading, and by the encoder on the bus.
+#include "tests/catch.hpp"
+#include "tests/sequencer/rig_model.hpp"
+
+using namespace sequencer_test;
+using sequencer::Abort;
+
+TEST_CASE("a rim that is faster than any spin-up can ask for ends the maneuver", "[BRG-132]") {
+    const Plan plan = landing();
+    const double top_mps = 50.0 + 0.003 * 50.0 + 0.05 + plan.speed_band_mps;
+    CHECK(sequencer::top_speed_mps(plan) == Approx(top_mps).epsilon(1e-12));
+    for (const Phase phase : kActive) {
+        INFO(sequencer::name(phase));
+        Reached r(phase);
+        Inputs in = r.rig.inputs;
+        in.flywheel_mps = in.rim_mps = top_mps - 0.01;
+        in.load_N = 30e3 - 3.0 * in.flywheel_mps * in.flywheel_mps;
+        CHECK(r.next(in).phase != Phase::aborting);
+        in.flywheel_mps = in.rim_mps = top_mps + 0.01;
+        const Outputs out = r.next(in);
+        CHECK(out.abort == Abort::overspeed);
+        CHECK(safe(out));
+        CHECK(out.emergency_stop);
+    }
+}
+
+TEST_CASE("PLC and encoder may differ in the rim's speed for a moment, not for longer", "[BRG-133]") {
+    const double sign = GENERATE(-1.0, 1.0);
+    for (const Phase phase : {Phase::spin_up, Phase::settling, Phase::braking, Phase::cool_down}) {
+        INFO(sequencer::name(phase) << ", " << sign);
+        Reached r(phase);
+        Inputs in = r.rig.inputs;
+        if (phase == Phase::cool_down && sign < 0.0) in.flywheel_mps = 3.0;
+        in.rim_mps = in.flywheel_mps + sign * 2.01;
+        const auto next = [&](const Inputs& now) {
+            Inputs one = now;
+            one.controller_standby = one.controller_armed = false;  // keeps spin_up where it is
+            return r.next(phase == Phase::spin_up ? one : now);
+        };
+        in.brake_temperature_C = 200.0;  // keeps cool_down
+        for (int i = 0; i < 45; ++i) REQUIRE(next(in).phase == phase);
+        Inputs agree = in;
+        agree.rim_mps = in.flywheel_mps + sign * 1.99;
+        CHECK(next(agree).phase == phase);
+        int steps = 0;
+        Outputs out;
+        do {
+            out = next(in);
+        } while (out.phase == phase && ++steps < 100);
+        CHECK(out.abort == Abort::speed_mismatch);
+        CHECK(safe(out));
+        CHECK(steps >= 49);
+        CHECK(steps <= 52);
+    }
+}
+
+TEST_CASE("an old reading of the PLC is no other speed: it may be off by what a tyre can have done since",
+          "[BRG-133]") {
+    const double off_mps = GENERATE(5.59, 5.61);
+    Reached r(Phase::braking);
+    Inputs in = r.rig.inputs;
+    in.flywheel_age_s = 0.3;  // at 12 m/s2, and 2 m/s of the band
+    in.rim_mps = in.flywheel_mps - off_mps;
+    Outputs out;
+    for (int i = 0; i < 100; ++i) out = r.next(in);
+    CHECK(out.abort == (off_mps < 5.6 ? Abort::none : Abort::speed_mismatch));
+}
