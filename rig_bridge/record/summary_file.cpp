@@ -56,6 +56,7 @@ class Reader {
             wrong(key, "a smaller number");
         return static_cast<T>(unsigned_value);
     }
+    [[nodiscard]] bool has(const char* key) const { return root_.contains(key); }
     std::vector<std::string> texts(const char* key) {
         std::vector<std::string> all;
         for (const ordered_json& item : get(key, &ordered_json::is_array, "a list of texts")) {
@@ -106,6 +107,7 @@ void write_summary(const std::filesystem::path& path, const Summary& summary) {
     json["standstill"] = summary.figures.standstill;
     json["cumulative_energy_J"] = number(summary.cumulative_energy_J);
     json["faults"] = summary.faults;
+    json["warnings"] = summary.warnings;
     json["frames"] = summary.frames;
     json["frames_dropped"] = summary.frames_dropped;
     json["seed"] = summary.seed;
@@ -127,6 +129,7 @@ Summary read_summary(const std::filesystem::path& path) {
     summary.figures.standstill = reader.flag("standstill");
     summary.cumulative_energy_J = reader.real("cumulative_energy_J");
     summary.faults = reader.texts("faults");
+    if (reader.has("warnings")) summary.warnings = reader.texts("warnings");  // older files have none
     summary.frames = reader.whole<std::uint64_t>("frames");
     summary.frames_dropped = reader.whole<std::uint64_t>("frames_dropped");
     summary.seed = reader.whole<std::uint64_t>("seed");
@@ -152,6 +155,7 @@ std::string summary_table(const Summary& summary) {
     std::string faults;
     for (const std::string& fault : summary.faults) faults += (faults.empty() ? "" : ", ") + fault;
     row("faults", faults.empty() ? "none" : faults);
+    for (const std::string& warning : summary.warnings) row("warning", warning);
     row("frames", fmt::format("{}, {} dropped", summary.frames, summary.frames_dropped));
     return text;
 }

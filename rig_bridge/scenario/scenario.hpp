@@ -31,6 +31,7 @@ struct Scenario {
     sequencer::Plan mean;              ///< without scatter; overspeed for the prescribed speed
     Scatter scatter;
     double coasting_mps = 0.0;  ///< lost to drag between drive off and brake-on; part of the overspeed
+    double energy_band = 0.0;   ///< of the meter, see MeterParameters
     /// Every file that was read, for the hash of results: scenario, sequencer.toml, those of the rig. Not `controller`, which is the
     /// controller's own.
     std::vector<std::filesystem::path> files;
