@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 
-from three_programs import Bus, Rig, check, eventually, in_guest_memory, quick_rig, words
+from three_programs import Bus, Rig, changed, check, eventually, in_guest_memory, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 BRIDGE = BUILD / "rig_bridge/bridge/rig-bridge"
@@ -104,25 +104,44 @@ def rig_restarted(folder):
     check(any("encoder_restarted" in one for row in after["maneuvers"] for one in row["warnings"]), "no restart was named")
 
 
+def stop_with_clock_set(rig, bus, out, step_s):
+    """The summary of a maneuver in whose braking the wall clock is set by `step_s`; none where the host was too slow for real time."""
+    bus.phase = "idle"
+    run = rig.bridge("maneuver", out)
+    if bus.await_phase(("braking", "aborted"), 30.0) and bus.phase == "braking":
+        time.sleep(0.3)
+        if step_s != 0.0:
+            time.clock_settime(time.CLOCK_REALTIME, time.clock_gettime(time.CLOCK_REALTIME) + step_s)
+    code = run.wait(timeout=120)
+    summary = json.loads((out / "summary.json").read_text())
+    if rig.clock == "timer" and "overrun" in summary["faults"]:
+        return None
+    check(code == 0 and summary["outcome"] == "finished",
+          f"clock set by {step_s} s: rig-bridge {code}\n{words(run)}\n{(rig.folder / 'controller.log').read_text()[-2000:]}")
+    check(summary["faults"] == [] and summary["warnings"] == [], summary)
+    return summary
+
+
 def clock(folder, how):
     """[BRG-265] The wall clock is set in braking, forward and back: nobody aborts, and no figure knows of it."""
-    scenario, config = quick_rig(folder, patient=how == "sync")
+    scenario, config = quick_rig(folder)
+    if how == "timer":  # a host that stands still is not what is tested
+        path = config / "controller.toml"
+        path.write_text(changed(path.read_text(), overruns=1000, sensor_max_age_ms=100.0))
     rig = Rig(BUILD, folder, scenario, config, clock=how, sync_timeout_ms=3000, answer_timeout_ms=3000)
     bus = Bus()
     summaries = []
     for number, step_s in enumerate((0.0, 1.0, 3600.0, -1.0, -3600.0)):
-        out = folder / f"one{number}"
-        bus.phase = "idle"
-        run = rig.bridge("maneuver", out)
-        check(bus.await_phase(("braking",)), f"no braking: {words(run)}")
-        time.sleep(0.3)
-        if step_s != 0.0:
-            time.clock_settime(time.CLOCK_REALTIME, time.clock_gettime(time.CLOCK_REALTIME) + step_s)
-        code = run.wait(timeout=120)
-        check(code == 0, f"clock set by {step_s} s: rig-bridge {code}\n{words(run)}\n{(folder / 'controller.log').read_text()[-2000:]}")
-        summary = json.loads((out / "summary.json").read_text())
+        for attempt in range(6):
+            out = folder / f"one{number}.{attempt}"
+            summary = stop_with_clock_set(rig, bus, out, step_s)
+            if summary is not None:
+                break
+        if summary is None:
+            print("skipped: this host is too slow for real time")
+            rig.end()
+            sys.exit(77)
         print(f"{step_s:+7.0f} s: {summary['outcome']}, {summary['duration_s']:.4f} s, {summary['length_m']:.3f} m, {summary['energy_brake_J']:.0f} J")
-        check(summary["outcome"] == "finished" and summary["faults"] == [] and summary["warnings"] == [], summary)
         summaries.append(summary)
         stamps = [float(line.split(")")[0][1:]) for line in (out / "bus.log").read_text().splitlines()]
         steps = [b - a for a, b in zip(stamps, stamps[1:])]
