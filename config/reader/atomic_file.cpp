@@ -93,6 +93,19 @@ void create_directories(const fs::path& directory, const Refusal& refusal) {
 
 }  // namespace
 
+void create_directories(const fs::path& directory) {
+    const Refusal refusal(directory);
+    try {
+        create_directories(fs::absolute(directory), refusal);
+    } catch (const fs::filesystem_error& error) {
+        refusal.of_system("cannot be created", error.code().value());
+    }
+}
+
+void sync_directory(const fs::path& directory) {
+    sync_directory(directory.empty() ? fs::path(".") : directory, Refusal(directory));
+}
+
 void write_file(const fs::path& path, std::string_view bytes) {
     const Refusal refusal(path);
     if (!path.has_filename()) refusal.because("is not the name of a file");

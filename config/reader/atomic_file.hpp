@@ -15,4 +15,11 @@ namespace settings {
 /// temporary file is then removed. Permissions are 0666 less the umask.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
+/// `directory` with its missing parents, each fsynced in its own parent: a power cut does not take them away with what is in them. Error
+/// naming `directory`.
+void create_directories(const std::filesystem::path& directory);
+
+/// The names in `directory` are on the disk: for a file that was made in it. Error naming `directory`.
+void sync_directory(const std::filesystem::path& directory);
+
 }  // namespace settings

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "config/reader/near_miss.hpp"
@@ -257,10 +258,21 @@ Signal MessageBinder::scaled(const Source& source, double size) const {
     return signal;
 }
 
-Signal MessageBinder::physical(std::string_view key, Quantity quantity) {
+Signal MessageBinder::physical(std::string_view key, Quantity quantity, double reach) {
     const Source source = take_physical(key);
     if (source.unit.quantity != quantity) source.table.fail("unit", "expected one of " + units_of(quantity));
-    return scaled(source, source.unit.factor);
+    const Signal signal = scaled(source, source.unit.factor);
+    const double most = std::max(signal.value(signal.raw_min), signal.value(signal.raw_max));
+    if (most + 0.5 * std::abs(signal.scale) < reach) {
+        const auto in_unit = [&](double value) {
+            std::ostringstream text;
+            text << value / source.unit.factor << ' ' << source.table.text("unit");
+            return text.str();
+        };
+        source.table.fail(kSignalKey, at(*source.signal) + " ends at " + in_unit(most) +
+                                          ", too narrow for this rig: it must reach " + in_unit(reach));
+    }
+    return signal;
 }
 
 Signal MessageBinder::rotation(std::string_view key) {

@@ -41,7 +41,8 @@ class MessageBinder {
     [[nodiscard]] Signal code(std::string_view key, const Widths& widths,
                               std::span<const std::string_view> names);
     /// `key = { signal = "SignalName", unit = "bar" }`.
-    [[nodiscard]] Signal physical(std::string_view key, Quantity quantity);
+    /// `reach`: a value that it must be able to say, in the controller's unit.
+    [[nodiscard]] Signal physical(std::string_view key, Quantity quantity, double reach = 0.0);
     /// An angular speed in a unit of angular speed, or in one of rim speed and then with the rim's
     /// `radius_m`.
     [[nodiscard]] Signal rotation(std::string_view key);

@@ -19,6 +19,7 @@
 
 #include "firmware/can/raw_socket.hpp"
 #include "firmware/can/wall_clock_offset.hpp"
+#include "firmware/can/wall_minus_monotonic.hpp"
 
 namespace antiskid::can {
 
@@ -29,30 +30,6 @@ constexpr std::int64_t kPerSecond = 1'000'000'000;
 Time time_of(const timespec& t) {
     return Time{std::int64_t{t.tv_sec} * kPerSecond + t.tv_nsec};
 }
-
-Time read_clock(clockid_t clock) {
-    timespec now{};
-    clock_gettime(clock, &now);
-    return time_of(now);
-}
-
-/// The wall clock against the middle of two monotonic readings; again when something came in between.
-struct WallMinusMonotonic {
-    Time operator()() const {
-        constexpr Time kUndisturbed{50'000};
-        Time best{};
-        Time narrowest = Time::max();
-        for (int attempt = 0; attempt < 3 && narrowest > kUndisturbed; ++attempt) {
-            const Time before = read_clock(CLOCK_MONOTONIC);
-            const Time wall = read_clock(CLOCK_REALTIME);
-            const Time after = read_clock(CLOCK_MONOTONIC);
-            if (after - before >= narrowest) continue;
-            narrowest = after - before;
-            best = wall - before - narrowest / 2;
-        }
-        return best;
-    }
-};
 
 can_frame raw(const Frame& frame) {
     can_frame out{};

@@ -7,37 +7,60 @@
 
 namespace antiskid::can {
 
+struct ClockReading {
+    Time wall_minus_monotonic{};
+    Time monotonic{};  ///< now
+};
+
 /// Reads both clocks rarely: each reading costs a system call where the kernel has no vDSO. Clock is a
-/// function object without arguments that returns wall clock minus monotonic clock now.
+/// function object without arguments that returns a ClockReading.
 template <typename Clock>
 class WallClockOffset {
   public:
     static constexpr std::uint32_t kBatches = 1024;
     static constexpr Time kLeap{2'000'000};
 
-    explicit WallClockOffset(Clock clock) : clock_(clock), offset_(clock_()) {}
+    explicit WallClockOffset(Clock clock) : clock_(clock), offset_(clock_().wall_minus_monotonic) {}
 
     /// Once per batch of frames, before its stamps.
     void next_batch() {
-        if (++batches_ >= kBatches) measure();
+        if (++batches_ < kBatches) return;
+        const Time before = offset_;
+        static_cast<void>(measure());
+        // The clock was set while frames may be waiting that have its old stamps: the first with a new one leaps, and tells; or else
+        // the next reading does.
+        was_set_ = !was_set_ && differs(offset_, before);
+        if (was_set_) offset_ = before;
     }
     [[nodiscard]] Time monotonic(Time wall) {
         const Time mapped = wall - offset_;
         if (mapped >= last_ && mapped - last_ <= kLeap) return last_ = mapped;
-        measure();
-        return last_ = wall - offset_;
+        const Time before = offset_;
+        const Time now = measure();
+        const Time fresh = wall - offset_;
+        // Stamped before the clock was set and read after: of both times the later one that is not still to come.
+        if (differs(offset_, before) && mapped <= now && (fresh > now + kLeap || fresh < mapped)) {
+            offset_ = before;
+            return last_ = mapped;
+        }
+        return last_ = fresh;
     }
 
   private:
-    void measure() {
-        offset_ = clock_();
+    [[nodiscard]] static bool differs(Time a, Time b) { return a - b > kLeap || b - a > kLeap; }
+    /// The monotonic clock then.
+    Time measure() {
+        const ClockReading reading = clock_();
+        offset_ = reading.wall_minus_monotonic;
         batches_ = 0;
+        return reading.monotonic;
     }
 
     Clock clock_;
     Time offset_;
     Time last_{};
     std::uint32_t batches_ = 0;
+    bool was_set_ = false;
 };
 
 }  // namespace antiskid::can

@@ -1,5 +1,6 @@
 #include "firmware/linux/telemetry.hpp"
 
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -30,7 +31,8 @@ void Telemetry::drain(CycleRing& ring) {
 }
 
 void Telemetry::on_record(const CycleRecord& record) {
-    if (last_.step == 0 || record.command.state != last_.command.state)
+    if ((last_.step == 0 || record.command.state != last_.command.state) &&
+        !often(name(record.command.state)))
         logger_.info("[{:.3f} s] state {}", seconds(record.now), name(record.command.state));
     report_faults(record);
     report_link(record);
@@ -49,10 +51,21 @@ void Telemetry::on_record(const CycleRecord& record) {
 
 void Telemetry::report_faults(const CycleRecord& record) {
     if (record.command.faults == last_.command.faults) return;
-    for (const std::string_view fault : names(without(record.command.faults, last_.command.faults)))
+    for (const std::string_view fault : names(without(record.command.faults, last_.command.faults))) {
+        if (often(fault)) continue;
         logger_.error("[{:.3f} s] fault {}: valve to its safe current", seconds(record.now), fault);
-    for (const std::string_view fault : names(without(last_.command.faults, record.command.faults)))
+    }
+    for (const std::string_view fault : names(without(last_.command.faults, record.command.faults))) {
+        if (often(fault)) continue;
         logger_.info("[{:.3f} s] fault {} cleared", seconds(record.now), fault);
+    }
+}
+
+bool Telemetry::often(const std::string_view what) {
+    constexpr std::uint64_t kSaid = 3;
+    const bool more = ++changes_[what] > kSaid;
+    if (more) ++unsaid_;
+    return more;
 }
 
 void Telemetry::report_link(const CycleRecord& record) {
@@ -71,6 +84,14 @@ void Telemetry::report_link(const CycleRecord& record) {
 }
 
 void Telemetry::summarise(const CycleRing& ring) {
+    if (unsaid_ != 0) {
+        std::string list;
+        for (const auto& [what, times] : changes_)
+            if (times > 1) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", what, times);
+        logger_.warn("{} changes are not listed; since the last summary: {}", unsaid_, list);
+        unsaid_ = 0;
+    }
+    changes_.clear();
     if (steps_ == 0) {
         logger_.warn("no step in the last second: {}",
                      last_.step == 0 ? "nothing has come on " + interface_ + " yet" : "the loop stands");

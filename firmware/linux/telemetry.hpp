@@ -1,9 +1,12 @@
 /// The loop's records as log lines: changes of state, faults by name, link and synchronisation as they
-/// happen, and a summary on request. For the thread that is allowed to wait.
+/// happen, and a summary on request. What comes and goes all the time is said three times between two summaries, and then counted.
+/// For the thread that is allowed to wait.
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
+#include <string_view>
 
 #include "firmware/linux/cycle_record.hpp"
 
@@ -31,6 +34,7 @@ class Telemetry {
     void on_record(const CycleRecord& record);
     void report_faults(const CycleRecord& record);
     void report_link(const CycleRecord& record);
+    [[nodiscard]] bool often(std::string_view what);
 
     spdlog::logger& logger_;
     std::string interface_;
@@ -39,6 +43,8 @@ class Telemetry {
     std::uint64_t missed_ = 0;
     control::Time worst_latency_{};
     std::uint64_t dropped_ = 0;
+    std::map<std::string_view, std::uint64_t> changes_;  // since the last summary, by state and fault
+    std::uint64_t unsaid_ = 0;
 };
 
 }  // namespace antiskid::rt

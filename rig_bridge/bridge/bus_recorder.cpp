@@ -6,7 +6,6 @@
 
 namespace rig {
 
-using antiskid::can::Frame;
 using antiskid::can::Role;
 using antiskid::can::Time;
 
@@ -17,10 +16,6 @@ constexpr Time kHousekeeping{100'000'000};
 
 Time steady_now() {
     return std::chrono::steady_clock::now().time_since_epoch();
-}
-
-Time wall_now() {
-    return std::chrono::system_clock::now().time_since_epoch();
 }
 
 }  // namespace
@@ -35,6 +30,7 @@ BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layo
       live_(layout_),
       wheel_(parameters.wheel_teeth),
       flywheel_(parameters.flywheel_teeth),
+      stamps_(antiskid::can::WallMinusMonotonic{}),
       thread_([this] { run(); }) {}
 
 BusRecorder::~BusRecorder() {
@@ -50,6 +46,7 @@ BusNow BusRecorder::now() const {
 void BusRecorder::begin(const std::filesystem::path& path) {
     auto next = std::make_unique<Recording>(path, interface_, layout_, parameters_);
     const std::lock_guard lock(mutex_);
+    now_.wall_minus_monotonic = next->label.of(Time{});
     next_ = std::move(next);
     end_asked_ = false;
     ended_.reset();
@@ -78,15 +75,18 @@ void BusRecorder::change_record() {
 }
 
 void BusRecorder::hear(std::span<const CapturedFrame> frames, bool drained) {
-    const Time offset = wall_now() - steady_now();
-    for (const CapturedFrame& one : frames) {
-        if (recording_) recording_->log.write(one);
+    stamps_.next_batch();
+    for (CapturedFrame one : frames) {
+        const Time came = stamps_.monotonic(one.frame.received);
+        if (recording_) {
+            one.frame.received = recording_->label.of(one.frame.received, came);
+            recording_->log.write(one);
+            if (one.plain()) recording_->meter.accept(one.frame);
+        }
         if (!one.plain()) continue;
-        if (recording_) recording_->meter.accept(one.frame);
         if (layout_[Role::sync].bound && one.frame.id == layout_[Role::sync].id) ++syncs_;
-        Frame frame = one.frame;
-        frame.received -= offset;
-        (void)live_.accept(frame);
+        one.frame.received = came;
+        (void)live_.accept(one.frame);
     }
     publish(drained);
 }

@@ -11,11 +11,15 @@
 #include <thread>
 
 #include "firmware/can/layout.hpp"
+#include "firmware/can/wall_clock_offset.hpp"
+#include "firmware/can/wall_minus_monotonic.hpp"
 #include "rig_bridge/bridge/live_speed.hpp"
 #include "rig_bridge/bridge/parts.hpp"
 #include "rig_bridge/record/bus_log.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/capture.hpp"
+#include "rig_bridge/record/live_file.hpp"
+#include "rig_bridge/record/stamp_label.hpp"
 
 namespace rig {
 
@@ -27,9 +31,13 @@ struct Recording {
     std::uint64_t dropped = 0;         ///< by the kernel, during it
     bool interrupted = false;          ///< the interface was away for a while
 
+    StampLabel label;
+
     Recording(const std::filesystem::path& path, const std::string& interface,
               const antiskid::can::Layout& layout, const MeterParameters& parameters)
-        : log(path, interface), meter(layout, parameters) {}
+        : log(std::make_unique<LiveFile>(path), interface),
+          meter(layout, parameters),
+          label(antiskid::can::WallMinusMonotonic{}().wall_minus_monotonic) {}
 };
 
 class BusRecorder final : public BusFeed {
@@ -72,6 +80,7 @@ class BusRecorder final : public BusFeed {
     LiveSpeed wheel_;
     LiveSpeed flywheel_;
     std::unique_ptr<Recording> recording_;
+    antiskid::can::WallClockOffset<antiskid::can::WallMinusMonotonic> stamps_;
     std::uint64_t syncs_ = 0;
     std::uint64_t dropped_before_ = 0;  // by captures that are no more
     std::string capture_error_;

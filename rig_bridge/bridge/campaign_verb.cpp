@@ -14,8 +14,10 @@
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/bridge/wear_regulation.hpp"
 #include "rig_bridge/health/health_watch.hpp"
+#include "rig_bridge/record/fault_names.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/summary_file.hpp"
+#include "rig_bridge/replay/log_meter.hpp"
 
 namespace rig {
 
@@ -112,7 +114,7 @@ Ran CampaignRun::one(const Attempt& attempt) {
     Ran ran = session_.run(what);
     session_.meanwhile([&] {
         if (!ran.record_error.empty()) {
-            ledger_.mark_unfinished();
+            ledger_.mark_unfinished(ran.summary);
             return;
         }
         write_summary(attempt.folder / "summary.json", ran.summary);
@@ -142,6 +144,8 @@ int CampaignRun::run() {
         const Decision decision = judge_.after(ran.summary, health);
         const std::string reason = decision.reason + (ran.note.empty() ? "" : "; " + ran.note);
         if (!decision.reason.empty()) terminal_.say("rig-bridge: " + reason);
+        for (const std::string& warning : ran.summary.warnings)
+            terminal_.say(fmt::format("rig-bridge: maneuver {}: {}", attempt->number, warning));
         if (ran.summary.outcome == name(sequencer::Phase::finished))
             terminal_.say(fmt::format(
                 "maneuver {} finished: mean torque {:.1f} N m, mean friction {:.4f}, {:.3f} MJ in all{}",
@@ -168,8 +172,31 @@ void tell(const Resumed& resumed, std::int64_t finished, Terminal& terminal) {
     for (const std::int64_t number : resumed.adopted)
         terminal.say(fmt::format("rig-bridge: maneuver {} had finished and is entered now", number));
     for (const std::int64_t number : resumed.unfinished)
-        terminal.say(fmt::format("rig-bridge: maneuver {} was left unfinished and is run again", number));
+        terminal.say(fmt::format(
+            "rig-bridge: maneuver {} was left unfinished and is run again; what its log says counts",
+            number));
     if (!resumed.created) terminal.say(fmt::format("rig-bridge: resumes, {} maneuvers finished", finished));
+}
+
+/// Of a maneuver that a dead bridge left, from its bus.log.
+std::optional<Summary> summary_of_log(const Attempt& left, const Setup& setup) {
+    const std::filesystem::path log = log_in(left.folder);
+    if (log.empty()) return std::nullopt;
+    LogWarnings warnings(log.string(), {});
+    const MeteredLog metered = meter_log(log, setup.layout, setup.meter, warnings);
+    if (!metered.braked) return std::nullopt;
+    Summary summary;
+    summary.number = left.number;
+    summary.scenario = setup.scenario.name;
+    summary.outcome = name(RowState::unfinished);
+    summary.figures = metered.figures;
+    summary.warnings = metered.warnings;
+    summary.faults = fault_names(metered.faults);
+    summary.frames = metered.frames;
+    summary.seed = setup.options.seed;
+    summary.version = ANTISKID_VERSION;
+    summary.config_hash = setup.config_hash;
+    return summary;
 }
 
 /// The last maneuver before the bridge died may have reached the wear limit or shown an abnormal brake.
@@ -198,16 +225,17 @@ int run_campaign(const CampaignCommand& command) {
     const std::filesystem::path file = ledger_file(command.rig.out);
     StopRequests stops;
     Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
-    std::filesystem::create_directories(command.rig.out);
     Ledger ledger(file);
-    const Resumed resumed = ledger.open_campaign({.name = name,
-                                                  .scenario = setup.scenario.name,
-                                                  .seed = setup.options.seed,
-                                                  .planned = command.rules.maneuvers,
-                                                  .config_hash = setup.config_hash,
-                                                  .version = ANTISKID_VERSION,
-                                                  .created = now_text()},
-                                                 command.changed ? IfChanged::go_on : IfChanged::refuse);
+    const Resumed resumed =
+        ledger.open_campaign({.name = name,
+                              .scenario = setup.scenario.name,
+                              .seed = setup.options.seed,
+                              .planned = command.rules.maneuvers,
+                              .config_hash = setup.config_hash,
+                              .version = ANTISKID_VERSION,
+                              .created = now_text()},
+                             command.changed ? IfChanged::go_on : IfChanged::refuse,
+                             [&](const Attempt& left) { return summary_of_log(left, setup); });
     tell(resumed, ledger.finished_count(), terminal);
     std::optional<HealthWatch> watch;
     if (!command.wear_model.empty()) {

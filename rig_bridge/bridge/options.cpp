@@ -15,6 +15,7 @@ constexpr auto kFooter = R"(Examples:
   rig-bridge campaign config/scenarios/endurance.toml --can can0 --plc-rtu /dev/ttyUSB0 --maneuvers 500 --out runs/brake7
   rig-bridge campaign config/scenarios/heavy.toml --can can0 --plc 192.168.1.10:502 --maneuvers 160 --regulate --out runs/pair3
   rig-bridge status runs/brake7
+  rig-bridge ledger amend runs/brake7 --maneuver 31 --energy-MJ 0.974 --who "A. Rossi" --why "encoder node restarted; see its log"
 Ctrl-C brings the maneuver to its safe end first; a second one ends the program at once, and the PLC's watchdog and the controller's
 time-outs make the rig safe. The same campaign command goes on where it was, whatever ended it.
 preflight takes the arguments of the maneuver or campaign that is to come, and moves nothing.
@@ -149,13 +150,30 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
         "stands, or until Ctrl-C";
     one->add_flag("--leave-turning", maneuver.rig.leave_turning, kLeave);
     many->add_flag("--leave-turning", campaign.rig.leave_turning, kLeave);
-    for (CLI::App* const verb : {one, many, before, state}) verb->footer(kFooter);
+    CLI::App* const ledger = app.add_subcommand("ledger", "what people say about a campaign's ledger");
+    ledger->require_subcommand(1);
+    AmendCommand amendment;
+    CLI::App* const amend = ledger->add_subcommand(
+        "amend", "what a maneuver adds to the cumulative energy; a row of its own, nothing is overwritten");
+    amend->add_option("DIR", amendment.directory, "folder of the campaign")->required();
+    amend->add_option("--maneuver", amendment.number, "its number")->required()->check(CLI::PositiveNumber);
+    amend->add_option("--attempt", amendment.attempt, "which attempt at it")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    amend->add_option("--energy-MJ", amendment.energy_MJ, "brake energy that counts")
+        ->required()
+        ->check(CLI::Range(0.0, 1e6));
+    amend->add_option("--who", amendment.who, "who says so")->required();
+    amend->add_option("--why", amendment.why, "and why")->required();
+    amend->add_option("--campaign", amendment.campaign, "where the ledger has several");
+    for (CLI::App* const verb : {one, many, before, state, ledger, amend}) verb->footer(kFooter);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? 0 : 2;
     }
     if (state->parsed()) return BridgeCommand{status};
+    if (amend->parsed()) return BridgeCommand{amendment};
     if (one->parsed()) {
         choose_plc(maneuver_plc, maneuver.rig);
         return BridgeCommand{maneuver};

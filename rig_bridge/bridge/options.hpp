@@ -53,6 +53,15 @@ struct StatusCommand {
     std::filesystem::path directory;
     bool json = false;
 };
+/// What a maneuver adds to the cumulative energy, as a person says.
+struct AmendCommand {
+    std::filesystem::path directory;
+    std::string campaign;  ///< empty: the only one
+    std::int64_t number = 0;
+    std::int64_t attempt = 1;
+    double energy_MJ = 0.0;
+    std::string who, why;
+};
 /// Looks at everything that the maneuvers to come need, and moves nothing.
 struct PreflightCommand {
     RigOptions rig;
@@ -60,7 +69,8 @@ struct PreflightCommand {
     std::uint32_t bitrate = 1'000'000;  ///< of the rig's CAN
     std::string json;                   ///< file, "-" for standard output, or empty
 };
-using BridgeCommand = std::variant<ManeuverCommand, CampaignCommand, StatusCommand, PreflightCommand>;
+using BridgeCommand =
+    std::variant<ManeuverCommand, CampaignCommand, StatusCommand, AmendCommand, PreflightCommand>;
 
 /// The command, or the exit status when there is nothing to do. Throws settings::Error or std::invalid_argument.
 [[nodiscard]] std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* const* argv);

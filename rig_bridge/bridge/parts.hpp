@@ -24,11 +24,13 @@ struct BusNow {
     antiskid::can::BusView view;  ///< times of reception by the steady clock
     /// When everything that had arrived was in `view`: ages count to here, so that a reader that was held up takes nobody for silent.
     antiskid::can::Time looked = antiskid::control::kNever;
-    double rim_mps = 0.0;         ///< flywheel, by its encoder
-    double wheel_radps = 0.0;     ///< omega of the braked wheel, by its encoder
-    double wheel_rim_mps = 0.0;   ///< r(F_z) omega
-    double slip = 0.0;            ///< eq. (3), by both encoders
-    std::uint64_t syncs = 0;      ///< SYNC frames so far
+    double rim_mps = 0.0;        ///< flywheel, by its encoder
+    double wheel_radps = 0.0;    ///< omega of the braked wheel, by its encoder
+    double wheel_rim_mps = 0.0;  ///< r(F_z) omega
+    double slip = 0.0;           ///< eq. (3), by both encoders
+    std::uint64_t syncs = 0;     ///< SYNC frames so far
+    /// Of the recording: its time stamps are the monotonic clock's plus this.
+    antiskid::can::Time wall_minus_monotonic{};
     std::uint64_t frames = 0;     ///< of the recording
     std::uint64_t dropped = 0;    ///< by the kernel, in the recording
     std::uint64_t missing = 0;    ///< that the disk did not take

@@ -22,6 +22,10 @@ int run(const rig::StatusCommand& command) {
     return rig::show_status(command);
 }
 
+int run(const rig::AmendCommand& command) {
+    return rig::amend_ledger(command);
+}
+
 int run(const rig::PreflightCommand& command) {
     return rig::run_preflight(command);
 }

@@ -9,6 +9,7 @@
 #include "rig_bridge/bridge/next_step.hpp"
 #include "rig_bridge/bridge/view_model.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
+#include "rig_bridge/record/fault_names.hpp"
 #include "rig_bridge/scenario/acceptance.hpp"
 
 namespace rig {
@@ -28,15 +29,6 @@ class ModbusPlc final : public Plc {
   private:
     ModbusClient client_;
 };
-
-std::vector<std::string> fault_names(antiskid::control::FaultSet faults) {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < antiskid::control::kFaultCount; ++i) {
-        if (faults.contains(static_cast<antiskid::control::Fault>(i)))
-            names.emplace_back(antiskid::can::kFaultNames[i]);
-    }
-    return names;
-}
 
 /// At the abort: the phase that it ended, and what PLC, bus or controller said then.
 std::string how_it_was(Phase phase, const Moment& moment) {
@@ -99,6 +91,7 @@ void Session::show(const Order& order, const Moment& moment, const std::string& 
     view.time_s = moment.rig_s - began_s_;
     view.phase_s = moment.rig_s - phase_began_s_;
     if (!waiting_for.empty()) view.note = waiting_for;
+    view.record_lost = !record_error_.empty();
     terminal_.show(view, now_s);
 }
 
@@ -125,7 +118,7 @@ void Session::await_cold_brake(const Order& order) {
 void Session::write_sample(SampleLog& samples, const Moment& moment) {
     if (moment.plc.counters.polls == polls_) return;
     polls_ = moment.plc.counters.polls;
-    samples.write(std::chrono::system_clock::now().time_since_epoch(), moment.plc.values);
+    samples.write(moment.now + moment.bus.wall_minus_monotonic, moment.plc.values);
 }
 
 void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, SampleLog& samples) {
@@ -187,7 +180,9 @@ Ran Session::run(const Order& order) {
     sequencer::Sequencer sequencer(order.plan);
     const std::string started = iso_8601(std::chrono::system_clock::now());
     recorder_.begin(order.folder / "bus.log");
-    SampleLog samples(order.folder / "modbus.csv");
+    constexpr std::size_t kQueue_bytes = std::size_t{1} << 20U;  // a minute
+    SampleLog samples(std::make_unique<LiveFile>(order.folder / "modbus.csv",
+                                                 LiveFileOptions{.queue_bytes = kQueue_bytes}));
     sequence(order, sequencer, samples);
     Ran ran{.summary = {}, .record_error = {}, .trace = {}, .note = note_, .outside = {}};
     ran.trace = std::move(trace_);
@@ -213,14 +208,16 @@ Ran Session::run(const Order& order) {
     s.scenario = setup_.scenario.name;
     s.outcome =
         std::string(sequencer.phase() == Phase::finished ? name(Phase::finished) : name(sequencer.abort()));
+    if (!record_error_.empty()) s.outcome = kRecordLost;
     s.started = started;
     s.figures = recording->meter.figures();
+    s.warnings = recording->meter.warnings();
     if (sequencer.phase() == Phase::finished) {
         const std::vector<Band> bands = acceptance(setup_.scenario, order.plan);
         if (!bands.empty()) s.out_of_tolerance = out_of_tolerance(bands, s.figures);
         ran.outside = what_is_outside(bands, s.figures);
     }
-    s.cumulative_energy_J = order.taken_J + s.figures.energy_brake_J;
+    s.cumulative_energy_J = order.taken_J + counted_energy_J(s);
     s.faults = fault_names(recording->meter.faults());
     s.frames = recording->log.frames() - recording->log.missing();
     s.frames_dropped = recording->dropped;

@@ -37,17 +37,19 @@ Setup load_setup(const RigOptions& o, const std::vector<std::filesystem::path>& 
     const auto dbc = o.dbc.empty() ? o.config / "antiskid.dbc" : o.dbc;
     const auto binding = o.binding.empty() ? o.config / "antiskid_binding.toml" : o.binding;
     const auto registers = o.registers.empty() ? o.config / "registers.toml" : o.registers;
-    Setup s{.options = o,
-            .scenario = load_scenario(o.scenario, o.config),
-            .layout = antiskid::can::load_layout(dbc, binding),
-            .map = load_register_map(registers),
-            .meter = {},
-            .limits = {},
-            .config_hash = {}};
+    const Scenario scenario = load_scenario(o.scenario, o.config);
+    Setup s{
+        .options = o,
+        .scenario = scenario,
+        .layout = antiskid::can::load_layout(dbc, binding, {.pressure_Pa = scenario.rig.full_pressure_Pa}),
+        .map = load_register_map(registers),
+        .meter = {},
+        .limits = {},
+        .config_hash = {}};
     if (!s.layout.maneuver.has(static_cast<antiskid::control::Law>(s.scenario.mean.law)))
         throw std::invalid_argument(dbc.string() + ": the law's field is too narrow for the scenario's law");
     const auto controller = antiskid::load_controller_config(s.scenario.controller);
-    s.meter = meter_parameters(s.scenario.rig, static_cast<double>(controller.period_s));
+    s.meter = meter_parameters(s.scenario, controller);
     if (!s.layout[Role::maneuver_state].bound)
         throw std::invalid_argument(
             binding.string() +

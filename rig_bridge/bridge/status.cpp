@@ -45,6 +45,28 @@ std::int64_t count(const std::vector<LedgerRow>& rows, RowState state) {
                          [state](const LedgerRow& row) { return row.state == state; });
 }
 
+/// Of a maneuver whose bridge is dead: the next one settles it.
+constexpr const char* kLeft = "left";
+
+/// A campaign as its ledger has it, and whether a bridge runs it.
+struct Looked {
+    std::vector<LedgerRow> rows;
+    bool held = false;
+
+    [[nodiscard]] const char* state(const LedgerRow& row) const {
+        return row.state == RowState::running && !held ? kLeft : name(row.state);
+    }
+    [[nodiscard]] double cumulative_energy_J() const {
+        const auto newest =
+            std::find_if(rows.rbegin(), rows.rend(), [](const LedgerRow& row) { return row.has_figures; });
+        return newest == rows.rend() ? 0.0 : newest->summary.cumulative_energy_J;
+    }
+};
+
+Looked look(const std::filesystem::path& ledger, const std::string& campaign) {
+    return {.rows = read_ledger(ledger, campaign), .held = is_held(ledger)};
+}
+
 /// What the bridge left beside the ledger; null where the campaign is not regulated.
 nlohmann::ordered_json regulation_of(const std::filesystem::path& ledger, const std::string& campaign) {
     std::ifstream in(regulation_file(ledger.parent_path(), campaign), std::ios::binary);
@@ -54,10 +76,10 @@ nlohmann::ordered_json regulation_of(const std::filesystem::path& ledger, const 
                                                                                  : nlohmann::ordered_json();
 }
 
-std::string row_text(const LedgerRow& row) {
+std::string row_text(const LedgerRow& row, const char* state) {
     const Figures& f = row.summary.figures;
     std::string text = fmt::format("  {:>6} {:>7}  {:<10} {:<20}", row.attempt.number, row.attempt.attempt,
-                                   name(row.state), row.summary.started);
+                                   state, row.summary.started);
     if (row.state == RowState::finished)
         text += fmt::format(
             " {:8.2f} {:8.2f} {:8.1f} {:9.1f} {:8.4f} {:10.3f} {:>6}  {}", f.brake_on_mps, f.duration_s,
@@ -66,18 +88,24 @@ std::string row_text(const LedgerRow& row) {
             name(row.health.state) + std::string(off_conditions(row.summary) ? "  out_of_tolerance" : ""));
     else if (row.state == RowState::aborted)
         text += " " + row.summary.outcome;
-    return text + "\n";
+    text += "\n";
+    for (const std::string& warning : row.summary.warnings) text += "          " + warning + "\n";
+    for (const Amendment& a : row.amendments)
+        text += fmt::format("          counts {:.3f} MJ, says {}, {}: {}\n", a.counted_J * 1e-6, a.who,
+                            a.made, a.why);
+    return text;
 }
 
-std::string campaign_text(const Campaign& campaign, const std::vector<LedgerRow>& rows) {
+std::string campaign_text(const Campaign& campaign, const Looked& looked) {
     constexpr std::size_t kShown = 10;
+    const std::vector<LedgerRow>& rows = looked.rows;
     const std::int64_t finished = count(rows, RowState::finished);
     std::string text = fmt::format(
         "campaign {}: scenario {}, seed {}, {} of {} maneuvers finished; {} aborted, {} unfinished, {} "
-        "running; {:.3f} MJ\n",
+        "{}; {:.3f} MJ\n",
         campaign.name, campaign.scenario, campaign.seed, finished, campaign.planned,
         count(rows, RowState::aborted), count(rows, RowState::unfinished), count(rows, RowState::running),
-        rows.empty() ? 0.0 : rows.back().summary.cumulative_energy_J * 1e-6);
+        looked.held ? name(RowState::running) : "left by a dead bridge", looked.cumulative_energy_J() * 1e-6);
     if (finished > 0) {
         text += fmt::format("  {:<24} {:>14} {:>14}\n", "of those finished", "mean", "deviation");
         for (const FigureField& field : kFigureFields) {
@@ -96,7 +124,7 @@ std::string campaign_text(const Campaign& campaign, const std::vector<LedgerRow>
                         "number", "attempt", "state", "started", "m/s", "s", "m", "N m", "mu_b", "MJ in all",
                         "slip", "brake");
     for (std::size_t i = rows.size() - std::min(rows.size(), kShown); i < rows.size(); ++i)
-        text += row_text(rows[i]);
+        text += row_text(rows[i], looked.state(rows[i]));
     return text;
 }
 
@@ -105,7 +133,7 @@ std::string campaign_text(const Campaign& campaign, const std::vector<LedgerRow>
 std::string status_text(const std::filesystem::path& ledger) {
     std::string text;
     for (const Campaign& campaign : read_campaigns(ledger)) {
-        text += campaign_text(campaign, read_ledger(ledger, campaign.name));
+        text += campaign_text(campaign, look(ledger, campaign.name));
         if (const auto regulation = regulation_of(ledger, campaign.name); regulation.is_object())
             text += fmt::format("  regulation: {}\n", regulation["line"].get<std::string>());
     }
@@ -115,21 +143,25 @@ std::string status_text(const std::filesystem::path& ledger) {
 std::string status_json(const std::filesystem::path& ledger) {
     nlohmann::ordered_json campaigns = nlohmann::ordered_json::array();
     for (const Campaign& campaign : read_campaigns(ledger)) {
-        const std::vector<LedgerRow> rows = read_ledger(ledger, campaign.name);
+        const Looked looked = look(ledger, campaign.name);
+        const std::vector<LedgerRow>& rows = looked.rows;
         nlohmann::ordered_json one{{"name", campaign.name},
                                    {"scenario", campaign.scenario},
                                    {"seed", campaign.seed},
                                    {"planned", campaign.planned},
                                    {"config_hash", campaign.config_hash},
                                    {"version", campaign.version}};
-        for (const RowState state :
-             {RowState::finished, RowState::aborted, RowState::unfinished, RowState::running})
+        for (const RowState state : {RowState::finished, RowState::aborted, RowState::unfinished})
             one[name(state)] = count(rows, state);
+        const std::int64_t begun = count(rows, RowState::running);
+        one[name(RowState::running)] = looked.held ? begun : 0;
+        one[kLeft] = looked.held ? 0 : begun;
+        one["cumulative_energy_J"] = looked.cumulative_energy_J();
         auto list = nlohmann::ordered_json::array();
         for (const LedgerRow& row : rows) {
             nlohmann::ordered_json entry{
                 {"number", row.attempt.number},   {"attempt", row.attempt.attempt},
-                {"state", name(row.state)},       {"started", row.summary.started},
+                {"state", looked.state(row)},     {"started", row.summary.started},
                 {"outcome", row.summary.outcome}, {"cumulative_energy_J", row.summary.cumulative_energy_J}};
             for (const FigureField& field : kFigureFields)
                 entry[field.key] = row.summary.figures.*field.value;
@@ -137,6 +169,14 @@ std::string status_json(const std::filesystem::path& ledger) {
             entry["out_of_tolerance"] = row.summary.out_of_tolerance
                                             ? nlohmann::ordered_json(*row.summary.out_of_tolerance)
                                             : nlohmann::ordered_json(nullptr);
+            entry["warnings"] = row.summary.warnings;
+            if (!row.amendments.empty()) {
+                auto amendments = nlohmann::ordered_json::array();
+                for (const Amendment& a : row.amendments)
+                    amendments.push_back(
+                        {{"counted_J", a.counted_J}, {"who", a.who}, {"made", a.made}, {"why", a.why}});
+                entry["amendments"] = std::move(amendments);
+            }
             entry["health"] = name(row.health.state);
             if (!row.health.model.empty()) {
                 entry["health_statistic"] = row.health.statistic;

@@ -10,6 +10,7 @@ namespace rig {
 [[nodiscard]] int run_maneuver(const ManeuverCommand& command);
 [[nodiscard]] int run_campaign(const CampaignCommand& command);
 [[nodiscard]] int show_status(const StatusCommand& command);
+[[nodiscard]] int amend_ledger(const AmendCommand& command);
 [[nodiscard]] int run_preflight(const PreflightCommand& command);
 
 /// Mistakes in files and on the command line: exit status 2.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rig_bridge/record/summary.hpp"
+
 namespace rig {
 
 using sequencer::Abort;
@@ -39,7 +41,8 @@ std::string fault_text(const ViewModel& v) {
 }
 
 std::string abort_text(const ViewModel& v) {
-    return v.abort == Abort::none ? std::string() : fmt::format("  ABORT {}", name(v.abort));
+    if (v.abort == Abort::none) return {};
+    return fmt::format("  ABORT {}", v.record_lost ? kRecordLost : name(v.abort));
 }
 
 std::string campaign_text(const CampaignView& c) {

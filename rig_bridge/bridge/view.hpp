@@ -26,6 +26,7 @@ struct ViewModel {
     std::optional<CampaignView> campaign;
     sequencer::Phase phase = sequencer::Phase::idle;
     sequencer::Abort abort = sequencer::Abort::none;
+    bool record_lost = false;     ///< `abort` was requested by the bridge: the disk did not take the record
     double time_s = 0.0;          ///< since the maneuver began
     double phase_s = 0.0;         ///< since the phase began
     double prescribed_mps = 0.0;  ///< speed at brake-on

@@ -27,9 +27,14 @@ double kinetic_J(const Scenario& scenario) {
     return 0.5 * (wheel.mass_kg * v * v + wheel.inertia_kgm2 * omega * omega);
 }
 
+/// Nothing speaks against its figures, and nobody.
+bool sound(const LedgerRow& row) {
+    return row.counted_J == row.summary.figures.energy_brake_J;
+}
+
 regulation::Landing landing(const LedgerRow& row, double reference, double wear_J) {
     regulation::Landing landing{.reference = reference};
-    if (row.summary.frames_dropped > 0) return landing;
+    if (row.summary.frames_dropped > 0 || !sound(row)) return landing;
     const Figures& figures = row.summary.figures;
     landing.kinetic_J = figures.kinetic_energy_J;
     landing.brake_J = figures.energy_brake_J;
@@ -77,9 +82,10 @@ regulation::Regulator WearRegulation::after(const std::vector<LedgerRow>& rows) 
     bool counted = true;  // the ledger's cumulative energy has every maneuver so far
     for (const LedgerRow& row : rows) {
         const Figures& figures = row.summary.figures;
-        if (row.state == RowState::aborted) {
-            counted = counted && std::isfinite(figures.energy_brake_J);
-            regulator.spent(figures.energy_brake_J, figures.energy_tyre_J);
+        const bool known = std::isfinite(row.counted_J) && (sound(row) || !row.amendments.empty());
+        counted = counted && (known || !row.has_figures);
+        if (row.has_figures && row.state != RowState::finished) {
+            if (known) regulator.spent(row.counted_J, figures.energy_tyre_J);
         } else if (row.state == RowState::finished) {
             counted =
                 counted && row.summary.frames_dropped == 0 && std::isfinite(row.summary.cumulative_energy_J);

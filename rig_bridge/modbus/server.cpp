@@ -11,6 +11,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <set>
 #include <stdexcept>
 #include <system_error>
@@ -37,6 +38,7 @@ struct Peer {
     std::array<std::uint8_t, kTcpMost> bytes{};
     std::size_t have = 0;
     bool closing = false;
+    std::chrono::steady_clock::time_point asked = std::chrono::steady_clock::now();  ///< last whole request
 };
 
 class TcpListener {
@@ -130,7 +132,7 @@ class RtuLine {
 class ModbusServer::Impl {
   public:
     Impl(const RegisterMap& map, const ServerOptions& options)
-        : bank_(map), most_(options.clients), guests_(options) {
+        : bank_(map), most_(options.clients), idle_after_(options.idle), guests_(options) {
         if (options.port) {
             tcp_ = std::make_unique<TcpListener>(options.address, *options.port);
             port_ = tcp_->port();
@@ -154,6 +156,7 @@ class ModbusServer::Impl {
                 .broken = broken_,
                 .hangs = hangs_,
                 .refused = refused_,
+                .idle = idle_,
                 .clients = clients_};
     }
 
@@ -193,8 +196,17 @@ class ModbusServer::Impl {
         }
         const int on = 1;
         ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-        if (peers_.size() < most_) peers_.push_back(std::move(peer));
+        if (peers_.size() < most_ || drop_idle(peer->asked)) peers_.push_back(std::move(peer));
         clients_ = peers_.size();
+    }
+
+    bool drop_idle(std::chrono::steady_clock::time_point now) {
+        const auto longest = std::min_element(
+            peers_.begin(), peers_.end(), [](const auto& a, const auto& b) { return a->asked < b->asked; });
+        if (longest == peers_.end() || now - (*longest)->asked < idle_after_) return false;
+        peers_.erase(longest);
+        ++idle_;
+        return true;
     }
 
     void serve(Peer& peer) {
@@ -215,6 +227,7 @@ class ModbusServer::Impl {
             }
             const auto adu = std::span<const std::uint8_t>(peer.bytes).first(frame.length);
             peer.closing = !answer(tcp_->context_for(peer), adu, kTcpHeader, 0, false);
+            peer.asked = std::chrono::steady_clock::now();
             std::copy(peer.bytes.begin() + static_cast<std::ptrdiff_t>(frame.length),
                       peer.bytes.begin() + static_cast<std::ptrdiff_t>(peer.have), peer.bytes.begin());
             peer.have -= frame.length;
@@ -257,6 +270,7 @@ class ModbusServer::Impl {
 
     RegisterBank bank_;
     std::size_t most_;
+    std::chrono::milliseconds idle_after_;
     Guests guests_;
     StopSignal stop_;
     std::unique_ptr<TcpListener> tcp_;
@@ -264,7 +278,7 @@ class ModbusServer::Impl {
     std::uint16_t port_ = 0;
     std::vector<std::unique_ptr<Peer>> peers_;
     bool stopped_ = false;
-    std::atomic<std::uint64_t> requests_{0}, exceptions_{0}, broken_{0}, hangs_{0}, refused_{0};
+    std::atomic<std::uint64_t> requests_{0}, exceptions_{0}, broken_{0}, hangs_{0}, refused_{0}, idle_{0};
     std::atomic<std::size_t> clients_{0};
     std::thread thread_;
 };

@@ -11,6 +11,7 @@
 /// one exchange(): never half old, half new.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -26,7 +27,10 @@ struct ServerOptions {
     std::string address = "127.0.0.1";      ///< numeric IPv4; 0.0.0.0: every interface
     std::optional<std::uint16_t> port = 0;  ///< 0: any free one; none: no TCP
     bool rtu = false;                       ///< a pseudo-terminal, see rtu_path()
-    std::size_t clients = 8;                ///< TCP connections at once; more are closed as they come
+    /// TCP connections at once. One more takes the place of the one that has asked nothing for longest, if that is `idle` or longer: a
+    /// client that only connects, or sends half a request, keeps nobody out. Else it is closed as it comes.
+    std::size_t clients = 8;
+    std::chrono::milliseconds idle{1000};
     /// Numeric IPv4 of the peers that may connect; others are closed before a byte of theirs is read.
     std::vector<std::string> allow{"127.0.0.1"};
     /// Told of each other address the first time that it comes (of the first kMostNamed), on the server's thread.
@@ -48,6 +52,7 @@ struct ServerCounters {
     std::uint64_t broken = 0;      ///< frames that were none: TCP connection closed, RTU line flushed
     std::uint64_t hangs = 0;
     std::uint64_t refused = 0;  ///< TCP connections of peers that are not allowed
+    std::uint64_t idle = 0;     ///< TCP connections that were closed for another's sake
     std::size_t clients = 0;    ///< TCP connections now
 };
 

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "config/reader/atomic_file.hpp"
+
 namespace rig {
 
 namespace {
@@ -16,11 +18,7 @@ constexpr std::size_t kBuffer = 1U << 16U;
 constexpr std::size_t kLongestLine = 4096;
 
 int create(const std::filesystem::path& path) {
-    if (path.has_parent_path()) {
-        std::error_code error;
-        std::filesystem::create_directories(path.parent_path(), error);
-        if (error) throw std::runtime_error(path.parent_path().string() + ": " + error.message());
-    }
+    if (path.has_parent_path()) settings::create_directories(path.parent_path());
     const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0) throw std::runtime_error(path.string() + ": " + std::strerror(errno));
     return descriptor;
@@ -29,6 +27,7 @@ int create(const std::filesystem::path& path) {
 }  // namespace
 
 AppendFile::AppendFile(const std::filesystem::path& path) : path_(path), file_(create(path)) {
+    settings::sync_directory(path.parent_path());
     buffer_.reserve(kBuffer);
 }
 
@@ -86,6 +85,11 @@ void AppendFile::fail(int error) {
     buffer_.clear();
     // Where this fails, too, the last line stays a piece: readers name it.
     static_cast<void>(::ftruncate(file_.get(), size_) == 0);
+}
+
+void AppendFile::sync() {
+    flush();
+    if (error_ == 0 && ::fdatasync(file_.get()) != 0) error_ = errno;
 }
 
 bool AppendFile::finish() {

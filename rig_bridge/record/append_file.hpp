@@ -1,4 +1,4 @@
-/// A file that grows line by line: buffered, told to the disk now and then, and never the death of its writer. When the disk is full,
+/// A file that grows line by line: buffered, told to the disk when asked, and never the death of its writer. When the disk is full,
 /// what was written stays, up to its last whole line; the rest is counted.
 #pragma once
 
@@ -9,30 +9,28 @@
 #include <vector>
 
 #include "config/reader/file_descriptor.hpp"
+#include "rig_bridge/record/line_file.hpp"
 
 namespace rig {
 
-class AppendFile {
+class AppendFile final : public LineFile {
   public:
-    /// Makes a new file; missing parent directories are created. Throws std::runtime_error naming `path` when it is there
-    /// already or cannot be made.
+    /// Makes a new file; missing parent directories are created. That it is there survives a power cut. Throws std::runtime_error naming
+    /// `path` when it is there already or cannot be made.
     explicit AppendFile(const std::filesystem::path& path);
     /// As finish().
-    ~AppendFile();
-    AppendFile(const AppendFile&) = delete;
-    AppendFile& operator=(const AppendFile&) = delete;
+    ~AppendFile() override;
 
-    /// One line without its end, at most 4096 characters. Does not allocate; calls the kernel once the buffer is full.
-    void line(std::string_view text);
-    /// Hands everything to the kernel: from here on it survives the death of this program.
-    void flush();
-    /// As flush(), then fsync: survives a power cut. No line may follow. False when lines are missing, see error().
-    bool finish();
+    /// Calls the kernel once the buffer is full.
+    void line(std::string_view text) override;
+    void flush() override;
+    /// As flush(), then fdatasync: what was written survives a power cut.
+    void sync();
+    bool finish() override;
 
-    [[nodiscard]] std::uint64_t lines() const { return lines_; }      ///< taken, those missing included
-    [[nodiscard]] std::uint64_t missing() const { return missing_; }  ///< could not be written
-    /// "PATH: No space left on device; 12 lines are missing"; empty while all is well.
-    [[nodiscard]] std::string error() const;
+    [[nodiscard]] std::uint64_t lines() const override { return lines_; }
+    [[nodiscard]] std::uint64_t missing() const override { return missing_; }
+    [[nodiscard]] std::string error() const override;
 
   private:
     void fail(int error);

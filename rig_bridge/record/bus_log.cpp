@@ -5,11 +5,15 @@
 #include <utility>
 
 #include "firmware/can/candump.hpp"
+#include "rig_bridge/record/append_file.hpp"
 
 namespace rig {
 
+BusLog::BusLog(std::unique_ptr<LineFile> file, std::string interface)
+    : file_(std::move(file)), interface_(std::move(interface)) {}
+
 BusLog::BusLog(const std::filesystem::path& path, std::string interface)
-    : file_(path), interface_(std::move(interface)) {}
+    : BusLog(std::make_unique<AppendFile>(path), std::move(interface)) {}
 
 void BusLog::write(const CapturedFrame& frame) {
     std::array<char, antiskid::can::kCandumpLineMost> line{};
@@ -20,10 +24,10 @@ void BusLog::write(const CapturedFrame& frame) {
                                                               .remote = frame.remote,
                                                               .error = frame.error},
                                                              line);
-    file_.line({line.data(), length});
+    file_->line({line.data(), length});
     const auto since = frame.frame.received - flushed_;
     if (since >= std::chrono::seconds(1) || since < antiskid::can::Time{}) {
-        file_.flush();
+        file_->flush();
         flushed_ = frame.frame.received;
     }
 }

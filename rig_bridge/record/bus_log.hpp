@@ -3,33 +3,36 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 
-#include "rig_bridge/record/append_file.hpp"
 #include "rig_bridge/record/captured_frame.hpp"
+#include "rig_bridge/record/line_file.hpp"
 
 namespace rig {
 
 class BusLog {
   public:
-    /// A new file; see AppendFile. `interface`: the name in every line.
+    /// `interface`: the name in every line.
+    BusLog(std::unique_ptr<LineFile> file, std::string interface);
+    /// A new AppendFile.
     BusLog(const std::filesystem::path& path, std::string interface);
 
     /// Does not allocate. Flushes when the frame is a second younger than the last one that was flushed.
     void write(const CapturedFrame& frame);
     /// Hands what is buffered to the kernel; call it when the bus is quiet.
-    void flush() { file_.flush(); }
-    /// Flushes and fsyncs. False when frames are missing.
-    bool finish() { return file_.finish(); }
+    void flush() { file_->flush(); }
+    /// Everything is on the disk. False when frames are missing.
+    bool finish() { return file_->finish(); }
 
-    [[nodiscard]] std::uint64_t frames() const { return file_.lines(); }
-    /// Frames that could not be written: the disk is full.
-    [[nodiscard]] std::uint64_t missing() const { return file_.missing(); }
+    [[nodiscard]] std::uint64_t frames() const { return file_->lines(); }
+    /// Frames that could not be written: the disk is full, or too slow.
+    [[nodiscard]] std::uint64_t missing() const { return file_->missing(); }
     /// Names file and reason, and how many frames are missing; empty while all is well.
-    [[nodiscard]] std::string error() const { return file_.error(); }
+    [[nodiscard]] std::string error() const { return file_->error(); }
 
   private:
-    AppendFile file_;
+    std::unique_ptr<LineFile> file_;
     std::string interface_;
     antiskid::can::Time flushed_{};
 };

@@ -1,6 +1,7 @@
 #include "rig_bridge/record/bus_meter.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "firmware/can/roles.hpp"
 
@@ -11,11 +12,16 @@ using antiskid::control::kNever;
 
 namespace {
 
-ShaftSample shaft(const antiskid::control::SpeedInput& input) {
+ShaftSample shaft(const antiskid::control::SpeedInput& input, const antiskid::can::SpeedSignals& signals,
+                  bool reported) {
     return {.edges = input.source == antiskid::control::SpeedSource::edges,
             .edge_count = input.edge_count,
             .edge_time = input.edge_time,
-            .speed_radps = static_cast<double>(input.speed_radps)};
+            .speed_radps = static_cast<double>(input.speed_radps),
+            .roll_over = {.count_mask = static_cast<std::uint32_t>(signals.edge_count.mask()),
+                          .time = Time{std::llround((static_cast<double>(signals.edge_time.mask()) + 1.0) *
+                                                    signals.edge_time.scale)}},
+            .reported = reported};
 }
 
 }  // namespace
@@ -26,6 +32,8 @@ BusMeter::BusMeter(const antiskid::can::Layout& layout, const MeterParameters& p
 void BusMeter::accept(const antiskid::can::Frame& frame) {
     const auto role = observer_.accept(frame);
     if (!role) return;
+    wheel_reported_ = wheel_reported_ || *role == Role::wheel;
+    flywheel_reported_ = flywheel_reported_ || *role == Role::flywheel;
     // Until spin-up ends with arming, the controller still names what an earlier maneuver left.
     constexpr std::uint8_t kSpinUp = 1;
     if (*role == Role::faults && view().maneuver_state.phase > kSpinUp)
@@ -75,13 +83,14 @@ void BusMeter::sample(double time_s) {
     if (v.wheel.received == kNever || v.flywheel.received == kNever || v.pressure.received == kNever) return;
     meter_.feed({.time_s = time_s,
                  .phase = v.maneuver_state.phase,
-                 .wheel = shaft(v.wheel),
-                 .flywheel = shaft(v.flywheel),
+                 .wheel = shaft(v.wheel, layout_.wheel, wheel_reported_),
+                 .flywheel = shaft(v.flywheel, layout_.flywheel, flywheel_reported_),
                  .pressure_Pa = static_cast<double>(v.pressure.pressure_Pa),
                  .vertical_N = static_cast<double>(v.load_cells.vertical_N),
                  .longitudinal_N = static_cast<double>(v.load_cells.longitudinal_N),
                  .brake_torque_Nm = static_cast<double>(v.load_cells.brake_torque_Nm),
                  .brake_temperature_C = static_cast<double>(v.maneuver_state.brake_temperature_C)});
+    wheel_reported_ = flywheel_reported_ = false;
 }
 
 std::uint64_t BusMeter::frames_lost() const {

@@ -30,6 +30,7 @@ class BusMeter {
     void accept(const antiskid::can::Frame& frame);
 
     [[nodiscard]] Figures figures() const { return meter_.figures(); }
+    [[nodiscard]] std::vector<std::string> warnings() const { return meter_.warnings(); }
     [[nodiscard]] const Meter& meter() const { return meter_; }
     [[nodiscard]] const antiskid::can::BusView& view() const { return observer_.view(); }
     [[nodiscard]] const antiskid::can::Observer& observer() const { return observer_; }
@@ -49,6 +50,7 @@ class BusMeter {
     antiskid::can::Observer observer_;
     Meter meter_;
     antiskid::control::FaultSet faults_;
+    bool wheel_reported_ = false, flywheel_reported_ = false;  // since the newest sample
     bool sync_ = false;
     std::uint32_t last_sync_ = 0;
     std::optional<std::uint32_t> leapt_to_;  // by the newest number

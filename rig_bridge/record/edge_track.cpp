@@ -13,16 +13,73 @@ double seconds(Time time) {
 
 }  // namespace
 
-void EdgeTrack::update(std::uint32_t edge_count, Time edge_time, double now_s) {
-    const bool first = size_ == 0;
-    const std::uint32_t passed = first ? 0 : edge_count - last_count_;
-    if (!first && passed == 0) return;
-    last_count_ = edge_count;
-    edges_ += passed;
-    kept_[size_++ % kKept] = {.edges = edges_, .time = edge_time};
-    if (first) return;  // an edge of unknown age says nothing about the clocks
-    const double clock_s = now_s - seconds(edge_time);
+void EdgeTrack::update(std::uint32_t edge_count, Time edge_time, double now_s, const RollOver& roll_over) {
+    const Report fresh{.count = edge_count, .edge_time = edge_time, .first_s = now_s, .newest_s = now_s};
+    if (size_ == 0) {
+        last_ = fresh;
+        keep(0, edge_time);
+        return;
+    }
+    if (const Step step = between(last_, fresh, roll_over); follows(last_, step, now_s)) {
+        take(step, fresh);
+        strange_.reset();
+        return;
+    }
+    const Step since = strange_ ? between(*strange_, fresh, roll_over) : Step{};
+    if (strange_ && since.edges == 0 && since.time == Time{}) {
+        if (now_s - strange_->first_s > limits_.late_s) start_anew();
+    } else if (strange_ && follows(*strange_, since, now_s)) {
+        start_anew();
+        take(since, fresh);
+    } else {
+        strange_ = fresh;
+    }
+}
+
+EdgeTrack::Step EdgeTrack::between(const Report& before, const Report& after, const RollOver& roll_over) {
+    constexpr double kRounding_ns = 1e3;  // of a stamp that a layout scales
+    Time time = after.edge_time - before.edge_time;
+    if (const auto span_ns = static_cast<double>(roll_over.time.count()); span_ns > 0.0) {
+        const double spans = std::floor((static_cast<double>(time.count()) + kRounding_ns) / span_ns);
+        time -= Time{std::llround(spans * span_ns)};
+    }
+    return {.edges = (after.count - before.count) & roll_over.count_mask, .time = time};
+}
+
+bool EdgeTrack::follows(const Report& before, const Step& step, double now_s) const {
+    if (step.edges == 0) return true;
+    if (step.edges - 1.0 > limits_.edges_per_s * (now_s - before.newest_s + limits_.late_s)) return false;
+    // Of the first report's edge nobody knows how old it was: there `before_s` is minus infinity.
+    return seconds(step.time) <= now_s - before.before_s + limits_.late_s;
+}
+
+void EdgeTrack::take(const Step& step, const Report& report) {
+    const double before_s = last_.newest_s;
+    if (step.edges == 0) {
+        last_.newest_s = report.newest_s;
+        return;
+    }
+    last_ = report;
+    last_.before_s = before_s;
+    const Time time = edge(0).time + step.time;
+    keep(edges_ + step.edges, time);
+    const double clock_s = report.first_s - seconds(time);
     clock_s_ = clock_known_ ? std::min(clock_s_, clock_s) : clock_s;
+    clock_known_ = true;
+}
+
+void EdgeTrack::keep(std::uint64_t edges, Time edge_time) {
+    edges_ = edges;
+    kept_[size_++ % kKept] = {.edges = edges, .time = edge_time};
+}
+
+void EdgeTrack::start_anew() {
+    ++restarts_;
+    last_ = *strange_;
+    strange_.reset();
+    anew_ = size_;
+    keep(edges_, last_.edge_time);
+    clock_s_ = last_.first_s - seconds(last_.edge_time);
     clock_known_ = true;
 }
 
@@ -31,7 +88,7 @@ double EdgeTrack::last_edge_s() const {
 }
 
 double EdgeTrack::way(double now_s) const {
-    if (size_ < 2) return way_at_edge();
+    if (count() < 2) return way_at_edge();
     const double interval =
         seconds(edge(0).time - edge(1).time) / static_cast<double>(edge(0).edges - edge(1).edges);
     if (!(interval > 0.0)) return way_at_edge();
@@ -39,7 +96,7 @@ double EdgeTrack::way(double now_s) const {
 }
 
 double EdgeTrack::speed(double window_s, double now_s) const {
-    if (size_ < 2) return 0.0;
+    if (count() < 2) return 0.0;
     const auto window = Time{static_cast<std::int64_t>(window_s * 1e9)};
     std::size_t age = 1;
     while (age + 1 < count() && edge(0).time - edge(age).time < window) ++age;

@@ -1,64 +1,34 @@
 #include "rig_bridge/record/ledger.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
-#include <array>
-#include <cerrno>
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
-#include "config/reader/error.hpp"
-#include "config/reader/file_descriptor.hpp"
+#include "config/reader/atomic_file.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/ledger_database.hpp"
+#include "rig_bridge/record/ledger_lock.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 
 namespace rig {
 
 namespace {
 
-constexpr std::string_view kFinished = "finished";
+std::string_view state_of(const Summary& summary) {
+    return summary.outcome == "finished" ? "finished" : "aborted";
+}
 
 std::filesystem::path make_parent(const std::filesystem::path& path) {
-    if (path.has_parent_path()) {
-        std::error_code error;
-        std::filesystem::create_directories(path.parent_path(), error);
-        if (error) throw LedgerError(path.parent_path().string() + ": " + error.message());
+    if (!path.has_parent_path()) return path;
+    try {
+        settings::create_directories(path.parent_path());
+    } catch (const settings::Error& error) {
+        throw LedgerError(error.what());
     }
     return path;
 }
-
-/// A file of its own beside the ledger: SQLite's locks on the ledger itself would be lost when any descriptor of it is closed.
-class Lock {
-  public:
-    explicit Lock(const std::filesystem::path& ledger) : file_(take(ledger)) {}
-
-  private:
-    static int take(const std::filesystem::path& ledger) {
-        const std::string path = ledger.string() + "-held";
-        const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-        if (file < 0) throw LedgerError(path + ": " + std::strerror(errno));
-        if (flock(file, LOCK_EX | LOCK_NB) == 0) {
-            const std::string pid = std::to_string(getpid()) + "\n";
-            // Only for the message below.
-            static_cast<void>(ftruncate(file, 0) == 0 && pwrite(file, pid.data(), pid.size(), 0) > 0);
-            return file;
-        }
-        std::array<char, 24> text{};
-        const ssize_t size = pread(file, text.data(), text.size() - 1, 0);
-        std::string pid(text.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
-        while (!pid.empty() && pid.back() == '\n') pid.pop_back();
-        ::close(file);
-        throw LedgerError(ledger.string() + ": is held by another program" +
-                          (pid.empty() ? "" : " (process " + pid + ")") +
-                          "; one bridge at a time may run campaigns on it");
-    }
-    settings::FileDescriptor file_;
-};
 
 std::string joined(const std::vector<std::string>& words) {
     return fmt::format("{}", fmt::join(words, " "));
@@ -76,8 +46,10 @@ struct Ledger::Impl {
     Impl(const std::filesystem::path& ledger, const LedgerOptions& options)
         : path(make_parent(ledger)), lock(ledger), database(ledger, LedgerDatabase::Access::write, options) {}
 
-    void settle(Resumed& resumed);
-    void enter(const Summary& summary, std::int64_t row);
+    void settle(Resumed& resumed, const MeterLog& meter);
+    void enter(const Summary& summary, std::int64_t row, std::string_view state);
+    void leave_unfinished(std::int64_t row, const std::optional<Summary>& known);
+    [[nodiscard]] double cumulative_J() const;
     [[nodiscard]] std::optional<Summary> whole_summary(const std::filesystem::path& folder,
                                                        std::int64_t number) const;
     void need_campaign() const {
@@ -85,7 +57,7 @@ struct Ledger::Impl {
     }
 
     std::filesystem::path path;
-    Lock lock;
+    LedgerLock lock;
     LedgerDatabase database;
     Campaign campaign;
     std::int64_t id = 0;  // of the open campaign; 0: none
@@ -95,7 +67,7 @@ Ledger::Ledger(const std::filesystem::path& path, const LedgerOptions& options)
     : impl_(std::make_unique<Impl>(path, options)) {}
 Ledger::~Ledger() = default;
 
-Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed) {
+Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed, const MeterLog& meter) {
     const std::string path = impl_->path.string();
     if (campaign.name.empty() || campaign.name.find('/') != std::string::npos || campaign.name.front() == '.')
         throw settings::Error(
@@ -150,32 +122,55 @@ Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed) {
     }
     impl_->campaign = campaign;
     impl_->id = id;
-    impl_->settle(resumed);
+    impl_->settle(resumed, meter);
     transaction.commit();
     return resumed;
 }
 
-void Ledger::Impl::settle(Resumed& resumed) {
+void Ledger::choose(const std::string& campaign) {
+    Statement find = impl_->database.prepare(
+        fmt::format("SELECT {}, id FROM campaigns WHERE name = ?1", LedgerDatabase::kCampaignColumns));
+    if (!find.bind(1, campaign).step())
+        throw settings::Error(impl_->path.string(), 0, "", "has no campaign '" + campaign + "'");
+    impl_->campaign = LedgerDatabase::read_campaign(find);
+    impl_->id = find.integer(LedgerDatabase::kCampaignColumnCount);
+}
+
+void Ledger::Impl::settle(Resumed& resumed, const MeterLog& meter) {
     struct Left {
-        std::int64_t row, number;
-        std::string folder;
+        std::int64_t row;
+        Attempt attempt;
     };
     std::vector<Left> left;
     Statement running = database.prepare(
-        "SELECT id, number, folder FROM maneuvers WHERE campaign = ?1 AND state = 'running' ORDER BY id");
+        "SELECT id, number, attempt, folder FROM maneuvers WHERE campaign = ?1 AND state = 'running' "
+        "ORDER BY id");
     running.bind(1, id);
-    while (running.step()) left.push_back({running.integer(0), running.integer(1), running.text(2)});
-    for (const Left& one : left) {
-        if (const auto summary = whole_summary(path.parent_path() / one.folder, one.number)) {
-            enter(*summary, one.row);
-            resumed.adopted.push_back(one.number);
+    while (running.step()) {
+        left.push_back({running.integer(0),
+                        {.number = running.integer(1),
+                         .attempt = running.integer(2),
+                         .folder = path.parent_path() / running.text(3)}});
+    }
+    for (const auto& [row, attempt] : left) {
+        if (const auto summary = whole_summary(attempt.folder, attempt.number)) {
+            enter(*summary, row, state_of(*summary));
+            resumed.adopted.push_back(attempt.number);
         } else {
-            database.prepare("UPDATE maneuvers SET state = 'unfinished' WHERE id = ?1")
-                .bind(1, one.row)
-                .run();
-            resumed.unfinished.push_back(one.number);
+            leave_unfinished(row, meter ? meter(attempt) : std::nullopt);
+            resumed.unfinished.push_back(attempt.number);
         }
     }
+}
+
+void Ledger::Impl::leave_unfinished(std::int64_t row, const std::optional<Summary>& known) {
+    if (!known) {
+        database.prepare("UPDATE maneuvers SET state = 'unfinished' WHERE id = ?1").bind(1, row).run();
+        return;
+    }
+    Summary summary = *known;
+    summary.cumulative_energy_J = cumulative_J() + counted_energy_J(summary);
+    enter(summary, row, "unfinished");
 }
 
 std::optional<Summary> Ledger::Impl::whole_summary(const std::filesystem::path& folder,
@@ -189,17 +184,18 @@ std::optional<Summary> Ledger::Impl::whole_summary(const std::filesystem::path& 
     return std::nullopt;
 }
 
-void Ledger::Impl::enter(const Summary& summary, std::int64_t row) {
+void Ledger::Impl::enter(const Summary& summary, std::int64_t row, std::string_view state) {
     std::string sql =
-        "UPDATE maneuvers SET state = ?2, scenario = ?3, outcome = ?4, started = ?5, standstill = ?6, "
+        "UPDATE maneuvers SET state = ?2, scenario = ?3, outcome = ?4, "
+        "started = coalesce(nullif(?5, ''), started), standstill = ?6, "
         "cumulative_energy_J = ?7, faults = ?8, frames = ?9, frames_dropped = ?10, seed = ?11, version = "
         "?12, "
-        "config_hash = ?13, out_of_tolerance = ?14";
-    int parameter = 15;
+        "config_hash = ?13, out_of_tolerance = ?14, warnings = ?15";
+    int parameter = 16;
     for (const FigureField& field : kFigureFields) sql += fmt::format(", {} = ?{}", field.key, parameter++);
     Statement update = database.prepare(sql + " WHERE id = ?1");
     update.bind(1, row)
-        .bind(2, summary.outcome == kFinished ? "finished" : "aborted")
+        .bind(2, state)
         .bind(3, summary.scenario)
         .bind(4, summary.outcome)
         .bind(5, summary.started)
@@ -210,9 +206,10 @@ void Ledger::Impl::enter(const Summary& summary, std::int64_t row) {
         .bind(10, as_integer(summary.frames_dropped, path.string(), "frames_dropped"))
         .bind(11, as_integer(summary.seed, path.string(), "seed"))
         .bind(12, summary.version)
-        .bind(13, summary.config_hash);
+        .bind(13, summary.config_hash)
+        .bind(15, fmt::format("{}", fmt::join(summary.warnings, kWarningsApart)));
     if (summary.out_of_tolerance) update.bind(14, joined(*summary.out_of_tolerance));  // else NULL
-    parameter = 15;
+    parameter = 16;
     for (const FigureField& field : kFigureFields) update.bind(parameter++, summary.figures.*field.value);
     update.run();
 }
@@ -229,10 +226,18 @@ std::optional<std::int64_t> Ledger::next_number() const {
 
 double Ledger::cumulative_energy_J() const {
     impl_->need_campaign();
-    Statement newest = impl_->database.prepare(
-        "SELECT cumulative_energy_J FROM maneuvers WHERE campaign = ?1 AND state IN ('finished', 'aborted') "
-        "AND cumulative_energy_J IS NOT NULL ORDER BY id DESC LIMIT 1");
-    return newest.bind(1, impl_->id).step() ? newest.real(0) : 0.0;
+    return impl_->cumulative_J();
+}
+
+double Ledger::Impl::cumulative_J() const {
+    // Rows with figures have in their sums what was amended before they began.
+    Statement sum = database.prepare(
+        "WITH last AS (SELECT id, cumulative_energy_J AS J FROM maneuvers WHERE campaign = ?1 AND "
+        "cumulative_energy_J IS NOT NULL ORDER BY id DESC LIMIT 1) "
+        "SELECT coalesce((SELECT J FROM last), 0.0) + coalesce((SELECT sum(a.counted_J - a.before_J) "
+        "FROM amendments a JOIN maneuvers m ON m.id = a.maneuver "
+        "WHERE m.campaign = ?1 AND a.newest >= coalesce((SELECT id FROM last), 0)), 0.0)");
+    return sum.bind(1, id).step() ? sum.real(0) : 0.0;
 }
 
 std::int64_t Ledger::finished_count() const {
@@ -288,7 +293,7 @@ void Ledger::finish(const Summary& summary) {
         "SELECT id FROM maneuvers WHERE campaign = ?1 AND number = ?2 AND state = 'running'");
     if (!running.bind(1, impl_->id).bind(2, summary.number).step())
         throw LedgerError(where + " is not running");
-    impl_->enter(summary, running.integer(0));
+    impl_->enter(summary, running.integer(0), state_of(summary));
     transaction.commit();
 }
 
@@ -312,23 +317,47 @@ void Ledger::judge(std::int64_t number, const Health& health) {
     transaction.commit();
 }
 
-void Ledger::mark_unfinished() {
+void Ledger::mark_unfinished(const std::optional<Summary>& known) {
     impl_->need_campaign();
     LedgerDatabase::Transaction transaction(impl_->database);
-    impl_->database
-        .prepare("UPDATE maneuvers SET state = 'unfinished' WHERE campaign = ?1 AND state = 'running'")
-        .bind(1, impl_->id)
-        .run();
+    Statement running =
+        impl_->database.prepare("SELECT id FROM maneuvers WHERE campaign = ?1 AND state = 'running'");
+    if (running.bind(1, impl_->id).step()) impl_->leave_unfinished(running.integer(0), known);
     transaction.commit();
 }
 
-std::optional<std::string> held_by_another(const std::filesystem::path& path) {
-    try {
-        const Lock lock(path);
-        return std::nullopt;
-    } catch (const LedgerError& error) {
-        return error.what();
-    }
+void Ledger::amend(std::int64_t number, std::int64_t attempt, const Amendment& amendment) {
+    impl_->need_campaign();
+    const std::string where =
+        fmt::format("{}: maneuver {}, attempt {}", impl_->path.string(), number, attempt);
+    if (amendment.who.empty() || amendment.why.empty())
+        throw LedgerError(where + " is amended only with who and why");
+    LedgerDatabase::Transaction transaction(impl_->database);
+    const std::vector<LedgerRow> rows =
+        read_rows(impl_->database, impl_->path, impl_->campaign.name, impl_->id);
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const LedgerRow& one) {
+        return one.attempt.number == number && one.attempt.attempt == attempt;
+    });
+    if (row == rows.end()) throw LedgerError(where + " is not in campaign '" + impl_->campaign.name + "'");
+    if (std::any_of(rows.begin(), rows.end(),
+                    [](const LedgerRow& one) { return one.state == RowState::running; }))
+        throw LedgerError(where +
+                          " cannot be amended while a maneuver is running; resume the campaign first");
+    impl_->database
+        .prepare(
+            "INSERT INTO amendments (maneuver, newest, before_J, counted_J, who, made, why) SELECT id, "
+            "(SELECT max(id) FROM maneuvers WHERE campaign = ?1), ?4, ?5, ?6, ?7, ?8 FROM maneuvers "
+            "WHERE campaign = ?1 AND number = ?2 AND attempt = ?3")
+        .bind(1, impl_->id)
+        .bind(2, number)
+        .bind(3, attempt)
+        .bind(4, row->counted_J)
+        .bind(5, amendment.counted_J)
+        .bind(6, amendment.who)
+        .bind(7, amendment.made)
+        .bind(8, amendment.why)
+        .run();
+    transaction.commit();
 }
 
 }  // namespace rig

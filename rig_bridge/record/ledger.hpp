@@ -10,7 +10,11 @@
 ///
 /// One row is one attempt at one maneuver. `running` from begin() to finish(); a bridge that dies in between leaves it so, and
 /// the next open_campaign() makes it `finished` (or `aborted`) when its folder holds the whole summary.json of that maneuver,
-/// else `unfinished`: its number is then run again as a new attempt in a folder of its own. No number can be finished twice.
+/// else `unfinished`: its number is then run again as a new attempt in a folder of its own, and what its log says was braked counts.
+/// No number can be finished twice.
+///
+/// Nothing that was entered is ever overwritten. What a maneuver adds to the cumulative energy is amended by rows of their own, with who,
+/// when and why; readers see the amended sums.
 ///
 /// Rows are written in transactions with synchronous = EXTRA. One process at a time holds a ledger (a lock beside it, freed by the
 /// kernel when the process dies); readers are free to look (read_ledger(), sqlite3).
@@ -18,6 +22,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -59,11 +64,22 @@ struct Attempt {
 
 enum class RowState : std::uint8_t { running, finished, aborted, unfinished };
 
+/// What a person said that a maneuver adds to the cumulative energy.
+struct Amendment {
+    double counted_J = 0.0;
+    std::string who;
+    std::string made;  ///< wall clock, ISO 8601 UTC
+    std::string why;
+};
+
 struct LedgerRow {
     RowState state = RowState::running;
     Attempt attempt;
-    Summary summary;  ///< of a running or unfinished one only what was known at its begin
-    Health health;    ///< unknown unless it finished and was judged
+    Summary summary;  ///< until it has figures only what was known at its begin; cumulative energy as amended
+    bool has_figures = false;           ///< finished, aborted, or unfinished with a log
+    double counted_J = 0.0;             ///< its part of the cumulative energy, as amended
+    std::vector<Amendment> amendments;  ///< oldest first
+    Health health;                      ///< unknown unless it finished and was judged
     /// In force; NaN: another law than slip, or a maneuver of a ledger that did not keep it.
     double slip_reference = std::numeric_limits<double>::quiet_NaN();
 };
@@ -73,6 +89,9 @@ struct LedgerOptions {
     bool durable = true;
     int busy_timeout_ms = 5000;  ///< how long a reader may be in the way
 };
+
+/// What the log of an attempt's folder says: outcome, figures and warnings; none when there is no braking in it.
+using MeterLog = std::function<std::optional<Summary>(const Attempt&)>;
 
 /// What open_campaign() found.
 struct Resumed {
@@ -92,12 +111,15 @@ class Ledger {
     Ledger& operator=(const Ledger&) = delete;
 
     /// Chooses the campaign for everything below. An old one takes over `planned` (and with go_on the rest) from `campaign`. Throws
-    /// settings::Error when it differs and `changed` refuses.
-    Resumed open_campaign(const Campaign& campaign, IfChanged changed);
+    /// settings::Error when it differs and `changed` refuses. `meter`: for what a dead bridge has left.
+    Resumed open_campaign(const Campaign& campaign, IfChanged changed, const MeterLog& meter = {});
+
+    /// Chooses a campaign as it is: nothing is settled. Throws settings::Error when there is none of that name.
+    void choose(const std::string& campaign);
 
     /// The lowest number that is not finished; none when all that are planned are. An aborted maneuver is run again.
     [[nodiscard]] std::optional<std::int64_t> next_number() const;
-    /// Brake energy of all that finished or were aborted: the newest entry's.
+    /// Brake energy of all rows with figures, as amended.
     [[nodiscard]] double cumulative_energy_J() const;
     [[nodiscard]] std::int64_t finished_count() const;
 
@@ -109,8 +131,11 @@ class Ledger {
     void finish(const Summary& summary);
     /// What is thought of the brake after a finished maneuver. Throws LedgerError when no such maneuver is finished.
     void judge(std::int64_t number, const Health& health);
-    /// The running maneuver ended without figures.
-    void mark_unfinished();
+    /// The running maneuver ended without a whole record; what is known of it counts nevertheless.
+    void mark_unfinished(const std::optional<Summary>& known = {});
+    /// From now on this attempt adds `amendment.counted_J` to the cumulative energy. Throws LedgerError when it has not ended, or `who`
+    /// or `why` is empty.
+    void amend(std::int64_t number, std::int64_t attempt, const Amendment& amendment);
 
   private:
     struct Impl;
@@ -124,6 +149,8 @@ class Ledger {
 /// The campaigns of a ledger, oldest first.
 [[nodiscard]] std::vector<Campaign> read_campaigns(const std::filesystem::path& path);
 
+/// Whether a bridge has this ledger open for writing. Leaves no trace.
+[[nodiscard]] bool is_held(const std::filesystem::path& path);
 /// Who has this ledger open for writing, or why nobody can; none: it is free.
 [[nodiscard]] std::optional<std::string> held_by_another(const std::filesystem::path& path);
 

@@ -51,6 +51,19 @@ ALTER TABLE maneuvers ADD COLUMN health_model TEXT NOT NULL DEFAULT '';
 )",
     "ALTER TABLE maneuvers ADD COLUMN slip_reference REAL;",
     "ALTER TABLE maneuvers ADD COLUMN out_of_tolerance TEXT;",
+    R"(
+ALTER TABLE maneuvers ADD COLUMN warnings TEXT NOT NULL DEFAULT '';
+CREATE TABLE amendments (
+    id INTEGER PRIMARY KEY,
+    maneuver INTEGER NOT NULL REFERENCES maneuvers (id),
+    newest INTEGER NOT NULL REFERENCES maneuvers (id),  -- of the campaign, when it was made
+    before_J REAL NOT NULL,
+    counted_J REAL NOT NULL,
+    who TEXT NOT NULL CHECK (who <> ''),
+    made TEXT NOT NULL,
+    why TEXT NOT NULL CHECK (why <> '')
+) STRICT;
+)",
 };
 
 /// Of a ledger of schema 1.

@@ -66,6 +66,14 @@ class LedgerDatabase {
     static constexpr int kCampaignColumnCount = 7;
     [[nodiscard]] static Campaign read_campaign(const Statement& row);
 
+    /// What amendments add to the cumulative energy of a row of `maneuvers`: of those on it or before it, made when it was there already.
+    /// Later rows have it in their own.
+    static constexpr std::string_view kAmended_J =
+        "coalesce((SELECT sum(a.counted_J - a.before_J) FROM amendments a JOIN maneuvers m ON m.id = "
+        "a.maneuver "
+        "WHERE m.campaign = maneuvers.campaign AND a.maneuver <= maneuvers.id AND maneuvers.id <= a.newest), "
+        "0.0)";
+
     /// Rolls back unless committed.
     class Transaction {
       public:
@@ -94,6 +102,14 @@ class LedgerDatabase {
     std::unique_ptr<sqlite3, Closer> database_;
 };
 
-inline constexpr std::int64_t kLedgerSchema = 4;
+/// Between the warnings of a row.
+inline constexpr std::string_view kWarningsApart = "; ";
+
+/// Rows of the campaign with this id, oldest first.
+[[nodiscard]] std::vector<LedgerRow> read_rows(const LedgerDatabase& database,
+                                               const std::filesystem::path& ledger,
+                                               const std::string& campaign, std::int64_t id);
+
+inline constexpr std::int64_t kLedgerSchema = 5;
 
 }  // namespace rig

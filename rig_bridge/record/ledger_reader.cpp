@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::array kStateNames{"running", "finished", "aborted", "unfinished"};
 
-std::vector<std::string> split(const std::string& text) {
+std::vector<std::string> split(const std::string& text, std::string_view apart) {
     std::vector<std::string> words;
     for (std::size_t from = 0; from < text.size();) {
-        const std::size_t to = std::min(text.find(' ', from), text.size());
+        const std::size_t to = std::min(text.find(apart, from), text.size());
         if (to > from) words.push_back(text.substr(from, to - from));
-        from = to + 1;
+        from = to + apart.size();
     }
     return words;
 }
@@ -30,10 +30,25 @@ std::string columns() {
     for (const FigureField& field : kFigureFields) list += std::string(", ") + field.key;
     return list +
            ", standstill, cumulative_energy_J, faults, frames, frames_dropped, seed, version, config_hash, "
-           "health, health_statistic, health_reason, health_model, slip_reference, out_of_tolerance";
+           "health, health_statistic, health_reason, health_model, slip_reference, out_of_tolerance, "
+           "warnings, id, " +
+           std::string(LedgerDatabase::kAmended_J);
 }
 
-LedgerRow read_row(const Statement& row, const std::filesystem::path& ledger, const std::string& campaign) {
+std::vector<Amendment> amendments(const LedgerDatabase& database, std::int64_t maneuver) {
+    Statement rows =
+        database.prepare("SELECT counted_J, who, made, why FROM amendments WHERE maneuver = ?1 ORDER BY id");
+    rows.bind(1, maneuver);
+    std::vector<Amendment> all;
+    while (rows.step()) {
+        all.push_back(
+            {.counted_J = rows.real(0), .who = rows.text(1), .made = rows.text(2), .why = rows.text(3)});
+    }
+    return all;
+}
+
+LedgerRow read_row(const LedgerDatabase& database, const Statement& row, const std::filesystem::path& ledger,
+                   const std::string& campaign) {
     LedgerRow out;
     int c = 0;
     const std::string state = row.text(c++);
@@ -48,15 +63,17 @@ LedgerRow read_row(const Statement& row, const std::filesystem::path& ledger, co
     s.scenario = row.text(c++);
     s.outcome = row.text(c++);
     s.started = row.text(c++);
-    const bool figures = out.state == RowState::finished || out.state == RowState::aborted;
+    const int cumulative = c + static_cast<int>(kFigureFields.size()) + 1;
+    const bool ended = out.state == RowState::finished || out.state == RowState::aborted;
+    out.has_figures = ended || !row.null(cumulative);
     for (const FigureField& field : kFigureFields) {
-        if (figures) s.figures.*field.value = row.real(c);
+        if (out.has_figures) s.figures.*field.value = row.real(c);
         ++c;
     }
     s.figures.standstill = row.integer(c++) != 0;
-    if (figures) s.cumulative_energy_J = row.real(c);
+    if (out.has_figures) s.cumulative_energy_J = row.real(c);
     ++c;
-    s.faults = split(row.text(c++));
+    s.faults = split(row.text(c++), " ");
     s.frames = static_cast<std::uint64_t>(row.integer(c++));
     s.frames_dropped = static_cast<std::uint64_t>(row.integer(c++));
     s.seed = static_cast<std::uint64_t>(row.integer(c++));
@@ -70,7 +87,12 @@ LedgerRow read_row(const Statement& row, const std::filesystem::path& ledger, co
     out.health.reason = row.text(c++);
     out.health.model = row.text(c++);
     out.slip_reference = row.real(c++);
-    if (!row.null(c)) s.out_of_tolerance = split(row.text(c));
+    if (!row.null(c)) s.out_of_tolerance = split(row.text(c), " ");
+    ++c;
+    s.warnings = split(row.text(c++), kWarningsApart);
+    out.amendments = amendments(database, row.integer(c++));
+    out.counted_J = out.amendments.empty() ? counted_energy_J(s) : out.amendments.back().counted_J;
+    s.cumulative_energy_J += row.real(c++);
     return out;
 }
 
@@ -95,11 +117,16 @@ std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std:
             path.string(), 0, "",
             "has no campaign '" + campaign + "'" + (known.empty() ? "" : "; it has " + known));
     }
+    return read_rows(database, path, campaign, find.integer(0));
+}
+
+std::vector<LedgerRow> read_rows(const LedgerDatabase& database, const std::filesystem::path& ledger,
+                                 const std::string& campaign, std::int64_t id) {
     Statement rows =
         database.prepare("SELECT " + columns() + " FROM maneuvers WHERE campaign = ?1 ORDER BY id");
-    rows.bind(1, find.integer(0));
+    rows.bind(1, id);
     std::vector<LedgerRow> all;
-    while (rows.step()) all.push_back(read_row(rows, path, campaign));
+    while (rows.step()) all.push_back(read_row(database, rows, ledger, campaign));
     return all;
 }
 

@@ -1,7 +1,11 @@
 #include "rig_bridge/record/meter.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "firmware/can/sensor_decoder.hpp"
 
@@ -19,6 +23,13 @@ constexpr double kWindow_s = 0.01;
 constexpr double kBrakeOnWindow_s = 0.03;
 /// A sensor that reports speed says zero, or its least count, at standstill.
 constexpr double kStands = 0.02;
+/// Half way, as a ratio, to the nearest mistake of unit: bar for MPa is ten. A brake at its wear limit has half of its first friction.
+constexpr double kImplausibleFriction = 3.16;
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+
+EdgeLimits limits(double teeth, double most_radps, double late_s) {
+    return {.edges_per_s = most_radps / kTurn_rad * teeth, .late_s = late_s};
+}
 
 ShaftSample as_on_bus(const antiskid::can::SpeedSignals& signals, const ShaftSample& sample) {
     const antiskid::can::RawSpeed raw =
@@ -37,7 +48,8 @@ ShaftSample as_on_bus(const antiskid::can::SpeedSignals& signals, const ShaftSam
         .edges = true,
         .edge_count = sample.edge_count,
         .edge_time = Time{static_cast<std::int64_t>(static_cast<double>(ticks) * signals.edge_time.scale)},
-        .speed_radps = 0.0};
+        .speed_radps = 0.0,
+        .roll_over = sample.roll_over};
 }
 
 }  // namespace
@@ -61,7 +73,7 @@ MeterSample as_on_bus(const antiskid::can::Layout& layout, const MeterSample& sa
 void Meter::Shaft::update(const ShaftSample& sample, double now_s, double scale) {
     edges_ = sample.edges;
     if (edges_) {
-        track_.update(sample.edge_count, sample.edge_time, now_s);
+        if (sample.reported) track_.update(sample.edge_count, sample.edge_time, now_s, sample.roll_over);
         way_ = track_.way(now_s);
         speed_ = track_.speed(kWindow_s, now_s);
         return;
@@ -87,8 +99,10 @@ double Meter::Shaft::rest_way() const {
 
 Meter::Meter(const MeterParameters& parameters)
     : parameters_(parameters),
-      wheel_(2.0 * std::numbers::pi / parameters.wheel_teeth),
-      flywheel_(2.0 * std::numbers::pi / parameters.flywheel_teeth * parameters.flywheel_radius_m) {
+      wheel_(kTurn_rad / parameters.wheel_teeth,
+             limits(parameters.wheel_teeth, parameters.wheel_most_radps, parameters.sensor_late_s)),
+      flywheel_(kTurn_rad / parameters.flywheel_teeth * parameters.flywheel_radius_m,
+                limits(parameters.flywheel_teeth, parameters.flywheel_most_radps, parameters.sensor_late_s)) {
     tail_.reserve(kTail);
 }
 
@@ -191,6 +205,33 @@ Figures Meter::figures() const {
     return figures;
 }
 
+double Meter::kinetic_lost_J(double v_mps, double omega_radps) const {
+    return 0.5 * parameters_.flywheel_mass_kg * (start_mps_ * start_mps_ - v_mps * v_mps) +
+           0.5 * parameters_.wheel_inertia_kgm2 * (start_radps_ * start_radps_ - omega_radps * omega_radps);
+}
+
+std::vector<std::string> Meter::warnings() const {
+    std::vector<std::string> all;
+    for (const auto& [shaft, what] : {std::pair{&wheel_, "wheel"}, std::pair{&flywheel_, "flywheel"}})
+        if (const std::uint64_t n = shaft->track().restarts(); n != 0)
+            all.push_back(fmt::format("encoder_restarted: {} {}", what, n));
+    if (state_ == State::waiting) return all;
+    const Figures f = figures();
+    const double used_J = f.energy_brake_J + f.energy_tyre_J;
+    const double band_J = parameters_.energy_band * kinetic_lost_J(0.0, 0.0);
+    // A rig that does not measure F_x knows nothing of the tyre's part.
+    const bool too_little = f.energy_tyre_J != 0.0 && used_J < f.kinetic_energy_J - band_J;
+    if (too_little || used_J > f.kinetic_energy_J + band_J)
+        all.push_back(fmt::format("{}: brake and tyre took {:.4g} MJ of {:.4g} MJ kinetic energy",
+                                  kEnergyUnbalanced, used_J * 1e-6, f.kinetic_energy_J * 1e-6));
+    const double ratio = f.mean_friction / parameters_.friction;
+    if (parameters_.friction > 0.0 && f.mean_friction > 0.0 &&
+        (ratio > kImplausibleFriction || ratio < 1.0 / kImplausibleFriction))
+        all.push_back(fmt::format("{}: mean mu_b {:.4g} by torque over pressure, {:.4g} is the brake's",
+                                  kFrictionImplausible, f.mean_friction, parameters_.friction));
+    return all;
+}
+
 Figures Meter::now() const {
     Figures f;
     const double end_s = standstill_ ? flywheel_.rest_s() : sums_.time_s;
@@ -210,8 +251,7 @@ Figures Meter::now() const {
     f.energy_tyre_J = energy_tyre_J_;
     const double v = standstill_ ? 0.0 : flywheel_speed_;
     const double omega = standstill_ ? 0.0 : wheel_.speed();
-    f.kinetic_energy_J = 0.5 * parameters_.flywheel_mass_kg * (start_mps_ * start_mps_ - v * v) +
-                         0.5 * parameters_.wheel_inertia_kgm2 * (start_radps_ * start_radps_ - omega * omega);
+    f.kinetic_energy_J = kinetic_lost_J(v, omega);
     if (sliding_way_m_ > 0.0 && parameters_.peak_friction > 0.0)
         f.j_mu = friction_way_m_ / (sliding_way_m_ * parameters_.peak_friction);
     f.standstill = standstill_;

@@ -11,10 +11,15 @@
 /// Way and angle are counted in edges, so that the integrals of eq. (9) need no estimate of speed:
 /// E_brake = integral of T_b d theta_w, E_tyre = integral of F_x (R_f d theta_f - r(F_z) d theta_w), which is F_x lambda v dt
 /// with the slip of eq. (3) and r(F_z) = r_0 - F_z / k_r.
+///
+/// Both together are the kinetic energy that was lost, eq. (8): where they are not, figures are of no use, and warnings() says so.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/can/layout.hpp"
@@ -22,6 +27,9 @@
 #include "rig_bridge/record/summary.hpp"
 
 namespace rig {
+
+/// The warning of a mean friction that is no brake's.
+inline constexpr std::string_view kFrictionImplausible = "friction_implausible";
 
 /// What is known of the rig apart from the signals.
 struct MeterParameters {
@@ -36,14 +44,24 @@ struct MeterParameters {
     double peak_friction = 0.0;  ///< of the surface, eq. (16); 0: not the same all along, J_mu is not known
     double drop_out_mps = 5.0;   ///< mu_b and J_mu end here
     double period_s = 1e-3;      ///< control period: the step of the SYNC number
+
+    // What tells a sound record from another; as they stand here everything is believed.
+    double wheel_most_radps = std::numeric_limits<double>::infinity();     ///< that its encoder can report
+    double flywheel_most_radps = std::numeric_limits<double>::infinity();  ///< the same
+    double sensor_late_s = std::numeric_limits<double>::infinity();  ///< age of the oldest reading in use
+    /// By how much brake and tyre energy may differ from the kinetic energy lost, as share of that at brake-on.
+    double energy_band = std::numeric_limits<double>::infinity();
+    double friction = 0.0;  ///< mean mu_b that the brake is known for; 0: not known
 };
 
 /// One shaft as the bus has it: edges, or a speed where the sensor reports that.
 struct ShaftSample {
     bool edges = true;
-    std::uint32_t edge_count = 0;  ///< modulo 2^32
-    Time edge_time{};              ///< the sensor's clock
+    std::uint32_t edge_count = 0;
+    Time edge_time{};  ///< the sensor's clock
     double speed_radps = 0.0;
+    RollOver roll_over{};
+    bool reported = true;  ///< false: nothing new of this sensor since the sample before
 };
 
 /// What was known at one control period.
@@ -72,6 +90,9 @@ class Meter {
     /// So far, and for good once the phases after the brake are reached. All zero before brake-on. What cannot be
     /// known (mean friction without pressure) is 0. `peak_temperature_C` counts from brake-on to the last sample.
     [[nodiscard]] Figures figures() const;
+    /// What is wrong with them: "encoder_restarted: flywheel 1", "energy_unbalanced: ...", "friction_implausible: ..."; empty for a sound
+    /// record.
+    [[nodiscard]] std::vector<std::string> warnings() const;
 
     [[nodiscard]] bool started() const { return state_ != State::waiting; }
     [[nodiscard]] bool over() const { return state_ == State::over; }
@@ -83,7 +104,7 @@ class Meter {
     /// A shaft by either kind of sensor.
     class Shaft {
       public:
-        explicit Shaft(double edge_pitch) : track_(edge_pitch) {}
+        Shaft(double edge_pitch, const EdgeLimits& limits) : track_(edge_pitch, limits) {}
         void update(const ShaftSample& sample, double now_s, double scale);
         [[nodiscard]] double way() const { return way_; }
         [[nodiscard]] double speed() const { return speed_; }
@@ -115,6 +136,8 @@ class Meter {
         double pressure_Pas = 0.0;
     };
     [[nodiscard]] Figures now() const;
+    /// From brake-on down to these speeds.
+    [[nodiscard]] double kinetic_lost_J(double v_mps, double omega_radps) const;
     void start(const MeterSample& sample);
     void integrate(const MeterSample& sample);
     [[nodiscard]] Sums sums_at(double time_s) const;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <iterator>
+#include <utility>
 
 namespace rig {
 
@@ -18,10 +19,10 @@ std::string sample_column(Measured quantity) {
     return std::string(name(quantity)) + std::string(kUnits[static_cast<std::size_t>(quantity)]);
 }
 
-SampleLog::SampleLog(const std::filesystem::path& path) : file_(path) {
+SampleLog::SampleLog(std::unique_ptr<LineFile> file) : file_(std::move(file)) {
     std::string header = "time_s";
     for (std::size_t i = 0; i < kMeasuredCount; ++i) header += ',' + sample_column(static_cast<Measured>(i));
-    file_.line(header);
+    file_->line(header);
 }
 
 void SampleLog::write(antiskid::can::Time wall_clock, const MeasuredValues& values) {
@@ -29,7 +30,7 @@ void SampleLog::write(antiskid::can::Time wall_clock, const MeasuredValues& valu
     const std::int64_t us = wall_clock.count() / 1000;
     fmt::format_to(std::back_inserter(row), "{}.{:06}", us / 1'000'000, us % 1'000'000);
     for (const double value : values) fmt::format_to(std::back_inserter(row), ",{}", value);
-    file_.line({row.data(), row.size()});
+    file_->line({row.data(), row.size()});
 }
 
 }  // namespace rig

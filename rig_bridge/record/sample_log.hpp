@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
+#include <memory>
 #include <string>
 
 #include "firmware/can/frame.hpp"
-#include "rig_bridge/record/append_file.hpp"
+#include "rig_bridge/record/line_file.hpp"
 #include "rig_bridge/registers/quantities.hpp"
 
 namespace rig {
@@ -15,19 +15,18 @@ namespace rig {
 /// row names them.
 class SampleLog {
   public:
-    /// A new file; see AppendFile.
-    explicit SampleLog(const std::filesystem::path& path);
+    explicit SampleLog(std::unique_ptr<LineFile> file);
 
     void write(antiskid::can::Time wall_clock, const MeasuredValues& values);
-    void flush() { file_.flush(); }
-    bool finish() { return file_.finish(); }
+    void flush() { file_->flush(); }
+    bool finish() { return file_->finish(); }
 
-    [[nodiscard]] std::uint64_t rows() const { return file_.lines() - 1; }
-    [[nodiscard]] std::uint64_t missing() const { return file_.missing(); }
-    [[nodiscard]] std::string error() const { return file_.error(); }
+    [[nodiscard]] std::uint64_t rows() const { return file_->lines() - 1; }
+    [[nodiscard]] std::uint64_t missing() const { return file_->missing(); }
+    [[nodiscard]] std::string error() const { return file_->error(); }
 
   private:
-    AppendFile file_;
+    std::unique_ptr<LineFile> file_;
 };
 
 /// The column of a quantity: "flywheel_speed_mps".

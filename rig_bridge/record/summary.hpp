@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rig {
@@ -27,17 +28,26 @@ struct Figures {
     bool standstill = false;
 };
 
+/// The warning of figures whose brake and tyre energy are not the kinetic energy that was lost.
+inline constexpr std::string_view kEnergyUnbalanced = "energy_unbalanced";
+
+/// The outcome of a maneuver that was aborted because the disk did not take its record.
+inline constexpr std::string_view kRecordLost = "record_lost";
+
 struct Summary {
     std::string campaign;     ///< name; empty for a single maneuver
     std::int64_t number = 0;  ///< of the maneuver in its campaign, from 1
     std::string scenario;
-    std::string outcome;               ///< "finished", or the name of the abort
-    std::string started;               ///< wall clock, ISO 8601 UTC
-    double cumulative_energy_J = 0.0;  ///< brake energy of the campaign, this maneuver included
+    std::string outcome;  ///< "finished", or the name of the abort
+    std::string started;  ///< wall clock, ISO 8601 UTC
+    double cumulative_energy_J =
+        0.0;  ///< brake energy of the campaign, this maneuver's counted_energy_J() included
     Figures figures;
     std::vector<std::string> faults;  ///< the controller's, by name
     /// Figures of a finished maneuver outside the scenario's bands, by their keys; none: not judged.
     std::optional<std::vector<std::string>> out_of_tolerance;
+    /// What is wrong with the record: a name, then what it is about. Empty for a sound one.
+    std::vector<std::string> warnings;
     std::uint64_t frames = 0;  ///< recorded
     std::uint64_t frames_dropped =
         0;  ///< that the kernel dropped before the recorder: then the figures lack them
@@ -49,6 +59,13 @@ struct Summary {
 /// Finished, but not the maneuver that was asked for: its energy counts, its friction is no point of the campaign.
 [[nodiscard]] inline bool off_conditions(const Summary& summary) {
     return summary.out_of_tolerance && !summary.out_of_tolerance->empty();
+}
+
+/// What a maneuver adds to the cumulative energy: nothing where that is not known, until a person says it (Ledger::amend).
+[[nodiscard]] inline double counted_energy_J(const Summary& summary) {
+    for (const std::string& warning : summary.warnings)
+        if (warning.starts_with(kEnergyUnbalanced)) return 0.0;
+    return summary.figures.energy_brake_J;
 }
 
 }  // namespace rig

@@ -56,6 +56,7 @@ class Reader {
             wrong(key, "a smaller number");
         return static_cast<T>(unsigned_value);
     }
+    [[nodiscard]] bool has(const char* key) const { return root_.contains(key); }
     std::vector<std::string> texts(const char* key) {
         std::vector<std::string> all;
         for (const ordered_json& item : get(key, &ordered_json::is_array, "a list of texts")) {
@@ -113,6 +114,7 @@ void write_summary(const std::filesystem::path& path, const Summary& summary) {
     json["faults"] = summary.faults;
     json["out_of_tolerance"] =
         summary.out_of_tolerance ? ordered_json(*summary.out_of_tolerance) : ordered_json(nullptr);
+    json["warnings"] = summary.warnings;
     json["frames"] = summary.frames;
     json["frames_dropped"] = summary.frames_dropped;
     json["seed"] = summary.seed;
@@ -135,6 +137,7 @@ Summary read_summary(const std::filesystem::path& path) {
     summary.cumulative_energy_J = reader.real("cumulative_energy_J");
     summary.faults = reader.texts("faults");
     if (reader.has("out_of_tolerance")) summary.out_of_tolerance = reader.texts("out_of_tolerance");
+    if (reader.has("warnings")) summary.warnings = reader.texts("warnings");  // older files have none
     summary.frames = reader.whole<std::uint64_t>("frames");
     summary.frames_dropped = reader.whole<std::uint64_t>("frames_dropped");
     summary.seed = reader.whole<std::uint64_t>("seed");
@@ -164,6 +167,7 @@ std::string summary_table(const Summary& summary) {
     std::string faults;
     for (const std::string& fault : summary.faults) faults += (faults.empty() ? "" : ", ") + fault;
     row("faults", faults.empty() ? "none" : faults);
+    for (const std::string& warning : summary.warnings) row("warning", warning);
     row("frames", fmt::format("{}, {} dropped", summary.frames, summary.frames_dropped));
     return text;
 }

@@ -32,10 +32,12 @@ std::string to_text(const CampaignTable& table) {
     for (const CampaignRow& row : table.rows) {
         if (row.counted)
             fmt::format_to(out, "{:<10}{:>16.4f}{:>15.5f}{:>12.2f}{:>11.3f}  {}\n", title(row.folder),
-                           row.cumulative_energy_J * 1e-6, row.figures.mean_friction,
-                           row.figures.brake_on_mps, row.figures.duration_s, row.outcome);
+                           row.summary.cumulative_energy_J * 1e-6, row.summary.figures.mean_friction,
+                           row.summary.figures.brake_on_mps, row.summary.figures.duration_s,
+                           row.summary.outcome);
         else
-            fmt::format_to(out, "{:<10}{:>54}  {}\n", title(row.folder), "", row.outcome);
+            fmt::format_to(out, "{:<10}{:>54}  {}\n", title(row.folder), "", row.summary.outcome);
+        for (const std::string& warning : row.summary.warnings) fmt::format_to(out, "    {}\n", warning);
         for (const std::string& difference : row.differences)
             fmt::format_to(out, "    DIFFERS: {}\n", difference);
     }
@@ -49,9 +51,10 @@ std::string to_csv(const CampaignTable& table) {
     csv += "\n";
     for (const CampaignRow& row : table.rows) {
         if (!row.counted) continue;
-        fmt::format_to(out, "{},{},{},{}", row.folder.number, row.folder.attempt, row.outcome,
-                       row.cumulative_energy_J);
-        for (const FigureField& field : kFigureFields) fmt::format_to(out, ",{}", row.figures.*field.value);
+        fmt::format_to(out, "{},{},{},{}", row.folder.number, row.folder.attempt, row.summary.outcome,
+                       row.summary.cumulative_energy_J);
+        for (const FigureField& field : kFigureFields)
+            fmt::format_to(out, ",{}", row.summary.figures.*field.value);
         csv += "\n";
     }
     return csv;
@@ -62,11 +65,12 @@ std::string to_json(const CampaignTable& table, const std::string& campaign) {
     for (const CampaignRow& row : table.rows) {
         nlohmann::ordered_json one{{"number", row.folder.number},
                                    {"attempt", row.folder.attempt},
-                                   {"outcome", row.outcome},
+                                   {"outcome", row.summary.outcome},
                                    {"counted", row.counted},
-                                   {"cumulative_energy_J", row.cumulative_energy_J}};
+                                   {"cumulative_energy_J", row.summary.cumulative_energy_J}};
         if (row.counted)
-            for (const FigureField& field : kFigureFields) one[field.key] = row.figures.*field.value;
+            for (const FigureField& field : kFigureFields) one[field.key] = row.summary.figures.*field.value;
+        one["warnings"] = row.summary.warnings;
         one["differences"] = row.differences;
         rows.push_back(std::move(one));
     }

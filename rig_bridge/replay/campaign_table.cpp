@@ -7,9 +7,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/summary_file.hpp"
+#include "rig_bridge/replay/log_meter.hpp"
 
 namespace rig {
 
@@ -31,8 +31,8 @@ std::optional<ManeuverFolder> as_maneuver(const fs::path& path) {
     return folder;
 }
 
-void compare(const Figures& from_log, const Figures& stated, const char* where,
-             std::vector<std::string>& differences) {
+void compare_figures(const Figures& from_log, const Figures& stated, const char* where,
+                     std::vector<std::string>& differences) {
     for (const FigureField& field : kFigureFields) {
         const double a = from_log.*field.value;
         const double b = stated.*field.value;
@@ -44,13 +44,6 @@ void compare(const Figures& from_log, const Figures& stated, const char* where,
                                           stated.standstill, where));
 }
 
-void compare_energy(double from_logs, double stated, const char* where,
-                    std::vector<std::string>& differences) {
-    if (from_logs == stated) return;
-    differences.push_back(
-        fmt::format("cumulative_energy_J is {} from the logs, {} in {}", from_logs, stated, where));
-}
-
 class Rebuild {
   public:
     explicit Rebuild(const CampaignSources& sources) : sources_(sources) {
@@ -58,6 +51,9 @@ class Rebuild {
     }
 
     CampaignTable run(const std::vector<ManeuverFolder>& folders) {
+        for (const ManeuverFolder& folder : folders)
+            if (scenario_.empty() && fs::exists(folder.path / "summary.json"))
+                scenario_ = read_summary(folder.path / "summary.json").scenario;
         for (const ManeuverFolder& folder : folders) add(folder);
         if (table_.with_ledger) rows_without_folder(folders);
         return table_;
@@ -68,23 +64,42 @@ class Rebuild {
         CampaignRow row;
         row.folder = folder;
         const LedgerRow* const ledger = ledger_row(folder);
-        row.counted = fs::exists(folder.path / "summary.json");
-        row.outcome = "unfinished";
-        if (row.counted) {
-            const Summary summary = read_summary(folder.path / "summary.json");
-            row.outcome = summary.outcome;
-            measure(summary, row);
-            energy_J_ += row.figures.energy_brake_J;
-            row.cumulative_energy_J = energy_J_;
-            compare(row.figures, summary.figures, "summary.json", row.differences);
-            compare_energy(energy_J_, summary.cumulative_energy_J, "summary.json", row.differences);
-            if (ledger != nullptr) {
-                compare(row.figures, ledger->summary.figures, "the ledger", row.differences);
-                compare_energy(energy_J_, ledger->summary.cumulative_energy_J, "the ledger", row.differences);
-            }
+        row.ended = fs::exists(folder.path / "summary.json");
+        std::optional<Summary> stated;
+        if (row.ended)
+            row.summary = *(stated = read_summary(folder.path / "summary.json"));
+        else if (ledger != nullptr)
+            row.summary = ledger->summary;
+        if (!row.ended) row.summary.outcome = name(RowState::unfinished);
+        row.counted = measure(row) || row.ended;
+        const bool amended = ledger != nullptr && !ledger->amendments.empty();
+        if (row.counted || amended) {
+            energy_J_ += amended ? ledger->counted_J : counted_energy_J(row.summary);
+            amended_ = amended_ || amended;
+            row.summary.cumulative_energy_J = energy_J_;
         }
+        // A summary says what was known when it was written; sums that were amended since are not.
+        if (stated) compare(row.summary, *stated, "summary.json", !amended_, row.differences);
+        if (ledger != nullptr && (row.ended || ledger->has_figures))
+            compare(row.summary, ledger->summary, "the ledger", true, row.differences);
         if (table_.with_ledger) compare_state(row, ledger);
         table_.rows.push_back(std::move(row));
+    }
+
+    void compare(const Summary& from_log, const Summary& stated, const char* where, bool sums,
+                 std::vector<std::string>& differences) const {
+        compare_figures(from_log.figures, stated.figures, where, differences);
+        if (from_log.warnings != stated.warnings) {
+            differences.push_back(fmt::format("warnings are '{}' from the log, '{}' in {}",
+                                              fmt::join(from_log.warnings, "; "),
+                                              fmt::join(stated.warnings, "; "), where));
+        }
+        // Amendments add up in another order.
+        const double rounding_J = amended_ ? 1e-9 * std::abs(energy_J_) : 0.0;
+        if (sums && !(std::abs(energy_J_ - stated.cumulative_energy_J) <= rounding_J)) {
+            differences.push_back(fmt::format("cumulative_energy_J is {} from the logs, {} in {}", energy_J_,
+                                              stated.cumulative_energy_J, where));
+        }
     }
 
     static void compare_state(CampaignRow& row, const LedgerRow* ledger) {
@@ -93,9 +108,12 @@ class Rebuild {
             return;
         }
         const bool entered = ledger->state == RowState::finished || ledger->state == RowState::aborted;
-        if (entered != row.counted)
+        if (entered != row.ended)
             row.differences.push_back(fmt::format("{} summary.json, but {} in the ledger",
-                                                  row.counted ? "has a" : "has no", name(ledger->state)));
+                                                  row.ended ? "has a" : "has no", name(ledger->state)));
+        else if (row.counted && !ledger->has_figures)
+            row.differences.push_back(fmt::format("{:.6g} MJ are in its log, none in the ledger",
+                                                  row.summary.figures.energy_brake_J * 1e-6));
     }
 
     void rows_without_folder(const std::vector<ManeuverFolder>& folders) {
@@ -108,7 +126,7 @@ class Rebuild {
             row.folder = {.path = ledger.attempt.folder,
                           .number = ledger.attempt.number,
                           .attempt = ledger.attempt.attempt};
-            row.outcome = name(ledger.state);
+            row.summary.outcome = name(ledger.state);
             row.differences.push_back("in the ledger, but the folder is not there");
             table_.rows.push_back(std::move(row));
         }
@@ -122,26 +140,29 @@ class Rebuild {
         return found == sources_.ledger.end() ? nullptr : &*found;
     }
 
-    void measure(const Summary& summary, CampaignRow& row) {
-        fs::path log = row.folder.path / "bus.log";
-        if (!fs::exists(log)) log += ".gz";
-        if (!fs::exists(log)) {
-            row.differences.emplace_back("neither bus.log nor bus.log.gz");
-            return;
+    /// Whether there is a braking in its log.
+    bool measure(CampaignRow& row) {
+        if (row.summary.scenario.empty()) row.summary.scenario = scenario_;
+        const fs::path log = log_in(row.folder.path);
+        if (log.empty() || row.summary.scenario.empty()) {
+            if (row.ended) row.differences.emplace_back("neither bus.log nor bus.log.gz");
+            row.summary.figures = {};
+            return false;
         }
         LogWarnings warnings = sources_.warnings(log.string());
-        LogOptions options;
-        options.layout = &sources_.layout;
-        LogReader reader(log, options, warnings);
-        BusMeter meter(sources_.layout, sources_.parameters(summary.scenario));
-        for (LogFrame frame; reader.next(frame);) meter.accept(frame.frame);
-        row.figures = meter.figures();
-        table_.lines += reader.lines();
+        MeteredLog metered =
+            meter_log(log, sources_.layout, sources_.parameters(row.summary.scenario), warnings);
+        row.summary.figures = metered.figures;
+        row.summary.warnings = std::move(metered.warnings);
+        table_.lines += metered.lines;
+        return metered.braked;
     }
 
     const CampaignSources& sources_;
     CampaignTable table_;
+    std::string scenario_;  // of the campaign, for an attempt that says nothing of it
     double energy_J_ = 0.0;
+    bool amended_ = false;
 };
 
 }  // namespace

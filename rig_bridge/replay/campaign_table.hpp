@@ -26,10 +26,11 @@ struct ManeuverFolder {
 
 struct CampaignRow {
     ManeuverFolder folder;
-    bool counted = false;  ///< finished or aborted: has a summary, and its energy counts
-    std::string outcome;   ///< of the summary; "unfinished" without one
-    Figures figures;       ///< from bus.log alone
-    double cumulative_energy_J = 0.0;
+    bool counted =
+        false;  ///< has figures, and its energy counts: a summary, or without one a log with a braking
+    bool ended = false;  ///< finished or aborted: has a summary
+    /// That of the summary, or what is known without one, with figures, warnings and sums from the logs alone; and as amended.
+    Summary summary;
     /// "mean_friction is 0.29817 from the log, 0.29816 in summary.json"; bit by bit.
     std::vector<std::string> differences;
 };
@@ -51,7 +52,11 @@ struct CampaignSources {
     std::function<LogWarnings(const std::string& file)> warnings;
 };
 
-/// Reads every log of the folders. A folder whose log is missing or unreadable is a difference.
+/// Enters all of it into a new ledger beside the folders. Throws settings::Error when `file` is there, LedgerError.
+void write_ledger(const std::filesystem::path& file, const Campaign& campaign, const CampaignTable& table,
+                  const std::vector<LedgerRow>& old);
+
+/// Reads every log of the folders. A folder whose log is missing or unreadable is a difference. What people amended in the ledger holds.
 [[nodiscard]] CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders,
                                              const CampaignSources& sources);
 

@@ -25,6 +25,7 @@ struct CampaignCommand {
     fs::path config = settings::config_directory();
     fs::path dbc, binding;
     std::string json, csv, picture;
+    fs::path rebuilt;
 
     int run() const {
         const antiskid::can::Layout layout = configured([&] {
@@ -53,7 +54,30 @@ struct CampaignCommand {
         deliver(json, to_json(table, place.filename().string()));
         deliver(csv, to_csv(table));
         if (!picture.empty()) draw(table);
+        if (!rebuilt.empty()) {
+            write_ledger(rebuilt, campaign_of(file, place.filename().string(), table), table, sources.ledger);
+            fmt::print(stderr, "{}: rebuilt from {} folders\n", rebuilt.string(), table.rows.size());
+        }
         return table.different() == 0 ? 0 : 1;
+    }
+
+    /// As the ledger has it; without one, as the summaries say.
+    [[nodiscard]] static Campaign campaign_of(const fs::path& ledger, const std::string& name,
+                                              const CampaignTable& table) {
+        if (!ledger.empty())
+            for (const Campaign& campaign : read_campaigns(ledger))
+                if (campaign.name == name) return campaign;
+        for (const CampaignRow& row : table.rows)
+            if (const Summary& s = row.summary; row.ended)
+                return {.name = name,
+                        .scenario = s.scenario,
+                        .seed = s.seed,
+                        .planned = table.rows.back().folder.number,
+                        .config_hash = s.config_hash,
+                        .version = s.version,
+                        .created = s.started};
+        throw std::runtime_error(name +
+                                 ": no maneuver has a summary.json, so nothing is known of the campaign");
     }
 
     /// Empty: none there.
@@ -83,9 +107,7 @@ struct CampaignCommand {
         if (found != known.end()) return found->second;
         return known[name] = configured([&] {
                    const Scenario scenario = load_scenario(config / "scenarios" / (name + ".toml"), config);
-                   const double period_s =
-                       static_cast<double>(antiskid::load_controller_config(scenario.controller).period_s);
-                   return meter_parameters(scenario.rig, period_s);
+                   return meter_parameters(scenario, antiskid::load_controller_config(scenario.controller));
                });
     }
 
@@ -122,11 +144,16 @@ ReplayVerb campaign_verb(CLI::App& app) {
                      "binding of the layout (default: CONFIG/antiskid_binding.toml)");
     verb->add_option("--csv", c->csv, "the table with every figure as CSV");
     verb->add_option("--json", c->json, "the same as JSON, with what differs; - for standard output");
+    verb->add_option("--rebuild", c->rebuilt,
+                     "write a new ledger from the folders, amendments of the old one with it; keep it beside "
+                     "the campaign's folder")
+        ->type_name("FILE");
     verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG)");
     verb->footer(
         "Examples:\n"
         "  rig-replay campaign out/campaign\n"
         "  rig-replay campaign runs/night --ledger runs/ledger.sqlite --picture fig7.png\n"
+        "  rig-replay campaign runs/brake7 --rebuild runs/brake7/rebuilt.sqlite\n"
         "Exit status: 0 equal to summaries and ledger; 1 something differs or cannot be read; 2 mistake in "
         "command line or "
         "configuration.");

@@ -5,6 +5,7 @@
 #include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
 #include "firmware/can/load_layout.hpp"
+#include "firmware/linux/controller_config.hpp"
 #include "rig_bridge/replay/importer.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
@@ -22,7 +23,6 @@ struct ImportCommand {
     fs::path dbc, binding;
 
     int run() const {
-        constexpr double kPeriod_s = 1e-3;
         const fs::path dbc_file = dbc.empty() ? config / "antiskid.dbc" : dbc;
         const fs::path binding_file = binding.empty() ? config / "antiskid_binding.toml" : binding;
         const auto layout = configured([&] { return antiskid::can::load_layout(dbc_file, binding_file); });
@@ -32,7 +32,9 @@ struct ImportCommand {
         std::vector<fs::path> files = scenario.files;
         files.insert(files.end(), {dbc_file, binding_file, map});
         const std::string hash = settings::hash(files);
-        const MeterParameters meter = meter_parameters(scenario.rig, kPeriod_s);
+        const MeterParameters meter = configured([&] {
+            return meter_parameters(scenario, antiskid::load_controller_config(scenario.controller));
+        });
         const bool with_valve = loaded.channels[static_cast<std::size_t>(Channel::valve_current)].has_value();
         const ImportSettings settings{.file = file,
                                       .map = loaded,

@@ -139,6 +139,17 @@ class Importer {
         ready_ = false;
     }
 
+    /// Of the pressure, where torque over pressure is not the brake's.
+    [[nodiscard]] std::string likely_unit() const {
+        if (!(rig_.meter.friction > 0.0)) return {};
+        const ImportColumn& column = *map_.channels[static_cast<std::size_t>(Channel::pressure)];
+        const std::string units =
+            pressure_units_at_ratio(column, maneuver_.figures.mean_friction / rig_.meter.friction);
+        return units.empty()
+                   ? ""
+                   : fmt::format("; is column '{}' in {}, not {}?", column.column, units, column.unit_name);
+    }
+
     void end(const std::string& outcome) {
         ImportSample last = newest_;
         // The phase that ends the figures, and time for it to be seen.
@@ -149,8 +160,13 @@ class Importer {
         writer_->finish();
         maneuver_.outcome = outcome;
         maneuver_.figures = writer_->figures();
-        energy_J_ += maneuver_.figures.energy_brake_J;
         Summary summary;
+        summary.figures = maneuver_.figures;
+        summary.warnings = writer_->warnings();
+        for (const std::string& warning : summary.warnings)
+            notes_.add("figures", maneuver_.first_row,
+                       warning + (warning.starts_with(kFrictionImplausible) ? likely_unit() : ""));
+        energy_J_ += counted_energy_J(summary);
         summary.campaign = settings_.out.filename().string();
         summary.number = rig_.number;
         summary.scenario = map_.scenario;
@@ -158,7 +174,6 @@ class Importer {
         summary.started =
             fmt::format("row {} of {}", maneuver_.first_row, settings_.file.filename().string());
         summary.cumulative_energy_J = energy_J_;
-        summary.figures = maneuver_.figures;
         summary.frames = writer_->frames();
         summary.version = ANTISKID_VERSION;
         summary.config_hash = settings_.config_hash;

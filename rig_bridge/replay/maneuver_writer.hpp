@@ -46,6 +46,7 @@ class ManeuverWriter {
     void finish();
 
     [[nodiscard]] Figures figures() const { return meter_.figures(); }
+    [[nodiscard]] std::vector<std::string> warnings() const { return meter_.warnings(); }
     [[nodiscard]] std::uint64_t frames() const { return log_.frames(); }
 
   private:

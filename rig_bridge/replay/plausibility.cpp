@@ -82,6 +82,14 @@ std::string ChannelSurvey::likely_units(const ImportColumn& column, double radiu
     return list_units({column.unit.quantity}, column.unit_name, fits);
 }
 
+std::string pressure_units_at_ratio(const ImportColumn& column, double ratio) {
+    constexpr double kNear = 2.0;
+    const double wanted = ratio * column.unit.factor;
+    return list_units({Quantity::pressure}, column.unit_name, [&](const antiskid::can::Unit& unit) {
+        return unit.factor > wanted / kNear && unit.factor < wanted * kNear;
+    });
+}
+
 std::string units_at_ratio(const ImportColumn& column, double ratio, double radius_m) {
     constexpr double kNear = 1.2;
     const double wanted = ratio * factor_of(Channel::flywheel_speed, column.unit, radius_m);

@@ -44,6 +44,9 @@ class ChannelSurvey {
 /// The units of a flywheel's speed that are `ratio` times the one of `column`, within a fifth.
 [[nodiscard]] std::string units_at_ratio(const ImportColumn& column, double ratio, double radius_m);
 
+/// The units of pressure that are `ratio` times the one of `column`, within a factor of two, as brakes differ.
+[[nodiscard]] std::string pressure_units_at_ratio(const ImportColumn& column, double ratio);
+
 /// From a recorded number to SI; `radius_m`: of the flywheel, for its speed.
 [[nodiscard]] double factor_of(Channel channel, const antiskid::can::Unit& unit, double radius_m);
 

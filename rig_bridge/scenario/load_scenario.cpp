@@ -52,6 +52,7 @@ void read_sequence(const Layered& t, Scenario& scenario) {
     plan.speed_band_mps = t.number("speed_band_mps", {.min = 0.01, .max = 50.0});
     plan.mismatch_s = t.number("mismatch_s", {.min = 0.05, .max = 10.0});
     plan.coasting_mps = t.number("coasting_mps", {.min = 0.0, .max = 5.0});
+    scenario.energy_band = t.number("energy_band", {.min = 0.005, .max = 1.0});
     plan.settle_s = t.number("settle_s", kTime_s);
     plan.settle_slip = t.number("settle_slip", {.min = 1e-4, .max = 0.5});
     plan.settle_hold_s = t.number("settle_hold_s", kTime_s);

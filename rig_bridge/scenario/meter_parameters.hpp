@@ -1,8 +1,10 @@
 /// What the meter must know of a rig.
 #pragma once
 
+#include "firmware/control/config.hpp"
 #include "plant_sim/model/load_rig.hpp"
 #include "rig_bridge/record/meter.hpp"
+#include "rig_bridge/scenario/scenario.hpp"
 
 namespace rig {
 
@@ -20,6 +22,18 @@ namespace rig {
             .peak_friction = r.runway.patches.empty() ? plant::peak(r.surface).mu : 0.0,
             .drop_out_mps = loaded.drop_out_mps,
             .period_s = period_s};
+}
+
+/// The same for a rig whose sensors are not taken on trust: what they can report is the controller's configuration.
+[[nodiscard]] inline MeterParameters meter_parameters(const Scenario& scenario,
+                                                      const antiskid::control::Config& controller) {
+    MeterParameters p = meter_parameters(scenario.rig, static_cast<double>(controller.period_s));
+    p.wheel_most_radps = static_cast<double>(controller.wheel.encoder.max_speed_radps);
+    p.flywheel_most_radps = static_cast<double>(controller.flywheel.encoder.max_speed_radps);
+    p.sensor_late_s = static_cast<double>(controller.monitor.sensor_max_age_s);
+    p.energy_band = scenario.energy_band;
+    p.friction = scenario.rig.rig.mean_friction;
+    return p;
 }
 
 }  // namespace rig

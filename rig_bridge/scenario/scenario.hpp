@@ -39,6 +39,7 @@ struct Scenario {
     sequencer::Plan mean;              ///< without scatter
     Scatter scatter;
     std::vector<Band> acceptance;  ///< as the file declares it; what holds: acceptance.hpp
+    double energy_band = 0.0;      ///< of the meter, see MeterParameters
     /// Every file that was read, for the hash of results: scenario, sequencer.toml, those of the rig. Not `controller`, which is the
     /// controller's own.
     std::vector<std::filesystem::path> files;

@@ -50,6 +50,15 @@ TEST_CASE("The command line says which rig, which maneuver and where to", "[BRG-
     CHECK(before.maneuvers == 500);
     CHECK(before.bitrate == 500'000);
     CHECK(before.json == "-");
+    const auto amend =
+        command<rig::AmendCommand>({"ledger", "amend", "runs/1", "--maneuver", "31", "--energy-MJ", "0.974",
+                                    "--who", "A. Rossi", "--why", "node restarted"});
+    CHECK(amend.directory == "runs/1");
+    CHECK(amend.number == 31);
+    CHECK(amend.attempt == 1);
+    CHECK(amend.energy_MJ == 0.974);
+    CHECK(amend.who == "A. Rossi");
+    CHECK(amend.why == "node restarted");
     CHECK(rig::ledger_file("runs/1") == "runs/1/campaign.sqlite");
 }
 
@@ -65,6 +74,8 @@ TEST_CASE("Mistakes end with status 2 or say what would be right", "[BRG-430]") 
                                "--maneuvers", "0"})) == 2);
     CHECK(std::get<int>(parse({"preflight", "x.toml", "--plc", "1.2.3.4:5"})) == 2);
     CHECK_THROWS_WITH(parse({"preflight", "x.toml", "--can", "c"}), ContainsSubstring("--plc IP:PORT"));
+    CHECK(std::get<int>(parse({"ledger"})) == 2);
+    CHECK(std::get<int>(parse({"ledger", "amend", "runs/1", "--maneuver", "31", "--energy-MJ", "1"})) == 2);
     CHECK(std::get<int>(parse({"--help"})) == 0);
     // Nobody to say that it is abnormal.
     CHECK(std::get<int>(parse({"campaign", "x.toml", "--can", "c", "--plc", "1.2.3.4:5", "--out", "o",

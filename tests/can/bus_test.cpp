@@ -101,7 +101,7 @@ TEST_CASE("the clocks are compared every 1024 batches, and where a stamp goes ba
     int looks = 0;
     WallClockOffset offset([&looks] {
         ++looks;
-        return Time{1'000};
+        return ClockReading{.wall_minus_monotonic = Time{1'000}, .monotonic = Time{1'000'000}};
     });
     CHECK(looks == 1);
     for (const int rounds : {1, 2, 3}) {
@@ -343,13 +343,13 @@ TEST_CASE("wall-clock stamps become monotonic ones, and a step of the wall clock
           "[CAN-081]") {
     Time offset{1'000'000'000'000};
     int readings = 0;
-    const auto clock = [&offset, &readings] {
+    std::int64_t now = 0;
+    const auto clock = [&offset, &readings, &now] {
         ++readings;
-        return offset;
+        return ClockReading{.wall_minus_monotonic = offset, .monotonic = Time{now}};
     };
     WallClockOffset mapping(clock);
     CHECK(readings == 1);
-    std::int64_t now = 0;
     const auto stamp = [&](std::int64_t advance) {
         now += advance;
         mapping.next_batch();

@@ -3,6 +3,7 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <sstream>
@@ -69,6 +70,24 @@ TEST_CASE("faults are logged by name when they come and when they go", "[RT-070]
     CHECK_THAT(more, ContainsSubstring("fault overrun"));
     CHECK_THAT(more, !ContainsSubstring("wheel_lost"));
     CHECK_THAT(log.log(in_state(State::safe)), ContainsSubstring("info: [0.004 s] fault wheel_lost cleared"));
+}
+
+TEST_CASE("what comes and goes all the time is said a few times a second, and counted", "[RT-074]") {
+    Log log;
+    control::FaultSet lost;
+    lost.insert(Fault::heartbeat_lost);
+    std::string said;
+    for (int i = 0; i < 1000; ++i)
+        said += log.log(i % 2 == 0 ? in_state(State::safe, lost) : in_state(State::standby));
+    CHECK(std::count(said.begin(), said.end(), '\n') == 9);
+    // Something new is said all the same.
+    control::FaultSet more = lost;
+    more.insert(Fault::wheel_lost);
+    CHECK_THAT(log.log(in_state(State::safe, more)), ContainsSubstring("fault wheel_lost"));
+    log.telemetry.summarise(*log.ring);
+    CHECK_THAT(log.take(), ContainsSubstring("changes are not listed; since the last summary: ") &&
+                               ContainsSubstring("heartbeat_lost 1001") && ContainsSubstring("standby 500"));
+    CHECK_THAT(log.log(in_state(State::standby)), ContainsSubstring("state standby"));
 }
 
 TEST_CASE("link and SYNC are logged with the interface's name and what mends them", "[RT-070]") {

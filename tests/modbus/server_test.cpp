@@ -250,6 +250,35 @@ TEST_CASE("The number of clients is bounded; a place that becomes free is given 
     CHECK(fourth.ask({4, 0, 0, 0, 1}).size() == 4);
 }
 
+TEST_CASE("Clients that only connect, or send half a request, keep nobody out", "[BRG-268]") {
+    const auto map = stub::shipped_map();
+    const rig::ModbusServer server(map, {.clients = 3, .idle = 50ms});
+    const raw::Client working(server.port());
+    const raw::Client silent(server.port());
+    const raw::Client slow(server.port());
+    slow.send({0, 1, 0, 0, 0, 6, 1, 4});  // half of it
+    REQUIRE(eventually([&] { return server.counters().clients == 3; }));
+    // One place after the other is given away, never that of the client that asks.
+    std::vector<std::unique_ptr<raw::Client>> kept;
+    CHECK(eventually([&] {
+        CHECK(working.ask({4, 0, 0, 0, 1}).size() == 4);
+        auto next = std::make_unique<raw::Client>(server.port());
+        const bool served = next->ask({4, 0, 0, 0, 1}).size() == 4;
+        if (served) kept.push_back(std::move(next));
+        return kept.size() == 2;
+    }));
+    CHECK(silent.receive().empty());
+    CHECK(slow.receive().empty());
+    CHECK(server.counters().idle == 2);
+    CHECK(working.ask({4, 0, 0, 0, 1}).size() == 4);
+    // While all of them ask, one more is closed as it comes.
+    const rig::ModbusServer busy(map, {.clients = 1, .idle = 1h});
+    const raw::Client first(busy.port());
+    CHECK(first.ask({4, 0, 0, 0, 1}).size() == 4);
+    CHECK(raw::Client(busy.port()).receive().empty());
+    CHECK(busy.counters().idle == 0);
+}
+
 TEST_CASE("An address that cannot be served is named with the reason", "[BRG-025]") {
     const auto map = stub::shipped_map();
     const rig::ModbusServer server(map, {});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -110,7 +111,10 @@ class Edges {
 /// The bus of that maneuver, as it was recorded: stamps in wall-clock ns.
 class Recording {
   public:
-    Recording(const ClosedForm& c, bool sync, unsigned seed = 1) {
+    /// `change`: what the sensors say instead at a time.
+    using Change = std::function<void(double t, RigSample& sample)>;
+
+    Recording(const ClosedForm& c, bool sync, unsigned seed = 1, const Change& change = {}) {
         const double pitch = 2.0 * std::numbers::pi / 60.0;
         Edges flywheel(c, pitch * kRig.flywheel_radius_m, seed);
         // The wheel turns slower by the slip: its edges lie further apart on the flywheel's way.
@@ -134,6 +138,7 @@ class Recording {
                                  .brake_torque_Nm = braking ? static_cast<float>(c.torque_Nm) : 0.0F};
             sample.maneuver_state = {
                 .phase = phase(c, t), .number = c.number, .brake_temperature_C = temperature(t)};
+            if (change) change(t, sample);
             std::int64_t stamp =
                 1'436'509'053'000'000'000 + std::int64_t{n} * 1'000'000 + (sync ? 0 : late(random));
             const auto add = [&](std::span<const Frame> some) {

@@ -11,6 +11,7 @@
 
 #include "config/reader/error.hpp"
 #include "firmware/can/candump.hpp"
+#include "rig_bridge/record/append_file.hpp"
 #include "rig_bridge/record/bus_log.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
@@ -229,7 +230,7 @@ TEST_CASE("Modbus samples are a table with units", "[BRG-213]") {
     rig::MeasuredValues values{};
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i) * 1.1;
     {
-        rig::SampleLog log(path);
+        rig::SampleLog log(std::make_unique<rig::AppendFile>(path));
         log.write(Time{1'436'509'053'000'713'999}, values);
         at(values, rig::Measured::longitudinal_force_N) = -2048.0;
         log.write(Time{1'436'509'053'100'000'000}, values);

@@ -34,6 +34,8 @@ LedgerRow row(RowState state, double reference, double share, double cumulative_
     row.summary.figures.energy_tyre_J = share * 8.3e6;
     row.summary.figures.j_mu = 0.95;
     row.summary.cumulative_energy_J = cumulative_J;
+    row.has_figures = state == RowState::finished || state == RowState::aborted;
+    row.counted_J = row.summary.figures.energy_brake_J;
     return row;
 }
 

@@ -8,6 +8,7 @@
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
+#include "rig_bridge/replay/log_meter.hpp"
 #include "tests/catch.hpp"
 #include "tests/record/closed_form.hpp"
 #include "tests/replay/logs.hpp"
@@ -31,9 +32,7 @@ class Ran {
                              rig::IfChanged::refuse);
         maneuver(ledger, 54.86, "finished");
         maneuver(ledger, 30.0, "guard_open");
-        (void)ledger.begin(2, "now");
-        ledger.mark_unfinished();
-        std::filesystem::create_directories(folder() / "0002.2");
+        cut_off(ledger);
         maneuver(ledger, 54.70, "finished");
         maneuver(ledger, 54.95, "finished");
     }
@@ -42,20 +41,53 @@ class Ran {
     }
     [[nodiscard]] std::filesystem::path folder() const { return file().parent_path() / "night"; }
 
-    [[nodiscard]] rig::CampaignTable rebuilt(bool with_ledger = true) const {
+    [[nodiscard]] rig::CampaignTable rebuilt() const { return rebuilt(file()); }
+    /// Empty: without one.
+    [[nodiscard]] rig::CampaignTable rebuilt(const std::filesystem::path& ledger) const {
         const rig::CampaignSources sources{
             .layout = can_test::ours(),
             .parameters = [](const std::string&) { return record_test::kRig; },
-            .ledger = with_ledger ? rig::read_ledger(file(), "night") : std::vector<rig::LedgerRow>{},
-            .with_ledger = with_ledger,
+            .ledger = ledger.empty() ? std::vector<rig::LedgerRow>{} : rig::read_ledger(ledger, "night"),
+            .with_ledger = !ledger.empty(),
             .warnings = [](const std::string& name) { return rig::LogWarnings(name, {}); }};
         return rig::rebuild_campaign(rig::maneuver_folders(folder()), sources);
     }
 
     TempDir dir;
     double energy_J = 0.0;
+    double cut_off_J = 0.0;
 
   private:
+    /// Its bridge dies at 4.6 m/s, in the middle of a line; the next one meters what there is.
+    void cut_off(rig::Ledger& ledger) {
+        const rig::Attempt attempt = ledger.begin(2, "now");
+        std::filesystem::create_directories(attempt.folder);
+        record_test::ClosedForm form;
+        form.before_s = 1.0;
+        const record_test::Recording recording(form, true);
+        const double share = (form.before_s + (form.v0_mps - 4.6) / form.a1_mps2) / (form.rest_s() + 0.55);
+        const auto frames = static_cast<std::size_t>(share * static_cast<double>(recording.frames.size()));
+        std::string log;
+        for (std::size_t i = 0; i < frames; ++i) log += replay_test::line(recording.frames[i]);
+        std::ofstream(attempt.folder / "bus.log", std::ios::binary) << log.substr(0, log.size() - 9);
+        rig::LogWarnings warnings("bus.log", {});
+        const rig::MeteredLog metered =
+            rig::meter_log(rig::log_in(attempt.folder), can_test::ours(), record_test::kRig, warnings);
+        REQUIRE(metered.braked);
+        CHECK(metered.warnings == std::vector<std::string>{"log_damaged: unfinished_line 1"});
+        rig::Summary summary;
+        summary.number = 2;
+        summary.scenario = "endurance";
+        summary.outcome = "unfinished";
+        summary.figures = metered.figures;
+        summary.warnings = metered.warnings;
+        ledger.mark_unfinished(summary);
+        energy_J += cut_off_J = metered.figures.energy_brake_J;
+        const double v = 4.6 / form.v0_mps;
+        CHECK(cut_off_J ==
+              Approx((1.0 - v * v) * form.torque_Nm * (1.0 - form.slip) / form.radius_m() * form.length_m())
+                  .epsilon(2e-3));
+    }
     void maneuver(rig::Ledger& ledger, double v0_mps, const std::string& outcome) {
         const rig::Attempt attempt = ledger.begin(*ledger.next_number(), "now");
         std::filesystem::create_directories(attempt.folder);
@@ -94,20 +126,76 @@ TEST_CASE("the campaign's table from the raw logs is that of summaries and ledge
     const Ran ran;
     const rig::CampaignTable table = ran.rebuilt();
     REQUIRE(table.rows.size() == 5);
-    CHECK(table.counted() == 4);
+    CHECK(table.counted() == 5);
     for (const auto& row : table.rows) {
         INFO(row.folder.path);
         for (const std::string& difference : row.differences) FAIL(difference);
     }
     CHECK(table.different() == 0);
-    CHECK(table.rows[2].outcome == "unfinished");
-    CHECK(table.rows.back().cumulative_energy_J == ran.energy_J);
-    CHECK(table.rows[0].figures.mean_friction ==
+    CHECK(table.rows[2].summary.outcome == "unfinished");
+    CHECK(table.rows.back().summary.cumulative_energy_J == ran.energy_J);
+    CHECK(table.rows[0].summary.figures.mean_friction ==
           Approx(630.0 / 2.0e6 / record_test::kRig.brake_gain_m3).epsilon(1e-3));
     const auto json = nlohmann::json::parse(rig::to_json(table, "night"));
     CHECK(json["rows"][4]["cumulative_energy_J"].get<double>() == ran.energy_J);
-    CHECK(replay_test::lines_of(rig::to_csv(table)).size() == 5);
-    CHECK(ran.rebuilt(false).different() == 0);
+    CHECK(replay_test::lines_of(rig::to_csv(table)).size() == 6);
+    CHECK(ran.rebuilt({}).different() == 0);
+}
+
+TEST_CASE("a ledger that is rebuilt from the folders is the one that was lost", "[BRG-264]") {
+    const Ran ran;
+    {
+        rig::Ledger ledger(ran.file());
+        ledger.choose("night");
+        ledger.judge(3, {rig::HealthState::suspect, 0.5, "friction falls", "f00d"});
+        ledger.amend(2, 3, {.counted_J = 0.9e6, .who = "A. Rossi", .made = "t", .why = "load cell"});
+    }
+    const rig::CampaignTable table = ran.rebuilt();
+    for (const auto& row : table.rows)
+        for (const std::string& difference : row.differences) FAIL(difference);
+    const auto file = ran.file().parent_path() / "rebuilt.sqlite";
+    const auto old = rig::read_ledger(ran.file(), "night");
+    const rig::Campaign campaign = rig::read_campaigns(ran.file()).front();
+    rig::write_ledger(file, campaign, table, old);
+    const auto rows = rig::read_ledger(file, "night");
+    REQUIRE(rows.size() == old.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        CAPTURE(i);
+        CHECK(rows[i].state == old[i].state);
+        CHECK(rows[i].attempt.folder == old[i].attempt.folder);
+        CHECK(rows[i].summary.outcome == old[i].summary.outcome);
+        CHECK(rows[i].summary.warnings == old[i].summary.warnings);
+        CHECK(rows[i].health.reason == old[i].health.reason);
+        CHECK(rows[i].amendments.size() == old[i].amendments.size());
+        CHECK(rows[i].summary.cumulative_energy_J ==
+              Approx(old[i].summary.cumulative_energy_J).epsilon(1e-12));
+        for (const rig::FigureField& field : rig::kFigureFields)
+            CHECK(rows[i].summary.figures.*field.value == old[i].summary.figures.*field.value);
+    }
+    CHECK_THROWS_WITH(rig::write_ledger(file, campaign, table, old), ContainsSubstring("is there already"));
+}
+
+TEST_CASE("an unfinished attempt whose log was never metered is where a ledger differs from its folders",
+          "[BRG-264]") {
+    const Ran ran;
+    const auto file = ran.file().parent_path() / "older.sqlite";
+    {
+        rig::Ledger ledger(file);
+        ledger.open_campaign(rig::read_campaigns(ran.file()).front(), rig::IfChanged::refuse);
+        for (const rig::LedgerRow& row : rig::read_ledger(ran.file(), "night")) {
+            (void)ledger.begin(row.attempt.number, "now");
+            rig::Summary summary = row.summary;
+            summary.cumulative_energy_J = ledger.cumulative_energy_J() + summary.figures.energy_brake_J;
+            if (row.state == rig::RowState::unfinished)
+                ledger.mark_unfinished();
+            else
+                ledger.finish(summary);
+        }
+    }
+    const std::string said = rig::to_text(ran.rebuilt(file));
+    CHECK_THAT(said, ContainsSubstring(fmt::format("DIFFERS: {:.6g} MJ are in its log, none in the ledger",
+                                                   ran.cut_off_J * 1e-6)));
+    CHECK_THAT(said, ContainsSubstring("DIFFERS: cumulative_energy_J is "));
 }
 
 TEST_CASE("a log that is not the one of its summary is named with the figure", "[BRG-341]") {

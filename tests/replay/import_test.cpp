@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "firmware/linux/controller_config.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 #include "rig_bridge/replay/importer.hpp"
@@ -55,17 +56,19 @@ std::string german(double value, int decimals) {
 const std::string kHead =
     "Pruefstand 3;;;;;\nZeit;n_Rad;v_Schwungrad;p_Bremse;F_z;M_Bremse\ns;1/min;km/h;bar;kN;Nm\n";
 
-std::string csv_row(const Row& r, double shift_s) {
+/// `pressure`: from Pa to what the column has.
+std::string csv_row(const Row& r, double shift_s, double pressure = 1e-5) {
     return fmt::format("{};{};{};{};{};{}\n", german(r.time_s + shift_s, 4),
                        german(r.wheel_radps * 30.0 / std::numbers::pi, 4), german(r.v_mps * 3.6, 5),
-                       german(r.pressure_Pa * 1e-5, 4), german(r.load_N * 1e-3, 4), german(r.torque_Nm, 3));
+                       german(r.pressure_Pa * pressure, 4), german(r.load_N * 1e-3, 4),
+                       german(r.torque_Nm, 3));
 }
 
 /// Two stops one after the other.
-std::string two_stops() {
+std::string two_stops(double pressure = 1e-5) {
     std::string csv = kHead;
     for (const double shift_s : {0.0, 30.0})
-        for (const Row& row : truth().rows) csv += csv_row(row, shift_s);
+        for (const Row& row : truth().rows) csv += csv_row(row, shift_s, pressure);
     return csv;
 }
 
@@ -86,7 +89,8 @@ struct Import {
     }
     TempDir dir;
     rig::Scenario scenario = rig::load_scenario("config/scenarios/endurance.toml");
-    rig::MeterParameters meter = rig::meter_parameters(scenario.rig, 1e-3);
+    rig::MeterParameters meter =
+        rig::meter_parameters(scenario, antiskid::load_controller_config(scenario.controller));
     std::filesystem::path out = dir.write("x", "").parent_path() / "night";
     rig::ImportMap map;
     rig::ImportReport report;
@@ -259,6 +263,29 @@ TEST_CASE("swapped units end the import with the likely one, and nothing is writ
     map.channels[5]->unit_name = "kNm";
     map.channels[5]->unit = *antiskid::can::find_unit("kNm");
     CHECK_THROWS_WITH(Import(file, map), ContainsSubstring("likely unit: Nm"));
+}
+
+TEST_CASE(
+    "a pressure in another unit than the map's shows in the friction, which is named with the likely unit",
+    "[BRG-266]") {
+    const TempDir dir;
+    rig::ImportMap map = example();
+    map.unit_row = 0;
+    CHECK_THAT(Import(dir.write("r.csv", two_stops()), map).said, !ContainsSubstring("friction"));
+    // MPa that are taken for bar, and bar for psi.
+    const Import tenth(dir.write("r.csv", two_stops(1e-6)), map);
+    CHECK_THAT(tenth.said, ContainsSubstring("friction_implausible: mean mu_b 2.9") &&
+                               ContainsSubstring("is the brake's; is column 'p_Bremse' in MPa") &&
+                               ContainsSubstring("not bar?"));
+    CHECK(tenth.counts.at("figures") == 2);
+    CHECK(rig::read_summary(tenth.out / "0001/summary.json").warnings.size() == 1);
+    map.channels[2]->unit_name = "psi";
+    map.channels[2]->unit = *antiskid::can::find_unit("psi");
+    map.released_Pa = 1e4;
+    map.brake_on_Pa = 2e4;
+    CHECK_THAT(
+        Import(dir.write("r.csv", two_stops()), map).said,
+        ContainsSubstring("mean mu_b 4.") && ContainsSubstring("is column 'p_Bremse' in bar, not psi?"));
 }
 
 TEST_CASE("maps are refused with file, line and key", "[BRG-354]") {

@@ -1,0 +1,33 @@
+/// How far the wall clock is ahead of the monotonic one, now. For Linux.
+#pragma once
+
+#include <ctime>
+
+#include "firmware/can/wall_clock_offset.hpp"
+
+namespace antiskid::can {
+
+/// The wall clock against the middle of two monotonic readings; again when something came in between.
+struct WallMinusMonotonic {
+    [[nodiscard]] static Time read(clockid_t clock) {
+        timespec now{};
+        clock_gettime(clock, &now);
+        return Time{std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec};
+    }
+    ClockReading operator()() const {
+        constexpr Time kUndisturbed{50'000};
+        ClockReading best{};
+        Time narrowest = Time::max();
+        for (int attempt = 0; attempt < 3 && narrowest > kUndisturbed; ++attempt) {
+            const Time before = read(CLOCK_MONOTONIC);
+            const Time wall = read(CLOCK_REALTIME);
+            const Time after = read(CLOCK_MONOTONIC);
+            if (after - before >= narrowest) continue;
+            narrowest = after - before;
+            best = {.wall_minus_monotonic = wall - before - narrowest / 2, .monotonic = after};
+        }
+        return best;
+    }
+};
+
+}  // namespace antiskid::can

@@ -1,0 +1,42 @@
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "config/reader/error.hpp"
+#include "rig_bridge/bridge/verbs.hpp"
+#include "rig_bridge/bridge/wall_clock.hpp"
+#include "rig_bridge/record/ledger.hpp"
+
+namespace rig {
+
+namespace {
+
+std::string chosen(const std::filesystem::path& file, const std::string& wanted) {
+    const std::vector<Campaign> all = read_campaigns(file);
+    if (!wanted.empty()) return wanted;
+    if (all.size() != 1)
+        throw UsageError(
+            fmt::format("{}: has {} campaigns; choose one with --campaign", file.string(), all.size()));
+    return all.front().name;
+}
+
+}  // namespace
+
+int amend_ledger(const AmendCommand& command) {
+    const std::filesystem::path file = ledger_file(command.directory);
+    const std::string campaign = chosen(file, command.campaign);
+    Ledger ledger(file);
+    ledger.choose(campaign);
+    const double before_J = ledger.cumulative_energy_J();
+    ledger.amend(command.number, command.attempt,
+                 {.counted_J = command.energy_MJ * 1e6,
+                  .who = command.who,
+                  .made = iso_8601(std::chrono::system_clock::now()),
+                  .why = command.why});
+    fmt::print("campaign {}: maneuver {}, attempt {} counts {:.6g} MJ; {:.6g} MJ in all, before {:.6g} MJ\n",
+               campaign, command.number, command.attempt, command.energy_MJ,
+               ledger.cumulative_energy_J() * 1e-6, before_J * 1e-6);
+    return 0;
+}
+
+}  // namespace rig

@@ -1,0 +1,62 @@
+#include <functional>
+
+#include "firmware/can/wall_clock_offset.hpp"
+#include "tests/catch.hpp"
+
+using antiskid::can::ClockReading;
+using antiskid::can::Time;
+using antiskid::can::WallClockOffset;
+
+namespace {
+
+constexpr Time kMillisecond{1'000'000};
+constexpr Time kSecond{1'000'000'000};
+
+/// Both clocks of a machine, and frames that are read a millisecond after they came.
+struct Machine {
+    Time offset{1'000'000 * kSecond};
+    Time now = 10 * kSecond;
+    WallClockOffset<std::function<ClockReading()>> mapping{
+        [this] { return ClockReading{.wall_minus_monotonic = offset, .monotonic = now}; }};
+
+    /// A frame `after` the last one, stamped with this offset; by how much its time is wrong.
+    [[nodiscard]] Time error(Time after, Time stamped_with) {
+        now += after;
+        const Time came = now - kMillisecond;
+        mapping.next_batch();
+        return mapping.monotonic(came + stamped_with) - came;
+    }
+};
+
+}  // namespace
+
+TEST_CASE("frames that wait while the wall clock is set keep their time, whichever way it is set",
+          "[CAN-088]") {
+    for (const Time set : {kSecond, -kSecond, 3600 * kSecond, -3600 * kSecond}) {
+        // Close to each other, so that nobody asks the clocks; and with holes, so that somebody does before the new stamps come.
+        for (const Time apart : {kMillisecond, 7 * kMillisecond}) {
+            Machine m;
+            for (int i = 0; i < 1500; ++i) CHECK(m.error(apart, m.offset) == Time{});
+            const Time before = m.offset;
+            m.offset += set;
+            for (int i = 0; i < 1500; ++i) CHECK(m.error(i == 0 ? apart : Time{1}, before) == Time{});
+            for (int i = 0; i < 1500; ++i) CHECK(m.error(apart, m.offset) == Time{});
+        }
+        // A silence that is longer than the step hides nothing.
+        Machine m;
+        CHECK(m.error(kSecond, m.offset) == Time{});
+        m.offset += set;
+        CHECK(m.error(2 * kSecond, m.offset) == Time{});
+        CHECK(m.error(kMillisecond, m.offset) == Time{});
+    }
+}
+
+TEST_CASE("a step that silence hides to the millisecond is found by the second comparison of the clocks",
+          "[CAN-088]") {
+    Machine m;
+    CHECK(m.error(kSecond, m.offset) == Time{});
+    m.offset -= kSecond;
+    CHECK(m.error(kSecond + kMillisecond, m.offset) == -kSecond);
+    for (int batch = 0; batch < 2 * 1024; ++batch) m.mapping.next_batch();
+    CHECK(m.error(kMillisecond, m.offset) == Time{});
+}

@@ -1,0 +1,222 @@
+// What a sensor says that has started anew, a frame that was replayed and a load cell that lies must not become energy.
+#include <algorithm>
+#include <deque>
+#include <iterator>
+#include <tuple>
+
+#include "rig_bridge/record/bus_meter.hpp"
+#include "rig_bridge/record/figure_fields.hpp"
+#include "tests/catch.hpp"
+#include "tests/record/closed_form.hpp"
+
+using namespace record_test;
+using antiskid::can::Role;
+using antiskid::can::SpeedSample;
+using rig::BusMeter;
+using rig::Figures;
+
+namespace {
+
+/// kRig with what config/controller.toml says of its encoders.
+rig::MeterParameters gated() {
+    rig::MeterParameters p = kRig;
+    p.wheel_most_radps = 400.0;
+    p.flywheel_most_radps = 250.0;
+    p.sensor_late_s = 0.02;
+    p.energy_band = 0.1;
+    return p;
+}
+
+struct Measured {
+    Figures figures;
+    std::vector<std::string> warnings;
+
+    [[nodiscard]] bool warns(const std::string& of) const {
+        return std::any_of(warnings.begin(), warnings.end(),
+                           [&](const std::string& one) { return one.starts_with(of); });
+    }
+    [[nodiscard]] double counted_J() const {
+        rig::Summary summary;
+        summary.figures = figures;
+        summary.warnings = warnings;
+        return counted_energy_J(summary);
+    }
+};
+
+Measured measure(const std::vector<Frame>& frames, const rig::MeterParameters& parameters = gated()) {
+    BusMeter meter(can_test::ours(), parameters);
+    for (const Frame& frame : frames) meter.accept(frame);
+    return {.figures = meter.figures(), .warnings = meter.warnings()};
+}
+
+double brake_J(const ClosedForm& c) {
+    return c.torque_Nm * (1.0 - c.slip) / c.radius_m() * c.length_m();
+}
+
+/// A sensor that was started at `at_s`: both its count and its clock begin there.
+Recording::Change started_anew(double at_s) {
+    struct Origin {
+        std::uint32_t count = 0;
+        Time time{};
+        bool known = false;
+    };
+    return [at_s, wheel = Origin{}, flywheel = Origin{}](double t, RigSample& sample) mutable {
+        if (t < at_s) return;
+        for (auto [origin, shaft] :
+             {std::pair{&wheel, &sample.wheel}, std::pair{&flywheel, &sample.flywheel}}) {
+            if (!origin->known) *origin = {shaft->edge_count, shaft->edge_time, true};
+            shaft->edge_count -= origin->count;
+            shaft->edge_time -= origin->time;
+        }
+    };
+}
+
+}  // namespace
+
+TEST_CASE("a sound record has the same figures with the gate, and no warning", "[BRG-260]") {
+    for (const bool sync : {true, false}) {
+        ClosedForm c;
+        c.jitter_s = 2e-6;
+        c.before_s = sync ? 40.0 : 2.0;
+        const Recording recording(c, sync);
+        const Measured believed = measure(recording.frames, kRig);
+        const Measured judged = measure(recording.frames);
+        for (const rig::FigureField& field : rig::kFigureFields)
+            CHECK(judged.figures.*field.value == believed.figures.*field.value);
+        CHECK(judged.warnings.empty());
+    }
+    // Nor has one with holes: frames of one encoder that are lost for a while do not make its edges impossible.
+    ClosedForm c;
+    const Recording recording(c, true);
+    const std::uint16_t wheel = can_test::ours()[Role::wheel].id;
+    std::size_t n = 0;
+    std::vector<Frame> thinned;
+    std::copy_if(recording.frames.begin(), recording.frames.end(), std::back_inserter(thinned),
+                 [&](const Frame& frame) {
+                     return frame.id != wheel || ++n % 1000 > 300;  // 0.3 s of each second
+                 });
+    const Measured judged = measure(thinned);
+    CHECK(judged.warnings.empty());
+    CHECK(judged.figures.energy_brake_J == Approx(brake_J(c)).epsilon(2e-3));
+}
+
+TEST_CASE("a sensor that starts anew in braking is counted, and its edges are none of the brake's",
+          "[BRG-260]") {
+    ClosedForm c;
+    for (const bool sync : {true, false}) {
+        for (const double at_s : {2.5, 5.0, 9.1, 12.345}) {
+            CAPTURE(sync, at_s);
+            const Recording recording(c, sync, 1, started_anew(at_s));
+            const Measured judged = measure(recording.frames);
+            CHECK(judged.warnings ==
+                  std::vector<std::string>{"encoder_restarted: wheel 1", "encoder_restarted: flywheel 1"});
+            CHECK(judged.figures.length_m == Approx(c.length_m()).margin(0.3));
+            CHECK(judged.figures.energy_brake_J == Approx(brake_J(c)).epsilon(1e-3));
+            CHECK(judged.figures.energy_brake_J < 1.001 * brake_J(c));
+            CHECK(judged.figures.duration_s == Approx(c.duration_s()).margin(0.02));
+            // Believed, any step back of the count is up to 65,535 edges.
+            const Measured believed = measure(recording.frames, kRig);
+            CHECK((believed.figures.energy_brake_J > 2.0 * brake_J(c) ||
+                   believed.figures.length_m > 2.0 * c.length_m()));
+        }
+    }
+}
+
+TEST_CASE("a sensor that is silent before it starts anew leaves energy unknown, and that is said",
+          "[BRG-260][BRG-261]") {
+    ClosedForm c;
+    const Recording recording(c, true, 1, started_anew(6.5));
+    std::vector<Frame> heard;
+    for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+        const Frame& frame = recording.frames[i];
+        const double t = c.rest_s() * static_cast<double>(i) / static_cast<double>(recording.frames.size());
+        const bool sensor =
+            frame.id == can_test::ours()[Role::wheel].id || frame.id == can_test::ours()[Role::flywheel].id;
+        if (!sensor || t < 3.5 || t > 6.5) heard.push_back(frame);
+    }
+    const Measured judged = measure(heard);
+    CHECK(judged.warns("encoder_restarted: wheel 1"));
+    CHECK(judged.warns("encoder_restarted: flywheel 1"));
+    CHECK(judged.warns("energy_unbalanced: brake and tyre took "));
+    CHECK(judged.figures.energy_brake_J < brake_J(c));
+    CHECK(judged.counted_J() == 0.0);
+}
+
+TEST_CASE("frames that are replayed move nothing", "[BRG-260]") {
+    ClosedForm c;
+    const Measured sound = measure(Recording(c, true).frames);
+    for (const int age : {1, 10, 200, 1500}) {
+        CAPTURE(age);
+        // Every 97 ms one sample has what the encoders said `age` samples ago.
+        std::deque<std::pair<SpeedSample, SpeedSample>> past;
+        int n = 0;
+        const Recording recording(c, true, 1, [&](double, RigSample& sample) {
+            past.emplace_back(sample.wheel, sample.flywheel);
+            if (past.size() <= static_cast<std::size_t>(age)) return;
+            if (++n % 97 == 0) std::tie(sample.wheel, sample.flywheel) = past.front();
+            past.pop_front();
+        });
+        const Measured judged = measure(recording.frames);
+        CHECK(judged.warnings.empty());
+        CHECK(judged.figures.length_m == Approx(sound.figures.length_m).margin(0.1));
+        CHECK(judged.figures.energy_brake_J == Approx(sound.figures.energy_brake_J).epsilon(1e-4));
+    }
+}
+
+TEST_CASE("a sensor that starts anew where the rig stands is no motion either", "[BRG-260]") {
+    ClosedForm c;
+    c.standstill_s = 1.0;
+    const Recording recording(c, true, 1, started_anew(c.rest_s() + 0.2));
+    const Measured judged = measure(recording.frames);
+    CHECK(judged.figures.length_m == Approx(c.length_m()).margin(0.1));
+    CHECK(judged.figures.energy_brake_J == Approx(brake_J(c)).epsilon(1e-3));
+    CHECK(judged.counted_J() == judged.figures.energy_brake_J);
+}
+
+TEST_CASE("brake and tyre energy that is not the kinetic energy lost is flagged, and counts for nothing",
+          "[BRG-261]") {
+    ClosedForm c;
+    const auto with_torque = [&](float factor) {
+        return measure(Recording(c, true, 1, [factor](double, RigSample& sample) {
+                           sample.load_cells.brake_torque_Nm *= factor;
+                       }).frames);
+    };
+    for (const float sound : {0.95F, 1.0F, 1.05F}) {
+        CHECK(with_torque(sound).warnings.empty());
+        CHECK(with_torque(sound).counted_J() > 0.9 * brake_J(c));
+    }
+    for (const float wrong : {0.0F, 0.5F, 0.85F, 1.15F, 10.0F}) {
+        CAPTURE(wrong);
+        const Measured judged = with_torque(wrong);
+        CHECK(judged.warns("energy_unbalanced"));
+        CHECK(judged.counted_J() == 0.0);
+        CHECK(judged.figures.energy_brake_J == Approx(static_cast<double>(wrong) * brake_J(c)).epsilon(2e-3));
+    }
+    // A rig without F_x does not know the tyre's part: too much is wrong all the same, too little is not.
+    const auto without_force = [&](float factor) {
+        return measure(Recording(c, true, 1, [factor](double, RigSample& sample) {
+                           sample.load_cells.longitudinal_N = 0.0F;
+                           sample.load_cells.brake_torque_Nm *= factor;
+                       }).frames);
+    };
+    CHECK(without_force(0.8F).warnings.empty());
+    CHECK(without_force(1.3F).warns("energy_unbalanced"));
+}
+
+TEST_CASE("torque over pressure that is no brake's friction is named with both numbers", "[BRG-266]") {
+    ClosedForm c;
+    rig::MeterParameters p = gated();
+    p.friction = 0.26;  // 630 N m by 2 MPa through this brake
+    const auto with_pressure = [&](float factor) {
+        return measure(
+            Recording(c, true, 1, [factor](double, RigSample& sample) { sample.pressure_Pa *= factor; })
+                .frames,
+            p);
+    };
+    for (const float sound : {0.6F, 1.0F, 2.0F}) CHECK(with_pressure(sound).warnings.empty());
+    REQUIRE(with_pressure(0.1F).warnings.size() == 1);
+    CHECK_THAT(with_pressure(0.1F).warnings[0],
+               ContainsSubstring("friction_implausible: mean mu_b 2.62") &&
+                   ContainsSubstring("by torque over pressure, 0.26 is the brake's"));
+    CHECK(with_pressure(14.5F).warns("friction_implausible"));
+}
