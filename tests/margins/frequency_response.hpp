@@ -74,12 +74,10 @@ class FrozenStop {
         flywheel_.report(sensors_.flywheel, now_);
         sensors_.pressure.received = now_;
         sensors_.pressure.pressure_Pa = static_cast<float>(valve_.pressure_Pa());
-        const auto& e = estimator_.update(
-            sensors_, antiskid::control::valve_current_mA(config_.valve, static_cast<float>(given)));
+        const auto& e = estimator_.update(sensors_, static_cast<float>(given));
         if (!hold_)
-            command_Pa_ = static_cast<double>(antiskid::control::valve_pressure_Pa(
-                config_.valve, estimator_.current_mA(law_.pressure_Pa(e, static_cast<float>(at_.slip),
-                                                                      config_.valve.full_pressure_Pa))));
+            command_Pa_ = static_cast<double>(estimator_.made_up_for_Pa(
+                law_.pressure_Pa(e, static_cast<float>(at_.slip), config_.valve.full_pressure_Pa)));
         return command_Pa_;
     }
 
