@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
+#include <cstdio>
+#include <string>
 #include <utility>
 
 #include "config/reader/near_miss.hpp"
@@ -265,9 +266,9 @@ Signal MessageBinder::physical(std::string_view key, Quantity quantity, double r
     const double most = std::max(signal.value(signal.raw_min), signal.value(signal.raw_max));
     if (most + 0.5 * std::abs(signal.scale) < reach) {
         const auto in_unit = [&](double value) {
-            std::ostringstream text;
-            text << value / source.unit.factor << ' ' << source.table.text("unit");
-            return text.str();
+            std::array<char, 32> number{};
+            static_cast<void>(std::snprintf(number.data(), number.size(), "%g ", value / source.unit.factor));
+            return number.data() + source.table.text("unit");
         };
         source.table.fail(kSignalKey, at(*source.signal) + " ends at " + in_unit(most) +
                                           ", too narrow for this rig: it must reach " + in_unit(reach));

@@ -74,7 +74,7 @@ struct SocketCan::Batch {
         std::array<unsigned char, kControl> bytes;
     };
 
-    WallClockOffset<WallMinusMonotonic> offset;
+    WallClockOffset offset;
     std::array<can_frame, kBatch> frames{};
     std::array<iovec, kBatch> vectors{};
     std::array<Control, kBatch> control{};

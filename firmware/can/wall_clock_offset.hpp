@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <utility>
 
 #include "firmware/can/frame.hpp"
 
@@ -12,15 +14,15 @@ struct ClockReading {
     Time monotonic{};  ///< now
 };
 
-/// Reads both clocks rarely: each reading costs a system call where the kernel has no vDSO. Clock is a
-/// function object without arguments that returns a ClockReading.
-template <typename Clock>
+/// Reads both clocks rarely: each reading costs a system call where the kernel has no vDSO.
 class WallClockOffset {
   public:
+    using Clock = std::function<ClockReading()>;
     static constexpr std::uint32_t kBatches = 1024;
     static constexpr Time kLeap{2'000'000};
 
-    explicit WallClockOffset(Clock clock) : clock_(clock), offset_(clock_().wall_minus_monotonic) {}
+    explicit WallClockOffset(Clock clock)
+        : clock_(std::move(clock)), offset_(clock_().wall_minus_monotonic) {}
 
     /// Once per batch of frames, before its stamps.
     void next_batch() {
@@ -47,9 +49,9 @@ class WallClockOffset {
     }
 
   private:
-    [[nodiscard]] static bool differs(Time a, Time b) { return a - b > kLeap || b - a > kLeap; }
+    [[nodiscard]] static bool differs(Time a, Time b) noexcept { return a - b > kLeap || b - a > kLeap; }
     /// The monotonic clock then.
-    Time measure() {
+    Time measure() noexcept {
         const ClockReading reading = clock_();
         offset_ = reading.wall_minus_monotonic;
         batches_ = 0;

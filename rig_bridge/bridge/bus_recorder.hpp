@@ -80,7 +80,7 @@ class BusRecorder final : public BusFeed {
     LiveSpeed wheel_;
     LiveSpeed flywheel_;
     std::unique_ptr<Recording> recording_;
-    antiskid::can::WallClockOffset<antiskid::can::WallMinusMonotonic> stamps_;
+    antiskid::can::WallClockOffset stamps_;
     std::uint64_t syncs_ = 0;
     std::uint64_t dropped_before_ = 0;  // by captures that are no more
     std::string capture_error_;

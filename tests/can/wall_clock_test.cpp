@@ -1,5 +1,3 @@
-#include <functional>
-
 #include "firmware/can/wall_clock_offset.hpp"
 #include "tests/catch.hpp"
 
@@ -16,7 +14,7 @@ constexpr Time kSecond{1'000'000'000};
 struct Machine {
     Time offset{1'000'000 * kSecond};
     Time now = 10 * kSecond;
-    WallClockOffset<std::function<ClockReading()>> mapping{
+    WallClockOffset mapping{
         [this] { return ClockReading{.wall_minus_monotonic = offset, .monotonic = now}; }};
 
     /// A frame `after` the last one, stamped with this offset; by how much its time is wrong.
