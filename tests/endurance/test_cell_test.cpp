@@ -48,7 +48,7 @@ TEST_CASE(
     const sequencer::Plan plan = rig::plan(s.scenario, 1, 1);
     const std::vector<rig::Band> bands = rig::acceptance(s.scenario, plan);
     const Outcome good = rig.run(plan);
-    CHECK(rig::what_is_outside(bands, good.figures) == "");
+    CHECK(rig::what_is_outside(bands, good.figures).empty());
     sequencer::Plan light = plan;
     light.load_base_N *= 0.9;
     const Outcome off = rig.run(light);

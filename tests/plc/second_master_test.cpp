@@ -97,7 +97,7 @@ class SecondMaster {
                  image.write(map_.field(Commanded::flywheel_speed_mps), speed_mps) &&
                  image.write(map_.field(Commanded::commit), commit)));
         const std::uint16_t first = map_.field(Commanded::drive_enable).address;
-        const auto count = static_cast<std::size_t>(map_.field(Commanded::commit).address - first + 1);
+        const auto count = static_cast<std::size_t>(map_.field(Commanded::commit).address - first) + 1U;
         REQUIRE(modbus_write_registers(context_.get(), first, static_cast<int>(count),
                                        image.words(first, count).data()) == static_cast<int>(count));
     }

@@ -35,7 +35,7 @@ TEST_CASE("a grid has every stop once, whatever the number of draws", "[STUDY-60
     const Plan plan = grid("changes");
     const Basis& basis = plan.basis;
     std::set<std::tuple<std::string, std::string, std::string, double>> changes;
-    REQUIRE(plan.stops() == 7 * 6 * 2 * 3);
+    REQUIRE(plan.stops() == std::size_t{7} * 6 * 2 * 3);
     for (std::size_t i = 0; i < plan.stops(); ++i) {
         const SurfaceChange c = change_at(basis, i);
         CHECK(basis.landings[c.from].maneuver == basis.landings[c.to].maneuver);
@@ -47,7 +47,7 @@ TEST_CASE("a grid has every stop once, whatever the number of draws", "[STUDY-60
 
     std::set<std::pair<std::size_t, double>> brakings, first;
     const std::size_t stops = grid("brake_on").stops();
-    REQUIRE(stops == 7 * 7 * 2);
+    REQUIRE(stops == std::size_t{7} * 7 * 2);
     for (std::size_t i = 0; i < stops; ++i) {
         const BrakeOn b = brake_on_at(basis, i);
         const Draw stop = draw(basis, Family::brake_on, 9, i);
@@ -67,7 +67,7 @@ TEST_CASE("the surface changes about at the speed of the grid, 1.5 s after brake
         return landing.surface != "dry_asphalt" && landing.surface != "wet_cobblestone" &&
                landing.surface != "snow";
     });
-    REQUIRE(plan.stops() == 3 * 2 * 2 * 3);
+    REQUIRE(plan.stops() == std::size_t{3} * 2 * 2 * 3);
     const std::vector<Row> rows = run(plan, {.threads = 2});
     REQUIRE(rows.size() == plan.stops());
     for (const Row& row : rows) {

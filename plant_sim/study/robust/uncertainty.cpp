@@ -83,7 +83,7 @@ Uncertainty load_uncertainty(const std::filesystem::path& file) {
     constexpr settings::Range kFactor{.min = 0.1, .max = 10.0}, kDamping{.min = 0.0, .max = 1.0},
         kGrid_mps{.min = 6.0, .max = 61.0};
     const Interval delay_ms = interval(parameters, "delay_ms", {.min = 0.0, .max = 100.0});
-    const Uncertainty u{
+    Uncertainty u{
         .slip_reference = landing.number("slip_reference", {.min = 0.0, .max = 0.5}),
         .speed_mps = interval(landing, "speed_mps", {.min = 6.0, .max = 120.0}),
         .belt_share = interval(ring, "belt_share", {.min = 0.01, .max = 0.9}),
