@@ -7,7 +7,8 @@
 ///
 /// The observer is one that has settled and knows the road's answer: the rigid wheel's pole, also where the tyre gives way (what it sees
 /// below the tyre's mode). Neglected: how it learns that, and forgets it; limits
-/// of pressure, slip rate and integral, the retreat of the reference and its rate limit; noise, jitter and rounding; the
+/// of pressure, slip rate and integral, the retreat of the reference and its rate limit; the chord of friction, which counts below
+/// SlipConfig::earliest_peak_slip alone; noise, jitter and rounding; the
 /// motion of the aircraft's speed and of its estimate; changes of load, radius and k_b while the loop settles; an edge interval that
 /// is no whole number of periods (rounded) and its beat with the period; edges bound to the angle instead of time.
 #pragma once
