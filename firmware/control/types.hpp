@@ -154,7 +154,7 @@ class FaultSet {
 /// What the search for the slip of most friction has found; all zero under any other law and while not braking.
 struct RoadEstimate {
     float peak_slip = 0.0F;  ///< slip of most friction, without the swing of the reference
-    float grip_N = 0.0F;     ///< friction force F_x there
+    float grip_N = 0.0F;     ///< friction force F_x there, as true as WheelConfig::brake_gain_m3
     float confidence =
         0.0F;  ///< 0 nothing is known to 1: the slip is at the peak, and the slope there is known
 };

@@ -268,3 +268,32 @@ TEST_CASE("one wrong reading hardly shows", "[CTL-088]") {
         if (t > 1.0) s.flywheel.edge_time -= Time{5'000'000'000};
     });
 }
+
+TEST_CASE("the peak law's grip is the runway's peak friction force where it is confident", "[CTL-346]") {
+    const std::string surface = GENERATE("dry_asphalt", "wet_asphalt", "wet_cobblestone", "snow");
+    plant_sim::ScenarioOptions options;
+    options.law = "peak_slip";
+    options.choice.surface = surface;
+    const plant_sim::Scenario s = plant_sim::load_scenario(options);
+    const double mu_max = plant::peak(s.plant.rig.surface).mu;
+    const double k_b_m3 = static_cast<double>(s.controller.wheel.brake_gain_m3);
+    double share = 0.0;
+    int sure = 0;
+    static_cast<void>(study::run_in_process(
+        s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded,
+        [&](const study::RigSession& session, const antiskid::can::ControllerView& view, double) {
+            const bool tracks = session.pilot().phase() == study::Phase::braking &&
+                                session.rig().time_s() > session.pilot().brake_on_s() + 1.0 &&
+                                session.rig().wheel().v_mps > 25.0;
+            if (!tracks || view.road.confidence < 0.7F) return;
+            ++sure;
+            // The controller knows torque as k_b P alone: what the brake gives of that is taken out here.
+            const double given = static_cast<double>(session.load_cells().brake_torque_Nm) /
+                                 (k_b_m3 * session.rig().pressure_Pa());
+            share += given * static_cast<double>(view.road.grip_N) /
+                     (mu_max * static_cast<double>(session.load_cells().vertical_N));
+        }));
+    INFO(surface << ": sure in " << sure << " periods, grip " << share / sure);
+    REQUIRE(sure > 500);
+    CHECK(share / sure == Approx(1.0).margin(0.01));
+}
