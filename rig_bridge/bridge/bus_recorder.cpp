@@ -28,6 +28,7 @@ BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layo
       housekeeping_(std::move(housekeeping)),
       capture_(std::make_unique<Capture>(interface)),
       live_(layout_),
+      status_(layout_, Role::status),
       wheel_(parameters.wheel_teeth),
       flywheel_(parameters.flywheel_teeth),
       stamps_(antiskid::can::WallMinusMonotonic{}),
@@ -87,6 +88,7 @@ void BusRecorder::hear(std::span<const CapturedFrame> frames, bool drained) {
         if (layout_[Role::sync].bound && one.frame.id == layout_[Role::sync].id) ++syncs_;
         one.frame.received = came;
         (void)live_.accept(one.frame);
+        status_.accept(one.frame, live_.stats(Role::status));
     }
     publish(drained);
 }
@@ -104,6 +106,8 @@ void BusRecorder::publish(bool drained) {
     now_.error = status.interface_error;
     now_.view = live_.view();
     if (drained) now_.looked = steady_now();
+    constexpr Time kLately{200'000'000};
+    now_.controller_refused = status_.text(now_.looked - kLately);
     measure_speeds();
     now_.syncs = syncs_;
     if (!recording_) return;

@@ -15,6 +15,7 @@
 #include "firmware/can/wall_minus_monotonic.hpp"
 #include "rig_bridge/bridge/live_speed.hpp"
 #include "rig_bridge/bridge/parts.hpp"
+#include "rig_bridge/bridge/refused_frames.hpp"
 #include "rig_bridge/record/bus_log.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/capture.hpp"
@@ -77,6 +78,7 @@ class BusRecorder final : public BusFeed {
     // The thread's own.
     std::unique_ptr<Capture> capture_;
     antiskid::can::Observer live_;
+    RefusedFrames status_;  // the controller's
     LiveSpeed wheel_;
     LiveSpeed flywheel_;
     std::unique_ptr<Recording> recording_;

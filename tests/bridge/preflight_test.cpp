@@ -58,7 +58,8 @@ struct PreflightBench {
                                           .link = [this](const auto&) { return link; },
                                           .ledger = [this](const auto&) { return ledger; },
                                           .plc = [this](const auto&) { return plc; },
-                                          .bus = [this](const auto&) { return bus; }});
+                                          .bus = [this](const auto&) { return bus; },
+                                          .holder = [this](const auto&) { return holder; }});
     }
     [[nodiscard]] Wrong wrongs() { return wrong(run().checks); }
 
@@ -68,6 +69,7 @@ struct PreflightBench {
     rig::LedgerFacts ledger;
     rig::Snapshot plc = bridge_test::good_plc();
     rig::BusHeard bus = sound_bus();
+    std::string holder;
 };
 
 void set(PreflightBench& bench, rig::Measured q, double value) {
@@ -213,6 +215,14 @@ TEST_CASE("A bus that is bad in one respect fails that check alone", "[BRG-152]"
     SECTION("another bridge") {
         of(Role::maneuver).accepted = 50;
         CHECK(bench.wrongs() == Wrong{"only bridge: fail"});
+    }
+    SECTION("two controllers") {
+        bench.bus.two_controllers = std::string("counter; two senders of 0x180");
+        CHECK(bench.wrongs() == Wrong{"only controller: fail"});
+    }
+    SECTION("a bridge of this computer") {
+        bench.holder = std::string("CAN interface can0 is held by rig-bridge campaign, process 4711");
+        CHECK(bench.wrongs() == Wrong{"rig free: fail"});
     }
     SECTION("an interface at another bit rate") {
         bench.link.bitrate = 500'000;
