@@ -109,6 +109,26 @@ TEST_CASE("a scenario's law that the bus has no code for is refused by name", "[
                       ContainsSubstring("foreign.dbc: the law's field is too narrow"));
 }
 
+TEST_CASE("Lockstep needs a PLC that waits and a SYNC with a number", "[BRG-468]") {
+    const TemporaryDirectory directory;
+    rig::RigOptions options = heavy().rig;
+    options.lockstep = true;
+    CHECK_NOTHROW(rig::load_setup(options));
+    const std::string map = content_of("config/registers.toml");
+    put(directory / "registers.toml", map.substr(0, map.find("[virtual.bridge_turn]")));
+    options.registers = directory / "registers.toml";
+    CHECK_THROWS_WITH(rig::load_setup(options), ContainsSubstring("[virtual.bridge_turn] is missing"));
+    options.lockstep = false;
+    CHECK_NOTHROW(rig::load_setup(options));
+    options.lockstep = true;
+    options.registers.clear();
+    const std::string binding = content_of("config/antiskid_binding.toml");
+    const std::size_t number = binding.find("number = \"SyncNumber\"");
+    put(directory / "binding.toml", binding.substr(0, number) + binding.substr(binding.find('\n', number)));
+    options.binding = directory / "binding.toml";
+    CHECK_THROWS_WITH(rig::load_setup(options), ContainsSubstring("[sync] has no number"));
+}
+
 TEST_CASE("A rig that is good in every respect passes every check but what nobody tells", "[BRG-150]") {
     PreflightBench bench;
     const preflight::Report report = bench.run();
