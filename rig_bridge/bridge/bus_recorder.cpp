@@ -113,6 +113,7 @@ void BusRecorder::publish(bool drained) {
     if (drained) now_.looked = time();
     constexpr Time kLately{200'000'000};
     now_.controller_refused = status_.text(now_.looked - kLately);
+    now_.two_controllers = status_.two_senders();
     measure_speeds();
     now_.syncs = lockstep_ == nullptr ? syncs_ : lockstep_->syncs();
     if (!recording_) return;

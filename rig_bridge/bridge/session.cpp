@@ -165,6 +165,10 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
             note_ = how_it_was(before, m);
             terminal_.say("rig-bridge: " + advice(sequencer.abort(), before, m.bus.view.controller.faults));
         }
+        if (m.bus.two_controllers && !two_controllers_)
+            terminal_.say("rig-bridge: two controllers talk on the bus, and are refused: " +
+                          m.bus.controller_refused + ". Next: end one of them");
+        two_controllers_ = m.bus.two_controllers;
         before = sequencer.phase();
         if (rests(m.outputs.phase) && resting <= kTail && ++resting > kTail) recorder_.end();
         show(order, m, record_error_);

@@ -86,6 +86,7 @@ class Session {
 
     // Of the maneuver that runs.
     bool abort_ = false;
+    bool two_controllers_ = false;
     std::string record_error_;
     std::string note_;
     Trace trace_;

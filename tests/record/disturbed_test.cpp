@@ -93,7 +93,7 @@ double worst_m(const Disturbance& disturbance) {
 }  // namespace
 
 TEST_CASE("frames that are lost, doubled or overtaken leave the length within two edges of a listener's",
-          "[BRG-267]") {
+          "[BRG-269]") {
     for (const Disturbance& d :
          {Disturbance{}, Disturbance{.lost = 0.001}, Disturbance{.lost = 0.01}, Disturbance{.lost = 0.05},
           Disturbance{.twice = 0.2}, Disturbance{.late = 0.01, .late_ms = 2.0},

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Three programs in lockstep, twice: the same seed gives the same samples, frames and figures. Runs inside `./rig vcan`.
+"""[BRG-470] Three programs in lockstep, twice: the same seed gives the same samples, frames and figures. Runs inside `./rig vcan`.
 
 usage: same_bytes.py BUILD_DIR
 """

@@ -72,10 +72,14 @@ def await_two(second):
     check(second.poll() is None and len(listening.stdout.splitlines()) == 60, "the controllers are not heard")
 
 
-def second_controller(rig, _bus, folder):
+def start_controller():
+    return subprocess.Popen([BUILD / "firmware/linux/antiskid-controller", "--can", "vcan0", "--clock", "sync"], stdout=subprocess.DEVNULL,
+                            stderr=subprocess.DEVNULL)
+
+
+def second_controller(rig, bus, folder):
     """[BRG-464] Two controllers: refused at the start, by what shows that there are two, before anything is commanded."""
-    second = subprocess.Popen([BUILD / "firmware/linux/antiskid-controller", "--can", "vcan0", "--clock", "sync"], stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL)
+    second = start_controller()
     try:
         await_two(second)
         commit = rig.plc.map["holding"]["commit"]["address"]
@@ -87,6 +91,17 @@ def second_controller(rig, _bus, folder):
     finally:
         second.terminate()
         second.wait(timeout=20)
+    # One that comes while the first brakes: whichever of both is heard now and then, the maneuver ends.
+    run = rig.bridge("maneuver", folder / "later")
+    check(bus.await_phase(("braking",)), "no braking")
+    second = start_controller()
+    check(run.wait(timeout=120) == 1, words(run))
+    second.terminate()
+    second.wait(timeout=20)
+    outcome = json.loads((folder / "later/summary.json").read_text())["outcome"]
+    print(next(line for line in words(run).splitlines() if "was aborted: " in line), flush=True)
+    check(outcome in ("controller_silent", "controller_fault", "sensors_lost", "plc_silent"), outcome)
+    check("two controllers talk on the bus, and are refused: counter; two senders of 0x180" in words(run), words(run))
     alone = rig.bridge("maneuver", folder / "alone")
     check(alone.wait(timeout=120) == 0, words(alone))
 
