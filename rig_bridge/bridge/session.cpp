@@ -23,6 +23,7 @@ class Session::ModbusPlc final : public Plc {
     ModbusPlc(const RegisterMap& map, const std::string& address, std::function<ClockTime()> now,
               Polling polling)
         : client_(map, parse_plc_address(address), std::move(now), polling) {}
+    void look() { client_.look(); }
     void turn(std::uint16_t number) { client_.turn(number); }
     void command(const CommandedValues& wanted) override { client_.command(wanted); }
     [[nodiscard]] Snapshot snapshot() const override { return client_.snapshot(); }
@@ -70,7 +71,9 @@ Session::Session(const Setup& setup, StopRequests& stops, Terminal& terminal)
           lockstep_ ? &*lockstep_ : nullptr),
       node_(setup.layout, setup.meter.period_s, setup.limits, *plc_, recorder_, bus_),
       timer_(clock_, Node::kStep) {
-    if (lockstep_) plc_->turn(kJoined);
+    if (!lockstep_) return;
+    plc_->look();
+    plc_->turn(kJoined);
 }
 
 Session::~Session() = default;
@@ -82,6 +85,7 @@ const Moment& Session::step(sequencer::Sequencer* sequencer, const Order* order)
         (void)timer_.wait();
     const int stops = stops_.count();
     if (stops > 1) throw EndAtOnce{};
+    if (lockstep_) plc_->look();
     const std::int64_t number = order == nullptr ? 0 : order->number;
     const Moment& moment =
         node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},

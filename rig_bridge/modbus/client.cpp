@@ -103,10 +103,16 @@ class ModbusClient::Impl {
         return shown;
     }
 
-    void turn(std::uint16_t number) {
+    void look() {
         std::optional<LinkFailure> failed = connection_.is_open() ? std::nullopt : connect();
-        if (!failed && connection_.is_open()) failed = cycle();
-        if (!failed && connection_.is_open()) failed = say_turn(number);
+        if (!failed && connection_.is_open()) failed = poll();
+        if (failed) lose(*failed);
+    }
+
+    void turn(std::uint16_t number) {
+        if (!connection_.is_open()) return;
+        std::optional<LinkFailure> failed = tell();
+        if (!failed) failed = say_turn(number);
         if (failed) lose(*failed);
     }
 
@@ -197,7 +203,10 @@ class ModbusClient::Impl {
 
     Failed cycle() {
         if (auto failed = poll()) return failed;
-        if (!connection_.is_open()) return std::nullopt;
+        return connection_.is_open() ? tell() : std::nullopt;
+    }
+
+    Failed tell() {
         if (auto failed = move_watchdog()) return failed;
         return send_command();
     }
@@ -333,6 +342,9 @@ void ModbusClient::command(const CommandedValues& wanted) {
 }
 void ModbusClient::alive() {
     impl_->alive();
+}
+void ModbusClient::look() {
+    impl_->look();
 }
 void ModbusClient::turn(std::uint16_t number) {
     impl_->turn(number);

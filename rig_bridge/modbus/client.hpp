@@ -102,8 +102,10 @@ class ModbusClient {
 
     [[nodiscard]] Snapshot snapshot() const;
 
-    /// Polling::turns only: connects where it must, reads everything, writes what is due, and last `number` into the map's bridge_turn, on this
-    /// thread. The destructor writes 0 there.
+    // Polling::turns only, on the caller's thread.
+    /// Connects where it must, reads everything.
+    void look();
+    /// Writes what is due, and last `number` into the map's bridge_turn. The destructor writes 0 there.
     void turn(std::uint16_t number);
 
   private:

@@ -392,6 +392,7 @@ TEST_CASE("Turn by turn the PLC is read and told on the caller's thread, by the 
         rig::ModbusClient client(
             map, at_port(server.port()), [&] { return now; }, rig::Polling::turns);
         CHECK(client.snapshot().link == LinkState::connecting);
+        client.look();
         client.turn(rig::kJoined);
         CHECK(server.bridge_turn() == rig::kJoined);
         CHECK(client.snapshot().link == LinkState::connected);
@@ -402,6 +403,7 @@ TEST_CASE("Turn by turn the PLC is read and told on the caller's thread, by the 
             at(measured, Measured::plc_watchdog) += 1.0;
             at(measured, Measured::flywheel_speed_mps) = 0.5 * turn;
             (void)server.exchange(measured);
+            client.look();
             client.command(landing(61.0));
             client.turn(++turn);
             CHECK(server.bridge_turn() == turn);
