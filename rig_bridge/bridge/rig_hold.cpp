@@ -44,6 +44,9 @@ std::string refusal(const std::string& what, const std::string& who) {
 
 std::filesystem::path lock_directory() {
     constexpr auto kShared = "/run/lock";
+    constexpr mode_t kEverybody = 01777;
+    // Where a system is booted systemd makes it; a container may have none.
+    if (::mkdir(kShared, kEverybody) == 0) static_cast<void>(::chmod(kShared, kEverybody));
     if (takes_files(kShared)) return kShared;
     if (const char* const own = std::getenv("XDG_RUNTIME_DIR"); takes_files(own)) return own;
     throw std::runtime_error(
