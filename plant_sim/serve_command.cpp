@@ -54,6 +54,7 @@ struct Options {
     int priority = 70;
     int answer_timeout_ms = 100;
     bool spun_up = false;
+    bool together = false;
 };
 
 /// All that is read from files and the command line, checked.
@@ -97,11 +98,16 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
                    "than real time")
         ->check(CLI::IsMember({"timer", "sync"}))
         ->capture_default_str();
-    app.add_option("--answer-timeout", o.answer_timeout_ms,
-                   "with --clock sync: the controller is silent when a valve command takes longer")
+    app.add_option(
+           "--answer-timeout", o.answer_timeout_ms,
+           "with --clock sync: the controller is silent when a valve command takes longer, a bridge in "
+           "lockstep when its turn does")
         ->check(CLI::Range(1, 3'600'000))
         ->type_name("MS")
         ->capture_default_str();
+    app.add_flag("--start-together", o.together,
+                 "with --clock sync: rig time begins when rig-bridge --clock sync has connected and the "
+                 "controller answers, so that all three have the same one");
     o.brake.add_to(app);
     app.add_flag("--spun-up", o.spun_up,
                  "the flywheel turns at the scenario's speed from the start: the first spin-up is short");
@@ -176,6 +182,9 @@ Served load(const Options& o) {
              .server = server_options(o)};
     if (o.clock == "sync" && !s.layout[antiskid::can::Role::sync].bound)
         throw std::invalid_argument("--clock sync needs a layout with a [sync] message; this one has none");
+    if (o.together && (o.clock != "sync" || !s.map.bridge_turn))
+        throw std::invalid_argument("--start-together needs --clock sync, and [virtual.bridge_turn] in " +
+                                    or_default(o.registers, o.config / "registers.toml").string());
     s.rig.period_s = static_cast<double>(antiskid::load_controller_config(scenario.controller).period_s);
     s.rig.watchdog_s = std::chrono::duration<double>(s.map.bridge_timeout).count();
     s.rig.map_version = s.map.version;
@@ -266,7 +275,8 @@ int run(const Options& o, const Served& s) {
             [](const std::string& line) { fmt::print(stderr, "virtual-rig: {}\n", line); },
             [&keeper](const wear::BrakeState& brake) { return keeper.keep(brake); });
         if (o.clock == "sync") {
-            node.run_lockstep(signals.stop(), Time(o.answer_timeout_ms * std::int64_t{1'000'000}));
+            node.run_lockstep(signals.stop(), Time(o.answer_timeout_ms * std::int64_t{1'000'000}),
+                              {.done = [&server] { return server.bridge_turn(); }, .together = o.together});
         } else {
             enter_realtime(o.priority);
             node.run_realtime(signals.stop());

@@ -26,6 +26,7 @@ ServeNode::ServeNode(plc::ServedRig& rig, const antiskid::can::Layout& layout, a
       clock_(clock),
       period_(period),
       exchange_(std::move(exchange)),
+      layout_(layout),
       port_(layout, period, antiskid::can::kFromRigSensors) {}
 
 void ServeNode::send_sample() {
@@ -69,6 +70,41 @@ void ServeNode::await_answer(const std::atomic<bool>& stop) {
     }
 }
 
+/// Of the newest SYNC, as the bus has it.
+std::uint32_t ServeNode::sync_number() const {
+    const antiskid::can::Signal& counter = layout_.sync_counter;
+    return (sync_ - 1) & (counter.bound() ? static_cast<std::uint32_t>(counter.mask()) : ~0U);
+}
+
+/// The bridge reads registers and bus as they are now, and writes and sends before time goes on.
+void ServeNode::await_bridge(const std::atomic<bool>& stop) {
+    constexpr Time kLook{50'000};
+    const auto every = static_cast<std::uint32_t>(std::max<std::int64_t>(kBridgeStep / period_, 1));
+    if (!bridge_.done || sync_number() % every != 0) return;
+    std::uint16_t seen = bridge_.done();
+    if (seen == silent_at_) return;  // also: there is none
+    const std::uint16_t wanted = rig::turn_number(sync_number(), every);
+    const Time deadline = clock_.now() + answer_timeout_;
+    for (; seen != wanted && seen != rig::kNoTurns && !stop && clock_.now() < deadline; seen = bridge_.done())
+        clock_.sleep_until(clock_.now() + kLook);
+    silent_at_ = seen == wanted ? rig::kNoTurns : seen;
+}
+
+void ServeNode::begin_together(const std::atomic<bool>& stop) {
+    constexpr Time kRepeat{100'000'000};
+    while (bridge_.done && bridge_.done() == rig::kNoTurns && !stop)
+        clock_.sleep_until(clock_.now() + kRepeat / 100);
+    std::array<Frame, antiskid::can::RigPort::kMostFrames + 1> frames{};
+    std::size_t count = port_.due_frames(rig_.sample(), frames);
+    frames[count++] = port_.sync(sync_++);
+    while (port_.stats(Role::valve).accepted == commands_ && !stop) {
+        for (std::size_t i = 0; i < count; ++i) (void)bus_.send(frames[i]);
+        for (const Time end = clock_.now() + kRepeat;
+             port_.stats(Role::valve).accepted == commands_ && clock_.now() < end && !stop; receive())
+            bus_.wait(end - clock_.now());
+    }
+}
+
 /// It answers the SYNCs that it missed: only the last answer belongs to this period.
 void ServeNode::catch_up(const std::atomic<bool>& stop) {
     const Time deadline = clock_.now() + answer_timeout_;
@@ -99,9 +135,15 @@ void ServeNode::advance() {
     }
 }
 
-void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout) {
+void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout, BridgeTurns bridge) {
     answer_timeout_ = answer_timeout;
-    bool silent = true;
+    bridge_ = std::move(bridge);
+    if (bridge_.together) {
+        begin_together(stop);
+        await_bridge(stop);
+        advance();
+    }
+    bool silent = !bridge_.together;
     Time next = clock_.now();
     while (!stop) {
         send_sample();
@@ -113,6 +155,7 @@ void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout)
         const bool answered = port_.stats(Role::valve).accepted != commands_;
         if (silent && answered) catch_up(stop);
         silent = !answered;
+        await_bridge(stop);
         advance();
         next = std::max(next + period_, clock_.now());
         clock_.sleep_until(next);

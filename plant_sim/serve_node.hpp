@@ -12,6 +12,7 @@
 #include "firmware/linux/clock.hpp"
 #include "firmware/linux/spsc_ring.hpp"
 #include "plant_sim/plc/served_rig.hpp"
+#include "rig_bridge/registers/lockstep_turn.hpp"
 
 namespace plant_sim {
 
@@ -30,6 +31,13 @@ struct ServeState {
 /// The brake after each maneuver, for whoever keeps it: one reader.
 using BrakeStates = antiskid::rt::SpscRing<wear::BrakeState, 16>;
 
+/// A bridge in lockstep, rig_bridge/registers/lockstep_turn.hpp.
+struct BridgeTurns {
+    std::function<std::uint16_t()> done = nullptr;  ///< the newest; none: nobody waits for a bridge
+    /// Rig time begins when the bridge has joined and the controller answers; first sample and SYNC are repeated until then.
+    bool together = false;
+};
+
 class ServeNode {
   public:
     /// Between two periods: registers in and out.
@@ -39,10 +47,11 @@ class ServeNode {
     ServeNode(plc::ServedRig& rig, const antiskid::can::Layout& layout, antiskid::can::Bus& bus,
               antiskid::rt::Clock& clock, antiskid::control::Time period, Exchange exchange);
 
-    /// Paced lockstep: one sample, one SYNC, one valve command, never faster than real time. A command that does not come within
-    /// `answer_timeout` makes the controller silent: then periods go on in real time without waiting for it, until it is heard again and has
-    /// caught up with the SYNCs that it missed.
-    void run_lockstep(const std::atomic<bool>& stop, antiskid::control::Time answer_timeout = kAnswerTimeout);
+    /// Paced lockstep: one sample, one SYNC, one valve command, never faster than real time; every kBridgeStep a turn of the bridge, where
+    /// there is one in lockstep. Who does not answer within `answer_timeout` is silent: then periods go on in real time without waiting, until
+    /// it is heard again; a controller then catches up with the SYNCs that it missed.
+    void run_lockstep(const std::atomic<bool>& stop, antiskid::control::Time answer_timeout = kAnswerTimeout,
+                      BridgeTurns bridge = {});
 
     /// By the machine's clock.
     void run_realtime(const std::atomic<bool>& stop);
@@ -53,6 +62,7 @@ class ServeNode {
     /// The valve's driver gives no current when no command came for so long, in rig time.
     static constexpr antiskid::control::Time kDriverWatchdog{20'000'000};
     static constexpr antiskid::control::Time kAnswerTimeout{100'000'000};
+    static constexpr antiskid::control::Time kBridgeStep{10'000'000};
     /// Of the bus, after which a controller that was silent counts as caught up.
     static constexpr antiskid::control::Time kQuiet{20'000'000};
 
@@ -61,6 +71,9 @@ class ServeNode {
     void send_sync(const std::atomic<bool>& stop);
     void receive();
     void await_answer(const std::atomic<bool>& stop);
+    void await_bridge(const std::atomic<bool>& stop);
+    void begin_together(const std::atomic<bool>& stop);
+    [[nodiscard]] std::uint32_t sync_number() const;
     void catch_up(const std::atomic<bool>& stop);
     void advance();
 
@@ -71,6 +84,9 @@ class ServeNode {
     antiskid::control::Time period_;
     antiskid::control::Time answer_timeout_ = kAnswerTimeout;
     Exchange exchange_;
+    BridgeTurns bridge_;
+    std::uint16_t silent_at_ = rig::kNoTurns;  // the bridge's turn when it was given up; kNoTurns: it was not
+    const antiskid::can::Layout& layout_;
     antiskid::can::RigPort port_;
     std::uint32_t sync_ = 0;
     std::uint32_t commands_ = 0;  ///< valve commands that have acted

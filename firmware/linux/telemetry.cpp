@@ -13,6 +13,8 @@ namespace antiskid::rt {
 
 namespace {
 
+constexpr std::uint64_t kSaid = 3;
+
 double seconds(const control::Time time) {
     return std::chrono::duration<double>(time).count();
 }
@@ -36,7 +38,7 @@ void Telemetry::on_record(const CycleRecord& record) {
         logger_.info("[{:.3f} s] state {}", seconds(record.now), name(record.command.state));
     report_faults(record);
     report_link(record);
-    if (record.synchronised != last_.synchronised) {
+    if (record.synchronised != last_.synchronised && !often("SYNC")) {
         if (record.synchronised)
             logger_.info("[{:.3f} s] SYNC is back on {}", seconds(record.now), interface_);
         else
@@ -62,8 +64,7 @@ void Telemetry::report_faults(const CycleRecord& record) {
 }
 
 bool Telemetry::often(const std::string_view what) {
-    constexpr std::uint64_t kSaid = 3;
-    const bool more = ++changes_[what] > kSaid;
+    const bool more = ++changes_[what] > kSaid || flaps_.contains(what);
     if (more) ++unsaid_;
     return more;
 }
@@ -71,6 +72,7 @@ bool Telemetry::often(const std::string_view what) {
 void Telemetry::report_link(const CycleRecord& record) {
     const can::LinkStatus& link = record.link;
     if (link.up == last_.link.up && link.bus_off == last_.link.bus_off) return;
+    if (often("link")) return;
     const double at = seconds(record.now);
     if (link.bus_off)
         logger_.error(
@@ -91,6 +93,9 @@ void Telemetry::summarise(const CycleRing& ring) {
         logger_.warn("{} changes are not listed; since the last summary: {}", unsaid_, list);
         unsaid_ = 0;
     }
+    flaps_.clear();
+    for (const auto& [what, times] : changes_)
+        if (times > kSaid) flaps_.insert(what);
     changes_.clear();
     if (steps_ == 0) {
         logger_.warn("no step in the last second: {}",

@@ -1,10 +1,12 @@
 /// The loop's records as log lines: changes of state, faults by name, link and synchronisation as they
-/// happen, and a summary on request. What comes and goes all the time is said three times between two summaries, and then counted.
+/// happen, and a summary on request. What comes and goes all the time is said three times between two summaries, and then counted; in the
+/// next ones it is counted alone, until one has gone by without it.
 /// For the thread that is allowed to wait.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -43,7 +45,9 @@ class Telemetry {
     std::uint64_t missed_ = 0;
     control::Time worst_latency_{};
     std::uint64_t dropped_ = 0;
-    std::map<std::string_view, std::uint64_t> changes_;  // since the last summary, by state and fault
+    std::map<std::string_view, std::uint64_t>
+        changes_;                       // since the last summary, by state, fault, link, SYNC
+    std::set<std::string_view> flaps_;  // what did until the last summary
     std::uint64_t unsaid_ = 0;
 };
 

@@ -44,6 +44,9 @@ struct MachineFacts {
 /// `root`: where proc and sys are. Locks this process's memory, as the loop will.
 [[nodiscard]] MachineFacts machine_facts(const MachineNeeds& needs, const std::filesystem::path& root = "/");
 
+/// Of the facts those of the place of the record alone.
+void look_at_record(MachineFacts& facts, const std::filesystem::path& record);
+
 /// Kernel, scheduler, memory, processor, governor, isolation: what a period of 1 ms needs.
 [[nodiscard]] Checks real_time_checks(const MachineFacts& facts, const MachineNeeds& needs);
 [[nodiscard]] Check scheduler_check(const MachineFacts& facts, const MachineNeeds& needs);

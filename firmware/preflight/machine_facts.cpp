@@ -54,16 +54,6 @@ std::filesystem::path standing(const std::filesystem::path& place) {
     return path;
 }
 
-void look_at_record(MachineFacts& facts, const std::filesystem::path& record) {
-    const std::filesystem::path place = standing(record);
-    struct statvfs disk {};
-    if (!std::filesystem::is_directory(place))
-        facts.record_refusal = place.string() + " is no directory";
-    else if (access(place.c_str(), W_OK | X_OK) != 0 || statvfs(place.c_str(), &disk) != 0)
-        facts.record_refusal = place.string() + ": " + std::generic_category().message(errno);
-    facts.record_free_bytes = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
-}
-
 void look_at_clock(MachineFacts& facts, const std::filesystem::path& root) {
     facts.clock_source = first_line(root / "sys/devices/system/clocksource/clocksource0/current_clocksource");
     timespec resolution{};
@@ -82,6 +72,16 @@ bool granted(const rt::RealtimeRequest& request) {
 }
 
 }  // namespace
+
+void look_at_record(MachineFacts& facts, const std::filesystem::path& record) {
+    const std::filesystem::path place = standing(record);
+    struct statvfs disk {};
+    if (!std::filesystem::is_directory(place))
+        facts.record_refusal = place.string() + " is no directory";
+    else if (access(place.c_str(), W_OK | X_OK) != 0 || statvfs(place.c_str(), &disk) != 0)
+        facts.record_refusal = place.string() + ": " + std::generic_category().message(errno);
+    facts.record_free_bytes = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
+}
 
 MachineFacts machine_facts(const MachineNeeds& needs, const std::filesystem::path& root) {
     MachineFacts facts;

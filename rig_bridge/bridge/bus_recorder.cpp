@@ -21,21 +21,26 @@ Time steady_now() {
 }  // namespace
 
 BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layout& layout,
-                         const MeterParameters& parameters, std::function<void()> housekeeping)
+                         const MeterParameters& parameters, std::function<void()> housekeeping,
+                         Lockstep* lockstep)
     : interface_(interface),
       layout_(layout),
       parameters_(parameters),
       housekeeping_(std::move(housekeeping)),
+      lockstep_(lockstep),
+      last_turn_(steady_now()),
       capture_(std::make_unique<Capture>(interface)),
       live_(layout_),
+      status_(layout_, Role::status),
       wheel_(parameters.wheel_teeth),
       flywheel_(parameters.flywheel_teeth),
-      stamps_(antiskid::can::WallMinusMonotonic{}),
-      thread_([this] { run(); }) {}
+      stamps_(antiskid::can::WallMinusMonotonic{}) {
+    if (lockstep_ == nullptr) thread_ = std::thread([this] { run(); });
+}
 
 BusRecorder::~BusRecorder() {
     stop_ = true;
-    thread_.join();
+    if (thread_.joinable()) thread_.join();
 }
 
 BusNow BusRecorder::now() const {
@@ -84,9 +89,11 @@ void BusRecorder::hear(std::span<const CapturedFrame> frames, bool drained) {
             if (one.plain()) recording_->meter.accept(one.frame);
         }
         if (!one.plain()) continue;
+        if (lockstep_ != nullptr) lockstep_->hear(one.frame);
         if (layout_[Role::sync].bound && one.frame.id == layout_[Role::sync].id) ++syncs_;
-        one.frame.received = came;
+        one.frame.received = lockstep_ == nullptr ? came : lockstep_->now();
         (void)live_.accept(one.frame);
+        status_.accept(one.frame, live_.stats(Role::status));
     }
     publish(drained);
 }
@@ -103,9 +110,12 @@ void BusRecorder::publish(bool drained) {
     now_.up = status.up;
     now_.error = status.interface_error;
     now_.view = live_.view();
-    if (drained) now_.looked = steady_now();
+    if (drained) now_.looked = time();
+    constexpr Time kLately{200'000'000};
+    now_.controller_refused = status_.text(now_.looked - kLately);
+    now_.two_controllers = status_.two_senders();
     measure_speeds();
-    now_.syncs = syncs_;
+    now_.syncs = lockstep_ == nullptr ? syncs_ : lockstep_->syncs();
     if (!recording_) return;
     now_.frames = recording_->log.frames();
     now_.dropped = recording_->dropped;
@@ -114,7 +124,7 @@ void BusRecorder::publish(bool drained) {
 }
 
 void BusRecorder::measure_speeds() {
-    const Time now = steady_now();
+    const Time now = time();
     const antiskid::can::BusView& view = live_.view();
     wheel_.update(view.wheel, now);
     flywheel_.update(view.flywheel, now);
@@ -141,25 +151,44 @@ void BusRecorder::keep_capture() {
     }
 }
 
+Time BusRecorder::time() const {
+    return lockstep_ == nullptr ? steady_now() : lockstep_->now();
+}
+
+bool BusRecorder::hear_batch() {
+    change_record();
+    if (const Time now = steady_now(); now >= next_housekeeping_) {
+        next_housekeeping_ = now + kHousekeeping;
+        keep_capture();
+        housekeeping_();
+    }
+    const auto frames = capture_ ? capture_->receive() : std::span<const CapturedFrame>{};
+    hear(frames, frames.size() < Capture::kBatch);
+    return frames.size() == Capture::kBatch;
+}
+
 void BusRecorder::run() {
-    Time next_housekeeping{};
-    while (!stop_) {
-        change_record();
-        const Time now = steady_now();
-        if (now >= next_housekeeping) {
-            next_housekeeping = now + kHousekeeping;
-            keep_capture();
-            housekeeping_();
-        }
-        if (!capture_) {
-            publish(true);
-            std::this_thread::sleep_for(kLook);
+    while (!stop_)
+        if (!hear_batch()) std::this_thread::sleep_for(kLook);
+}
+
+void BusRecorder::await_turn(const std::function<bool()>& enough) {
+    while (!enough()) {
+        const bool more = hear_batch();
+        if (lockstep_->due()) break;
+        const Time passed = steady_now() - last_turn_;
+        if (more || passed < lockstep_->patience()) {
+            if (capture_)
+                (void)capture_->wait(kLook);
+            else
+                std::this_thread::sleep_for(kLook);
             continue;
         }
-        const auto frames = capture_->receive();
-        hear(frames, frames.size() < Capture::kBatch);
-        if (frames.size() < Capture::kBatch) std::this_thread::sleep_for(kLook);
+        lockstep_->gave_up(passed);
+        publish(true);
+        break;
     }
+    last_turn_ = steady_now();
 }
 
 }  // namespace rig

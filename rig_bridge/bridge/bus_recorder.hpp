@@ -1,4 +1,5 @@
-/// The thread that hears everything on the bus: what is known of it now, the live speeds, and bus.log of each maneuver.
+/// Hears everything on the bus: what is known of it now, the live speeds, and bus.log of each maneuver. On a thread of its own; in lockstep
+/// on the caller's, turn by turn.
 #pragma once
 
 #include <atomic>
@@ -14,7 +15,9 @@
 #include "firmware/can/wall_clock_offset.hpp"
 #include "firmware/can/wall_minus_monotonic.hpp"
 #include "rig_bridge/bridge/live_speed.hpp"
+#include "rig_bridge/bridge/lockstep.hpp"
 #include "rig_bridge/bridge/parts.hpp"
+#include "rig_bridge/bridge/refused_frames.hpp"
 #include "rig_bridge/record/bus_log.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/capture.hpp"
@@ -42,14 +45,19 @@ struct Recording {
 
 class BusRecorder final : public BusFeed {
   public:
-    /// Throws what Capture throws. `housekeeping` is called by the thread several times a second. `layout` must outlive it.
+    /// Throws what Capture throws. `housekeeping` is called by the thread several times a second. `layout` must outlive it, and so must
+    /// `lockstep`; none: a thread hears, and the machine's clock is the time.
     BusRecorder(const std::string& interface, const antiskid::can::Layout& layout,
-                const MeterParameters& parameters, std::function<void()> housekeeping);
+                const MeterParameters& parameters, std::function<void()> housekeeping,
+                Lockstep* lockstep = nullptr);
     ~BusRecorder() override;
     BusRecorder(const BusRecorder&) = delete;
     BusRecorder& operator=(const BusRecorder&) = delete;
 
     [[nodiscard]] BusNow now() const override;
+
+    /// Lockstep: hears until the bridge's turn has come, or was waited for in vain, or `enough`.
+    void await_turn(const std::function<bool()>& enough);
 
     /// Starts bus.log. Throws std::runtime_error naming `path`.
     void begin(const std::filesystem::path& path);
@@ -60,6 +68,9 @@ class BusRecorder final : public BusFeed {
 
   private:
     void run();
+    [[nodiscard]] antiskid::can::Time time() const;
+    /// What has arrived; whether there may be more.
+    bool hear_batch();
     void hear(std::span<const CapturedFrame> frames, bool drained);
     void publish(bool drained);
     void measure_speeds();
@@ -73,10 +84,14 @@ class BusRecorder final : public BusFeed {
     const antiskid::can::Layout& layout_;
     MeterParameters parameters_;
     std::function<void()> housekeeping_;
+    Lockstep* lockstep_;
 
     // The thread's own.
+    antiskid::can::Time last_turn_{};
+    antiskid::can::Time next_housekeeping_{};
     std::unique_ptr<Capture> capture_;
     antiskid::can::Observer live_;
+    RefusedFrames status_;  // the controller's
     LiveSpeed wheel_;
     LiveSpeed flywheel_;
     std::unique_ptr<Recording> recording_;

@@ -7,7 +7,9 @@
 #include <optional>
 
 #include "rig_bridge/bridge/realtime.hpp"
+#include "rig_bridge/bridge/rig_hold.hpp"
 #include "rig_bridge/bridge/session.hpp"
+#include "rig_bridge/bridge/start_checks.hpp"
 #include "rig_bridge/bridge/status.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/bridge/view.hpp"
@@ -223,6 +225,7 @@ int run_campaign(const CampaignCommand& command) {
     if (asked) shared.emplace(*asked, setup.scenario);
     const std::string name = command.name.empty() ? setup.scenario.name : command.name;
     const std::filesystem::path file = ledger_file(command.rig.out);
+    const RigHold hold(hold_places(setup), holder_text("campaign", command.rig.out));
     StopRequests stops;
     Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
     Ledger ledger(file);
@@ -250,6 +253,7 @@ int run_campaign(const CampaignCommand& command) {
         fmt::print("{}", status_text(file));
         return 0;
     }
+    check_start(setup, command.rig.out);
     int status = 1;
     try {
         enter_realtime(setup.options.priority, terminal);

@@ -9,8 +9,10 @@
 #include "config/reader/atomic_file.hpp"
 #include "plant_sim/study/picture.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
+#include "rig_bridge/bridge/rig_hold.hpp"
 #include "rig_bridge/bridge/session.hpp"
 #include "rig_bridge/bridge/setup.hpp"
+#include "rig_bridge/bridge/start_checks.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 
@@ -43,16 +45,15 @@ void draw(const std::filesystem::path& place, const std::string& title, const Tr
 
 int run_maneuver(const ManeuverCommand& command) {
     const Setup setup = load_setup(command.rig);
+    const std::filesystem::path place = folder(setup);
+    const RigHold hold(hold_places(setup), holder_text("maneuver", place));
+    check_start(setup, place);
     StopRequests stops;
     Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
     sequencer::Plan planned = plan(setup.scenario, setup.options.seed, 1);
     if (!command.cool_down) planned.cool_to_C = kAnyTemperature_C;
-    const Order order{.plan = planned,
-                      .campaign = {},
-                      .number = 1,
-                      .folder = folder(setup),
-                      .taken_J = 0.0,
-                      .view = std::nullopt};
+    const Order order{
+        .plan = planned, .campaign = {}, .number = 1, .folder = place, .taken_J = 0.0, .view = std::nullopt};
     enter_realtime(setup.options.priority, terminal);
     Session session(setup, stops, terminal);
     try {

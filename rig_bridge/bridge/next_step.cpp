@@ -33,8 +33,9 @@ constexpr std::array<NextStep, sequencer::kAbortCount> kAborts{{
     {"the PLC tripped by itself", "read the PLC's own diagnosis first; start again when it names nothing"},
     {"the PLC refused a command or did not confirm it in time, or the sledge is out while the drive pulls",
      "limits of the PLC's program against the scenario; the sledge's switch; how busy the link is"},
-    {"no status frame of the controller",
-     "is antiskid-controller running? its last words are in its log; restart it"},
+    {"no status frame of the controller, or none that is good",
+     "is antiskid-controller running? its last words are in its log; restart it; of two that are heard end "
+     "one"},
     {"the controller went to its safe state, or was not armed when it had to be",
      "mend the fault that is named with it; without one, look into the controller's log"},
     {"the CAN interface is down or bus-off",

@@ -60,12 +60,23 @@ const Moment& Node::step(sequencer::Sequencer* sequencer, const Wishes& wishes, 
     return moment_;
 }
 
+/// A phase and its command go out together: a bridge that is held up before the next step would leave the controller, for as long, with
+/// the command of the phase before, and figures count from the phase.
+bool Node::command_waits(std::span<const Frame> due) const {
+    return moment_.outputs.phase != said_ && std::none_of(due.begin(), due.end(), [this](const Frame& frame) {
+               return frame.id == layout_[Role::maneuver].id;
+           });
+}
+
 void Node::send(std::int64_t number) {
     // Takes note of what became of the link; the frames themselves are the recorder's.
     std::array<Frame, antiskid::can::RigPort::kMostFrames> frames{};
     (void)bus_.receive(frames);
-    const std::size_t due = port_.due_frames(telegram(moment_.outputs, moment_.plc, number), frames);
-    for (std::size_t i = 0; i < due; ++i) (void)bus_.send(frames[i]);
+    const antiskid::can::RigSample sample = telegram(moment_.outputs, moment_.plc, number);
+    const auto due = std::span(frames).first(port_.due_frames(sample, frames));
+    if (command_waits(due)) (void)bus_.send(port_.maneuver(sample.maneuver));
+    said_ = moment_.outputs.phase;
+    for (const Frame& frame : due) (void)bus_.send(frame);
     if (layout_[Role::load_cells].bound && steps_ % load_cell_steps_ == 0 &&
         load_cells_fresh(moment_.plc, limits_))
         (void)bus_.send(port_.load_cells(load_cells(moment_.plc)));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "firmware/can/bus.hpp"
 #include "firmware/can/rig_port.hpp"
@@ -46,6 +47,7 @@ class Node {
 
   private:
     void send(std::int64_t number);
+    [[nodiscard]] bool command_waits(std::span<const antiskid::can::Frame> due) const;
     [[nodiscard]] bool nothing_on() const;
 
     const antiskid::can::Layout& layout_;
@@ -57,6 +59,7 @@ class Node {
     RigTime time_;
     ResetDesk reset_;
     Moment moment_;
+    sequencer::Phase said_ = sequencer::Phase::idle;  // by the newest command
     std::uint64_t steps_ = 0;
     std::uint64_t load_cell_steps_ = 1;
     std::uint64_t foreign_commands_ = 0;  // at the last step

@@ -51,6 +51,17 @@ void add_rig_options(CLI::App& app, RigOptions& o, PlcOptions& plc, const char* 
         ->check(CLI::Range(0, 99))
         ->capture_default_str();
     app.add_option(
+           "--clock", o.lockstep,
+           "timer: real time; sync: lockstep with virtual-rig and antiskid-controller --clock sync: the "
+           "same seed gives the same samples and figures")
+        ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"timer", false}, {"sync", true}}))
+        ->default_str("timer");
+    app.add_option("--answer-timeout", o.answer_timeout_ms,
+                   "with --clock sync: who takes longer is silent; as virtual-rig's")
+        ->check(CLI::Range(1, 3'600'000))
+        ->type_name("MS")
+        ->capture_default_str();
+    app.add_option(
            "--view", o.view,
            "live: a block that is drawn over itself; plain: a line a second; auto: live on a terminal")
         ->transform(CLI::CheckedTransformer(std::map<std::string, View>{

@@ -31,6 +31,8 @@ struct RigOptions {
     bool reset = true;  ///< a tripped PLC is led back while nothing is on and every interlock is good
     bool leave_turning = false;  ///< after an abort: end although the rim may still turn
     int priority = 50;
+    bool lockstep = false;        ///< step by the bus's SYNC, with a virtual rig that waits
+    int answer_timeout_ms = 100;  ///< lockstep: with whoever does not answer
     View view = View::automatic;
 };
 

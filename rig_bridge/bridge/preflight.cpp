@@ -51,6 +51,7 @@ preflight::Report preflight_report(const PreflightCommand& command, const Prefli
             preflight::skipped("PLC, bus, ledger", "no configuration", "all of them good"));
         return report;
     }
+    report.checks.push_back(free_check(doors.holder(*setup)));
     append(report.checks, plc_checks(doors.plc(*setup), *setup));
     append(report.checks, bus_checks(doors.bus(*setup), *setup));
     const auto ledger = command.rig.out.empty() ? std::filesystem::path() : ledger_file(command.rig.out);

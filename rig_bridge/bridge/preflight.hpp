@@ -29,6 +29,7 @@ struct BusHeard {
     std::string refusal;  ///< why nothing could be heard
     antiskid::can::BusView view;
     std::array<antiskid::can::MessageStats, antiskid::can::kRoleCount> stats{};
+    std::string two_controllers;  ///< what shows that there are; empty: nothing does
     antiskid::can::Time until{};  ///< when listening ended, on the clock of the frames
 
     [[nodiscard]] const antiskid::can::MessageStats& of(antiskid::can::Role role) const {
@@ -49,11 +50,18 @@ struct PreflightDoors {
     /// After it has been looked at for a while, without a word to it.
     std::function<Snapshot(const Setup&)> plc;
     std::function<BusHeard(const Setup&)> bus;
+    /// Who has the rig already, as rig_held() says it; empty: nobody.
+    std::function<std::string(const Setup&)> holder;
 };
 
 /// Link, map version, heartbeat, plausible registers, each interlock, state, and the rig at rest.
 [[nodiscard]] Checks plc_checks(const Snapshot& plc, const Setup& setup);
-/// Sensors and controller are heard, the controller has no fault, and no other bridge talks.
+/// No other bridge of this computer has the rig.
+[[nodiscard]] Check free_check(const std::string& holder);
+/// No other bridge talks on the bus, and one controller at the most.
+[[nodiscard]] Check only_bridge_check(const BusHeard& heard);
+[[nodiscard]] Check only_controller_check(const BusHeard& heard);
+/// Sensors and controller are heard, the controller has no fault, and there is no other of it or of the bridge.
 [[nodiscard]] Checks bus_checks(const BusHeard& heard, const Setup& setup);
 /// Whole, free, writable; and of this configuration where it has this scenario's campaign. `ledger`: empty: none is asked for.
 [[nodiscard]] Checks ledger_checks(const LedgerFacts& facts, const std::filesystem::path& ledger,

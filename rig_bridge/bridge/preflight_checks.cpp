@@ -147,6 +147,31 @@ Checks plc_checks(const Snapshot& plc, const Setup& setup) {
     return checks;
 }
 
+Check free_check(const std::string& holder) {
+    return judged("rig free", holder.empty(),
+                  {.measured = holder.empty() ? std::string("nobody has it") : holder,
+                   .required = "no other bridge of this computer on its interface or PLC",
+                   .remedy = "wait until that bridge has ended, or ask it to end"});
+}
+
+Check only_bridge_check(const BusHeard& heard) {
+    const std::uint32_t others = heard.of(Role::maneuver).accepted + heard.of(Role::maneuver).rejected();
+    return judged("only bridge", others == 0,
+                  {.measured = others == 0 ? std::string("no other")
+                                           : fmt::format("another one sent {} commands", others),
+                   .required = "no other",
+                   .remedy = "end the other bridge first: it has the rig"});
+}
+
+Check only_controller_check(const BusHeard& heard) {
+    const bool one = heard.two_controllers.empty();
+    return judged(
+        "only controller", one,
+        {.measured = one ? std::string("no other") : heard.two_controllers,
+         .required = "one",
+         .remedy = "end one of them: pgrep -a antiskid-contro on this computer, or the other node"});
+}
+
 Checks bus_checks(const BusHeard& heard, const Setup& setup) {
     const std::string& interface = setup.options.interface;
     Checks checks{judged("CAN socket", heard.refusal.empty(),
@@ -166,12 +191,8 @@ Checks bus_checks(const BusHeard& heard, const Setup& setup) {
     checks.push_back(frames_check(heard, setup, Role::status, controller.status_received,
                                   setup.limits.controller_s, start));
     checks.push_back(controller_check(controller, interface));
-    const std::uint32_t others = heard.of(Role::maneuver).accepted + heard.of(Role::maneuver).rejected();
-    checks.push_back(judged("only bridge", others == 0,
-                            {.measured = others == 0 ? std::string("no other")
-                                                     : fmt::format("another one sent {} commands", others),
-                             .required = "no other",
-                             .remedy = "end the other bridge first: it has the rig"}));
+    checks.push_back(only_controller_check(heard));
+    checks.push_back(only_bridge_check(heard));
     return checks;
 }
 

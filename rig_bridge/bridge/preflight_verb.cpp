@@ -1,16 +1,14 @@
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <system_error>
 #include <thread>
 
 #include "config/reader/error.hpp"
-#include "firmware/can/roles.hpp"
-#include "firmware/can/socket_can.hpp"
-#include "firmware/linux/clock.hpp"
+#include "rig_bridge/bridge/listen_to_bus.hpp"
 #include "rig_bridge/bridge/preflight.hpp"
+#include "rig_bridge/bridge/rig_hold.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 
 namespace rig {
@@ -30,32 +28,6 @@ Snapshot look_at_plc(const Setup& setup) {
         std::this_thread::sleep_for(20ms);
     std::this_thread::sleep_for(kLong);
     return client.snapshot();
-}
-
-BusHeard listen_to_bus(const Setup& setup) {
-    constexpr antiskid::can::Time kLong = 1s;
-    constexpr antiskid::can::Time kTurn = 20ms;
-    BusHeard heard;
-    antiskid::can::Observer observer(setup.layout);
-    try {
-        const auto ids = antiskid::can::ids(setup.layout, antiskid::can::kEveryRole);
-        antiskid::can::SocketCan bus(setup.options.interface, ids.span());
-        antiskid::rt::MonotonicClock clock;
-        const antiskid::can::Time end = clock.now() + kLong;
-        std::array<antiskid::can::Frame, antiskid::can::SocketCan::kBatch> frames;
-        for (heard.until = clock.now(); heard.until < end; heard.until = clock.now()) {
-            (void)bus.wait(kTurn);
-            for (std::size_t count = bus.receive(frames); count > 0; count = bus.receive(frames))
-                for (const antiskid::can::Frame& frame : std::span(frames).first(count))
-                    (void)observer.accept(frame);
-        }
-    } catch (const std::runtime_error& error) {
-        heard.refusal = error.what();
-    }
-    heard.view = observer.view();
-    for (const antiskid::can::Role role : antiskid::can::kEveryRole)
-        heard.stats[static_cast<std::size_t>(role)] = observer.stats(role);
-    return heard;
 }
 
 LedgerFacts look_at_ledger(const std::filesystem::path& ledger) {
@@ -83,7 +55,8 @@ int run_preflight(const PreflightCommand& command) {
         .link = [](const std::string& interface) { return antiskid::preflight::can_link(interface); },
         .ledger = look_at_ledger,
         .plc = look_at_plc,
-        .bus = listen_to_bus};
+        .bus = [](const Setup& setup) { return listen_to_bus(setup, 1s); },
+        .holder = [](const Setup& setup) { return rig_held(hold_places(setup)).value_or(""); }};
     return deliver(preflight_report(command, doors), command.json);
 }
 

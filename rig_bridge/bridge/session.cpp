@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "firmware/can/socket_can.hpp"
@@ -17,18 +18,21 @@ namespace rig {
 using antiskid::can::Time;
 using sequencer::Phase;
 
-namespace {
-
-class ModbusPlc final : public Plc {
+class Session::ModbusPlc final : public Plc {
   public:
-    ModbusPlc(const RegisterMap& map, const std::string& address)
-        : client_(map, parse_plc_address(address)) {}
+    ModbusPlc(const RegisterMap& map, const std::string& address, std::function<ClockTime()> now,
+              Polling polling)
+        : client_(map, parse_plc_address(address), std::move(now), polling) {}
+    void look() { client_.look(); }
+    void turn(std::uint16_t number) { client_.turn(number); }
     void command(const CommandedValues& wanted) override { client_.command(wanted); }
     [[nodiscard]] Snapshot snapshot() const override { return client_.snapshot(); }
 
   private:
     ModbusClient client_;
 };
+
+namespace {
 
 /// At the abort: the phase that it ended, and what PLC, bus or controller said then.
 std::string how_it_was(Phase phase, const Moment& moment) {
@@ -50,30 +54,55 @@ Session::Session(const Setup& setup, StopRequests& stops, Terminal& terminal)
     : setup_(setup),
       stops_(stops),
       terminal_(terminal),
-      plc_(std::make_unique<ModbusPlc>(setup.map, setup.options.plc)),
+      lockstep_(setup.options.lockstep
+                    ? std::make_optional<Lockstep>(
+                          setup.layout, Time(std::llround(setup.meter.period_s * 1e9)), Node::kStep,
+                          std::chrono::milliseconds(setup.options.answer_timeout_ms))
+                    : std::nullopt),
+      plc_(std::make_unique<ModbusPlc>(
+          setup.map, setup.options.plc, [this] { return lockstep_ ? lockstep_->now() : clock_.now(); },
+          lockstep_ ? Polling::turns : Polling::own_thread)),
       bus_([&setup] {
           return std::make_unique<antiskid::can::SocketCan>(setup.options.interface,
                                                             std::span<const std::uint16_t>{});
       }),
-      recorder_(setup.options.interface, setup.layout, setup.meter, [this] { (void)bus_.service(); }),
+      recorder_(
+          setup.options.interface, setup.layout, setup.meter, [this] { (void)bus_.service(); },
+          lockstep_ ? &*lockstep_ : nullptr),
       node_(setup.layout, setup.meter.period_s, setup.limits, *plc_, recorder_, bus_),
-      timer_(clock_, Node::kStep) {}
+      timer_(clock_, Node::kStep) {
+    if (!lockstep_) return;
+    plc_->look();
+    plc_->turn(kJoined);
+}
 
 Session::~Session() = default;
 
 const Moment& Session::step(sequencer::Sequencer* sequencer, const Order* order) {
-    (void)timer_.wait();
+    if (lockstep_)
+        recorder_.await_turn([this] { return stops_.count() > 1; });
+    else
+        (void)timer_.wait();
     const int stops = stops_.count();
     if (stops > 1) throw EndAtOnce{};
+    if (lockstep_) plc_->look();
     const std::int64_t number = order == nullptr ? 0 : order->number;
-    return node_.step(sequencer,
-                      {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
-                      clock_.now());
+    const Moment& moment =
+        node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
+                   lockstep_ ? lockstep_->now() : clock_.now());
+    if (lockstep_) plc_->turn(lockstep_->taken());
+    return moment;
 }
 
 void Session::meanwhile(const std::function<void()>& work) {
+    meanwhile(work, nullptr, nullptr);
+}
+
+void Session::meanwhile(const std::function<void()>& work, sequencer::Sequencer* sequencer,
+                        const Order* order) {
+    if (lockstep_) return work();
     auto done = std::async(std::launch::async, work);
-    while (done.wait_for(std::chrono::seconds(0)) != std::future_status::ready) (void)step(nullptr, nullptr);
+    while (done.wait_for(std::chrono::seconds(0)) != std::future_status::ready) (void)step(sequencer, order);
     done.get();
 }
 
@@ -118,7 +147,9 @@ void Session::await_cold_brake(const Order& order) {
 void Session::write_sample(SampleLog& samples, const Moment& moment) {
     if (moment.plc.counters.polls == polls_) return;
     polls_ = moment.plc.counters.polls;
-    samples.write(moment.now + moment.bus.wall_minus_monotonic, moment.plc.values);
+    // A label of real time, as in bus.log, also in lockstep.
+    const Time now = lockstep_ ? clock_.now() : moment.now;
+    samples.write(now + moment.bus.wall_minus_monotonic, moment.plc.values);
 }
 
 void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, SampleLog& samples) {
@@ -138,6 +169,10 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
             note_ = how_it_was(before, m);
             terminal_.say("rig-bridge: " + advice(sequencer.abort(), before, m.bus.view.controller.faults));
         }
+        if (m.bus.two_controllers && !two_controllers_)
+            terminal_.say("rig-bridge: two controllers talk on the bus, and are refused: " +
+                          m.bus.controller_refused + ". Next: end one of them");
+        two_controllers_ = m.bus.two_controllers;
         before = sequencer.phase();
         if (rests(m.outputs.phase) && resting <= kTail && ++resting > kTail) recorder_.end();
         show(order, m, record_error_);
@@ -192,11 +227,7 @@ Ran Session::run(const Order& order) {
         recording = recorder_.take();
     }
     bool whole = true;
-    auto closed =
-        std::async(std::launch::async, [&] { whole = recording->log.finish() && samples.finish(); });
-    while (closed.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
-        (void)step(&sequencer, &order);
-    closed.get();
+    meanwhile([&] { whole = recording->log.finish() && samples.finish(); }, &sequencer, &order);
     terminal_.leave();
     if (!whole) record_error_ = recording->log.error().empty() ? samples.error() : recording->log.error();
     ran.record_error = record_error_;

@@ -1,5 +1,6 @@
 /// The bridge at work: PLC client, bus recorder and main loop, for as many maneuvers as wanted. While one of its calls runs, the loop keeps
-/// its step, so that neither PLC nor controller takes the bridge for dead; slow work (disk, ledger) goes through meanwhile().
+/// its step, so that neither PLC nor controller takes the bridge for dead; slow work (disk, ledger) goes through meanwhile(). In lockstep
+/// the rig waits for each step, and so for slow work, as long as its time-out allows.
 #pragma once
 
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include "firmware/linux/periodic_timer.hpp"
 #include "firmware/linux/supervised_can.hpp"
 #include "rig_bridge/bridge/bus_recorder.hpp"
+#include "rig_bridge/bridge/lockstep.hpp"
 #include "rig_bridge/bridge/node.hpp"
 #include "rig_bridge/bridge/setup.hpp"
 #include "rig_bridge/bridge/stop_requests.hpp"
@@ -63,9 +65,10 @@ class Session {
     void meanwhile(const std::function<void()>& work);
 
   private:
-    class Link;
+    class ModbusPlc;
     const Moment& step(sequencer::Sequencer* sequencer, const Order* order);
     void await_cold_brake(const Order& order);
+    void meanwhile(const std::function<void()>& work, sequencer::Sequencer* sequencer, const Order* order);
     void show(const Order& order, const Moment& moment, const std::string& waiting_for);
     void sequence(const Order& order, sequencer::Sequencer& sequencer, SampleLog& samples);
     void write_sample(SampleLog& samples, const Moment& moment);
@@ -74,7 +77,8 @@ class Session {
     StopRequests& stops_;
     Terminal& terminal_;
     antiskid::rt::MonotonicClock clock_;
-    std::unique_ptr<Plc> plc_;
+    std::optional<Lockstep> lockstep_;
+    std::unique_ptr<ModbusPlc> plc_;
     antiskid::rt::SupervisedCan bus_;
     BusRecorder recorder_;
     Node node_;
@@ -82,6 +86,7 @@ class Session {
 
     // Of the maneuver that runs.
     bool abort_ = false;
+    bool two_controllers_ = false;
     std::string record_error_;
     std::string note_;
     Trace trace_;

@@ -54,6 +54,12 @@ Setup load_setup(const RigOptions& o, const std::vector<std::filesystem::path>& 
         throw std::invalid_argument(
             binding.string() +
             ": [maneuver_state] is missing: figures are counted from it, the bridge needs it");
+    if (o.lockstep && !s.layout.sync_counter.bound())
+        throw std::invalid_argument(binding.string() + ": [sync] has no number: --clock sync steps by it");
+    if (o.lockstep && !s.map.bridge_turn)
+        throw std::invalid_argument(
+            registers.string() +
+            ": [virtual.bridge_turn] is missing: --clock sync needs a virtual PLC that waits for the bridge");
     const auto bridge = o.config / "bridge.toml";
     s.limits = load_freshness(bridge, s.map);
     std::vector<std::filesystem::path> files = s.scenario.files;

@@ -37,7 +37,7 @@ struct ViewModel {
     double load_N = 0.0;
     double torque_Nm = 0.0;
     double temperature_C = 0.0;
-    std::string_view controller;  ///< its state, or "silent"
+    std::string_view controller;  ///< its state, "silent", or "refused": heard, but no frame is good
     std::string_view plc;         ///< ready, tripped, silent, ...
     std::string_view bus;         ///< up or down
     std::vector<std::string_view> faults;

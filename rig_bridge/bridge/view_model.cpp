@@ -37,7 +37,8 @@ ViewModel view_of(const Moment& m, const Freshness& limits) {
     const auto& controller = m.bus.view.controller;
     v.controller = m.inputs.controller_fresh
                        ? antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)]
-                       : std::string_view("silent");
+                   : m.bus.controller_refused.empty() ? std::string_view("silent")
+                                                      : std::string_view("refused");
     v.plc = plc_state(m);
     v.bus = m.inputs.bus_up ? "up" : "down";
     if (m.inputs.controller_fresh) {
@@ -71,6 +72,8 @@ std::string rim_text(std::optional<double> rim_mps, double standstill_mps) {
 
 std::string note_of(const Moment& m) {
     if (!m.bus.up && !m.bus.error.empty()) return m.bus.error;
+    if (!m.inputs.controller_fresh && !m.bus.controller_refused.empty())
+        return "the controller is heard but refused: " + m.bus.controller_refused;
     if (m.plc.link != LinkState::connected && !m.plc.error.empty()) return "PLC: " + m.plc.error;
     if (m.inputs.foreign_command)
         return "somebody else commands the PLC: commit " + std::to_string(m.plc.foreign_commit) +

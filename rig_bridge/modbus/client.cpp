@@ -15,6 +15,7 @@
 #include "rig_bridge/modbus/plc_connection.hpp"
 #include "rig_bridge/modbus/stop_signal.hpp"
 #include "rig_bridge/registers/blocks.hpp"
+#include "rig_bridge/registers/lockstep_turn.hpp"
 
 namespace rig {
 namespace {
@@ -44,7 +45,7 @@ std::string_view name(LinkState state) {
 
 class ModbusClient::Impl {
   public:
-    Impl(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now)
+    Impl(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now, Polling polling)
         : map_(std::move(map)),
           now_(std::move(now)),
           connection_(map_, address),
@@ -61,11 +62,14 @@ class ModbusClient::Impl {
                 ": a serial line needs input registers in groups of two or more, so that a "
                 "late answer cannot be taken for that of the map version");
         shown_.values.fill(std::numeric_limits<double>::quiet_NaN());
-        thread_ = std::thread([this] { run(); });
+        if (polling == Polling::own_thread) thread_ = std::thread([this] { run(); });
     }
     ~Impl() {
         stop_.raise();
-        thread_.join();
+        if (thread_.joinable())
+            thread_.join();
+        else if (connection_.is_open())
+            static_cast<void>(say_turn(kNoTurns));
     }
     Impl(const Impl&) = delete;
     Impl& operator=(const Impl&) = delete;
@@ -99,8 +103,27 @@ class ModbusClient::Impl {
         return shown;
     }
 
+    void look() {
+        std::optional<LinkFailure> failed = connection_.is_open() ? std::nullopt : connect();
+        if (!failed && connection_.is_open()) failed = poll();
+        if (failed) lose(*failed);
+    }
+
+    void turn(std::uint16_t number) {
+        if (!connection_.is_open()) return;
+        std::optional<LinkFailure> failed = tell();
+        if (!failed) failed = say_turn(number);
+        if (failed) lose(*failed);
+    }
+
   private:
     using Failed = std::optional<LinkFailure>;
+
+    Failed say_turn(std::uint16_t number) {
+        const std::array word{number};
+        count_request();
+        return connection_.write(map_.bridge_turn.value().address, word);
+    }
 
     void run() {
         auto next = std::chrono::steady_clock::now();
@@ -180,7 +203,10 @@ class ModbusClient::Impl {
 
     Failed cycle() {
         if (auto failed = poll()) return failed;
-        if (!connection_.is_open()) return std::nullopt;
+        return connection_.is_open() ? tell() : std::nullopt;
+    }
+
+    Failed tell() {
         if (auto failed = move_watchdog()) return failed;
         return send_command();
     }
@@ -307,14 +333,21 @@ class ModbusClient::Impl {
     std::thread thread_;
 };
 
-ModbusClient::ModbusClient(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now)
-    : impl_(std::make_unique<Impl>(std::move(map), address, std::move(now))) {}
+ModbusClient::ModbusClient(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now,
+                           Polling polling)
+    : impl_(std::make_unique<Impl>(std::move(map), address, std::move(now), polling)) {}
 ModbusClient::~ModbusClient() = default;
 void ModbusClient::command(const CommandedValues& wanted) {
     impl_->command(wanted);
 }
 void ModbusClient::alive() {
     impl_->alive();
+}
+void ModbusClient::look() {
+    impl_->look();
+}
+void ModbusClient::turn(std::uint16_t number) {
+    impl_->turn(number);
 }
 Snapshot ModbusClient::snapshot() const {
     return impl_->snapshot();

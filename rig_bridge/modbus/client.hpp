@@ -76,13 +76,17 @@ struct Snapshot {
     }
 };
 
+/// Who says when the PLC is polled: the client's own thread, every `poll` of the map; or the caller, in lockstep with a virtual PLC.
+enum class Polling : std::uint8_t { own_thread, turns };
+
 class ModbusClient {
   public:
-    /// Starts the thread; connecting is its business. `now` is asked from both threads and does not fall. Throws
+    /// Starts the thread where polling is its own; connecting is its business. `now` is asked from both threads and does not fall. Throws
     /// std::invalid_argument for an address that is none, or a map that this link cannot carry.
     ModbusClient(
         RegisterMap map, const PlcAddress& address,
-        std::function<ClockTime()> now = [] { return std::chrono::steady_clock::now().time_since_epoch(); });
+        std::function<ClockTime()> now = [] { return std::chrono::steady_clock::now().time_since_epoch(); },
+        Polling polling = Polling::own_thread);
     /// Ends after the request that is on its way, at most a connect or response time-out. Commands nothing.
     ~ModbusClient();
     ModbusClient(const ModbusClient&) = delete;
@@ -97,6 +101,12 @@ class ModbusClient {
     void alive();
 
     [[nodiscard]] Snapshot snapshot() const;
+
+    // Polling::turns only, on the caller's thread.
+    /// Connects where it must, reads everything.
+    void look();
+    /// Writes what is due, and last `number` into the map's bridge_turn. The destructor writes 0 there.
+    void turn(std::uint16_t number);
 
   private:
     class Impl;

@@ -11,6 +11,7 @@ std::vector<Field> holding_fields(const RegisterMap& map) {
     std::vector<Field> fields(map.commanded.begin(), map.commanded.end());
     fields.push_back(map.open_interlocks);
     fields.push_back(map.hang_s);
+    if (map.bridge_turn) fields.push_back(*map.bridge_turn);
     return fields;
 }
 
@@ -58,10 +59,14 @@ void RegisterBank::publish() {
     const auto open = static_cast<unsigned>(holdings_.read(map_.open_interlocks).value);
     const double commit = at(now, Commanded::commit);
 
-    const std::lock_guard lock(mutex_);
-    if (commit != 0.0 && commit != at(orders_.commanded, Commanded::commit)) orders_.commanded = now;
-    at(orders_.commanded, Commanded::bridge_watchdog) = at(now, Commanded::bridge_watchdog);
-    orders_.open_interlocks = interlocks_from_register(map_, open);
+    {
+        const std::lock_guard lock(mutex_);
+        if (commit != 0.0 && commit != at(orders_.commanded, Commanded::commit)) orders_.commanded = now;
+        at(orders_.commanded, Commanded::bridge_watchdog) = at(now, Commanded::bridge_watchdog);
+        orders_.open_interlocks = interlocks_from_register(map_, open);
+    }
+    // After all that was written before it.
+    if (map_.bridge_turn) bridge_turn_ = static_cast<std::uint16_t>(holdings_.read(*map_.bridge_turn).value);
 }
 
 double RegisterBank::take_hang() {

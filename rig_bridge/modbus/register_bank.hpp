@@ -4,6 +4,7 @@
 
 #include <modbus/modbus.h>
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -21,6 +22,7 @@ class RegisterBank {
 
     // The plant's thread.
     Orders exchange(const MeasuredValues& measured);
+    [[nodiscard]] std::uint16_t bridge_turn() const { return bridge_turn_; }
 
     // The server's thread.
 
@@ -45,6 +47,8 @@ class RegisterBank {
     RegisterSet holdings_there_;
     RegisterImage holdings_;  // of the server's thread, as `mapping_` is
     std::unique_ptr<modbus_mapping_t, MappingFree> mapping_;
+
+    std::atomic<std::uint16_t> bridge_turn_{0};
 
     std::mutex mutex_;  // guards what follows, held for copies only
     RegisterImage inputs_;

@@ -150,6 +150,7 @@ class ModbusServer::Impl {
     [[nodiscard]] std::uint16_t port() const { return port_; }
     [[nodiscard]] std::string rtu_path() const { return rtu_ ? rtu_->terminal().path() : ""; }
     Orders exchange(const MeasuredValues& measured) { return bank_.exchange(measured); }
+    [[nodiscard]] std::uint16_t bridge_turn() const { return bank_.bridge_turn(); }
     [[nodiscard]] ServerCounters counters() const {
         return {.requests = requests_,
                 .exceptions = exceptions_,
@@ -294,6 +295,9 @@ std::string ModbusServer::rtu_path() const {
 }
 Orders ModbusServer::exchange(const MeasuredValues& measured) {
     return impl_->exchange(measured);
+}
+std::uint16_t ModbusServer::bridge_turn() const {
+    return impl_->bridge_turn();
 }
 ServerCounters ModbusServer::counters() const {
     return impl_->counters();

@@ -74,6 +74,9 @@ class ModbusServer {
     /// map's own, whatever `measured` says.
     Orders exchange(const MeasuredValues& measured);
 
+    /// What stands in the map's bridge_turn, after all orders that were written before it; 0 where the map has none.
+    [[nodiscard]] std::uint16_t bridge_turn() const;
+
     [[nodiscard]] ServerCounters counters() const;
 
   private:

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
-#include "config/reader/file_descriptor.hpp"
+#include "rig_bridge/record/held_file.hpp"
 
 namespace rig {
 
@@ -15,8 +16,8 @@ class LedgerLock {
     explicit LedgerLock(const std::filesystem::path& ledger) : file_(take(ledger)) {}
 
   private:
-    [[nodiscard]] static int take(const std::filesystem::path& ledger);
-    settings::FileDescriptor file_;
+    [[nodiscard]] static std::unique_ptr<HeldFile> take(const std::filesystem::path& ledger);
+    std::unique_ptr<HeldFile> file_;
 };
 
 }  // namespace rig

@@ -167,6 +167,11 @@ void read_holdings(const Table& root, RegisterMap& map) {
     map.hang_s = read_field(hang, "s");
     if (map.hang_s.min != 0.0) hang.fail("range", "must begin at 0");
     occupied.add(hang, map.hang_s);
+    if (!faults.has("bridge_turn")) return;
+    const Table turn = faults.table("bridge_turn");
+    map.bridge_turn = read_field(turn, "");
+    require_range(turn, *map.bridge_turn, 65535.0);
+    occupied.add(turn, *map.bridge_turn);
 }
 
 void read_interlocks(const Table& table, RegisterMap& map) {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "rig_bridge/registers/quantities.hpp"
@@ -70,6 +71,7 @@ struct RegisterMap {
     std::array<std::uint8_t, kInterlockCount> interlock_bit{};
     Field open_interlocks;  ///< holding, virtual PLC only: set bits (as in the register) are forced open
     Field hang_s;           ///< holding, virtual PLC only: no answer for so long from the next request on
+    std::optional<Field> bridge_turn;  ///< holding, virtual PLC only: lockstep_turn.hpp
 
     [[nodiscard]] const Field& field(Measured q) const { return measured[static_cast<std::size_t>(q)]; }
     [[nodiscard]] const Field& field(Commanded q) const { return commanded[static_cast<std::size_t>(q)]; }

@@ -69,6 +69,35 @@ TEST_CASE("The bridge's frames go out at their periods, load cells only while th
     }
 }
 
+TEST_CASE("A phase and its command go out in the same step", "[BRG-469]") {
+    for (const int before : {1, 2}) {
+        Bench b;
+        sequencer::Sequencer sequencer(plan());
+        for (int i = 0; i < before; ++i) b.step(nullptr);
+        Phase phase = Phase::idle;
+        int changes = 0;
+        for (int i = 0; i < 400; ++i) {
+            b.bus.sent.clear();
+            b.step(&sequencer, {.number = 1, .abort = i == 200 + before});
+            if (b.node.moment().outputs.phase == phase) {
+                CHECK(b.sent(Role::maneuver) <= 1);
+                continue;
+            }
+            phase = b.node.moment().outputs.phase;
+            ++changes;
+            CAPTURE(sequencer::name(phase));
+            REQUIRE(b.sent(Role::maneuver) == 1);
+            // The command first: who hears the phase has heard it.
+            const auto place = [&](Role role) {
+                return std::find_if(b.bus.sent.begin(), b.bus.sent.end(),
+                                    [&](const auto& frame) { return frame.id == b.frames[role].id; });
+            };
+            CHECK(place(Role::maneuver) < place(Role::maneuver_state));
+        }
+        CHECK(changes >= 3);
+    }
+}
+
 TEST_CASE("Without a sequencer everything is off", "[BRG-404]") {
     Bench b;
     b.step(nullptr);

@@ -29,6 +29,14 @@ TEST_CASE("The command line says which rig, which maneuver and where to", "[BRG-
     CHECK(one.rig.reset);
     CHECK(one.cool_down);
     CHECK_FALSE(one.rig.leave_turning);
+    CHECK_FALSE(one.rig.lockstep);
+    const auto lockstep =
+        command<rig::ManeuverCommand>({"maneuver", "heavy.toml", "--can", "vcan0", "--plc", "127.0.0.1:1502",
+                                       "--clock", "sync", "--answer-timeout", "3000"});
+    CHECK(lockstep.rig.lockstep);
+    CHECK(lockstep.rig.answer_timeout_ms == 3000);
+    CHECK(std::get<int>(parse({"maneuver", "heavy.toml", "--can", "vcan0", "--plc", "127.0.0.1:1502",
+                               "--clock", "sensors"})) == 2);
     CHECK(command<rig::ManeuverCommand>(
               {"maneuver", "heavy.toml", "--can", "vcan0", "--plc", "127.0.0.1:1502", "--leave-turning"})
               .rig.leave_turning);

@@ -58,7 +58,8 @@ struct PreflightBench {
                                           .link = [this](const auto&) { return link; },
                                           .ledger = [this](const auto&) { return ledger; },
                                           .plc = [this](const auto&) { return plc; },
-                                          .bus = [this](const auto&) { return bus; }});
+                                          .bus = [this](const auto&) { return bus; },
+                                          .holder = [this](const auto&) { return holder; }});
     }
     [[nodiscard]] Wrong wrongs() { return wrong(run().checks); }
 
@@ -68,6 +69,7 @@ struct PreflightBench {
     rig::LedgerFacts ledger;
     rig::Snapshot plc = bridge_test::good_plc();
     rig::BusHeard bus = sound_bus();
+    std::string holder;
 };
 
 void set(PreflightBench& bench, rig::Measured q, double value) {
@@ -105,6 +107,26 @@ TEST_CASE("a scenario's law that the bus has no code for is refused by name", "[
     options.binding = "config/foreign_binding.toml";
     CHECK_THROWS_WITH(rig::load_setup(options),
                       ContainsSubstring("foreign.dbc: the law's field is too narrow"));
+}
+
+TEST_CASE("Lockstep needs a PLC that waits and a SYNC with a number", "[BRG-468]") {
+    const TemporaryDirectory directory;
+    rig::RigOptions options = heavy().rig;
+    options.lockstep = true;
+    CHECK_NOTHROW(rig::load_setup(options));
+    const std::string map = content_of("config/registers.toml");
+    put(directory / "registers.toml", map.substr(0, map.find("[virtual.bridge_turn]")));
+    options.registers = directory / "registers.toml";
+    CHECK_THROWS_WITH(rig::load_setup(options), ContainsSubstring("[virtual.bridge_turn] is missing"));
+    options.lockstep = false;
+    CHECK_NOTHROW(rig::load_setup(options));
+    options.lockstep = true;
+    options.registers.clear();
+    const std::string binding = content_of("config/antiskid_binding.toml");
+    const std::size_t number = binding.find("number = \"SyncNumber\"");
+    put(directory / "binding.toml", binding.substr(0, number) + binding.substr(binding.find('\n', number)));
+    options.binding = directory / "binding.toml";
+    CHECK_THROWS_WITH(rig::load_setup(options), ContainsSubstring("[sync] has no number"));
 }
 
 TEST_CASE("A rig that is good in every respect passes every check but what nobody tells", "[BRG-150]") {
@@ -213,6 +235,14 @@ TEST_CASE("A bus that is bad in one respect fails that check alone", "[BRG-152]"
     SECTION("another bridge") {
         of(Role::maneuver).accepted = 50;
         CHECK(bench.wrongs() == Wrong{"only bridge: fail"});
+    }
+    SECTION("two controllers") {
+        bench.bus.two_controllers = std::string("counter; two senders of 0x180");
+        CHECK(bench.wrongs() == Wrong{"only controller: fail"});
+    }
+    SECTION("a bridge of this computer") {
+        bench.holder = std::string("CAN interface can0 is held by rig-bridge campaign, process 4711");
+        CHECK(bench.wrongs() == Wrong{"rig free: fail"});
     }
     SECTION("an interface at another bit rate") {
         bench.link.bitrate = 500'000;

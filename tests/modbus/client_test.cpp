@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "rig_bridge/modbus/modbus_context.hpp"
+#include "rig_bridge/registers/lockstep_turn.hpp"
 #include "tests/catch.hpp"
 #include "tests/modbus/fake_plc.hpp"
 #include "tests/modbus/plc_stub.hpp"
@@ -379,4 +380,41 @@ TEST_CASE("Little word order and scattered registers work as well", "[BRG-030]")
     CHECK(client.snapshot().value(Measured::wheel_on_rim) == 1.0);
     CHECK(client.snapshot().value(Measured::interlocks) == 3.0);
     CHECK(at(plc.orders().commanded, Commanded::load_lift_Ns2pm2) == 3.625);
+}
+
+TEST_CASE("Turn by turn the PLC is read and told on the caller's thread, by the caller's time", "[BRG-467]") {
+    const auto map = stub::shipped_map();
+    rig::ModbusServer server(map, {});
+    rig::MeasuredValues measured{};
+    rig::ClockTime now{};
+    std::uint16_t turn = 0;
+    {
+        rig::ModbusClient client(
+            map, at_port(server.port()), [&] { return now; }, rig::Polling::turns);
+        CHECK(client.snapshot().link == LinkState::connecting);
+        client.look();
+        client.turn(rig::kJoined);
+        CHECK(server.bridge_turn() == rig::kJoined);
+        CHECK(client.snapshot().link == LinkState::connected);
+        const auto polls = client.snapshot().counters.polls;
+        rig::Orders orders;
+        while (at(orders.commanded, Commanded::flywheel_speed_mps) != 61.0 && turn < 20) {
+            now += 10ms;
+            at(measured, Measured::plc_watchdog) += 1.0;
+            at(measured, Measured::flywheel_speed_mps) = 0.5 * turn;
+            (void)server.exchange(measured);
+            client.look();
+            client.command(landing(61.0));
+            client.turn(++turn);
+            CHECK(server.bridge_turn() == turn);
+            CHECK(client.snapshot().value(Measured::flywheel_speed_mps) == 0.5 * (turn - 1));
+            CHECK(client.snapshot().counters.polls == polls + turn);
+            orders = server.exchange(measured);
+        }
+        // Told as soon as the PLC has seen the bridge's watchdog move.
+        CHECK(turn == 3);
+        now += 400ms;
+        CHECK(client.snapshot().age_s[static_cast<std::size_t>(Measured::flywheel_speed_mps)] == Approx(0.4));
+    }
+    CHECK(server.bridge_turn() == rig::kNoTurns);
 }

@@ -163,6 +163,17 @@ TEST_CASE("Addresses beyond the space, and overlaps, are refused", "[BRG-003]") 
     CHECK(load_register_map(directory / "registers.toml").field(Measured::brake_torque_Nm).address == 65534);
 }
 
+TEST_CASE("The turn of a bridge in lockstep is a virtual PLC's alone: a map may leave it out", "[BRG-468]") {
+    const TemporaryDirectory directory;
+    const std::string whole = shipped();
+    put(directory / "registers.toml", whole.substr(0, whole.find("[virtual.bridge_turn]")));
+    CHECK_FALSE(load_register_map(directory / "registers.toml").bridge_turn);
+    CHECK(load_register_map("config/registers.toml").bridge_turn.value().address == 102);
+    check_refused("virtual.bridge_turn", "address = 102", "address = 11", "virtual.bridge_turn.address",
+                  "holding.commit");
+    check_refused("virtual.bridge_turn", "65535]", "32767]", "virtual.bridge_turn.range", "65535");
+}
+
 TEST_CASE("Ranges that the type cannot hold are refused", "[BRG-004]") {
     const std::string range = "input.hydraulic_pressure.range";
     // 65535 * 1e4 Pa

@@ -162,16 +162,21 @@ def campaign_ends(folder):
     check(re.search(r"maneuver 1: mean friction 0\.\d+ is below the wear limit 0\.5", said), said)
     said = stops(0, "--min-friction", "0.5")
     check("below the wear limit" in said, "a worn brake was used again: " + said)
-    # The disk is full: what was being recorded does not count, and the ledger is whole.
+    # The disk fills up: what was being recorded does not count, and the ledger is whole.
     small = folder / "small"
     small.mkdir()
-    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=600k", "tmpfs", small], check=True)
+    subprocess.run(["mount", "-t", "tmpfs", "-o", "size=60m", "tmpfs", small], check=True)
+
+    def fill():
+        check(bus.await_phase(("settling",)), "no settling")
+        subprocess.run(["dd", "if=/dev/zero", f"of={small / 'other'}", "bs=64k"], stderr=subprocess.DEVNULL, check=False)
+
     try:
-        said = stops(1, place=small)
+        said = stops(1, during=fill, place=small)
         check("No space left on device" in said, said)
+        (small / "other").unlink()
         rows = ledger_copy(small)
         check(not done(rows), "a maneuver without a whole record counts")
-        subprocess.run(["mount", "-o", "remount,size=60m", small], check=True)
         stops(0, place=small)
         check(len(done(ledger_copy(small))) == 3, "the campaign did not go on")
     finally:

@@ -156,9 +156,10 @@ class Plc:
 class Rig:
     """Controller and virtual rig, started again when they have died; bridges on demand."""
 
-    def __init__(self, build, folder, scenario, config, clock="sync", sync_timeout_ms=300, answer_timeout_ms=100):
+    def __init__(self, build, folder, scenario, config, clock="sync", sync_timeout_ms=300, answer_timeout_ms=100, together=False):
         self.build, self.folder, self.scenario, self.config = build, folder, scenario, config
         self.clock, self.sync_timeout_ms, self.answer_timeout_ms = clock, sync_timeout_ms, answer_timeout_ms
+        self.together = ["--start-together"] if together else []
         self.controller = self.virtual_rig = self.plc = None
         self.runs = 0
         self.start()
@@ -178,7 +179,7 @@ class Rig:
         port_file.unlink(missing_ok=True)
         self.virtual_rig = subprocess.Popen(
             [self.build / "plant_sim/virtual-rig", "serve", "--can", "vcan0", "--scenario", self.scenario, "--config", self.config, "--clock",
-             self.clock, "--answer-timeout", str(self.answer_timeout_ms), "--modbus", "127.0.0.1:1502", "--port-file", port_file],
+             self.clock, "--answer-timeout", str(self.answer_timeout_ms), "--modbus", "127.0.0.1:1502", "--port-file", port_file, *self.together],
             stdout=open(self.folder / "virtual-rig.log", "a"), stderr=subprocess.STDOUT)
         eventually(lambda: port_file.exists() or self.virtual_rig.poll() is not None, "nothing is served")
         check(self.virtual_rig.poll() is None, "virtual-rig ended: " + (self.folder / "virtual-rig.log").read_text())

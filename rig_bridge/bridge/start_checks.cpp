@@ -1,0 +1,54 @@
+#include "rig_bridge/bridge/start_checks.hpp"
+
+#include <fmt/core.h>
+
+#include "rig_bridge/bridge/listen_to_bus.hpp"
+
+namespace rig {
+
+namespace {
+
+/// Thirty status frames of each controller: enough to tell two from one.
+constexpr antiskid::can::Time kListen{300'000'000};
+constexpr double kManeuver_bytes = 10e6;  // of the longest
+
+std::string failed(const Checks& checks) {
+    std::string text = "not started";
+    for (const Check& check : checks) {
+        if (check.verdict != antiskid::preflight::Verdict::fail) continue;
+        text += fmt::format("\n  {}: {}; required: {}. Next: {}", check.name, check.measured, check.required,
+                            check.remedy);
+    }
+    return text;
+}
+
+}  // namespace
+
+Checks start_checks(const StartFacts& facts, const std::string& interface,
+                    const std::filesystem::path& record) {
+    // Which bit rate is right only `preflight --bitrate` is told.
+    Checks checks = can_link_checks(facts.link, interface, facts.link.bitrate);
+    checks.push_back(record_check(facts.machine, {.program = "rig-bridge",
+                                                  .priority = 0,
+                                                  .cpu = {},
+                                                  .record = record.empty() ? "." : record,
+                                                  .record_bytes = kManeuver_bytes}));
+    if (!facts.bus.refusal.empty()) return checks;
+    checks.push_back(only_bridge_check(facts.bus));
+    checks.push_back(only_controller_check(facts.bus));
+    return checks;
+}
+
+NotFit::NotFit(const Checks& checks) : std::runtime_error(failed(checks)) {}
+
+void check_start(const Setup& setup, const std::filesystem::path& record) {
+    StartFacts facts{.link = antiskid::preflight::can_link(setup.options.interface),
+                     .machine = {},
+                     .bus = listen_to_bus(setup, kListen)};
+    antiskid::preflight::look_at_record(facts.machine, record.empty() ? "." : record);
+    const Checks checks = start_checks(facts, setup.options.interface, record);
+    for (const Check& check : checks)
+        if (check.verdict == antiskid::preflight::Verdict::fail) throw NotFit(checks);
+}
+
+}  // namespace rig

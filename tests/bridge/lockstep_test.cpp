@@ -1,0 +1,112 @@
+// Whose turn it is in lockstep, and what time it is.
+#include "rig_bridge/bridge/lockstep.hpp"
+
+#include <vector>
+
+#include "firmware/can/controller_port.hpp"
+#include "firmware/can/rig_port.hpp"
+#include "tests/bridge/fakes.hpp"
+#include "tests/catch.hpp"
+
+using antiskid::can::Time;
+using rig::Lockstep;
+using namespace std::chrono_literals;
+
+namespace {
+
+struct LockstepBench {
+    void sync(std::uint32_t number) { lockstep.hear(rig.sync(number)); }
+    void answer() { lockstep.hear(controller.valve_command(0.0F)); }
+    void period(std::uint32_t number) {
+        sync(number);
+        answer();
+    }
+
+    antiskid::can::Layout layout = bridge_test::layout();
+    antiskid::can::RigPort rig{layout, 1ms};
+    antiskid::can::ControllerPort controller{layout, 1ms};
+    Lockstep lockstep{layout, 1ms, 10ms, 100ms};
+};
+
+}  // namespace
+
+TEST_CASE("The bridge's turn is each tenth SYNC, once the controller has answered it", "[BRG-465]") {
+    LockstepBench b;
+    std::vector<std::uint32_t> turns;
+    for (std::uint32_t n = 0; n < 45; ++n) {
+        b.sync(n);
+        CHECK_FALSE(b.lockstep.due());
+        b.answer();
+        if (!b.lockstep.due()) continue;
+        turns.push_back(n);
+        CHECK(b.lockstep.taken() == rig::turn_number(n, 10));
+        CHECK(b.lockstep.now() == (static_cast<std::int64_t>(n) + 1) * Time{1ms});
+    }
+    CHECK(turns == std::vector<std::uint32_t>{0, 10, 20, 30, 40});
+    CHECK(b.lockstep.syncs() == 45);
+}
+
+TEST_CASE("A SYNC that is repeated is one; lost ones have passed; a rig that starts anew goes on",
+          "[BRG-465]") {
+    LockstepBench b;
+    b.sync(0);
+    b.sync(0);
+    b.period(0);
+    CHECK(b.lockstep.syncs() == 1);
+    CHECK(b.lockstep.due());
+    (void)b.lockstep.taken();
+    b.period(3);
+    CHECK(b.lockstep.now() == Time{4ms});
+    b.period(0);
+    CHECK(b.lockstep.now() == Time{5ms});
+    CHECK(b.lockstep.due());
+}
+
+TEST_CASE("A controller that is silent is waited for once", "[BRG-466]") {
+    LockstepBench b;
+    b.period(0);
+    (void)b.lockstep.taken();
+    b.sync(10);
+    CHECK_FALSE(b.lockstep.due());
+    CHECK(b.lockstep.patience() == Time{100ms});
+    b.lockstep.gave_up(100ms);
+    CHECK(b.lockstep.due());
+    CHECK(b.lockstep.taken() == rig::turn_number(10, 10));
+    b.sync(20);
+    CHECK(b.lockstep.due());
+    (void)b.lockstep.taken();
+    CHECK(b.lockstep.now() == Time{1ms} + Time{20ms});  // none of it by the machine's clock
+    b.answer();
+    b.sync(30);
+    CHECK_FALSE(b.lockstep.due());
+}
+
+TEST_CASE("Without SYNC time goes on as the machine's does, and by SYNC again when it comes", "[BRG-466]") {
+    LockstepBench b;
+    CHECK(b.lockstep.patience() == Time{30s});
+    CHECK(b.lockstep.taken() == rig::kJoined);
+    b.period(10);
+    (void)b.lockstep.taken();
+    b.lockstep.gave_up(100ms);
+    CHECK(b.lockstep.due());
+    CHECK(b.lockstep.now() == Time{101ms});
+    (void)b.lockstep.taken();
+    CHECK(b.lockstep.patience() == Time{10ms});
+    b.lockstep.gave_up(13ms);
+    CHECK(b.lockstep.now() == Time{114ms});
+    (void)b.lockstep.taken();
+    b.period(11);
+    CHECK(b.lockstep.now() == Time{115ms});
+    CHECK(b.lockstep.patience() == Time{100ms});
+}
+
+TEST_CASE("A turn has a number that is none of the others'", "[BRG-465]") {
+    CHECK(rig::turn_number(0, 10) == 1);
+    CHECK(rig::turn_number(19, 10) == 2);
+    CHECK(rig::turn_number(655339, 10) == 65534);
+    CHECK(rig::turn_number(655340, 10) == 1);
+    for (std::uint32_t n = 0; n < 1'400'000; n += 10) {
+        const std::uint16_t turn = rig::turn_number(n, 10);
+        if (turn == rig::kNoTurns || turn == rig::kJoined) FAIL(n);
+    }
+}

@@ -1,0 +1,58 @@
+// What of preflight refuses the start of a maneuver or campaign.
+#include "rig_bridge/bridge/start_checks.hpp"
+
+#include "tests/catch.hpp"
+#include "tests/preflight/sound_link.hpp"
+#include "tests/preflight/verdicts.hpp"
+
+using antiskid::can::Role;
+using preflight_test::wrong;
+using preflight_test::Wrong;
+
+namespace {
+
+struct StartBench {
+    StartBench() { facts.machine.record_free_bytes = 1e9; }
+    rig::Checks run() { return start_checks(facts, "can0", "runs/brake7"); }
+
+    rig::StartFacts facts{.link = preflight_test::sound_link(), .machine = {}, .bus = {}};
+};
+
+}  // namespace
+
+TEST_CASE("A start is refused by each cheap check alone, with its next step", "[BRG-462]") {
+    StartBench bench;
+    CHECK(wrong(bench.run()).empty());
+    SECTION("another bridge on the bus") {
+        bench.facts.bus.stats[static_cast<std::size_t>(Role::maneuver)].wrong_counter = 3;
+        CHECK(wrong(bench.run()) == Wrong{"only bridge: fail"});
+        CHECK_THAT(rig::NotFit(bench.run()).what(),
+                   ContainsSubstring("not started\n  only bridge: another one sent 3 commands; required: no "
+                                     "other. Next: end the other bridge first"));
+    }
+    SECTION("two controllers") {
+        bench.facts.bus.two_controllers = std::string("counter; two senders of 0x180, at counters 3 and 9");
+        CHECK(wrong(bench.run()) == Wrong{"only controller: fail"});
+        CHECK_THAT(rig::NotFit(bench.run()).what(),
+                   ContainsSubstring("at counters 3 and 9; required: one. Next: end one of them"));
+    }
+    SECTION("interface down") {
+        bench.facts.link.up = false;
+        CHECK(wrong(bench.run()) == Wrong{"CAN interface: fail"});
+    }
+    SECTION("bus-off") {
+        bench.facts.link.state = 3;
+        CHECK(wrong(bench.run()) == Wrong{"CAN state: fail"});
+    }
+    SECTION("no room for one maneuver") {
+        bench.facts.machine.record_free_bytes = 9e6;
+        CHECK(wrong(bench.run()) == Wrong{"disk of the record: fail"});
+    }
+}
+
+TEST_CASE("What is only a warning, and another bit rate than preflight's default, starts", "[BRG-462]") {
+    StartBench bench;
+    bench.facts.link.state = 1;
+    bench.facts.link.bitrate = 500'000;
+    CHECK(wrong(bench.run()) == Wrong{"CAN state: warn"});
+}

@@ -1,0 +1,105 @@
+// Landings on a disturbed bus: the length of summary.json is that of somebody who only counts edges in what came through.
+#include <algorithm>
+#include <numbers>
+#include <optional>
+#include <random>
+
+#include "rig_bridge/record/bus_meter.hpp"
+#include "tests/catch.hpp"
+#include "tests/record/closed_form.hpp"
+
+using namespace record_test;
+using antiskid::can::Role;
+
+namespace {
+
+constexpr double kPitch_m = 2.0 * std::numbers::pi / 60.0 * kRig.flywheel_radius_m;
+
+/// As netem does, each frame by itself: shares that are lost, said twice, and late by up to `late_ms`, so that others overtake them.
+struct Disturbance {
+    double lost = 0.0;
+    double twice = 0.0;
+    double late = 0.0;
+    double late_ms = 0.0;
+};
+
+std::vector<Frame> through(const std::vector<Frame>& sent, const Disturbance& d, unsigned seed) {
+    constexpr std::int64_t kFrom_ns = 500'000'000;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> draw(0.0, 1.0);
+    std::vector<Frame> heard;
+    for (Frame frame : sent) {
+        const bool on = (frame.received - sent.front().received).count() > kFrom_ns;
+        if (on && draw(random) < d.lost) continue;
+        const Time stamp = frame.received;
+        for (int copies = on && draw(random) < d.twice ? 2 : 1; copies > 0; --copies) {
+            const bool late = on && draw(random) < d.late;
+            frame.received = stamp + Time{late ? std::llround(draw(random) * d.late_ms * 1e6) : 0};
+            heard.push_back(frame);
+        }
+    }
+    std::stable_sort(heard.begin(), heard.end(),
+                     [](const Frame& a, const Frame& b) { return a.received < b.received; });
+    return heard;
+}
+
+/// Counts the rim's edges from a frame on: no clock, no SYNC, no gate.
+class Listener {
+  public:
+    void hear(const Frame& frame) {
+        const antiskid::can::Layout& layout = can_test::ours();
+        const antiskid::can::Payload payload(frame.data);
+        if (frame.id == layout[Role::maneuver_state].id)
+            braking_ = braking_ || payload.read(layout.maneuver_state.phase) == 4;
+        if (frame.id != layout[Role::flywheel].id) return;
+        const auto edges = static_cast<std::uint16_t>(payload.read(layout.flywheel.edge_count));
+        if (edges_ && braking_)
+            length_m_ += kPitch_m * static_cast<std::int16_t>(static_cast<std::uint16_t>(edges - *edges_));
+        edges_ = edges;
+    }
+    [[nodiscard]] double length_m() const { return length_m_; }
+
+  private:
+    bool braking_ = false;
+    std::optional<std::uint16_t> edges_;
+    double length_m_ = 0.0;
+};
+
+/// The greatest difference of summary and listener over so many landings.
+double worst_m(const Disturbance& disturbance) {
+    rig::MeterParameters gated = kRig;
+    gated.wheel_most_radps = 400.0;
+    gated.flywheel_most_radps = 250.0;
+    gated.sensor_late_s = 0.02;
+    ClosedForm c;
+    c.v0_mps = 25.0;
+    c.a1_mps2 = c.a2_mps2 = 8.1;
+    c.before_s = 1.0;
+    double worst = 0.0;
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+        c.tooth = seed / 21.0;
+        rig::BusMeter meter(can_test::ours(), gated);
+        Listener listener;
+        for (const Frame& frame : through(Recording(c, true, seed).frames, disturbance, seed)) {
+            meter.accept(frame);
+            listener.hear(frame);
+        }
+        CHECK(meter.figures().standstill);
+        worst = std::max(worst, std::abs(meter.figures().length_m - listener.length_m()));
+    }
+    return worst;
+}
+
+}  // namespace
+
+TEST_CASE("frames that are lost, doubled or overtaken leave the length within 0.16 m of a listener's",
+          "[BRG-269]") {
+    for (const Disturbance& d :
+         {Disturbance{}, Disturbance{.lost = 0.001}, Disturbance{.lost = 0.01}, Disturbance{.lost = 0.05},
+          Disturbance{.twice = 0.2}, Disturbance{.late = 0.01, .late_ms = 2.0},
+          Disturbance{.late = 0.1, .late_ms = 2.0},
+          Disturbance{.lost = 0.005, .twice = 0.005, .late = 1.0, .late_ms = 2.0}}) {
+        CAPTURE(d.lost, d.twice, d.late, d.late_ms);
+        CHECK(worst_m(d) < 2.5 * kPitch_m);
+    }
+}

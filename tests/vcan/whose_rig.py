@@ -1,0 +1,118 @@
+#!/usr/bin/python3
+"""Whose rig: a second bridge, and a second controller, on a rig that is at work. Real programs over vcan and Modbus TCP, in paced lockstep; runs
+inside `./rig vcan`.
+
+usage: whose_rig.py BUILD_DIR
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+from three_programs import Bus, Rig, check, in_guest_memory, quick_rig, words
+
+BUILD = pathlib.Path(sys.argv[1]).resolve()
+
+
+def other_interface(rig, out, *place):
+    command = rig.command("maneuver", out, "--priority", "0")
+    for option, value in place:
+        command[command.index(option) + 1] = value
+    return command
+
+
+def refused(process, *wanted):
+    check(process.wait(timeout=60) == 1, f"status {process.returncode}: {words(process)}")
+    for text in wanted:
+        check(text in words(process), f"never said: {text}\n{words(process)}")
+
+
+def preflight(rig, folder, *before):
+    command = rig.command("preflight", folder / "looked", "--json", "-")
+    done = subprocess.run([*before, *command], capture_output=True, text=True, timeout=120)
+    return {check_["name"]: check_ for check_ in json.loads(done.stdout)["checks"]}
+
+
+def second_bridge(rig, bus, folder):
+    """[BRG-463] It is refused whatever it has in common with the first, and the first one finishes."""
+    subprocess.run("ip link add dev vcan1 type vcan && ip link set vcan1 up", shell=True, check=True)
+    first = rig.bridge("campaign", folder / "first", "--maneuvers", "1")
+    check(bus.await_phase(("braking",)), "no braking")
+    holder = f"is held by rig-bridge campaign, process {first.pid}, since 2"
+    for number, (what, place) in enumerate((
+            ("CAN interface vcan0", []),
+            ("CAN interface vcan0", [("--plc", "127.0.0.1:1503")]),
+            ("Modbus TCP 127.0.0.1:1502, unit 1", [("--can", "vcan1")]))):
+        out = folder / f"second{number}"
+        refused(rig.start_bridge(other_interface(rig, out, *place)), f"{what} {holder}", f"records in {folder / 'first'}", "Next: ")
+        check(not out.exists(), "the refused one has made a folder")
+    free = preflight(rig, folder)["rig free"]
+    check(free["verdict"] == "fail" and holder in free["measured"], free)
+    # The same names in another network namespace are another rig.
+    apart = ["unshare", "--net", "sh", "-c", 'ip link add dev vcan0 type vcan && ip link set vcan0 up && exec "$@"', "apart"]
+    check(preflight(rig, folder, *apart)["rig free"]["verdict"] == "pass", "another namespace is held, too")
+    check(first.wait(timeout=120) == 0, f"the first was disturbed: {words(first)}")
+    check(json.loads((folder / "first/quick/0001/summary.json").read_text())["outcome"] == "finished", "the first did not finish")
+
+
+def killed(rig, bus, folder):
+    """[BRG-463] SIGKILL leaves nothing behind: the next one has the rig at once."""
+    first = rig.bridge("maneuver", folder / "killed")
+    check(bus.await_phase(("braking",)), "no braking")
+    first.kill()
+    first.wait()
+    again = rig.bridge("maneuver", folder / "again")
+    check(again.wait(timeout=120) == 0, words(again))
+
+
+def await_two(second):
+    """Until both have said their state for a while."""
+    listening = subprocess.run(["candump", "-n", "60", "-T", "20000", "vcan0,180:7FF"], stdout=subprocess.PIPE, check=True, text=True)
+    check(second.poll() is None and len(listening.stdout.splitlines()) == 60, "the controllers are not heard")
+
+
+def start_controller():
+    return subprocess.Popen([BUILD / "firmware/linux/antiskid-controller", "--can", "vcan0", "--clock", "sync"], stdout=subprocess.DEVNULL,
+                            stderr=subprocess.DEVNULL)
+
+
+def second_controller(rig, bus, folder):
+    """[BRG-464] Two controllers: refused at the start, by what shows that there are two, before anything is commanded."""
+    second = start_controller()
+    try:
+        await_two(second)
+        commit = rig.plc.map["holding"]["commit"]["address"]
+        before = rig.plc.client.read_holding_registers(commit, count=1, slave=1).registers
+        refused(rig.bridge("maneuver", folder / "two"), "not started", "only controller: ", "two senders of 0x180, at counters ", "Next: end one")
+        check(rig.plc.client.read_holding_registers(commit, count=1, slave=1).registers == before, "the refused one has written to the PLC")
+        look = preflight(rig, folder)["only controller"]
+        check(look["verdict"] == "fail", look)
+    finally:
+        second.terminate()
+        second.wait(timeout=20)
+    # One that comes while the first brakes: whichever of both is heard now and then, the maneuver ends.
+    run = rig.bridge("maneuver", folder / "later")
+    check(bus.await_phase(("braking",)), "no braking")
+    second = start_controller()
+    check(run.wait(timeout=120) == 1, words(run))
+    second.terminate()
+    second.wait(timeout=20)
+    outcome = json.loads((folder / "later/summary.json").read_text())["outcome"]
+    print(next(line for line in words(run).splitlines() if "was aborted: " in line), flush=True)
+    check(outcome in ("controller_silent", "controller_fault", "sensors_lost", "plc_silent"), outcome)
+    check("two controllers talk on the bus, and are refused: counter; two senders of 0x180" in words(run), words(run))
+    alone = rig.bridge("maneuver", folder / "alone")
+    check(alone.wait(timeout=120) == 0, words(alone))
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory(**in_guest_memory()) as name:
+        place = pathlib.Path(name)
+        scenario, config = quick_rig(place)
+        programs = Rig(BUILD, place, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
+        ear = Bus()
+        for test in (second_bridge, killed, second_controller):
+            test(programs, ear, place)
+            print(f"{test.__name__}: passed", flush=True)
+        programs.end()
