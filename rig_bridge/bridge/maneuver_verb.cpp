@@ -51,6 +51,7 @@ int run_maneuver(const ManeuverCommand& command) {
                       .campaign = {},
                       .number = 1,
                       .folder = folder(setup),
+                      .specimen = command.rig.specimen,
                       .taken_J = 0.0,
                       .view = std::nullopt};
     enter_realtime(setup.options.priority, terminal);
@@ -63,6 +64,8 @@ int run_maneuver(const ManeuverCommand& command) {
         });
         fmt::print("{}Written to {}: bus.log, modbus.csv, summary.json\n", summary_table(ran.summary),
                    order.folder.string());
+        if (ran.summary.outcome != name(sequencer::Phase::finished))
+            session.tell_of_abort(ran, order.folder, "the maneuver was aborted; the program ends");
         if (!ran.record_error.empty()) {
             terminal.say("rig-bridge: the record is not whole: " + ran.record_error);
             return 1;

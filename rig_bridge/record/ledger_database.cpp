@@ -64,6 +64,29 @@ CREATE TABLE amendments (
     why TEXT NOT NULL CHECK (why <> '')
 ) STRICT;
 )",
+    R"(
+ALTER TABLE campaigns ADD COLUMN brake_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE campaigns ADD COLUMN disc_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE campaigns ADD COLUMN tyre_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE campaigns ADD COLUMN specimen_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE campaigns ADD COLUMN operator TEXT NOT NULL DEFAULT '';
+ALTER TABLE campaigns ADD COLUMN notes TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN brake_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN disc_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN tyre_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN specimen_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN operator TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN notes TEXT NOT NULL DEFAULT '';
+CREATE TABLE said (  -- of a maneuver's specimen, afterwards
+    id INTEGER PRIMARY KEY,
+    maneuver INTEGER NOT NULL REFERENCES maneuvers (id),
+    field TEXT NOT NULL
+        CHECK (field IN ('brake_serial', 'disc_serial', 'tyre_serial', 'specimen_serial', 'operator', 'notes')),
+    text TEXT NOT NULL CHECK (text <> ''),
+    who TEXT NOT NULL CHECK (who <> ''),
+    made TEXT NOT NULL
+) STRICT;
+)",
 };
 
 /// Of a ledger of schema 1.
