@@ -78,7 +78,7 @@ struct Note {
     std::string field;  ///< key of kSpecimenFields
     std::string text;   ///< instead of what the row says; of `notes`: besides it
     std::string who;
-    std::string made;  ///< wall clock, ISO 8601 UTC
+    std::string made{};  ///< wall clock, ISO 8601 UTC
 };
 
 struct LedgerRow {

@@ -27,6 +27,11 @@ constexpr std::int64_t kApplicationId = 0x41534c47;  // "ASLG"
         case SQLITE_CORRUPT:
             why = "is damaged; `sqlite3 FILE .recover` may save what is left";
             break;
+        case SQLITE_NOMEM:  // a ledger is small: a size in it is wrong
+            why =
+                "is damaged, or the machine has no memory left; `sqlite3 FILE .recover` may save what is "
+                "left";
+            break;
         case SQLITE_READONLY:
         case SQLITE_CANTOPEN:
         case SQLITE_PERM:

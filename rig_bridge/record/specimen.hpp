@@ -11,9 +11,9 @@ namespace rig {
 
 /// Empty: nobody said it.
 struct Specimen {
-    std::string brake, disc, tyre, specimen;  ///< serial numbers
-    std::string operator_name;
-    std::string notes;
+    std::string brake{}, disc{}, tyre{}, specimen{};  ///< serial numbers
+    std::string operator_name{};
+    std::string notes{};
     bool operator==(const Specimen&) const = default;
 };
 
