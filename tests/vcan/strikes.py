@@ -15,30 +15,16 @@ SENSORS = (0x110, 0x111, 0x112)  # wheel, flywheel, pressure
 ALONE, PERSON, ENDS = "recovers alone", "waits for a person", "ends"
 
 
-class Tape:
-    """The newest sensor frames, to be sent once more."""
-
-    def __init__(self):
-        self.socket = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
-        self.socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, b"".join(struct.pack("=II", each, 0x7FF) for each in SENSORS))
-        self.socket.bind(("vcan0",))
-        self.mouth = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
-        self.mouth.bind(("vcan0",))
-
-    def replay(self, frames=300):
-        heard = []
-        self.socket.setblocking(False)
-        try:
-            while True:
-                self.socket.recv(16)  # what waited there
-        except BlockingIOError:
-            pass
-        self.socket.settimeout(2.0)
-        while len(heard) < frames:
-            heard.append(self.socket.recv(16))
+def replay_sensors(_, frames=300):
+    """What the sensors have just sent, once more."""
+    with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as ear:
+        ear.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, b"".join(struct.pack("=II", each, 0x7FF) for each in SENSORS))
+        ear.bind(("vcan0",))
+        ear.settimeout(5.0)
+        heard = [ear.recv(16) for _ in range(frames)]
         time.sleep(0.3)
         for frame in heard:
-            self.mouth.send(frame)
+            ear.send(frame)
             time.sleep(0.0005)
 
 
@@ -71,7 +57,7 @@ class NumberedBus(Bus):
 class Bench:
     def __init__(self, rig, out, *more):
         self.rig, self.out, self.more = rig, out, more
-        self.bus, self.tape = NumberedBus(), Tape()
+        self.bus = NumberedBus()
         self.run, self.statuses = None, []
         self.lives = []  # of the virtual rig: (rows of the ledger when it ended, whether it told its energy)
         self.bridge()
@@ -210,7 +196,7 @@ STRIKES = (
     Strike("silent PLC for 6 s", silent_plc, ALONE),
     Strike("clock forward by an hour", clock(3600.0), ALONE),
     Strike("clock back by an hour", clock(-3600.0), ALONE),
-    Strike("sensor frames replayed", lambda bench: bench.tape.replay(), ALONE),
+    Strike("sensor frames replayed", replay_sensors, ALONE),
     Strike("bus cut for 1 s", cut_bus, ALONE),
     Strike("rig killed", kill_rig, ALONE, kills_rig=True),
     Strike("all three killed", kill_all, ENDS, kills_rig=True),

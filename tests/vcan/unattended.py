@@ -52,20 +52,24 @@ class Campaign:
     def reach(self, number, phase):
         """The number in whose phase it is; the next one where a busy host was past it. None: the campaign ended before."""
         bench = self.bench
-        while not bench.until(lambda: bench.bus.at(number, phase)):
+        while True:
+            bench.until(lambda: bench.bus.at(number, phase) or bench.bus.number > number)
+            if bench.bus.at(number, phase):
+                return number
             if self.go_on():
                 return None
             if bench.bus.number > number:
                 number = bench.bus.number + 1
-        return number
 
     def strike(self, number, strike, phase):
         bench = self.bench
         if strike.kills_rig:
-            if self.reach(number - 1, "braking") is None:
+            if bench.bus.number < number - 1 and self.reach(number - 1, "braking") is None:
                 return
             while not bench.renew_rig():
-                self.go_on()
+                if self.go_on():
+                    return
+            number = 1 + sum(row["state"] == "finished" for row in bench.rows())
         number = self.reach(number, phase)
         if number is None:
             return
