@@ -16,11 +16,11 @@ from strikes import ALONE, ENDS, MORE_STRIKES, PERSON, STRIKES, Bench, counted_J
 from three_programs import PATIENT, Rig, check, configuration, in_guest_memory, words, write_table
 
 PHASES = ("spin_up", "settling", "braking", "retract")
-COLUMNS = ("what", "phase", "then", "attempts", "outcomes", "ledger_MJ", "plant_MJ", "energy_off")
+COLUMNS = ("what", "phase", "then", "attempts", "outcomes", "ledger_MJ", "plant_MJ", "energy_off", "warnings")
 ENERGY_SHARE = 0.01
 
 
-def became(bench, strike, status):
+def became(status):
     """What the bridge that ran then did about it."""
     if status < 0:
         return ENDS
@@ -32,13 +32,13 @@ def case(options, strike, phase, ratio):
     with tempfile.TemporaryDirectory(**in_guest_memory()) as name:
         folder = pathlib.Path(name)
         config = configuration(folder, PATIENT)
-        rig = Rig(options.build, folder, options.scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
+        rig = Rig(options.build, folder, options.scenario, config, sync_timeout_ms=3000, answer_timeout_ms=300)
         bench = Bench(rig, folder / "campaign", "--maneuvers", "1", "--retry", "2")
         met = strike is None or bench.until(lambda: bench.bus.at(1, phase), 300.0)
         if met and strike is not None:
             strike.act(bench)
         status = bench.run.wait(timeout=600)
-        then = became(bench, strike, status)
+        then = became(status)
         while met and bench.run.returncode != 0:
             check(len(bench.statuses) < 4, f"it does not go on: {words(bench.run)}")
             bench.bridge()
@@ -53,15 +53,20 @@ def case(options, strike, phase, ratio):
         ledger_J, plant_J, _ = energies(bench, rows)
         if strike is None:
             return ledger_J / plant_J
-        killed = strike.kills_rig  # what the first rig's brake took it could not tell: only the second's is held against it
-        off = ledger_J / plant_J / ratio - 1.0
+        energy_off = ledger_J / plant_J / ratio - 1.0
         outcomes = " ".join(row["outcome"] or row["state"] for row in rows)
-        row = [strike.name, phase, then, len(rows), outcomes, f"{ledger_J * 1e-6:.4f}", f"{plant_J * 1e-6:.3f}", f"{off:.4f}"]
+        row = [strike.name, phase, then, len(rows), outcomes, f"{ledger_J * 1e-6:.4f}", f"{plant_J * 1e-6:.3f}", f"{energy_off:.4f}",
+               "; ".join(one["warnings"] for one in rows if one["warnings"])]
         print("  ".join(str(each) for each in row), flush=True)
-        check(then == strike.expected, f"{strike.name} in {phase}: {then}, expected: {strike.expected}\n{words(bench.run)[-3000:]}")
-        check(abs(off) <= ENERGY_SHARE, f"{strike.name} in {phase}: energy off by {100 * off:.2f} %")
-        check(not killed or sum(counted_J(rows)) < 2.02 * ledger_J, f"a killed rig's attempt counts too much: {counted_J(rows)}")
+        if then != strike.expected:
+            print(f"expected: {strike.expected}\n{words(bench.run)[-3000:]}", flush=True)
+        # What a killed rig's brake took it cannot tell: only the next one's is compared, and the attempt's is no more than a stop's.
+        check(not strike.kills_rig or sum(counted_J(rows)) < 2.02 * ledger_J, f"a killed rig's attempt counts too much: {counted_J(rows)}")
         return row
+
+
+def off(row):
+    return abs(float(row[COLUMNS.index("energy_off")]))
 
 
 def docs(rows):
@@ -77,17 +82,23 @@ are started again, as by a service manager.
 - *{PERSON}*: the bridge ends with a named cause and exit status 1; the same command, given by a person, finishes the maneuver.
 - *{ENDS}*: the bridge is gone; the same command, given by whoever starts it again, finishes the maneuver.
 
-In each of these {len(rows)} cases the maneuver finished once, every figure came out again from its logs bit for bit, and the ledger's energy was
-that of the plant's brake within {max((abs(float(row[7])) for row in rows), default=0.0) * 100:.2f} % of what it is in an undisturbed campaign. What a killed rig's brake had taken it could not tell: there
-the rest is compared. docs/recovery.csv has the figures.
+In each of these {len(rows)} cases the maneuver finished once, and every figure came out again from its logs bit for bit. In {sum(off(row) <= ENERGY_SHARE for row in rows)} of them the ledger's
+energy was that of the plant's brake within 1 % of what it is in an undisturbed campaign; the others have the difference beside them. What a killed
+rig's brake had taken it could not tell: there the rest is compared. docs/recovery.csv has the figures.
 
 | what | {" | ".join(PHASES)} |
 |---|{"---|" * len(PHASES)}
 """
     for name in names:
-        cells = [by[name, phase][2] + (f": {by[name, phase][4]}" if (name, phase) in by else "") if (name, phase) in by else "not run" for phase in PHASES]
+        cells = [cell(by.get((name, phase))) for phase in PHASES]
         text += f"| {name} | {' | '.join(cells)} |\n"
     pathlib.Path("docs/recovery.md").write_text(text)
+
+
+def cell(row):
+    if row is None:
+        return "not run"
+    return f"{row[2]}: {row[4]}" + (f"; energy {100 * float(row[7]):+.1f} %" if off(row) > ENERGY_SHARE else "")
 
 
 def main():
@@ -106,7 +117,7 @@ def main():
     there = {(row[0], row[1]) for row in rows}
     todo = [(strike, phase) for phase in options.phase or PHASES for strike in STRIKES + MORE_STRIKES
             if (options.strike is None or strike.name in options.strike) and (strike.name, phase) not in there]
-    ratio = case(options, None, None, None) if todo else None
+    ratio = case(options, None, None, None) if todo else None  # load cells come late through the PLC
     for strike, phase in todo:
         row = None
         for _ in range(3):
@@ -116,6 +127,11 @@ def main():
         write_table(options.out, COLUMNS, rows)
     if options.docs:
         docs(rows)
+    expected = {strike.name: strike.expected for strike in STRIKES + MORE_STRIKES}
+    others = [f"{row[0]} in {row[1]} {row[2]}" for row in rows if row[2] != expected[row[0]]]
+    check(not others, "not as expected: " + "; ".join(others))
+    wrong = [f"{row[0]} in {row[1]}: {100 * float(row[7]):+.2f} %" for row in rows if off(row) > ENERGY_SHARE]
+    check(not wrong, "energy is off: " + "; ".join(wrong))
     print(f"{len(rows)} cases passed")
 
 
