@@ -119,7 +119,7 @@ void CampaignRun::while_held() {
     do {
         session_.meanwhile([&] {
             if (said) std::this_thread::sleep_for(kLook);
-            hold = read_hold(command_.rig.out);
+            hold = ledger_.next_number() ? read_hold(command_.rig.out) : std::nullopt;
         });
         if (hold && !said)
             terminal_.say(fmt::format("rig-bridge: {}; `rig-bridge resume {}` lets it go on", to_text(*hold),
@@ -241,8 +241,12 @@ Decision before(const CampaignRules& rules, const std::filesystem::path& file, c
 void refuse_mixed_wear(const CampaignCommand& command, const std::vector<LedgerRow>& rows,
                        const Specimen& now) {
     if (command.wear_model.empty() && !command.regulate) return;
+    const auto another = [](const std::string& was, const std::string& is) {
+        return !was.empty() && was != is;
+    };
     for (const LedgerRow& row : rows)
-        if (const Specimen& was = row.summary.specimen; was.brake != now.brake || was.disc != now.disc)
+        if (const Specimen& was = row.summary.specimen;
+            another(was.brake, now.brake) || another(was.disc, now.disc))
             throw UsageError(
                 fmt::format("maneuver {} was of brake '{}' and disc '{}', now they are '{}' and '{}': their "
                             "wear is not mixed; give "

@@ -51,7 +51,8 @@ void Terminal::show(const ViewModel& view, double now_s) {
 
 void Terminal::draw(const std::vector<std::string>& lines) {
     std::string text = height_ > 0 ? fmt::format("\x1b[{}A", height_) : std::string();
-    for (const std::string& line : lines) text += fmt::format("\r{}\x1b[K\n", line);
+    const std::size_t width = columns();
+    for (const std::string& line : lines) text += fmt::format("\r{}\x1b[K\n", fit(line, width));
     text += "\x1b[J";
     height_ = lines.size();
     write(text);
