@@ -56,6 +56,7 @@ class Spawn {
         std::string name = program.string();
         std::vector<char*> arguments{name.data(), nullptr};
         std::vector<char*> all;
+        all.reserve(own.size() + 100);
         for (std::string& one : own) all.push_back(one.data());
         for (char** one = environ; *one != nullptr; ++one)
             if (std::strncmp(*one, "RIG_", 4) != 0) all.push_back(*one);

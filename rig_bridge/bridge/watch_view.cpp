@@ -42,8 +42,7 @@ nlohmann::ordered_json number(double value) {
 std::string to_text(const BridgeSigns& s) {
     if (heard(s))
         return !s.with_ledger || s.held ? "at work" : "at work on this bus, but not with this ledger";
-    const std::string silence =
-        s.silent_s ? fmt::format("silent for {}", duration_text(*s.silent_s)) : "not heard";
+    std::string silence = s.silent_s ? fmt::format("silent for {}", duration_text(*s.silent_s)) : "not heard";
     if (!s.with_ledger) return silence;
     if (s.held) return silence + " on the bus, though it holds the ledger";
     if (s.running != 0)

@@ -64,7 +64,10 @@ void take(const Note& note, Specimen& specimen) {
     for (const SpecimenField& field : kSpecimenFields) {
         if (note.field != field.key) continue;
         std::string& value = specimen.*field.value;
-        value = field.value == &Specimen::notes && !value.empty() ? value + "; " + note.text : note.text;
+        if (field.value == &Specimen::notes && !value.empty())
+            value.append("; ").append(note.text);
+        else
+            value = note.text;
     }
 }
 

@@ -7,6 +7,7 @@ usage: crew.py BUILD_DIR operator|watch
 import csv
 import json
 import pathlib
+import socket
 import subprocess
 import sys
 import tempfile
@@ -141,6 +142,17 @@ def watch(folder):
     watch_run.terminate()
     check(watch_run.wait(timeout=10) == 0, "watch does not end when it is asked to")
     rig.end()
+    # Nobody else is on the bus any more: what is heard now would be its own.
+    before = {file: file.read_bytes() for file in out.glob("campaign.sqlite*")}
+    with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as ear:
+        ear.bind(("vcan0",))
+        ear.settimeout(0.5)
+        seen(out, rig.config, status=1)
+        try:
+            check(False, f"watch sends {ear.recv(16)}")
+        except TimeoutError:
+            pass
+    check({file: file.read_bytes() for file in out.glob("campaign.sqlite*")} == before, "watch writes to the ledger")
 
 
 if __name__ == "__main__":

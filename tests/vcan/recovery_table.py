@@ -98,7 +98,8 @@ rig's brake had taken it could not tell: there the rest is compared. docs/recove
 def cell(row):
     if row is None:
         return "not run"
-    return f"{row[2]}: {row[4]}" + (f"; energy {100 * float(row[7]):+.1f} %" if off(row) > ENERGY_SHARE else "")
+    named = " ".join(dict.fromkeys(each.split(":")[0] for each in row[8].split("; "))) if row[8] else "unnamed"
+    return f"{row[2]}: {row[4]}" + (f"; energy {100 * float(row[7]):+.1f} %, {named}" if off(row) > ENERGY_SHARE else "")
 
 
 def main():
