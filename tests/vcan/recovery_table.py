@@ -50,7 +50,7 @@ def case(options, strike, phase, ratio):
             return None
         judge_numbers(rows, 1)
         replayed_right(bench, config)
-        ledger_J, plant_J, _ = energies(bench, rows)
+        ledger_J, plant_J, _, _ = energies(bench, rows)
         if strike is None:
             return ledger_J / plant_J
         energy_off = ledger_J / plant_J / ratio - 1.0

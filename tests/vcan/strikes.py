@@ -12,6 +12,7 @@ import time
 from three_programs import PHASES, STATE, Bus, check, eventually, ledger_copy, words
 
 SENSORS = (0x110, 0x111, 0x112)  # wheel, flywheel, pressure
+UNKNOWN = ("energy_unbalanced", "ends_in_braking")  # warnings
 ALONE, PERSON, ENDS = "recovers alone", "waits for a person", "ends"
 
 
@@ -228,18 +229,21 @@ def counted_J(rows):
 
 
 def energies(bench, rows):
-    """(ledger, plant) of the attempts of all virtual rigs that told what their brakes took; (ledger, number) of the others' attempts."""
+    """(ledger, plant, unknown) of the attempts of all virtual rigs that told what their brakes took, and (ledger, number) of the others' attempts.
+    Unknown: the most that attempts took of which the record itself says that their energy is not known, so that a person has to amend it."""
     counted, told, begin = counted_J(rows), iter(bench.told_J()), 0
-    ledger_J = plant_J = 0.0
+    ledger_J = plant_J = unknown_J = 0.0
     untold = []
     for end, says in bench.lives:
         if says:
             ledger_J += sum(counted[begin:end])
             plant_J += next(told)
+            unknown_J += sum(max(row["kinetic_energy_J"] - took_J, 0.0) for row, took_J in zip(rows[begin:end], counted[begin:end])
+                             if any(named in row["warnings"] for named in UNKNOWN))
         else:
             untold.extend(zip(counted[begin:end], (row["number"] for row in rows[begin:end])))
         begin = end
-    return ledger_J, plant_J, untold
+    return ledger_J, plant_J, unknown_J, untold
 
 
 def replayed_right(bench, config):
