@@ -44,19 +44,33 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
     const std::vector<rig::LedgerRow> rows = rig::read_ledger(ledger, name);
     out.points.reserve(rows.size());
     out.brakings.reserve(rows.size());
-    std::size_t left_out = 0;
+    std::size_t left_out = 0, of_others = 0;
+    rig::DiscEnergy taken;
+    if (!rows.empty()) {
+        out.brake = rows.back().summary.specimen.brake;
+        out.disc = rows.back().summary.specimen.disc;
+    }
     for (const rig::LedgerRow& row : rows) {
+        const rig::Specimen& parts = row.summary.specimen;
+        const double disc_J = row.has_figures ? taken.after(parts, row.summary.cumulative_energy_J) : 0.0;
         if (row.state != rig::RowState::finished) continue;
         if (off == OutOfTolerance::left_out && rig::off_conditions(row.summary)) {
             ++left_out;
             continue;
         }
+        if (parts.brake != out.brake || parts.disc != out.disc) {
+            ++of_others;
+            continue;
+        }
         const rig::Figures& f = row.summary.figures;
-        out.points.push_back({row.summary.cumulative_energy_J, f.mean_friction});
+        out.points.push_back({disc_J, f.mean_friction});
         out.brakings.push_back({f.brake_on_mps, f.mean_torque_Nm, f.mean_load_N});
     }
     if (left_out > 0)
         out.source += fmt::format(" ({} out of tolerance left out, --out-of-tolerance takes them)", left_out);
+    if (of_others > 0)
+        out.source += fmt::format(" (brake '{}', disc '{}'; {} maneuvers of others left out)", out.brake,
+                                  out.disc, of_others);
     wear::check(out);
     return out;
 }

@@ -8,7 +8,9 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <utility>
 
+#include "config/reader/csv_field.hpp"
 #include "config/reader/hash.hpp"
 #include "config/reader/input_file.hpp"
 #include "config/reader/near_miss.hpp"
@@ -44,7 +46,15 @@ struct Columns {
     double energy_unit_J = 1.0;
     std::string_view energy_name = kEnergyJ;
     std::optional<std::array<std::size_t, kBraking.size()>> braking;
+    std::array<std::optional<std::size_t>, 2> parts;  ///< in the order of kPartColumns
 };
+
+struct PartColumn {
+    std::string_view name;
+    std::string Campaign::*value;
+};
+constexpr std::array<PartColumn, 2> kPartColumns{
+    {{"brake_serial", &Campaign::brake}, {"disc_serial", &Campaign::disc}}};
 
 std::optional<std::size_t> find(const std::vector<std::string_view>& header, std::string_view name,
                                 const std::string& file, unsigned line) {
@@ -88,6 +98,8 @@ Columns columns_of(const std::string& file, unsigned line, const std::vector<std
     const auto friction = find(header, kFriction, file, line);
     if (!friction) throw Error(file, line, "", missing(header, kFriction, kFriction));
     c.friction = *friction;
+    for (std::size_t i = 0; i < kPartColumns.size(); ++i)
+        c.parts[i] = find(header, kPartColumns[i].name, file, line);
     std::array<std::size_t, kBraking.size()> braking{};
     for (std::size_t i = 0; i < kBraking.size(); ++i) {
         const auto at = find(header, kBraking[i].name, file, line);
@@ -108,6 +120,22 @@ Braking braking_of(const std::string& file, unsigned line, const Columns& column
         out.*kBraking[i].value = value;
     }
     return out;
+}
+
+void take_parts(Campaign& campaign, unsigned line, const Columns& columns,
+                const std::vector<std::string_view>& fields) {
+    for (std::size_t i = 0; i < kPartColumns.size(); ++i) {
+        if (!columns.parts[i]) continue;
+        std::string is(fields[*columns.parts[i]]);
+        for (auto at = is.find("\"\""); at != std::string::npos; at = is.find("\"\"", at + 1))
+            is.erase(at, 1);
+        std::string& was = campaign.*kPartColumns[i].value;
+        if (!campaign.points.empty() && is != was)
+            throw Error(campaign.source, line, std::string(kPartColumns[i].name),
+                        fmt::format("'{}' after '{}': their wear is not mixed; give each a table of its own",
+                                    settings::printable(is), settings::printable(was)));
+        was = std::move(is);
+    }
 }
 
 void check_point(const std::string& file, unsigned line, const Point& point, const Point* before) {
@@ -177,6 +205,7 @@ Campaign parse_campaign(const std::string& name, std::string_view csv) {
                 fmt::format("{} fields, but the header names {} columns (decimal point, comma between "
                             "fields)",
                             fields.size(), columns->count));
+        take_parts(campaign, line_number, *columns, fields);
         const Point point{csv_number(name, line_number, columns->energy_name, fields[columns->energy]) *
                               columns->energy_unit_J,
                           csv_number(name, line_number, kFriction, fields[columns->friction])};
@@ -212,6 +241,8 @@ std::string to_csv(const Campaign& campaign) {
     if (brakings) {
         for (const BrakingColumn& column : kBraking) csv.append(",").append(column.name);
     }
+    for (const PartColumn& part : kPartColumns)
+        if (!(campaign.*part.value).empty()) csv.append(",").append(part.name);
     csv += "\n";
     for (std::size_t i = 0; i < campaign.points.size(); ++i) {
         const Point& p = campaign.points[i];
@@ -222,6 +253,9 @@ std::string to_csv(const Campaign& campaign) {
             for (const BrakingColumn& column : kBraking)
                 fmt::format_to(std::back_inserter(csv), ",{}", campaign.brakings[i].*column.value);
         }
+        for (const PartColumn& part : kPartColumns)
+            if (!(campaign.*part.value).empty())
+                csv.append(",").append(settings::csv_field(campaign.*part.value));
         csv += "\n";
     }
     return csv;

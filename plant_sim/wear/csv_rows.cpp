@@ -18,6 +18,21 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
+/// To the comma that ends the first field; one within quotes does not.
+std::size_t end_of_field(std::string_view text) {
+    bool quoted = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (text[i] == '"') quoted = !quoted;
+        if (text[i] == ',' && !quoted) return i;
+    }
+    return std::string_view::npos;
+}
+
+std::string_view content(std::string_view field) {
+    const bool quoted = field.size() > 1 && field.starts_with('"') && field.ends_with('"');
+    return quoted ? field.substr(1, field.size() - 2) : field;
+}
+
 }  // namespace
 
 CsvRows::CsvRows(std::string_view csv) : rest_(csv) {
@@ -33,8 +48,8 @@ bool CsvRows::next() {
         if (text.empty() || text.front() == '#') continue;
         fields_.clear();
         for (;;) {
-            const auto comma = text.find(',');
-            fields_.push_back(trimmed(text.substr(0, comma)));
+            const auto comma = end_of_field(text);
+            fields_.push_back(content(trimmed(text.substr(0, comma))));
             if (comma == std::string_view::npos) return true;
             text.remove_prefix(comma + 1);
         }

@@ -1,4 +1,5 @@
-/// Rows of a table in CSV as people's tools write it: fields between commas, blanks around them left out. Empty lines, lines that begin with #,
+/// Rows of a table in CSV as people's tools write it: fields between commas, blanks around them left out; a field in
+/// quotes may hold commas, and its doubled quotes stay doubled. Empty lines, lines that begin with #,
 /// a byte-order mark and carriage returns do not count.
 ///
 ///     for (CsvRows rows(csv); rows.next();) use(rows.fields(), rows.line());

@@ -5,7 +5,9 @@
 #include <chrono>
 #include <exception>
 #include <optional>
+#include <thread>
 
+#include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
 #include "rig_bridge/bridge/rig_hold.hpp"
 #include "rig_bridge/bridge/session.hpp"
@@ -51,6 +53,8 @@ class CampaignRun {
   private:
     [[nodiscard]] std::optional<Attempt> next();
     [[nodiscard]] Order order(const Attempt& attempt) const;
+    /// Everything is off meanwhile.
+    void while_held();
     [[nodiscard]] Ran one(const Attempt& attempt);
     [[nodiscard]] regulation::Regulator regulator() const;
     [[nodiscard]] int interrupted() const { return 128 + stops_.number(); }
@@ -100,6 +104,7 @@ Order CampaignRun::order(const Attempt& attempt) const {
             .campaign = name_,
             .number = attempt.number,
             .folder = attempt.folder,
+            .specimen = ledger_.specimen(),
             .taken_J = ledger_.cumulative_energy_J(),
             .view = CampaignView{.number = attempt.number,
                                  .finished = finished,
@@ -107,6 +112,23 @@ Order CampaignRun::order(const Attempt& attempt) const {
                                  .left_s = pace_.left_s(command_.rules.maneuvers - finished),
                                  .regulation = shared_,
                                  .health = watch_ == nullptr ? "" : health_text(watch_->newest())}};
+}
+
+void CampaignRun::while_held() {
+    constexpr std::chrono::milliseconds kLook{200};
+    std::optional<Hold> hold;
+    bool said = false;
+    do {
+        session_.meanwhile([&] {
+            if (said) std::this_thread::sleep_for(kLook);
+            hold = ledger_.next_number() ? read_hold(command_.rig.out) : std::nullopt;
+        });
+        if (hold && !said)
+            terminal_.say(fmt::format("rig-bridge: {}; `rig-bridge resume {}` lets it go on", to_text(*hold),
+                                      command_.rig.out.string()));
+        if (!hold && said) terminal_.say("rig-bridge: goes on after the hold");
+        said = hold.has_value();
+    } while (hold && stops_.count() == 0);
 }
 
 Ran CampaignRun::one(const Attempt& attempt) {
@@ -135,17 +157,25 @@ Ran CampaignRun::one(const Attempt& attempt) {
 }
 
 int CampaignRun::run() {
-    while (const auto attempt = next()) {
+    for (;;) {
+        while_held();
+        if (stops_.count() > 0) return interrupted();
+        const auto attempt = next();
+        if (!attempt) return 0;
         const Ran ran = one(*attempt);
         if (!ran.record_error.empty()) {
-            terminal_.say(fmt::format("rig-bridge: maneuver {} does not count, its record is not whole: {}",
-                                      attempt->number, ran.record_error));
+            const std::string lost = fmt::format("maneuver {} does not count, its record is not whole: {}",
+                                                 attempt->number, ran.record_error);
+            terminal_.say("rig-bridge: " + lost);
+            session_.tell_of_abort(ran, attempt->folder, lost);
             return stops_.count() > 0 ? interrupted() : 1;
         }
         const Health health = watch_ == nullptr ? Health{} : watch_->newest();
         const Decision decision = judge_.after(ran.summary, health);
         const std::string reason = decision.reason + (ran.note.empty() ? "" : "; " + ran.note);
         if (!decision.reason.empty()) terminal_.say("rig-bridge: " + reason);
+        if (ran.summary.outcome != name(sequencer::Phase::finished))
+            session_.tell_of_abort(ran, attempt->folder, reason);
         for (const std::string& warning : ran.summary.warnings)
             terminal_.say(fmt::format("rig-bridge: maneuver {}: {}", attempt->number, warning));
         if (ran.summary.outcome == name(sequencer::Phase::finished))
@@ -166,7 +196,6 @@ int CampaignRun::run() {
         if (decision.verdict == Verdict::fault || decision.verdict == Verdict::abnormal) return 1;
         if (decision.verdict == Verdict::worn) return 0;
     }
-    return 0;
 }
 
 void tell(const Resumed& resumed, std::int64_t finished, Terminal& terminal) {
@@ -210,6 +239,23 @@ Decision before(const CampaignRules& rules, const std::filesystem::path& file, c
     return last == rows.rend() ? Decision{} : CampaignJudge(rules).before(last->summary, last->health);
 }
 
+/// Health and regulation know one brake and disc.
+void refuse_mixed_wear(const CampaignCommand& command, const std::vector<LedgerRow>& rows,
+                       const Specimen& now) {
+    if (command.wear_model.empty() && !command.regulate) return;
+    const auto another = [](const std::string& was, const std::string& is) {
+        return !was.empty() && was != is;
+    };
+    for (const LedgerRow& row : rows)
+        if (const Specimen& was = row.summary.specimen;
+            another(was.brake, now.brake) || another(was.disc, now.disc))
+            throw UsageError(
+                fmt::format("maneuver {} was of brake '{}' and disc '{}', now they are '{}' and '{}': their "
+                            "wear is not mixed; give "
+                            "a campaign of its own with --name",
+                            row.attempt.number, was.brake, was.disc, now.brake, now.disc));
+}
+
 }  // namespace
 
 int run_campaign(const CampaignCommand& command) {
@@ -236,10 +282,12 @@ int run_campaign(const CampaignCommand& command) {
                               .planned = command.rules.maneuvers,
                               .config_hash = setup.config_hash,
                               .version = ANTISKID_VERSION,
-                              .created = now_text()},
+                              .created = now_text(),
+                              .specimen = command.rig.specimen},
                              command.changed ? IfChanged::go_on : IfChanged::refuse,
                              [&](const Attempt& left) { return summary_of_log(left, setup); });
     tell(resumed, ledger.finished_count(), terminal);
+    refuse_mixed_wear(command, read_ledger(file, name), ledger.specimen());
     std::optional<HealthWatch> watch;
     if (!command.wear_model.empty()) {
         watch.emplace(command.wear_model);

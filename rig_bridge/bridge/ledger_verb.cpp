@@ -39,4 +39,20 @@ int amend_ledger(const AmendCommand& command) {
     return 0;
 }
 
+int note_in_ledger(const NoteCommand& command) {
+    const std::filesystem::path file = ledger_file(command.directory);
+    const std::string campaign = chosen(file, command.campaign);
+    const std::string now = iso_8601(std::chrono::system_clock::now());
+    Ledger ledger(file);
+    ledger.choose(campaign);
+    check_texts(command.said);
+    for (const SpecimenField& field : kSpecimenFields)
+        if (const std::string& text = command.said.*field.value; !text.empty())
+            ledger.note(command.number, command.attempt,
+                        {.field = field.key, .text = text, .who = command.who, .made = now});
+    fmt::print("campaign {}: maneuver {}, attempt {}: {}, says {}\n", campaign, command.number,
+               command.attempt, to_text(command.said), command.who);
+    return 0;
+}
+
 }  // namespace rig

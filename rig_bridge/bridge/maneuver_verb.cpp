@@ -52,8 +52,13 @@ int run_maneuver(const ManeuverCommand& command) {
     Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
     sequencer::Plan planned = plan(setup.scenario, setup.options.seed, 1);
     if (!command.cool_down) planned.cool_to_C = kAnyTemperature_C;
-    const Order order{
-        .plan = planned, .campaign = {}, .number = 1, .folder = place, .taken_J = 0.0, .view = std::nullopt};
+    const Order order{.plan = planned,
+                      .campaign = {},
+                      .number = 1,
+                      .folder = place,
+                      .specimen = command.rig.specimen,
+                      .taken_J = 0.0,
+                      .view = std::nullopt};
     enter_realtime(setup.options.priority, terminal);
     Session session(setup, stops, terminal);
     try {
@@ -64,6 +69,8 @@ int run_maneuver(const ManeuverCommand& command) {
         });
         fmt::print("{}Written to {}: bus.log, modbus.csv, summary.json\n", summary_table(ran.summary),
                    order.folder.string());
+        if (ran.summary.outcome != name(sequencer::Phase::finished))
+            session.tell_of_abort(ran, order.folder, "the maneuver was aborted; the program ends");
         if (!ran.record_error.empty()) {
             terminal.say("rig-bridge: the record is not whole: " + ran.record_error);
             return 1;

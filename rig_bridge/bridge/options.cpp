@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstdlib>
 #include <map>
 
 namespace rig {
@@ -15,12 +16,26 @@ constexpr auto kFooter = R"(Examples:
   rig-bridge campaign config/scenarios/endurance.toml --can can0 --plc-rtu /dev/ttyUSB0 --maneuvers 500 --out runs/brake7
   rig-bridge campaign config/scenarios/heavy.toml --can can0 --plc 192.168.1.10:502 --maneuvers 160 --regulate --out runs/pair3
   rig-bridge status runs/brake7
+  rig-bridge watch runs/brake7 --can can0
+  rig-bridge pause runs/brake7 --why "tyre change"; rig-bridge resume runs/brake7
+  rig-bridge ledger note runs/brake7 --maneuver 31 --tyre T9 --notes "tread cut on the left" --who "A. Rossi"
   rig-bridge ledger amend runs/brake7 --maneuver 31 --energy-MJ 0.974 --who "A. Rossi" --why "encoder node restarted; see its log"
 Ctrl-C brings the maneuver to its safe end first; a second one ends the program at once, and the PLC's watchdog and the controller's
 time-outs make the rig safe. The same campaign command goes on where it was, whatever ended it.
 preflight takes the arguments of the maneuver or campaign that is to come, and moves nothing.
 Exit status: 0 finished (also: wear limit reached; preflight: no check failed), 1 aborted or failed (the reason is named), 2 mistake on the command line or in a
 configuration file, 130 Ctrl-C.)";
+
+void add_specimen_options(CLI::App& app, Specimen& specimen, const std::string& since) {
+    for (const SpecimenField& field : kSpecimenFields) {
+        const bool serial = field.value != &Specimen::operator_name && field.value != &Specimen::notes;
+        app.add_option(
+               field.option, specimen.*field.value,
+               (serial ? std::string("serial number of the ") + field.label : std::string(field.label)) +
+                   since)
+            ->type_name("TEXT");
+    }
+}
 
 struct PlcOptions {
     std::string tcp;
@@ -67,6 +82,26 @@ void add_rig_options(CLI::App& app, RigOptions& o, PlcOptions& plc, const char* 
         ->transform(CLI::CheckedTransformer(std::map<std::string, View>{
             {"auto", View::automatic}, {"live", View::live}, {"plain", View::plain}}))
         ->default_str("auto");
+}
+
+/// What only those that move the rig have.
+void add_run_options(CLI::App& app, RigOptions& o) {
+    app.add_flag(
+        "--leave-turning", o.leave_turning,
+        "after an abort end although the rim may still turn; without this its speed is shown until it "
+        "stands, or until Ctrl-C");
+    app.add_option(
+           "--on-abort", o.on_abort,
+           "program to run after an abort, once the rig is safe and the record closed: no arguments, at most "
+           "10 s; it has RIG_CAUSE, RIG_OUTCOME, RIG_NEXT_STEP, RIG_CAMPAIGN, RIG_MANEUVER, RIG_FOLDER")
+        ->type_name("FILE");
+    app.add_flag("--quiet", o.quiet, "no bell at an abort");
+    add_specimen_options(app, o.specimen, "; kept with every maneuver from now on");
+}
+
+const char* user() {
+    const char* const name = std::getenv("USER");
+    return name == nullptr || *name == '\0' ? "operator" : name;
 }
 
 void choose_plc(const PlcOptions& plc, RigOptions& o) {
@@ -156,11 +191,30 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     CLI::App* const state = app.add_subcommand("status", "how far a campaign is, from its ledger");
     state->add_option("DIR", status.directory, "folder of the campaign")->required();
     state->add_flag("--json", status.json, "as JSON");
-    constexpr auto kLeave =
-        "after an abort end although the rim may still turn; without this its speed is shown until it "
-        "stands, or until Ctrl-C";
-    one->add_flag("--leave-turning", maneuver.rig.leave_turning, kLeave);
-    many->add_flag("--leave-turning", campaign.rig.leave_turning, kLeave);
+    add_run_options(*one, maneuver.rig);
+    add_run_options(*many, campaign.rig);
+    WatchCommand watch;
+    CLI::App* const look = app.add_subcommand(
+        "watch", "looks on while another terminal runs the rig; sends nothing, writes nothing");
+    look->add_option("DIR", watch.directory, "folder of the campaign; without one give --scenario");
+    look->add_option("--can", watch.interface, "CAN interface, e.g. can0")->required()->type_name("IF");
+    look->add_option("--scenario", watch.scenario, "that is run (default: CONFIG/scenarios, the campaign's)")
+        ->type_name("FILE");
+    look->add_option("--config", watch.config, "directory of the configuration files")->capture_default_str();
+    look->add_option("--dbc", watch.dbc, "bus layout (default: CONFIG/antiskid.dbc)");
+    look->add_option("--binding", watch.binding,
+                     "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+    look->add_flag("--once", watch.once, "say it once; exit status 1 when no bridge is heard");
+    look->add_flag("--json", watch.json, "an object a line, one a second");
+    HoldCommand pause{.directory = {}, .hold = true, .who = user(), .why = {}};
+    HoldCommand resume;
+    CLI::App* const hold = app.add_subcommand(
+        "pause", "holds a campaign before its next maneuver, also one that is started later");
+    hold->add_option("DIR", pause.directory, "folder of the campaign")->required();
+    hold->add_option("--who", pause.who, "who holds it")->capture_default_str();
+    hold->add_option("--why", pause.why, "and why");
+    CLI::App* const go = app.add_subcommand("resume", "lets a campaign go on that `pause` holds");
+    go->add_option("DIR", resume.directory, "folder of the campaign")->required();
     CLI::App* const ledger = app.add_subcommand("ledger", "what people say about a campaign's ledger");
     ledger->require_subcommand(1);
     AmendCommand amendment;
@@ -177,7 +231,20 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     amend->add_option("--who", amendment.who, "who says so")->required();
     amend->add_option("--why", amendment.why, "and why")->required();
     amend->add_option("--campaign", amendment.campaign, "where the ledger has several");
-    for (CLI::App* const verb : {one, many, before, state, ledger, amend}) verb->footer(kFooter);
+    NoteCommand noted;
+    CLI::App* const note = ledger->add_subcommand("note",
+                                                  "serial numbers, operator or notes of a maneuver, "
+                                                  "afterwards; rows of their own, nothing is overwritten");
+    note->add_option("DIR", noted.directory, "folder of the campaign")->required();
+    note->add_option("--maneuver", noted.number, "its number")->required()->check(CLI::PositiveNumber);
+    note->add_option("--attempt", noted.attempt, "which attempt at it")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    note->add_option("--who", noted.who, "who says so")->required();
+    note->add_option("--campaign", noted.campaign, "where the ledger has several");
+    add_specimen_options(*note, noted.said, "");
+    for (CLI::App* const verb : {one, many, before, state, look, hold, go, ledger, amend, note})
+        verb->footer(kFooter);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
@@ -185,6 +252,13 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     }
     if (state->parsed()) return BridgeCommand{status};
     if (amend->parsed()) return BridgeCommand{amendment};
+    if (note->parsed()) {
+        if (noted.said == Specimen{}) throw std::invalid_argument("ledger note: nothing is said; see --help");
+        return BridgeCommand{noted};
+    }
+    if (look->parsed()) return BridgeCommand{watch};
+    if (hold->parsed()) return BridgeCommand{pause};
+    if (go->parsed()) return BridgeCommand{resume};
     if (one->parsed()) {
         choose_plc(maneuver_plc, maneuver.rig);
         return BridgeCommand{maneuver};

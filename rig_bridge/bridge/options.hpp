@@ -9,6 +9,7 @@
 
 #include "config/reader/config_directory.hpp"
 #include "rig_bridge/bridge/campaign.hpp"
+#include "rig_bridge/record/specimen.hpp"
 
 namespace rig {
 
@@ -34,6 +35,9 @@ struct RigOptions {
     bool lockstep = false;        ///< step by the bus's SYNC, with a virtual rig that waits
     int answer_timeout_ms = 100;  ///< lockstep: with whoever does not answer
     View view = View::automatic;
+    Specimen specimen;
+    std::filesystem::path on_abort;  ///< program to run after an abort; empty: none
+    bool quiet = false;              ///< no bell
 };
 
 struct ManeuverCommand {
@@ -64,6 +68,31 @@ struct AmendCommand {
     double energy_MJ = 0.0;
     std::string who, why;
 };
+/// What a person says afterwards of a maneuver's specimen.
+struct NoteCommand {
+    std::filesystem::path directory;
+    std::string campaign;  ///< empty: the only one
+    std::int64_t number = 0;
+    std::int64_t attempt = 1;
+    std::string who;
+    Specimen said;
+};
+/// Holds a campaign between two maneuvers, or lets it go on.
+struct HoldCommand {
+    std::filesystem::path directory;
+    bool hold = false;
+    std::string who, why;
+};
+/// Looks on from another terminal.
+struct WatchCommand {
+    std::filesystem::path directory;  ///< of the campaign; empty: a single maneuver
+    std::filesystem::path scenario;   ///< empty: the campaign's
+    std::string interface;
+    std::filesystem::path config = settings::config_directory();
+    std::filesystem::path dbc, binding;  ///< empty: those of `config`
+    bool once = false;
+    bool json = false;
+};
 /// Looks at everything that the maneuvers to come need, and moves nothing.
 struct PreflightCommand {
     RigOptions rig;
@@ -71,8 +100,8 @@ struct PreflightCommand {
     std::uint32_t bitrate = 1'000'000;  ///< of the rig's CAN
     std::string json;                   ///< file, "-" for standard output, or empty
 };
-using BridgeCommand =
-    std::variant<ManeuverCommand, CampaignCommand, StatusCommand, AmendCommand, PreflightCommand>;
+using BridgeCommand = std::variant<ManeuverCommand, CampaignCommand, StatusCommand, AmendCommand, NoteCommand,
+                                   HoldCommand, WatchCommand, PreflightCommand>;
 
 /// The command, or the exit status when there is nothing to do. Throws settings::Error or std::invalid_argument.
 [[nodiscard]] std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* const* argv);

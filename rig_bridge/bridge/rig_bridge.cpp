@@ -26,6 +26,18 @@ int run(const rig::AmendCommand& command) {
     return rig::amend_ledger(command);
 }
 
+int run(const rig::NoteCommand& command) {
+    return rig::note_in_ledger(command);
+}
+
+int run(const rig::HoldCommand& command) {
+    return rig::change_hold(command);
+}
+
+int run(const rig::WatchCommand& command) {
+    return rig::watch_rig(command);
+}
+
 int run(const rig::PreflightCommand& command) {
     return rig::run_preflight(command);
 }

@@ -7,6 +7,7 @@
 
 #include "firmware/can/socket_can.hpp"
 #include "firmware/can/value_names.hpp"
+#include "rig_bridge/bridge/abort_hook.hpp"
 #include "rig_bridge/bridge/next_step.hpp"
 #include "rig_bridge/bridge/view_model.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
@@ -167,7 +168,9 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
         }
         if (sequencer.phase() == Phase::aborting && before != Phase::aborting) {
             note_ = how_it_was(before, m);
-            terminal_.say("rig-bridge: " + advice(sequencer.abort(), before, m.bus.view.controller.faults));
+            advice_ = advice(sequencer.abort(), before, m.bus.view.controller.faults);
+            if (!setup_.options.quiet) terminal_.ring();
+            terminal_.say("rig-bridge: " + advice_);
         }
         if (m.bus.two_controllers && !two_controllers_)
             terminal_.say("rig-bridge: two controllers talk on the bus, and are refused: " +
@@ -203,10 +206,27 @@ void Session::watch_rim(double standstill_mps) {
     terminal_.say("rig-bridge: " + rim_text(rim_mps, standstill_mps));
 }
 
+void Session::tell_of_abort(const Ran& ran, const std::filesystem::path& folder, const std::string& outcome) {
+    if (setup_.options.on_abort.empty()) return;
+    const std::string next = ran.record_error.empty()
+                                 ? ran.advice
+                                 : ran.record_error + ". Next: make room, or give another disk; start again";
+    const std::vector<std::string> news = environment_of({.outcome = outcome,
+                                                          .cause = ran.summary.outcome,
+                                                          .next_step = next,
+                                                          .campaign = ran.summary.campaign,
+                                                          .maneuver = ran.summary.number,
+                                                          .folder = folder});
+    std::string failure;
+    meanwhile([&] { failure = run_hook(setup_.options.on_abort, news); });
+    if (!failure.empty()) terminal_.say("rig-bridge: --on-abort failed: " + failure);
+}
+
 Ran Session::run(const Order& order) {
     abort_ = false;
     record_error_.clear();
     note_.clear();
+    advice_.clear();
     trace_ = {};
     phase_ = Phase::idle;
     began_s_ = phase_began_s_ = step(nullptr, &order).rig_s;
@@ -219,7 +239,7 @@ Ran Session::run(const Order& order) {
     SampleLog samples(std::make_unique<LiveFile>(order.folder / "modbus.csv",
                                                  LiveFileOptions{.queue_bytes = kQueue_bytes}));
     sequence(order, sequencer, samples);
-    Ran ran{.summary = {}, .record_error = {}, .trace = {}, .note = note_, .outside = {}};
+    Ran ran{.summary = {}, .record_error = {}, .trace = {}, .note = note_, .advice = advice_, .outside = {}};
     ran.trace = std::move(trace_);
     std::unique_ptr<Recording> recording;
     while (!recording) {
@@ -237,6 +257,7 @@ Ran Session::run(const Order& order) {
     s.campaign = order.campaign;
     s.number = order.number;
     s.scenario = setup_.scenario.name;
+    s.specimen = order.specimen;
     s.outcome =
         std::string(sequencer.phase() == Phase::finished ? name(Phase::finished) : name(sequencer.abort()));
     if (!record_error_.empty()) s.outcome = kRecordLost;

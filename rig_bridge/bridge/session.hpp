@@ -31,6 +31,7 @@ struct Order {
     std::string campaign;  ///< empty: a single one
     std::int64_t number = 1;
     std::filesystem::path folder;
+    Specimen specimen;
     double taken_J = 0.0;  ///< brake energy of the campaign before it
     std::optional<CampaignView> view;
 };
@@ -41,6 +42,7 @@ struct Ran {
     std::string record_error;
     Trace trace;
     std::string note;     ///< where it was aborted, and what was seen then
+    std::string advice;   ///< what the abort means and what to do next
     std::string outside;  ///< figures out of tolerance with their bands
 };
 
@@ -63,6 +65,9 @@ class Session {
 
     /// Runs `work` on another thread while the loop goes on; rethrows what it throws.
     void meanwhile(const std::function<void()>& work);
+
+    /// After an abort, with its record closed: the operator's program, if there is one. `outcome`: what becomes of it, for people.
+    void tell_of_abort(const Ran& ran, const std::filesystem::path& folder, const std::string& outcome);
 
   private:
     class ModbusPlc;
@@ -89,6 +94,7 @@ class Session {
     bool two_controllers_ = false;
     std::string record_error_;
     std::string note_;
+    std::string advice_;
     Trace trace_;
     std::uint64_t polls_ = 0;
     double began_s_ = 0.0;

@@ -7,6 +7,7 @@
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/linux/controller_config.hpp"
+#include "rig_bridge/bridge/abort_hook.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
 
 namespace rig {
@@ -37,6 +38,8 @@ Setup load_setup(const RigOptions& o, const std::vector<std::filesystem::path>& 
     const auto dbc = o.dbc.empty() ? o.config / "antiskid.dbc" : o.dbc;
     const auto binding = o.binding.empty() ? o.config / "antiskid_binding.toml" : o.binding;
     const auto registers = o.registers.empty() ? o.config / "registers.toml" : o.registers;
+    check_texts(o.specimen);
+    if (!o.on_abort.empty()) check_hook(o.on_abort);
     const Scenario scenario = load_scenario(o.scenario, o.config);
     Setup s{
         .options = o,

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <vector>
 
+#include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/bridge/wear_regulation.hpp"
@@ -90,6 +91,8 @@ std::string row_text(const LedgerRow& row, const char* state) {
         text += " " + row.summary.outcome;
     text += "\n";
     for (const std::string& warning : row.summary.warnings) text += "          " + warning + "\n";
+    for (const Note& n : row.notes)
+        text += fmt::format("          {}: {}, says {}, {}\n", n.field, n.text, n.who, n.made);
     for (const Amendment& a : row.amendments)
         text += fmt::format("          counts {:.3f} MJ, says {}, {}: {}\n", a.counted_J * 1e-6, a.who,
                             a.made, a.why);
@@ -106,6 +109,8 @@ std::string campaign_text(const Campaign& campaign, const Looked& looked) {
         campaign.name, campaign.scenario, campaign.seed, finished, campaign.planned,
         count(rows, RowState::aborted), count(rows, RowState::unfinished), count(rows, RowState::running),
         looked.held ? name(RowState::running) : "left by a dead bridge", looked.cumulative_energy_J() * 1e-6);
+    if (const std::string specimen = to_text(campaign.specimen); !specimen.empty())
+        text += "  " + specimen + "\n";
     if (finished > 0) {
         text += fmt::format("  {:<24} {:>14} {:>14}\n", "of those finished", "mean", "deviation");
         for (const FigureField& field : kFigureFields) {
@@ -123,8 +128,12 @@ std::string campaign_text(const Campaign& campaign, const Looked& looked) {
     text += fmt::format("  {:>6} {:>7}  {:<10} {:<20} {:>8} {:>8} {:>8} {:>9} {:>8} {:>10} {:>6}  {}\n",
                         "number", "attempt", "state", "started", "m/s", "s", "m", "N m", "mu_b", "MJ in all",
                         "slip", "brake");
-    for (std::size_t i = rows.size() - std::min(rows.size(), kShown); i < rows.size(); ++i)
+    for (std::size_t i = rows.size() - std::min(rows.size(), kShown); i < rows.size(); ++i) {
+        const Specimen& is = rows[i].summary.specimen;
+        if (i > 0 && is != rows[i - 1].summary.specimen)
+            text += fmt::format("          from here on: {}\n", to_text(is));
         text += row_text(rows[i], looked.state(rows[i]));
+    }
     return text;
 }
 
@@ -132,6 +141,7 @@ std::string campaign_text(const Campaign& campaign, const Looked& looked) {
 
 std::string status_text(const std::filesystem::path& ledger) {
     std::string text;
+    if (const auto hold = read_hold(ledger.parent_path())) text += to_text(*hold) + "\n";
     for (const Campaign& campaign : read_campaigns(ledger)) {
         text += campaign_text(campaign, look(ledger, campaign.name));
         if (const auto regulation = regulation_of(ledger, campaign.name); regulation.is_object())
@@ -151,6 +161,11 @@ std::string status_json(const std::filesystem::path& ledger) {
                                    {"planned", campaign.planned},
                                    {"config_hash", campaign.config_hash},
                                    {"version", campaign.version}};
+        for (const SpecimenField& field : kSpecimenFields) one[field.key] = campaign.specimen.*field.value;
+        const auto hold = read_hold(ledger.parent_path());
+        one["hold"] =
+            hold ? nlohmann::ordered_json{{"who", hold->who}, {"since", hold->since}, {"why", hold->why}}
+                 : nlohmann::ordered_json(nullptr);
         for (const RowState state : {RowState::finished, RowState::aborted, RowState::unfinished})
             one[name(state)] = count(rows, state);
         const std::int64_t begun = count(rows, RowState::running);
@@ -170,6 +185,12 @@ std::string status_json(const std::filesystem::path& ledger) {
                                             ? nlohmann::ordered_json(*row.summary.out_of_tolerance)
                                             : nlohmann::ordered_json(nullptr);
             entry["warnings"] = row.summary.warnings;
+            for (const SpecimenField& field : kSpecimenFields)
+                entry[field.key] = row.summary.specimen.*field.value;
+            auto notes = nlohmann::ordered_json::array();
+            for (const Note& n : row.notes)
+                notes.push_back({{"field", n.field}, {"text", n.text}, {"who", n.who}, {"made", n.made}});
+            entry["noted"] = std::move(notes);
             if (!row.amendments.empty()) {
                 auto amendments = nlohmann::ordered_json::array();
                 for (const Amendment& a : row.amendments)

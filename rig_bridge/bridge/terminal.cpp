@@ -46,11 +46,20 @@ void Terminal::show(const ViewModel& view, double now_s) {
         write(plain_line(view) + "\n");
         return;
     }
+    draw(screen(view, columns()));
+}
+
+void Terminal::draw(const std::vector<std::string>& lines) {
     std::string text = height_ > 0 ? fmt::format("\x1b[{}A", height_) : std::string();
-    const std::vector<std::string> lines = screen(view, columns());
-    for (const std::string& line : lines) text += fmt::format("\r{}\x1b[K\n", line);
+    const std::size_t width = columns();
+    for (const std::string& line : lines) text += fmt::format("\r{}\x1b[K\n", fit(line, width));
+    text += "\x1b[J";
     height_ = lines.size();
     write(text);
+}
+
+void Terminal::ring() {
+    if (::isatty(descriptor_) == 1) write("\a");
 }
 
 void Terminal::say(const std::string& text) {

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rig_bridge/bridge/view.hpp"
 
@@ -17,6 +18,10 @@ class Terminal {
     /// Whether show() would draw now: building a ViewModel costs.
     [[nodiscard]] bool due(double now_s, sequencer::Phase phase, sequencer::Abort abort) const;
     void show(const ViewModel& view, double now_s);
+    /// The same of lines that are made already, on a terminal that is live.
+    void draw(const std::vector<std::string>& lines);
+    /// The terminal's bell; nothing elsewhere.
+    void ring();
     /// A line that stays.
     void say(const std::string& text);
     /// The block stays as it is; what comes next starts below it.

@@ -11,6 +11,9 @@ namespace rig {
 [[nodiscard]] int run_campaign(const CampaignCommand& command);
 [[nodiscard]] int show_status(const StatusCommand& command);
 [[nodiscard]] int amend_ledger(const AmendCommand& command);
+[[nodiscard]] int note_in_ledger(const NoteCommand& command);
+[[nodiscard]] int change_hold(const HoldCommand& command);
+[[nodiscard]] int watch_rig(const WatchCommand& command);
 [[nodiscard]] int run_preflight(const PreflightCommand& command);
 
 /// Mistakes in files and on the command line: exit status 2.

@@ -8,8 +8,7 @@
 
 #include "config/reader/atomic_file.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
-#include "rig_bridge/record/ledger_database.hpp"
-#include "rig_bridge/record/ledger_lock.hpp"
+#include "rig_bridge/record/ledger_impl.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 
 namespace rig {
@@ -34,6 +33,15 @@ std::string joined(const std::vector<std::string>& words) {
     return fmt::format("{}", fmt::join(words, " "));
 }
 
+void write_specimen(const LedgerDatabase& database, const char* table, std::int64_t row,
+                    const Specimen& specimen) {
+    for (const SpecimenField& field : kSpecimenFields)
+        database.prepare(fmt::format("UPDATE {} SET {} = ?2 WHERE id = ?1", table, field.key))
+            .bind(1, row)
+            .bind(2, specimen.*field.value)
+            .run();
+}
+
 std::int64_t as_integer(std::uint64_t value, const std::string& path, const char* what) {
     if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
         throw settings::Error(path, 0, what, "must be below 2^63");
@@ -42,26 +50,8 @@ std::int64_t as_integer(std::uint64_t value, const std::string& path, const char
 
 }  // namespace
 
-struct Ledger::Impl {
-    Impl(const std::filesystem::path& ledger, const LedgerOptions& options)
-        : path(make_parent(ledger)), lock(ledger), database(ledger, LedgerDatabase::Access::write, options) {}
-
-    void settle(Resumed& resumed, const MeterLog& meter);
-    void enter(const Summary& summary, std::int64_t row, std::string_view state);
-    void leave_unfinished(std::int64_t row, const std::optional<Summary>& known);
-    [[nodiscard]] double cumulative_J() const;
-    [[nodiscard]] std::optional<Summary> whole_summary(const std::filesystem::path& folder,
-                                                       std::int64_t number) const;
-    void need_campaign() const {
-        if (id == 0) throw LedgerError(path.string() + ": no campaign is open");
-    }
-
-    std::filesystem::path path;
-    LedgerLock lock;
-    LedgerDatabase database;
-    Campaign campaign;
-    std::int64_t id = 0;  // of the open campaign; 0: none
-};
+Ledger::Impl::Impl(const std::filesystem::path& ledger, const LedgerOptions& options)
+    : path(make_parent(ledger)), lock(ledger), database(ledger, LedgerDatabase::Access::write, options) {}
 
 Ledger::Ledger(const std::filesystem::path& path, const LedgerOptions& options)
     : impl_(std::make_unique<Impl>(path, options)) {}
@@ -74,6 +64,8 @@ Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed, const
             path, 0, "",
             "'" + campaign.name + "' is no campaign name: it names a folder, so no '/' and no leading '.'");
     const std::int64_t seed = as_integer(campaign.seed, path, "seed");
+    Specimen specimen = campaign.specimen;
+    check_texts(specimen);
     Resumed resumed;
     LedgerDatabase::Transaction transaction(impl_->database);
     Statement find = impl_->database.prepare(
@@ -88,6 +80,11 @@ Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed, const
         compare("scenario", old.scenario, campaign.scenario);
         compare("seed", old.seed, campaign.seed);
         compare("config hash", old.config_hash, campaign.config_hash);
+        specimen = taken_over(specimen, old.specimen);
+        for (const auto part :
+             {&Specimen::brake, &Specimen::disc})  // wear of another one is another campaign's
+            if (!(old.specimen.*part).empty())
+                compare(part == &Specimen::brake ? "brake" : "disc", old.specimen.*part, specimen.*part);
         if (!resumed.changed.empty() && changed == IfChanged::refuse) {
             throw settings::Error(
                 path, 0, "",
@@ -121,7 +118,9 @@ Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed, const
         while (insert.step()) id = insert.integer(0);
     }
     impl_->campaign = campaign;
+    impl_->campaign.specimen = specimen;
     impl_->id = id;
+    write_specimen(impl_->database, "campaigns", id, specimen);
     impl_->settle(resumed, meter);
     transaction.commit();
     return resumed;
@@ -247,7 +246,16 @@ std::int64_t Ledger::finished_count() const {
     return count.bind(1, impl_->id).step() ? count.integer(0) : 0;
 }
 
+const Specimen& Ledger::specimen() const {
+    return impl_->campaign.specimen;
+}
+
 Attempt Ledger::begin(std::int64_t number, const std::string& started, std::optional<double> slip_reference) {
+    return begin(number, started, slip_reference, impl_->campaign.specimen);
+}
+
+Attempt Ledger::begin(std::int64_t number, const std::string& started, std::optional<double> slip_reference,
+                      const Specimen& specimen) {
     impl_->need_campaign();
     LedgerDatabase::Transaction transaction(impl_->database);
     Statement last = impl_->database.prepare(
@@ -262,12 +270,11 @@ Attempt Ledger::begin(std::int64_t number, const std::string& started, std::opti
     const Campaign& campaign = impl_->campaign;
     const std::string folder = attempt == 1 ? fmt::format("{}/{:04}", campaign.name, number)
                                             : fmt::format("{}/{:04}.{}", campaign.name, number, attempt);
-    impl_->database
-        .prepare(
-            "INSERT INTO maneuvers (campaign, number, attempt, state, folder, scenario, started, seed, "
-            "version, config_hash, slip_reference) "
-            "VALUES (?1, ?2, ?3, 'running', ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
-        .bind(1, impl_->id)
+    Statement insert = impl_->database.prepare(
+        "INSERT INTO maneuvers (campaign, number, attempt, state, folder, scenario, started, seed, "
+        "version, config_hash, slip_reference) "
+        "VALUES (?1, ?2, ?3, 'running', ?4, ?5, ?6, ?7, ?8, ?9, ?10) RETURNING id");
+    insert.bind(1, impl_->id)
         .bind(2, number)
         .bind(3, attempt)
         .bind(4, folder)
@@ -276,8 +283,10 @@ Attempt Ledger::begin(std::int64_t number, const std::string& started, std::opti
         .bind(7, static_cast<std::int64_t>(campaign.seed))
         .bind(8, campaign.version)
         .bind(9, campaign.config_hash)
-        .bind(10, slip_reference.value_or(std::numeric_limits<double>::quiet_NaN()))  // NaN is NULL
-        .run();
+        .bind(10, slip_reference.value_or(std::numeric_limits<double>::quiet_NaN()));  // NaN is NULL
+    std::int64_t row = 0;
+    while (insert.step()) row = insert.integer(0);
+    write_specimen(impl_->database, "maneuvers", row, specimen);
     transaction.commit();
     return {.number = number, .attempt = attempt, .folder = impl_->path.parent_path() / folder};
 }
@@ -297,66 +306,12 @@ void Ledger::finish(const Summary& summary) {
     transaction.commit();
 }
 
-void Ledger::judge(std::int64_t number, const Health& health) {
-    impl_->need_campaign();
-    LedgerDatabase::Transaction transaction(impl_->database);
-    Statement update = impl_->database.prepare(
-        "UPDATE maneuvers SET health = ?3, health_statistic = ?4, health_reason = ?5, health_model = ?6 "
-        "WHERE campaign = ?1 AND number = ?2 AND state = 'finished' RETURNING id");
-    update.bind(1, impl_->id)
-        .bind(2, number)
-        .bind(3, std::string_view(name(health.state)))
-        .bind(4, health.statistic)
-        .bind(5, health.reason)
-        .bind(6, health.model);
-    if (!update.step())
-        throw LedgerError(impl_->path.string() + ": maneuver " + std::to_string(number) +
-                          " is not finished, so its brake cannot be judged");
-    while (update.step()) {
-    }
-    transaction.commit();
-}
-
 void Ledger::mark_unfinished(const std::optional<Summary>& known) {
     impl_->need_campaign();
     LedgerDatabase::Transaction transaction(impl_->database);
     Statement running =
         impl_->database.prepare("SELECT id FROM maneuvers WHERE campaign = ?1 AND state = 'running'");
     if (running.bind(1, impl_->id).step()) impl_->leave_unfinished(running.integer(0), known);
-    transaction.commit();
-}
-
-void Ledger::amend(std::int64_t number, std::int64_t attempt, const Amendment& amendment) {
-    impl_->need_campaign();
-    const std::string where =
-        fmt::format("{}: maneuver {}, attempt {}", impl_->path.string(), number, attempt);
-    if (amendment.who.empty() || amendment.why.empty())
-        throw LedgerError(where + " is amended only with who and why");
-    LedgerDatabase::Transaction transaction(impl_->database);
-    const std::vector<LedgerRow> rows =
-        read_rows(impl_->database, impl_->path, impl_->campaign.name, impl_->id);
-    const auto row = std::find_if(rows.begin(), rows.end(), [&](const LedgerRow& one) {
-        return one.attempt.number == number && one.attempt.attempt == attempt;
-    });
-    if (row == rows.end()) throw LedgerError(where + " is not in campaign '" + impl_->campaign.name + "'");
-    if (std::any_of(rows.begin(), rows.end(),
-                    [](const LedgerRow& one) { return one.state == RowState::running; }))
-        throw LedgerError(where +
-                          " cannot be amended while a maneuver is running; resume the campaign first");
-    impl_->database
-        .prepare(
-            "INSERT INTO amendments (maneuver, newest, before_J, counted_J, who, made, why) SELECT id, "
-            "(SELECT max(id) FROM maneuvers WHERE campaign = ?1), ?4, ?5, ?6, ?7, ?8 FROM maneuvers "
-            "WHERE campaign = ?1 AND number = ?2 AND attempt = ?3")
-        .bind(1, impl_->id)
-        .bind(2, number)
-        .bind(3, attempt)
-        .bind(4, row->counted_J)
-        .bind(5, amendment.counted_J)
-        .bind(6, amendment.who)
-        .bind(7, amendment.made)
-        .bind(8, amendment.why)
-        .run();
     transaction.commit();
 }
 

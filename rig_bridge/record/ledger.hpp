@@ -14,7 +14,7 @@
 /// No number can be finished twice.
 ///
 /// Nothing that was entered is ever overwritten. What a maneuver adds to the cumulative energy is amended by rows of their own, with who,
-/// when and why; readers see the amended sums.
+/// when and why, and its serial numbers, operator and notes by notes; readers see the amended sums and texts.
 ///
 /// Rows are written in transactions with synchronous = EXTRA. One process at a time holds a ledger (a lock beside it, freed by the
 /// kernel when the process dies); readers are free to look (read_ledger(), sqlite3).
@@ -50,9 +50,10 @@ struct Campaign {
     std::string config_hash;
     std::string version;
     std::string created;  ///< wall clock, ISO 8601 UTC
+    Specimen specimen{};  ///< of the maneuvers from now on
 };
 
-/// What to do when a campaign is resumed with another scenario, seed or config hash.
+/// What to do when a campaign is resumed with another scenario, seed, config hash, brake or disc.
 enum class IfChanged : std::uint8_t { refuse, go_on };
 
 struct Attempt {
@@ -72,13 +73,24 @@ struct Amendment {
     std::string why;
 };
 
+/// What a person said afterwards of a maneuver's specimen.
+struct Note {
+    std::string field;  ///< key of kSpecimenFields
+    std::string text;   ///< instead of what the row says; of `notes`: besides it
+    std::string who;
+    std::string made{};  ///< wall clock, ISO 8601 UTC
+};
+
 struct LedgerRow {
     RowState state = RowState::running;
     Attempt attempt;
-    Summary summary;  ///< until it has figures only what was known at its begin; cumulative energy as amended
+    /// Until it has figures only what was known at its begin; cumulative energy as amended, specimen as noted.
+    Summary summary;
     bool has_figures = false;           ///< finished, aborted, or unfinished with a log
     double counted_J = 0.0;             ///< its part of the cumulative energy, as amended
     std::vector<Amendment> amendments;  ///< oldest first
+    std::vector<Note> notes;            ///< oldest first
+    Specimen recorded;                  ///< as it was begun
     Health health;                      ///< unknown unless it finished and was judged
     /// In force; NaN: another law than slip, or a maneuver of a ledger that did not keep it.
     double slip_reference = std::numeric_limits<double>::quiet_NaN();
@@ -110,7 +122,8 @@ class Ledger {
     Ledger(const Ledger&) = delete;
     Ledger& operator=(const Ledger&) = delete;
 
-    /// Chooses the campaign for everything below. An old one takes over `planned` (and with go_on the rest) from `campaign`. Throws
+    /// Chooses the campaign for everything below. An old one takes over `planned` (and with go_on the rest) from `campaign`; what that does not
+    /// say of the specimen stays. Throws
     /// settings::Error when it differs and `changed` refuses. `meter`: for what a dead bridge has left.
     Resumed open_campaign(const Campaign& campaign, IfChanged changed, const MeterLog& meter = {});
 
@@ -126,6 +139,11 @@ class Ledger {
     /// `started`: wall clock, ISO 8601 UTC. `slip_reference`: that of the slip law. Throws LedgerError when one is running.
     [[nodiscard]] Attempt begin(std::int64_t number, const std::string& started,
                                 std::optional<double> slip_reference = {});
+    /// The same of another specimen than the campaign's.
+    [[nodiscard]] Attempt begin(std::int64_t number, const std::string& started,
+                                std::optional<double> slip_reference, const Specimen& specimen);
+    /// Of the maneuvers that begin from now on.
+    [[nodiscard]] const Specimen& specimen() const;
     /// Enters the running maneuver of that number: `finished` when that is the outcome, else `aborted`. Throws LedgerError when
     /// none is running, or campaign or number is another.
     void finish(const Summary& summary);
@@ -136,6 +154,8 @@ class Ledger {
     /// From now on this attempt adds `amendment.counted_J` to the cumulative energy. Throws LedgerError when it has not ended, or `who`
     /// or `why` is empty.
     void amend(std::int64_t number, std::int64_t attempt, const Amendment& amendment);
+    /// From now on readers see this text. Throws LedgerError when there is no such attempt, no such field, or `who` or `text` is empty.
+    void note(std::int64_t number, std::int64_t attempt, const Note& note);
 
   private:
     struct Impl;

@@ -27,6 +27,11 @@ constexpr std::int64_t kApplicationId = 0x41534c47;  // "ASLG"
         case SQLITE_CORRUPT:
             why = "is damaged; `sqlite3 FILE .recover` may save what is left";
             break;
+        case SQLITE_NOMEM:  // a ledger is small: a size in it is wrong
+            why =
+                "is damaged, or the machine has no memory left; `sqlite3 FILE .recover` may save what is "
+                "left";
+            break;
         case SQLITE_READONLY:
         case SQLITE_CANTOPEN:
         case SQLITE_PERM:
@@ -62,6 +67,29 @@ CREATE TABLE amendments (
     who TEXT NOT NULL CHECK (who <> ''),
     made TEXT NOT NULL,
     why TEXT NOT NULL CHECK (why <> '')
+) STRICT;
+)",
+    R"(
+ALTER TABLE campaigns ADD COLUMN brake_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE campaigns ADD COLUMN disc_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE campaigns ADD COLUMN tyre_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE campaigns ADD COLUMN specimen_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE campaigns ADD COLUMN operator TEXT NOT NULL DEFAULT '';
+ALTER TABLE campaigns ADD COLUMN notes TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN brake_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN disc_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN tyre_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN specimen_serial TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN operator TEXT NOT NULL DEFAULT '';
+ALTER TABLE maneuvers ADD COLUMN notes TEXT NOT NULL DEFAULT '';
+CREATE TABLE said (  -- of a maneuver's specimen, afterwards
+    id INTEGER PRIMARY KEY,
+    maneuver INTEGER NOT NULL REFERENCES maneuvers (id),
+    field TEXT NOT NULL
+        CHECK (field IN ('brake_serial', 'disc_serial', 'tyre_serial', 'specimen_serial', 'operator', 'notes')),
+    text TEXT NOT NULL CHECK (text <> ''),
+    who TEXT NOT NULL CHECK (who <> ''),
+    made TEXT NOT NULL
 ) STRICT;
 )",
 };

@@ -62,8 +62,9 @@ class LedgerDatabase {
 
     /// A campaign from a row of SELECT kCampaignColumns, and how many columns those are.
     static constexpr std::string_view kCampaignColumns =
-        "name, scenario, seed, planned, config_hash, version, created";
-    static constexpr int kCampaignColumnCount = 7;
+        "name, scenario, seed, planned, config_hash, version, created, brake_serial, disc_serial, "
+        "tyre_serial, specimen_serial, operator, notes";
+    static constexpr int kCampaignColumnCount = 7 + static_cast<int>(kSpecimenFields.size());
     [[nodiscard]] static Campaign read_campaign(const Statement& row);
 
     /// What amendments add to the cumulative energy of a row of `maneuvers`: of those on it or before it, made when it was there already.
@@ -110,6 +111,6 @@ inline constexpr std::string_view kWarningsApart = "; ";
                                                const std::filesystem::path& ledger,
                                                const std::string& campaign, std::int64_t id);
 
-inline constexpr std::int64_t kLedgerSchema = 5;
+inline constexpr std::int64_t kLedgerSchema = 6;
 
 }  // namespace rig

@@ -28,6 +28,7 @@ std::vector<std::string> split(const std::string& text, std::string_view apart) 
 std::string columns() {
     std::string list = "state, number, attempt, folder, scenario, outcome, started";
     for (const FigureField& field : kFigureFields) list += std::string(", ") + field.key;
+    for (const SpecimenField& field : kSpecimenFields) list += std::string(", ") + field.key;
     return list +
            ", standstill, cumulative_energy_J, faults, frames, frames_dropped, seed, version, config_hash, "
            "health, health_statistic, health_reason, health_model, slip_reference, out_of_tolerance, "
@@ -47,6 +48,29 @@ std::vector<Amendment> amendments(const LedgerDatabase& database, std::int64_t m
     return all;
 }
 
+std::vector<Note> notes(const LedgerDatabase& database, std::int64_t maneuver) {
+    Statement rows =
+        database.prepare("SELECT field, text, who, made FROM said WHERE maneuver = ?1 ORDER BY id");
+    rows.bind(1, maneuver);
+    std::vector<Note> all;
+    while (rows.step())
+        all.push_back(
+            {.field = rows.text(0), .text = rows.text(1), .who = rows.text(2), .made = rows.text(3)});
+    return all;
+}
+
+/// What people said afterwards holds; notes are added to each other.
+void take(const Note& note, Specimen& specimen) {
+    for (const SpecimenField& field : kSpecimenFields) {
+        if (note.field != field.key) continue;
+        std::string& value = specimen.*field.value;
+        if (field.value == &Specimen::notes && !value.empty())
+            value.append("; ").append(note.text);
+        else
+            value = note.text;
+    }
+}
+
 LedgerRow read_row(const LedgerDatabase& database, const Statement& row, const std::filesystem::path& ledger,
                    const std::string& campaign) {
     LedgerRow out;
@@ -63,13 +87,14 @@ LedgerRow read_row(const LedgerDatabase& database, const Statement& row, const s
     s.scenario = row.text(c++);
     s.outcome = row.text(c++);
     s.started = row.text(c++);
-    const int cumulative = c + static_cast<int>(kFigureFields.size()) + 1;
+    const int cumulative = c + static_cast<int>(kFigureFields.size() + kSpecimenFields.size()) + 1;
     const bool ended = out.state == RowState::finished || out.state == RowState::aborted;
     out.has_figures = ended || !row.null(cumulative);
     for (const FigureField& field : kFigureFields) {
         if (out.has_figures) s.figures.*field.value = row.real(c);
         ++c;
     }
+    for (const SpecimenField& field : kSpecimenFields) s.specimen.*field.value = row.text(c++);
     s.figures.standstill = row.integer(c++) != 0;
     if (out.has_figures) s.cumulative_energy_J = row.real(c);
     ++c;
@@ -90,7 +115,11 @@ LedgerRow read_row(const LedgerDatabase& database, const Statement& row, const s
     if (!row.null(c)) s.out_of_tolerance = split(row.text(c), " ");
     ++c;
     s.warnings = split(row.text(c++), kWarningsApart);
-    out.amendments = amendments(database, row.integer(c++));
+    const std::int64_t id = row.integer(c++);
+    out.notes = notes(database, id);
+    out.recorded = s.specimen;
+    for (const Note& note : out.notes) take(note, s.specimen);
+    out.amendments = amendments(database, id);
     out.counted_J = out.amendments.empty() ? counted_energy_J(s) : out.amendments.back().counted_J;
     s.cumulative_energy_J += row.real(c++);
     return out;
@@ -99,14 +128,18 @@ LedgerRow read_row(const LedgerDatabase& database, const Statement& row, const s
 }  // namespace
 
 Campaign LedgerDatabase::read_campaign(const Statement& row) {
-    return {.name = row.text(0),
-            .scenario = row.text(1),
-            .seed = static_cast<std::uint64_t>(row.integer(2)),
-            .planned = row.integer(3),
-            .config_hash = row.text(4),
-            .version = row.text(5),
-            .created = row.text(6)};
+    Campaign campaign{.name = row.text(0),
+                      .scenario = row.text(1),
+                      .seed = static_cast<std::uint64_t>(row.integer(2)),
+                      .planned = row.integer(3),
+                      .config_hash = row.text(4),
+                      .version = row.text(5),
+                      .created = row.text(6)};
+    int column = 7;
+    for (const SpecimenField& field : kSpecimenFields) campaign.specimen.*field.value = row.text(column++);
+    return campaign;
 }
+
 std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std::string& campaign) {
     const LedgerDatabase database(path, LedgerDatabase::Access::read, {});
     Statement find = database.prepare("SELECT id FROM campaigns WHERE name = ?1");

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "rig_bridge/record/specimen.hpp"
+
 namespace rig {
 
 /// All from brake-on to standstill as the maneuver-state telemetry says, from bus frames alone: rebuilding them from
@@ -38,6 +40,7 @@ struct Summary {
     std::string campaign;     ///< name; empty for a single maneuver
     std::int64_t number = 0;  ///< of the maneuver in its campaign, from 1
     std::string scenario;
+    Specimen specimen{};
     std::string outcome;  ///< "finished", or the name of the abort
     std::string started;  ///< wall clock, ISO 8601 UTC
     double cumulative_energy_J =

@@ -56,7 +56,6 @@ class Reader {
             wrong(key, "a smaller number");
         return static_cast<T>(unsigned_value);
     }
-    [[nodiscard]] bool has(const char* key) const { return root_.contains(key); }
     std::vector<std::string> texts(const char* key) {
         std::vector<std::string> all;
         for (const ordered_json& item : get(key, &ordered_json::is_array, "a list of texts")) {
@@ -106,6 +105,7 @@ void write_summary(const std::filesystem::path& path, const Summary& summary) {
     json["campaign"] = summary.campaign;
     json["number"] = summary.number;
     json["scenario"] = summary.scenario;
+    for (const SpecimenField& field : kSpecimenFields) json[field.key] = summary.specimen.*field.value;
     json["outcome"] = summary.outcome;
     json["started"] = summary.started;
     for (const FigureField& field : kFigureFields) json[field.key] = number(summary.figures.*field.value);
@@ -130,6 +130,8 @@ Summary read_summary(const std::filesystem::path& path) {
     summary.campaign = reader.text("campaign");
     summary.number = reader.whole<std::int64_t>("number");
     summary.scenario = reader.text("scenario");
+    for (const SpecimenField& field : kSpecimenFields)  // older files have none
+        if (reader.has(field.key)) summary.specimen.*field.value = reader.text(field.key);
     summary.outcome = reader.text("outcome");
     summary.started = reader.text("started");
     for (const FigureField& field : kFigureFields) summary.figures.*field.value = reader.real(field.key);
@@ -155,6 +157,8 @@ std::string summary_table(const Summary& summary) {
     if (!summary.campaign.empty()) row("campaign", summary.campaign);
     if (summary.number > 0) row("maneuver", std::to_string(summary.number));
     row("scenario", summary.scenario);
+    for (const SpecimenField& field : kSpecimenFields)
+        if (const std::string& value = summary.specimen.*field.value; !value.empty()) row(field.label, value);
     row("outcome", summary.outcome);
     if (summary.out_of_tolerance)
         row("verdict", off_conditions(summary)

@@ -18,7 +18,9 @@ void enter(Ledger& ledger, const std::string& campaign, const CampaignRow& row, 
     std::optional<double> slip_reference;
     if (old != nullptr) slip_reference = old->slip_reference;
     // An attempt without a folder had none to begin with, or lost it: nothing is known of it.
-    while (ledger.begin(row.folder.number, row.summary.started, slip_reference).attempt < row.folder.attempt)
+    while (
+        ledger.begin(row.folder.number, row.summary.started, slip_reference, row.summary.specimen).attempt <
+        row.folder.attempt)
         ledger.mark_unfinished();
     if (!row.ended) {
         ledger.mark_unfinished(row.counted ? std::optional(row.summary) : std::nullopt);
@@ -46,6 +48,8 @@ void write_ledger(const std::filesystem::path& file, const Campaign& campaign, c
     for (const LedgerRow& row : old)
         for (const Amendment& amendment : row.amendments)
             ledger.amend(row.attempt.number, row.attempt.attempt, amendment);
+    for (const LedgerRow& row : old)
+        for (const Note& note : row.notes) ledger.note(row.attempt.number, row.attempt.attempt, note);
 }
 
 }  // namespace rig

@@ -3,6 +3,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "config/reader/csv_field.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 
@@ -29,7 +30,10 @@ std::string to_text(const CampaignTable& table) {
     fmt::format_to(out, "{:<10}{:>16}{:>15}{:>12}{:>11}  {}\n", "maneuver", "energy so far", "mean friction",
                    "brake-on", "duration", "outcome");
     fmt::format_to(out, "{:<10}{:>16}{:>15}{:>12}{:>11}\n", "", "MJ", "mu_b", "m/s", "s");
+    std::string parts;
     for (const CampaignRow& row : table.rows) {
+        if (const std::string now = to_text(row.specimen); now != parts)
+            fmt::format_to(out, "    from here on: {}\n", parts = now);
         if (row.counted)
             fmt::format_to(out, "{:<10}{:>16.4f}{:>15.5f}{:>12.2f}{:>11.3f}  {}\n", title(row.folder),
                            row.summary.cumulative_energy_J * 1e-6, row.summary.figures.mean_friction,
@@ -48,14 +52,17 @@ std::string to_csv(const CampaignTable& table) {
     std::string csv = "number,attempt,outcome,cumulative_energy_J";
     const auto out = std::back_inserter(csv);
     for (const FigureField& field : kFigureFields) fmt::format_to(out, ",{}", field.key);
-    csv += "\n";
+    for (const SpecimenField& field : kSpecimenFields) fmt::format_to(out, ",{}", field.key);
+    csv += ",disc_energy_J\n";
     for (const CampaignRow& row : table.rows) {
         if (!row.counted) continue;
         fmt::format_to(out, "{},{},{},{}", row.folder.number, row.folder.attempt, row.summary.outcome,
                        row.summary.cumulative_energy_J);
         for (const FigureField& field : kFigureFields)
             fmt::format_to(out, ",{}", row.summary.figures.*field.value);
-        csv += "\n";
+        for (const SpecimenField& field : kSpecimenFields)
+            fmt::format_to(out, ",{}", settings::csv_field(row.specimen.*field.value));
+        fmt::format_to(out, ",{}\n", row.disc_energy_J);
     }
     return csv;
 }
@@ -70,6 +77,8 @@ std::string to_json(const CampaignTable& table, const std::string& campaign) {
                                    {"cumulative_energy_J", row.summary.cumulative_energy_J}};
         if (row.counted)
             for (const FigureField& field : kFigureFields) one[field.key] = row.summary.figures.*field.value;
+        for (const SpecimenField& field : kSpecimenFields) one[field.key] = row.specimen.*field.value;
+        one["disc_energy_J"] = row.disc_energy_J;
         one["warnings"] = row.summary.warnings;
         one["differences"] = row.differences;
         rows.push_back(std::move(one));

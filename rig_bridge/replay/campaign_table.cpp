@@ -66,10 +66,12 @@ class Rebuild {
         const LedgerRow* const ledger = ledger_row(folder);
         row.ended = fs::exists(folder.path / "summary.json");
         std::optional<Summary> stated;
-        if (row.ended)
+        if (row.ended) {
             row.summary = *(stated = read_summary(folder.path / "summary.json"));
-        else if (ledger != nullptr)
+        } else if (ledger != nullptr) {
             row.summary = ledger->summary;
+            row.summary.specimen = ledger->recorded;
+        }
         if (!row.ended) row.summary.outcome = name(RowState::unfinished);
         row.counted = measure(row) || row.ended;
         const bool amended = ledger != nullptr && !ledger->amendments.empty();
@@ -78,6 +80,8 @@ class Rebuild {
             amended_ = amended_ || amended;
             row.summary.cumulative_energy_J = energy_J_;
         }
+        row.specimen = ledger != nullptr ? ledger->summary.specimen : row.summary.specimen;
+        row.disc_energy_J = disc_.after(row.specimen, energy_J_);
         // A summary says what was known when it was written; sums that were amended since are not.
         if (stated) compare(row.summary, *stated, "summary.json", !amended_, row.differences);
         if (ledger != nullptr && (row.ended || ledger->has_figures))
@@ -162,6 +166,7 @@ class Rebuild {
     CampaignTable table_;
     std::string scenario_;  // of the campaign, for an attempt that says nothing of it
     double energy_J_ = 0.0;
+    DiscEnergy disc_;
     bool amended_ = false;
 };
 

@@ -31,6 +31,8 @@ struct CampaignRow {
     bool ended = false;  ///< finished or aborted: has a summary
     /// That of the summary, or what is known without one, with figures, warnings and sums from the logs alone; and as amended.
     Summary summary;
+    Specimen specimen{};         ///< as noted; `summary` has it as it was recorded
+    double disc_energy_J = 0.0;  ///< of the cumulative energy, what this row's brake and disc have taken
     /// "mean_friction is 0.29817 from the log, 0.29816 in summary.json"; bit by bit.
     std::vector<std::string> differences;
 };
@@ -61,7 +63,7 @@ void write_ledger(const std::filesystem::path& file, const Campaign& campaign, c
                                              const CampaignSources& sources);
 
 [[nodiscard]] std::string to_text(const CampaignTable& table);
-/// number,attempt,outcome,cumulative_energy_J and every figure by its key.
+/// number,attempt,outcome,cumulative_energy_J, every figure, the specimen's fields and disc_energy_J by their keys.
 [[nodiscard]] std::string to_csv(const CampaignTable& table);
 [[nodiscard]] std::string to_json(const CampaignTable& table, const std::string& campaign);
 

@@ -5,10 +5,17 @@
 #include <array>
 
 #include "rig_bridge/replay/log_reader.hpp"
+#include "rig_bridge/sequencer/sequencer.hpp"
 
 namespace rig {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr auto kBraking = static_cast<std::uint8_t>(sequencer::Phase::braking);
+
+}  // namespace
 
 fs::path log_in(const fs::path& folder) {
     for (const char* name : {"bus.log", "bus.log.gz"})
@@ -29,6 +36,10 @@ MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout,
                    .faults = meter.faults(),
                    .frames = reader.frames(),
                    .lines = reader.lines()};
+    if (out.braked && meter.view().maneuver_state.phase == kBraking)
+        out.warnings.push_back(
+            fmt::format("ends_in_braking: at {:.1f} m/s, what was braked after that is not known",
+                        meter.meter().speed_mps()));
     constexpr std::array kDamage{LogTrouble::unfinished_line, LogTrouble::malformed_line,
                                  LogTrouble::not_text, LogTrouble::damaged_file};
     for (const LogTrouble trouble : kDamage)

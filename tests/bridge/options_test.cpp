@@ -66,6 +66,33 @@ TEST_CASE("The command line says which rig, which maneuver and where to", "[BRG-
     CHECK(amend.attempt == 1);
     CHECK(amend.energy_MJ == 0.974);
     CHECK(amend.who == "A. Rossi");
+    CHECK(many.rig.specimen == rig::Specimen{});
+    CHECK_FALSE(many.rig.quiet);
+    const auto named = command<rig::CampaignCommand>(
+        {"campaign",     "e.toml",     "--can",   "can0",        "--plc",
+         "10.0.0.2:502", "--out",      "runs/1",  "--maneuvers", "5",
+         "--brake",      "B1",         "--disc",  "D7",          "--tyre",
+         "T2",           "--specimen", "S",       "--operator",  "Rossi",
+         "--notes",      "a, b",       "--quiet", "--on-abort",  "/usr/local/bin/mail-crew"});
+    CHECK(named.rig.specimen == rig::Specimen{"B1", "D7", "T2", "S", "Rossi", "a, b"});
+    CHECK(named.rig.quiet);
+    CHECK(named.rig.on_abort == "/usr/local/bin/mail-crew");
+    const auto note = command<rig::NoteCommand>({"ledger", "note", "runs/1", "--maneuver", "3", "--attempt",
+                                                 "2", "--disc", "D8", "--who", "A. Rossi"});
+    CHECK(note.number == 3);
+    CHECK(note.attempt == 2);
+    CHECK(note.said.disc == "D8");
+    CHECK_THROWS_WITH(parse({"ledger", "note", "runs/1", "--maneuver", "3", "--who", "A. Rossi"}),
+                      ContainsSubstring("nothing is said"));
+    const auto watch = command<rig::WatchCommand>({"watch", "runs/1", "--can", "can0", "--once", "--json"});
+    CHECK(watch.directory == "runs/1");
+    CHECK(watch.once);
+    CHECK(watch.json);
+    const auto pause = command<rig::HoldCommand>({"pause", "runs/1", "--who", "Rossi", "--why", "tyre"});
+    CHECK(pause.hold);
+    CHECK(pause.who == "Rossi");
+    CHECK(pause.why == "tyre");
+    CHECK_FALSE(command<rig::HoldCommand>({"resume", "runs/1"}).hold);
     CHECK(amend.why == "node restarted");
     CHECK(rig::ledger_file("runs/1") == "runs/1/campaign.sqlite");
 }

@@ -1,11 +1,13 @@
 #include "rig_bridge/bridge/view.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <array>
 #include <cmath>
 
 #include "rig_bridge/bridge/terminal.hpp"
+#include "rig_bridge/modbus/pseudo_terminal.hpp"
 #include "tests/catch.hpp"
 
 using rig::CampaignView;
@@ -162,4 +164,19 @@ TEST_CASE("In a campaign with a wear model the view has the brake's health", "[B
     CHECK(screen(v, 200)[6] == "brake suspect (0.81 of its limit): friction has dropped");
     CHECK_THAT(plain_line(v), ContainsSubstring("brake suspect (0.81 of its limit)"));
     CHECK(rig::health_text({}) == "unknown");
+}
+
+TEST_CASE("The bell rings on a terminal and nowhere else", "[BRG-461]") {
+    const rig::PseudoTerminal line;
+    const int slave = ::open(line.path().c_str(), O_RDWR | O_NOCTTY);
+    REQUIRE(slave >= 0);
+    rig::Terminal(slave).ring();
+    CHECK(read_all(line.master()) == "\a");
+    ::close(slave);
+    std::array<int, 2> ends{};
+    REQUIRE(pipe(ends.data()) == 0);
+    rig::Terminal(ends[1]).ring();
+    close(ends[1]);
+    CHECK(read_all(ends[0]).empty());
+    close(ends[0]);
 }

@@ -378,6 +378,8 @@ TEST_CASE(
         CHECK(read[i].health.state == HealthState::unknown);
         CHECK(std::isnan(read[i].slip_reference));
         CHECK_FALSE(migrated[i].summary.out_of_tolerance.has_value());
+        CHECK(read[i].summary.specimen == Specimen{});
+        CHECK(migrated[i].summary.specimen == Specimen{});
         CHECK(read[i].attempt.folder == migrated[i].attempt.folder);
         CHECK(read[i].summary.started == migrated[i].summary.started);
         CHECK(read[i].summary.config_hash == migrated[i].summary.config_hash);

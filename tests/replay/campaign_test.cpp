@@ -20,7 +20,7 @@ namespace {
 /// Three maneuvers, recorded with a ledger beside: the second aborted at first, then an attempt that was cut off.
 class Ran {
   public:
-    Ran() {
+    explicit Ran(const rig::Specimen& specimen = {}) {
         rig::Ledger ledger(file());
         ledger.open_campaign({.name = "night",
                               .scenario = "endurance",
@@ -28,7 +28,8 @@ class Ran {
                               .planned = 3,
                               .config_hash = "x",
                               .version = "0",
-                              .created = "now"},
+                              .created = "now",
+                              .specimen = specimen},
                              rig::IfChanged::refuse);
         maneuver(ledger, 54.86, "finished");
         maneuver(ledger, 30.0, "guard_open");
@@ -74,7 +75,9 @@ class Ran {
         const rig::MeteredLog metered =
             rig::meter_log(rig::log_in(attempt.folder), can_test::ours(), record_test::kRig, warnings);
         REQUIRE(metered.braked);
-        CHECK(metered.warnings == std::vector<std::string>{"log_damaged: unfinished_line 1"});
+        REQUIRE(metered.warnings.size() == 2);
+        CHECK_THAT(metered.warnings[0], ContainsSubstring("ends_in_braking: at 4."));
+        CHECK(metered.warnings[1] == "log_damaged: unfinished_line 1");
         rig::Summary summary;
         summary.number = 2;
         summary.scenario = "endurance";
@@ -108,6 +111,7 @@ class Ran {
         rig::Summary summary;
         summary.campaign = "night";
         summary.number = attempt.number;
+        summary.specimen = ledger.specimen();
         summary.scenario = "endurance";
         summary.outcome = outcome;
         summary.started = "now";
@@ -225,4 +229,36 @@ TEST_CASE("folders and ledger that do not belong together are told", "[BRG-341]"
     CHECK_THAT(said, ContainsSubstring("neither bus.log nor bus.log.gz"));
     CHECK_THROWS_WITH(rig::maneuver_folders(ran.folder() / "0001"), ContainsSubstring("holds no maneuvers"));
     CHECK_THROWS_WITH(rig::maneuver_folders("/nowhere"), ContainsSubstring("is no directory"));
+}
+
+TEST_CASE("the exported table has the specimen of each maneuver as noted, and counts energy disc by disc",
+          "[BRG-270][BRG-271]") {
+    const Ran ran({.disc = "D7", .notes = "a, \"b\""});
+    {
+        rig::Ledger ledger(ran.file());
+        ledger.choose("night");
+        ledger.note(3, 1, {.field = "disc_serial", .text = "D8", .who = "A. Rossi", .made = "t"});
+        ledger.note(3, 1, {.field = "notes", .text = "changed", .who = "A. Rossi", .made = "t"});
+    }
+    const rig::CampaignTable table = ran.rebuilt();
+    CHECK(table.different() == 0);
+    CHECK(table.rows[3].disc_energy_J == table.rows[3].summary.cumulative_energy_J);
+    CHECK(table.rows[4].disc_energy_J == Approx(table.rows[4].summary.figures.energy_brake_J));
+    const auto lines = replay_test::lines_of(rig::to_csv(table));
+    CHECK_THAT(lines[0],
+               ContainsSubstring(
+                   ",brake_serial,disc_serial,tyre_serial,specimen_serial,operator,notes,disc_energy_J"));
+    CHECK_THAT(lines[1], ContainsSubstring(",,D7,,,,\"a, \"\"b\"\"\","));
+    CHECK_THAT(lines[5], ContainsSubstring(",,D8,,,,\"a, \"\"b\"\"; changed\","));
+    CHECK_THAT(rig::to_text(table), ContainsSubstring("from here on: disc D8"));
+    CHECK(nlohmann::json::parse(rig::to_json(table, "night"))["rows"][4]["disc_serial"] == "D8");
+    // A ledger that is rebuilt has texts and notes once.
+    const auto rebuilt = ran.dir.write("x", "").parent_path() / "rebuilt.sqlite";
+    rig::write_ledger(rebuilt, rig::read_campaigns(ran.file()).front(), table,
+                      rig::read_ledger(ran.file(), "night"));
+    const auto rows = rig::read_ledger(rebuilt, "night");
+    REQUIRE(rows.size() == 5);
+    CHECK(rows[2].summary.specimen == rig::Specimen{.disc = "D7", .notes = "a, \"b\""});
+    CHECK(rows[4].summary.specimen == rig::Specimen{.disc = "D8", .notes = "a, \"b\"; changed"});
+    CHECK(rows[4].notes.size() == 2);
 }

@@ -166,3 +166,25 @@ TEST_CASE("a landing's energy and the torque reserve are those of the configurat
     CHECK(r.friction > 0.15);
     CHECK(r.friction < 0.30);
 }
+
+TEST_CASE("of a ledger whose disc was changed the newest disc is a campaign, with the energy that it took",
+          "[WEAR-016]") {
+    const Folder folder("wear_discs");
+    {
+        rig::Ledger ledger(folder / "ledger.sqlite", {.durable = false});
+        rig::Campaign c = campaign("first");
+        c.specimen.disc = "D7";
+        ledger.open_campaign(c, rig::IfChanged::refuse);
+        enter(ledger, "first", 1, "finished", 1.0e6, 0.31);
+        enter(ledger, "first", 2, "finished", 2.0e6, 0.30);
+        c.specimen.disc = "D8";
+        ledger.open_campaign(c, rig::IfChanged::go_on);
+        enter(ledger, "first", 3, "load lost", 2.5e6, 0.05);
+        enter(ledger, "first", 3, "finished", 3.5e6, 0.36);
+        enter(ledger, "first", 4, "finished", 4.5e6, 0.35);
+    }
+    const wear::Campaign read = plant_sim::load_campaign(folder.path(), "");
+    CHECK(read.disc == "D8");
+    CHECK(read.points == std::vector<wear::Point>{{1.5e6, 0.36}, {2.5e6, 0.35}});
+    CHECK_THAT(read.source, ContainsSubstring("(brake '', disc 'D8'; 2 maneuvers of others left out)"));
+}

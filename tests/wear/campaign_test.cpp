@@ -130,3 +130,15 @@ TEST_CASE("speed, torque and load of each maneuver are read where all three stan
     CHECK_THAT(refusal(head + ",mean_torque_Nm\n1,0.3,,54.9,630\n2,0.29,23600,54.7,629\n"),
                ContainsSubstring("data.csv:2: mean_load_N: no value"));
 }
+
+TEST_CASE("serial numbers are kept, and wear of two discs is no campaign", "[WEAR-016]") {
+    const std::string head = "disc_serial,cumulative_energy_J,mean_friction,notes\n";
+    const wear::Campaign one = wear::parse_campaign(
+        "a.csv", head + "\"D,\"\"7\"\"\",1e6,0.31,\"new, \"\"b\"\"\"\n\"D,\"\"7\"\"\",2e6,0.30,\n");
+    CHECK(one.disc == "D,\"7\"");
+    CHECK(one.brake.empty());
+    CHECK(wear::parse_campaign("a.csv", wear::to_csv(one)) == one);
+    CHECK(wear::data_hash(one) == wear::data_hash({one.source, one.points}));
+    CHECK_THROWS_WITH(wear::parse_campaign("a.csv", head + "D7,1e6,0.31,\nD8,2e6,0.30,\n"),
+                      ContainsSubstring("a.csv:3: disc_serial: 'D8' after 'D7': their wear is not mixed"));
+}

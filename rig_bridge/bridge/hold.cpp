@@ -1,0 +1,39 @@
+#include "rig_bridge/bridge/hold.hpp"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "config/reader/atomic_file.hpp"
+
+namespace rig {
+
+std::optional<Hold> read_hold(const std::filesystem::path& campaign) {
+    const std::filesystem::path file = hold_file(campaign);
+    std::error_code ignored;
+    if (!std::filesystem::exists(std::filesystem::symlink_status(file, ignored))) return std::nullopt;
+    std::ifstream in(file, std::ios::binary);
+    const auto json = nlohmann::json::parse(in, nullptr, false);
+    const auto text = [&json](const char* key) {
+        return json.is_object() && json.contains(key) && json[key].is_string() ? json[key].get<std::string>()
+                                                                               : std::string();
+    };
+    Hold hold{.who = text("who"), .since = text("since"), .why = text("why")};
+    if (hold.who.empty()) hold.who = "somebody (" + file.string() + " does not say who)";
+    return hold;
+}
+
+void write_hold(const std::filesystem::path& campaign, const Hold& hold) {
+    const nlohmann::ordered_json json{{"who", hold.who}, {"since", hold.since}, {"why", hold.why}};
+    settings::write_file(hold_file(campaign), json.dump(2) + "\n");
+}
+
+bool remove_hold(const std::filesystem::path& campaign) {
+    return std::filesystem::remove(hold_file(campaign));
+}
+
+std::string to_text(const Hold& hold) {
+    return "held by " + hold.who + (hold.since.empty() ? "" : " since " + hold.since) +
+           (hold.why.empty() ? "" : ": " + hold.why);
+}
+
+}  // namespace rig

@@ -1,0 +1,119 @@
+#include "rig_bridge/bridge/watch_view.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "rig_bridge/bridge/view.hpp"
+
+namespace rig {
+
+namespace {
+
+std::string phase_text(const Watched& w) {
+    return w.phase ? std::string(name(*w.phase)) : "phase unknown";
+}
+
+std::string progress(const Watched& w) {
+    const std::string number = w.number > 0 ? fmt::format("maneuver {}", w.number) : "no maneuver";
+    if (w.campaign.empty()) return fmt::format("{}: {}", w.scenario, number);
+    return fmt::format("{}: {}, {} of {} finished, {}", w.campaign, number, w.finished, w.planned,
+                       w.left_s ? duration_text(*w.left_s) + " left" : "time left unknown");
+}
+
+std::string road_text(const Watched& w) {
+    if (!w.road) return "not heard";
+    return fmt::format("grip {:.2f} kN at slip {:.3f}, confidence {:.2f}",
+                       static_cast<double>(w.road->grip_N) * 1e-3, static_cast<double>(w.road->peak_slip),
+                       static_cast<double>(w.road->confidence));
+}
+
+std::string fault_text(const Watched& w) {
+    return w.faults.empty() ? "none" : fmt::format("{}", fmt::join(w.faults, " "));
+}
+
+nlohmann::ordered_json number(double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+}  // namespace
+
+std::string to_text(const BridgeSigns& s) {
+    if (heard(s))
+        return !s.with_ledger || s.held ? "at work" : "at work on this bus, but not with this ledger";
+    std::string silence = s.silent_s ? fmt::format("silent for {}", duration_text(*s.silent_s)) : "not heard";
+    if (!s.with_ledger) return silence;
+    if (s.held) return silence + " on the bus, though it holds the ledger";
+    if (s.running != 0)
+        return silence +
+               fmt::format(", DEAD: maneuver {} was left; the same campaign command goes on", s.running);
+    return silence + ": nobody runs this campaign";
+}
+
+std::vector<std::string> watch_screen(const Watched& w, const StripChart& chart) {
+    constexpr std::size_t kColumns = 80;
+    std::vector<std::string> lines{progress(w), "bridge " + to_text(w.bridge)};
+    if (!w.hold.empty()) lines.push_back("HOLD: " + w.hold);
+    if (!w.specimen.empty()) lines.push_back(w.specimen);
+    lines.push_back(fmt::format("{:<14} {}{:.1f} s in this phase", phase_text(w),
+                                w.phase_began ? "" : "at least ", w.phase_s));
+    lines.push_back(fmt::format("rim {:6.2f} m/s   wheel {:6.2f} m/s   slip {:6.3f}   reference {:5.3f}",
+                                w.rim_mps, w.wheel_mps, w.slip, w.slip_reference));
+    lines.push_back(fmt::format("pressure {:5.2f} MPa   load {:6.2f} kN   current {:6.2f} mA",
+                                w.pressure_Pa * 1e-6, w.load_N * 1e-3, w.current_mA));
+    lines.push_back(fmt::format("controller {}   faults: {}", w.controller, fault_text(w)));
+    if (w.tells_road) lines.push_back("road: " + road_text(w));
+    if (!w.outcomes.empty()) lines.push_back(fmt::format("last: {}", fmt::join(w.outcomes, ", ")));
+    if (!w.bus_up) lines.push_back("BUS DOWN: " + w.bus_error);
+    if (!w.ledger_error.empty()) lines.push_back("ledger: " + w.ledger_error);
+    for (std::string& line : chart.lines()) lines.push_back(std::move(line));
+    for (std::string& line : lines) line = fit(line, kColumns);
+    return lines;
+}
+
+std::string watch_line(const Watched& w) {
+    return fmt::format(
+        "{}; bridge {}{}; {} {:.1f} s; {:.2f} m/s, slip {:.3f}, {:.2f} MPa, {:.2f} kN, {:.2f} mA; "
+        "controller {}; faults: {}{}{}",
+        progress(w), to_text(w.bridge), w.hold.empty() ? "" : "; HOLD: " + w.hold, phase_text(w), w.phase_s,
+        w.rim_mps, w.slip, w.pressure_Pa * 1e-6, w.load_N * 1e-3, w.current_mA, w.controller, fault_text(w),
+        w.tells_road ? "; road: " + road_text(w) : "", w.bus_up ? "" : "; BUS DOWN: " + w.bus_error);
+}
+
+std::string watch_json(const Watched& w) {
+    nlohmann::ordered_json json{{"campaign", w.campaign},
+                                {"scenario", w.scenario},
+                                {"number", w.number},
+                                {"finished", w.finished},
+                                {"planned", w.planned}};
+    json["left_s"] = w.left_s ? number(*w.left_s) : nullptr;
+    json["specimen"] = w.specimen;
+    json["outcomes"] = w.outcomes;
+    json["hold"] = w.hold;
+    json["ledger_error"] = w.ledger_error;
+    json["bridge"] = to_text(w.bridge);
+    json["bridge_heard"] = heard(w.bridge);
+    json["bus_up"] = w.bus_up;
+    json["bus_error"] = w.bus_error;
+    json["phase"] = w.phase ? nlohmann::ordered_json(name(*w.phase)) : nullptr;
+    json["phase_s"] = number(w.phase_s);
+    json["phase_begin_seen"] = w.phase_began;
+    json["rim_mps"] = number(w.rim_mps);
+    json["wheel_mps"] = number(w.wheel_mps);
+    json["slip"] = number(w.slip);
+    json["slip_reference"] = number(w.slip_reference);
+    json["pressure_Pa"] = number(w.pressure_Pa);
+    json["load_N"] = number(w.load_N);
+    json["current_mA"] = number(w.current_mA);
+    json["controller"] = w.controller;
+    json["faults"] = w.faults;
+    json["road"] = nullptr;
+    if (w.road)
+        json["road"] = {{"grip_N", number(static_cast<double>(w.road->grip_N))},
+                        {"peak_slip", number(static_cast<double>(w.road->peak_slip))},
+                        {"confidence", number(static_cast<double>(w.road->confidence))}};
+    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace rig

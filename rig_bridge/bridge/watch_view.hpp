@@ -1,0 +1,73 @@
+/// What `rig-bridge watch` shows of a campaign that another terminal runs: text of 80 columns, or a line of JSON. Pure.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/control/types.hpp"
+#include "rig_bridge/bridge/strip_chart.hpp"
+#include "rig_bridge/sequencer/sequencer.hpp"
+
+namespace rig {
+
+/// Who runs the campaign, as bus and ledger say it.
+struct BridgeSigns {
+    std::optional<double> silent_s;  ///< since the bus had a frame of it; none: never heard
+    bool with_ledger = false;        ///< whether the rest is known
+    bool held = false;               ///< a process has the ledger open for writing
+    std::int64_t running = 0;        ///< the maneuver that the ledger has as running; 0: none
+};
+
+struct Watched {
+    // Of the ledger; without one only the scenario.
+    std::string campaign;  ///< empty: no ledger
+    std::string scenario;
+    std::int64_t finished = 0;
+    std::int64_t planned = 0;
+    std::optional<double> left_s;
+    std::string specimen;
+    std::vector<std::string> outcomes;  ///< the last ones, oldest first: "0007 finished"
+    std::string hold;                   ///< as to_text(Hold); empty: it is not held
+    std::string ledger_error;           ///< why it could not be read just now
+    BridgeSigns bridge;
+
+    // Of the bus.
+    bool bus_up = false;
+    std::string bus_error;
+    std::int64_t number = 0;  ///< of the maneuver
+    std::optional<sequencer::Phase> phase;
+    double phase_s = 0.0;      ///< in it
+    bool phase_began = false;  ///< its begin was seen; else it may have lasted longer
+    double rim_mps = 0.0;
+    double wheel_mps = 0.0;
+    double slip = 0.0;
+    double slip_reference = 0.0;
+    double pressure_Pa = 0.0;
+    double load_N = 0.0;
+    double current_mA = 0.0;
+    std::string_view controller;  ///< its state, or "silent"
+    std::vector<std::string_view> faults;
+    bool tells_road = false;  ///< the layout has that frame
+    std::optional<antiskid::control::RoadEstimate> road;
+};
+
+/// A bridge whose last frame is no older runs.
+inline constexpr double kBridgeSilent_s = 1.0;
+
+[[nodiscard]] inline bool heard(const BridgeSigns& signs) {
+    return signs.silent_s && *signs.silent_s <= kBridgeSilent_s;
+}
+/// For people: at work, silent, dead, or nobody's.
+[[nodiscard]] std::string to_text(const BridgeSigns& signs);
+
+/// None of its lines wider than 80 columns.
+[[nodiscard]] std::vector<std::string> watch_screen(const Watched& watched, const StripChart& chart);
+/// The same as one line, for logs.
+[[nodiscard]] std::string watch_line(const Watched& watched);
+/// One JSON object in one line; units in the keys, null for what is not known.
+[[nodiscard]] std::string watch_json(const Watched& watched);
+
+}  // namespace rig

@@ -1,0 +1,161 @@
+#include "rig_bridge/record/specimen.hpp"
+
+#include "config/reader/csv_field.hpp"
+#include "config/reader/error.hpp"
+#include "rig_bridge/record/ledger.hpp"
+#include "rig_bridge/record/summary_file.hpp"
+#include "tests/can/layouts.hpp"
+#include "tests/catch.hpp"
+
+using namespace rig;
+using can_test::TempDir;
+
+namespace {
+
+Campaign campaign_of(const Specimen& specimen) {
+    return {.name = "brake7",
+            .scenario = "light",
+            .seed = 7,
+            .planned = 5,
+            .config_hash = "abc",
+            .version = "0.1.0",
+            .created = "t0",
+            .specimen = specimen};
+}
+
+/// The next maneuver, which takes a megajoule.
+void finish_next(Ledger& ledger) {
+    Summary s;
+    s.campaign = "brake7";
+    s.number = ledger.begin(*ledger.next_number(), "t1").number;
+    s.outcome = "finished";
+    s.figures.energy_brake_J = 1e6;
+    s.cumulative_energy_J = ledger.cumulative_energy_J() + 1e6;
+    ledger.finish(s);
+}
+
+}  // namespace
+
+TEST_CASE("Texts of people are one line of UTF-8", "[BRG-270]") {
+    CHECK_NOTHROW(check_text("--notes", "Zoë, \"Ω\" 刹车 😀"));
+    for (const char* const bad : {"a\nb", "a\tb", "\x7f", "\xC3", "\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80",
+                                  "\xF0\x80\x80\x80", "\xF4\x90\x80\x80", "\xF5\x80\x80\x80", "\x80"}) {
+        INFO(bad);
+        CHECK_THROWS_WITH(check_text("--notes", bad), ContainsSubstring("--notes: byte "));
+    }
+    CHECK_NOTHROW(check_text("--disc", std::string(kLongestText, 'x')));
+    CHECK_THROWS_WITH(check_text("--disc", std::string(kLongestText + 1, 'x')),
+                      ContainsSubstring("too long"));
+    Specimen specimen;
+    specimen.operator_name = "a\rb";
+    CHECK_THROWS_WITH(check_texts(specimen), ContainsSubstring("--operator"));
+}
+
+TEST_CASE("Fields of a CSV are quoted where they must be", "[BRG-270]") {
+    CHECK(settings::csv_field("D7") == "D7");
+    CHECK(settings::csv_field("") == "");
+    CHECK(settings::csv_field("a, \"b\"") == "\"a, \"\"b\"\"\"");
+    CHECK(settings::csv_field("#1") == "\"#1\"");
+    CHECK(settings::csv_field(" a") == "\" a\"");
+    CHECK(settings::csv_field("a\nb") == "\"a\nb\"");
+}
+
+TEST_CASE("Each maneuver keeps the specimen that was said when it began", "[BRG-270]") {
+    const TempDir dir;
+    const auto path = dir.write("x", "").parent_path() / "campaign.sqlite";
+    {
+        Ledger ledger(path);
+        ledger.open_campaign(campaign_of({.brake = "B1", .disc = "D7", .operator_name = "Rossi"}),
+                             IfChanged::refuse);
+        finish_next(ledger);
+    }
+    Ledger ledger(path);
+    // What is not said again stays.
+    ledger.open_campaign(campaign_of({.tyre = "T2", .notes = "new tyre"}), IfChanged::refuse);
+    CHECK(ledger.specimen() ==
+          Specimen{.brake = "B1", .disc = "D7", .tyre = "T2", .operator_name = "Rossi", .notes = "new tyre"});
+    finish_next(ledger);
+    const auto rows = read_ledger(path, "brake7");
+    CHECK(rows[0].summary.specimen == Specimen{.brake = "B1", .disc = "D7", .operator_name = "Rossi"});
+    CHECK(rows[1].summary.specimen == ledger.specimen());
+    CHECK(read_campaigns(path)[0].specimen == ledger.specimen());
+    CHECK(to_text(rows[0].summary.specimen) == "brake B1, disc D7, operator Rossi");
+}
+
+TEST_CASE("Another brake or disc in a campaign is refused unless it is meant", "[BRG-271]") {
+    const TempDir dir;
+    const auto path = dir.write("x", "").parent_path() / "campaign.sqlite";
+    Ledger ledger(path);
+    ledger.open_campaign(campaign_of({.disc = "D7"}), IfChanged::refuse);
+    CHECK_NOTHROW(ledger.open_campaign(campaign_of({.brake = "B1"}), IfChanged::refuse));
+    CHECK_THROWS_WITH(ledger.open_campaign(campaign_of({.disc = "D8"}), IfChanged::refuse),
+                      ContainsSubstring("disc was D7, is D8"));
+    CHECK_THROWS_WITH(ledger.open_campaign(campaign_of({.brake = "B2"}), IfChanged::refuse),
+                      ContainsSubstring("brake was B1, is B2"));
+    CHECK(read_campaigns(path)[0].specimen == Specimen{.brake = "B1", .disc = "D7"});
+    const Resumed resumed = ledger.open_campaign(campaign_of({.disc = "D8"}), IfChanged::go_on);
+    CHECK(resumed.changed == std::vector<std::string>{"disc was D7, is D8"});
+    CHECK(ledger.specimen() == Specimen{.brake = "B1", .disc = "D8"});
+}
+
+TEST_CASE("Energy is counted disc by disc", "[BRG-271]") {
+    DiscEnergy energy;
+    CHECK(energy.after({.disc = "D7"}, 1.0) == 1.0);
+    CHECK(energy.after({.disc = "D7"}, 3.0) == 3.0);
+    CHECK(energy.after({.disc = "D8"}, 4.0) == 1.0);
+    CHECK(energy.after({.brake = "B2", .disc = "D8"}, 9.0) == 5.0);
+    CHECK(energy.after({.disc = "D7"}, 10.0) == 4.0);
+}
+
+TEST_CASE("What people note afterwards holds, and nothing is overwritten", "[BRG-270]") {
+    const TempDir dir;
+    const auto path = dir.write("x", "").parent_path() / "campaign.sqlite";
+    {
+        Ledger ledger(path);
+        CHECK_THROWS_WITH(ledger.note(1, 1, {}), ContainsSubstring("no campaign is open"));
+        ledger.open_campaign(campaign_of({.disc = "D7", .notes = "first"}), IfChanged::refuse);
+        finish_next(ledger);
+        ledger.note(1, 1, {.field = "disc_serial", .text = "D8", .who = "A. Rossi", .made = "t8"});
+        ledger.note(1, 1, {.field = "notes", .text = "second", .who = "B", .made = "t9"});
+        const auto refused = [&](std::int64_t number, const Note& note, const char* why) {
+            CHECK_THROWS_WITH(ledger.note(number, 1, note), ContainsSubstring(why));
+        };
+        refused(2, {.field = "notes", .text = "x", .who = "B"}, "maneuver 2, attempt 1 is not in campaign");
+        refused(1, {.field = "wheel", .text = "x", .who = "B"}, "nothing is called 'wheel'");
+        refused(1, {.field = "notes", .text = "", .who = "B"}, "only with who and what");
+        refused(1, {.field = "notes", .text = "x", .who = ""}, "only with who and what");
+        refused(1, {.field = "notes", .text = "x\ny", .who = "B"}, "notes: byte 2");
+    }
+    const auto rows = read_ledger(path, "brake7");
+    CHECK(rows[0].summary.specimen == Specimen{.disc = "D8", .notes = "first; second"});
+    CHECK(rows[0].recorded == Specimen{.disc = "D7", .notes = "first"});
+    REQUIRE(rows[0].notes.size() == 2);
+    CHECK(rows[0].notes[0].who == "A. Rossi");
+    CHECK(rows[0].notes[1].made == "t9");
+}
+
+TEST_CASE("A summary keeps its specimen, and an older one has none", "[BRG-270]") {
+    const TempDir dir;
+    const auto path = dir.write("summary.json", "");
+    Summary s;
+    s.campaign = "brake7";
+    s.number = 1;
+    s.scenario = "light";
+    s.outcome = "finished";
+    s.specimen = {.brake = "B1",
+                  .disc = "D\"7\\",
+                  .tyre = "T",
+                  .specimen = "S",
+                  .operator_name = "Zoë",
+                  .notes = "a, b"};
+    write_summary(path, s);
+    CHECK(read_summary(path).specimen == s.specimen);
+    CHECK_THAT(summary_table(s), ContainsSubstring("notes                   a, b"));
+    std::string old = can_test::contents(path);
+    for (const SpecimenField& field : kSpecimenFields) {
+        const auto begin = old.find(std::string("  \"") + field.key);
+        REQUIRE(begin != std::string::npos);
+        old.erase(begin, old.find('\n', begin) - begin + 1);
+    }
+    CHECK(read_summary(dir.write("summary.json", old)).specimen == Specimen{});
+}
