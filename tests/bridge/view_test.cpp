@@ -166,7 +166,7 @@ TEST_CASE("In a campaign with a wear model the view has the brake's health", "[B
     CHECK(rig::health_text({}) == "unknown");
 }
 
-TEST_CASE("The bell rings on a terminal and nowhere else", "[BRG-461]") {
+TEST_CASE("The bell rings on a terminal and nowhere else", "[BRG-471]") {
     const rig::PseudoTerminal line;
     const int slave = ::open(line.path().c_str(), O_RDWR | O_NOCTTY);
     REQUIRE(slave >= 0);
