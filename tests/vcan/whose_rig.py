@@ -91,7 +91,7 @@ def second_controller(rig, bus, folder):
     finally:
         second.terminate()
         second.wait(timeout=20)
-    # One that comes while the first brakes: whichever of both is heard now and then, the maneuver ends.
+    # One that comes while the first brakes: the maneuver ends, by whatever is seen first; in lockstep two answers to each SYNC hurry the rig, too.
     run = rig.bridge("maneuver", folder / "later")
     check(bus.await_phase(("braking",)), "no braking")
     second = start_controller()
@@ -100,7 +100,7 @@ def second_controller(rig, bus, folder):
     second.wait(timeout=20)
     outcome = json.loads((folder / "later/summary.json").read_text())["outcome"]
     print(next(line for line in words(run).splitlines() if "was aborted: " in line), flush=True)
-    check(outcome in ("controller_silent", "controller_fault", "sensors_lost", "plc_silent"), outcome)
+    check(outcome != "finished", outcome)
     check("two controllers talk on the bus, and are refused: counter; two senders of 0x180" in words(run), words(run))
     alone = rig.bridge("maneuver", folder / "alone")
     check(alone.wait(timeout=120) == 0, words(alone))
