@@ -163,7 +163,8 @@ the guest has one processor for everything; they are no limits. In rig time the 
             with open(path, newline="") as file:
                 text += "".join("| " + " | ".join(row) + " |\n" for row in csv.reader(file))
     text += """
-A bridge that is killed has no outcome; `rig-bridge campaign` finds the maneuver unfinished when it comes back, and runs it again.
+A bridge that is killed has no outcome; `rig-bridge campaign` finds the maneuver unfinished when it comes back, and runs it again. What a campaign with
+`--retry` makes of each of these: docs/recovery.md.
 """
     pathlib.Path("docs/peers.md").write_text(text)
 

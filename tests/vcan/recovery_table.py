@@ -71,6 +71,7 @@ def off(row):
 
 def docs(rows):
     by = {(row[0], row[1]): row for row in rows}
+    alone = [float(row[7]) for row in rows if row[3] == "1"]
     names = [strike.name for strike in STRIKES + MORE_STRIKES]
     text = f"""# What recovers alone
 
@@ -82,9 +83,16 @@ are started again, as by a service manager.
 - *{PERSON}*: the bridge ends with a named cause and exit status 1; the same command, given by a person, finishes the maneuver.
 - *{ENDS}*: the bridge is gone; the same command, given by whoever starts it again, finishes the maneuver.
 
-In each of these {len(rows)} cases the maneuver finished once, and every figure came out again from its logs bit for bit. In {sum(off(row) <= ENERGY_SHARE for row in rows)} of them the ledger's
+In each of these {len(rows)} cases (of {len(names) * len(PHASES)}) the maneuver finished once, and every figure came out again from its logs bit for bit. In {sum(off(row) <= ENERGY_SHARE for row in rows)} of them the ledger's
 energy was that of the plant's brake within 1 % of what it is in an undisturbed campaign; the others have the difference beside them. What a killed
 rig's brake had taken it could not tell: there the rest is compared. docs/recovery.csv has the figures.
+
+What is off and named by a warning adds nothing, or too little, until a person amends it (docs/recording.md): torque and load come through PLC and bridge, so of a braking with
+a silent PLC, a dead or a standing bridge, or a cut bus nobody has them; replayed frames spoil the edges that angles are counted by. The rest is scatter: load cells are late by a poll, which is a share of a short stop that changes where a host stretches time.
+Attempts that nothing aborted lie between {min(alone, default=0.0) * 100:+.1f} and {max(alone, default=0.0) * 100:+.1f} %.
+
+Waits of `config/bridge.toml` are ten times the shipped ones here, for the host's sake, and longer than `mismatch_s`: a rig that stands still in braking is named `speed_mismatch` then, which waits for a person, where
+shipped waits name it `sensors_lost` or `plc_silent` (docs/peers.md).
 
 | what | {" | ".join(PHASES)} |
 |---|{"---|" * len(PHASES)}

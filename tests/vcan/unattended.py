@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """[BRG-617] A campaign over the real bus that something befalls in every tenth maneuver, and that ends by itself with a right ledger: each maneuver
-finished once, every figure made again from the logs, the energy that of the plant's brake within 1 % of an undisturbed campaign's, but for attempts of
-which the ledger says that their energy is not known. A service manager
-starts again what was killed, and a person who comes to an emergency stop gives the command again. Inside `./rig vcan`; `./rig soak --unattended`.
+finished once, every figure made again from the logs, the energy that of the plant's brake within 1 % of an undisturbed campaign's, but for attempts
+of which the ledger says that their energy is not known. A service manager starts again what was killed, and a person who comes to an emergency stop
+gives the command again. Inside `./rig vcan`; `./rig soak --unattended`.
 
 usage: unattended.py BUILD_DIR [--out DIR] [--maneuvers N] [--every K] [--seed S]
 Leaves result.json, strikes.csv and the campaign in DIR, which must not be there yet; without it, nothing.
@@ -14,7 +14,7 @@ import random
 import sys
 import tempfile
 
-from strikes import ALONE, PERSON, STRIKES, Bench, energies, judge_numbers, replayed_right, sound_ratio
+from strikes import STRIKES, Bench, energies, judge_numbers, replayed_right, sound_ratio
 from three_programs import Rig, check, in_guest_memory, quick_rig, words, write_table
 
 PHASES = ("spin_up", "settling", "braking", "retract")
