@@ -14,6 +14,11 @@ FaultSet only(Fault fault, bool if_so = true) {
     if (if_so) set.insert(fault);
     return set;
 }
+/// A sound frame is never late: one that is counts as several readings.
+void take_reading(Test& test, FaultSet wrong, Fault lost) {
+    constexpr int kLate = 4;
+    for (int times = wrong.contains(lost) ? kLate : 1; times > 0; --times) test.take(wrong);
+}
 }  // namespace
 
 Monitor::Arrival::Arrival(float max_age_s, float frame_period_s)
@@ -112,7 +117,7 @@ void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, const Be
                        reading.speed_radps < (1.0F - config_.overspeed_share) * wheel_.least;
     if (wrong.empty())
         wrong = only(reading.fresh && !stands ? Fault::speeds_disagree : Fault::wheel_stuck, falls);
-    if (reading.fresh || (reading.bounded && falls)) wheel_.reading.take(wrong);
+    if (reading.fresh || (reading.bounded && falls)) take_reading(wheel_.reading, wrong, Fault::wheel_lost);
 
     // By the command, not by the reading: on ice the braking pressure itself is within the transducer's error.
     const float model_Pa = estimator.uncorrected_pressure_Pa();
@@ -150,9 +155,11 @@ void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator, bool 
                        reads_mps < (1.0F - config_.overspeed_share) * flywheel_.least;
     const bool leaps = lands && reads_mps > config_.plausible_above_mps &&
                        reads_mps > (1.0F + config_.overspeed_share) * most_mps_;
-    if (wrong.empty()) wrong = falls ? only(Fault::flywheel_stuck) : only(Fault::flywheel_rate, leaps);
+    if (is_possible(reading, flywheel_encoder_.max_speed_radps))
+        wrong.insert(falls ? only(Fault::flywheel_stuck) : only(Fault::flywheel_rate, leaps));
     // A reading that stays for periods is one reading: noise must not count for more than it is.
-    if (reading.fresh || (reading.bounded && falls)) flywheel_.reading.take(wrong);
+    if (reading.fresh || (reading.bounded && falls))
+        take_reading(flywheel_.reading, wrong, Fault::flywheel_lost);
 
     const bool stands =
         reading.speed_radps == 0.0F && e.omega_radps * e.radius_m > config_.plausible_above_mps;

@@ -30,8 +30,10 @@ void Supervisor::watch_touchdown(bool on_wheels, const Estimate& e) {
 /// A released wheel comes back within J omega / (mu F_z r), once the valve has let go and an edge can show it: a rim that does not turn with
 /// the aircraft by then is held by something else.
 bool Supervisor::stays_locked(bool locked, float speed_mps) {
-    locked_s_ = locked ? locked_s_ + period_s_ : 0.0F;
-    return (locked_s_ - config_.release_s) * config_.least_spin_up_mps2 > config_.unlock_share * speed_mps;
+    constexpr float kPaidBackBy = 3.0F;  // good periods that make up for a locked one
+    locked_s_ = larger(locked_s_ + (locked ? period_s_ : -period_s_ / kPaidBackBy), 0.0F);
+    return locked &&
+           (locked_s_ - config_.release_s) * config_.least_spin_up_mps2 > config_.unlock_share * speed_mps;
 }
 
 State Supervisor::braking_state(const Sensors& sensors, const Estimate& e) {
@@ -83,6 +85,8 @@ State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet prese
 State Supervisor::update(const Sensors& sensors, const Estimate& e, FaultSet present, Time /*now*/) {
     watch_touchdown(sensors.maneuver.weight_on_wheels, e);
     State wanted = next(sensors, e, present);
+    // A law that holds a slip does not lock again and again, unless what it reads or commands comes late. To others it is their way.
+    if (wanted != State::locked_wheel && !holds_slip(sensors.maneuver.law)) locked_s_ = 0.0F;
     if (stays_locked(wanted == State::locked_wheel, e.v_mps)) present.insert(Fault::lock_persists);
     // Before the self-test has passed nothing may be there yet: absence is no fault then, and there is no
     // permission either. Somebody who presses the emergency stop means it all the same.

@@ -1,6 +1,7 @@
 // The checks by themselves: on which side of each limit a fault begins.
 #include <cmath>
 #include <initializer_list>
+#include <utility>
 
 #include "firmware/control/arithmetic.hpp"
 #include "tests/catch.hpp"
@@ -153,13 +154,14 @@ TEST_CASE("a modelled change, a difference and a speed exactly at their limits",
     const bool beyond = GENERATE(false, true);
     const auto limit = [beyond](const float value) { return beyond ? std::nextafter(value, 0.0F) : value; };
     Config config = fixed_config();
-    config.monitor.pressure_moves_Pa = limit(settled_Pa);
-    config.monitor.off_command_Pa = limit(settled_Pa);
     config.monitor.off_command_s = config.monitor.stuck_s;
-    Watch second(config);
-    const FaultSet faults = run(second);
-    CHECK(faults.contains(Fault::pressure_stuck) == beyond);
-    CHECK(faults.contains(Fault::pressure_off_command) == beyond);
+    config.monitor.pressure_moves_Pa = limit(settled_Pa);
+    config.monitor.off_command_Pa = 1e9F;
+    Watch moves(config);
+    CHECK(run(moves).contains(Fault::pressure_stuck) == beyond);
+    std::swap(config.monitor.pressure_moves_Pa, config.monitor.off_command_Pa);
+    Watch off(config);
+    CHECK(run(off).contains(Fault::pressure_off_command) == beyond);
 
     config = fixed_config();
     config.monitor.plausible_above_mps = limit(first.estimator.estimate().v_mps);
@@ -465,4 +467,50 @@ TEST_CASE("a jump that misplaced teeth explain is none", "[CTL-314]") {
     CHECK(named(1.01F) == !misplaced);
     CHECK(named(7.4F) == !misplaced);
     CHECK(named(7.5F));
+}
+
+TEST_CASE("a wheel that loses more than the brake can take is named, one that the brake slows is not",
+          "[CTL-340]") {
+    struct Row {
+        float pressure_Pa, share;  // of the speed that is left at once
+        bool rolling, named;
+    };
+    const Row row = GENERATE(values<Row>({{0.0F, 0.86F, true, false},
+                                          {0.0F, 0.82F, true, true},
+                                          {0.0F, 0.5F, true, true},
+                                          {0.0F, 0.0F, true, true},
+                                          {0.0F, 0.5F, false, false},
+                                          {12e6F, 0.7F, true, false}}));
+    CAPTURE(row.pressure_Pa, row.share, row.rolling);
+    Config config = fixed_config();
+    config.monitor.off_command_Pa = 1e9F;
+    config.monitor.free_slip = 1.0F;
+    Watch w(config);
+    w.before.rolling = row.rolling;
+    const float v_mps = 60.0F;
+    w.sensors.flywheel.speed_radps = v_mps / config.flywheel.radius_m;
+    w.sensors.pressure.pressure_Pa = row.pressure_Pa;
+    w.sensors.wheel.speed_radps = 170.0F;
+    for (int k = 0; k < 300; ++k) w.step();
+    w.sensors.wheel.speed_radps *= row.share;
+    FaultSet all;
+    for (int k = 0; k < 8; ++k) all.insert(w.step());
+    CHECK((all.contains(Fault::speeds_disagree) || all.contains(Fault::wheel_stuck)) == row.named);
+    if (row.named) CHECK(all.contains(Fault::wheel_stuck) == (row.share == 0.0F));
+}
+
+TEST_CASE("the fall of a slow wheel is not held against the brake", "[CTL-340]") {
+    const bool slow = GENERATE(true, false);
+    Config config = fixed_config();  // speeds are compared above 8 m/s: three times that
+    config.monitor.free_slip = 1.0F;
+    Watch w(config);
+    w.before.rolling = true;
+    const float rim_mps = slow ? 23.0F : 27.0F;
+    w.sensors.flywheel.speed_radps = rim_mps / config.flywheel.radius_m;
+    w.sensors.wheel.speed_radps = rim_mps / config.wheel.nominal_radius_m;
+    for (int k = 0; k < 300; ++k) w.step();
+    w.sensors.wheel.speed_radps *= 0.6F;
+    FaultSet all;
+    for (int k = 0; k < 8; ++k) all.insert(w.step());
+    CHECK(all.contains(Fault::speeds_disagree) != slow);
 }

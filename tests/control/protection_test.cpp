@@ -123,6 +123,7 @@ TEST_CASE("a wheel that does not come back when it must is a fault, one that doe
     CAPTURE(row.v_mps);
     Stand s;
     s.to_braking();
+    s.sensors.maneuver.law = GENERATE(Law::threshold, Law::pressure_bias, Law::deceleration);
     for (int i = 0; i < 20; ++i) {
         s.move(row.v_mps, 0.1F * row.v_mps);
         CHECK(s.step(row.periods - 1) == State::locked_wheel);
@@ -135,6 +136,27 @@ TEST_CASE("a wheel that does not come back when it must is a fault, one that doe
     CHECK(s.supervisor.latched().contains(Fault::lock_persists));
     s.sensors.maneuver.arm = false;
     CHECK(s.step() == State::standby);
+}
+
+TEST_CASE("under a law that holds a slip, locks that recur are a fault, although none lasts", "[CTL-252]") {
+    Stand s;
+    s.to_braking();
+    s.sensors.maneuver.law = GENERATE(Law::wheel_slip, Law::peak_slip);
+    const auto cycle = [&s](const int locked, const int rolling) {
+        s.move(50.0F, 5.0F);
+        if (s.step(locked) == State::safe) return true;
+        s.move(50.0F, 40.0F);
+        return s.step(rolling) == State::safe;
+    };
+    SECTION("a quarter of the time is ridden out for ever") {
+        for (int i = 0; i < 1000; ++i) REQUIRE_FALSE(cycle(20, 61));
+    }
+    SECTION("half of the time is two thirds of what lasts, each time") {
+        int cycles = 1;
+        while (!cycle(30, 30)) REQUIRE(++cycles < 100);
+        CHECK(cycles == 41);  // 40 x (30 - 10) ms, and 25 of 825
+        CHECK(s.supervisor.latched().contains(Fault::lock_persists));
+    }
 }
 
 TEST_CASE("open loop has no lock protection and no drop-out", "[CTL-074]") {
