@@ -44,7 +44,7 @@ Monitor::Monitor(const Config& config)
       pressure_reading_(config.monitor.implausible_s, config.period_s),
       pressure_stays_(config.monitor.off_command_s, config.period_s) {}
 
-Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now) {
+inline Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now) {
     // Of frames that mostly fail their checks some pass by chance: what they say is worth nothing. A repeat of each good one is harmless.
     if (const std::uint32_t more = rejected_now - rejected_before; more != 0) {
         rejected_before = rejected_now;
@@ -61,21 +61,24 @@ Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rej
     return rejected_now != rejected ? Verdict::corrupt : Verdict::lost;
 }
 
-void Monitor::check_arrivals(FaultSet& faults, const Sensors& sensors, Time now) {
-    const auto name = [&](Arrival& arrival, const auto& input, Fault lost, Fault corrupt) {
-        const Arrival::Verdict verdict = arrival.judge(input.received, input.rejected, now);
+inline void Monitor::check_arrivals(FaultSet& faults, const Sensors& sensors, Time now) {
+    const auto name = [&faults](Arrival::Verdict verdict, Fault lost, Fault corrupt) {
         if (verdict == Arrival::Verdict::lost) faults.insert(lost);
         if (verdict == Arrival::Verdict::corrupt) faults.insert(corrupt);
     };
-    name(wheel_arrival_, sensors.wheel, Fault::wheel_lost, Fault::wheel_corrupt);
-    name(flywheel_arrival_, sensors.flywheel, Fault::flywheel_lost, Fault::flywheel_corrupt);
-    name(pressure_arrival_, sensors.pressure, Fault::pressure_lost, Fault::pressure_corrupt);
-    name(maneuver_arrival_, sensors.maneuver, Fault::maneuver_lost, Fault::maneuver_corrupt);
+    name(wheel_arrival_.judge(sensors.wheel.received, sensors.wheel.rejected, now), Fault::wheel_lost,
+         Fault::wheel_corrupt);
+    name(flywheel_arrival_.judge(sensors.flywheel.received, sensors.flywheel.rejected, now),
+         Fault::flywheel_lost, Fault::flywheel_corrupt);
+    name(pressure_arrival_.judge(sensors.pressure.received, sensors.pressure.rejected, now),
+         Fault::pressure_lost, Fault::pressure_corrupt);
+    name(maneuver_arrival_.judge(sensors.maneuver.received, sensors.maneuver.rejected, now),
+         Fault::maneuver_lost, Fault::maneuver_corrupt);
     const Time heartbeat = sensors.rig_heartbeat_received;
     if (heartbeat == kNever || now - heartbeat > heartbeat_max_age_) faults.insert(Fault::heartbeat_lost);
 }
 
-FaultSet Monitor::wrong_by_itself(Speed& speed, const SpeedReading& reading, const EncoderConfig& encoder,
+inline FaultSet Monitor::wrong_by_itself(Speed& speed, const SpeedReading& reading, const EncoderConfig& encoder,
                                   const SpeedNames& names) const {
     const bool had = speed.known;
     speed.known = reading.valid;
@@ -93,7 +96,7 @@ FaultSet Monitor::wrong_by_itself(Speed& speed, const SpeedReading& reading, con
                 had && beyond > 0.0F && beyond * span * encoder.teeth > kThreePitches * encoder.pitch_error);
 }
 
-void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, const Before& before) {
+inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, const Before& before) {
     const Estimate& e = estimator.estimate();
     const SpeedReading& reading = estimator.wheel_reading();
     FaultSet wrong = wrong_by_itself(wheel_, reading, wheel_encoder_,
@@ -138,7 +141,7 @@ void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, const Be
 
 /// An encoder that dies or leaps at speed must be found before the law believes it: it would lock the wheel, and then both encoders agree,
 /// or hardly brake.
-void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator, bool lands) {
+inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator, bool lands) {
     const Estimate& e = estimator.estimate();
     const SpeedReading& reading = estimator.flywheel_reading();
     FaultSet wrong = wrong_by_itself(flywheel_, reading, flywheel_encoder_,
@@ -168,7 +171,7 @@ void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator, bool 
     faults.insert(flywheel_.stays.found());
 }
 
-void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
+inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
                              const Before& before) {
     const float reading = sensors.pressure.pressure_Pa;
     const float model = estimator.uncorrected_pressure_Pa();
@@ -205,7 +208,7 @@ void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Est
 
 /// Slip above what is asked for adds up, slip below it pays back: no sound loop is above it for long, on any surface. Without pressure it does
 /// neither: on ice a released wheel takes its time.
-void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
+inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
                          const Before& before) {
     constexpr float kMore = 0.05F;
     constexpr float kMost_s = 0.1F;
@@ -228,7 +231,7 @@ void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
     if (!sensible) faults.insert(Fault::maneuver_range);
 }
 
-void Monitor::check_overrun(FaultSet& faults, std::uint32_t missed_periods) {
+inline void Monitor::check_overrun(FaultSet& faults, std::uint32_t missed_periods) {
     constexpr std::uint32_t kPaidBackBy = 10;  // good periods that make up for a missed one
     const std::uint32_t most = kPaidBackBy * config_.overruns;
     if (overrun_score_ > 0) --overrun_score_;
