@@ -16,8 +16,10 @@ FaultSet only(Fault fault, bool if_so = true) {
 }
 /// A sound frame is never late: one that is counts as several readings.
 void take_reading(Test& test, FaultSet wrong, Fault lost) {
-    constexpr int kLate = 4;
-    for (int times = wrong.contains(lost) ? kLate : 1; times > 0; --times) test.take(wrong);
+    constexpr int kMore = 3;
+    test.take(wrong);
+    if (wrong.contains(lost))
+        for (int times = 0; times < kMore; ++times) test.take(wrong);
 }
 }  // namespace
 
@@ -36,7 +38,7 @@ Monitor::Monitor(const Config& config)
       flywheel_arrival_(config.monitor.sensor_max_age_s, config.period_s),
       pressure_arrival_(config.monitor.sensor_max_age_s, config.period_s),
       maneuver_arrival_(config.monitor.maneuver_max_age_s, 0.5F * config.monitor.sensor_max_age_s),
-      latest_(nanoseconds(0.5F * config.monitor.sensor_max_age_s)),
+      latest_s_(0.5F * config.monitor.sensor_max_age_s),
       heartbeat_max_age_(nanoseconds(config.monitor.heartbeat_max_age_s)),
       wheel_(config.monitor, config.period_s),
       wheel_hurries_(config.monitor.stuck_s, config.period_s),
@@ -78,12 +80,12 @@ inline void Monitor::check_arrivals(FaultSet& faults, const Sensors& sensors, Ti
     if (heartbeat == kNever || now - heartbeat > heartbeat_max_age_) faults.insert(Fault::heartbeat_lost);
 }
 
-inline FaultSet Monitor::wrong_by_itself(Speed& speed, const SpeedReading& reading, const EncoderConfig& encoder,
-                                  const SpeedNames& names) const {
+inline FaultSet Monitor::wrong_by_itself(Speed& speed, const SpeedReading& reading,
+                                         const EncoderConfig& encoder, const SpeedNames& names) const {
     const bool had = speed.known;
     speed.known = reading.valid;
     if (!reading.fresh) return {};
-    if (reading.late > latest_) return only(names.lost);
+    if (reading.late_s > latest_s_) return only(names.lost);
     if (!is_possible(reading, encoder.max_speed_radps)) return only(names.range);
     // A reading is a mean over its interval: two of them in a row cannot differ by more than the acceleration times that. Each is off by
     // two misplaced teeth at the most; all four at their worst do not come together.
@@ -116,8 +118,8 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
     wheel_.least = rolls ? smaller(larger(surely, wheel_.least - fall * period_s_), freely) : 0.0F;
     constexpr float kSlow =
         3.0F;  // times as fast as speeds are compared: a slower wheel swings by as much as it turns
-    const bool falls = wheel_.least * e.radius_m > kSlow * config_.plausible_above_mps &&
-                       reading.speed_radps < (1.0F - config_.overspeed_share) * wheel_.least;
+    const bool falls = reading.speed_radps < (1.0F - config_.overspeed_share) * wheel_.least &&
+                       wheel_.least * e.radius_m > kSlow * config_.plausible_above_mps;
     if (wrong.empty())
         wrong = only(reading.fresh && !stands ? Fault::speeds_disagree : Fault::wheel_stuck, falls);
     if (reading.fresh || (reading.bounded && falls)) take_reading(wheel_.reading, wrong, Fault::wheel_lost);
@@ -129,8 +131,8 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
         rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
     // Whatever the runway, a wheel that slips steadily would need more torque than this; one that spins up again slips legitimately.
     const bool hardly_braked = model_Pa < 0.2F * released_Pa_;
-    const bool steady = magnitude(e.omega_dot_radps2) * e.radius_m < config_.most_deceleration_mps2;
-    const bool slips = rolls && hardly_braked && steady && e.slip > config_.free_slip;
+    const bool slips = rolls && hardly_braked && e.slip > config_.free_slip &&
+                       magnitude(e.omega_dot_radps2) * e.radius_m < config_.most_deceleration_mps2;
     const bool released = model_Pa < 0.04F * released_Pa_;
     const bool stuck = rolls && released && stands;
     wheel_.stays.take(stuck ? only(Fault::wheel_stuck) : only(Fault::speeds_disagree, slips));
@@ -154,11 +156,11 @@ inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator
     const float fastest_mps = larger(reads_mps, e.v_mps);
     const bool held = lands && !flywheel_.reading.found().contains(Fault::flywheel_rate);
     most_mps_ = held ? smaller(fastest_mps, most_mps_ + step_mps) : fastest_mps;
-    const bool falls = reading.valid && flywheel_.least > config_.plausible_above_mps &&
-                       reads_mps < (1.0F - config_.overspeed_share) * flywheel_.least;
-    const bool leaps = lands && reads_mps > config_.plausible_above_mps &&
-                       reads_mps > (1.0F + config_.overspeed_share) * most_mps_;
-    if (is_possible(reading, flywheel_encoder_.max_speed_radps))
+    const bool falls = reads_mps < (1.0F - config_.overspeed_share) * flywheel_.least && reading.valid &&
+                       flywheel_.least > config_.plausible_above_mps;
+    const bool leaps = reads_mps > (1.0F + config_.overspeed_share) * most_mps_ && lands &&
+                       reads_mps > config_.plausible_above_mps;
+    if (!wrong.contains(Fault::flywheel_range))
         wrong.insert(falls ? only(Fault::flywheel_stuck) : only(Fault::flywheel_rate, leaps));
     // A reading that stays for periods is one reading: noise must not count for more than it is.
     if (reading.fresh || (reading.bounded && falls))
@@ -172,7 +174,7 @@ inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator
 }
 
 inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
-                             const Before& before) {
+                                    const Before& before) {
     const float reading = sensors.pressure.pressure_Pa;
     const float model = estimator.uncorrected_pressure_Pa();
     const Time at = sensors.pressure.received;
@@ -209,7 +211,7 @@ inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, co
 /// Slip above what is asked for adds up, slip below it pays back: no sound loop is above it for long, on any surface. Without pressure it does
 /// neither: on ice a released wheel takes its time.
 inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
-                         const Before& before) {
+                                const Before& before) {
     constexpr float kMore = 0.05F;
     constexpr float kMost_s = 0.1F;
     if (!holds_slip(maneuver.law) || !before.braking) {

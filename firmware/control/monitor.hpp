@@ -103,7 +103,7 @@ class Monitor {
     float period_s_;
     float made_up_for_share_;
     Arrival wheel_arrival_, flywheel_arrival_, pressure_arrival_, maneuver_arrival_;
-    Time latest_;
+    float latest_s_;
     Time heartbeat_max_age_;
     Speed wheel_;
     Persistence wheel_hurries_;  // without a break: a carcass swings

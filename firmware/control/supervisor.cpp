@@ -31,9 +31,12 @@ void Supervisor::watch_touchdown(bool on_wheels, const Estimate& e) {
 /// the aircraft by then is held by something else.
 bool Supervisor::stays_locked(bool locked, float speed_mps) {
     constexpr float kPaidBackBy = 3.0F;  // good periods that make up for a locked one
-    locked_s_ = larger(locked_s_ + (locked ? period_s_ : -period_s_ / kPaidBackBy), 0.0F);
-    return locked &&
-           (locked_s_ - config_.release_s) * config_.least_spin_up_mps2 > config_.unlock_share * speed_mps;
+    if (!locked) {
+        if (locked_s_ > 0.0F) locked_s_ = larger(locked_s_ - period_s_ / kPaidBackBy, 0.0F);
+        return false;
+    }
+    locked_s_ += period_s_;
+    return (locked_s_ - config_.release_s) * config_.least_spin_up_mps2 > config_.unlock_share * speed_mps;
 }
 
 State Supervisor::braking_state(const Sensors& sensors, const Estimate& e) {
