@@ -163,9 +163,9 @@ struct SupervisorConfig {
     float demand_threshold_Pa = 0.0F;   ///< a smaller demand is none
     float lock_share = 0.0F;            ///< rim speed below this share of the aircraft's: locked, dump
     float unlock_share = 0.0F;          ///< above it: restore
-    float lock_persists_s =
-        0.0F;  ///< a lock that lasts is a fault, and so are locks that recur for more than a quarter of the
-               ///< time; below `spin_up_mps` sooner in proportion to speed, down to a third
+    float least_spin_up_mps2 =
+        0.0F;                   ///< of a released wheel's rim on the slipperiest runway, mu F_z r^2 / J_w
+    float release_s = 0.0F;     ///< until the valve has let go and an edge can show it
     float drop_out_mps = 0.0F;  ///< below it the demand passes through
     float drop_out_hysteresis_mps = 0.0F;
     float pass_through_rate_Paps = 0.0F;  ///< at most

@@ -9,9 +9,18 @@ namespace {
 Time nanoseconds(float time_s) {
     return Time{static_cast<std::int64_t>(time_s * 1e9F)};
 }
-// Whatever the runway, a wheel that slips steadily would need more torque than this to stay there.
-constexpr float kHardlyBraked_Pa = 1e5F;
-constexpr float kCommandPeriod_s = 0.01F;  // no sequencer commands faster; config/antiskid.dbc: 20 ms
+FaultSet only(Fault fault, bool if_so = true) {
+    FaultSet set;
+    if (if_so) set.insert(fault);
+    return set;
+}
+/// A sound frame is never late: one that is counts as several readings.
+void take_reading(Test& test, FaultSet wrong, Fault lost) {
+    constexpr int kMore = 3;
+    test.take(wrong);
+    if (wrong.contains(lost))
+        for (int times = 0; times < kMore; ++times) test.take(wrong);
+}
 }  // namespace
 
 Monitor::Arrival::Arrival(float max_age_s, float frame_period_s)
@@ -25,27 +34,19 @@ Monitor::Monitor(const Config& config)
       released_Pa_(config.supervisor.residual_pressure_Pa),
       period_s_(config.period_s),
       made_up_for_share_(config.estimator.valve_offset_share),
-      wheel_(config.monitor.sensor_max_age_s, config.period_s),
-      flywheel_(config.monitor.sensor_max_age_s, config.period_s),
-      pressure_(config.monitor.sensor_max_age_s, config.period_s),
-      maneuver_(config.monitor.maneuver_max_age_s, kCommandPeriod_s),
+      wheel_arrival_(config.monitor.sensor_max_age_s, config.period_s),
+      flywheel_arrival_(config.monitor.sensor_max_age_s, config.period_s),
+      pressure_arrival_(config.monitor.sensor_max_age_s, config.period_s),
+      maneuver_arrival_(config.monitor.maneuver_max_age_s, 0.5F * config.monitor.sensor_max_age_s),
+      latest_s_(0.5F * config.monitor.sensor_max_age_s),
       heartbeat_max_age_(nanoseconds(config.monitor.heartbeat_max_age_s)),
-      wheel_speed_(config.monitor.implausible_s, config.period_s),
-      flywheel_speed_(config.monitor.implausible_s, config.period_s),
-      pressure_range_(config.monitor.implausible_s, config.period_s),
-      pressure_rate_(config.monitor.implausible_s, config.period_s),
-      pressure_off_(config.monitor.off_command_s, config.period_s),
-      valve_off_(config.monitor.stuck_s, config.period_s),
-      free_slip_(config.monitor.stuck_s, config.period_s),
-      pressure_stuck_(config.monitor.stuck_s, config.period_s),
-      pressure_stays_(config.monitor.off_command_s, config.period_s),
-      wheel_stuck_(config.monitor.stuck_s, config.period_s),
-      flywheel_stuck_(config.monitor.stuck_s, config.period_s),
-      flywheel_blind_(config.monitor.implausible_s, config.period_s),
-      flywheel_leaps_(config.monitor.implausible_s, config.period_s),
-      overspeed_(config.monitor.stuck_s, config.period_s) {}
+      wheel_(config.monitor, config.period_s),
+      wheel_hurries_(config.monitor.stuck_s, config.period_s),
+      flywheel_(config.monitor, config.period_s),
+      pressure_reading_(config.monitor.implausible_s, config.period_s),
+      pressure_stays_(config.monitor.off_command_s, config.period_s) {}
 
-Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now) {
+inline Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now) {
     // Of frames that mostly fail their checks some pass by chance: what they say is worth nothing. A repeat of each good one is harmless.
     if (const std::uint32_t more = rejected_now - rejected_before; more != 0) {
         rejected_before = rejected_now;
@@ -62,158 +63,164 @@ Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rej
     return rejected_now != rejected ? Verdict::corrupt : Verdict::lost;
 }
 
-void Monitor::check_arrivals(FaultSet& faults, const Sensors& sensors, Time now) {
+inline void Monitor::check_arrivals(FaultSet& faults, const Sensors& sensors, Time now) {
     const auto name = [&faults](Arrival::Verdict verdict, Fault lost, Fault corrupt) {
         if (verdict == Arrival::Verdict::lost) faults.insert(lost);
         if (verdict == Arrival::Verdict::corrupt) faults.insert(corrupt);
     };
-    name(wheel_.judge(sensors.wheel.received, sensors.wheel.rejected, now), Fault::wheel_lost,
+    name(wheel_arrival_.judge(sensors.wheel.received, sensors.wheel.rejected, now), Fault::wheel_lost,
          Fault::wheel_corrupt);
-    name(flywheel_.judge(sensors.flywheel.received, sensors.flywheel.rejected, now), Fault::flywheel_lost,
-         Fault::flywheel_corrupt);
-    name(pressure_.judge(sensors.pressure.received, sensors.pressure.rejected, now), Fault::pressure_lost,
-         Fault::pressure_corrupt);
-    name(maneuver_.judge(sensors.maneuver.received, sensors.maneuver.rejected, now), Fault::maneuver_lost,
-         Fault::maneuver_corrupt);
+    name(flywheel_arrival_.judge(sensors.flywheel.received, sensors.flywheel.rejected, now),
+         Fault::flywheel_lost, Fault::flywheel_corrupt);
+    name(pressure_arrival_.judge(sensors.pressure.received, sensors.pressure.rejected, now),
+         Fault::pressure_lost, Fault::pressure_corrupt);
+    name(maneuver_arrival_.judge(sensors.maneuver.received, sensors.maneuver.rejected, now),
+         Fault::maneuver_lost, Fault::maneuver_corrupt);
     const Time heartbeat = sensors.rig_heartbeat_received;
     if (heartbeat == kNever || now - heartbeat > heartbeat_max_age_) faults.insert(Fault::heartbeat_lost);
 }
 
-void Monitor::check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReading& reading,
-                          const EncoderConfig& encoder, Fault lost, Fault range, Fault rate) const {
-    const float speed = reading.speed_radps;
-    const bool sensible = speed >= 0.0F && speed <= encoder.max_speed_radps;  // false for NaN
-    if (reading.fresh) {
-        check.ranges = check.range.holds(!sensible);
-        check.lags = check.late.holds(reading.late);
-    }
-    if (check.lags) faults.insert(lost);
-    if (check.ranges) faults.insert(range);
-
-    // A reading is a mean over its interval: two of them in a row cannot differ by more than the acceleration
-    // times that.
-    const float span = larger(reading.interval_s, period_s_);
-    // Each is off by two misplaced teeth at the most; all four at their worst do not come together.
+inline FaultSet Monitor::wrong_by_itself(Speed& speed, const SpeedReading& reading,
+                                         const EncoderConfig& encoder, const SpeedNames& names) const {
+    const bool had = speed.known;
+    speed.known = reading.valid;
+    if (!reading.fresh) return {};
+    if (reading.late_s > latest_s_) return only(names.lost);
+    if (!is_possible(reading, encoder.max_speed_radps)) return only(names.range);
+    // A reading is a mean over its interval: two of them in a row cannot differ by more than the acceleration times that. Each is off by
+    // two misplaced teeth at the most; all four at their worst do not come together.
     constexpr float kThreePitches = 3.0F * 6.28318531F;
-    const float beyond = magnitude(speed - check.last_radps) - encoder.max_acceleration_radps2 * span;
-    const bool jumps = beyond > 0.0F && check.known && sensible &&
-                       beyond * span * encoder.teeth > kThreePitches * encoder.pitch_error;
-    if (reading.fresh && sensible) {
-        check.jumps = check.rate.holds(jumps);
-        check.last_radps = speed;
-    }
-    if (check.jumps) faults.insert(rate);
-    check.known = reading.valid;
+    const float span = larger(reading.interval_s, period_s_);
+    const float beyond =
+        magnitude(reading.speed_radps - speed.last_radps) - encoder.max_acceleration_radps2 * span;
+    speed.last_radps = reading.speed_radps;
+    return only(names.rate,
+                had && beyond > 0.0F && beyond * span * encoder.teeth > kThreePitches * encoder.pitch_error);
 }
 
-void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator) {
-    const float reading = sensors.pressure.pressure_Pa;
-    const bool sensible = reading >= -released_Pa_ && reading <= config_.pressure_range_Pa;
-    if (pressure_range_.holds(!sensible)) faults.insert(Fault::pressure_range);
+inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, const Before& before) {
+    const Estimate& e = estimator.estimate();
+    const SpeedReading& reading = estimator.wheel_reading();
+    FaultSet wrong = wrong_by_itself(wheel_, reading, wheel_encoder_,
+                                     {Fault::wheel_lost, Fault::wheel_range, Fault::wheel_rate});
+    const bool moving = e.v_mps > config_.plausible_above_mps;
+    const bool rolls = before.rolling && moving;
+    const bool stands = reading.speed_radps == 0.0F;
 
+    // A wheel slows by brake torque alone, k_b P / J_w, and with the aircraft: the road only takes from one that is faster than that. The
+    // pressure that counts as none may drag, and what a pressure has wound up in a carcass swings on.
+    constexpr float kFierce = 2.0F;  // a brake grips that much harder than its nominal gain, at most
+    const float acts_Pa = larger(e.pressure.pressure_Pa, estimator.uncorrected_pressure_Pa());
+    acted_Pa_ = larger(larger(acts_Pa, released_Pa_), acted_Pa_ * (1.0F - period_s_ / config_.off_command_s));
+    const float fall = kFierce * e.brake_gain * acted_Pa_;
+    const float freely = e.v_mps / e.radius_m;
+    const float surely = smaller(reading.speed_radps, e.omega_radps) - fall * reading.interval_s;
+    wheel_.least = rolls ? smaller(larger(surely, wheel_.least - fall * period_s_), freely) : 0.0F;
+    constexpr float kSlow =
+        3.0F;  // times as fast as speeds are compared: a slower wheel swings by as much as it turns
+    const bool falls = reading.speed_radps < (1.0F - config_.overspeed_share) * wheel_.least &&
+                       wheel_.least * e.radius_m > kSlow * config_.plausible_above_mps;
+    if (wrong.empty())
+        wrong = only(reading.fresh && !stands ? Fault::speeds_disagree : Fault::wheel_stuck, falls);
+    if (reading.fresh || (reading.bounded && falls)) take_reading(wheel_.reading, wrong, Fault::wheel_lost);
+
+    // By the command, not by the reading: on ice the braking pressure itself is within the transducer's error.
+    const float model_Pa = estimator.uncorrected_pressure_Pa();
+    const float rim = e.omega_radps * e.radius_m;
+    const bool hurries =
+        rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
+    // Whatever the runway, a wheel that slips steadily would need more torque than this; one that spins up again slips legitimately.
+    const bool hardly_braked = model_Pa < 0.2F * released_Pa_;
+    const bool slips = rolls && hardly_braked && e.slip > config_.free_slip &&
+                       magnitude(e.omega_dot_radps2) * e.radius_m < config_.most_deceleration_mps2;
+    const bool released = model_Pa < 0.04F * released_Pa_;
+    const bool stuck = rolls && released && stands;
+    wheel_.stays.take(stuck ? only(Fault::wheel_stuck) : only(Fault::speeds_disagree, slips));
+    if (wheel_hurries_.holds(hurries)) faults.insert(Fault::speeds_disagree);
+    faults.insert(wheel_.reading.found());
+    faults.insert(wheel_.stays.found());
+}
+
+/// An encoder that dies or leaps at speed must be found before the law believes it: it would lock the wheel, and then both encoders agree,
+/// or hardly brake.
+inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator, bool lands) {
+    const Estimate& e = estimator.estimate();
+    const SpeedReading& reading = estimator.flywheel_reading();
+    FaultSet wrong = wrong_by_itself(flywheel_, reading, flywheel_encoder_,
+                                     {Fault::flywheel_lost, Fault::flywheel_range, Fault::flywheel_rate});
+    const float reads_mps = reading.speed_radps * flywheel_radius_m_;
+    const float sensible_mps = flywheel_encoder_.max_speed_radps * flywheel_radius_m_;
+    const float step_mps = config_.most_deceleration_mps2 * period_s_;
+    // Neither one wild reading nor the tracker's overshoot after it may count as a speed that was. Once it has leapt it stays so.
+    flywheel_.least = larger(smaller(smaller(reads_mps, e.v_mps), sensible_mps), flywheel_.least - step_mps);
+    const float fastest_mps = larger(reads_mps, e.v_mps);
+    const bool held = lands && !flywheel_.reading.found().contains(Fault::flywheel_rate);
+    most_mps_ = held ? smaller(fastest_mps, most_mps_ + step_mps) : fastest_mps;
+    const bool falls = reads_mps < (1.0F - config_.overspeed_share) * flywheel_.least && reading.valid &&
+                       flywheel_.least > config_.plausible_above_mps;
+    const bool leaps = reads_mps > (1.0F + config_.overspeed_share) * most_mps_ && lands &&
+                       reads_mps > config_.plausible_above_mps;
+    if (!wrong.contains(Fault::flywheel_range))
+        wrong.insert(falls ? only(Fault::flywheel_stuck) : only(Fault::flywheel_rate, leaps));
+    // A reading that stays for periods is one reading: noise must not count for more than it is.
+    if (reading.fresh || (reading.bounded && falls))
+        take_reading(flywheel_.reading, wrong, Fault::flywheel_lost);
+
+    const bool stands =
+        reading.speed_radps == 0.0F && e.omega_radps * e.radius_m > config_.plausible_above_mps;
+    flywheel_.stays.take(only(Fault::flywheel_stuck, stands));
+    faults.insert(flywheel_.reading.found());
+    faults.insert(flywheel_.stays.found());
+}
+
+inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
+                                    const Before& before) {
+    const float reading = sensors.pressure.pressure_Pa;
+    const float model = estimator.uncorrected_pressure_Pa();
     const Time at = sensors.pressure.received;
-    const bool fresh = at != last_reading_at_ && at != kNever;
-    if (fresh) {
+    if (at != last_reading_at_ && at != kNever) {
+        const bool sensible = reading >= -released_Pa_ && reading <= config_.pressure_range_Pa;
         const float span =
             last_reading_at_ == kNever ? 0.0F : larger(seconds(at - last_reading_at_), period_s_);
         const bool jumps =
             span > 0.0F && magnitude(reading - last_reading_Pa_) > config_.pressure_rate_Paps * span;
-        pressure_jumps_ = pressure_rate_.holds(jumps);
+        pressure_reading_.take(sensible ? only(Fault::pressure_rate, jumps) : only(Fault::pressure_range));
         last_reading_at_ = at;
-    }
-    if (pressure_jumps_) faults.insert(Fault::pressure_rate);
-
-    const float model = estimator.uncorrected_pressure_Pa();
-    if (fresh && reading != last_reading_Pa_) {
+        if (reading != last_reading_Pa_) model_at_change_Pa_ = model;
         last_reading_Pa_ = reading;
-        model_at_change_Pa_ = model;
     }
+
     const bool frozen = magnitude(model - model_at_change_Pa_) > config_.pressure_moves_Pa;
-    if (pressure_stuck_.holds(frozen)) faults.insert(Fault::pressure_stuck);
-
     const bool off = magnitude(reading - model) > config_.off_command_Pa;
-    if (pressure_off_.holds(off)) faults.insert(Fault::pressure_off_command);
-}
-
-void Monitor::check_plausibility(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
-                                 bool rolling) {
-    const Estimate& e = estimator.estimate();
-    const float rim = e.omega_radps * e.radius_m;
-    const bool moving = e.v_mps > config_.plausible_above_mps;
-    // By the command, not by the reading: on ice the braking pressure itself is within the transducer's
-    // error.
-    constexpr float kReleased_Pa = 2e4F;
-    constexpr float kSteady_mps2 = 15.0F;  // a wheel that spins up again slips legitimately
-    const float model_Pa = estimator.uncorrected_pressure_Pa();
-    const bool released = model_Pa < kReleased_Pa;
-
     // No current has no tolerance of the valve's map: what stays then is a leak or a spool that sticks, and enough to lock a wheel on ice.
-    const bool loaded = rolling || (moving && sensors.maneuver.weight_on_wheels);
-    const bool stays =
-        (loaded || sensors.maneuver.arm) && released && sensors.pressure.pressure_Pa > released_Pa_;
-    if (pressure_stays_.holds(stays)) faults.insert(Fault::pressure_off_command);
-
-    const bool wheel_stands = rolling && moving && released && estimator.wheel_reading().speed_radps == 0.0F;
-    if (wheel_stuck_.holds(wheel_stands)) faults.insert(Fault::wheel_stuck);
-    // An encoder that dies or leaps at speed must be found before the law believes it: it would lock the wheel, and then both
-    // encoders agree, or hardly brake. Neither one wild reading nor the tracker's overshoot after it may count as a speed that was.
-    constexpr float kHardest_mps2 = 20.0F;  // twice what the best tyre can do
-    const SpeedReading& flywheel = estimator.flywheel_reading();
-    const float reads_mps = flywheel.speed_radps * flywheel_radius_m_;
-    const float most_mps = flywheel_encoder_.max_speed_radps * flywheel_radius_m_;
-    carried_mps_ =
-        larger(smaller(smaller(reads_mps, e.v_mps), most_mps), carried_mps_ - kHardest_mps2 * period_s_);
-    const bool falls = flywheel.valid && reads_mps >= 0.0F && carried_mps_ > config_.plausible_above_mps &&
-                       reads_mps < (1.0F - config_.overspeed_share) * carried_mps_;
-    // A reading that stays for periods is one reading: noise must not count for more than it is.
-    const bool news = flywheel.fresh || flywheel.bounded;
-    if (news) blind_ = flywheel_blind_.holds(falls);
-    const bool stands = flywheel.speed_radps == 0.0F && rim > config_.plausible_above_mps;
-    const bool stuck = flywheel_stuck_.holds(stands);
-    if (blind_ || stuck) faults.insert(Fault::flywheel_stuck);
-
-    constexpr float kThrust_mps2 = 2.0F;
-    const bool lands = rolling && sensors.maneuver.arm;  // no drive turns the flywheel
-    const float fastest_mps = larger(reads_mps, e.v_mps);
-    reached_mps_ =
-        lands && !leaps_ ? smaller(fastest_mps, reached_mps_ + kThrust_mps2 * period_s_) : fastest_mps;
-    const bool leaps = lands && reads_mps > config_.plausible_above_mps && reads_mps <= most_mps &&
-                       reads_mps > (1.0F + config_.overspeed_share) * reached_mps_;
-    if (news) leaps_ = flywheel_leaps_.holds(leaps);
-    if (leaps_) faults.insert(Fault::flywheel_rate);
-
-    const bool overspeed =
-        rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
-    const bool overspeeds = overspeed_.holds(overspeed);
-    const bool steady = magnitude(e.omega_dot_radps2) * e.radius_m < kSteady_mps2;
-    const bool hardly_braked = model_Pa < kHardlyBraked_Pa;
-    const bool slips_freely =
-        rolling && moving && hardly_braked && steady && !wheel_stands && e.slip > config_.free_slip;
-    const bool disagrees = free_slip_.holds(slips_freely);
-    if (overspeeds || disagrees) faults.insert(Fault::speeds_disagree);
+    const ManeuverInput& maneuver = sensors.maneuver;
+    const bool moving = estimator.estimate().v_mps > config_.plausible_above_mps;
+    const bool matters = before.rolling || (moving && maneuver.weight_on_wheels) || maneuver.arm;
+    const bool remains = matters && model < 0.04F * released_Pa_ && reading > released_Pa_;
+    // What the laws that mean a pressure make up for.
+    const bool means_pressure = holds_slip(maneuver.law) || maneuver.law == Law::deceleration;
+    const bool shifted =
+        before.braking && means_pressure && model > 2.0F * released_Pa_ &&
+        magnitude(estimator.valve_offset_Pa()) > larger(made_up_for_share_ * model, released_Pa_);
+    pressure_stays_.take(frozen ? only(Fault::pressure_stuck)
+                                : only(Fault::pressure_off_command, off || remains || shifted));
+    faults.insert(pressure_reading_.found());
+    faults.insert(pressure_stays_.found());
 }
 
-/// What the laws that mean a pressure make of it.
-void Monitor::check_law(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
-                        const Before& before) {
-    // Slip above what is asked for adds up, slip below it pays back: no sound loop is above it for long, on any surface. Without pressure
-    // it does neither: on ice a released wheel takes its time.
+/// Slip above what is asked for adds up, slip below it pays back: no sound loop is above it for long, on any surface. Without pressure it does
+/// neither: on ice a released wheel takes its time.
+inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
+                                const Before& before) {
     constexpr float kMore = 0.05F;
     constexpr float kMost_s = 0.1F;
-    const bool by_slip = holds_slip(maneuver.law);
-    const float model_Pa = estimator.uncorrected_pressure_Pa();
-    if (!by_slip || !before.braking) excess_slip_s_ = 0.0F;
-    if (by_slip && before.braking && model_Pa >= kHardlyBraked_Pa) {
+    if (!holds_slip(maneuver.law) || !before.braking) {
+        excess_slip_s_ = 0.0F;
+    } else if (estimator.uncorrected_pressure_Pa() >= 0.2F * released_Pa_) {
         const float excess = estimator.estimate().slip - before.slip_reference - kMore;
         excess_slip_s_ = larger(excess_slip_s_ + excess * period_s_, 0.0F);
         if (excess_slip_s_ > kMost_s) faults.insert(Fault::speeds_disagree);
     }
-
-    const float offset_Pa = magnitude(estimator.valve_offset_Pa());
-    const bool means_pressure = by_slip || maneuver.law == Law::deceleration;
-    const bool off = before.braking && means_pressure && model_Pa > 2.0F * released_Pa_ &&
-                     offset_Pa > larger(made_up_for_share_ * model_Pa, released_Pa_);
-    if (valve_off_.holds(off)) faults.insert(Fault::pressure_off_command);
 }
 
 void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
@@ -226,28 +233,28 @@ void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
     if (!sensible) faults.insert(Fault::maneuver_range);
 }
 
-FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, const Before& before, Time now) {
-    FaultSet faults;
-    check_arrivals(faults, sensors, now);
-    check_speed(faults, wheel_speed_, estimator.wheel_reading(), wheel_encoder_, Fault::wheel_lost,
-                Fault::wheel_range, Fault::wheel_rate);
-    check_speed(faults, flywheel_speed_, estimator.flywheel_reading(), flywheel_encoder_,
-                Fault::flywheel_lost, Fault::flywheel_range, Fault::flywheel_rate);
-    check_pressure(faults, sensors, estimator);
-    check_plausibility(faults, sensors, estimator, before.rolling);
-    check_law(faults, sensors.maneuver, estimator, before);
-    check_maneuver(faults, sensors.maneuver);
-    if (sensors.emergency_stop) faults.insert(Fault::emergency_stop);
-    if (sensors.bus_off) faults.insert(Fault::bus_off);
-
+inline void Monitor::check_overrun(FaultSet& faults, std::uint32_t missed_periods) {
     constexpr std::uint32_t kPaidBackBy = 10;  // good periods that make up for a missed one
     const std::uint32_t most = kPaidBackBy * config_.overruns;
     if (overrun_score_ > 0) --overrun_score_;
-    overrun_score_ += kPaidBackBy * (sensors.missed_periods < most ? sensors.missed_periods : most);
+    overrun_score_ += kPaidBackBy * (missed_periods < most ? missed_periods : most);
     if (overrun_score_ > most) {
         faults.insert(Fault::overrun);
         overrun_score_ = most;
     }
+}
+
+FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, const Before& before, Time now) {
+    FaultSet faults;
+    check_arrivals(faults, sensors, now);
+    check_wheel(faults, estimator, before);
+    check_flywheel(faults, estimator, before.rolling && sensors.maneuver.arm);  // no drive turns it
+    check_pressure(faults, sensors, estimator, before);
+    check_slip(faults, sensors.maneuver, estimator, before);
+    check_maneuver(faults, sensors.maneuver);
+    check_overrun(faults, sensors.missed_periods);
+    if (sensors.emergency_stop) faults.insert(Fault::emergency_stop);
+    if (sensors.bus_off) faults.insert(Fault::bus_off);
     return faults;
 }
 

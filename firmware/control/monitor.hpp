@@ -1,21 +1,32 @@
 /// Checks every input in every period and names what is wrong. Permission to brake is the absence of faults.
 ///
-/// - *_lost: no accepted frame for the input's maximum age; or, of a speed, its frames come more than 25 ms later after the edges that they
-///   show than the quickest ones, in as many fresh readings as periods in `implausible_s`, also on and off
-/// - *_corrupt: the same, while frames came and were refused; or more frames were refused, beyond those that were accepted, than the
-///   maximum age has periods; of the maneuver command, whose frames are rarer, than it has times 10 ms
-/// - *_range: outside what the sensor can mean (or not a number), in as many fresh readings as periods in `implausible_s`, also on and off
-/// - *_rate: fresh readings change faster than the machine can, as many of them as periods in `implausible_s`, also on and off
-/// - wheel_stuck: no edge although the brake is released and the aircraft moves, for `stuck_s`
-/// - flywheel_stuck: the speed is below that of an aircraft that brakes twice as hard as a tyre can, by `overspeed_share` of it, for
-///   `implausible_s`; or no edge although the wheel turns, for `stuck_s`
-/// - flywheel_rate: as above; or, armed and on its wheels, the aircraft gets faster, by `overspeed_share`, for `implausible_s`
-/// - pressure_stuck: the same reading to the last bit while the model moved by `pressure_moves_Pa`, for `stuck_s`
-/// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`, or steady slip above `free_slip` of a wheel that turns
-///   under hardly any pressure, for `stuck_s`, also on and off; or slip stays above what the slip law asks for
-/// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa` for `off_command_s`, also on and off, or by the
-///   residual pressure of the self-test where the model has none, armed or with load on the wheel; or the learnt offset of the valve is more
-///   than the law may make up for, for `stuck_s`, also on and off
+/// Each signal has two tests. One takes its readings, and counts those that cannot be: out of the sensor's range, or outside of what the
+/// machine can have got to since the readings before. The other takes periods, and counts those in which what the observer makes of the
+/// readings cannot stay so. Either may be broken off: sound ones pay back half.
+///
+/// - *_lost: no accepted frame for the input's maximum age; or, a reading that is more than half of it late
+/// - *_corrupt: the same as the first, while frames came and were refused; or more frames were refused, beyond those that were accepted, than
+///   the maximum age has periods; of the maneuver command, whose frames are rarer, than it has halves of a sensor's maximum age
+/// - *_range: a reading outside what the sensor can mean (or not a number)
+/// - *_rate: a reading that differs from the one before by more than the machine can change meanwhile; or an armed aircraft on its wheels that
+///   gained more, by `overspeed_share`, than it can lose by braking
+/// - wheel_stuck, speeds_disagree: a rolling wheel that lost more speed, by `overspeed_share`, than twice the brake's torque, k_b P / J_w, takes;
+///   stuck where no edge says so
+/// - flywheel_stuck: an aircraft that lost more, by `overspeed_share`, than it can by braking
+///
+/// In `implausible_s` of readings, each counted as one period. In `stuck_s` of periods:
+/// - wheel_stuck: no edge although the brake is released and the aircraft moves
+/// - flywheel_stuck: no edge although the wheel turns
+/// - speeds_disagree: wheel faster than the aircraft by `overspeed_share`; or steady slip above `free_slip` of a wheel that turns under hardly
+///   any pressure
+///
+/// In `off_command_s` of periods:
+/// - pressure_stuck: the same reading to the last bit while the model moved by `pressure_moves_Pa`
+/// - pressure_off_command: reading against uncorrected valve model differs by `off_command_Pa`, or by the residual pressure of the self-test
+///   where the model has none, armed or with load on the wheel; or the learnt offset of the valve is more than the law may make up for
+///
+/// And:
+/// - speeds_disagree: slip that stays above what the slip law asks for adds up
 /// - maneuver_range: a commanded value outside its range, at once
 /// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
 /// - overrun: more than `overruns` missed periods in quick succession, at once or in pieces: ten good periods pay for a missed one
@@ -56,27 +67,33 @@ class Monitor {
         enum class Verdict : std::uint8_t { good, lost, corrupt };
         Verdict judge(Time newest, std::uint32_t rejected_now, Time now);
     };
-    /// Range and rate of one speed.
-    struct SpeedCheck {
-        SpeedCheck(float limit_s, float period_s)
-            : range(limit_s, period_s), rate(limit_s, period_s), late(limit_s, period_s) {}
-        Suspicion range;
-        Suspicion rate;  // of fresh readings, each counted as one period
-        Suspicion late;
-        bool ranges = false, jumps = false, lags = false;  // what the newest fresh reading says
+    /// One speed.
+    struct Speed {
+        Speed(const MonitorConfig& config, float period_s)
+            : reading(config.implausible_s, period_s), stays(config.stuck_s, period_s) {}
+        Test reading;
+        Test stays;
+        float least = 0.0F;  // that it must still have: the wheel in rad/s, the aircraft in m/s
         float last_radps = 0.0F;
         bool known = false;
     };
+    /// Its names.
+    struct SpeedNames {
+        Fault lost, range, rate;
+    };
 
     void check_arrivals(FaultSet& faults, const Sensors& sensors, Time now);
-    void check_speed(FaultSet& faults, SpeedCheck& check, const SpeedReading& reading,
-                     const EncoderConfig& encoder, Fault lost, Fault range, Fault rate) const;
-    void check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator);
-    void check_plausibility(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
-                            bool rolling);
-    void check_law(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
-                   const Before& before);
+    void check_wheel(FaultSet& faults, const Estimator& estimator, const Before& before);
+    void check_flywheel(FaultSet& faults, const Estimator& estimator, bool lands);
+    void check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
+                        const Before& before);
+    void check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
+                    const Before& before);
     void check_maneuver(FaultSet& faults, const ManeuverInput& maneuver) const;
+    void check_overrun(FaultSet& faults, std::uint32_t missed_periods);
+    /// What is wrong with a fresh reading by itself, and against the one before.
+    [[nodiscard]] FaultSet wrong_by_itself(Speed& speed, const SpeedReading& reading,
+                                           const EncoderConfig& encoder, const SpeedNames& names) const;
 
     MonitorConfig config_;
     EncoderConfig wheel_encoder_;
@@ -85,20 +102,19 @@ class Monitor {
     float released_Pa_;
     float period_s_;
     float made_up_for_share_;
-    Arrival wheel_, flywheel_, pressure_, maneuver_;
+    Arrival wheel_arrival_, flywheel_arrival_, pressure_arrival_, maneuver_arrival_;
+    float latest_s_;
     Time heartbeat_max_age_;
-    SpeedCheck wheel_speed_, flywheel_speed_;
-    Suspicion pressure_range_, pressure_rate_, pressure_off_, valve_off_, free_slip_;
-    float excess_slip_s_ = 0.0F;
-    Persistence pressure_stuck_, pressure_stays_, wheel_stuck_, flywheel_stuck_, flywheel_blind_,
-        flywheel_leaps_, overspeed_;
-    bool pressure_jumps_ = false;
-    bool blind_ = false, leaps_ = false;  // what the newest reading of the flywheel says
-    float carried_mps_ = 0.0F;            // the speed that an aircraft must still have at least
-    float reached_mps_ = 0.0F;            // the speed that an aircraft on its wheels has at most
+    Speed wheel_;
+    Persistence wheel_hurries_;  // without a break: a carcass swings
+    Speed flywheel_;
+    float most_mps_ = 0.0F;  // that an aircraft on its wheels can have
+    float acted_Pa_ = 0.0F;  // brake pressure, with what is left of it in a carcass
+    Test pressure_reading_, pressure_stays_;
     float last_reading_Pa_ = 0.0F;
     Time last_reading_at_ = kNever;
     float model_at_change_Pa_ = 0.0F;
+    float excess_slip_s_ = 0.0F;
     std::uint32_t overrun_score_ = 0;
 };
 

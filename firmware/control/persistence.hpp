@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "firmware/control/types.hpp"
+
 namespace antiskid::control {
 
 /// The nearest whole number of periods of `period_s` in `time_s`, which is not negative.
@@ -32,23 +34,28 @@ class Persistence {
     std::uint32_t held_ = 0;
 };
 
-/// The same for a condition that may come and go: good periods pay back half of what bad ones have run up.
-class Suspicion {
+/// One test of a signal. What cannot be runs it up, what can be pays back half: it may come and go.
+class Test {
   public:
-    Suspicion(float limit_s, float period_s) : limit_(2U * whole_periods(limit_s, period_s)) {}
+    Test(float limit_s, float period_s) : limit_(2U * whole_periods(limit_s, period_s)) {}
 
-    bool holds(bool condition) {
-        if (!condition) {
+    /// One reading, counted as a period, or one period: what is wrong with it, or nothing.
+    void take(FaultSet wrong) {
+        found_ = FaultSet{};
+        if (wrong.empty()) {
             if (held_ > 0) --held_;
-            return false;
+            return;
         }
         if (held_ < limit_) held_ += 2U;
-        return held_ >= limit_;
+        if (held_ >= limit_) found_ = wrong;
     }
+    /// What the newest is, once wrong ones have added up to the limit.
+    [[nodiscard]] FaultSet found() const { return found_; }
 
   private:
     std::uint32_t limit_;  // half periods
     std::uint32_t held_ = 0;
+    FaultSet found_;
 };
 
 }  // namespace antiskid::control

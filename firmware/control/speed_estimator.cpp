@@ -7,20 +7,20 @@ namespace antiskid::control {
 namespace {
 constexpr float kTwoPi = 6.28318531F;
 constexpr Time kStandstill{100'000'000};
-constexpr Time kLatest{25'000'000};  // a frame that is later than this against another one was lost
+constexpr Time kLatest{25'000'000};  // no sound frame is later than this against another one
 }  // namespace
 
 SpeedEstimator::SpeedEstimator(float teeth) : radians_per_edge_(kTwoPi / teeth) {}
 
 /// The sensor's clock has another zero than ours, which the quickest frames tell. They are forgotten within some thousand readings: the clocks
 /// drift, and one that is set is no frame that is late.
-bool SpeedEstimator::late(const SpeedInput& input) {
+float SpeedEstimator::late_s(const SpeedInput& input) {
     constexpr int kForgotten = 10;  // as a power of two, readings
     const Time after = input.received - input.edge_time;
     const Time behind = clock_known_ ? after - quickest_ : Time{};
     quickest_ = behind.count() > 0 ? quickest_ + Time{behind.count() >> kForgotten} : after;
     clock_known_ = true;
-    return behind > kLatest;
+    return seconds(behind);
 }
 
 SpeedReading SpeedEstimator::update(const SpeedInput& input) {
@@ -54,7 +54,7 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input) {
     } else if (edges != 0 && took.count() > 0) {
         // The first edge after a standstill only starts the clock: it says nothing about the time since the
         // one before.
-        reading.late = late(input);
+        reading.late_s = late_s(input);
         if (running_) {
             reading.interval_s = seconds(took);
             speed_radps_ = radians_per_edge_ * static_cast<float>(edges) / reading.interval_s;

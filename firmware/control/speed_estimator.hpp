@@ -14,8 +14,8 @@ struct SpeedReading {
     bool fresh = false;        ///< edges came (or a speed frame): a measurement
     bool bounded =
         false;  ///< no edge came for longer than the last speed explains: `speed_radps` is an upper bound
-    bool late = false;  ///< its frame came more than 25 ms later after its newest edge than the quickest ones
-    bool valid = false;  ///< false until two edges, or no edge for 100 ms, have been seen
+    float late_s = 0.0F;  ///< so much later did its frame come after its newest edge than the quickest ones
+    bool valid = false;   ///< false until two edges, or no edge for 100 ms, have been seen
 };
 
 /// One that cannot be, or is no number, must not reach a filter, where it would stay. The monitor names it.
@@ -32,7 +32,7 @@ class SpeedEstimator {
     SpeedReading update(const SpeedInput& input);
 
   private:
-    [[nodiscard]] bool late(const SpeedInput& input);
+    [[nodiscard]] float late_s(const SpeedInput& input);
 
     float radians_per_edge_;
     bool clock_known_ = false;

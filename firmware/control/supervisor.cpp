@@ -11,7 +11,7 @@ constexpr float kAtRest_radps = 0.1F;
 
 Supervisor::Supervisor(const SupervisorConfig& config, float period_s)
     : config_(config),
-      most_locked_(static_cast<float>(whole_periods(config.lock_persists_s, period_s))),
+      period_s_(period_s),
       self_test_(config.self_test_s, period_s),
       residual_pressure_(kSelfTestPatience_s, period_s),
       on_wheels_(config.touchdown_timeout_s, period_s) {}
@@ -27,14 +27,16 @@ void Supervisor::watch_touchdown(bool on_wheels, const Estimate& e) {
         protected_ = false;
 }
 
-/// A released wheel comes back within a time in proportion to its speed, J omega / (mu F_z r): a lock that lasts, or locks for more than a
-/// quarter of the time, are a fault, the sooner the slower.
-bool Supervisor::add_lock(bool locked, float speed_mps) {
+/// A released wheel comes back within J omega / (mu F_z r), once the valve has let go and an edge can show it: a rim that does not turn with
+/// the aircraft by then is held by something else.
+bool Supervisor::stays_locked(bool locked, float speed_mps) {
     constexpr float kPaidBackBy = 3.0F;  // good periods that make up for a locked one
-    constexpr float kSoonest = 3.0F;
-    const float sooner = limited(config_.spin_up_mps / larger(speed_mps, 1.0F), 1.0F, kSoonest);
-    locked_ = limited(locked_ + (locked ? sooner : -1.0F / kPaidBackBy), 0.0F, most_locked_);
-    return locked && locked_ >= most_locked_;
+    if (!locked) {
+        if (locked_s_ > 0.0F) locked_s_ = larger(locked_s_ - period_s_ / kPaidBackBy, 0.0F);
+        return false;
+    }
+    locked_s_ += period_s_;
+    return (locked_s_ - config_.release_s) * config_.least_spin_up_mps2 > config_.unlock_share * speed_mps;
 }
 
 State Supervisor::braking_state(const Sensors& sensors, const Estimate& e) {
@@ -86,7 +88,9 @@ State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet prese
 State Supervisor::update(const Sensors& sensors, const Estimate& e, FaultSet present, Time /*now*/) {
     watch_touchdown(sensors.maneuver.weight_on_wheels, e);
     State wanted = next(sensors, e, present);
-    if (add_lock(wanted == State::locked_wheel, e.v_mps)) present.insert(Fault::lock_persists);
+    // A law that holds a slip does not lock again and again, unless what it reads or commands comes late. To others it is their way.
+    if (wanted != State::locked_wheel && !holds_slip(sensors.maneuver.law)) locked_s_ = 0.0F;
+    if (stays_locked(wanted == State::locked_wheel, e.v_mps)) present.insert(Fault::lock_persists);
     // Before the self-test has passed nothing may be there yet: absence is no fault then, and there is no
     // permission either. Somebody who presses the emergency stop means it all the same.
     if (present.contains(Fault::emergency_stop) || (wanted != State::self_test && !present.empty())) {

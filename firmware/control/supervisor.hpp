@@ -12,7 +12,8 @@
 /// - touchdown_protection: on the wheels, not spun up to `spin_up_mps` nor to `unlock_share` of the aircraft's speed yet, for
 ///   `touchdown_timeout_s` at the most
 /// - braking: the law acts. locked_wheel: rim below `lock_share` of the aircraft's speed until above `unlock_share`; no pressure;
-///   not with the open-loop law, nor below `drop_out_mps`
+///   not with the open-loop law, nor below `drop_out_mps`. A fault once the released wheel should have come back: after `release_s` and the
+///   time that `least_spin_up_mps2` takes to `unlock_share`
 /// - drop_out: below `drop_out_mps`, until `drop_out_hysteresis_mps` above it; the demand passes through. Only with the laws that
 ///   need slip
 /// - safe: left for standby when the maneuver command disarms and no cause is left; arming again clears the latched names
@@ -43,16 +44,16 @@ class Supervisor {
     [[nodiscard]] State next(const Sensors& sensors, const Estimate& estimate, FaultSet present);
     [[nodiscard]] State braking_state(const Sensors& sensors, const Estimate& estimate);
     void watch_touchdown(bool on_wheels, const Estimate& estimate);
-    bool add_lock(bool locked, float speed_mps);
+    bool stays_locked(bool locked, float speed_mps);
 
     SupervisorConfig config_;
-    float most_locked_;  // periods
+    float period_s_;
     State state_ = State::self_test;
     FaultSet latched_;
     Persistence self_test_;
     Persistence residual_pressure_;
     Persistence on_wheels_;
-    float locked_ = 0.0F;    // periods, see add_lock
+    float locked_s_ = 0.0F;
     bool protected_ = true;  // touchdown protection has not ended yet
     bool arm_before_ = true;
 };

@@ -132,7 +132,7 @@ TEST_CASE("each value out of range is refused at its line, above and below", "[C
     for (const Entry& entry : file.entries) {
         const bool array = entry.value.starts_with('[');
         for (const std::string far : {"1e30", "-1e30"}) {
-            const bool integer = entry.key == "teeth" || entry.key == "overruns";
+            const bool integer = entry.key == "teeth";
             const std::string number = integer ? (far == "1e30" ? "1000000" : "-1000000") : far;
             const settings::Error error = check.refusal(
                 file.with(entry.line, entry.key + " = " + (array ? "[0.0, " + number + "]" : number)));
@@ -160,7 +160,6 @@ TEST_CASE("values that contradict each other are refused where they stand", "[CT
     };
     refused("period_ms", "0.9");
     refused("period_ms", "5.1");
-    refused("supervisor.unlock_share", "0.3");       // not above lock_share
     refused("slip.low_speed_floor_mps", "99.0");     // not below low_speed_mps
     refused("valve.pressure_Pa", "[0.0, 1.0e6]");    // not as many as currents
     refused("valve.current_mA", "[3.0, 3.0]");       // not increasing
@@ -209,7 +208,20 @@ TEST_CASE("the shipped files load, in SI units", "[CTL-093]") {
     CHECK(c.valve.points == 10);
     CHECK(c.valve.pressure_Pa[9] == c.valve.full_pressure_Pa);
     CHECK(c.monitor.heartbeat_max_age_s == 0.35F);
-    CHECK(c.supervisor.self_test_s == 0.05F);
+    // What is not in the file follows from what is.
+    CHECK(c.supervisor.self_test_s == Approx(0.05F));
+    CHECK(c.supervisor.demand_threshold_Pa == Approx(0.2e6F));
+    CHECK(c.supervisor.unlock_share == Approx(0.7F));
+    CHECK(c.supervisor.release_s == Approx(0.1F + 6e-3F + 3.0F / c.valve.natural_frequency_radps));
+    CHECK(c.supervisor.drop_out_hysteresis_mps == Approx(1.0F));
+    CHECK(c.monitor.implausible_s == Approx(5e-3F));
+    CHECK(c.monitor.pressure_rate_Paps == Approx(2.0F * 125.66F * 20.7e6F).epsilon(1e-3));
+    CHECK(c.monitor.pressure_moves_Pa == Approx(1e6F));
+    CHECK(c.monitor.overspeed_share == Approx(0.15F));
+    CHECK(c.monitor.free_slip == Approx(0.08F));
+    CHECK(c.monitor.off_command_s == Approx(0.1F));
+    CHECK(c.monitor.plausible_above_mps == Approx(4.5F));
+    CHECK(c.monitor.overruns == 50);
     const auto rig = load_controller_config("config/controller_endurance.toml");
     CHECK(rig.wheel.lift_Ns2pm2 == 0.0F);
     CHECK(rig.wheel.nominal_radius_m == 0.30F);

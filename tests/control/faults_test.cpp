@@ -231,8 +231,8 @@ Bench at(const char where, const Injection& injection) {
     if (where == 'A') b.to_armed();
     if (where == 'B') b.to_braking(injection.law);
     while (std::abs(b.v_mps - injection.v_mps) > 0.011) {
-        // The hardest that the checks believe in: 20 m/s2 of braking, 2 m/s2 of thrust.
-        b.v_mps += injection.v_mps > b.v_mps ? 0.0019 : -0.02;
+        // Within what the checks believe in, 15 m/s2.
+        b.v_mps += injection.v_mps > b.v_mps ? 0.0019 : -0.014;
         static_cast<void>(b.step());
     }
     b.seconds(0.2);
@@ -321,7 +321,9 @@ TEST_CASE("a lock that persists is named, where no encoder check is faster", "[C
     const Row row = documented()[static_cast<std::size_t>(Fault::lock_persists)];
     Bench b(antiskid::load_controller_config("config/controller.toml"));
     b.to_braking();
-    // As fast as a wheel can: from one period to the next no brake stops it.
+    // As fast as a wheel can: from one period to the next no brake stops it. The transducer shows what slows it.
+    b.tamper = [](Sensors& seen) { seen.pressure.pressure_Pa += 2.9e6F; };
+    b.steps(20);
     int periods = 0;
     while (b.slip < 0.95) {
         b.slip = std::min(0.95, b.slip + 0.02);

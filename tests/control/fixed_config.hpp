@@ -93,7 +93,8 @@ namespace control_test {
                     .demand_threshold_Pa = 0.2e6F,
                     .lock_share = 0.3F,
                     .unlock_share = 0.7F,
-                    .lock_persists_s = 1.0F,
+                    .least_spin_up_mps2 = 50.0F,
+                    .release_s = 0.125F,
                     .drop_out_mps = 5.0F,
                     .drop_out_hysteresis_mps = 1.0F,
                     .pass_through_rate_Paps = 10e6F};

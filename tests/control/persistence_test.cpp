@@ -28,7 +28,14 @@ TEST_CASE("a condition that must not be broken is counted anew after every break
 TEST_CASE("a condition that comes and goes is paid back by half, and never owes more than its limit",
           "[CTL-081]") {
     const int limit = GENERATE(1, 2, 8, 20);  // periods
-    Suspicion suspicion(static_cast<float>(limit) * kExact_s, kExact_s);
+    Test test(static_cast<float>(limit) * kExact_s, kExact_s);
+    const auto holds = [&test](const bool bad) {
+        FaultSet wrong;
+        if (bad) wrong.insert(Fault::bus_off);
+        test.take(wrong);
+        REQUIRE((test.found().empty() || test.found() == wrong));
+        return !test.found().empty();
+    };
     std::mt19937 random(4);
     double owed = 0.0;
     int wrong = 0, named = 0;
@@ -39,17 +46,26 @@ TEST_CASE("a condition that comes and goes is paid back by half, and never owes 
         if (bad && owed < limit) owed += 1.0;
         const bool expected = bad && owed >= limit;
         named += expected ? 1 : 0;
-        wrong += suspicion.holds(bad) == expected ? 0 : 1;
+        wrong += holds(bad) == expected ? 0 : 1;
     }
     CHECK(wrong == 0);
     CHECK(named > 1000);
 }
 
 TEST_CASE("nothing is owed before the first bad period, and half a period counts as one", "[CTL-081]") {
-    Suspicion suspicion(4.0F * kExact_s, kExact_s);
-    for (const bool bad : {true, true, true, false}) CHECK_FALSE(suspicion.holds(bad));
-    CHECK_FALSE(suspicion.holds(true));  // three and a half
-    CHECK(suspicion.holds(true));
+    Test test(4.0F * kExact_s, kExact_s);
+    FaultSet one, other;
+    one.insert(Fault::bus_off);
+    other.insert(Fault::overrun);
+    for (const FaultSet& wrong : {one, other, one, FaultSet{}}) {
+        test.take(wrong);
+        CHECK(test.found().empty());
+    }
+    test.take(one);
+    CHECK(test.found().empty());  // three and a half
+    test.take(other);
+    CHECK(test.found() == other);  // by the name of the newest
+    CHECK(test.found() == other);
     CHECK(whole_periods(1.25F, 0.5F) == 3);
     CHECK(magnitude(0.5F) == 0.5F);
     CHECK(magnitude(-0.5F) == 0.5F);
