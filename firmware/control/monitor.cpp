@@ -158,8 +158,8 @@ inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator
     most_mps_ = held ? smaller(fastest_mps, most_mps_ + step_mps) : fastest_mps;
     const bool falls = reads_mps < (1.0F - config_.overspeed_share) * flywheel_.least && reading.valid &&
                        flywheel_.least > config_.plausible_above_mps;
-    const bool leaps = reads_mps > (1.0F + config_.overspeed_share) * most_mps_ && lands &&
-                       reads_mps > config_.plausible_above_mps;
+    const bool leaps =
+        reads_mps > (1.0F + config_.overspeed_share) * most_mps_ && reads_mps > config_.plausible_above_mps;
     if (!wrong.contains(Fault::flywheel_range))
         wrong.insert(falls ? only(Fault::flywheel_stuck) : only(Fault::flywheel_rate, leaps));
     // A reading that stays for periods is one reading: noise must not count for more than it is.

@@ -73,4 +73,10 @@ with tempfile.TemporaryDirectory() as scratch:
                             (("--ranges", "/nowhere.toml"), "/nowhere.toml"), (("--config", "/nowhere"), "/nowhere")):
         status, text, err = run(*arguments, "--out", nowhere)
         assert status == 2 and says in err and not nowhere.exists(), (arguments, status, text, err)
+
+    # A mistake in a file, found after another file was read: named, and nothing else comes of it.
+    bad = pathlib.Path(scratch, "controller.toml")
+    bad.write_text(pathlib.Path("config/controller.toml").read_text().replace("k_p_per_s = ", 'k_p_per_s = "fast" #', 1))
+    status, text, err = run("--draws", 1, "--controller", bad, "--out", pathlib.Path(scratch, "nothing"))
+    assert status == 2 and f"{bad}:" in err and "k_p_per_s" in err and not pathlib.Path(scratch, "nothing").exists(), (status, err)
 print("ok")

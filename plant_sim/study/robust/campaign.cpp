@@ -129,15 +129,18 @@ Plan load_plan(const PlanOptions& o) {
     };
     const auto ranges = or_default(o.ranges, "uncertainty.toml");
     const auto controller = or_default(o.controller, "controller.toml");
-    Plan plan{
-        .basis = {.uncertainty = load_uncertainty(ranges), .landings = {}, .surfaces = {}},
-        .controller = antiskid::load_controller_config(controller),
-        .layout = antiskid::can::load_layout(o.config / "antiskid.dbc", o.config / "antiskid_binding.toml"),
-        .families = {},
-        .laws = {},
-        .draws = o.draws,
-        .seed = o.seed,
-        .config_hash = {}};
+    // Loaded before: GCC 12 destroys the members of a braced aggregate twice when a later one throws.
+    const auto config = antiskid::load_controller_config(controller);
+    const auto layout =
+        antiskid::can::load_layout(o.config / "antiskid.dbc", o.config / "antiskid_binding.toml");
+    Plan plan{.basis = {.uncertainty = load_uncertainty(ranges), .landings = {}, .surfaces = {}},
+              .controller = config,
+              .layout = layout,
+              .families = {},
+              .laws = {},
+              .draws = o.draws,
+              .seed = o.seed,
+              .config_hash = {}};
     for (const std::string& word : o.families) plan.families.push_back(family_of(word));
     for (const std::string& word : o.laws) plan.laws.push_back(peer_of(word));
     std::vector<std::filesystem::path> files{ranges, controller};
