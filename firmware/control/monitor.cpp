@@ -9,10 +9,13 @@ namespace {
 Time nanoseconds(float time_s) {
     return Time{static_cast<std::int64_t>(time_s * 1e9F)};
 }
-FaultSet only(Fault fault, bool if_so = true) {
+FaultSet only(Fault fault, bool if_so) {
     FaultSet set;
     if (if_so) set.insert(fault);
     return set;
+}
+FaultSet only(Fault fault) {
+    return only(fault, true);
 }
 /// A sound frame is never late: one that is counts as several readings.
 void take_reading(Test& test, FaultSet wrong, Fault lost) {
