@@ -1,6 +1,7 @@
 #include "firmware/linux/controller_config.hpp"
 
 #include <array>
+#include <cmath>
 #include <initializer_list>
 #include <numbers>
 #include <string>
@@ -224,7 +225,7 @@ control::MonitorConfig monitor(const settings::Table& t, const Config& c, float 
             .off_command_Pa = off_command_Pa,
             .off_command_s = derived::kOffCommand * stuck_s,
             .plausible_above_mps = derived::kPlausible * drop_out_mps,
-            .overruns = static_cast<std::uint16_t>(derived::kOverruns * max_age_s / c.period_s + 0.5F),
+            .overruns = static_cast<std::uint16_t>(std::lround(derived::kOverruns * max_age_s / c.period_s)),
             .most_deceleration_mps2 = number(t, "most_deceleration_mps2", 0.1, 100.0)};
 }
 
