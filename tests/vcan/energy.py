@@ -60,9 +60,11 @@ def bridge_killed(folder):
     after = status(out)
     truth_J = taken_by_brake_J(rig)
     print(f"{after['cumulative_energy_J']:.0f} J in the ledger, {truth_J:.0f} J taken by the plant's brake")
-    # Load cells come late through the PLC, which costs 3 % of so short a stop; a stop that does not count is a third.
-    check(0.94 * truth_J < after["cumulative_energy_J"] < 1.01 * truth_J, "the ledger's energy is not the plant's")
     rows = after["maneuvers"]
+    # Load cells come late through the PLC, which costs 3 % of so short a stop. What the rim had left at 4.6 of 12 m/s the brake may have taken after
+    # the recorder was dead (docs/recovery.md). A stop that does not count is a third.
+    left_J = (4.6 / 12.0) ** 2 * rows[0]["energy_brake_J"]
+    check(0.97 * truth_J - left_J < after["cumulative_energy_J"] < 1.01 * truth_J, "the ledger's energy is not the plant's")
     check([row["state"] for row in rows] == ["finished", "unfinished", "finished"], rows)
     check(rows[1]["energy_brake_J"] > 0.7 * rows[0]["energy_brake_J"], "the killed bridge's stop does not count")
     compared = subprocess.run([BUILD / "rig_bridge/replay/rig-replay", "campaign", out, "--config", config, "--rebuild", out / "rebuilt.sqlite"],
@@ -127,7 +129,7 @@ def clock(folder, how):
     scenario, config = quick_rig(folder)
     if how == "timer":  # a host that stands still is not what is tested
         path = config / "controller.toml"
-        path.write_text(changed(path.read_text(), overruns=1000, sensor_max_age_ms=100.0))
+        path.write_text(changed(path.read_text(), sensor_max_age_ms=100.0))
     rig = Rig(BUILD, folder, scenario, config, clock=how, sync_timeout_ms=3000, answer_timeout_ms=3000)
     bus = Bus()
     summaries = []
