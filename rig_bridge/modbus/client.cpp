@@ -288,12 +288,19 @@ class ModbusClient::Impl {
             if (supervised_) image = desk_.due();
         }
         if (!image) return std::nullopt;
+        const Field& commit = map_.field(Commanded::commit);
+        std::array<std::uint16_t, 1> standing{};
+        count_request();
+        if (auto failed = connection_.read_holdings(commit.address, standing)) return failed;
+        {
+            const std::lock_guard lock(mutex_);
+            desk_.standing(standing[0]);
+        }
         for (const Block& block : command_blocks_) {
             count_request();
             if (auto failed = connection_.write(block.address, image->words(block.address, block.count)))
                 return failed;
         }
-        const Field& commit = map_.field(Commanded::commit);
         {
             const std::lock_guard lock(mutex_);
             desk_.sending(*image);

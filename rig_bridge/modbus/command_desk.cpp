@@ -55,6 +55,7 @@ void CommandDesk::want(const CommandedValues& wanted, ClockTime now) {
 void CommandDesk::reconnected(std::uint16_t commit, ClockTime now) {
     // Also away from our own last number: the PLC may have been restarted, and its answer to that one be gone.
     next_ = static_cast<std::uint16_t>(std::max(commit, commit_) + 1);
+    standing_ = commit;
     looked_ = false;
     if (!any_) return;
     if (!resend_ && wanted_ == last_) wished_at_ = now;
@@ -74,6 +75,7 @@ void CommandDesk::sending(const RegisterImage& image) {
     const Field& number = map_.field(Commanded::commit);
     commit_ = static_cast<std::uint16_t>(image.read(number).value);
     next_ = static_cast<std::uint16_t>(commit_ + 1);
+    standing_ = commit_;
     // More than a PLC can be behind and still confirm in time.
     constexpr std::size_t kMostUnanswered = 64;
     unanswered_.push_back(commit_);
@@ -98,11 +100,22 @@ void CommandDesk::answered(std::uint16_t number) {
     if (found != unanswered_.end()) unanswered_.erase(unanswered_.begin(), found + 1);
 }
 
+void CommandDesk::count_foreign(std::uint16_t number) {
+    ++foreign_;
+    foreign_commit_ = number;
+    standing_ = number;
+}
+
+void CommandDesk::standing(std::uint16_t commit) {
+    if (commit == standing_ || commit == 0) return;
+    count_foreign(commit);
+    unanswered_.push_front(commit);  // the PLC's answer to it is no second one
+}
+
 void CommandDesk::seen(std::uint16_t applied, std::uint16_t refused, ClockTime now) {
     const bool applies = foreign(applied, applied_), refuses = foreign(refused, refused_);
     if (applies || refuses) {
-        ++foreign_;
-        foreign_commit_ = applies ? applied : refused;
+        count_foreign(applies ? applied : refused);
         if (any_ && !resend_ && wanted_ == last_) wished_at_ = now;
         resend_ = any_;
     }

@@ -35,6 +35,9 @@ class CommandDesk {
 
     /// The command to send, commit number included, if there is one; goes on being the same until sending() or a new wish.
     [[nodiscard]] std::optional<RegisterImage> due();
+    /// The PLC's commit register as it stands before due() goes out. A number that is none of ours and not 0 is somebody else's command, which
+    /// the PLC may take over and which ours is about to replace: it is counted.
+    void standing(std::uint16_t commit);
     /// All of what due() gave is written but its commit number, which goes out now. There may be a newer wish already.
     void sending(const RegisterImage& image);
     /// Registers of the PLC. A number that has changed to one that is none of ours means that somebody else commands: it is counted, and ours
@@ -54,6 +57,7 @@ class CommandDesk {
   private:
     [[nodiscard]] bool foreign(std::uint16_t number, std::uint16_t before) const;
     void answered(std::uint16_t number);
+    void count_foreign(std::uint16_t number);
 
     RegisterMap map_;
     RegisterImage wanted_;  // commit and watchdog 0
@@ -63,6 +67,7 @@ class CommandDesk {
     std::string error_;
     std::uint16_t next_ = 1;
     std::uint16_t commit_ = 0;
+    std::uint16_t standing_ = 0;  // in the PLC's commit register, as far as is known
     bool looked_ = false;        // on this link
     std::uint16_t applied_ = 0;  // as last seen
     std::uint16_t refused_ = 0;

@@ -204,6 +204,34 @@ TEST_CASE("A number that is none of ours is somebody else's command: counted, an
     CHECK(d.desk.foreign_commands() == 1);
 }
 
+TEST_CASE("Somebody else's command that ours replaces before the PLC answers it is counted once", "[BRG-136]") {
+    Desk d;
+    d.desk.reconnected(41, 1s);
+    d.desk.seen(41, 0, 1s);
+    d.desk.want(speed(10.0), 1s);
+    d.desk.standing(41);
+    CHECK(d.desk.foreign_commands() == 0);
+    CHECK(d.send() == 42);
+    d.desk.standing(42);
+    d.desk.standing(0);  // a PLC that clears what it took
+    CHECK(d.desk.foreign_commands() == 0);
+
+    d.desk.want(speed(20.0), 2s);
+    d.desk.standing(4711);
+    CHECK(d.desk.foreign_commands() == 1);
+    CHECK(d.desk.foreign_commit() == 4711);
+    d.desk.standing(4711);
+    CHECK(d.send() == 43);
+    SECTION("the PLC looks at ours alone") {}
+    SECTION("the PLC takes it over for a moment") { d.desk.seen(4711, 0, 2s); }
+    d.desk.standing(43);
+    d.desk.seen(43, 0, 3s);
+    CHECK(d.desk.state() == CommandState::applied);
+    CHECK(d.desk.foreign_commands() == 1);
+    d.desk.seen(4711, 0, 4s);  // the same number, once more
+    CHECK(d.desk.foreign_commands() == 2);
+}
+
 TEST_CASE("Ours that a slow PLC passes over, and a PLC that begins anew, are nobody else's", "[BRG-136]") {
     Desk d;
     d.desk.seen(0, 0, 1s);

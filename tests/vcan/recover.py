@@ -72,7 +72,7 @@ def second_master(folder):
     command = [word for word in rig.command("campaign", out, "--priority", "0", "--maneuvers", "1", "--retry", "3") if word != "--leave-turning"]
     run = rig.start_bridge(command)
     check(bus.await_phase(("spin_up",), 300), f"no spin_up: {words(run)}")
-    # Sooner, the bridge's own command of the spin-up may take this one's place before the PLC looks at it: nothing happens then.
+    # While the bridge writes its own command, this one may be gone before anybody has read it.
     eventually(lambda: rig.plc.read("flywheel_speed") > 5.0, "the flywheel does not turn")
     holding = rig.plc.map["holding"]
     high, low = struct.unpack(">HH", struct.pack(">f", 75.0))

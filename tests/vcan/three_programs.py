@@ -130,7 +130,10 @@ class Plc:
 
     def read(self, name):
         field = self.map["input"][name]
-        raw = self.client.read_input_registers(field["address"], count=1, slave=self.map["unit_id"]).registers[0]
+        count = 2 if field["type"] == "float32" else 1
+        raw, *low = self.client.read_input_registers(field["address"], count=count, slave=self.map["unit_id"]).registers
+        if low:
+            return struct.unpack(">f", struct.pack(">HH", raw, *low))[0]
         return (raw - 65536 if field["type"] == "i16" and raw > 32767 else raw) * field.get("scale", 1.0)
 
     def await_bridge(self):
