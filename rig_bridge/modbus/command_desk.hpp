@@ -68,8 +68,8 @@ class CommandDesk {
     std::uint16_t next_ = 1;
     std::uint16_t commit_ = 0;
     std::uint16_t standing_ = 0;  // in the PLC's commit register, as far as is known
-    bool looked_ = false;        // on this link
-    std::uint16_t applied_ = 0;  // as last seen
+    bool looked_ = false;         // on this link
+    std::uint16_t applied_ = 0;   // as last seen
     std::uint16_t refused_ = 0;
     std::deque<std::uint16_t> unanswered_;  // ours, oldest first: what may appear in these two
     std::uint64_t foreign_ = 0;

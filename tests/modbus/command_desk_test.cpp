@@ -204,7 +204,8 @@ TEST_CASE("A number that is none of ours is somebody else's command: counted, an
     CHECK(d.desk.foreign_commands() == 1);
 }
 
-TEST_CASE("Somebody else's command that ours replaces before the PLC answers it is counted once", "[BRG-136]") {
+TEST_CASE("Somebody else's command that ours replaces before the PLC answers it is counted once",
+          "[BRG-136]") {
     Desk d;
     d.desk.reconnected(41, 1s);
     d.desk.seen(41, 0, 1s);
@@ -223,7 +224,9 @@ TEST_CASE("Somebody else's command that ours replaces before the PLC answers it 
     d.desk.standing(4711);
     CHECK(d.send() == 43);
     SECTION("the PLC looks at ours alone") {}
-    SECTION("the PLC takes it over for a moment") { d.desk.seen(4711, 0, 2s); }
+    SECTION("the PLC takes it over for a moment") {
+        d.desk.seen(4711, 0, 2s);
+    }
     d.desk.standing(43);
     d.desk.seen(43, 0, 3s);
     CHECK(d.desk.state() == CommandState::applied);
