@@ -76,10 +76,7 @@ void CommandDesk::sending(const RegisterImage& image) {
     commit_ = static_cast<std::uint16_t>(image.read(number).value);
     next_ = static_cast<std::uint16_t>(commit_ + 1);
     standing_ = commit_;
-    // More than a PLC can be behind and still confirm in time.
-    constexpr std::size_t kMostUnanswered = 64;
-    unanswered_.push_back(commit_);
-    if (unanswered_.size() > kMostUnanswered) unanswered_.pop_front();
+    expect(commit_);
     last_ = image;
     static_cast<void>(last_.write(number, 0.0));
     resend_ = false;
@@ -92,6 +89,13 @@ void CommandDesk::sending(const RegisterImage& image) {
 bool CommandDesk::foreign(std::uint16_t number, std::uint16_t before) const {
     return looked_ && number != before && number != 0 &&
            std::find(unanswered_.begin(), unanswered_.end(), number) == unanswered_.end();
+}
+
+void CommandDesk::expect(std::uint16_t number) {
+    // More than a PLC can be behind and still confirm in time.
+    constexpr std::size_t kMostUnanswered = 64;
+    unanswered_.push_back(number);
+    if (unanswered_.size() > kMostUnanswered) unanswered_.pop_front();
 }
 
 /// Ours, and none before it can be answered any more: a PLC looks at the newest. From then on that number would be somebody else's.
@@ -107,9 +111,9 @@ void CommandDesk::count_foreign(std::uint16_t number) {
 }
 
 void CommandDesk::standing(std::uint16_t commit) {
-    if (commit == standing_ || commit == 0) return;
+    if (commit == standing_ || commit == commit_ || commit == 0) return;
     count_foreign(commit);
-    unanswered_.push_front(commit);  // the PLC's answer to it is no second one
+    expect(commit);  // the PLC's answer to it is no second one
 }
 
 void CommandDesk::seen(std::uint16_t applied, std::uint16_t refused, ClockTime now) {

@@ -35,8 +35,8 @@ class CommandDesk {
 
     /// The command to send, commit number included, if there is one; goes on being the same until sending() or a new wish.
     [[nodiscard]] std::optional<RegisterImage> due();
-    /// The PLC's commit register as it stands before due() goes out. A number that is none of ours and not 0 is somebody else's command, which
-    /// the PLC may take over and which ours is about to replace: it is counted.
+    /// The PLC's commit register, read before due() goes out. A number that is neither our newest, nor known, nor 0 is somebody else's command,
+    /// which ours is about to replace: it is counted.
     void standing(std::uint16_t commit);
     /// All of what due() gave is written but its commit number, which goes out now. There may be a newer wish already.
     void sending(const RegisterImage& image);
@@ -56,6 +56,7 @@ class CommandDesk {
 
   private:
     [[nodiscard]] bool foreign(std::uint16_t number, std::uint16_t before) const;
+    void expect(std::uint16_t number);
     void answered(std::uint16_t number);
     void count_foreign(std::uint16_t number);
 
@@ -67,11 +68,11 @@ class CommandDesk {
     std::string error_;
     std::uint16_t next_ = 1;
     std::uint16_t commit_ = 0;
-    std::uint16_t standing_ = 0;  // in the PLC's commit register, as far as is known
+    std::uint16_t standing_ = 0;  // in the PLC's commit register, as last known
     bool looked_ = false;         // on this link
     std::uint16_t applied_ = 0;   // as last seen
     std::uint16_t refused_ = 0;
-    std::deque<std::uint16_t> unanswered_;  // ours, oldest first: what may appear in these two
+    std::deque<std::uint16_t> unanswered_;  // known, oldest first: what may appear in these two
     std::uint64_t foreign_ = 0;
     std::uint16_t foreign_commit_ = 0;
     CommandState answer_ = CommandState::none;  // to commit_

@@ -45,6 +45,20 @@ bool commanding(rig::ModbusClient& client, const rig::CommandedValues& wanted, c
     });
 }
 
+/// 75 m/s under commit 4711, in one request.
+void other_master_commands(const rig::RegisterMap& map, std::uint16_t port) {
+    const rig::ModbusContext other(modbus_new_tcp("127.0.0.1", port));
+    REQUIRE(modbus_connect(other.get()) == 0);
+    modbus_set_slave(other.get(), map.unit_id);
+    rig::RegisterImage image(map.commanded, map.word_order);
+    REQUIRE(image.write(map.field(Commanded::flywheel_speed_mps), 75.0));
+    REQUIRE(image.write(map.field(Commanded::drive_enable), 1.0));
+    REQUIRE(image.write(map.field(Commanded::commit), 4711.0));
+    const auto words = image.words(1, 11);  // all but the watchdog
+    REQUIRE(modbus_write_registers(other.get(), 1, 11, words.data()) == 11);
+    modbus_close(other.get());
+}
+
 }  // namespace
 
 TEST_CASE("Measured values arrive in SI with their age and quality", "[BRG-030]") {
@@ -92,16 +106,7 @@ TEST_CASE("A second master's command is seen, and the client's own restored", "[
     REQUIRE(commanding(client, wanted, [&] { return client.snapshot().command == CommandState::applied; }));
     CHECK(client.snapshot().foreign_commands == 0);
 
-    const rig::ModbusContext other(modbus_new_tcp("127.0.0.1", plc.server().port()));
-    REQUIRE(modbus_connect(other.get()) == 0);
-    modbus_set_slave(other.get(), map.unit_id);
-    rig::RegisterImage image(map.commanded, map.word_order);
-    REQUIRE(image.write(map.field(Commanded::flywheel_speed_mps), 75.0));
-    REQUIRE(image.write(map.field(Commanded::drive_enable), 1.0));
-    REQUIRE(image.write(map.field(Commanded::commit), 4711.0));
-    const auto words = image.words(1, 11);  // all but the watchdog
-    REQUIRE(modbus_write_registers(other.get(), 1, 11, words.data()) == 11);
-
+    other_master_commands(map, plc.server().port());
     REQUIRE(commanding(client, wanted, [&] { return client.snapshot().foreign_commands == 1; }));
     CHECK(client.snapshot().foreign_commit == 4711);
     REQUIRE(commanding(client, wanted, [&] {
@@ -109,7 +114,26 @@ TEST_CASE("A second master's command is seen, and the client's own restored", "[
                client.snapshot().command == CommandState::applied;
     }));
     CHECK(at(plc.orders().commanded, Commanded::load_base_N) == 43609.5);
-    modbus_close(other.get());
+}
+
+TEST_CASE(
+    "A second master's command is seen, though the client's next one takes its place before the PLC looks",
+    "[BRG-136]") {
+    const auto map = stub::shipped_map();
+    stub::Plc plc(map);
+    rig::ModbusClient client(map, at_port(plc.server().port()));
+    REQUIRE(commanding(client, landing(49.0),
+                       [&] { return client.snapshot().command == CommandState::applied; }));
+
+    plc.freeze(true);
+    other_master_commands(map, plc.server().port());
+    const std::uint16_t before = client.snapshot().commit;
+    REQUIRE(commanding(client, landing(48.0), [&] { return client.snapshot().commit != before; }));
+    plc.freeze(false);
+    REQUIRE(commanding(client, landing(48.0),
+                       [&] { return client.snapshot().command == CommandState::applied; }));
+    CHECK(client.snapshot().foreign_commands == 1);
+    CHECK(client.snapshot().foreign_commit == 4711);
 }
 
 TEST_CASE("A refused command is told, and so is one that cannot be sent", "[BRG-041]") {

@@ -235,6 +235,29 @@ TEST_CASE("Somebody else's command that ours replaces before the PLC answers it 
     CHECK(d.desk.foreign_commands() == 2);
 }
 
+TEST_CASE("Ours is ours where somebody else's was between it and the PLC's answer", "[BRG-136]") {
+    Desk d;
+    d.desk.reconnected(41, 1s);
+    d.desk.seen(41, 0, 1s);
+    d.desk.want(speed(10.0), 1s);
+    d.desk.standing(41);
+    CHECK(d.send() == 42);
+    SECTION("written after the register was read, and taken over before ours") {
+        d.desk.seen(4711, 0, 2s);
+        d.desk.standing(42);
+    }
+    SECTION("found in the register while a slow PLC still answers the one before") {
+        d.desk.want(speed(20.0), 2s);
+        d.desk.standing(4711);
+        CHECK(d.send() == 43);
+        d.desk.seen(42, 0, 2s);
+        d.desk.seen(4711, 0, 3s);
+        d.desk.standing(43);
+    }
+    CHECK(d.desk.foreign_commands() == 1);
+    CHECK(d.desk.foreign_commit() == 4711);
+}
+
 TEST_CASE("Ours that a slow PLC passes over, and a PLC that begins anew, are nobody else's", "[BRG-136]") {
     Desk d;
     d.desk.seen(0, 0, 1s);
