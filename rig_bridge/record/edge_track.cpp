@@ -7,6 +7,8 @@ namespace rig {
 
 namespace {
 
+constexpr double kRounding_ns = 1e3;  // of a stamp that a layout scales
+
 double seconds(Time time) {
     return static_cast<double>(time.count()) * 1e-9;
 }
@@ -25,6 +27,7 @@ void EdgeTrack::update(std::uint32_t edge_count, Time edge_time, double now_s, c
         strange_.reset();
         return;
     }
+    if (was_said(fresh, roll_over)) return;
     const Step since = strange_ ? between(*strange_, fresh, roll_over) : Step{};
     if (strange_ && since.edges == 0 && since.time == Time{}) {
         if (now_s - strange_->first_s > limits_.late_s) start_anew();
@@ -37,7 +40,6 @@ void EdgeTrack::update(std::uint32_t edge_count, Time edge_time, double now_s, c
 }
 
 EdgeTrack::Step EdgeTrack::between(const Report& before, const Report& after, const RollOver& roll_over) {
-    constexpr double kRounding_ns = 1e3;  // of a stamp that a layout scales
     Time time = after.edge_time - before.edge_time;
     if (const auto span_ns = static_cast<double>(roll_over.time.count()); span_ns > 0.0) {
         const double spans = std::floor((static_cast<double>(time.count()) + kRounding_ns) / span_ns);
@@ -51,6 +53,22 @@ bool EdgeTrack::follows(const Report& before, const Step& step, double now_s) co
     if (step.edges - 1.0 > limits_.edges_per_s * (now_s - before.newest_s + limits_.late_s)) return false;
     // Of the first report's edge nobody knows how old it was: there `before_s` is minus infinity.
     return seconds(step.time) <= now_s - before.before_s + limits_.late_s;
+}
+
+bool EdgeTrack::was_said(const Report& report, const RollOver& roll_over) const {
+    const Step back = between(report, last_, roll_over);
+    std::size_t near = 0, far = count();
+    while (near < far) {
+        const std::size_t age = near + (far - near) / 2;
+        if (edge(0).edges - edge(age).edges < back.edges)
+            near = age + 1;
+        else
+            far = age;
+    }
+    if (near == count() || edge(0).edges - edge(near).edges != back.edges) return false;
+    const auto off_ns = static_cast<double>((edge(0).time - edge(near).time - back.time).count());
+    const auto span_ns = static_cast<double>(roll_over.time.count());
+    return std::abs(span_ns > 0.0 ? std::remainder(off_ns, span_ns) : off_ns) <= kRounding_ns;
 }
 
 void EdgeTrack::take(const Step& step, const Report& report) {
@@ -95,7 +113,7 @@ double EdgeTrack::way(double now_s) const {
     return way_at_edge() + pitch_ * std::clamp((now_s - last_edge_s()) / interval, 0.0, 1.0);
 }
 
-double EdgeTrack::speed(double window_s, double now_s) const {
+double EdgeTrack::speed(double window_s) const {
     if (count() < 2) return 0.0;
     const auto window = Time{static_cast<std::int64_t>(window_s * 1e9)};
     std::size_t age = 1;
@@ -103,7 +121,7 @@ double EdgeTrack::speed(double window_s, double now_s) const {
     const double time = seconds(edge(0).time - edge(age).time);
     if (!(time > 0.0)) return 0.0;
     const double mean = static_cast<double>(edge(0).edges - edge(age).edges) * pitch_ / time;
-    const double since = now_s - last_edge_s();
+    const double since = last_.newest_s - last_edge_s();
     return mean * since > pitch_ ? pitch_ / since : mean;
 }
 

@@ -3,7 +3,8 @@
 ///
 /// No encoder makes more edges in a time than its fastest speed allows, and no edge is stamped later than it is reported. A report
 /// that breaks either is no motion: once the reports after it go on from it (or it stands), the sensor has started anew, and the way
-/// goes on from there without a gap; a single one, as of a replayed frame, is dropped.
+/// goes on from there without a gap; a single one is dropped. So is any that the sensor has said already, edge and stamp, one of the last
+/// kKept that brought edges: a replayed frame.
 #pragma once
 
 #include <array>
@@ -47,8 +48,9 @@ class EdgeTrack {
     /// Way at the last edge.
     [[nodiscard]] double way_at_edge() const { return static_cast<double>(edges_) * pitch_; }
     /// Mean speed over the newest edges that lie at least `window_s` apart (M/T method), or over the last interval
-    /// where that is longer; once the next edge is overdue, at most what that allows. 0 before the second edge.
-    [[nodiscard]] double speed(double window_s, double now_s) const;
+    /// where that is longer; once the next edge is overdue by what the newest report says, at most what that allows. 0 before the second
+    /// edge.
+    [[nodiscard]] double speed(double window_s) const;
     /// Instant of the last edge on the clock of update().
     [[nodiscard]] double last_edge_s() const;
     /// Counts up by one with every update() that brought an edge.
@@ -65,7 +67,7 @@ class EdgeTrack {
     [[nodiscard]] Rest rest() const;
 
   private:
-    static constexpr std::size_t kKept = 64;
+    static constexpr std::size_t kKept = 1024;  // a second of a sensor that reports each millisecond
     static constexpr std::size_t kFitted = 8;
 
     struct Edge {
@@ -87,6 +89,7 @@ class EdgeTrack {
     };
     [[nodiscard]] static Step between(const Report& before, const Report& after, const RollOver& roll_over);
     [[nodiscard]] bool follows(const Report& before, const Step& step, double now_s) const;
+    [[nodiscard]] bool was_said(const Report& report, const RollOver& roll_over) const;
     void take(const Step& step, const Report& report);
     void keep(std::uint64_t edges, Time edge_time);
     void start_anew();

@@ -75,7 +75,7 @@ void Meter::Shaft::update(const ShaftSample& sample, double now_s, double scale)
     if (edges_) {
         if (sample.reported) track_.update(sample.edge_count, sample.edge_time, now_s, sample.roll_over);
         way_ = track_.way(now_s);
-        speed_ = track_.speed(kWindow_s, now_s);
+        speed_ = track_.speed(kWindow_s);
         return;
     }
     const double speed = sample.speed_radps * scale;
@@ -144,9 +144,8 @@ void Meter::start(const MeterSample& sample) {
     dropped_out_ = standstill_ = false;
     start_s_ = sample.time_s;
     start_way_m_ = flywheel_.way();
-    start_mps_ =
-        flywheel_.edges() ? flywheel_.track().speed(kBrakeOnWindow_s, sample.time_s) : flywheel_.speed();
-    start_radps_ = wheel_.edges() ? wheel_.track().speed(kBrakeOnWindow_s, sample.time_s) : wheel_.speed();
+    start_mps_ = flywheel_.edges() ? flywheel_.track().speed(kBrakeOnWindow_s) : flywheel_.speed();
+    start_radps_ = wheel_.edges() ? wheel_.track().speed(kBrakeOnWindow_s) : wheel_.speed();
     sums_ = {.time_s = sample.time_s, .torque_Nms = 0.0, .load_Ns = 0.0, .pressure_Pas = 0.0};
     sliding_torque_Nms_ = sliding_pressure_Pas_ = friction_way_m_ = sliding_way_m_ = 0.0;
     energy_brake_J_ = energy_tyre_J_ = 0.0;

@@ -163,6 +163,38 @@ TEST_CASE("frames that are replayed move nothing", "[BRG-260]") {
     }
 }
 
+TEST_CASE("a run of replayed frames without any other between them is no restart, and changes no figure",
+          "[BRG-620]") {
+    ClosedForm c;
+    for (const double from_s : {2.2, 9.0, 16.0}) {
+        for (const bool aborted : {false, true}) {
+            CAPTURE(from_s, aborted);
+            // For 0.15 s the encoders say what they said 0.3 s ago; where there is an abort, it comes in the midst of it.
+            const auto measured = [&](bool replayed) {
+                std::deque<std::pair<SpeedSample, SpeedSample>> past;
+                return measure(Recording(c, true, 1, [&](double t, RigSample& sample) {
+                                   past.emplace_back(sample.wheel, sample.flywheel);
+                                   if (past.size() > 300) past.pop_front();
+                                   if (replayed && t >= from_s && t < from_s + 0.15)
+                                       std::tie(sample.wheel, sample.flywheel) = past.front();
+                                   if (aborted && t > from_s + 0.075) sample.maneuver_state.phase = 9;
+                               }).frames);
+            };
+            const Measured sound = measured(false);
+            const Measured judged = measured(true);
+            CHECK(judged.warnings.empty());
+            // Of an abort the last 75 ms are not known.
+            const double margin_J = 1.1 * 0.075 * c.torque_Nm * c.v0_mps / c.radius_m();
+            CHECK(judged.figures.kinetic_energy_J ==
+                  Approx(sound.figures.kinetic_energy_J).margin(aborted ? margin_J : 1.0));
+            CHECK(judged.figures.energy_brake_J ==
+                  Approx(sound.figures.energy_brake_J).margin(aborted ? margin_J : 100.0));
+            CHECK(judged.figures.length_m ==
+                  Approx(sound.figures.length_m).margin(aborted ? 0.08 * c.v0_mps : 0.1));
+        }
+    }
+}
+
 TEST_CASE("a sensor that starts anew where the rig stands is no motion either", "[BRG-260]") {
     ClosedForm c;
     c.standstill_s = 1.0;
