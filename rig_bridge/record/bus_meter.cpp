@@ -34,6 +34,7 @@ void BusMeter::accept(const antiskid::can::Frame& frame) {
     if (!role) return;
     wheel_reported_ = wheel_reported_ || *role == Role::wheel;
     flywheel_reported_ = flywheel_reported_ || *role == Role::flywheel;
+    load_cells_reported_ = load_cells_reported_ || *role == Role::load_cells;
     // Until spin-up ends with arming, the controller still names what an earlier maneuver left.
     constexpr std::uint8_t kSpinUp = 1;
     if (*role == Role::faults && view().maneuver_state.phase > kSpinUp)
@@ -89,8 +90,9 @@ void BusMeter::sample(double time_s) {
                  .vertical_N = static_cast<double>(v.load_cells.vertical_N),
                  .longitudinal_N = static_cast<double>(v.load_cells.longitudinal_N),
                  .brake_torque_Nm = static_cast<double>(v.load_cells.brake_torque_Nm),
+                 .load_cells_reported = load_cells_reported_ || v.load_cells_received == kNever,
                  .brake_temperature_C = static_cast<double>(v.maneuver_state.brake_temperature_C)});
-    wheel_reported_ = flywheel_reported_ = false;
+    wheel_reported_ = flywheel_reported_ = load_cells_reported_ = false;
 }
 
 std::uint64_t BusMeter::frames_lost() const {

@@ -50,7 +50,8 @@ class BusMeter {
     antiskid::can::Observer observer_;
     Meter meter_;
     antiskid::control::FaultSet faults_;
-    bool wheel_reported_ = false, flywheel_reported_ = false;  // since the newest sample
+    bool wheel_reported_ = false, flywheel_reported_ = false,
+         load_cells_reported_ = false;  // since the newest sample
     bool sync_ = false;
     std::uint32_t last_sync_ = 0;
     std::optional<std::uint32_t> leapt_to_;  // by the newest number

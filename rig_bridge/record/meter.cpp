@@ -21,6 +21,9 @@ constexpr std::uint8_t kStandstill = 5;
 /// Longer at brake-on, where the speed is nearly constant and counts most.
 constexpr double kWindow_s = 0.01;
 constexpr double kBrakeOnWindow_s = 0.03;
+/// After an abort the brake lets go: what it takes meanwhile is its energy, too. Not before the windows of all speeds lie behind the abort.
+constexpr double kReleased_Pa = 0.2e6;
+constexpr double kLeastRelease_s = 0.06, kMostRelease_s = 0.5;
 /// A sensor that reports speed says zero, or its least count, at standstill.
 constexpr double kStands = 0.02;
 /// Half way, as a ratio, to the nearest mistake of unit: bar for MPa is ten. A brake at its wear limit has half of its first friction.
@@ -128,6 +131,13 @@ void Meter::feed(const MeterSample& sample) {
         if (sample.phase == kStandstill) standstill_ = true;
         if (!at_brake) {
             final_ = now();
+            ended_s_ = sample.time_s;
+            state_ = standstill_ ? State::over : State::releasing;
+        }
+    } else if (state_ == State::releasing) {
+        integrate(sample);
+        if (released(sample)) {
+            final_ = figures();
             state_ = State::over;
         }
     }
@@ -136,7 +146,14 @@ void Meter::feed(const MeterSample& sample) {
     last_ = sample;
     last_wheel_way_ = wheel_.way();
     last_flywheel_way_ = flywheel_.way();
+    last_wheel_radps_ = wheel_.speed();
+    last_flywheel_mps_ = flywheel_speed_;
     fed_ = true;
+}
+
+bool Meter::released(const MeterSample& sample) const {
+    const double since_s = sample.time_s - ended_s_;
+    return since_s > kMostRelease_s || (since_s > kLeastRelease_s && sample.pressure_Pa < kReleased_Pa);
 }
 
 void Meter::start(const MeterSample& sample) {
@@ -147,35 +164,72 @@ void Meter::start(const MeterSample& sample) {
     start_mps_ = flywheel_.edges() ? flywheel_.track().speed(kBrakeOnWindow_s) : flywheel_.speed();
     start_radps_ = wheel_.edges() ? wheel_.track().speed(kBrakeOnWindow_s) : wheel_.speed();
     sums_ = {.time_s = sample.time_s, .torque_Nms = 0.0, .load_Ns = 0.0, .pressure_Pas = 0.0};
-    sliding_torque_Nms_ = sliding_pressure_Pas_ = friction_way_m_ = sliding_way_m_ = 0.0;
-    energy_brake_J_ = energy_tyre_J_ = 0.0;
+    books_ = WorkBooks(sample.time_s);
+    sliding_pressure_Pas_ = sliding_way_m_ = 0.0;
     peak_temperature_C_ = sample.brake_temperature_C;
     tail_.assign(1, sums_);
     news_ = flywheel_.news();
 }
 
-void Meter::integrate(const MeterSample& sample) {
+Work Meter::by_cells(const MeterSample& sample) const {
     const double h = sample.time_s - last_.time_s;
     const double angle = wheel_.way() - last_wheel_way_;
     const double metres = flywheel_.way() - last_flywheel_way_;
     const double torque = 0.5 * (sample.brake_torque_Nm + last_.brake_torque_Nm);
     const double load = 0.5 * (sample.vertical_N + last_.vertical_N);
     const double force = 0.5 * (sample.longitudinal_N + last_.longitudinal_N);
-    const double pressure = 0.5 * (sample.pressure_Pa + last_.pressure_Pa);
     const double radius = parameters_.wheel_radius_m - load / parameters_.wheel_stiffness_Npm;
+    return {.brake_J = torque * angle,
+            .tyre_J = force * (metres - radius * angle),
+            .torque_Nms = torque * h,
+            .sliding_torque_Nms = dropped_out_ ? 0.0 : torque * h,
+            .friction_way_m = !dropped_out_ && load > 0.0 ? force / load * metres : 0.0};
+}
+
+/// The equations of motion of flywheel and wheel, the load being what it last was.
+Work Meter::by_speeds(const MeterSample& sample) const {
+    const double v = flywheel_speed_, omega = wheel_.speed();
+    const double load = 0.5 * (sample.vertical_N + last_.vertical_N);
+    const double radius = parameters_.wheel_radius_m - load / parameters_.wheel_stiffness_Npm;
+    const double rim_Ns = parameters_.flywheel_mass_kg * (last_flywheel_mps_ - v);
+    const double wheel_Nms = parameters_.wheel_inertia_kgm2 * (last_wheel_radps_ - omega);
+    const double mean_mps = 0.5 * (last_flywheel_mps_ + v), mean_radps = 0.5 * (last_wheel_radps_ + omega);
+    // 1 - lambda; over a hole in the record by what was counted across it.
+    const double angle = wheel_.way() - last_wheel_way_, metres = flywheel_.way() - last_flywheel_way_;
+    const bool counted = sample.time_s - last_.time_s > kBrakeOnWindow_s && angle > 0.0 && metres > 0.0;
+    const double rolling = counted          ? radius * angle / metres
+                           : mean_mps > 0.0 ? radius * mean_radps / mean_mps
+                                            : 1.0;
+    const double rim_J = rim_Ns * mean_mps;
+    const double torque_Nms = radius * rim_Ns + wheel_Nms;
+    return {.brake_J = rolling * rim_J + wheel_Nms * mean_radps,
+            .tyre_J = (1.0 - rolling) * rim_J,
+            .torque_Nms = torque_Nms,
+            .sliding_torque_Nms = dropped_out_ ? 0.0 : torque_Nms,
+            .friction_way_m = !dropped_out_ && load > 0.0 ? rim_J / load : 0.0};
+}
+
+void Meter::integrate(const MeterSample& sample) {
+    const double h = sample.time_s - last_.time_s;
+    const double pressure = 0.5 * (sample.pressure_Pa + last_.pressure_Pa);
+    const bool repeated = sample.brake_torque_Nm == last_.brake_torque_Nm &&
+                          sample.vertical_N == last_.vertical_N &&
+                          sample.longitudinal_N == last_.longitudinal_N;
+    const CellReading reading = !sample.load_cells_reported ? CellReading::none
+                                : repeated                  ? CellReading::repeated
+                                                            : CellReading::fresh;
+    const bool silent = books_.silent();
+    books_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample));
     sums_.time_s = sample.time_s;
-    sums_.torque_Nms += torque * h;
-    sums_.load_Ns += load * h;
+    sums_.torque_Nms = books_.work().torque_Nms;
+    sums_.load_Ns += 0.5 * (sample.vertical_N + last_.vertical_N) * h;
     sums_.pressure_Pas += pressure * h;
-    energy_brake_J_ += torque * angle;
-    energy_tyre_J_ += force * (metres - radius * angle);
     if (!dropped_out_) {
-        sliding_torque_Nms_ += torque * h;
         sliding_pressure_Pas_ += pressure * h;
-        if (load > 0.0) friction_way_m_ += force / load * metres;
-        sliding_way_m_ += metres;
+        sliding_way_m_ += flywheel_.way() - last_flywheel_way_;
         dropped_out_ = flywheel_speed_ <= parameters_.drop_out_mps;
     }
+    if (books_.silent() && !silent) tail_.clear();  // it had the other torque
     if (flywheel_.news() != news_) {
         news_ = flywheel_.news();
         tail_.clear();
@@ -199,7 +253,14 @@ Meter::Sums Meter::sums_at(double time_s) const {
 
 Figures Meter::figures() const {
     if (state_ == State::waiting) return {};
-    Figures figures = over() ? final_ : now();
+    const bool ended = state_ == State::releasing || state_ == State::over;
+    Figures figures = ended ? final_ : now();
+    if (state_ == State::releasing) {
+        const Figures released = now();
+        figures.energy_brake_J = released.energy_brake_J;
+        figures.energy_tyre_J = released.energy_tyre_J;
+        figures.kinetic_energy_J = released.kinetic_energy_J;
+    }
     figures.peak_temperature_C = peak_temperature_C_;
     return figures;
 }
@@ -216,6 +277,10 @@ std::vector<std::string> Meter::warnings() const {
             all.push_back(fmt::format("encoder_restarted: {} {}", what, n));
     if (state_ == State::waiting) return all;
     const Figures f = figures();
+    if (const double silent_s = books_.silent_s(); silent_s > 0.0)
+        all.push_back(fmt::format("{}: {:.4g} MJ of the brake's {:.4g} MJ, load cells silent for {:.3g} s",
+                                  kEnergyBySpeeds, books_.by_speeds_J() * 1e-6, f.energy_brake_J * 1e-6,
+                                  silent_s));
     const double used_J = f.energy_brake_J + f.energy_tyre_J;
     const double band_J = parameters_.energy_band * kinetic_lost_J(0.0, 0.0);
     // A rig that does not measure F_x knows nothing of the tyre's part.
@@ -236,6 +301,7 @@ Figures Meter::now() const {
     const double end_s = standstill_ ? flywheel_.rest_s() : sums_.time_s;
     const double end_way_m = standstill_ ? flywheel_.rest_way() : flywheel_.way();
     const Sums sums = standstill_ ? sums_at(end_s) : sums_;
+    const Work& work = books_.work();
     f.brake_on_mps = start_mps_;
     f.duration_s = end_s - start_s_;
     f.length_m = end_way_m - start_way_m_;
@@ -245,14 +311,14 @@ Figures Meter::now() const {
         f.mean_pressure_Pa = sums.pressure_Pas / covered_s;
     }
     if (sliding_pressure_Pas_ > 0.0)
-        f.mean_friction = sliding_torque_Nms_ / sliding_pressure_Pas_ / parameters_.brake_gain_m3;
-    f.energy_brake_J = energy_brake_J_;
-    f.energy_tyre_J = energy_tyre_J_;
+        f.mean_friction = work.sliding_torque_Nms / sliding_pressure_Pas_ / parameters_.brake_gain_m3;
+    f.energy_brake_J = work.brake_J;
+    f.energy_tyre_J = work.tyre_J;
     const double v = standstill_ ? 0.0 : flywheel_speed_;
     const double omega = standstill_ ? 0.0 : wheel_.speed();
     f.kinetic_energy_J = kinetic_lost_J(v, omega);
     if (sliding_way_m_ > 0.0 && parameters_.peak_friction > 0.0)
-        f.j_mu = friction_way_m_ / (sliding_way_m_ * parameters_.peak_friction);
+        f.j_mu = work.friction_way_m / (sliding_way_m_ * parameters_.peak_friction);
     f.standstill = standstill_;
     return f;
 }

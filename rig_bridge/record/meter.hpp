@@ -6,11 +6,14 @@
 ///     Figures figures = meter.figures();
 ///
 /// Counted from the first sample in phase `braking` to standstill, which is found from the flywheel's last edges
-/// (EdgeTrack::rest()); with an abort, to the first sample of phase `aborting`. A second `braking` starts afresh.
+/// (EdgeTrack::rest()); with an abort, to the first sample of phase `aborting`, energies until the brake has released. A second `braking`
+/// starts afresh.
 ///
 /// Way and angle are counted in edges, so that the integrals of eq. (9) need no estimate of speed:
 /// E_brake = integral of T_b d theta_w, E_tyre = integral of F_x (R_f d theta_f - r(F_z) d theta_w), which is F_x lambda v dt
 /// with the slip of eq. (3) and r(F_z) = r_0 - F_z / k_r.
+///
+/// While the load cells are silent their work follows from the speeds (WorkBooks); the warning "energy_by_speeds: ..." says how much.
 ///
 /// Both together are the kinetic energy that was lost, eq. (8): where they are not, figures are of no use, and warnings() says so.
 #pragma once
@@ -25,8 +28,12 @@
 #include "firmware/can/layout.hpp"
 #include "rig_bridge/record/edge_track.hpp"
 #include "rig_bridge/record/summary.hpp"
+#include "rig_bridge/record/work_books.hpp"
 
 namespace rig {
+
+/// The warning of a brake energy that is in part that of the speeds, load cells being silent.
+inline constexpr std::string_view kEnergyBySpeeds = "energy_by_speeds";
 
 /// The warning of a mean friction that is no brake's.
 inline constexpr std::string_view kFrictionImplausible = "friction_implausible";
@@ -74,6 +81,7 @@ struct MeterSample {
     double vertical_N = 0.0;
     double longitudinal_N = 0.0;
     double brake_torque_Nm = 0.0;
+    bool load_cells_reported = true;  ///< false: nothing new of them since the sample before
     double brake_temperature_C = 0.0;
 };
 
@@ -126,7 +134,7 @@ class Meter {
         double moving_s_ = 0.0;
         std::uint64_t moving_ = 0;
     };
-    enum class State : std::uint8_t { waiting, braking, over };
+    enum class State : std::uint8_t { waiting, braking, releasing, over };
 
     /// Integrals over time since brake-on, as they stood at a sample.
     struct Sums {
@@ -136,6 +144,9 @@ class Meter {
         double pressure_Pas = 0.0;
     };
     [[nodiscard]] Figures now() const;
+    [[nodiscard]] bool released(const MeterSample& sample) const;
+    [[nodiscard]] Work by_cells(const MeterSample& sample) const;
+    [[nodiscard]] Work by_speeds(const MeterSample& sample) const;
     /// From brake-on down to these speeds.
     [[nodiscard]] double kinetic_lost_J(double v_mps, double omega_radps) const;
     void start(const MeterSample& sample);
@@ -154,11 +165,12 @@ class Meter {
     bool standstill_ = false;
     MeterSample last_;
     double last_wheel_way_ = 0.0, last_flywheel_way_ = 0.0;
+    double last_wheel_radps_ = 0.0, last_flywheel_mps_ = 0.0;
     double start_s_ = 0.0, start_way_m_ = 0.0, start_mps_ = 0.0, start_radps_ = 0.0;
     Sums sums_;
-    double sliding_torque_Nms_ = 0.0, sliding_pressure_Pas_ = 0.0;  // down to drop-out
-    double friction_way_m_ = 0.0, sliding_way_m_ = 0.0;
-    double energy_brake_J_ = 0.0, energy_tyre_J_ = 0.0;
+    WorkBooks books_;
+    double sliding_pressure_Pas_ = 0.0, sliding_way_m_ = 0.0;  // down to drop-out
+    double ended_s_ = 0.0;
     double peak_temperature_C_ = 0.0;
     Figures final_;
     std::uint64_t news_ = 0;

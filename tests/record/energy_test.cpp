@@ -195,6 +195,29 @@ TEST_CASE("a run of replayed frames without any other between them is no restart
     }
 }
 
+TEST_CASE("what the brake takes after an abort until it has released counts; way and time end with the abort",
+          "[BRG-622]") {
+    ClosedForm c;
+    constexpr double kAbort_s = 5.0;
+    for (const double release_s : {0.1, 0.3, 2.0}) {
+        CAPTURE(release_s);
+        const Measured aborted = measure(Recording(c, true, 1, [&](double t, RigSample& sample) {
+                                             if (t > kAbort_s) sample.maneuver_state.phase = 9;
+                                             if (t < kAbort_s + release_s) return;
+                                             sample.pressure_Pa = sample.load_cells.brake_torque_Nm =
+                                                 sample.load_cells.longitudinal_N = 0.0F;
+                                         }).frames);
+        CHECK(aborted.warnings.empty());
+        CHECK(aborted.figures.duration_s == Approx(kAbort_s - c.before_s).margin(0.015));
+        CHECK(aborted.figures.length_m ==
+              Approx(0.5 * (c.v0_mps + c.speed(kAbort_s)) * (kAbort_s - c.before_s)).epsilon(0.01));
+        const double braked_s = kAbort_s - c.before_s + std::min(release_s, 0.5);  // then it is no release
+        const double way_m = (c.v0_mps - 0.5 * c.a1_mps2 * braked_s) * braked_s;
+        CHECK(aborted.figures.energy_brake_J ==
+              Approx(c.torque_Nm * (1.0 - c.slip) / c.radius_m() * way_m).epsilon(0.005));
+    }
+}
+
 TEST_CASE("a sensor that starts anew where the rig stands is no motion either", "[BRG-260]") {
     ClosedForm c;
     c.standstill_s = 1.0;
