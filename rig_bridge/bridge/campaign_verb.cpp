@@ -215,7 +215,7 @@ std::optional<Summary> summary_of_log(const Attempt& left, const Setup& setup) {
     if (log.empty()) return std::nullopt;
     LogWarnings warnings(log.string(), {});
     const MeteredLog metered = meter_log(log, setup.layout, setup.meter, warnings);
-    if (!metered.braked) return std::nullopt;
+    if (!metered.counts) return std::nullopt;
     Summary summary;
     summary.number = left.number;
     summary.scenario = setup.scenario.name;

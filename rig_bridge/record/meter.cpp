@@ -182,7 +182,7 @@ Work Meter::by_cells(const MeterSample& sample) const {
     return {.brake_J = torque * angle,
             .tyre_J = force * (metres - radius * angle),
             .torque_Nms = torque * h,
-            .sliding_torque_Nms = dropped_out_ ? 0.0 : torque * h,
+            .sliding_torque_Nms = sliding() ? torque * h : 0.0,
             .friction_way_m = !dropped_out_ && load > 0.0 ? force / load * metres : 0.0};
 }
 
@@ -205,7 +205,7 @@ Work Meter::by_speeds(const MeterSample& sample) const {
     return {.brake_J = rolling * rim_J + wheel_Nms * mean_radps,
             .tyre_J = (1.0 - rolling) * rim_J,
             .torque_Nms = torque_Nms,
-            .sliding_torque_Nms = dropped_out_ ? 0.0 : torque_Nms,
+            .sliding_torque_Nms = sliding() ? torque_Nms : 0.0,
             .friction_way_m = !dropped_out_ && load > 0.0 ? rim_J / load : 0.0};
 }
 
@@ -219,13 +219,14 @@ void Meter::integrate(const MeterSample& sample) {
                                 : repeated                  ? CellReading::repeated
                                                             : CellReading::fresh;
     const bool silent = books_.silent();
+    hole_ = h > kBrakeOnWindow_s || (hole_ && silent);
     books_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample));
     sums_.time_s = sample.time_s;
     sums_.torque_Nms = books_.work().torque_Nms;
     sums_.load_Ns += 0.5 * (sample.vertical_N + last_.vertical_N) * h;
     sums_.pressure_Pas += pressure * h;
     if (!dropped_out_) {
-        sliding_pressure_Pas_ += pressure * h;
+        if (sliding()) sliding_pressure_Pas_ += pressure * h;
         sliding_way_m_ += flywheel_.way() - last_flywheel_way_;
         dropped_out_ = flywheel_speed_ <= parameters_.drop_out_mps;
     }
@@ -268,6 +269,11 @@ Figures Meter::figures() const {
 double Meter::kinetic_lost_J(double v_mps, double omega_radps) const {
     return 0.5 * parameters_.flywheel_mass_kg * (start_mps_ * start_mps_ - v_mps * v_mps) +
            0.5 * parameters_.wheel_inertia_kgm2 * (start_radps_ * start_radps_ - omega_radps * omega_radps);
+}
+
+double Meter::kinetic_energy_J() const {
+    const double v = flywheel_speed_, omega = wheel_.speed();
+    return 0.5 * parameters_.flywheel_mass_kg * v * v + 0.5 * parameters_.wheel_inertia_kgm2 * omega * omega;
 }
 
 std::vector<std::string> Meter::warnings() const {

@@ -107,6 +107,8 @@ class Meter {
     /// Rim speed of the flywheel, and the slip of eq. (3), as measured now.
     [[nodiscard]] double speed_mps() const { return flywheel_speed_; }
     [[nodiscard]] double slip() const;
+    /// That flywheel and wheel have now.
+    [[nodiscard]] double kinetic_energy_J() const;
 
   private:
     /// A shaft by either kind of sensor.
@@ -145,6 +147,8 @@ class Meter {
     };
     [[nodiscard]] Figures now() const;
     [[nodiscard]] bool released(const MeterSample& sample) const;
+    /// Not below drop-out, nor where the pressure is not known: friction counts.
+    [[nodiscard]] bool sliding() const { return !dropped_out_ && !hole_; }
     [[nodiscard]] Work by_cells(const MeterSample& sample) const;
     [[nodiscard]] Work by_speeds(const MeterSample& sample) const;
     /// From brake-on down to these speeds.
@@ -169,6 +173,7 @@ class Meter {
     double start_s_ = 0.0, start_way_m_ = 0.0, start_mps_ = 0.0, start_radps_ = 0.0;
     Sums sums_;
     WorkBooks books_;
+    bool hole_ = false;  // in the record, or speeds are not yet known after one
     double sliding_pressure_Pas_ = 0.0, sliding_way_m_ = 0.0;  // down to drop-out
     double ended_s_ = 0.0;
     double peak_temperature_C_ = 0.0;

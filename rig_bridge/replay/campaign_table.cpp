@@ -144,7 +144,7 @@ class Rebuild {
         return found == sources_.ledger.end() ? nullptr : &*found;
     }
 
-    /// Whether there is a braking in its log.
+    /// Whether its log counts.
     bool measure(CampaignRow& row) {
         if (row.summary.scenario.empty()) row.summary.scenario = scenario_;
         const fs::path log = log_in(row.folder.path);
@@ -159,7 +159,7 @@ class Rebuild {
         row.summary.figures = metered.figures;
         row.summary.warnings = std::move(metered.warnings);
         table_.lines += metered.lines;
-        return metered.braked;
+        return metered.counts;
     }
 
     const CampaignSources& sources_;

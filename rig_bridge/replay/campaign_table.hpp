@@ -27,7 +27,7 @@ struct ManeuverFolder {
 struct CampaignRow {
     ManeuverFolder folder;
     bool counted =
-        false;  ///< has figures, and its energy counts: a summary, or without one a log with a braking
+        false;           ///< has figures, and its energy counts: a summary, or without one a log that counts
     bool ended = false;  ///< finished or aborted: has a summary
     /// That of the summary, or what is known without one, with figures, warnings and sums from the logs alone; and as amended.
     Summary summary;

@@ -13,7 +13,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr auto kBraking = static_cast<std::uint8_t>(sequencer::Phase::braking);
+/// A log says nothing of the last second or two before a power cut.
+bool may_go_on_to_brake(sequencer::Phase phase) {
+    using sequencer::Phase;
+    return phase == Phase::touchdown || phase == Phase::settling || phase == Phase::braking;
+}
 
 }  // namespace
 
@@ -30,16 +34,18 @@ MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout,
     LogReader reader(log, options, warnings);
     BusMeter meter(layout, parameters);
     for (LogFrame frame; reader.next(frame);) meter.accept(frame.frame);
-    MeteredLog out{.braked = meter.meter().started(),
+    const auto phase = static_cast<sequencer::Phase>(meter.view().maneuver_state.phase);
+    const bool cut_off = may_go_on_to_brake(phase);
+    MeteredLog out{.counts = meter.meter().started() || cut_off,
                    .figures = meter.figures(),
                    .warnings = meter.warnings(),
                    .faults = meter.faults(),
                    .frames = reader.frames(),
                    .lines = reader.lines()};
-    if (out.braked && meter.view().maneuver_state.phase == kBraking)
-        out.warnings.push_back(
-            fmt::format("ends_in_braking: at {:.1f} m/s, what was braked after that is not known",
-                        meter.meter().speed_mps()));
+    if (cut_off)
+        out.warnings.push_back(fmt::format(
+            "ends_in_{}: at {:.1f} m/s, and the brake may have taken up to {:.3g} MJ that are in no record",
+            name(phase), meter.meter().speed_mps(), meter.meter().kinetic_energy_J() * 1e-6));
     constexpr std::array kDamage{LogTrouble::unfinished_line, LogTrouble::malformed_line,
                                  LogTrouble::not_text, LogTrouble::damaged_file};
     for (const LogTrouble trouble : kDamage)

@@ -13,9 +13,11 @@
 namespace rig {
 
 struct MeteredLog {
-    bool braked = false;  ///< there is a brake-on in it: figures count from there
+    /// There is a brake-on in it, from which figures count; or it ends with the wheel on the turning rim, and the brake may have come on then.
+    bool counts = false;
     Figures figures;
-    /// Those of the meter; of a log that is not whole also "log_damaged: unfinished_line 1".
+    /// Those of the meter; of a log that is not whole also "log_damaged: unfinished_line 1"; of one that ends with the wheel on the rim, before or
+    /// in braking, "ends_in_braking: at 15.8 m/s, and the brake may have taken up to 0.481 MJ that are in no record": all that was left.
     std::vector<std::string> warnings;
     antiskid::control::FaultSet faults;
     std::uint64_t frames = 0;

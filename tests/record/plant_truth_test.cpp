@@ -147,6 +147,7 @@ TEST_CASE("where the load cells are silent, the speeds say what the brake took, 
             CHECK(b.measured.energy_brake_J == Approx(b.truth.energy_brake_J).margin(margin_J));
             CHECK(b.measured.energy_tyre_J == Approx(b.truth.energy_tyre_J).margin(margin_J));
             CHECK(b.measured.mean_torque_Nm == Approx(b.truth.mean_torque_Nm).epsilon(0.02));
+            CHECK(b.measured.mean_friction == Approx(b.truth.mean_friction).epsilon(0.02));
             REQUIRE(b.warnings.size() == 1);
             CHECK_THAT(b.warnings[0], ContainsSubstring("energy_by_speeds: "));
         }

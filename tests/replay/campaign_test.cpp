@@ -74,9 +74,10 @@ class Ran {
         rig::LogWarnings warnings("bus.log", {});
         const rig::MeteredLog metered =
             rig::meter_log(rig::log_in(attempt.folder), can_test::ours(), record_test::kRig, warnings);
-        REQUIRE(metered.braked);
+        REQUIRE(metered.counts);
         REQUIRE(metered.warnings.size() == 2);
         CHECK_THAT(metered.warnings[0], ContainsSubstring("ends_in_braking: at 4."));
+        CHECK_THAT(metered.warnings[0], ContainsSubstring("the brake may have taken up to 0.006"));
         CHECK(metered.warnings[1] == "log_damaged: unfinished_line 1");
         rig::Summary summary;
         summary.number = 2;
@@ -144,6 +145,36 @@ TEST_CASE("the campaign's table from the raw logs is that of summaries and ledge
     CHECK(json["rows"][4]["cumulative_energy_J"].get<double>() == ran.energy_J);
     CHECK(replay_test::lines_of(rig::to_csv(table)).size() == 6);
     CHECK(ran.rebuilt({}).different() == 0);
+}
+
+TEST_CASE("a log that ends with the wheel on the rim says how much the brake may have taken after it",
+          "[BRG-623]") {
+    const TempDir dir;
+    const record_test::ClosedForm form;
+    const record_test::Recording recording(form, true);
+    const double wheel_radps = form.v0_mps * (1.0 - form.slip) / form.radius_m();
+    const double whole_MJ = 0.5e-6 * (record_test::kRig.flywheel_mass_kg * form.v0_mps * form.v0_mps +
+                                      record_test::kRig.wheel_inertia_kgm2 * wheel_radps * wheel_radps);
+    const auto cut_at = [&](double time_s) {
+        std::string log;
+        const double share = time_s / (form.rest_s() + 0.55);
+        const auto frames = static_cast<std::size_t>(share * static_cast<double>(recording.frames.size()));
+        for (std::size_t i = 0; i < frames; ++i) log += replay_test::line(recording.frames[i]);
+        const auto path = dir.write("bus.log", log);
+        rig::LogWarnings warnings("bus.log", {});
+        return rig::meter_log(path, can_test::ours(), record_test::kRig, warnings);
+    };
+    // Of a bridge that dies just after brake-on the last tenth of a second, and the brake-on, are not in it.
+    const rig::MeteredLog before = cut_at(1.0);
+    CHECK(before.counts);
+    CHECK(before.figures.energy_brake_J == 0.0);
+    CHECK(before.warnings ==
+          std::vector<std::string>{fmt::format("ends_in_settling: at 54.9 m/s, and the brake may have taken "
+                                               "up to {:.3g} MJ that are in no record",
+                                               whole_MJ)});
+    const rig::MeteredLog within = cut_at(form.before_s + 0.5 * form.duration_s());
+    CHECK_THAT(within.warnings.at(0), ContainsSubstring(fmt::format("up to {:.2g}", 0.25 * whole_MJ)));
+    CHECK(cut_at(form.rest_s() + 0.2).warnings.empty());
 }
 
 TEST_CASE("a ledger that is rebuilt from the folders is the one that was lost", "[BRG-264]") {

@@ -12,7 +12,7 @@ import time
 from three_programs import PHASES, STATE, Bus, check, eventually, ledger_copy, words
 
 SENSORS = (0x110, 0x111, 0x112)  # wheel, flywheel, pressure
-UNKNOWN = ("energy_unbalanced", "ends_in_braking")  # warnings
+UNKNOWN = ("energy_unbalanced", "ends_in_")  # warnings
 ALONE, PERSON, ENDS = "recovers alone", "waits for a person", "ends"
 
 
