@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <map>
 
+#include "rig_bridge/record/specimen_options.hpp"
+
 namespace rig {
 
 namespace {
@@ -25,17 +27,6 @@ time-outs make the rig safe. The same campaign command goes on where it was, wha
 preflight takes the arguments of the maneuver or campaign that is to come, and moves nothing.
 Exit status: 0 finished (also: wear limit reached; preflight: no check failed), 1 aborted or failed (the reason is named), 2 mistake on the command line or in a
 configuration file, 130 Ctrl-C.)";
-
-void add_specimen_options(CLI::App& app, Specimen& specimen, const std::string& since) {
-    for (const SpecimenField& field : kSpecimenFields) {
-        const bool serial = field.value != &Specimen::operator_name && field.value != &Specimen::notes;
-        app.add_option(
-               field.option, specimen.*field.value,
-               (serial ? std::string("serial number of the ") + field.label : std::string(field.label)) +
-                   since)
-            ->type_name("TEXT");
-    }
-}
 
 struct PlcOptions {
     std::string tcp;

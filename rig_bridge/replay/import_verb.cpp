@@ -6,6 +6,7 @@
 #include "config/reader/hash.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/linux/controller_config.hpp"
+#include "rig_bridge/record/specimen_options.hpp"
 #include "rig_bridge/replay/importer.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
@@ -21,8 +22,10 @@ struct ImportCommand {
     fs::path file, map, out;
     fs::path config = settings::config_directory();
     fs::path dbc, binding;
+    Specimen specimen;
 
     int run() const {
+        configured([&] { check_texts(specimen); });
         const fs::path dbc_file = dbc.empty() ? config / "antiskid.dbc" : dbc;
         const fs::path binding_file = binding.empty() ? config / "antiskid_binding.toml" : binding;
         const auto layout = configured([&] { return antiskid::can::load_layout(dbc_file, binding_file); });
@@ -44,6 +47,7 @@ struct ImportCommand {
                                               .plan = scenario.mean,
                                               .with_valve = with_valve,
                                               .number = 0},
+                                      .specimen = specimen,
                                       .config_hash = hash};
         ImportNotes notes(file.string(), [](const std::string& text) {
             fmt::print(stderr, "rig-replay: warning: {}\n", text);
@@ -81,10 +85,12 @@ ReplayVerb import_verb(CLI::App& app) {
     verb->add_option("--dbc", c->dbc, "bus layout (default: CONFIG/antiskid.dbc)");
     verb->add_option("--binding", c->binding,
                      "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+    add_specimen_options(*verb, c->specimen, ", of every maneuver in the recording");
     verb->footer(
         "config/import_example.toml is a map with every key explained.\n"
         "Examples:\n"
-        "  rig-replay import night.csv --map config/import_example.toml --out out/night\n"
+        "  rig-replay import night.csv --map config/import_example.toml --out out/night --brake B12 --disc "
+        "D7 --operator 'A. Rossi'\n"
         "  rig-replay campaign out/night\n"
         "Exit status: 0 maneuvers written (warnings say what was wrong in the recording); 1 it cannot be "
         "read, a unit cannot be "

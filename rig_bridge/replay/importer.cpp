@@ -170,6 +170,7 @@ class Importer {
         summary.campaign = settings_.out.filename().string();
         summary.number = rig_.number;
         summary.scenario = map_.scenario;
+        summary.specimen = settings_.specimen;
         summary.outcome = outcome;
         summary.started =
             fmt::format("row {} of {}", maneuver_.first_row, settings_.file.filename().string());
@@ -203,6 +204,7 @@ class Importer {
 }  // namespace
 
 ImportReport import_recording(const ImportSettings& settings, ImportNotes& notes) {
+    check_texts(settings.specimen);
     if (std::filesystem::exists(settings.out / "0001"))
         throw std::runtime_error(settings.out.string() + ": holds maneuvers already; choose another folder");
     survey_units(settings, notes);

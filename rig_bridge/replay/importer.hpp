@@ -22,6 +22,7 @@ struct ImportSettings {
     ImportMap map;
     std::filesystem::path out;
     ImportedRig rig;
+    Specimen specimen{};  ///< of every maneuver in it
     std::string config_hash;
 };
 
@@ -38,7 +39,7 @@ struct ImportReport {
     std::vector<ImportedManeuver> maneuvers;
 };
 
-/// Throws std::runtime_error when the file cannot be read, a unit cannot be right (naming column, values and likely unit), or
+/// Throws std::invalid_argument for a text of the specimen that is none (check_texts()), std::runtime_error when the file cannot be read, a unit cannot be right (naming column, values and likely unit), or
 /// `out` holds maneuvers already.
 [[nodiscard]] ImportReport import_recording(const ImportSettings& settings, ImportNotes& notes);
 

@@ -73,7 +73,8 @@ std::string two_stops(double pressure = 1e-5) {
 }
 
 struct Import {
-    explicit Import(const std::filesystem::path& file, const rig::ImportMap& with) : map(with) {
+    Import(const std::filesystem::path& file, const rig::ImportMap& with, const rig::Specimen& specimen = {})
+        : map(with) {
         const rig::ImportSettings settings{.file = file,
                                            .map = map,
                                            .out = out,
@@ -82,6 +83,7 @@ struct Import {
                                                    .plan = scenario.mean,
                                                    .with_valve = map.channels[6].has_value(),
                                                    .number = 0},
+                                           .specimen = specimen,
                                            .config_hash = "x"};
         rig::ImportNotes notes("r.csv", [this](const std::string& text) { said += text + "\n"; });
         report = rig::import_recording(settings, notes);
@@ -151,6 +153,34 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
     CHECK(v.all.speed_mps.rms() < 0.2);
     CHECK(v.rows.size() > 1000);
     CHECK_FALSE(warnings.any());
+}
+
+TEST_CASE("what is said of the specimen at an import is that of every maneuver in it, exports included",
+          "[BRG-624]") {
+    const TempDir dir;
+    rig::ImportMap map = example();
+    map.after_s = 0.1;
+    const rig::Specimen said{.brake = "B12",
+                             .disc = "D7",
+                             .tyre = "T3",
+                             .specimen = "S-2026-4",
+                             .operator_name = "A. Rossi",
+                             .notes = "by night"};
+    const Import import(dir.write("r.csv", two_stops()), map, said);
+    REQUIRE(import.report.maneuvers.size() == 2);
+    for (const auto& maneuver : import.report.maneuvers)
+        CHECK(rig::read_summary(maneuver.folder / "summary.json").specimen == said);
+    const rig::CampaignSources sources{
+        .layout = can_test::ours(),
+        .parameters = [&](const std::string&) { return import.meter; },
+        .ledger = {},
+        .with_ledger = false,
+        .warnings = [](const std::string& name) { return rig::LogWarnings(name, {}); }};
+    const std::string csv = rig::to_csv(rig::rebuild_campaign(rig::maneuver_folders(import.out), sources));
+    CHECK_THAT(csv, ContainsSubstring(",B12,D7,T3,S-2026-4,A. Rossi,by night,"));
+    // Nothing is written of a text that would not be one line.
+    CHECK_THROWS_WITH(Import(dir.write("r.csv", two_stops()), map, {.notes = "two\nlines"}),
+                      ContainsSubstring("control character"));
 }
 
 TEST_CASE("MATLAB files give the same maneuvers", "[BRG-351]") {
