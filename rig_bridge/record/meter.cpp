@@ -165,6 +165,8 @@ void Meter::start(const MeterSample& sample) {
     start_radps_ = wheel_.edges() ? wheel_.track().speed(kBrakeOnWindow_s) : wheel_.speed();
     sums_ = {.time_s = sample.time_s, .torque_Nms = 0.0, .load_Ns = 0.0, .pressure_Pas = 0.0};
     books_ = WorkBooks(sample.time_s);
+    knot_ = knot_at(sample);
+    hole_ = false;
     sliding_pressure_Pas_ = sliding_way_m_ = 0.0;
     peak_temperature_C_ = sample.brake_temperature_C;
     tail_.assign(1, sums_);
@@ -172,18 +174,16 @@ void Meter::start(const MeterSample& sample) {
 }
 
 Work Meter::by_cells(const MeterSample& sample) const {
-    const double h = sample.time_s - last_.time_s;
-    const double angle = wheel_.way() - last_wheel_way_;
-    const double metres = flywheel_.way() - last_flywheel_way_;
-    const double torque = 0.5 * (sample.brake_torque_Nm + last_.brake_torque_Nm);
-    const double load = 0.5 * (sample.vertical_N + last_.vertical_N);
-    const double force = 0.5 * (sample.longitudinal_N + last_.longitudinal_N);
+    const Knot& k = knot_;
+    const double torque = 0.5 * (sample.brake_torque_Nm + k.torque_Nm);
+    const double load = 0.5 * (sample.vertical_N + k.vertical_N);
+    const double force = 0.5 * (sample.longitudinal_N + k.longitudinal_N);
     const double radius = parameters_.wheel_radius_m - load / parameters_.wheel_stiffness_Npm;
-    return {.brake_J = torque * angle,
-            .tyre_J = force * (metres - radius * angle),
-            .torque_Nms = torque * h,
-            .sliding_torque_Nms = sliding() ? torque * h : 0.0,
-            .friction_way_m = !dropped_out_ && load > 0.0 ? force / load * metres : 0.0};
+    return {.brake_J = torque * k.angle,
+            .tyre_J = force * (k.metres - radius * k.angle),
+            .torque_Nms = torque * k.time_s,
+            .sliding_torque_Nms = torque * k.sliding_s,
+            .friction_way_m = load > 0.0 ? force / load * k.sliding_m : 0.0};
 }
 
 /// The equations of motion of flywheel and wheel, the load being what it last was.
@@ -220,14 +220,20 @@ void Meter::integrate(const MeterSample& sample) {
                                                             : CellReading::fresh;
     const bool silent = books_.silent();
     hole_ = h > kBrakeOnWindow_s || (hole_ && silent);
-    books_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample));
+    const double metres = flywheel_.way() - last_flywheel_way_;
+    knot_.time_s += h;
+    knot_.angle += wheel_.way() - last_wheel_way_;
+    knot_.metres += metres;
+    if (sliding()) knot_.sliding_s += h;
+    if (!dropped_out_) knot_.sliding_m += metres;
+    if (books_.add(sample.time_s, reading, by_cells(sample), by_speeds(sample))) knot_ = knot_at(sample);
     sums_.time_s = sample.time_s;
     sums_.torque_Nms = books_.work().torque_Nms;
     sums_.load_Ns += 0.5 * (sample.vertical_N + last_.vertical_N) * h;
     sums_.pressure_Pas += pressure * h;
     if (!dropped_out_) {
         if (sliding()) sliding_pressure_Pas_ += pressure * h;
-        sliding_way_m_ += flywheel_.way() - last_flywheel_way_;
+        sliding_way_m_ += metres;
         dropped_out_ = flywheel_speed_ <= parameters_.drop_out_mps;
     }
     if (books_.silent() && !silent) tail_.clear();  // it had the other torque

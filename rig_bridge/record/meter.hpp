@@ -149,7 +149,7 @@ class Meter {
     [[nodiscard]] bool released(const MeterSample& sample) const;
     /// Not below drop-out, nor where the pressure is not known: friction counts.
     [[nodiscard]] bool sliding() const { return !dropped_out_ && !hole_; }
-    [[nodiscard]] Work by_cells(const MeterSample& sample) const;
+    [[nodiscard]] Work by_cells(const MeterSample& sample) const;  ///< since knot_
     [[nodiscard]] Work by_speeds(const MeterSample& sample) const;
     /// From brake-on down to these speeds.
     [[nodiscard]] double kinetic_lost_J(double v_mps, double omega_radps) const;
@@ -173,6 +173,18 @@ class Meter {
     double start_s_ = 0.0, start_way_m_ = 0.0, start_mps_ = 0.0, start_radps_ = 0.0;
     Sums sums_;
     WorkBooks books_;
+    /// The newest new reading of the load cells, and what was since.
+    struct Knot {
+        double torque_Nm = 0.0, vertical_N = 0.0, longitudinal_N = 0.0;
+        double time_s = 0.0, sliding_s = 0.0;
+        double angle = 0.0, metres = 0.0, sliding_m = 0.0;
+    };
+    [[nodiscard]] static Knot knot_at(const MeterSample& sample) {
+        return {.torque_Nm = sample.brake_torque_Nm,
+                .vertical_N = sample.vertical_N,
+                .longitudinal_N = sample.longitudinal_N};
+    }
+    Knot knot_;
     bool hole_ = false;  // in the record, or speeds are not yet known after one
     double sliding_pressure_Pas_ = 0.0, sliding_way_m_ = 0.0;  // down to drop-out
     double ended_s_ = 0.0;

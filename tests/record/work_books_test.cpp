@@ -12,12 +12,13 @@ namespace {
 /// `again_s` more.
 WorkBooks books(double until_s, double from_s, double to_s, double again_s) {
     WorkBooks books(0.0);
+    double knot_s = 0.0;
     for (int n = 1; n <= static_cast<int>(until_s * 1000.0 + 0.5); ++n) {
         const double t = 1e-3 * n;
         CellReading reading = n % 10 == 0 ? CellReading::fresh : CellReading::none;
         if (t > from_s && t < to_s && reading == CellReading::fresh)
             reading = t < from_s + again_s ? CellReading::repeated : CellReading::none;
-        books.add(t, reading, {.brake_J = 0.1}, {.brake_J = 0.2});
+        if (books.add(t, reading, {.brake_J = 100.0 * (t - knot_s)}, {.brake_J = 0.2})) knot_s = t;
     }
     return books;
 }

@@ -52,6 +52,7 @@ def case(options, strike, phase, ratio):
         replayed_right(bench, config)
         ledger_J, plant_J, _, _ = energies(bench, rows)
         if strike is None:
+            print(f"undisturbed: ledger over plant {ledger_J / plant_J:.4f}", flush=True)
             return ledger_J / plant_J
         energy_off = ledger_J / plant_J / ratio - 1.0
         outcomes = " ".join(row["outcome"] or row["state"] for row in rows)
