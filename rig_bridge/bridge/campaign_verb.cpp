@@ -9,6 +9,7 @@
 
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
+#include "rig_bridge/bridge/record_found_bus.hpp"
 #include "rig_bridge/bridge/rig_hold.hpp"
 #include "rig_bridge/bridge/session.hpp"
 #include "rig_bridge/bridge/start_checks.hpp"
@@ -213,6 +214,7 @@ void tell(const Resumed& resumed, std::int64_t finished, Terminal& terminal) {
 std::optional<Summary> summary_of_log(const Attempt& left, const Setup& setup) {
     const std::filesystem::path log = log_in(left.folder);
     if (log.empty()) return std::nullopt;
+    record_found_bus(setup, left.folder);
     LogWarnings warnings(log.string(), {});
     const MeteredLog metered = meter_log(log, setup.layout, setup.meter, warnings);
     if (!metered.counts) return std::nullopt;

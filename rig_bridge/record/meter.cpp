@@ -278,8 +278,8 @@ double Meter::kinetic_lost_J(double v_mps, double omega_radps) const {
 }
 
 double Meter::kinetic_energy_J() const {
-    const double v = flywheel_speed_, omega = wheel_.speed();
-    return 0.5 * parameters_.flywheel_mass_kg * v * v + 0.5 * parameters_.wheel_inertia_kgm2 * omega * omega;
+    const double omega = wheel_.speed();
+    return kinetic_energy_J(flywheel_speed_) + 0.5 * parameters_.wheel_inertia_kgm2 * omega * omega;
 }
 
 std::vector<std::string> Meter::warnings() const {

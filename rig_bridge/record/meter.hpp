@@ -109,6 +109,10 @@ class Meter {
     [[nodiscard]] double slip() const;
     /// That flywheel and wheel have now.
     [[nodiscard]] double kinetic_energy_J() const;
+    /// That the flywheel has at a speed of its rim.
+    [[nodiscard]] double kinetic_energy_J(double v_mps) const {
+        return 0.5 * parameters_.flywheel_mass_kg * v_mps * v_mps;
+    }
 
   private:
     /// A shaft by either kind of sensor.

@@ -17,12 +17,16 @@ struct MeteredLog {
     bool counts = false;
     Figures figures;
     /// Those of the meter; of a log that is not whole also "log_damaged: unfinished_line 1"; of one that ends with the wheel on the rim, before or
-    /// in braking, "ends_in_braking: at 15.8 m/s, and the brake may have taken up to 0.481 MJ that are in no record": all that was left.
+    /// in braking, "ends_in_braking: at 15.8 m/s, and the brake may have taken up to 0.481 MJ that are in no record": all that was left,
+    /// less what kFoundLog says that the rim still had.
     std::vector<std::string> warnings;
     antiskid::control::FaultSet faults;
     std::uint64_t frames = 0;
     std::uint64_t lines = 0;
 };
+
+/// Beside a log that a dead bridge left: the bus as the next one found it.
+inline constexpr const char* kFoundLog = "found.log";
 
 /// bus.log of a maneuver's folder, or bus.log.gz; empty when there is neither.
 [[nodiscard]] std::filesystem::path log_in(const std::filesystem::path& folder);

@@ -175,6 +175,29 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
     const rig::MeteredLog within = cut_at(form.before_s + 0.5 * form.duration_s());
     CHECK_THAT(within.warnings.at(0), ContainsSubstring(fmt::format("up to {:.2g}", 0.25 * whole_MJ)));
     CHECK(cut_at(form.rest_s() + 0.2).warnings.empty());
+    // The next bridge finds the rim at a speed: what it still has no brake took. Not if anybody had time to turn it.
+    for (const double later_s : {3.0, 3600.0, -3600.0}) {
+        record_test::ClosedForm coasting;
+        coasting.v0_mps = 54.0;
+        const record_test::Recording found(coasting, true);
+        std::string log;
+        for (std::size_t i = 0; i < 3000; ++i) {
+            antiskid::can::Frame frame = found.frames[i];
+            frame.received += antiskid::can::Time{static_cast<std::int64_t>((1.0 + later_s) * 1e9)};
+            log += replay_test::line(frame);
+        }
+        (void)dir.write(rig::kFoundLog, log);
+        const std::string said = cut_at(1.0).warnings.at(0);
+        CAPTURE(later_s, said);
+        const double still_MJ = 0.5e-6 * record_test::kRig.flywheel_mass_kg * 54.0 * 54.0;
+        if (later_s == 3.0)
+            CHECK(said ==
+                  fmt::format("ends_in_settling: at 54.9 m/s, the rim still at 54.0 m/s when the next bridge "
+                              "came, and the brake may have taken up to {:.3g} MJ that are in no record",
+                              whole_MJ - still_MJ));
+        else
+            CHECK_THAT(said, ContainsSubstring(fmt::format("up to {:.3g} MJ", whole_MJ)));
+    }
 }
 
 TEST_CASE("a ledger that is rebuilt from the folders is the one that was lost", "[BRG-264]") {

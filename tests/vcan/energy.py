@@ -41,7 +41,7 @@ def finished(process, seconds=200):
 
 
 def bridge_killed(folder):
-    """[BRG-262] A bridge killed late in braking: what it had recorded counts, and the sum is the plant's."""
+    """[BRG-262][BRG-623] A bridge killed late in braking: what it had recorded counts, and the sum is the plant's."""
     scenario, config = quick_rig(folder)
     rig = Rig(BUILD, folder, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
     bus = Bus()
@@ -61,9 +61,12 @@ def bridge_killed(folder):
     truth_J = taken_by_brake_J(rig)
     print(f"{after['cumulative_energy_J']:.0f} J in the ledger, {truth_J:.0f} J taken by the plant's brake")
     rows = after["maneuvers"]
-    # Load cells come late through the PLC, which costs 3 % of so short a stop. What the rim had left at 4.6 of 12 m/s the brake may have taken after
-    # the recorder was dead (docs/recovery.md). A stop that does not count is a third.
-    left_J = (4.6 / 12.0) ** 2 * rows[0]["energy_brake_J"]
+    # Load cells come late through the PLC, which costs 3 % of so short a stop. What the brake may have taken after the recorder was dead the warning
+    # says. A stop that does not count is a third.
+    warning = " ".join(rows[1]["warnings"])
+    check(most := re.search(r"ends_in_braking: .* the rim still at .* may have taken up to ([-+.0-9e]+) MJ that are in no record", warning), warning)
+    left_J = 1e6 * float(most[1])
+    check(left_J < 1.1 * (4.6 / 12.0) ** 2 * rows[0]["kinetic_energy_J"], warning)
     check(0.97 * truth_J - left_J < after["cumulative_energy_J"] < 1.01 * truth_J, "the ledger's energy is not the plant's")
     check([row["state"] for row in rows] == ["finished", "unfinished", "finished"], rows)
     check(rows[1]["energy_brake_J"] > 0.7 * rows[0]["energy_brake_J"], "the killed bridge's stop does not count")

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """[BRG-616] What may befall a campaign, in each phase of a shipped scenario: does it recover alone, wait for a person, or end? Each case is one
-maneuver of a campaign over vcan and Modbus; nothing is lost, doubled, or off in energy by more than 1 % of an undisturbed campaign's.
+maneuver of a campaign over vcan and Modbus; nothing is lost, doubled, or off in energy by more than 1 % of an undisturbed campaign's without being named.
 Inside `./rig vcan`; `./rig soak --recovery` starts it.
 
 usage: recovery_table.py BUILD_DIR [--phase P]... [--strike NAME]... [--scenario FILE] [--out CSV] [--docs]
@@ -12,7 +12,7 @@ import pathlib
 import sys
 import tempfile
 
-from strikes import ALONE, ENDS, MORE_STRIKES, PERSON, STRIKES, Bench, counted_J, energies, judge_numbers, replayed_right
+from strikes import ALONE, ENDS, MORE_STRIKES, PERSON, STRIKES, UNKNOWN, Bench, counted_J, energies, judge_numbers, replayed_right
 from three_programs import PATIENT, Rig, check, configuration, in_guest_memory, words, write_table
 
 PHASES = ("spin_up", "settling", "braking", "retract")
@@ -70,6 +70,11 @@ def off(row):
     return abs(float(row[COLUMNS.index("energy_off")]))
 
 
+def named(row):
+    """Too little, and the ledger says that it may be."""
+    return float(row[COLUMNS.index("energy_off")]) < 0.0 and any(each in row[COLUMNS.index("warnings")] for each in UNKNOWN)
+
+
 def docs(rows):
     by = {(row[0], row[1]): row for row in rows}
     alone = [float(row[7]) for row in rows if row[3] == "1"]
@@ -88,9 +93,9 @@ In each of these {len(rows)} cases (of {len(names) * len(PHASES)}) the maneuver 
 energy was that of the plant's brake within 1 % of what it is in an undisturbed campaign; the others have the difference beside them. What a killed
 rig's brake had taken it could not tell: there the rest is compared. docs/recovery.csv has the figures.
 
-What is off and named by a warning adds nothing, or too little, until a person amends it (docs/recording.md): torque and load come through PLC and bridge, so of a braking with
-a silent PLC, a dead or a standing bridge, or a cut bus nobody has them; replayed frames spoil the edges that angles are counted by. The rest is scatter: load cells are late by a poll, which is a share of a short stop that changes where a host stretches time.
-Attempts that nothing aborted lie between {min(alone, default=0.0) * 100:+.1f} and {max(alone, default=0.0) * 100:+.1f} %.
+Torque and load come through PLC and bridge. Where they are silent in braking (a silent PLC, a standing bridge, a cut bus) the brake's energy is that of the speeds, and the warning `energy_by_speeds` says how much of it (docs/recording.md).
+What the brake took after its bridge was dead nobody has: the log ends, a tenth of a second earlier, and `ends_in_braking` or `ends_in_settling` names the most that may be missing until a person amends it. The rest is scatter: load cells are as old as
+a request takes, which is a share of a short stop that changes where a host stretches time. Attempts that nothing aborted lie between {min(alone, default=0.0) * 100:+.1f} and {max(alone, default=0.0) * 100:+.1f} %.
 
 Waits of `config/bridge.toml` are ten times the shipped ones here, for the host's sake, and longer than `mismatch_s`: a rig that stands still in braking is named `speed_mismatch` then, which waits for a person, where
 shipped waits name it `sensors_lost` or `plc_silent` (docs/peers.md).
@@ -140,7 +145,7 @@ def main():
     expected = {strike.name: strike.expected for strike in STRIKES + MORE_STRIKES}
     others = [f"{row[0]} in {row[1]} {row[2]}" for row in rows if row[2] != expected[row[0]]]
     check(not others, "not as expected: " + "; ".join(others))
-    wrong = [f"{row[0]} in {row[1]}: {100 * float(row[7]):+.2f} %" for row in rows if off(row) > ENERGY_SHARE]
+    wrong = [f"{row[0]} in {row[1]}: {100 * float(row[7]):+.2f} %" for row in rows if off(row) > ENERGY_SHARE and not named(row)]
     check(not wrong, "energy is off: " + "; ".join(wrong))
     print(f"{len(rows)} cases passed")
 

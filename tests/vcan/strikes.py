@@ -228,6 +228,13 @@ def counted_J(rows):
     return added
 
 
+def most_unknown_J(row, took_J):
+    """That the brake may have taken besides, as the record itself says."""
+    if most := re.search(r"up to ([-+.0-9e]+) MJ that are in no record", row["warnings"]):
+        return 1e6 * float(most[1])
+    return max(row["kinetic_energy_J"] - took_J, 0.0) if "energy_unbalanced" in row["warnings"] else 0.0
+
+
 def energies(bench, rows):
     """(ledger, plant, unknown) of the attempts of all virtual rigs that told what their brakes took, and (ledger, number) of the others' attempts.
     Unknown: the most that attempts took of which the record itself says that their energy is not known, so that a person has to amend it."""
@@ -238,8 +245,7 @@ def energies(bench, rows):
         if says:
             ledger_J += sum(counted[begin:end])
             plant_J += next(told)
-            unknown_J += sum(max(row["kinetic_energy_J"] - took_J, 0.0) for row, took_J in zip(rows[begin:end], counted[begin:end])
-                             if any(named in row["warnings"] for named in UNKNOWN))
+            unknown_J += sum(most_unknown_J(row, took_J) for row, took_J in zip(rows[begin:end], counted[begin:end]))
         else:
             untold.extend(zip(counted[begin:end], (row["number"] for row in rows[begin:end])))
         begin = end
