@@ -291,12 +291,13 @@ std::vector<std::string> Meter::warnings() const {
     const Figures f = figures();
     if (const double silent_s = books_.silent_s(); silent_s > 0.0)
         all.push_back(fmt::format("{}: {:.4g} MJ of the brake's {:.4g} MJ, load cells silent for {:.3g} s",
-                                  kEnergyBySpeeds, books_.by_speeds_J() * 1e-6, f.energy_brake_J * 1e-6,
+                                  kEnergyBySpeeds, books_.by_speeds().brake_J * 1e-6, f.energy_brake_J * 1e-6,
                                   silent_s));
     const double used_J = f.energy_brake_J + f.energy_tyre_J;
     const double band_J = parameters_.energy_band * kinetic_lost_J(0.0, 0.0);
     // A rig that does not measure F_x knows nothing of the tyre's part.
-    const bool too_little = f.energy_tyre_J != 0.0 && used_J < f.kinetic_energy_J - band_J;
+    const bool too_little =
+        f.energy_tyre_J != books_.by_speeds().tyre_J && used_J < f.kinetic_energy_J - band_J;
     if (too_little || used_J > f.kinetic_energy_J + band_J)
         all.push_back(fmt::format("{}: brake and tyre took {:.4g} MJ of {:.4g} MJ kinetic energy",
                                   kEnergyUnbalanced, used_J * 1e-6, f.kinetic_energy_J * 1e-6));

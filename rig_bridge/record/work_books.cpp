@@ -28,8 +28,14 @@ bool WorkBooks::add(double time_s, CellReading reading, const Work& by_cells, co
     return time_s - back_s_ >= kBack_s && close();
 }
 
+Work WorkBooks::by_speeds() const {
+    Work work = closed_;
+    if (silent_) work += since_knot_;
+    return work;
+}
+
 bool WorkBooks::close() {
-    closed_J_ = by_speeds_J();
+    closed_ = by_speeds();
     closed_s_ = silent_s();
     silent_ = back_ = false;
     knot_ = work_;

@@ -39,8 +39,8 @@ class WorkBooks {
     [[nodiscard]] const Work& work() const { return work_; }
     /// The speeds count now.
     [[nodiscard]] bool silent() const { return silent_; }
-    /// Of work().brake_J, what the speeds have said; and for how long they did.
-    [[nodiscard]] double by_speeds_J() const { return closed_J_ + (silent_ ? since_knot_.brake_J : 0.0); }
+    /// Of work(), what the speeds have said; and for how long they did.
+    [[nodiscard]] Work by_speeds() const;
     [[nodiscard]] double silent_s() const { return closed_s_ + (silent_ ? now_s_ - knot_s_ : 0.0); }
 
   private:
@@ -60,7 +60,8 @@ class WorkBooks {
     bool silent_ = false;
     bool back_ = false;
     double back_s_ = 0.0;
-    double closed_J_ = 0.0, closed_s_ = 0.0;
+    Work closed_;  // by the speeds, in silences that are over
+    double closed_s_ = 0.0;
 };
 
 }  // namespace rig

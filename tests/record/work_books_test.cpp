@@ -29,10 +29,10 @@ TEST_CASE("readings that come late or are said again now and then are believed",
     for (const double hole_s : {0.0, 0.03, 0.09}) {
         const WorkBooks sound = books(3.0, 1.0, 1.0 + hole_s, 0.05);
         CHECK(sound.work().brake_J == Approx(300.0));
-        CHECK(sound.by_speeds_J() == 0.0);
+        CHECK(sound.by_speeds().brake_J == 0.0);
         CHECK(sound.silent_s() == 0.0);
     }
-    CHECK(books(3.0, 1.0, 2.0, 1.0).by_speeds_J() == 0.0);  // a constant torque is no silence
+    CHECK(books(3.0, 1.0, 2.0, 1.0).by_speeds().brake_J == 0.0);  // a constant torque is no silence
 }
 
 TEST_CASE("a silence is the speeds' from the newest reading on that was new, to where readings are back",
@@ -41,13 +41,13 @@ TEST_CASE("a silence is the speeds' from the newest reading on that was new, to 
         CAPTURE(again_s);
         const WorkBooks ended = books(3.0, 1.0, 2.0, again_s);
         CHECK(ended.work().brake_J == Approx(100.0 + 200.0 * 1.03 + 100.0 * 0.97).margin(1.0));
-        CHECK(ended.by_speeds_J() == Approx(200.0 * 1.03).margin(1.0));
+        CHECK(ended.by_speeds().brake_J == Approx(200.0 * 1.03).margin(1.0));
         CHECK(ended.silent_s() == Approx(1.03).margin(0.01));
         CHECK_FALSE(ended.silent());
         const WorkBooks lasting = books(1.5, 1.0, 2.0, again_s);
         CHECK(lasting.silent());
         CHECK(lasting.work().brake_J == Approx(100.0 + 200.0 * 0.5).margin(1.0));
-        CHECK(lasting.by_speeds_J() == Approx(200.0 * 0.5).margin(1.0));
+        CHECK(lasting.by_speeds().brake_J == Approx(200.0 * 0.5).margin(1.0));
     }
 }
 
@@ -62,5 +62,5 @@ TEST_CASE("a step over a hole of everything is the speeds' even where it ends wi
     CHECK(books.work().brake_J == 209.0);
     books.add(1.06, CellReading::fresh, {.brake_J = 1.0}, {.brake_J = 2.0});
     CHECK(books.work().brake_J == 210.0);
-    CHECK(books.by_speeds_J() == 208.0);
+    CHECK(books.by_speeds().brake_J == 208.0);
 }
