@@ -216,7 +216,7 @@ std::optional<Summary> summary_of_log(const Attempt& left, const Setup& setup) {
     if (log.empty()) return std::nullopt;
     record_found_bus(setup, left.folder);
     LogWarnings warnings(log.string(), {});
-    const MeteredLog metered = meter_log(log, setup.layout, setup.meter, warnings);
+    const MeteredLog metered = meter_log(log, setup.layout, setup.meter, LogEnd::left, warnings);
     if (!metered.counts) return std::nullopt;
     Summary summary;
     summary.number = left.number;

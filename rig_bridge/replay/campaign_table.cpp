@@ -154,8 +154,8 @@ class Rebuild {
             return false;
         }
         LogWarnings warnings = sources_.warnings(log.string());
-        MeteredLog metered =
-            meter_log(log, sources_.layout, sources_.parameters(row.summary.scenario), warnings);
+        MeteredLog metered = meter_log(log, sources_.layout, sources_.parameters(row.summary.scenario),
+                                       row.ended ? LogEnd::closed : LogEnd::left, warnings);
         row.summary.figures = metered.figures;
         row.summary.warnings = std::move(metered.warnings);
         table_.lines += metered.lines;

@@ -59,7 +59,7 @@ fs::path log_in(const fs::path& folder) {
 }
 
 MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout,
-                     const MeterParameters& parameters, LogWarnings& warnings) {
+                     const MeterParameters& parameters, LogEnd end, LogWarnings& warnings) {
     LogOptions options;
     options.layout = &layout;
     LogReader reader(log, options, warnings);
@@ -67,7 +67,7 @@ MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout,
     LogFrame frame;
     while (reader.next(frame)) meter.accept(frame.frame);
     const auto phase = static_cast<sequencer::Phase>(meter.view().maneuver_state.phase);
-    const bool cut_off = may_go_on_to_brake(phase);
+    const bool cut_off = end == LogEnd::left && may_go_on_to_brake(phase);
     MeteredLog out{.counts = meter.meter().started() || cut_off,
                    .figures = meter.figures(),
                    .warnings = meter.warnings(),

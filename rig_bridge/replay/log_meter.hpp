@@ -13,10 +13,10 @@
 namespace rig {
 
 struct MeteredLog {
-    /// There is a brake-on in it, from which figures count; or it ends with the wheel on the turning rim, and the brake may have come on then.
+    /// There is a brake-on in it, from which figures count; or it was left with the wheel on the turning rim, and the brake may have come on then.
     bool counts = false;
     Figures figures;
-    /// Those of the meter; of a log that is not whole also "log_damaged: unfinished_line 1"; of one that ends with the wheel on the rim, before or
+    /// Those of the meter; of a log that is not whole also "log_damaged: unfinished_line 1"; of one that was left with the wheel on the rim, before or
     /// in braking, "ends_in_braking: at 15.8 m/s, and the brake may have taken up to 0.481 MJ that are in no record": all that was left,
     /// less what kFoundLog says that the rim still had.
     std::vector<std::string> warnings;
@@ -31,8 +31,11 @@ inline constexpr const char* kFoundLog = "found.log";
 /// bus.log of a maneuver's folder, or bus.log.gz; empty when there is neither.
 [[nodiscard]] std::filesystem::path log_in(const std::filesystem::path& folder);
 
+/// Whether the bridge that wrote it came to its end: then there is a summary.json, and nothing happened after the log.
+enum class LogEnd : std::uint8_t { closed, left };
+
 /// Throws std::runtime_error when the log cannot be opened.
 [[nodiscard]] MeteredLog meter_log(const std::filesystem::path& log, const antiskid::can::Layout& layout,
-                                   const MeterParameters& parameters, LogWarnings& warnings);
+                                   const MeterParameters& parameters, LogEnd end, LogWarnings& warnings);
 
 }  // namespace rig

@@ -72,8 +72,8 @@ class Ran {
         for (std::size_t i = 0; i < frames; ++i) log += replay_test::line(recording.frames[i]);
         std::ofstream(attempt.folder / "bus.log", std::ios::binary) << log.substr(0, log.size() - 9);
         rig::LogWarnings warnings("bus.log", {});
-        const rig::MeteredLog metered =
-            rig::meter_log(rig::log_in(attempt.folder), can_test::ours(), record_test::kRig, warnings);
+        const rig::MeteredLog metered = rig::meter_log(rig::log_in(attempt.folder), can_test::ours(),
+                                                       record_test::kRig, rig::LogEnd::left, warnings);
         REQUIRE(metered.counts);
         REQUIRE(metered.warnings.size() == 2);
         CHECK_THAT(metered.warnings[0], ContainsSubstring("ends_in_braking: at 4."));
@@ -155,14 +155,14 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
     const double wheel_radps = form.v0_mps * (1.0 - form.slip) / form.radius_m();
     const double whole_MJ = 0.5e-6 * (record_test::kRig.flywheel_mass_kg * form.v0_mps * form.v0_mps +
                                       record_test::kRig.wheel_inertia_kgm2 * wheel_radps * wheel_radps);
-    const auto cut_at = [&](double time_s) {
+    const auto cut_at = [&](double time_s, rig::LogEnd end = rig::LogEnd::left) {
         std::string log;
         const double share = time_s / (form.rest_s() + 0.55);
         const auto frames = static_cast<std::size_t>(share * static_cast<double>(recording.frames.size()));
         for (std::size_t i = 0; i < frames; ++i) log += replay_test::line(recording.frames[i]);
         const auto path = dir.write("bus.log", log);
         rig::LogWarnings warnings("bus.log", {});
-        return rig::meter_log(path, can_test::ours(), record_test::kRig, warnings);
+        return rig::meter_log(path, can_test::ours(), record_test::kRig, end, warnings);
     };
     // Of a bridge that dies just after brake-on the last tenth of a second, and the brake-on, are not in it.
     const rig::MeteredLog before = cut_at(1.0);
@@ -175,6 +175,9 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
     const rig::MeteredLog within = cut_at(form.before_s + 0.5 * form.duration_s());
     CHECK_THAT(within.warnings.at(0), ContainsSubstring(fmt::format("up to {:.2g}", 0.25 * whole_MJ)));
     CHECK(cut_at(form.rest_s() + 0.2).warnings.empty());
+    // A bridge whose bus was down at the end has closed its record nevertheless.
+    CHECK(cut_at(1.0, rig::LogEnd::closed).warnings.empty());
+    CHECK_FALSE(cut_at(1.0, rig::LogEnd::closed).counts);
     // The next bridge finds the rim at a speed: what it still has no brake took. Not if anybody had time to turn it.
     for (const double later_s : {3.0, 3600.0, -3600.0}) {
         record_test::ClosedForm coasting;
