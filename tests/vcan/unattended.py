@@ -4,8 +4,8 @@ finished once, every figure made again from the logs, the energy that of the pla
 of which the ledger says that their energy is not known. A service manager starts again what was killed, and a person who comes to an emergency stop
 gives the command again. Inside `./rig vcan`; `./rig soak --unattended`.
 
-usage: unattended.py BUILD_DIR [--out DIR] [--maneuvers N] [--every K] [--seed S]
-Leaves result.json, strikes.csv and the campaign in DIR, which must not be there yet; without it, nothing.
+usage: unattended.py BUILD_DIR [--out DIR] [--maneuvers N] [--every K] [--seed S] [--part I --parts N]
+Of N parts each has other strikes. Leaves result.json, strikes.csv and the campaign in DIR, which must not be there yet; without it, nothing.
 """
 import argparse
 import json
@@ -29,7 +29,7 @@ def schedule(options):
     numbers = range(options.every, options.maneuvers + 1, options.every)
     bag = []
     while len(bag) < len(numbers):
-        some = list(STRIKES)
+        some = list(STRIKES[options.part::options.parts])
         draw.shuffle(some)
         bag += some
     return [(number, strike, draw.choice(PHASES + ("braking", "braking"))) for number, strike in zip(numbers, bag)]
@@ -123,6 +123,8 @@ def main():
     parser.add_argument("--maneuvers", type=int, default=200)
     parser.add_argument("--every", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--part", type=int, default=0)
+    parser.add_argument("--parts", type=int, default=1)
     options = parser.parse_args()
     if options.out:
         options.out.mkdir(parents=True)
