@@ -69,6 +69,7 @@ Inputs look(const Snapshot& plc, const BusNow& bus, Time now, const Freshness& l
     const bool listening = heard(bus.looked, now, limits.recorder_s);
     in.bus_up = bus.up && listening;
     if (!listening) return in;
+    in.two_senders = !bus.two_controllers.empty() || !bus.two_bridges.empty();
     const antiskid::can::BusView& v = bus.view;
     in.sensors_fresh = heard(v.wheel.received, bus.looked, limits.sensors_s) &&
                        heard(v.flywheel.received, bus.looked, limits.sensors_s) &&

@@ -70,8 +70,19 @@ std::string rim_text(std::optional<double> rim_mps, double standstill_mps) {
                        *rim_mps);
 }
 
+std::string second_sender_text(const BusNow& bus) {
+    if (!bus.two_controllers.empty()) {
+        const std::string refused =
+            bus.controller_refused.empty() ? "" : "; heard but refused: " + bus.controller_refused;
+        return fmt::format("two controllers talk on the bus: {}{}", bus.two_controllers, refused);
+    }
+    if (!bus.two_bridges.empty()) return "two bridges command on the bus: " + bus.two_bridges;
+    return {};
+}
+
 std::string note_of(const Moment& m) {
     if (!m.bus.up && !m.bus.error.empty()) return m.bus.error;
+    if (const std::string second = second_sender_text(m.bus); !second.empty()) return second;
     if (!m.inputs.controller_fresh && !m.bus.controller_refused.empty())
         return "the controller is heard but refused: " + m.bus.controller_refused;
     if (m.plc.link != LinkState::connected && !m.plc.error.empty()) return "PLC: " + m.plc.error;

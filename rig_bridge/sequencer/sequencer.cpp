@@ -52,6 +52,7 @@ Abort Sequencer::cause(const Inputs& in) const {
         return Abort::command_refused;
     if (in.flywheel_mps > top_speed_mps(plan_)) return Abort::overspeed;
     if (!in.bus_up) return Abort::bus_lost;
+    if (in.two_senders) return Abort::two_senders;
     if (!in.controller_fresh) return Abort::controller_silent;
     if (!sensors_heard(in)) return Abort::sensors_lost;
     if (now_s_ - agreed_s_ > plan_.mismatch_s) return Abort::speed_mismatch;

@@ -57,7 +57,7 @@ inline constexpr std::uint8_t kPhaseCount = 11;
 [[nodiscard]] std::string_view name(Phase phase);
 
 /// Why a maneuver was aborted; the first cause counts. Of several in one step it is the one nearest to the root: plc_silent, interlocks,
-/// plc_tripped, foreign_command, command_refused, overspeed, bus_lost, controller_silent, sensors_lost, speed_mismatch, controller_fault,
+/// plc_tripped, foreign_command, command_refused, overspeed, bus_lost, two_senders, controller_silent, sensors_lost, speed_mismatch, controller_fault,
 /// load_lost, brake_hot, requested, phase_timeout. What each means, in plain words, and what to do: next_step.hpp.
 enum class Abort : std::uint8_t {
     none,
@@ -79,8 +79,9 @@ enum class Abort : std::uint8_t {
     foreign_command,  ///< the PLC took over, or refused, a command that is not ours
     overspeed,        ///< the flywheel is faster than top_speed_mps(), by the PLC's reading
     speed_mismatch,   ///< PLC and encoder on the bus differ in the rim's speed for `mismatch_s`
+    two_senders,      ///< two controllers, or two bridges, send on the bus
 };
-inline constexpr std::uint8_t kAbortCount = 19;
+inline constexpr std::uint8_t kAbortCount = 20;
 [[nodiscard]] std::string_view name(Abort abort);
 
 /// Causes that send the emergency stop, because disarming by the maneuver command alone may not do: a danger to people or machine, a
@@ -157,6 +158,7 @@ struct Inputs {
     double brake_temperature_C = 0.0;
 
     bool bus_up = false;
+    bool two_senders = false;    ///< of what only one controller, or one bridge, may send
     bool sensors_fresh = false;  ///< encoder and pressure frames
     double rim_mps = 0.0;        ///< of the flywheel, from the encoder on the bus
     double wheel_radps = 0.0;    ///< omega of the braked wheel, from its encoder
