@@ -236,6 +236,12 @@ void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
     if (!sensible) faults.insert(Fault::maneuver_range);
 }
 
+inline void Monitor::check_stop(FaultSet& faults, bool asked_for, Time now) {
+    if (asked_for) stopped_ = now;
+    if (stopped_ != kNever && now - stopped_ <= maneuver_arrival_.max_age)
+        faults.insert(Fault::emergency_stop);
+}
+
 inline void Monitor::check_overrun(FaultSet& faults, std::uint32_t missed_periods) {
     constexpr std::uint32_t kPaidBackBy = 10;  // good periods that make up for a missed one
     const std::uint32_t most = kPaidBackBy * config_.overruns;
@@ -256,7 +262,7 @@ FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, cons
     check_slip(faults, sensors.maneuver, estimator, before);
     check_maneuver(faults, sensors.maneuver);
     check_overrun(faults, sensors.missed_periods);
-    if (sensors.emergency_stop) faults.insert(Fault::emergency_stop);
+    check_stop(faults, sensors.emergency_stop, now);
     if (sensors.bus_off) faults.insert(Fault::bus_off);
     return faults;
 }

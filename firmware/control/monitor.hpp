@@ -28,7 +28,8 @@
 /// And:
 /// - speeds_disagree: slip that stays above what the slip law asks for adds up
 /// - maneuver_range: a commanded value outside its range, at once
-/// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
+/// - heartbeat_lost, bus_off: at once after the age or event
+/// - emergency_stop: at once, until no such frame has come for the maneuver command's maximum age: who asks for it repeats it
 /// - overrun: more than `overruns` missed periods in quick succession, at once or in pieces: ten good periods pay for a missed one
 #pragma once
 
@@ -90,6 +91,7 @@ class Monitor {
     void check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
                     const Before& before);
     void check_maneuver(FaultSet& faults, const ManeuverInput& maneuver) const;
+    void check_stop(FaultSet& faults, bool asked_for, Time now);
     void check_overrun(FaultSet& faults, std::uint32_t missed_periods);
     /// What is wrong with a fresh reading by itself, and against the one before.
     [[nodiscard]] FaultSet wrong_by_itself(Speed& speed, const SpeedReading& reading,
@@ -116,6 +118,7 @@ class Monitor {
     float model_at_change_Pa_ = 0.0F;
     float excess_slip_s_ = 0.0F;
     std::uint32_t overrun_score_ = 0;
+    Time stopped_ = kNever;
 };
 
 }  // namespace antiskid::control
