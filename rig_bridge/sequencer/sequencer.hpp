@@ -161,6 +161,7 @@ struct Inputs {
     bool two_senders = false;    ///< of what only one controller, or one bridge, may send
     bool sensors_fresh = false;  ///< encoder and pressure frames
     double rim_mps = 0.0;        ///< of the flywheel, from the encoder on the bus
+    double rim_age_s = 0.0;      ///< of its newest frame
     double wheel_radps = 0.0;    ///< omega of the braked wheel, from its encoder
     double wheel_rim_mps = 0.0;  ///< r omega of it, r under the present load
     double pressure_Pa = 0.0;    ///< brake pressure, measured
@@ -216,7 +217,7 @@ class Sequencer {
     [[nodiscard]] Abort cause(const Inputs& inputs) const;
     [[nodiscard]] bool done(const Inputs& inputs);
     [[nodiscard]] bool ready(const Inputs& inputs) const;
-    [[nodiscard]] bool speeds_agree(const Inputs& inputs) const;
+    void compare_speeds(const Inputs& inputs, double passed_s);
     [[nodiscard]] double set_point_mps(const Inputs& inputs) const;
     [[nodiscard]] bool at_speed(const Inputs& inputs);
     [[nodiscard]] bool settled(const Inputs& inputs);
@@ -239,9 +240,9 @@ class Sequencer {
     double entered_s_ = 0.0;  // the phase
     double brake_on_s_ = 0.0;
     double unsettled_s_ = 0.0;  // newest time at which the wheel was not settled
-    double agreed_s_ = 0.0;  // newest time at which PLC and encoder had the same speed, or one was not heard
-    double set_mps_ = 0.0;   // in spin_up: what the drive is told
-    bool arming_ = false;    // in spin_up: the set-point was reached
+    double disagreed_s_ = 0.0;  // for which PLC and encoder, both heard, had not the same speed
+    double set_mps_ = 0.0;      // in spin_up: what the drive is told
+    bool arming_ = false;       // in spin_up: the set-point was reached
     bool safe_end_ = false;
 };
 

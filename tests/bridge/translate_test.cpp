@@ -118,6 +118,10 @@ TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-
     const sequencer::Inputs late = look(good_plc(), aged(1s, 1s), 1s + 501ms);
     CHECK_FALSE((late.bus_up || late.sensors_fresh || late.controller_fresh));
 
+    rig::BusNow quiet = good_bus(1s + 40ms);
+    quiet.view.flywheel.received = 1s;
+    CHECK(look(good_plc(), quiet, 1s + 90ms).rim_age_s == Approx(0.04));
+
     rig::BusNow unheard = good_bus(1s);
     unheard.view.wheel.received = antiskid::control::kNever;
     CHECK_FALSE(look(good_plc(), unheard).sensors_fresh);
