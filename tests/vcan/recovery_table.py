@@ -91,8 +91,7 @@ What is off and named by a warning adds nothing, or too little, until a person a
 a silent PLC, a dead or a standing bridge, or a cut bus nobody has them; replayed frames spoil the edges that angles are counted by. The rest is scatter: load cells are late by a poll, which is a share of a short stop that changes where a host stretches time.
 Attempts that nothing aborted lie between {min(alone, default=0.0) * 100:+.1f} and {max(alone, default=0.0) * 100:+.1f} %.
 
-Waits of `config/bridge.toml` are ten times the shipped ones here, for the host's sake, and longer than `mismatch_s`: a rig that stands still in braking is named `speed_mismatch` then, which waits for a person, where
-shipped waits name it `sensors_lost` or `plc_silent` (docs/peers.md).
+Waits of `config/bridge.toml` are ten times the shipped ones here, for the host's sake.
 
 | what | {" | ".join(PHASES)} |
 |---|{"---|" * len(PHASES)}
