@@ -43,6 +43,7 @@ Monitor::Monitor(const Config& config)
       maneuver_arrival_(config.monitor.maneuver_max_age_s, 0.5F * config.monitor.sensor_max_age_s),
       latest_s_(0.5F * config.monitor.sensor_max_age_s),
       heartbeat_max_age_(nanoseconds(config.monitor.heartbeat_max_age_s)),
+      stop_periods_(whole_periods(config.monitor.maneuver_max_age_s, config.period_s)),
       wheel_(config.monitor, config.period_s),
       wheel_hurries_(config.monitor.stuck_s, config.period_s),
       flywheel_(config.monitor, config.period_s),
@@ -236,12 +237,6 @@ void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
     if (!sensible) faults.insert(Fault::maneuver_range);
 }
 
-inline void Monitor::check_stop(FaultSet& faults, bool asked_for, Time now) {
-    if (asked_for) stopped_ = now;
-    if (stopped_ != kNever && now - stopped_ <= maneuver_arrival_.max_age)
-        faults.insert(Fault::emergency_stop);
-}
-
 inline void Monitor::check_overrun(FaultSet& faults, std::uint32_t missed_periods) {
     constexpr std::uint32_t kPaidBackBy = 10;  // good periods that make up for a missed one
     const std::uint32_t most = kPaidBackBy * config_.overruns;
@@ -262,7 +257,11 @@ FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, cons
     check_slip(faults, sensors.maneuver, estimator, before);
     check_maneuver(faults, sensors.maneuver);
     check_overrun(faults, sensors.missed_periods);
-    check_stop(faults, sensors.emergency_stop, now);
+    if (sensors.emergency_stop) stop_periods_left_ = stop_periods_;
+    if (stop_periods_left_ > 0) {
+        --stop_periods_left_;
+        faults.insert(Fault::emergency_stop);
+    }
     if (sensors.bus_off) faults.insert(Fault::bus_off);
     return faults;
 }

@@ -91,7 +91,6 @@ class Monitor {
     void check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
                     const Before& before);
     void check_maneuver(FaultSet& faults, const ManeuverInput& maneuver) const;
-    void check_stop(FaultSet& faults, bool asked_for, Time now);
     void check_overrun(FaultSet& faults, std::uint32_t missed_periods);
     /// What is wrong with a fresh reading by itself, and against the one before.
     [[nodiscard]] FaultSet wrong_by_itself(Speed& speed, const SpeedReading& reading,
@@ -107,6 +106,8 @@ class Monitor {
     Arrival wheel_arrival_, flywheel_arrival_, pressure_arrival_, maneuver_arrival_;
     float latest_s_;
     Time heartbeat_max_age_;
+    std::uint32_t stop_periods_;
+    std::uint32_t stop_periods_left_ = 0;
     Speed wheel_;
     Persistence wheel_hurries_;  // without a break: a carcass swings
     Speed flywheel_;
@@ -118,7 +119,6 @@ class Monitor {
     float model_at_change_Pa_ = 0.0F;
     float excess_slip_s_ = 0.0F;
     std::uint32_t overrun_score_ = 0;
-    Time stopped_ = kNever;
 };
 
 }  // namespace antiskid::control

@@ -104,7 +104,7 @@ TEST_CASE("an emergency stop that is repeated is one, and over when none comes a
         REQUIRE(b.command.current_mA == b.config.valve.safe_current_mA);
     }
     b.tamper = nullptr;
-    b.steps(100 - (every - 1));
+    b.steps(100 - every);
     CHECK(b.command.state == State::safe);
     CHECK(b.step().state == State::standby);
     CHECK(b.command.faults.contains(Fault::emergency_stop));  // latched until armed again
