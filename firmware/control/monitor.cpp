@@ -43,7 +43,6 @@ Monitor::Monitor(const Config& config)
       maneuver_arrival_(config.monitor.maneuver_max_age_s, 0.5F * config.monitor.sensor_max_age_s),
       latest_s_(0.5F * config.monitor.sensor_max_age_s),
       heartbeat_max_age_(nanoseconds(config.monitor.heartbeat_max_age_s)),
-      stop_periods_(whole_periods(config.monitor.maneuver_max_age_s, config.period_s)),
       wheel_(config.monitor, config.period_s),
       wheel_hurries_(config.monitor.stuck_s, config.period_s),
       flywheel_(config.monitor, config.period_s),
@@ -257,11 +256,7 @@ FaultSet Monitor::check(const Sensors& sensors, const Estimator& estimator, cons
     check_slip(faults, sensors.maneuver, estimator, before);
     check_maneuver(faults, sensors.maneuver);
     check_overrun(faults, sensors.missed_periods);
-    if (sensors.emergency_stop) stop_periods_left_ = stop_periods_;
-    if (stop_periods_left_ > 0) {
-        --stop_periods_left_;
-        faults.insert(Fault::emergency_stop);
-    }
+    if (sensors.emergency_stop) faults.insert(Fault::emergency_stop);
     if (sensors.bus_off) faults.insert(Fault::bus_off);
     return faults;
 }

@@ -28,8 +28,7 @@
 /// And:
 /// - speeds_disagree: slip that stays above what the slip law asks for adds up
 /// - maneuver_range: a commanded value outside its range, at once
-/// - heartbeat_lost, bus_off: at once after the age or event
-/// - emergency_stop: at once, until no such frame has come for the maneuver command's maximum age: who asks for it repeats it
+/// - heartbeat_lost, emergency_stop, bus_off: at once after the age or event
 /// - overrun: more than `overruns` missed periods in quick succession, at once or in pieces: ten good periods pay for a missed one
 #pragma once
 
@@ -106,8 +105,6 @@ class Monitor {
     Arrival wheel_arrival_, flywheel_arrival_, pressure_arrival_, maneuver_arrival_;
     float latest_s_;
     Time heartbeat_max_age_;
-    std::uint32_t stop_periods_;
-    std::uint32_t stop_periods_left_ = 0;
     Speed wheel_;
     Persistence wheel_hurries_;  // without a break: a carcass swings
     Speed flywheel_;

@@ -163,6 +163,8 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
     constexpr int kTail = 15;  // steps, so that the record has the last phase
     int resting = 0;
     Phase before = sequencer.phase();
+    Phase ended = before;  // by the abort
+    sequencer::Abort told = sequencer::Abort::none;
     while (!sequencer.over() || resting <= kTail) {
         const Moment& m = step(&sequencer, &order);
         trace_.record(m);
@@ -172,9 +174,11 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
             record_error_ = lost;
             abort_ = true;
         }
-        if (sequencer.phase() == Phase::aborting && before != Phase::aborting) {
-            note_ = how_it_was(before, m);
-            advice_ = advice(sequencer.abort(), before, m.bus.view.controller.faults);
+        if (sequencer.phase() == Phase::aborting && sequencer.abort() != told) {
+            if (before != Phase::aborting) ended = before;
+            told = sequencer.abort();
+            note_ = how_it_was(ended, m);
+            advice_ = advice(told, ended, m.bus.view.controller.faults);
             if (const std::string note = note_of(m); !note.empty()) advice_ += "\n  " + note;
             if (!setup_.options.quiet) terminal_.ring();
             terminal_.say("rig-bridge: " + advice_);

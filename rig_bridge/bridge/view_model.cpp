@@ -80,11 +80,16 @@ std::string second_sender_text(const BusNow& bus) {
     return {};
 }
 
+std::string senders_text(const BusNow& bus, bool fresh) {
+    std::string second = second_sender_text(bus);
+    if (!second.empty() || fresh || bus.controller_refused.empty()) return second;
+    return "the controller is heard but refused: " + bus.controller_refused;
+}
+
 std::string note_of(const Moment& m) {
     if (!m.bus.up && !m.bus.error.empty()) return m.bus.error;
-    if (const std::string second = second_sender_text(m.bus); !second.empty()) return second;
-    if (!m.inputs.controller_fresh && !m.bus.controller_refused.empty())
-        return "the controller is heard but refused: " + m.bus.controller_refused;
+    if (std::string senders = senders_text(m.bus, m.inputs.controller_fresh); !senders.empty())
+        return senders;
     if (m.plc.link != LinkState::connected && !m.plc.error.empty()) return "PLC: " + m.plc.error;
     if (m.inputs.foreign_command)
         return "somebody else commands the PLC: commit " + std::to_string(m.plc.foreign_commit) +

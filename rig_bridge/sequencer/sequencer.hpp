@@ -56,9 +56,10 @@ enum class Phase : std::uint8_t {
 inline constexpr std::uint8_t kPhaseCount = 11;
 [[nodiscard]] std::string_view name(Phase phase);
 
-/// Why a maneuver was aborted; the first cause counts. Of several in one step it is the one nearest to the root: plc_silent, interlocks,
-/// plc_tripped, foreign_command, command_refused, overspeed, bus_lost, two_senders, controller_silent, sensors_lost, speed_mismatch, controller_fault,
-/// load_lost, brake_hot, requested, phase_timeout. What each means, in plain words, and what to do: next_step.hpp.
+/// Why a maneuver was aborted; the first cause counts, but for a controller's silence or fault of which two_senders turns out to be the cause.
+/// Of several in one step it is the one nearest to the root: plc_silent, interlocks, plc_tripped, foreign_command, command_refused, overspeed,
+/// bus_lost, two_senders, controller_silent, sensors_lost, speed_mismatch, controller_fault, load_lost, brake_hot, requested, phase_timeout.
+/// What each means, in plain words, and what to do: next_step.hpp.
 enum class Abort : std::uint8_t {
     none,
     requested,       ///< the user

@@ -76,6 +76,24 @@ void check_end(Reached& r, Abort cause) {
 
 }  // namespace
 
+TEST_CASE("what a second controller did to the first is named after it, once it is told from it",
+          "[BRG-642]") {
+    for (const Mishap& mishap : kMishaps) {
+        CAPTURE(mishap.what);
+        Reached r(Phase::braking);
+        Inputs in = r.rig.inputs;
+        mishap.strike(in);
+        REQUIRE(r.next(in).abort == mishap.cause);
+        in.two_senders = true;
+        const bool its = mishap.cause == Abort::controller_silent || mishap.cause == Abort::controller_fault;
+        const Outputs out = r.next(in);
+        CHECK(out.abort == (its ? Abort::two_senders : mishap.cause));
+        CHECK((!its || out.emergency_stop));
+        in.two_senders = false;
+        CHECK(r.next(in).abort == out.abort);
+    }
+}
+
 TEST_CASE("every cause in every phase: safe in the same step, and a safe end", "[BRG-110]") {
     for (const Phase phase : kActive) {
         for (const Mishap& mishap : kMishaps) {
