@@ -94,10 +94,10 @@ const Moment& Session::step(sequencer::Sequencer* sequencer, const Order* order)
         node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
                    lockstep_ ? lockstep_->now() : clock_.now());
     if (lockstep_) plc_->turn(lockstep_->taken());
-    const std::string second = second_sender_text(moment.bus);
-    if (!second.empty() && !second_sender_)
+    if (const std::string second = second_sender_text(moment.bus); !second.empty() && !second_sender_) {
         terminal_.say(fmt::format("rig-bridge: {}. Next: end one of them", second));
-    second_sender_ = !second.empty();
+        second_sender_ = true;
+    }
     return moment;
 }
 
@@ -231,6 +231,7 @@ void Session::tell_of_abort(const Ran& ran, const std::filesystem::path& folder,
 
 Ran Session::run(const Order& order) {
     abort_ = false;
+    second_sender_ = false;
     record_error_.clear();
     note_.clear();
     advice_.clear();

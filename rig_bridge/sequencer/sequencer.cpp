@@ -194,7 +194,7 @@ Outputs Sequencer::step(const Inputs& in, double now_s) {
         return outputs(in);
     }
     const double passed_s = std::max(now_s - now_s_, 0.0);
-    now_s_ += passed_s;
+    now_s_ = std::max(now_s, now_s_);
     if (over()) return outputs(in);
     compare_speeds(in, passed_s);
 
