@@ -7,6 +7,7 @@ namespace antiskid::control {
 namespace {
 constexpr float kSelfTestPatience_s = 2.0F;  // residual pressure for this long fails the self-test
 constexpr float kAtRest_radps = 0.1F;
+constexpr float kStopLasts_s = 0.1F;  // after its newest frame: who asks for it repeats it ten times as often
 }  // namespace
 
 Supervisor::Supervisor(const SupervisorConfig& config, float period_s)
@@ -77,6 +78,10 @@ State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet prese
             if (arms) latched_ = FaultSet{};
             return arms ? State::armed : State::standby;
         case State::safe:
+            if (stop_periods_left_ > 0) {
+                --stop_periods_left_;
+                return State::safe;
+            }
             return !arm && present.empty() && (released || !latched_.contains(Fault::self_test_failed))
                        ? State::standby
                        : State::safe;
@@ -94,6 +99,8 @@ State Supervisor::update(const Sensors& sensors, const Estimate& e, FaultSet pre
     // Before the self-test has passed nothing may be there yet: absence is no fault then, and there is no
     // permission either. Somebody who presses the emergency stop means it all the same.
     if (present.contains(Fault::emergency_stop) || (wanted != State::self_test && !present.empty())) {
+        if (present.contains(Fault::emergency_stop))
+            stop_periods_left_ = whole_periods(kStopLasts_s, period_s_) - 1U;
         latched_.insert(present);
         wanted = State::safe;
     }

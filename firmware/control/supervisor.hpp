@@ -16,7 +16,8 @@
 ///   time that `least_spin_up_mps2` takes to `unlock_share`
 /// - drop_out: below `drop_out_mps`, until `drop_out_hysteresis_mps` above it; the demand passes through. Only with the laws that
 ///   need slip
-/// - safe: left for standby when the maneuver command disarms and no cause is left; arming again clears the latched names
+/// - safe: left for standby when the maneuver command disarms and no cause is left, and no emergency stop has come for 0.1 s, so that one that
+///   is repeated is one; arming again clears the latched names
 ///
 /// The valve gets the safe current in every state but braking and drop_out.
 #pragma once
@@ -56,6 +57,7 @@ class Supervisor {
     float locked_s_ = 0.0F;
     bool protected_ = true;  // touchdown protection has not ended yet
     bool arm_before_ = true;
+    std::uint32_t stop_periods_left_ = 0;
 };
 
 }  // namespace antiskid::control

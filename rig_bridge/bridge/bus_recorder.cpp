@@ -32,6 +32,7 @@ BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layo
       capture_(std::make_unique<Capture>(interface)),
       live_(layout_),
       status_(layout_, Role::status),
+      senders_(layout_),
       wheel_(parameters.wheel_teeth),
       flywheel_(parameters.flywheel_teeth),
       stamps_(antiskid::can::WallMinusMonotonic{}) {
@@ -94,6 +95,7 @@ void BusRecorder::hear(std::span<const CapturedFrame> frames, bool drained) {
         one.frame.received = lockstep_ == nullptr ? came : lockstep_->now();
         (void)live_.accept(one.frame);
         status_.accept(one.frame, live_.stats(Role::status));
+        senders_.accept(one.frame);
     }
     publish(drained);
 }
@@ -112,8 +114,9 @@ void BusRecorder::publish(bool drained) {
     now_.view = live_.view();
     if (drained) now_.looked = time();
     constexpr Time kLately{200'000'000};
-    now_.controller_refused = status_.text(now_.looked - kLately);
-    now_.two_controllers = status_.two_senders();
+    now_.controller_refused = status_.reason(now_.looked - kLately);
+    now_.two_controllers = senders_.two_controllers();
+    now_.two_bridges = senders_.two_bridges();
     measure_speeds();
     now_.syncs = lockstep_ == nullptr ? syncs_ : lockstep_->syncs();
     if (!recording_) return;

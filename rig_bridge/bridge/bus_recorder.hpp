@@ -18,6 +18,7 @@
 #include "rig_bridge/bridge/lockstep.hpp"
 #include "rig_bridge/bridge/parts.hpp"
 #include "rig_bridge/bridge/refused_frames.hpp"
+#include "rig_bridge/bridge/senders.hpp"
 #include "rig_bridge/record/bus_log.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/capture.hpp"
@@ -92,6 +93,7 @@ class BusRecorder final : public BusFeed {
     std::unique_ptr<Capture> capture_;
     antiskid::can::Observer live_;
     RefusedFrames status_;  // the controller's
+    WhoSends senders_;
     LiveSpeed wheel_;
     LiveSpeed flywheel_;
     std::unique_ptr<Recording> recording_;

@@ -17,7 +17,8 @@ namespace {
 /// Made by a person, or by a drive that does not do what it is told: to try again would be to try whether it does it twice.
 bool needs_a_person(const std::string& outcome) {
     constexpr std::array kCauses{Abort::emergency_stop,  Abort::guard_open, Abort::requested,
-                                 Abort::foreign_command, Abort::overspeed,  Abort::speed_mismatch};
+                                 Abort::foreign_command, Abort::overspeed,  Abort::speed_mismatch,
+                                 Abort::two_senders};
     return std::any_of(kCauses.begin(), kCauses.end(),
                        [&outcome](Abort cause) { return outcome == name(cause); });
 }

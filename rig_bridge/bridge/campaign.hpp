@@ -31,8 +31,8 @@ class CampaignJudge {
     explicit CampaignJudge(const CampaignRules& rules) : rules_(rules) {}
 
     /// After a maneuver, in the order in which they were run. Causes that a person makes (emergency_stop, guard_open, requested,
-    /// foreign_command) and a drive that does not do what it is told (overspeed, speed_mismatch) are never retried: a person decides when the
-    /// rig may move again.
+    /// foreign_command, two_senders) and a drive that does not do what it is told (overspeed, speed_mismatch) are never retried: a person
+    /// decides when the rig may move again.
     [[nodiscard]] Decision after(const Summary& summary, const Health& health = {});
 
     /// Before the first: the last finished one of an earlier session may have reached the wear limit or shown an abnormal brake.

@@ -7,7 +7,7 @@
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
 #include "firmware/linux/clock.hpp"
-#include "rig_bridge/bridge/refused_frames.hpp"
+#include "rig_bridge/bridge/senders.hpp"
 
 namespace rig {
 
@@ -17,7 +17,7 @@ BusHeard listen_to_bus(const Setup& setup, antiskid::can::Time length) {
     constexpr antiskid::can::Time kTurn{20'000'000};
     BusHeard heard;
     antiskid::can::Observer observer(setup.layout);
-    RefusedFrames status(setup.layout, Role::status);
+    WhoSends senders(setup.layout);
     try {
         const auto ids = antiskid::can::ids(setup.layout, antiskid::can::kEveryRole);
         antiskid::can::SocketCan bus(setup.options.interface, ids.span());
@@ -29,14 +29,14 @@ BusHeard listen_to_bus(const Setup& setup, antiskid::can::Time length) {
             for (std::size_t count = bus.receive(frames); count > 0; count = bus.receive(frames))
                 for (const antiskid::can::Frame& frame : std::span(frames).first(count)) {
                     (void)observer.accept(frame);
-                    status.accept(frame, observer.stats(Role::status));
+                    senders.accept(frame);
                 }
         }
     } catch (const std::runtime_error& error) {
         heard.refusal = error.what();
     }
     heard.view = observer.view();
-    if (status.two_senders()) heard.two_controllers = status.text(antiskid::can::Time::min());
+    heard.two_controllers = senders.two_controllers();
     for (const Role role : antiskid::can::kEveryRole)
         heard.stats[static_cast<std::size_t>(role)] = observer.stats(role);
     return heard;

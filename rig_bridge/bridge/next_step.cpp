@@ -34,8 +34,8 @@ constexpr std::array<NextStep, sequencer::kAbortCount> kAborts{{
     {"the PLC refused a command or did not confirm it in time, or the sledge is out while the drive pulls",
      "limits of the PLC's program against the scenario; the sledge's switch; how busy the link is"},
     {"no status frame of the controller, or none that is good",
-     "is antiskid-controller running? its last words are in its log; restart it; of two that are heard end "
-     "one"},
+     "is antiskid-controller running? its last words are in its log; restart it; where frames come and are "
+     "refused, binding and cable"},
     {"the controller went to its safe state, or was not armed when it had to be",
      "mend the fault that is named with it; without one, look into the controller's log"},
     {"the CAN interface is down or bus-off",
@@ -57,6 +57,9 @@ constexpr std::array<NextStep, sequencer::kAbortCount> kAborts{{
     {"PLC and encoder on the bus differ in the rim's speed",
      "teeth, radius and scaling of both; a hand tachometer tells which is wrong; no braking before they "
      "agree"},
+    {"two controllers, or two bridges, send on the bus",
+     "find the second one (pgrep -a antiskid-contro, pgrep -a rig-bridge, other nodes) and end it; a gateway "
+     "that repeats frames looks the same"},
 }};
 
 /// In the order of antiskid::control::Fault; conditions and times: docs/faults.md.

@@ -24,9 +24,11 @@ struct BusNow {
     antiskid::can::BusView view;  ///< times of reception by the steady clock
     /// When everything that had arrived was in `view`: ages count to here, so that a reader that was held up takes nobody for silent.
     antiskid::can::Time looked = antiskid::control::kNever;
-    /// Why status frames of the controller that came lately were refused, as RefusedFrames says it; empty: none was.
+    /// Why status frames of the controller that came lately were refused, as RefusedFrames names it; empty: none was.
     std::string controller_refused;
-    bool two_controllers = false;
+    /// What shows that there are two, as WhoSends says it; empty: nothing does. The bridge's own commands are among those that are heard.
+    std::string two_controllers;
+    std::string two_bridges;
     double rim_mps = 0.0;        ///< flywheel, by its encoder
     double wheel_radps = 0.0;    ///< omega of the braked wheel, by its encoder
     double wheel_rim_mps = 0.0;  ///< r(F_z) omega

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "firmware/can/value_names.hpp"
 #include "rig_bridge/bridge/preflight.hpp"
@@ -91,6 +92,18 @@ Check rest_check(const Snapshot& plc) {
          .remedy = "wait until the flywheel stands; retract the sledge by the PLC"});
 }
 
+std::string refused_text(const antiskid::can::MessageStats& stats) {
+    std::string text = fmt::format("{} refused", stats.rejected());
+    auto add = [&text, before = ": "](std::uint32_t count, std::string_view reason) mutable {
+        if (count != 0) text += std::exchange(before, ", ") + std::string(reason);
+    };
+    add(stats.wrong_counter, "counter");
+    add(stats.wrong_crc, "CRC");
+    add(stats.wrong_length, "length");
+    add(stats.wrong_value, "value");
+    return text;
+}
+
 Check frames_check(const BusHeard& heard, const Setup& setup, Role role, antiskid::can::Time received,
                    double limit_s, std::string remedy) {
     const antiskid::can::MessageStats& stats = heard.of(role);
@@ -99,7 +112,7 @@ Check frames_check(const BusHeard& heard, const Setup& setup, Role role, antiski
                                 ? std::string("no good one")
                                 : fmt::format("newest {:.0f} ms old", 1e3 * seconds(heard.until - received));
     return judged(fmt::format("{} frames", antiskid::can::name(role)), fresh && stats.rejected() == 0,
-                  {.measured = fmt::format("{} good, {} refused; {}", stats.accepted, stats.rejected(), age),
+                  {.measured = fmt::format("{} good, {}; {}", stats.accepted, refused_text(stats), age),
                    .required = fmt::format("0x{:03X} within {:.0f} ms, none refused", setup.layout[role].id,
                                            1e3 * limit_s),
                    .remedy = std::move(remedy)});

@@ -1,5 +1,7 @@
 #include "rig_bridge/bridge/session.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -92,6 +94,10 @@ const Moment& Session::step(sequencer::Sequencer* sequencer, const Order* order)
         node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
                    lockstep_ ? lockstep_->now() : clock_.now());
     if (lockstep_) plc_->turn(lockstep_->taken());
+    if (const std::string second = second_sender_text(moment.bus); !second.empty() && !second_sender_) {
+        terminal_.say(fmt::format("rig-bridge: {}. Next: end one of them", second));
+        second_sender_ = true;
+    }
     return moment;
 }
 
@@ -157,6 +163,8 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
     constexpr int kTail = 15;  // steps, so that the record has the last phase
     int resting = 0;
     Phase before = sequencer.phase();
+    Phase ended = before;  // by the abort
+    sequencer::Abort told = sequencer::Abort::none;
     while (!sequencer.over() || resting <= kTail) {
         const Moment& m = step(&sequencer, &order);
         trace_.record(m);
@@ -166,16 +174,15 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
             record_error_ = lost;
             abort_ = true;
         }
-        if (sequencer.phase() == Phase::aborting && before != Phase::aborting) {
-            note_ = how_it_was(before, m);
-            advice_ = advice(sequencer.abort(), before, m.bus.view.controller.faults);
+        if (sequencer.phase() == Phase::aborting && sequencer.abort() != told) {
+            if (before != Phase::aborting) ended = before;
+            told = sequencer.abort();
+            note_ = how_it_was(ended, m);
+            advice_ = advice(told, ended, m.bus.view.controller.faults);
+            if (const std::string note = note_of(m); !note.empty()) advice_ += "\n  " + note;
             if (!setup_.options.quiet) terminal_.ring();
             terminal_.say("rig-bridge: " + advice_);
         }
-        if (m.bus.two_controllers && !two_controllers_)
-            terminal_.say("rig-bridge: two controllers talk on the bus, and are refused: " +
-                          m.bus.controller_refused + ". Next: end one of them");
-        two_controllers_ = m.bus.two_controllers;
         before = sequencer.phase();
         if (rests(m.outputs.phase) && resting <= kTail && ++resting > kTail) recorder_.end();
         show(order, m, record_error_);
@@ -224,6 +231,7 @@ void Session::tell_of_abort(const Ran& ran, const std::filesystem::path& folder,
 
 Ran Session::run(const Order& order) {
     abort_ = false;
+    second_sender_ = false;
     record_error_.clear();
     note_.clear();
     advice_.clear();

@@ -91,7 +91,7 @@ class Session {
 
     // Of the maneuver that runs.
     bool abort_ = false;
-    bool two_controllers_ = false;
+    bool second_sender_ = false;  // was named
     std::string record_error_;
     std::string note_;
     std::string advice_;

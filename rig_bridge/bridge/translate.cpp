@@ -19,9 +19,13 @@ bool interlock(const Snapshot& plc, Interlock which) {
     return (bits >> static_cast<unsigned>(which) & 1U) != 0U;
 }
 
+double age_s(Time received, Time looked) {
+    return std::chrono::duration<double>(looked - received).count();
+}
+
 /// Heard of at most `limit_s` before the recorder last looked.
 bool heard(Time received, Time looked, double limit_s) {
-    return received != kNever && std::chrono::duration<double>(looked - received).count() <= limit_s;
+    return received != kNever && age_s(received, looked) <= limit_s;
 }
 
 float brake_temperature_C(const Snapshot& plc) {
@@ -69,11 +73,13 @@ Inputs look(const Snapshot& plc, const BusNow& bus, Time now, const Freshness& l
     const bool listening = heard(bus.looked, now, limits.recorder_s);
     in.bus_up = bus.up && listening;
     if (!listening) return in;
+    in.two_senders = !bus.two_controllers.empty() || !bus.two_bridges.empty();
     const antiskid::can::BusView& v = bus.view;
     in.sensors_fresh = heard(v.wheel.received, bus.looked, limits.sensors_s) &&
                        heard(v.flywheel.received, bus.looked, limits.sensors_s) &&
                        heard(v.pressure.received, bus.looked, limits.sensors_s);
     in.rim_mps = bus.rim_mps;
+    if (in.sensors_fresh) in.rim_age_s = age_s(v.flywheel.received, bus.looked);
     in.wheel_radps = bus.wheel_radps;
     in.wheel_rim_mps = bus.wheel_rim_mps;
     in.pressure_Pa = static_cast<double>(v.pressure.pressure_Pa);

@@ -70,10 +70,26 @@ std::string rim_text(std::optional<double> rim_mps, double standstill_mps) {
                        *rim_mps);
 }
 
+std::string second_sender_text(const BusNow& bus) {
+    if (!bus.two_controllers.empty()) {
+        const std::string refused =
+            bus.controller_refused.empty() ? "" : "; heard but refused: " + bus.controller_refused;
+        return fmt::format("two controllers talk on the bus: {}{}", bus.two_controllers, refused);
+    }
+    if (!bus.two_bridges.empty()) return "two bridges command on the bus: " + bus.two_bridges;
+    return {};
+}
+
+std::string senders_text(const BusNow& bus, bool fresh) {
+    std::string second = second_sender_text(bus);
+    if (!second.empty() || fresh || bus.controller_refused.empty()) return second;
+    return "the controller is heard but refused: " + bus.controller_refused;
+}
+
 std::string note_of(const Moment& m) {
     if (!m.bus.up && !m.bus.error.empty()) return m.bus.error;
-    if (!m.inputs.controller_fresh && !m.bus.controller_refused.empty())
-        return "the controller is heard but refused: " + m.bus.controller_refused;
+    if (std::string senders = senders_text(m.bus, m.inputs.controller_fresh); !senders.empty())
+        return senders;
     if (m.plc.link != LinkState::connected && !m.plc.error.empty()) return "PLC: " + m.plc.error;
     if (m.inputs.foreign_command)
         return "somebody else commands the PLC: commit " + std::to_string(m.plc.foreign_commit) +

@@ -15,6 +15,12 @@ namespace rig {
 /// What keeps PLC or bus from working, as they say it; empty while both work.
 [[nodiscard]] std::string note_of(const Moment& moment);
 
+/// That a second controller or bridge sends, and what shows it; empty: neither does.
+[[nodiscard]] std::string second_sender_text(const BusNow& bus);
+
+/// The same, or why the frames of a controller that is not `fresh` are refused; empty: there is nothing to say.
+[[nodiscard]] std::string senders_text(const BusNow& bus, bool fresh);
+
 /// Rim speed, m/s, by PLC and encoder on the bus, the faster of those that are heard; none: neither is.
 [[nodiscard]] std::optional<double> rim_speed_mps(const Moment& moment);
 /// How the rim is left, for people.

@@ -19,6 +19,7 @@
 #include "rig_bridge/bridge/stop_requests.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
+#include "rig_bridge/bridge/view_model.hpp"
 #include "rig_bridge/bridge/watch_view.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
@@ -155,7 +156,7 @@ class Watch {
             fresh(v.pressure.received) ? static_cast<double>(v.pressure.pressure_Pa) : std::nan("");
         seen_.load_N =
             fresh(v.load_cells_received) ? static_cast<double>(v.load_cells.vertical_N) : std::nan("");
-        hear_controller(v.controller, fresh);
+        hear_controller(bus, fresh);
         chart_.add({.time_s = rig_s,
                     .rim_mps = seen_.rim_mps,
                     .wheel_mps = seen_.wheel_mps,
@@ -165,10 +166,13 @@ class Watch {
     }
 
     template <typename Fresh>
-    void hear_controller(const antiskid::can::ControllerView& c, const Fresh& fresh) {
+    void hear_controller(const BusNow& bus, const Fresh& fresh) {
+        const antiskid::can::ControllerView& c = bus.view.controller;
         const bool speaks = fresh(c.status_received);
         seen_.controller = speaks ? antiskid::can::kStateNames[static_cast<std::size_t>(c.state)]
-                                  : std::string_view("silent");
+                           : bus.controller_refused.empty() ? std::string_view("silent")
+                                                            : std::string_view("refused");
+        seen_.senders = senders_text(bus, speaks);
         seen_.slip_reference = speaks ? static_cast<double>(c.slip_reference) : 0.0;
         seen_.current_mA = fresh(c.command_received) ? static_cast<double>(c.current_mA) : std::nan("");
         seen_.faults.clear();

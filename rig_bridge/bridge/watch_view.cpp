@@ -65,6 +65,7 @@ std::vector<std::string> watch_screen(const Watched& w, const StripChart& chart)
     lines.push_back(fmt::format("controller {}   faults: {}", w.controller, fault_text(w)));
     if (w.tells_road) lines.push_back("road: " + road_text(w));
     if (!w.outcomes.empty()) lines.push_back(fmt::format("last: {}", fmt::join(w.outcomes, ", ")));
+    if (!w.senders.empty()) lines.push_back(w.senders);
     if (!w.bus_up) lines.push_back("BUS DOWN: " + w.bus_error);
     if (!w.ledger_error.empty()) lines.push_back("ledger: " + w.ledger_error);
     for (std::string& line : chart.lines()) lines.push_back(std::move(line));
@@ -75,10 +76,11 @@ std::vector<std::string> watch_screen(const Watched& w, const StripChart& chart)
 std::string watch_line(const Watched& w) {
     return fmt::format(
         "{}; bridge {}{}; {} {:.1f} s; {:.2f} m/s, slip {:.3f}, {:.2f} MPa, {:.2f} kN, {:.2f} mA; "
-        "controller {}; faults: {}{}{}",
+        "controller {}; faults: {}{}{}{}",
         progress(w), to_text(w.bridge), w.hold.empty() ? "" : "; HOLD: " + w.hold, phase_text(w), w.phase_s,
         w.rim_mps, w.slip, w.pressure_Pa * 1e-6, w.load_N * 1e-3, w.current_mA, w.controller, fault_text(w),
-        w.tells_road ? "; road: " + road_text(w) : "", w.bus_up ? "" : "; BUS DOWN: " + w.bus_error);
+        w.tells_road ? "; road: " + road_text(w) : "", w.senders.empty() ? "" : "; " + w.senders,
+        w.bus_up ? "" : "; BUS DOWN: " + w.bus_error);
 }
 
 std::string watch_json(const Watched& w) {
@@ -107,6 +109,7 @@ std::string watch_json(const Watched& w) {
     json["load_N"] = number(w.load_N);
     json["current_mA"] = number(w.current_mA);
     json["controller"] = w.controller;
+    json["senders"] = w.senders;
     json["faults"] = w.faults;
     json["road"] = nullptr;
     if (w.road)

@@ -48,7 +48,8 @@ struct Watched {
     double pressure_Pa = 0.0;
     double load_N = 0.0;
     double current_mA = 0.0;
-    std::string_view controller;  ///< its state, or "silent"
+    std::string_view controller;  ///< its state, "silent", or "refused": heard, but no frame is good
+    std::string senders;          ///< as senders_text()
     std::vector<std::string_view> faults;
     bool tells_road = false;  ///< the layout has that frame
     std::optional<antiskid::control::RoadEstimate> road;

@@ -31,7 +31,8 @@ std::string_view name(Abort abort) {
                                                                "load_lost",
                                                                "foreign_command",
                                                                "overspeed",
-                                                               "speed_mismatch"};
+                                                               "speed_mismatch",
+                                                               "two_senders"};
     const auto i = static_cast<std::size_t>(abort);
     return i < kNames.size() ? kNames[i] : "?";
 }
@@ -51,6 +52,7 @@ bool stops_controller(Abort abort) {
         case Abort::foreign_command:
         case Abort::overspeed:
         case Abort::speed_mismatch:
+        case Abort::two_senders:
             return true;
         case Abort::none:
         case Abort::requested:

@@ -52,9 +52,10 @@ Abort Sequencer::cause(const Inputs& in) const {
         return Abort::command_refused;
     if (in.flywheel_mps > top_speed_mps(plan_)) return Abort::overspeed;
     if (!in.bus_up) return Abort::bus_lost;
+    if (in.two_senders) return Abort::two_senders;
     if (!in.controller_fresh) return Abort::controller_silent;
     if (!sensors_heard(in)) return Abort::sensors_lost;
-    if (now_s_ - agreed_s_ > plan_.mismatch_s) return Abort::speed_mismatch;
+    if (disagreed_s_ > plan_.mismatch_s) return Abort::speed_mismatch;
     const bool holds = phase_ == Phase::standstill && elapsed_s() < plan_.hold_s;
     if (in.controller_safe || ((armed_phase(phase_) || holds) && !in.controller_armed))
         return Abort::controller_fault;
@@ -78,11 +79,14 @@ bool Sequencer::ready(const Inputs& in) const {
            in.flywheel_mps <= set_point_mps(in) + plan_.speed_tolerance_mps;
 }
 
-/// Or one of them is not heard. An old reading may be off by what a tyre can have done since.
-bool Sequencer::speeds_agree(const Inputs& in) const {
+/// Only of speeds that are heard: an encoder that is silent looks like a rim that slows down. An old reading of the PLC may be off by what a
+/// tyre can have done since.
+void Sequencer::compare_speeds(const Inputs& in, double passed_s) {
+    constexpr double kSilent_s = 0.03;      // as LiveSpeed, before it takes silence for slowness
     constexpr double kHardest_mps2 = 12.0;  // all of dry asphalt's friction, 1.17 g
-    return !plc_heard(in) || !sensors_heard(in) ||
-           std::abs(in.flywheel_mps - in.rim_mps) <= plan_.speed_band_mps + kHardest_mps2 * in.flywheel_age_s;
+    if (!plc_heard(in) || !sensors_heard(in) || in.rim_age_s > kSilent_s) return;
+    const double band_mps = plan_.speed_band_mps + kHardest_mps2 * in.flywheel_age_s;
+    disagreed_s_ = std::abs(in.flywheel_mps - in.rim_mps) <= band_mps ? 0.0 : disagreed_s_ + passed_s;
 }
 
 double Sequencer::set_point_mps(const Inputs& in) const {
@@ -185,16 +189,20 @@ void Sequencer::leave_for_abort(Abort cause) {
 Outputs Sequencer::step(const Inputs& in, double now_s) {
     if (!started_) {
         started_ = true;
-        now_s_ = agreed_s_ = now_s;
+        now_s_ = now_s;
         enter(Phase::idle);
         return outputs(in);
     }
-    if (now_s > now_s_) now_s_ = now_s;
+    const double passed_s = std::max(now_s - now_s_, 0.0);
+    now_s_ = std::max(now_s, now_s_);
     if (over()) return outputs(in);
-    if (speeds_agree(in)) agreed_s_ = now_s_;
+    compare_speeds(in, passed_s);
 
     const bool late = elapsed_s() > limit_s();
     if (phase_ == Phase::aborting) {
+        // The first status frame of a second controller, or the first that is refused, comes before it is told from the other one.
+        if (in.two_senders && (abort_ == Abort::controller_silent || abort_ == Abort::controller_fault))
+            abort_ = Abort::two_senders;
         if (done(in) || late) enter(Phase::aborted);
         return outputs(in);
     }

@@ -56,9 +56,10 @@ enum class Phase : std::uint8_t {
 inline constexpr std::uint8_t kPhaseCount = 11;
 [[nodiscard]] std::string_view name(Phase phase);
 
-/// Why a maneuver was aborted; the first cause counts. Of several in one step it is the one nearest to the root: plc_silent, interlocks,
-/// plc_tripped, foreign_command, command_refused, overspeed, bus_lost, controller_silent, sensors_lost, speed_mismatch, controller_fault,
-/// load_lost, brake_hot, requested, phase_timeout. What each means, in plain words, and what to do: next_step.hpp.
+/// Why a maneuver was aborted; the first cause counts, but for a controller's silence or fault of which two_senders turns out to be the cause.
+/// Of several in one step it is the one nearest to the root: plc_silent, interlocks, plc_tripped, foreign_command, command_refused, overspeed,
+/// bus_lost, two_senders, controller_silent, sensors_lost, speed_mismatch, controller_fault, load_lost, brake_hot, requested, phase_timeout.
+/// What each means, in plain words, and what to do: next_step.hpp.
 enum class Abort : std::uint8_t {
     none,
     requested,       ///< the user
@@ -79,8 +80,9 @@ enum class Abort : std::uint8_t {
     foreign_command,  ///< the PLC took over, or refused, a command that is not ours
     overspeed,        ///< the flywheel is faster than top_speed_mps(), by the PLC's reading
     speed_mismatch,   ///< PLC and encoder on the bus differ in the rim's speed for `mismatch_s`
+    two_senders,      ///< two controllers, or two bridges, send on the bus
 };
-inline constexpr std::uint8_t kAbortCount = 19;
+inline constexpr std::uint8_t kAbortCount = 20;
 [[nodiscard]] std::string_view name(Abort abort);
 
 /// Causes that send the emergency stop, because disarming by the maneuver command alone may not do: a danger to people or machine, a
@@ -157,8 +159,10 @@ struct Inputs {
     double brake_temperature_C = 0.0;
 
     bool bus_up = false;
+    bool two_senders = false;    ///< of what only one controller, or one bridge, may send
     bool sensors_fresh = false;  ///< encoder and pressure frames
     double rim_mps = 0.0;        ///< of the flywheel, from the encoder on the bus
+    double rim_age_s = 0.0;      ///< of its newest frame
     double wheel_radps = 0.0;    ///< omega of the braked wheel, from its encoder
     double wheel_rim_mps = 0.0;  ///< r omega of it, r under the present load
     double pressure_Pa = 0.0;    ///< brake pressure, measured
@@ -214,7 +218,7 @@ class Sequencer {
     [[nodiscard]] Abort cause(const Inputs& inputs) const;
     [[nodiscard]] bool done(const Inputs& inputs);
     [[nodiscard]] bool ready(const Inputs& inputs) const;
-    [[nodiscard]] bool speeds_agree(const Inputs& inputs) const;
+    void compare_speeds(const Inputs& inputs, double passed_s);
     [[nodiscard]] double set_point_mps(const Inputs& inputs) const;
     [[nodiscard]] bool at_speed(const Inputs& inputs);
     [[nodiscard]] bool settled(const Inputs& inputs);
@@ -237,9 +241,9 @@ class Sequencer {
     double entered_s_ = 0.0;  // the phase
     double brake_on_s_ = 0.0;
     double unsettled_s_ = 0.0;  // newest time at which the wheel was not settled
-    double agreed_s_ = 0.0;  // newest time at which PLC and encoder had the same speed, or one was not heard
-    double set_mps_ = 0.0;   // in spin_up: what the drive is told
-    bool arming_ = false;    // in spin_up: the set-point was reached
+    double disagreed_s_ = 0.0;  // for which PLC and encoder, both heard, had not the same speed
+    double set_mps_ = 0.0;      // in spin_up: what the drive is told
+    bool arming_ = false;       // in spin_up: the set-point was reached
     bool safe_end_ = false;
 };
 

@@ -44,8 +44,8 @@ TEST_CASE("Retries are counted for one maneuver, in a row", "[BRG-410]") {
 }
 
 TEST_CASE("What a person stopped is never started again by itself", "[BRG-411]") {
-    for (const char* const outcome :
-         {"emergency_stop", "guard_open", "requested", "foreign_command", "overspeed", "speed_mismatch"}) {
+    for (const char* const outcome : {"emergency_stop", "guard_open", "requested", "foreign_command",
+                                      "overspeed", "speed_mismatch", "two_senders"}) {
         CampaignJudge judge({.maneuvers = 500, .retries = 100});
         const rig::Decision decision = judge.after(summary(7, outcome));
         CHECK(decision.verdict == Verdict::fault);

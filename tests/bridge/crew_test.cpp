@@ -137,6 +137,7 @@ TEST_CASE("The watch's screen has phase, figures, road and outcomes in 80 column
     w.road.reset();
     w.hold = "held by A. Rossi";
     w.specimen = "disc D7";
+    w.senders = "two controllers talk on the bus: two senders of 0x180, at counters 3 and 9";
     w.bus_up = false;
     w.bus_error = "vcan0: Network is down";
     w.ledger_error = "locked";
@@ -146,10 +147,12 @@ TEST_CASE("The watch's screen has phase, figures, road and outcomes in 80 column
     CHECK(more[3] == "disc D7");
     CHECK(more[4] == "braking        at least 2.2 s in this phase");
     CHECK(more[8] == "road: not heard");
-    CHECK(more[10] == "BUS DOWN: vcan0: Network is down");
-    CHECK(more[11] == "ledger: locked");
+    CHECK(more[10] == w.senders);
+    CHECK(more[11] == "BUS DOWN: vcan0: Network is down");
+    CHECK(more[12] == "ledger: locked");
     for (const std::string& line : more) CHECK(line.size() <= 80);
-    CHECK_THAT(watch_line(w), ContainsSubstring("HOLD: held by A. Rossi") && ContainsSubstring("BUS DOWN"));
+    CHECK_THAT(watch_line(w), ContainsSubstring("HOLD: held by A. Rossi") && ContainsSubstring(w.senders) &&
+                                  ContainsSubstring("BUS DOWN"));
     CHECK(watch_screen(Watched{}, chart)[0] == ": no maneuver");
 }
 
@@ -162,6 +165,7 @@ TEST_CASE("The watch's JSON is one line with null for what is not known", "[BRG-
     CHECK(json["bridge_heard"] == true);
     CHECK(json["road"]["grip_N"] == 12300.0);
     CHECK(json["left_s"] == 11520.0);
+    CHECK(json["senders"] == "");
     w.rim_mps = std::nan("");
     w.phase.reset();
     w.road.reset();

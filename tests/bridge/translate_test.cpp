@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "rig_bridge/bridge/view_model.hpp"
 #include "tests/bridge/fakes.hpp"
 #include "tests/catch.hpp"
 
@@ -117,6 +118,10 @@ TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-
     const sequencer::Inputs late = look(good_plc(), aged(1s, 1s), 1s + 501ms);
     CHECK_FALSE((late.bus_up || late.sensors_fresh || late.controller_fresh));
 
+    rig::BusNow quiet = good_bus(1s + 40ms);
+    quiet.view.flywheel.received = 1s;
+    CHECK(look(good_plc(), quiet, 1s + 90ms).rim_age_s == Approx(0.04));
+
     rig::BusNow unheard = good_bus(1s);
     unheard.view.wheel.received = antiskid::control::kNever;
     CHECK_FALSE(look(good_plc(), unheard).sensors_fresh);
@@ -187,4 +192,32 @@ TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-
     rig::Snapshot unread = good_plc();
     rig::at(unread.values, Measured::brake_temperature_C) = NAN;
     CHECK(rig::telegram(out, unread, 1).maneuver_state.brake_temperature_C == 0.0F);
+}
+
+TEST_CASE("Two senders of what one may send are told to the sequencer and to people", "[BRG-642]") {
+    rig::Moment moment;
+    moment.plc.link = rig::LinkState::connected;
+    moment.bus = good_bus(1s);
+    CHECK_FALSE(look(good_plc(), moment.bus).two_senders);
+    SECTION("controllers") {
+        moment.bus.two_controllers = std::string("two senders of 0x100, at counters 3 and 9");
+        CHECK(look(good_plc(), moment.bus).two_senders);
+        CHECK(note_of(moment) ==
+              "two controllers talk on the bus: two senders of 0x100, at counters 3 and 9");
+        moment.bus.controller_refused = std::string("counter");
+        CHECK(note_of(moment) ==
+              "two controllers talk on the bus: two senders of 0x100, at counters 3 and 9; heard but "
+              "refused: counter");
+    }
+    SECTION("bridges") {
+        moment.bus.two_bridges = std::string("two senders of 0x120, at counters 3 and 9");
+        CHECK(look(good_plc(), moment.bus).two_senders);
+        CHECK(note_of(moment) == "two bridges command on the bus: two senders of 0x120, at counters 3 and 9");
+    }
+    SECTION("one controller, whose frames are all refused, is heard") {
+        moment.bus.controller_refused = std::string("CRC");
+        CHECK_FALSE(look(good_plc(), moment.bus).two_senders);
+        CHECK(note_of(moment) == "the controller is heard but refused: CRC");
+        CHECK(view_of(moment, kLimits).controller == "refused");
+    }
 }

@@ -93,6 +93,23 @@ TEST_CASE("an emergency stop during the self-test counts", "[CTL-113]") {
     CHECK(b.command.faults.contains(Fault::emergency_stop));
 }
 
+TEST_CASE("an emergency stop that is repeated is one, and over when none comes any more", "[CTL-390]") {
+    Bench b(shipped());
+    b.to_standby();
+    const int every = GENERATE(1, 10, 50);
+    int step = 0;
+    b.tamper = [&](Sensors& seen) { seen.emergency_stop = step % every == 0; };
+    for (; step < 1000; ++step) {
+        REQUIRE(b.step().state == State::safe);
+        REQUIRE(b.command.current_mA == b.config.valve.safe_current_mA);
+    }
+    b.tamper = nullptr;
+    b.steps(100 - every);
+    CHECK(b.command.state == State::safe);
+    CHECK(b.step().state == State::standby);
+    CHECK(b.command.faults.contains(Fault::emergency_stop));  // latched until armed again
+}
+
 TEST_CASE(
     "a law that takes over raises the pressure no faster than a demand that passes through, and may release "
     "at once",

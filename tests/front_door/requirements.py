@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Every requirement in docs/requirements.md has a test that carries its tag; every tag in tests/, and every id that another page of docs/
-names, is a requirement.
+names, is a requirement. Each row of docs/hazards.md and docs/threat_model.md names one that shows it.
 
 usage: requirements.py [ROOT]
 """
@@ -27,6 +27,10 @@ for page in sorted(set((root / "docs").glob("*.md")) - {document}):
     for number, line in enumerate(page.read_text().splitlines(), 1):
         named = set(re.findall(rf"\b(?:{prefixes})-\d{{3}}\b", line))
         wrong += [f"{page.relative_to(root)}:{number}: {i} is no requirement" for i in sorted(named - set(required))]
+for page in (root / "docs/hazards.md", root / "docs/threat_model.md"):  # what is claimed there is shown
+    lines = page.read_text().splitlines() if page.exists() else []
+    wrong += [f"{page.relative_to(root)}:{number}: shown by no requirement" for number, line in enumerate(lines, 1)
+              if line.startswith("| ") and not line.endswith(" shown by |") and not re.search(rf"(?:{prefixes})-\d{{3}}", line.split("|")[-2])]
 if not required:
     wrong.append(f"{document}: no requirements found")
 print("\n".join(wrong) or f"{len(required)} requirements, each with a test")

@@ -17,6 +17,8 @@ for unit in antiskid-controller@ antiskid-can@ rig-bridge@; do
     check "exposure of $unit" exposed_little "$units/$unit.service"
     tail -n 1 "$scratch/out"
 done
+check "the controller is allowed no IP" grep -qx "IPAddressDeny=any" "$units/antiskid-controller@.service"
+check "nor a socket of its families" grep -qx "RestrictAddressFamilies=AF_CAN AF_UNIX" "$units/antiskid-controller@.service"
 # A seeded fault proves that the checks look.
 sed -i 's/^Restart=.*/Restart=perhaps/; /^SystemCallFilter=/d; /^CapabilityBoundingSet=/d; /^AmbientCapabilities=/d; /^Protect/d; /^User=/d' "$scratch/rig-bridge@.service"
 systemd-analyze verify --man=no "$scratch/rig-bridge@.service" >"$scratch/out" 2>&1

@@ -40,6 +40,12 @@ const Mishap kMishaps[] = {
     {"not confirmed", Abort::command_refused, [](Inputs& in) { in.commit_late = true; }},
     {"somebody else's command", Abort::foreign_command, [](Inputs& in) { in.foreign_command = true; }},
     {"too fast", Abort::overspeed, [](Inputs& in) { in.flywheel_mps = in.rim_mps = 52.3; }},
+    {"two senders", Abort::two_senders, [](Inputs& in) { in.two_senders = true; }},
+    {"two senders, none of them good", Abort::two_senders,
+     [](Inputs& in) {
+         in.two_senders = true;
+         in.controller_fresh = in.sensors_fresh = false;
+     }},
     {"stale status", Abort::controller_silent, [](Inputs& in) { in.controller_fresh = false; }},
     {"safe state", Abort::controller_fault,
      [](Inputs& in) {
@@ -69,6 +75,24 @@ void check_end(Reached& r, Abort cause) {
 }
 
 }  // namespace
+
+TEST_CASE("what a second controller did to the first is named after it, once it is told from it",
+          "[BRG-642]") {
+    for (const Mishap& mishap : kMishaps) {
+        CAPTURE(mishap.what);
+        Reached r(Phase::braking);
+        Inputs in = r.rig.inputs;
+        mishap.strike(in);
+        REQUIRE(r.next(in).abort == mishap.cause);
+        in.two_senders = true;
+        const bool its = mishap.cause == Abort::controller_silent || mishap.cause == Abort::controller_fault;
+        const Outputs out = r.next(in);
+        CHECK(out.abort == (its ? Abort::two_senders : mishap.cause));
+        CHECK((!its || out.emergency_stop));
+        in.two_senders = false;
+        CHECK(r.next(in).abort == out.abort);
+    }
+}
 
 TEST_CASE("every cause in every phase: safe in the same step, and a safe end", "[BRG-110]") {
     for (const Phase phase : kActive) {
@@ -261,9 +285,9 @@ Inputs disturbed(Inputs in, plant::Random& random, unsigned one_in) {
     };
     for (bool* flag :
          {&in.plc_fresh, &in.plc_ready, &in.commit_refused, &in.commit_late, &in.foreign_command,
-          &in.emergency_stop_clear, &in.guard_closed, &in.hydraulics_ready, &in.drive_healthy,
-          &in.wheel_on_rim, &in.bus_up, &in.sensors_fresh, &in.controller_fresh, &in.controller_standby,
-          &in.controller_armed, &in.controller_safe, &in.abort_requested}) {
+          &in.two_senders, &in.emergency_stop_clear, &in.guard_closed, &in.hydraulics_ready,
+          &in.drive_healthy, &in.wheel_on_rim, &in.bus_up, &in.sensors_fresh, &in.controller_fresh,
+          &in.controller_standby, &in.controller_armed, &in.controller_safe, &in.abort_requested}) {
         if (hit()) *flag = !*flag;
     }
     for (double* value : {&in.flywheel_mps, &in.sledge_m, &in.load_N, &in.brake_temperature_C, &in.rim_mps,
@@ -275,8 +299,8 @@ Inputs disturbed(Inputs in, plant::Random& random, unsigned one_in) {
 bool danger(const Inputs& in) {
     return in.abort_requested || !in.plc_fresh || !in.plc_ready || in.commit_refused || in.commit_late ||
            !in.emergency_stop_clear || !in.guard_closed || !in.hydraulics_ready || !in.drive_healthy ||
-           in.foreign_command || in.flywheel_mps > 60.0 || !in.bus_up || !in.sensors_fresh ||
-           !in.controller_fresh || in.controller_safe || !std::isfinite(in.rim_mps) ||
+           in.foreign_command || in.two_senders || in.flywheel_mps > 60.0 || !in.bus_up ||
+           !in.sensors_fresh || !in.controller_fresh || in.controller_safe || !std::isfinite(in.rim_mps) ||
            !std::isfinite(in.wheel_radps) || !std::isfinite(in.flywheel_mps) || !std::isfinite(in.sledge_m) ||
            !std::isfinite(in.load_N) || !std::isfinite(in.brake_temperature_C) ||
            !std::isfinite(in.wheel_rim_mps) || !std::isfinite(in.pressure_Pa);

@@ -54,6 +54,39 @@ TEST_CASE("PLC and encoder may differ in the rim's speed for a moment, not for l
     }
 }
 
+TEST_CASE("sensors that are lost are no other speed, however much longer than mismatch_s they are waited for",
+          "[BRG-645]") {
+    const Phase phase = GENERATE(Phase::spin_up, Phase::settling, Phase::braking);
+    CAPTURE(sequencer::name(phase));
+    Reached r(phase);
+    Inputs in = r.rig.inputs;
+    if (phase == Phase::spin_up) in.controller_standby = in.controller_armed = false;  // keeps it there
+    Outputs out;
+    for (int i = 0; i < 300; ++i) {  // as the bridge reckons a rim of which nobody tells: slower and slower
+        in.rim_age_s += kStep_s;
+        in.rim_mps = i < 3 ? in.rim_mps : std::min(in.rim_mps, 0.1 / (kStep_s * (i - 2)));
+        out = r.next(in);
+        REQUIRE(out.abort == Abort::none);
+    }
+    in.sensors_fresh = false;
+    CHECK(r.next(in).abort == Abort::sensors_lost);
+}
+
+TEST_CASE("speeds that differ are named though the encoder falls silent now and then", "[BRG-645]") {
+    Reached r(Phase::braking);
+    Inputs in = r.rig.inputs;
+    in.rim_mps = in.flywheel_mps - 2.01;
+    int heard = 0;
+    for (int i = 0; heard < 60; ++i) {
+        in.rim_age_s = i % 2 == 0 ? 0.04 : 0.001;
+        heard += i % 2;
+        if (r.next(in).abort != Abort::none) break;
+    }
+    CHECK(r.sequencer.abort() == Abort::speed_mismatch);
+    CHECK(heard >= 50);
+    CHECK(heard <= 52);
+}
+
 TEST_CASE("an old reading of the PLC is no other speed: it may be off by what a tyre can have done since",
           "[BRG-133]") {
     const double off_mps = GENERATE(5.59, 5.61);

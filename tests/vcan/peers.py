@@ -51,6 +51,10 @@ def cases(rig):
                "bridge: emergency stop; PLC: watchdog")
 
 
+def controller_says(rig):
+    return (rig.folder / "controller.log").read_text()
+
+
 def outcome(said):
     marks = [line.rsplit("aborted: ", 1)[1].split(";")[0].strip() for line in said.splitlines() if "aborted: " in line]
     return marks[-1] if marks else "finished" if "finished" in said else "-"
@@ -78,6 +82,7 @@ def run(rig, bus, folder, phase, case, number):
         bridge.kill()
         bridge.wait()
         return None
+    said = len(controller_says(rig))
     bus.safe_since = bus.released_since = began = time.monotonic()
     if case.act:
         case.act()
@@ -112,6 +117,8 @@ def run(rig, bus, folder, phase, case, number):
         if safe == "-":
             safe = f"{time.monotonic() - began:.1f}"
     name = outcome(words(bridge)) if case.cause != "bridge SIGKILL" else "-"
+    if case.note.startswith("bridge: emergency stop"):  # [CTL-391]
+        check("are not listed" not in controller_says(rig)[said:], f"{case.cause}: the controller changes again and again:\n{controller_says(rig)[said:]}")
     check(name in case.outcomes, f"{case.cause} in {phase}: {name}, expected {case.outcomes}\n{words(bridge)}")
     check(bridge.returncode == (-signal.SIGKILL if case.cause == "bridge SIGKILL" else 1), f"exit status {bridge.returncode}")
     rig.plc.client.close()
@@ -147,8 +154,8 @@ def write(rows, phase):
     text = """# Interlocks and dead peers
 
 What an open interlock, a dead program, a dead interface or a hung Modbus server does to a maneuver, in each phase. Made by
-`tests/vcan/peers.py` (`--write`), which runs controller, virtual rig and bridge as real programs over vcan and Modbus TCP and asserts the
-names and the safe valve. The times are what that run measured: wall clock, in paced lockstep on a shared machine that stretched time, where
+`tests/vcan/peers.py` (`--write`; ctest `vcan.peers_PHASE`, BRG-450), which runs controller, virtual rig and bridge as real programs over vcan and Modbus
+TCP and asserts the names, the safe valve and the sledge back. The times are what that run measured: wall clock, in paced lockstep on a shared machine that stretched time, where
 the guest has one processor for everything; they are no limits. In rig time the limits are those of the controller (docs/faults.md), of
 `config/bridge.toml` and of the watchdogs in `config/registers.toml`.
 
@@ -163,7 +170,7 @@ the guest has one processor for everything; they are no limits. In rig time the 
             with open(path, newline="") as file:
                 text += "".join("| " + " | ".join(row) + " |\n" for row in csv.reader(file))
     text += """
-A bridge that is killed has no outcome; `rig-bridge campaign` finds the maneuver unfinished when it comes back, and runs it again. What a campaign with
+A bridge that is killed has no outcome; `rig-bridge campaign` finds the maneuver unfinished when it comes back, and runs it again (`vcan.bridge_campaign_killed`). What a campaign with
 `--retry` makes of each of these: docs/recovery.md.
 """
     pathlib.Path("docs/peers.md").write_text(text)

@@ -98,8 +98,7 @@ Torque and load come through PLC and bridge. Where they are silent in braking (a
 What the brake took after its bridge was dead nobody has: the log ends, a tenth of a second earlier, and `ends_in_braking` or `ends_in_settling` names the most that may be missing until a person amends it. The rest is scatter: load cells are as old as
 a request takes, which is a share of a short stop that changes where a host stretches time. Attempts that nothing aborted lie between {min(alone, default=0.0) * 100:+.1f} and {max(alone, default=0.0) * 100:+.1f} %.
 
-Waits of `config/bridge.toml` are ten times the shipped ones here, for the host's sake, and longer than `mismatch_s`: a rig that stands still in braking is named `speed_mismatch` then, which waits for a person, where
-shipped waits name it `sensors_lost` or `plc_silent` (docs/peers.md).
+Waits of `config/bridge.toml` are ten times the shipped ones here, for the host's sake.
 
 | what | {" | ".join(PHASES)} |
 |---|{"---|" * len(PHASES)}
