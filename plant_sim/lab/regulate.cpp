@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -28,6 +27,7 @@ struct RegulateCommand {
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path order;
     std::filesystem::path out = "out/regulate";
+    std::string json_file;                ///< "-": standard output
     std::filesystem::path characterised;  ///< write the floor table here instead
     int lives = 24;
     std::vector<double> fixed{0.10, 0.24, 0.40};
@@ -66,8 +66,8 @@ int RegulateCommand::characterise() const {
     settings::write_file(
         characterised,
         regulation::to_toml(c, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
-    fmt::print("{}: J_mu of {} references on {} surfaces\n", characterised.string(), c.floor.reference.size(),
-               c.floor.rows.size());
+    print_table(json_file, "{}: J_mu of {} references on {} surfaces\n", characterised.string(),
+                c.floor.reference.size(), c.floor.rows.size());
     return 0;
 }
 
@@ -126,13 +126,12 @@ int RegulateCommand::run() const {
     std::vector<std::filesystem::path> files = sites.files;
     files.insert(files.end(), asked.files.begin(), asked.files.end());
     report.config_hash = settings::hash(files);
-    std::filesystem::create_directories(out);
-    fmt::print("{}", to_text(report));
-    settings::write_file(out / "results.json", to_json(report));
+    print_table(json_file, "{}", to_text(report));
+    keep_json(out / "results.json", json_file, to_json(report));
     settings::write_file(out / "landings.csv", to_csv(report));
     draw(report, out / "regulate.png");
-    fmt::print("  {}, {}, {}\n", (out / "results.json").string(), (out / "landings.csv").string(),
-               (out / "regulate.png").string());
+    print_table(json_file, "  {}, {}, {}\n", (out / "results.json").string(), (out / "landings.csv").string(),
+                (out / "regulate.png").string());
     return report.all_met() ? 0 : 1;
 }
 
@@ -157,12 +156,9 @@ LabVerb regulate_verb(CLI::App& lab) {
     verb->add_option("--seed", command->seed, "seed of every random draw")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    verb->add_option(
-            "--mix", command->mix,
-            "random: each landing any surface and maneuver; balanced: all equally often, in random order")
-        ->transform(CLI::CheckedTransformer(
-            std::map<std::string, Mix>{{"random", Mix::random}, {"balanced", Mix::balanced}}))
-        ->default_str("random");
+    settings::add_choice(
+        *verb, "--mix", command->mix, {{"random", Mix::random}, {"balanced", Mix::balanced}},
+        "random: each landing any surface and maneuver; balanced: all equally often, in random order");
     verb->add_option("--missing", command->missing, "share of landings whose measurements are lost")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
@@ -183,14 +179,16 @@ LabVerb regulate_verb(CLI::App& lab) {
         "where nobody inspects: take the brake's life from the configuration, not from its friction");
     verb->add_flag("!--no-floor-check", command->floor_check,
                    "do not make every regulated landing again at both ends of the range");
-    verb->add_option("--order", command->order, "plan and rules (default: CONFIG/regulation.toml)");
+    settings::existing_file(
+        verb->add_option("--order", command->order, "plan and rules (default: CONFIG/regulation.toml)"));
     verb->add_option("--characterise", command->characterised,
                      "only measure J_mu over reference and surface, and write the floor table to this file")
         ->type_name("FILE");
+    settings::add_json(*verb, command->json_file, "results");
     verb->add_option("--out", command->out, "directory for results.json, landings.csv, regulate.png")
-        ->capture_default_str();
-    verb->add_option("--config", command->config, "directory of the configuration files")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
+    settings::add_config_directory(*verb, command->config);
     verb->add_option("--threads", command->threads, "of the computation; the results do not depend on it")
         ->check(CLI::Range(1U, 1024U));
     verb->footer(

@@ -47,7 +47,7 @@ class Controller:
         self.log_path = os.path.join(self.directory.name, "log")
         with open(self.log_path, "wb") as log:
             self.process = subprocess.Popen(
-                [*prefix, BINARY, "--report", self.report_path, *arguments],
+                [*prefix, BINARY, "--json", self.report_path, *arguments],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=log if stderr is None else stderr,
@@ -157,7 +157,7 @@ class ControllerTest(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".toml") as file, open("config/controller.toml", encoding="utf-8") as good:
             file.write(good.read().replace("period_ms = 1.0", "period_ms = 17.0"))
             file.flush()
-            self.refused(2, f"{file.name}:", "period_ms", arguments=["--can", "vcan0", "--config", file.name])
+            self.refused(2, f"{file.name}:", "period_ms", arguments=["--can", "vcan0", "--controller", file.name])
 
     def test_report_that_cannot_be_written(self):
         """[RT-102]"""
