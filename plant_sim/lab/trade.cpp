@@ -51,9 +51,7 @@ LabVerb trade_verb(CLI::App& lab) {
     CLI::App* verb = lab.add_subcommand(
         "trade",
         "The fixed slip reference that costs least at brake and tyre, from a sweep, and what it saves.");
-    settings::existing_path(
-        verb->add_option("SWEEP", trade->source, "directory of a sweep, or its stops.csv"))
-        ->capture_default_str();
+    verb->add_option("SWEEP", trade->source, "directory of a sweep, or its stops.csv")->capture_default_str();
     verb->add_option("--brake-price", trade->brake_price, "of a MJ at the brake, in any currency");
     verb->add_option("--tyre-price", trade->tyre_price, "of a MJ at the tyre, in the same");
     verb->add_option("--brake-life", trade->brake_life,
