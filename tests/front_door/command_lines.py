@@ -17,6 +17,7 @@ TYPES = {"--config": "DIRECTORY", "--out": "DIRECTORY", "--controller": "FILE", 
 # Verbs that print no figures, or CSV alone.
 WITHOUT_JSON = {"rig-bridge maneuver", "rig-bridge campaign", "rig-bridge pause", "rig-bridge resume", "rig-bridge ledger amend", "rig-bridge ledger note",
                 "virtual-rig serve", "rig-lab drive", "cortex-m-prepare"}
+COMPLETION = pathlib.Path(__file__).resolve().parents[2] / "config/package/completion.bash"
 wrong = []
 runs = 0
 
@@ -47,6 +48,12 @@ def refused(words, texts):
     expect(done.stdout == "", f"{shown}: standard output has: {done.stdout}")
 
 
+def completed(words):
+    """What completion offers for the next word."""
+    script = 'source "$0"; COMP_WORDS=("$@" ""); COMP_CWORD=$#; _antiskid "$1"; printf "%s\\n" "${COMPREPLY[@]}"'
+    return run(["bash", "-c", script, str(COMPLETION), *words]).stdout.split()
+
+
 def look(words):
     name = " ".join([pathlib.Path(words[0]).name, *words[1:]])
     shown = run([*words, "--help"])
@@ -66,11 +73,14 @@ def look(words):
             refused([*words, misspelt(option)], [f"there is no option '{misspelt(option)}'"])
         if choices := re.match(r" \{(.+?)\}", kind):
             refused([*words, option, "nonsense"], [option, "'nonsense'", choices.group(1)])
+            expect(completed([*words, option]) == choices.group(1).split(","), f"{name} {option}: completion offers {completed([*words, option])}")
         elif re.match(r" (FILE|DIRECTORY|PATH)\b", kind) and option not in WRITTEN | {"--out"}:
             refused([*words, option, "nowhere/missing"], [option, "nowhere/missing"])
     positional = re.search(r"^Positionals:\n  (\w+) (FILE|DIRECTORY|PATH)", head, re.M)
     if positional:
         refused([*words, "nowhere/missing"], [positional.group(1), "nowhere/missing"])
+    if verbs and name != "virtual-rig":
+        expect(completed(words) == verbs, f"{name}: completion offers {completed(words)}")
     for verb in verbs:
         refused([*words, misspelt(verb)] if len(verb) > 4 else [*words, "no-such-verb"],
                 [f"there is no '{misspelt(verb)}'; did you mean '{verb}'?"] if len(verb) > 4 else ["no-such-verb"])
