@@ -25,19 +25,19 @@ constexpr int kStopped = 130;
 
 struct RegulateCommand {
     std::filesystem::path config = settings::config_directory();
-    std::filesystem::path order;
+    std::filesystem::path regulation_file;  ///< empty: regulation.toml of `config`
     std::filesystem::path out = "out/regulate";
     std::string json_file;                ///< "-": standard output
     std::filesystem::path characterised;  ///< write the floor table here instead
     int lives = 24;
     std::vector<double> fixed{0.10, 0.24, 0.40};
-    int landings = 0;  ///< 0: the order's
+    int landings = 0;  ///< 0: the plan's
     std::uint64_t seed = 1;
     Mix mix = Mix::random;
     double missing = 0.0;
     double brake_deviation = 0.0;
     int inspection = 32;
-    std::string surfaces;  ///< empty: the order's
+    std::string surfaces;  ///< empty: the file's
     bool forecast = true;
     bool floor_check = true;
     unsigned threads = std::max(1U, std::thread::hardware_concurrency());
@@ -46,7 +46,7 @@ struct RegulateCommand {
 
   private:
     [[nodiscard]] int characterise() const;
-    [[nodiscard]] std::vector<regulation::Policy> policies(const regulation::Order& asked,
+    [[nodiscard]] std::vector<regulation::Policy> policies(const regulation::RegulationConfig& asked,
                                                            const regulation::Plan& plan,
                                                            const regulation::Range& range) const;
 };
@@ -71,7 +71,7 @@ int RegulateCommand::characterise() const {
     return 0;
 }
 
-std::vector<regulation::Policy> RegulateCommand::policies(const regulation::Order& asked,
+std::vector<regulation::Policy> RegulateCommand::policies(const regulation::RegulationConfig& asked,
                                                           const regulation::Plan& plan,
                                                           const regulation::Range& range) const {
     const double best = regulation::best_fixed(plan, asked.floor.reference, asked.tyre_share, range);
@@ -86,7 +86,8 @@ std::vector<regulation::Policy> RegulateCommand::policies(const regulation::Orde
 
 int RegulateCommand::run() const {
     if (!characterised.empty()) return characterise();
-    regulation::Order asked = regulation::load_order(order.empty() ? config / "regulation.toml" : order);
+    regulation::RegulationConfig asked = regulation::load_regulation_config(
+        regulation_file.empty() ? config / "regulation.toml" : regulation_file);
     if (!surfaces.empty()) asked.surfaces = regulation::surfaces_of(asked.floor, surfaces);
     const LandingSites sites = load_sites(config);
     const wear::BrakeWear& brake = sites.sites.front().rig.wear;
@@ -95,12 +96,13 @@ int RegulateCommand::run() const {
     if (landings > 0) report.plan.landings = landings;
     report.rules = asked.rules;
     report.range = asked.range();
-    report.outlook = regulation::outlook(regulation::Regulator(report.plan, report.rules, report.range));
+    report.limits =
+        regulation::limit_forecast(regulation::Regulator(report.plan, report.rules, report.range));
     for (const LandingSite& site : sites.sites)
         report.options.allowed_on.push_back(asked.range_on(site.surface));
     if (forecast && asked.forecast_widest > 0.0)
-        report.options.foresight.emplace(regulation::foresight_model(brake), brake,
-                                         asked.forecast_widest * report.plan.brake_budget_J());
+        report.options.life_forecast.emplace(regulation::forecast_model(brake), brake,
+                                             asked.forecast_widest * report.plan.brake_budget_J());
     antiskid::rt::StopSignals signals;
     const std::vector<regulation::Policy> all = policies(asked, report.plan, report.range);
     const int stops_a_life = static_cast<int>(all.size()) + (floor_check ? 2 : 0);
@@ -120,7 +122,7 @@ int RegulateCommand::run() const {
     };
     report.policies = regulation::run_fleet(
         report.plan, report.rules, report.range, all, brake, report.options,
-        [&](std::span<const regulation::Ask> asks) { return land(sites, asks, threads); });
+        [&](std::span<const regulation::LandingRequest> requests) { return land(sites, requests, threads); });
     progress.finish();
     if (report.policies.empty()) return kStopped;
     std::vector<std::filesystem::path> files = sites.files;
@@ -173,14 +175,14 @@ LabVerb regulate_verb(CLI::App& lab) {
     verb->add_option(
         "--surfaces", command->surfaces,
         "seen before the plan's begin, with commas between, or all: others bound the references from "
-        "their first landing on (default: the order's)");
+        "their first landing on (default: the regulation file's)");
     verb->add_flag(
         "!--no-forecast", command->forecast,
         "where nobody inspects: take the brake's life from the configuration, not from its friction");
     verb->add_flag("!--no-floor-check", command->floor_check,
                    "do not make every regulated landing again at both ends of the range");
-    settings::existing_file(
-        verb->add_option("--order", command->order, "plan and rules (default: CONFIG/regulation.toml)"));
+    settings::existing_file(verb->add_option("--regulation", command->regulation_file,
+                                             "plan and rules (default: CONFIG/regulation.toml)"));
     verb->add_option("--characterise", command->characterised,
                      "only measure J_mu over reference and surface, and write the floor table to this file")
         ->type_name("FILE");

@@ -117,24 +117,24 @@ void tune_pid(const MarginsInput& input, const margins::StudyOptions& options,
         return margins::pid_score(margins::with(input.settings.pid, x), input.cases, cells,
                                   options.requirement);
     };
-    const auto knobs = margins::pid_knobs(input.settings.pid);
+    const auto parameters = margins::pid_parameters(input.settings.pid);
     const auto found = margins::search(
-        knobs, [&](const std::vector<double>& x, double) { return judged(x).value; }, search,
+        parameters, [&](const std::vector<double>& x, double) { return judged(x).value; }, search,
         [](int done, int all) {
             show_steps(static_cast<std::size_t>(done), static_cast<std::size_t>(all), "gains judged");
         });
     std::vector<double> start;
-    std::transform(knobs.begin(), knobs.end(), std::back_inserter(start),
-                   [](const margins::Knob& k) { return k.start.value(); });
+    std::transform(parameters.begin(), parameters.end(), std::back_inserter(start),
+                   [](const margins::Parameter& k) { return k.start.value(); });
     print_table(
         json_file,
         "PID on measured slip: least of margins over required, worst of {} cells that are feasible at all\n\n"
         "| | shipped | tuned |\n|---|---|---|\n",
         cells.size());
-    for (std::size_t i = 0; i < knobs.size(); ++i) {
-        print_table(json_file, "| {} | {:.4g} | {:.4g} |\n", knobs[i].name, start[i], found.values[i]);
-        json["shipped"][knobs[i].name] = start[i];
-        json["tuned"][knobs[i].name] = found.values[i];
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+        print_table(json_file, "| {} | {:.4g} | {:.4g} |\n", parameters[i].name, start[i], found.values[i]);
+        json["shipped"][parameters[i].name] = start[i];
+        json["tuned"][parameters[i].name] = found.values[i];
     }
     const auto before = judged(start), after = judged(found.values);
     print_table(

@@ -178,9 +178,9 @@ int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& j
                     shows ? "show" : "do not show");
         return shows ? 0 : 1;
     }
-    const margins::Found found = margins::search(law.knobs, score, tuning.search, progress);
+    const margins::Found found = margins::search(law.parameters, score, tuning.search, progress);
     const margins::Found top =
-        margins::climb(law.knobs, found.values, score, law.least_gain, tuning.search, progress);
+        margins::climb(law.parameters, found.values, score, law.least_gain, tuning.search, progress);
 
     const Judged after = judged(top.values);
     print({before, after}, trial, tuning.options.requirement, tuning.json_file);

@@ -12,7 +12,7 @@
 #include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/foresight_pictures.hpp"
+#include "plant_sim/lab/forecast_pictures.hpp"
 #include "plant_sim/lab/landing_mix.hpp"
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"

@@ -8,7 +8,7 @@
 
 #include "config/reader/config_directory.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/foresight_pictures.hpp"
+#include "plant_sim/lab/forecast_pictures.hpp"
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/wear/fault_trial.hpp"

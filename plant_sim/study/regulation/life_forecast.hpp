@@ -1,9 +1,9 @@
 /// The brake's life as its own friction foretells it: the wear room's forecast, in the energies of the regulator.
 ///
-///     Foresight foresight(foresight_model(brake), brake, widest_J);
+///     LifeForecast life_forecast(forecast_model(brake), brake, widest_J);
 ///     for (each landing that was measured) {
-///         foresight.learn(c_e_J, mean_friction);
-///         if (const auto life_J = foresight.life_J()) regulator.revise_brake_life(*life_J);
+///         life_forecast.learn(c_e_J, mean_friction);
+///         if (const auto life_J = life_forecast.life_J()) regulator.revise_brake_life(*life_J);
 ///     }
 ///
 /// Pure. A brake is worn out where its mean friction is what `[brake.wear]` expects at its `life_J`: a brake that wears the faster gets there
@@ -20,12 +20,13 @@
 namespace regulation {
 
 /// What brakes like `brake` have in common, in its model's units: wear::brakes_like() of its model.
-[[nodiscard]] std::shared_ptr<const wear::Population> foresight_model(const wear::BrakeWear& brake);
+[[nodiscard]] std::shared_ptr<const wear::Population> forecast_model(const wear::BrakeWear& brake);
 
-class Foresight {
+class LifeForecast {
   public:
     /// `widest_J` > 0: of the interval from 10 to 90 %.
-    Foresight(std::shared_ptr<const wear::Population> model, const wear::BrakeWear& brake, double widest_J);
+    LifeForecast(std::shared_ptr<const wear::Population> model, const wear::BrakeWear& brake,
+                 double widest_J);
 
     /// After a landing, in their order: all that the brake has taken, and its mean friction of eq. (7). What is no number, not positive, or
     /// an energy that went back, is passed over.

@@ -1,4 +1,4 @@
-#include "plant_sim/lab/foresight_pictures.hpp"
+#include "plant_sim/lab/forecast_pictures.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@ namespace plant_sim {
 
 namespace {
 
-constexpr const char* kForesightStyle = R"(set grid lc rgb '#dddddd'
+constexpr const char* kStyleOfForecasts = R"(set grid lc rgb '#dddddd'
 set border lc rgb '#555555'
 set lmargin 11
 set rmargin 4
@@ -31,7 +31,7 @@ std::string landings_text(const wear::Forecast& f) {
 
 void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, double limit,
                    const std::filesystem::path& png) {
-    std::string script = kForesightStyle;
+    std::string script = kStyleOfForecasts;
     script += "set xlabel 'cumulative brake energy (MJ)'\nset ylabel 'mean brake friction'\n$points << EOD\n";
     double least = limit;
     double most = limit;
@@ -69,7 +69,7 @@ void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, doub
 
 void draw_health(const wear::Campaign& recorded, const std::vector<wear::Verdict>& verdicts,
                  const std::filesystem::path& png) {
-    std::string script = kForesightStyle;
+    std::string script = kStyleOfForecasts;
     script += "$health << EOD\n";
     double most = 1.2;
     for (std::size_t i = 0; i < verdicts.size(); ++i) {

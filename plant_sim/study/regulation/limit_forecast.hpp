@@ -26,7 +26,7 @@ struct When {
     double deviation = 0.0;
 };
 
-struct Outlook {
+struct LimitForecast {
     Verdict verdict = Verdict::together;
     double required_share = 0.0;                 ///< of the tyre, of what is to come
     double least_share = 0.0, most_share = 0.0;  ///< that the allowed references give
@@ -38,9 +38,9 @@ struct Outlook {
     double probability = 0.0;
 };
 
-[[nodiscard]] Outlook outlook(const Regulator& regulator);
+[[nodiscard]] LimitForecast limit_forecast(const Regulator& regulator);
 
 /// One plain sentence for people.
-[[nodiscard]] std::string sentence(const Outlook& outlook, const Plan& plan);
+[[nodiscard]] std::string sentence(const LimitForecast& limits, const Plan& plan);
 
 }  // namespace regulation

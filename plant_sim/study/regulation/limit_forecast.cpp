@@ -1,4 +1,4 @@
-#include "plant_sim/study/regulation/outlook.hpp"
+#include "plant_sim/study/regulation/limit_forecast.hpp"
 
 #include <fmt/format.h>
 
@@ -28,7 +28,7 @@ const char* name(Verdict verdict) {
     return kNames[static_cast<std::size_t>(verdict)];
 }
 
-Outlook outlook(const Regulator& r) {
+LimitForecast limit_forecast(const Regulator& r) {
     const Plan& plan = r.plan();
     const double brake_J = r.brake_left_J();
     const double tyre_J = r.tyre_left_J();
@@ -37,7 +37,7 @@ Outlook outlook(const Regulator& r) {
     const double done = r.landings();
     const double to_come = std::max(static_cast<double>(plan.landings) - done, 0.0);
     const double expected_J = to_come * landing_J;
-    Outlook o;
+    LimitForecast o;
     o.required_share = r.required_share();
     o.least_share = std::min(r.share_of(r.range().lowest), 1.0);
     o.most_share = std::min(r.share_of(r.range().highest), 1.0);
@@ -75,7 +75,7 @@ Outlook outlook(const Regulator& r) {
     return o;
 }
 
-std::string sentence(const Outlook& o, const Plan& plan) {
+std::string sentence(const LimitForecast& o, const Plan& plan) {
     switch (o.verdict) {
         case Verdict::together:
             return fmt::format(

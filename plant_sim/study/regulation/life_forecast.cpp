@@ -1,4 +1,4 @@
-#include "plant_sim/study/regulation/foresight.hpp"
+#include "plant_sim/study/regulation/life_forecast.hpp"
 
 #include <cmath>
 #include <utility>
@@ -7,12 +7,12 @@
 
 namespace regulation {
 
-std::shared_ptr<const wear::Population> foresight_model(const wear::BrakeWear& brake) {
+std::shared_ptr<const wear::Population> forecast_model(const wear::BrakeWear& brake) {
     return std::make_shared<const wear::Population>(wear::brakes_like(*brake.model));
 }
 
-Foresight::Foresight(std::shared_ptr<const wear::Population> model, const wear::BrakeWear& brake,
-                     double widest_J)
+LifeForecast::LifeForecast(std::shared_ptr<const wear::Population> model, const wear::BrakeWear& brake,
+                           double widest_J)
     : model_(std::move(model)),
       filter_(*model_),
       scale_(brake.scale),
@@ -20,14 +20,14 @@ Foresight::Foresight(std::shared_ptr<const wear::Population> model, const wear::
       limit_(model_->members.front()(brake.life_J / brake.scale.energy)),
       widest_J_(widest_J) {}
 
-void Foresight::learn(double c_e_J, double mean_friction) {
+void LifeForecast::learn(double c_e_J, double mean_friction) {
     if (!(std::isfinite(c_e_J) && c_e_J > c_e_J_ && std::isfinite(mean_friction) && mean_friction > 0.0))
         return;
     c_e_J_ = c_e_J;
     filter_.learn({c_e_J / scale_.energy, mean_friction / scale_.friction});
 }
 
-std::optional<double> Foresight::life_J() const {
+std::optional<double> LifeForecast::life_J() const {
     // Energy counts here, not landings: steps of one size, fine against widest_J.
     const double step_J = widest_J_ / 10.0;
     const double to_come_J = kFarthest * life_J_ - c_e_J_;

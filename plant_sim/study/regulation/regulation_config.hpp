@@ -10,7 +10,7 @@
 
 namespace regulation {
 
-struct Order {
+struct RegulationConfig {
     /// Without `brake_life_J`, `landing_J` and `landing_deviation_J`, which are the rig's and its landings'; `landings` 0: no planned
     /// landing, both limits together whenever the landings' energy brings them there (see plan_of()).
     Plan plan;
@@ -35,7 +35,7 @@ struct Order {
 [[nodiscard]] std::vector<std::string> surfaces_of(const FloorTable& table, const std::string& text);
 
 /// Reads `file` and the floor table that it names, which stands beside it. Throws settings::Error naming file, line and key.
-[[nodiscard]] Order load_order(const std::filesystem::path& file);
+[[nodiscard]] RegulationConfig load_regulation_config(const std::filesystem::path& file);
 
 /// The floor table alone, e.g. one just characterised.
 struct Characterisation {
@@ -47,7 +47,7 @@ struct Characterisation {
 [[nodiscard]] std::string to_toml(const Characterisation& characterisation, const std::string& made_by);
 
 /// The whole plan for a brake and the energy of its landings. Throws settings::Error where the brake has taken more than its life.
-[[nodiscard]] Plan plan_of(const Order& order, double brake_life_J, double landing_J,
+[[nodiscard]] Plan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J,
                            double landing_deviation_J);
 
 }  // namespace regulation

@@ -1,4 +1,4 @@
-#include "plant_sim/study/regulation/order.hpp"
+#include "plant_sim/study/regulation/regulation_config.hpp"
 
 #include <fmt/format.h>
 
@@ -69,62 +69,63 @@ std::vector<std::string> surfaces_of(const FloorTable& table, const std::string&
     return named;
 }
 
-Order load_order(const std::filesystem::path& file) {
+RegulationConfig load_regulation_config(const std::filesystem::path& file) {
     const settings::Document doc = settings::Document::load(file);
     const settings::Table root = doc.root();
-    Order order;
+    RegulationConfig config;
     const settings::Table plan = root.table("plan");
-    order.plan.landings = plan.find_integer<int>("landings", {.min = 2, .max = 1'000'000}).value_or(0);
-    order.plan.brake_taken_J = plan.number("brake_taken_J", {.min = 0.0, .max = 1e15});
-    order.plan.tyre_life_J = plan.number("tyre_life_J", kEnergy_J);
-    order.plan.tyre_taken_J = plan.number("tyre_taken_J", {.min = 0.0, .max = 1e15});
-    if (order.plan.tyre_taken_J >= order.plan.tyre_life_J)
+    config.plan.landings = plan.find_integer<int>("landings", {.min = 2, .max = 1'000'000}).value_or(0);
+    config.plan.brake_taken_J = plan.number("brake_taken_J", {.min = 0.0, .max = 1e15});
+    config.plan.tyre_life_J = plan.number("tyre_life_J", kEnergy_J);
+    config.plan.tyre_taken_J = plan.number("tyre_taken_J", {.min = 0.0, .max = 1e15});
+    if (config.plan.tyre_taken_J >= config.plan.tyre_life_J)
         plan.fail("tyre_taken_J", "is not below tyre_life_J: nothing is left to share");
-    order.plan.tolerance = plan.number("tolerance", {.min = 0.001, .max = 0.5});
+    config.plan.tolerance = plan.number("tolerance", {.min = 0.001, .max = 0.5});
     const settings::Table reference = root.table("reference");
-    order.rules.default_reference = reference.number("default", {.min = 0.01, .max = 0.5});
-    order.rules.step = reference.number("step", {.min = 0.001, .max = 0.5});
-    order.rules.patience = reference.integer<int>("patience_landings", {.min = 0, .max = 1000});
+    config.rules.default_reference = reference.number("default", {.min = 0.01, .max = 0.5});
+    config.rules.step = reference.number("step", {.min = 0.001, .max = 0.5});
+    config.rules.patience = reference.integer<int>("patience_landings", {.min = 0, .max = 1000});
     const settings::Table measurement = root.table("measurement");
-    order.rules.books_tolerance = measurement.number("books_tolerance", {.min = 0.001, .max = 0.9});
-    order.rules.adaptation = measurement.number("adaptation", {.min = 0.001, .max = 1.0});
+    config.rules.books_tolerance = measurement.number("books_tolerance", {.min = 0.001, .max = 0.9});
+    config.rules.adaptation = measurement.number("adaptation", {.min = 0.001, .max = 1.0});
     const settings::Table floor = root.table("floor");
-    order.rules.j_mu_floor = floor.number("j_mu", {.min = 0.0, .max = 1.0});
+    config.rules.j_mu_floor = floor.number("j_mu", {.min = 0.0, .max = 1.0});
     const std::filesystem::path table = file.parent_path() / floor.text("table");
     const Characterisation c = load_characterisation(table);
-    order.floor = c.floor;
-    order.tyre_share = c.tyre_share;
+    config.floor = c.floor;
+    config.tyre_share = c.tyre_share;
     try {
-        order.surfaces = surfaces_of(order.floor, floor.find_text("surfaces").value_or("all"));
+        config.surfaces = surfaces_of(config.floor, floor.find_text("surfaces").value_or("all"));
     } catch (const std::invalid_argument& e) {
         floor.fail("surfaces", e.what());
     }
     if (const auto forecast = root.find_table("forecast"))
-        order.forecast_widest = forecast->number("widest", {.min = 0.01, .max = 1.0});
-    order.files = {file, table};
+        config.forecast_widest = forecast->number("widest", {.min = 0.01, .max = 1.0});
+    config.files = {file, table};
     doc.finish();
     try {  // also on surfaces that nobody names: one day one of them is seen
-        for (const FloorTable::Row& row : order.floor.rows) static_cast<void>(order.range_on(row.surface));
+        for (const FloorTable::Row& row : config.floor.rows) static_cast<void>(config.range_on(row.surface));
     } catch (const std::invalid_argument& e) {
         floor.fail("j_mu", e.what());
     }
-    return order;
+    return config;
 }
 
-Range Order::range_on(const std::string& surface) const {
+Range RegulationConfig::range_on(const std::string& surface) const {
     return allowed(floor, std::array{surface}, rules.j_mu_floor, rules.default_reference);
 }
 
-Range Order::range(const std::string& surface) const {
+Range RegulationConfig::range(const std::string& surface) const {
     std::vector<std::string> all = surfaces;
     if (!surface.empty()) all.push_back(surface);
     return allowed(floor, all, rules.j_mu_floor, rules.default_reference);
 }
 
-Plan plan_of(const Order& order, double brake_life_J, double landing_J, double landing_deviation_J) {
-    Plan plan = order.plan;
+Plan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J,
+             double landing_deviation_J) {
+    Plan plan = config.plan;
     if (plan.brake_taken_J >= brake_life_J)
-        throw settings::Error(order.files.front().string(), 0, "plan.brake_taken_J",
+        throw settings::Error(config.files.front().string(), 0, "plan.brake_taken_J",
                               fmt::format("is {:.4g}, the brake's life {:.4g}: nothing is left to share",
                                           plan.brake_taken_J, brake_life_J));
     plan.brake_life_J = brake_life_J;

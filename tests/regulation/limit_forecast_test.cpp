@@ -1,4 +1,4 @@
-#include "plant_sim/study/regulation/outlook.hpp"
+#include "plant_sim/study/regulation/limit_forecast.hpp"
 
 #include <cmath>
 #include <vector>
@@ -6,7 +6,7 @@
 #include "tests/catch.hpp"
 #include "tests/regulation/toy_landing.hpp"
 
-using regulation::Outlook;
+using regulation::LimitForecast;
 using regulation::Range;
 using regulation::Regulator;
 using regulation::Rules;
@@ -16,8 +16,8 @@ namespace {
 
 constexpr Range kWholeRange{0.18, 0.38};
 
-Outlook outlook_of(const regulation::Plan& plan) {
-    return regulation::outlook(Regulator(plan, Rules{}, kWholeRange));
+LimitForecast forecast_of(const regulation::Plan& plan) {
+    return regulation::limit_forecast(Regulator(plan, Rules{}, kWholeRange));
 }
 
 /// Landing at which `life_J` is used up by landings of which `share` counts, over many lives: mean and deviation.
@@ -44,19 +44,20 @@ regulation::When brute_force(double life_J, double share) {
 
 TEST_CASE("what will happen is said: feasible, early, late, which limit comes first", "[STUDY-166]") {
     const regulation::Plan good = toy::plan(250, 0.3);
-    CHECK(outlook_of(good).verdict == Verdict::together);
-    CHECK(outlook_of(toy::plan(250, 0.3, 0.9 * toy::Landings::kMean_J)).verdict == Verdict::early);
-    CHECK(outlook_of(toy::plan(250, 0.3, 1.1 * toy::Landings::kMean_J)).verdict == Verdict::late);
-    CHECK(outlook_of(toy::plan(250, 0.45)).verdict == Verdict::brake_first);
-    CHECK(outlook_of(toy::plan(250, 0.10)).verdict == Verdict::tyre_first);
-    CHECK_THAT(sentence(outlook_of(good), good), ContainsSubstring("feasible: both limits near landing 250"));
-    CHECK_THAT(sentence(outlook_of(toy::plan(250, 0.10)), good),
+    CHECK(forecast_of(good).verdict == Verdict::together);
+    CHECK(forecast_of(toy::plan(250, 0.3, 0.9 * toy::Landings::kMean_J)).verdict == Verdict::early);
+    CHECK(forecast_of(toy::plan(250, 0.3, 1.1 * toy::Landings::kMean_J)).verdict == Verdict::late);
+    CHECK(forecast_of(toy::plan(250, 0.45)).verdict == Verdict::brake_first);
+    CHECK(forecast_of(toy::plan(250, 0.10)).verdict == Verdict::tyre_first);
+    CHECK_THAT(sentence(forecast_of(good), good),
+               ContainsSubstring("feasible: both limits near landing 250"));
+    CHECK_THAT(sentence(forecast_of(toy::plan(250, 0.10)), good),
                ContainsSubstring("not feasible") && ContainsSubstring("tyre's limit comes first"));
 }
 
 TEST_CASE("the landings at which limits come are those of many lives", "[STUDY-166]") {
     const regulation::Plan plan = toy::plan(250, 0.5);  // out of reach: the brake comes first
-    const Outlook o = outlook_of(plan);
+    const LimitForecast o = forecast_of(plan);
     REQUIRE(o.verdict == Verdict::brake_first);
     const regulation::When brake = brute_force(plan.brake_life_J, 1.0 - kWholeRange.highest);
     const regulation::When tyre = brute_force(plan.tyre_life_J, kWholeRange.highest);
@@ -67,7 +68,7 @@ TEST_CASE("the landings at which limits come are those of many lives", "[STUDY-1
 }
 
 TEST_CASE("the chance that the landings bring the planned energy is that of many lives", "[STUDY-166]") {
-    const Outlook o = outlook_of(toy::plan(250, 0.3));
+    const LimitForecast o = forecast_of(toy::plan(250, 0.3));
     toy::Landings landings({}, 5);
     constexpr int kLives = 4000;
     int within = 0;
@@ -82,6 +83,6 @@ TEST_CASE("the chance that the landings bring the planned energy is that of many
 TEST_CASE("nothing left is said", "[STUDY-166]") {
     Regulator regulator(toy::plan(10, 0.3), Rules{}, kWholeRange);
     regulator.spent(0.0, 1e9);
-    CHECK(regulation::outlook(regulator).verdict == Verdict::reached);
+    CHECK(regulation::limit_forecast(regulator).verdict == Verdict::reached);
     CHECK(regulator.tyre_left_J() == 0.0);
 }
