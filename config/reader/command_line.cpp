@@ -124,10 +124,12 @@ CLI::Option* add_json(CLI::App& app, std::string& where, const std::string& what
 }
 
 void deliver(const std::string& where, std::string_view text) {
-    if (where == "-")
-        (void)std::fwrite(text.data(), 1, text.size(), stdout);
-    else if (!where.empty())
+    if (where == "-") {
+        if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+            throw Error("standard output", 0, "", "cannot be written");
+    } else if (!where.empty()) {
         write_file(where, text);
+    }
 }
 
 }  // namespace settings

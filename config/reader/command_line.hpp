@@ -55,7 +55,7 @@ void add_layout_files(CLI::App& app, std::filesystem::path& dbc, std::filesystem
 /// `--json FILE`, for deliver().
 CLI::Option* add_json(CLI::App& app, std::string& where, const std::string& what);
 
-/// Writes `text` to the file `where`, whole or not at all; to standard output for "-"; nowhere for "".
+/// Writes `text` to the file `where`, whole or not at all; to standard output for "-"; nowhere for "". Throws Error where it cannot.
 void deliver(const std::string& where, std::string_view text);
 
 }  // namespace settings
