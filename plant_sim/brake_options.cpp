@@ -4,7 +4,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -35,26 +34,22 @@ std::string check_brake(const std::string& text) {
 }  // namespace
 
 void add_rule_options(CLI::App& app, wear::ConditionalRule& rule) {
-    static const std::map<std::string, wear::Variance> kVariances{{"exact", wear::Variance::exact},
-                                                                  {"printed", wear::Variance::printed}};
-    app.add_option("--variance", rule.variance,
-                   "exact: (1 - rho^2) sigma_b^2; printed: (1 - rho) sigma_b^2 as in the paper's eq. (14)")
-        ->transform(CLI::CheckedTransformer(kVariances))
-        ->default_str("exact");
-    static const std::map<std::string, wear::Choice> kChoices{{"nearest", wear::Choice::nearest},
-                                                              {"mixture", wear::Choice::mixture}};
-    app.add_option("--component", rule.choice,
-                   "nearest: of the component nearest in energy (the paper); mixture: the exact conditional")
-        ->transform(CLI::CheckedTransformer(kChoices))
-        ->default_str("nearest");
+    settings::add_choice(
+        app, "--variance", rule.variance,
+        {{"exact", wear::Variance::exact}, {"printed", wear::Variance::printed}},
+        "exact: (1 - rho^2) sigma_b^2; printed: (1 - rho) sigma_b^2 as in the paper's eq. (14)");
+    settings::add_choice(
+        app, "--component", rule.choice,
+        {{"nearest", wear::Choice::nearest}, {"mixture", wear::Choice::mixture}},
+        "nearest: of the component nearest in energy (the paper); mixture: the exact conditional");
 }
 
 void BrakeOptions::add_to(CLI::App& app) {
     app.add_option("--brake", brake,
                    "mean friction drawn by the wear model of [brake.wear]: new, worn (at the end of its "
                    "life), or what it has taken so far in MJ")
-        ->check(CLI::Validator(check_brake, "new|worn|MJ"))
-        ->type_name("");
+        ->check(CLI::Validator(check_brake, ""))
+        ->type_name("new|worn|MJ");
     app.add_option("--brake-state", state,
                    "the brake from one run to the next: read at the start where it is there, written after "
                    "each maneuver")

@@ -1,12 +1,11 @@
 /// Which brake a program runs with, and how it wears: the same options wherever one does.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <cstdint>
 #include <filesystem>
 #include <string>
 
+#include "config/reader/command_line.hpp"
 #include "plant_sim/wear/wearing_brake.hpp"
 
 namespace plant_sim {

@@ -67,37 +67,35 @@ void ScenarioOptions::add_to(CLI::App& app) {
         ->capture_default_str();
     auto* const surface = app.add_option("--surface", choice.surface, "runway, a table of surfaces.toml")
                               ->capture_default_str();
-    app.add_option("--runway", choice.runway,
-                   "surfaces over distance, wet friction over speed: a file as config/runways has them")
-        ->type_name("FILE")
+    settings::existing_file(
+        app.add_option("--runway", choice.runway,
+                       "surfaces over distance, wet friction over speed: a file as config/runways has them"))
         ->excludes(surface);
-    app.add_option("--law", law, "slip, peak_slip, threshold, pressure_bias, deceleration or open_loop")
-        ->check(
-            CLI::IsMember({"slip", "peak_slip", "threshold", "pressure_bias", "deceleration", "open_loop"}))
+    settings::one_of(app.add_option("--law", law, "control law"),
+                     {"slip", "peak_slip", "threshold", "pressure_bias", "deceleration", "open_loop"})
         ->capture_default_str();
     app.add_option("--slip", slip, "slip reference")->check(CLI::Range(0.0, 0.5))->capture_default_str();
     app.add_option("--deceleration", deceleration_mps2, "reference of the deceleration law, m/s2");
-    app.add_option("--profile", profile, "current of the open-loop law: CSV time_s,current_mA from brake-on");
+    settings::existing_file(app.add_option(
+        "--profile", profile, "current of the open-loop law: CSV time_s,current_mA from brake-on"));
     app.add_option("--mass", choice.mass_kg, "mass on the wheel, kg, instead of the maneuver's");
     app.add_option("--speed", choice.speed_mps, "brake-on speed, m/s, instead of the maneuver's");
     app.add_option("--mu-b", choice.friction, "mean brake friction of this maneuver, whatever the brake");
-    app.add_option(
+    settings::existing_file(app.add_option(
         "--friction-curves", choice.friction_curves,
-        "TOML with [brake.relative_friction] instead of the rig's, as `rig-lab wear dynamics` writes it");
-    app.add_option("--carrier", choice.carrier,
-                   "aircraft, or flywheel: the loading device lags behind eq. (2)")
-        ->transform(CLI::CheckedTransformer(std::map<std::string, plant::Carrier>{
-            {"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}}))
-        ->default_str("aircraft");
+        "TOML with [brake.relative_friction] instead of the rig's, as `rig-lab wear dynamics` writes it"));
+    settings::add_choice(app, "--carrier", choice.carrier,
+                         {{"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}},
+                         "flywheel: the loading device lags behind eq. (2)");
     app.add_option("--seed", seed, "seed of every random draw")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    app.add_option("--config", config, "directory of the configuration files")->capture_default_str();
-    app.add_option("--controller", controller,
-                   "controller configuration (default: CONFIG/controller.toml; endurance: "
-                   "CONFIG/controller_endurance.toml)");
-    app.add_option("--dbc", dbc, "bus layout (default: CONFIG/antiskid.dbc)");
-    app.add_option("--binding", binding, "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+    settings::add_config_directory(app, config);
+    settings::existing_file(
+        app.add_option("--controller", controller,
+                       "controller configuration (default: CONFIG/controller.toml; endurance: "
+                       "CONFIG/controller_endurance.toml)"));
+    settings::add_layout_files(app, dbc, binding);
 }
 
 Scenario load_scenario(const ScenarioOptions& o) {

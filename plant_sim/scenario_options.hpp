@@ -1,12 +1,11 @@
 /// The command line of one maneuver, the same for every program that runs one.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <filesystem>
 #include <optional>
 #include <string>
 
+#include "config/reader/command_line.hpp"
 #include "config/reader/config_directory.hpp"
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"

@@ -1,7 +1,6 @@
 #include "plant_sim/serve_command.hpp"
 
 #include <fmt/core.h>
-#include <CLI/CLI.hpp>
 
 #include <array>
 #include <charconv>
@@ -75,9 +74,9 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         "stopped.",
         "virtual-rig serve"};
     app.add_option("--can", o.interface, "CAN interface, e.g. vcan0")->required()->type_name("IF");
-    app.add_option("--scenario", o.scenario, "the same file that rig-bridge gets: it says which rig this is")
-        ->required()
-        ->type_name("FILE");
+    settings::existing_file(app.add_option("--scenario", o.scenario,
+                                           "the same file that rig-bridge gets: it says which rig this is"))
+        ->required();
     auto* const modbus =
         app.add_option("--modbus", o.modbus, "where Modbus TCP is served; port 0: any free one")
             ->type_name("IP:PORT")
@@ -89,14 +88,16 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         ->type_name("IP")
         ->capture_default_str();
     std::string rtu;
-    app.add_option(
-           "--modbus-rtu", rtu,
-           "pty: Modbus RTU on a pseudo-terminal, whose name is printed; without --modbus instead of TCP")
-        ->check(CLI::IsMember({"pty"}));
-    app.add_option("--clock", o.clock,
-                   "timer: real time; sync: lockstep with antiskid-controller --clock sync, never faster "
-                   "than real time")
-        ->check(CLI::IsMember({"timer", "sync"}))
+    settings::one_of(
+        app.add_option(
+            "--modbus-rtu", rtu,
+            "Modbus RTU on a pseudo-terminal, whose name is printed; without --modbus instead of TCP"),
+        {"pty"});
+    settings::one_of(
+        app.add_option("--clock", o.clock,
+                       "timer: real time; sync: lockstep with antiskid-controller --clock sync, never faster "
+                       "than real time"),
+        {"timer", "sync"})
         ->capture_default_str();
     app.add_option(
            "--answer-timeout", o.answer_timeout_ms,
@@ -118,10 +119,10 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
            "--port-file", o.port_file,
            "written when everything is served: the TCP port (0: none), then the pseudo-terminal (or nothing)")
         ->type_name("FILE");
-    app.add_option("--config", o.config, "directory of the configuration files")->capture_default_str();
-    app.add_option("--registers", o.registers, "register map (default: CONFIG/registers.toml)");
-    app.add_option("--dbc", o.dbc, "bus layout (default: CONFIG/antiskid.dbc)");
-    app.add_option("--binding", o.binding, "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+    settings::add_config_directory(app, o.config);
+    settings::existing_file(
+        app.add_option("--registers", o.registers, "register map (default: CONFIG/registers.toml)"));
+    settings::add_layout_files(app, o.dbc, o.binding);
     app.add_option("--priority", o.priority, "SCHED_FIFO priority with --clock timer; 0: ordinary scheduling")
         ->check(CLI::Range(0, 99))
         ->capture_default_str();
@@ -137,11 +138,7 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         "kept; 2 mistake on the command line "
         "or in a configuration "
         "file; 130 stopped by Ctrl-C.");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-        return app.exit(e) == 0 ? 0 : 2;
-    }
+    if (const auto mistake = settings::parse(app, argc, argv)) return mistake;
     o.rtu = !rtu.empty();
     if (o.rtu && modbus->count() == 0) o.modbus.clear();
     return std::nullopt;

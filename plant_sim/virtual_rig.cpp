@@ -1,7 +1,6 @@
 /// virtual-rig: the plant behind the rig's CAN frames; runs one maneuver, or with `serve` as many as a rig bridge asks for. See --help.
 
 #include <fmt/core.h>
-#include <CLI/CLI.hpp>
 
 #include <cmath>
 #include <cstdio>
@@ -34,7 +33,8 @@ struct Options {
     int answer_timeout_ms = 1000;
     int patience_ms = 10000;
     int priority = 70;
-    bool picture = false;
+    std::string json;               ///< file, "-" for standard output, or empty
+    std::filesystem::path picture;  ///< empty: none
 };
 
 /// The options, or the exit status when there is nothing to run.
@@ -46,11 +46,13 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         "virtual-rig"};
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.add_option("--can", o.interface, "CAN interface, e.g. vcan0")->required()->type_name("IF");
-    app.add_option("--clock", o.clock, "sync: lockstep, as fast as both can; timer: real time")
-        ->check(CLI::IsMember({"sync", "timer"}))
+    settings::one_of(
+        app.add_option("--clock", o.clock, "sync: lockstep, as fast as both can; timer: real time"),
+        {"sync", "timer"})
         ->capture_default_str();
-    app.add_option("--out", o.out, "directory for trajectory.csv and result.json")->type_name("DIR");
-    app.add_flag("--picture", o.picture, "draw maneuver.png there, too");
+    app.add_option("--out", o.out, "for trajectory.csv and result.json")->type_name("DIRECTORY");
+    settings::add_json(app, o.json, "result");
+    app.add_option("--picture", o.picture, "speeds, slip and pressures (PNG)")->type_name("FILE");
     app.add_option("--answer-timeout", o.answer_timeout_ms, "lockstep: longest wait for a valve command")
         ->check(CLI::Range(1, 3'600'000))
         ->type_name("MS")
@@ -68,17 +70,13 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         "Examples:\n"
         "  virtual-rig --can vcan0 --maneuver heavy --surface dry_asphalt --slip 0.24 --out out/stop\n"
         "  virtual-rig --can vcan0 --clock timer --surface snow --law threshold\n"
-        "  virtual-rig --can vcan0 --runway config/runways/flooded.toml --out out/flooded --picture\n"
+        "  virtual-rig --can vcan0 --runway config/runways/flooded.toml --picture flooded.png\n"
         "  virtual-rig --can vcan0 --brake-state brake.json\n"
         "Exit status: 0 the maneuver ran to standstill; 1 it did not (controller silent, interface gone, no "
         "standstill);\n"
         "2 mistake on the command line or in a configuration file; 130 stopped by Ctrl-C.");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-        return app.exit(e) == 0 ? 0 : 2;
-    }
-    return std::nullopt;
+    app.add_subcommand("serve", "the rig without the pilot, for rig-bridge; first on the command line");
+    return settings::parse(app, argc, argv);
 }
 
 int exit_status(plant_sim::Ending ending) {
@@ -104,7 +102,7 @@ int run(const Options& o, const plant_sim::Scenario& s) {
     plant_sim::Progress progress;
     const auto observe = [&](const study::RigSession& now, const antiskid::can::ControllerView& view,
                              double current_mA) {
-        if (!o.out.empty()) trajectory.record(now, view, current_mA);
+        if (!o.out.empty() || !o.picture.empty()) trajectory.record(now, view, current_mA);
         progress.show(now, view);
     };
     const Time millisecond{1'000'000};
@@ -129,15 +127,14 @@ int run(const Options& o, const plant_sim::Scenario& s) {
     report.frames_received = result.frames_received;
     report.frames_lost = result.frames_lost;
     report.overruns = result.overruns;
-    fmt::print("{}", study::to_table(report));
-    if (!o.out.empty()) {
-        settings::write_file(o.out / "trajectory.csv", trajectory.csv());
-        settings::write_file(o.out / "result.json", study::to_json(report));
-        if (o.picture) {
-            study::draw_stop(o.out / "trajectory.csv", o.out / "maneuver.png", s.title(o.scenario),
-                             session.pilot().brake_on_s(), along_runway);
-        }
-    }
+    if (o.json != "-") fmt::print("{}", study::to_table(report));
+    settings::deliver(o.json, study::to_json(report));
+    const std::filesystem::path csv =
+        o.out.empty() ? std::filesystem::path(o.picture).concat(".csv") : o.out / "trajectory.csv";
+    if (!o.out.empty() || !o.picture.empty()) settings::write_file(csv, trajectory.csv());
+    if (!o.out.empty()) settings::write_file(o.out / "result.json", study::to_json(report));
+    if (!o.picture.empty())
+        study::draw_stop(csv, o.picture, s.title(o.scenario), session.pilot().brake_on_s(), along_runway);
     // A maneuver that never reached its brake-on wears nothing and is none.
     const double taken_J = session.rig().wheel().energy_brake_J;
     if (taken_J > 0.0) s.keep_brake(o.scenario, taken_J);

@@ -54,7 +54,7 @@ nlohmann::json run_controller(const Settings& s, const can::IdList& ids, const s
     const auto report_path = std::filesystem::path(s.json).replace_extension(".controller.json");
     Child controller(
         {s.controller, "--can", s.interface, "--clock", clock, "--priority", std::to_string(s.priority),
-         "--cpu", std::to_string(s.cpu), "--log-level", "warning", "--report", report_path},
+         "--cpu", std::to_string(s.cpu), "--log-level", "warning", "--json", report_path},
         s.log());
     if (traffic.ends_within(std::chrono::seconds{s.seconds})) round.cut_short = true;
     if (controller.ends_within(0ms))

@@ -1,7 +1,6 @@
 /// cortex-m-prepare: what the microcontroller's run needs from the host. See --help.
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +16,8 @@
 #include <vector>
 
 #include "config/reader/atomic_file.hpp"
+#include "config/reader/command_line.hpp"
+#include "config/reader/config_directory.hpp"
 #include "config/reader/error.hpp"
 #include "config/reader/hash.hpp"
 #include "firmware/can/candump.hpp"
@@ -105,23 +106,23 @@ int run(int argc, char** argv) {
         "(NAME.in) and what it must answer (NAME.expected). Prints version and hash of the configuration as "
         "JSON.",
         "cortex-m-prepare"};
-    std::filesystem::path config = "config/controller.toml";
-    std::filesystem::path dbc = "config/antiskid.dbc";
-    std::filesystem::path binding = "config/antiskid_binding.toml";
+    std::filesystem::path config = settings::config_directory();
+    std::filesystem::path controller, dbc, binding;
     std::filesystem::path out;
     std::vector<std::filesystem::path> logs;
-    app.add_option("--config", config, "controller configuration")->capture_default_str();
-    app.add_option("--dbc", dbc, "frame layout")->capture_default_str();
-    app.add_option("--binding", binding, "which message is what")->capture_default_str();
-    app.add_option("--out", out, "directory, made if it is not there")->required();
-    app.add_option("log", logs, "candump logs of lockstep runs (rig-lab stop --bus-log)");
+    settings::add_config_directory(app, config);
+    settings::existing_file(
+        app.add_option("--controller", controller, "controller's numbers (default: CONFIG/controller.toml)"));
+    settings::add_layout_files(app, dbc, binding);
+    app.add_option("--out", out, "made if it is not there")->required()->type_name("DIRECTORY");
+    settings::existing_file(
+        app.add_option("LOG", logs, "candump logs of lockstep runs (rig-lab stop --bus-log)"));
     app.footer("Example:\n  cortex-m-prepare --out out/pil heavy.log");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-        return app.exit(e) == 0 ? 0 : 2;
-    }
-    const antiskid::control::Config control = antiskid::load_controller_config(config);
+    if (const auto status = settings::parse(app, argc, argv)) return *status;
+    if (controller.empty()) controller = config / "controller.toml";
+    if (dbc.empty()) dbc = config / "antiskid.dbc";
+    if (binding.empty()) binding = config / "antiskid_binding.toml";
+    const antiskid::control::Config control = antiskid::load_controller_config(controller);
     const Layout layout = antiskid::can::load_layout(dbc, binding);
     std::filesystem::create_directories(out);
     settings::write_file(out / "tables.hpp", tables(control, layout));
@@ -133,7 +134,7 @@ int run(int argc, char** argv) {
         settings::write_file(out / log.stem().concat(".expected"), streams.expected);
     }
     fmt::print("{{\"version\": \"{}\", \"config_hash\": \"{}\"}}\n", ANTISKID_VERSION,
-               settings::hash(std::array{config, dbc, binding}));
+               settings::hash(std::array{controller, dbc, binding}));
     return 0;
 }
 

@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "config/reader/atomic_file.hpp"
+#include "config/reader/command_line.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
 #include "firmware/linux/report.hpp"
@@ -46,8 +46,8 @@ void attend(const std::atomic<bool>& stop, rt::Clock& clock, rt::CycleRing& ring
 }
 
 int finish(const rt::Options& options, const rt::RunReport& report) {
-    fmt::print("{}", rt::table(report));
-    if (options.report) settings::write_file(*options.report, rt::json(report));
+    if (options.json != "-") fmt::print("{}", rt::table(report));
+    settings::deliver(options.json, rt::json(report));
     if (report.loop.safe_commands_sent >= rt::ControlLoop::kSafeCommands) return 0;
     spdlog::error("the valve's safe current was delivered {} of {} times: {} does not take frames",
                   report.loop.safe_commands_sent, rt::ControlLoop::kSafeCommands, options.interface);

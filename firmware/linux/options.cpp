@@ -1,7 +1,9 @@
 #include "firmware/linux/options.hpp"
 
-#include <CLI/CLI.hpp>
+#include <cstdio>
 #include <string>
+
+#include "config/reader/command_line.hpp"
 
 namespace antiskid::rt {
 
@@ -43,10 +45,6 @@ void add_check_options(CLI::App& app, bool& wanted, CheckRequest& check) {
     app.add_option("--expect-hash", check.expect_hash, "--check: the configuration must have this hash")
         ->needs(asked)
         ->type_name("HASH");
-    app.add_option("--json", check.json,
-                   "--check: as JSON, to a file; - for standard output instead of the table")
-        ->needs(asked)
-        ->type_name("FILE");
 }
 
 }  // namespace
@@ -64,28 +62,23 @@ std::variant<Options, int> parse_options(const int argc, const char* const* argv
     app.footer(kFooter);
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.add_option("--can", options.interface, "CAN interface, e.g. can0")->required()->type_name("IF");
-    std::string clock(name(options.clock));
-    app.add_option(
-           "--clock", clock,
-           "what a step waits for: the sensors' frame, with the machine's clock where it fails to come; "
-           "the machine's clock alone; or SYNC, for lockstep")
-        ->check(CLI::IsMember({"sensors", "timer", "sync"}))
-        ->capture_default_str();
+    settings::add_choice(
+        app, "--clock", options.clock,
+        {{"sensors", ClockSource::sensors}, {"timer", ClockSource::timer}, {"sync", ClockSource::sync}},
+        "what a step waits for: the sensors' frame, with the machine's clock where it fails to come; "
+        "the machine's clock alone; or SYNC, for lockstep");
     app.add_option("--sync-timeout", options.sync_timeout_ms,
                    "--clock sync: a rig silent for so long is a fault")
         ->check(CLI::Range(1, 3'600'000))
         ->type_name("MS")
         ->capture_default_str();
-    app.add_option("--config", options.config, "the controller's numbers")
-        ->type_name("FILE")
-        ->capture_default_str();
-    app.add_option("--dbc", options.dbc, "messages and signals on the bus")
-        ->type_name("FILE")
-        ->capture_default_str();
-    app.add_option("--binding", options.binding, "which of them is what")
-        ->type_name("FILE")
-        ->capture_default_str();
-    app.add_option("--report", options.report, "write statistics as JSON at exit")->type_name("FILE");
+    std::filesystem::path config = settings::config_directory();
+    std::filesystem::path controller, dbc, binding;
+    settings::add_config_directory(app, config);
+    settings::existing_file(app.add_option("--controller", controller,
+                                           "the controller's numbers (default: CONFIG/controller.toml)"));
+    settings::add_layout_files(app, dbc, binding);
+    settings::add_json(app, options.json, "statistics at exit, or with --check what was found,");
     app.add_option("--cpu", options.realtime.cpu, "pin the loop to this processor")
         ->check(CLI::Range(0, 4095))
         ->type_name("N");
@@ -94,23 +87,24 @@ std::variant<Options, int> parse_options(const int argc, const char* const* argv
         ->check(CLI::Range(0, 99))
         ->type_name("N")
         ->capture_default_str();
-    std::string level = "info";
-    app.add_option("--log-level", level, "least severe messages to show")
-        ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
-        ->capture_default_str();
+    settings::add_choice(app, "--log-level", options.log_level,
+                         {{"debug", spdlog::level::debug},
+                          {"info", spdlog::level::info},
+                          {"warning", spdlog::level::warn},
+                          {"error", spdlog::level::err}},
+                         "least severe messages to show");
     bool check = false;
     CheckRequest request;
     add_check_options(app, check, request);
-    try {
-        app.parse(argc, argv);
-        if (check && clock == "sync")
-            throw CLI::ValidationError("--check", "listens by the machine's clock: leave --clock sync out");
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
+    if (const auto status = settings::parse(app, argc, argv)) return *status;
+    if (check && options.clock == ClockSource::sync) {
+        std::fputs("antiskid-controller: --check listens by the machine's clock: leave --clock sync out\n",
+                   stderr);
+        return 2;
     }
-    for (const ClockSource source : {ClockSource::sensors, ClockSource::timer, ClockSource::sync})
-        if (clock == name(source)) options.clock = source;
-    options.log_level = spdlog::level::from_str(level);
+    options.controller = controller.empty() ? config / "controller.toml" : controller;
+    options.dbc = dbc.empty() ? config / "antiskid.dbc" : dbc;
+    options.binding = binding.empty() ? config / "antiskid_binding.toml" : binding;
     if (check) options.check = request;
     return options;
 }

@@ -25,16 +25,15 @@ struct CheckRequest {
     bool valve_step = false;            ///< also move the valve a little
     std::uint32_t bitrate = 1'000'000;  ///< of the rig's CAN
     std::string expect_hash;            ///< of the configuration; empty: any
-    std::string json;                   ///< file, "-" for standard output, or empty
 };
 
 struct Options {
     std::string interface;
     ClockSource clock = ClockSource::sensors;
-    std::filesystem::path config = settings::config_directory() / "controller.toml";
+    std::filesystem::path controller = settings::config_directory() / "controller.toml";
     std::filesystem::path dbc = settings::config_directory() / "antiskid.dbc";
     std::filesystem::path binding = settings::config_directory() / "antiskid_binding.toml";
-    std::optional<std::filesystem::path> report;
+    std::string json;  ///< of the statistics, or what --check found: file, "-" for standard output, or empty
     RealtimeRequest realtime;
     int sync_timeout_ms = 1000;
     spdlog::level::level_enum log_level = spdlog::level::info;

@@ -57,7 +57,7 @@ int check_controller(const rt::Options& options) {
                               on_loop_thread(options.realtime, expected, work);
                           }};
     const Report report = controller_report(options, doors, signals.stop());
-    const int status = deliver(report, options.check->json);
+    const int status = deliver(report, options.json);
     if (signals.number() == 0) return status;
     fmt::print(stderr, "antiskid-controller: ended by signal {} before its time\n", signals.number());
     return 128 + signals.number();

@@ -34,7 +34,8 @@ MachineNeeds needs_of(const rt::Options& options) {
                        .cpu = options.realtime.cpu,
                        .record = ".",
                        .record_bytes = kReport_bytes};
-    if (options.report && options.report->has_parent_path()) needs.record = options.report->parent_path();
+    const std::filesystem::path report = options.json;
+    if (report.has_parent_path()) needs.record = report.parent_path();
     return needs;
 }
 

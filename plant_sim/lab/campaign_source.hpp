@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "config/reader/command_line.hpp"
 #include "plant_sim/wear/campaign.hpp"
 
 namespace plant_sim {

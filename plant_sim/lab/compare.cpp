@@ -83,7 +83,7 @@ struct CompareCommand {
             table += fmt::format(" {:.4f} | |{}", sums[i], i == 0 ? " |" : "");
         table += "\n";
         if (json != "-") fmt::print("{}", table);
-        if (!json.empty()) deliver(json, rows.dump(2) + "\n");
+        if (!json.empty()) settings::deliver(json, rows.dump(2) + "\n");
         return 0;
     }
 };
@@ -94,22 +94,21 @@ LabVerb compare_verb(CLI::App& lab) {
     const auto compare = std::make_shared<CompareCommand>();
     CLI::App* verb = lab.add_subcommand(
         "compare", "The slip law against the threshold law on all surfaces and maneuvers.");
-    verb->add_option("--laws", compare->laws, "slip, peak_slip, threshold, pressure_bias")
+    settings::one_of(
+        verb->add_option("--laws", compare->laws, "to compare; the first is the one whose locks are shown"),
+        {"slip", "peak_slip", "threshold", "pressure_bias"})
         ->delimiter(',')
-        ->check(CLI::IsMember({"slip", "peak_slip", "threshold", "pressure_bias"}))
         ->capture_default_str();
     verb->add_option("--slip", compare->scenario.slip, "slip reference")
         ->check(CLI::Range(0.0, 0.5))
         ->capture_default_str();
     verb->add_option("--seed", compare->scenario.seed, "seed of every random draw")->capture_default_str();
-    verb->add_option("--config", compare->scenario.config, "directory of the configuration files")
-        ->capture_default_str();
+    settings::add_config_directory(*verb, compare->scenario.config);
     verb->add_option("--mu-b", compare->scenario.choice.friction,
                      "mean brake friction instead of a new brake's");
-    verb->add_option("--runway", compare->runways,
-                     "runways instead of the surfaces, files as in config/runways")
-        ->type_name("FILE");
-    verb->add_option("--json", compare->json, "every stop as JSON: a file, or - for standard output");
+    settings::existing_file(verb->add_option("--runway", compare->runways,
+                                             "runways instead of the surfaces, files as in config/runways"));
+    settings::add_json(*verb, compare->json, "every stop");
     verb->footer(
         "Examples:\n  rig-lab compare --slip 0.24 --json compare.json\n"
         "  rig-lab compare --laws slip,peak_slip,threshold,pressure_bias\n"

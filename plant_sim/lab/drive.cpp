@@ -13,11 +13,11 @@ struct DriveCommand {
     plant::ManeuverChoice choice;
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path input;
-    std::string output;
+    std::string csv;
 
     int run() const {
         const plant::LoadedRig rig = plant::load_rig(config, choice);
-        deliver(output, study::drive(rig.rig, study::read_profile(input)));
+        settings::deliver(csv, study::drive(rig.rig, study::read_profile(input)));
         return 0;
     }
 };
@@ -31,21 +31,22 @@ LabVerb drive_verb(CLI::App& lab) {
     verb->add_option("--maneuver", drive->choice.maneuver, "mass and speed")->capture_default_str();
     auto* const surface =
         verb->add_option("--surface", drive->choice.surface, "runway")->capture_default_str();
-    verb->add_option("--runway", drive->choice.runway,
-                     "surfaces over distance from the profile's start: a file as config/runways has them")
-        ->type_name("FILE")
+    settings::existing_file(
+        verb->add_option(
+            "--runway", drive->choice.runway,
+            "surfaces over distance from the profile's start: a file as config/runways has them"))
         ->excludes(surface);
-    verb->add_option("--input", drive->input,
-                     "CSV: time_s,pressure_Pa or time_s,current_mA, linear between rows")
+    settings::existing_file(
+        verb->add_option("--input", drive->input,
+                         "CSV: time_s,pressure_Pa or time_s,current_mA, linear between rows"))
         ->required();
-    verb->add_option("--output", drive->output, "CSV, or - for standard output")->required();
+    verb->add_option("--csv", drive->csv, "the motion; - for standard output")->type_name("FILE")->required();
     verb->add_option("--mass", drive->choice.mass_kg, "kg, instead of the maneuver's");
     verb->add_option("--speed", drive->choice.speed_mps, "m/s, instead of the maneuver's");
     verb->add_option("--mu-b", drive->choice.friction, "mean brake friction instead of a new brake's");
-    verb->add_option("--config", drive->config, "directory of the configuration files")
-        ->capture_default_str();
+    settings::add_config_directory(*verb, drive->config);
     verb->footer(
-        "Example:\n  rig-lab drive --maneuver light --surface wet_asphalt --input pressure.csv --output "
+        "Example:\n  rig-lab drive --maneuver light --surface wet_asphalt --input pressure.csv --csv "
         "motion.csv");
     return {verb, [drive] { return drive->run(); }};
 }

@@ -20,6 +20,7 @@ struct EnduranceCommand {
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path scenario;
     std::filesystem::path out;
+    std::string json_file;  ///< "-": standard output
     std::int64_t maneuvers = 500;
     std::uint64_t seed = 1;
     BrakeOptions brake;
@@ -37,23 +38,25 @@ void EnduranceCommand::report(const endurance::Setup& setup, const endurance::Ca
     std::optional<endurance::TableThree> printed;
     if (setup.scenario.endurance()) printed = endurance::printed_table(config);
     const auto& done = result.finished;
-    fmt::print("{}: {} maneuvers finished, seed {}\n", setup.scenario.title, done.size(), seed);
+    print_table(json_file, "{}: {} maneuvers finished, seed {}\n", setup.scenario.title, done.size(), seed);
     if (!done.empty()) {
-        fmt::print("{}", endurance::to_text(endurance::measured_table(done), printed));
-        fmt::print("  brake energy {:.1f} MJ, mean friction {:.4f} in the first, {:.4f} in the last\n",
-                   done.back().cumulative_energy_J * 1e-6, done.front().figures.mean_friction,
-                   done.back().figures.mean_friction);
+        print_table(json_file, "{}", endurance::to_text(endurance::measured_table(done), printed));
+        print_table(json_file,
+                    "  brake energy {:.1f} MJ, mean friction {:.4f} in the first, {:.4f} in the last\n",
+                    done.back().cumulative_energy_J * 1e-6, done.front().figures.mean_friction,
+                    done.back().figures.mean_friction);
     }
     if (!wear_model.empty())
-        fmt::print("  brake {}{}{}\n", rig::name(result.health.state),
-                   result.health.reason.empty() ? "" : ": ", result.health.reason);
+        print_table(json_file, "  brake {}{}{}\n", rig::name(result.health.state),
+                    result.health.reason.empty() ? "" : ": ", result.health.reason);
     const auto json = directory / "table.json";
-    settings::write_file(json, endurance::to_json({.scenario = setup.scenario.name,
-                                                   .config_hash = setup.config_hash,
-                                                   .version = ANTISKID_VERSION,
-                                                   .seed = seed},
-                                                  done, printed));
-    fmt::print("  {}, {}\n", (directory / "ledger.sqlite").string(), json.string());
+    keep_json(json, json_file,
+              endurance::to_json({.scenario = setup.scenario.name,
+                                  .config_hash = setup.config_hash,
+                                  .version = ANTISKID_VERSION,
+                                  .seed = seed},
+                                 done, printed));
+    print_table(json_file, "  {}, {}\n", (directory / "ledger.sqlite").string(), json.string());
 }
 
 int EnduranceCommand::run() const {
@@ -61,7 +64,7 @@ int EnduranceCommand::run() const {
     const endurance::Setup setup = endurance::load_setup(file, config);
     const auto directory =
         out.empty() ? std::filesystem::path("out") / fmt::format("{}-{}", setup.scenario.name, seed) : out;
-    std::filesystem::create_directories(directory);
+    settings::create_directories(directory);
     const double taken_J = brake.taken_J(setup.scenario.rig.wear);
     if (!std::filesystem::exists(directory / "ledger.sqlite"))
         (void)brake.brake_of(setup.scenario.rig.wear, seed);  // refuses what contradicts
@@ -83,8 +86,8 @@ int EnduranceCommand::run() const {
                                                                      observe);
     if (progress) progress->finish();
     if (result.already > 0)
-        fmt::print("{} maneuvers were in the ledger already; remove {} to begin anew\n", result.already,
-                   directory.string());
+        print_table(json_file, "{} maneuvers were in the ledger already; remove {} to begin anew\n",
+                    result.already, directory.string());
     report(setup, result, directory);
     if (const std::string beyond = extrapolation_notice(*result.brake); !beyond.empty())
         fmt::print(stderr, "rig-lab: {}\n", beyond);
@@ -112,15 +115,16 @@ LabVerb endurance_verb(CLI::App& lab) {
     verb->add_option("--seed", command->seed, "seed of every random draw")
         ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}))
         ->capture_default_str();
-    verb->add_option("--scenario", command->scenario,
-                     "scenario file (default: CONFIG/scenarios/endurance.toml)");
-    verb->add_option("--out", command->out, "directory of the results (default: out/SCENARIO-SEED)");
+    settings::existing_file(verb->add_option("--scenario", command->scenario,
+                                             "scenario file (default: CONFIG/scenarios/endurance.toml)"));
+    settings::add_json(*verb, command->json_file, "table");
+    verb->add_option("--out", command->out, "directory of the results (default: out/SCENARIO-SEED)")
+        ->type_name("DIRECTORY");
     command->brake.add_to(*verb);
-    verb->add_option("--wear-model", command->wear_model,
-                     "judge the brake after each maneuver by this population.json or model.json of `wear`")
-        ->check(CLI::ExistingFile);
-    verb->add_option("--config", command->config, "directory of the configuration files")
-        ->capture_default_str();
+    settings::existing_file(verb->add_option(
+        "--wear-model", command->wear_model,
+        "judge the brake after each maneuver by this population.json or model.json of `wear`"));
+    settings::add_config_directory(*verb, command->config);
     verb->footer(
         "Examples:\n"
         "  rig-lab endurance --maneuvers 500\n"

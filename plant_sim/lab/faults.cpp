@@ -39,6 +39,7 @@ struct FaultsCommand {
     std::optional<std::size_t> run;
     unsigned threads = 0;
     std::filesystem::path out = "out/faults";
+    std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     [[nodiscard]] int execute() const;
@@ -78,7 +79,7 @@ int FaultsCommand::repeat(const faults::Plan& campaign, std::size_t number) cons
         study::draw_stop(csv, out / fmt::format("run-{}.png", number), what,
                          maneuver.touchdown_s + maneuver.settle_s);
     }
-    fmt::print("{}\n{}\nWritten to {}\n", what, faults::describe(result), out.string());
+    print_table(json_file, "{}\n{}\nWritten to {}\n", what, faults::describe(result), out.string());
     return result.verdict.outcome == faults::Outcome::unsafe ? 1 : 0;
 }
 
@@ -100,12 +101,13 @@ int FaultsCommand::execute() const {
         return signals.number() == SIGINT ? 130 : 1;
     }
     settings::write_file(out / "runs.csv", faults::to_csv(campaign, rows));
-    settings::write_file(out / "results.json", faults::to_json(campaign, rows));
+    keep_json(out / "results.json", json_file, faults::to_json(campaign, rows));
     if (pictures) faults::draw_matrix(campaign, rows, out / "matrix.png");
     constexpr std::size_t kShown = 20;
-    fmt::print("{}  seed {}, configuration {}, version {}\nWritten to {}: runs.csv results.json{}\n",
-               faults::to_table(campaign, rows, kShown), campaign.seed, campaign.config_hash,
-               campaign.version, out.string(), pictures ? " matrix.png" : "");
+    print_table(json_file,
+                "{}  seed {}, configuration {}, version {}\nWritten to {}: runs.csv results.json{}\n",
+                faults::to_table(campaign, rows, kShown), campaign.seed, campaign.config_hash,
+                campaign.version, out.string(), pictures ? " matrix.png" : "");
     return std::any_of(
                rows.begin(), rows.end(),
                [](const faults::Row& row) { return row.result.verdict.outcome == faults::Outcome::unsafe; })
@@ -128,10 +130,10 @@ LabVerb faults_verb(CLI::App& lab) {
         ->delimiter(',')
         ->capture_default_str();
     verb->add_option("--maneuver", command->plan.maneuver, "table of maneuvers.toml")->capture_default_str();
-    verb->add_option("--signal", command->signal, "only faults of this one")
-        ->check(CLI::IsMember(
-            std::vector<std::string>(faults::kSignalNames.begin(), faults::kSignalNames.end())));
-    verb->add_option("--kind", command->kind, "only faults of this kind")
+    settings::one_of(verb->add_option("--signal", command->signal, "only faults of this one"),
+                     {faults::kSignalNames.begin(), faults::kSignalNames.end()});
+    settings::one_of(verb->add_option("--kind", command->kind, "only faults of this kind"),
+                     {faults::kKindNames.begin(), faults::kKindNames.end()})
         ->check(
             CLI::IsMember(std::vector<std::string>(faults::kKindNames.begin(), faults::kKindNames.end())));
     verb->add_option(
@@ -140,9 +142,11 @@ LabVerb faults_verb(CLI::App& lab) {
     verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
     verb->add_option("--threads", command->threads, "results do not depend on it (default: all cores)")
         ->check(CLI::Range(1U, 1024U));
-    verb->add_option("--out", command->out, "directory of the results")->capture_default_str();
-    verb->add_option("--config", command->plan.config, "directory of the configuration files")
-        ->capture_default_str();
+    settings::add_json(*verb, command->json_file, "results");
+    verb->add_option("--out", command->out, "directory of the results")
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
+    settings::add_config_directory(*verb, command->plan.config);
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(kFaultsFooter);
     return {verb, [command] { return command->execute(); }};

@@ -38,6 +38,7 @@ struct IdentifyCommand {
     fs::path scenario;
     fs::path config = settings::config_directory();
     fs::path out = "out/identify";
+    std::string json_file;  ///< "-": standard output
     fs::path validate;
     std::vector<double> currents;
     bool pictures = true;
@@ -201,7 +202,7 @@ int IdentifyCommand::run() const {
                                 {"config_hash", settings::hash(files)},
                                 {"seed", nullptr}};
     for (const fs::path& run : runs) head["runs"].push_back(run.string());
-    fmt::print("{}", identification::to_table(found));
+    print_table(json_file, "{}", identification::to_table(found));
     if (validation && validation->result.braked) {
         const rig::Validation& v = validation->result;
         head["validation"] = {{"run", validation->run},
@@ -209,17 +210,18 @@ int IdentifyCommand::run() const {
                               {"wheel_rms_mps", v.all.wheel_rim_mps.rms()},
                               {"slip_rms", v.all.slip.rms()},
                               {"past_peak", v.past_peak}};
-        fmt::print(
+        print_table(
+            json_file,
             "{} replayed with these numbers (Fig. 5): aircraft {:.4f} m/s, wheel {:.4f} m/s, slip {:.5f} "
             "RMS; {:.0f} % of it beyond the "
             "friction's peak\n",
             validation->run, v.all.speed_mps.rms(), v.all.wheel_rim_mps.rms(), v.all.slip.rms(),
             v.past_peak * 100.0);
     }
-    settings::write_file(out / "results.json", identification::to_json(found, head.dump()));
+    keep_json(out / "results.json", json_file, identification::to_json(found, head.dump()));
     if (pictures) draw(found, validation);
-    fmt::print("Written to {}: config (for --config), results.json{}\n", out.string(),
-               pictures ? ", pictures" : "");
+    print_table(json_file, "Written to {}: config (for --config), results.json{}\n", out.string(),
+                pictures ? ", pictures" : "");
     return 0;
 }
 
@@ -230,22 +232,24 @@ LabVerb identify_verb(CLI::App& lab) {
     CLI::App* verb = lab.add_subcommand("identify",
                                         "A rig's valve, brake, wheel and road from its recordings, as "
                                         "configuration that every program loads.");
-    verb->add_option("RUN", c->runs,
-                     "folders of rig-bridge maneuver or rig-lab maneuver: ramp, step, sweep, slow_braking, "
-                     "heavy (config/scenarios), or "
-                     "bus logs with --scenario")
-        ->required()
-        ->check(CLI::ExistingPath);
+    settings::existing_path(
+        verb->add_option(
+            "RUN", c->runs,
+            "folders of rig-bridge maneuver or rig-lab maneuver: ramp, step, sweep, slow_braking, "
+            "heavy (config/scenarios), or "
+            "bus logs with --scenario"))
+        ->required();
+    settings::add_json(*verb, c->json_file, "results");
     verb->add_option("--out", c->out, "folder for the results; its `config` must not exist")
-        ->capture_default_str();
-    verb->add_option("--config", c->config, "directory of the configuration files: what is known beforehand")
-        ->capture_default_str();
-    verb->add_option("--scenario", c->scenario, "of all runs, instead of the one that summary.json names")
-        ->check(CLI::ExistingFile);
-    verb->add_option("--validate", c->validate,
-                     "a stop to replay with what was identified (default: the one of the runs that is least "
-                     "beyond the peak)")
-        ->check(CLI::ExistingPath);
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
+    settings::add_config_directory(*verb, c->config);
+    settings::existing_file(verb->add_option("--scenario", c->scenario,
+                                             "of all runs, instead of the one that summary.json names"));
+    settings::existing_path(verb->add_option(
+        "--validate", c->validate,
+        "a stop to replay with what was identified (default: the one of the runs that is least "
+        "beyond the peak)"));
     verb->add_option("--currents", c->currents,
                      "mA: points of the static map, rising (default: those of the configured map)")
         ->delimiter(',')

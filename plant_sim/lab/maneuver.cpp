@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "config/reader/config_directory.hpp"
+#include "config/reader/input_file.hpp"
 #include "plant_sim/endurance/frame_log.hpp"
 #include "plant_sim/endurance/setup.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -19,6 +20,7 @@ struct ManeuverCommand {
     std::filesystem::path scenario;
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path out;
+    std::string json_file;  ///< "-": standard output
     std::uint64_t seed = 1;
 
     [[nodiscard]] int run() const {
@@ -51,7 +53,9 @@ struct ManeuverCommand {
         summary.version = ANTISKID_VERSION;
         summary.config_hash = setup.config_hash;
         rig::write_summary(folder / "summary.json", summary);
-        fmt::print("{}Written to {}: bus.log, summary.json\n", rig::summary_table(summary), folder.string());
+        settings::deliver(json_file, settings::read_file(folder / "summary.json"));
+        print_table(json_file, "{}Written to {}: bus.log, summary.json\n", rig::summary_table(summary),
+                    folder.string());
         return finished ? 0 : 1;
     }
 };
@@ -63,10 +67,13 @@ LabVerb maneuver_verb(CLI::App& lab) {
     CLI::App* verb = lab.add_subcommand("maneuver",
                                         "A scenario on the virtual rig in process, recorded as rig-bridge "
                                         "maneuver records it. The brake has its nominal friction.");
-    verb->add_option("SCENARIO", c->scenario, "a file of config/scenarios")->required();
-    verb->add_option("--config", c->config, "directory of the configuration files")->capture_default_str();
+    settings::existing_file(verb->add_option("SCENARIO", c->scenario, "a file of config/scenarios"))
+        ->required();
+    settings::add_config_directory(*verb, c->config);
     verb->add_option("--seed", c->seed, "seed of every random draw")->capture_default_str();
-    verb->add_option("--out", c->out, "folder for bus.log and summary.json (default: out/SCENARIO)");
+    settings::add_json(*verb, c->json_file, "summary");
+    verb->add_option("--out", c->out, "folder for bus.log and summary.json (default: out/SCENARIO)")
+        ->type_name("DIRECTORY");
     verb->footer(
         "Example:\n  rig-lab maneuver config/scenarios/ramp.toml --out runs/ramp\n"
         "Exit status: 0 finished; 1 aborted; 2 mistake in command line or configuration.");

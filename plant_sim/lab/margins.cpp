@@ -5,6 +5,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "config/reader/atomic_file.hpp"
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/tyre_options.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -24,6 +25,7 @@ struct MarginsCommand {
     bool constant_slip = false;
     double picture_mps = 30.0;
     std::filesystem::path out = "out/margins";
+    std::string json_file;  ///< "-": standard output
 
     int run() {
         // CLI::Range lets a value pass that is no number.
@@ -31,7 +33,7 @@ struct MarginsCommand {
             throw std::invalid_argument("--picture-speed must be a number from 5 to 49");
         MarginsInput input = load_margins_input(scenario);
         const auto tyres = tyre.tyres(input.cases.front().rig.wheel.compliance);
-        std::filesystem::create_directories(out);  // refused now, not when the study is over
+        settings::create_directories(out);  // refused now, not when the study is over
         options.slip_reference = scenario.slip;
         options.low_speed_fall = !constant_slip;
         options.requirement = input.settings.requirement;
@@ -50,15 +52,18 @@ struct MarginsCommand {
                 continue;
             }
             head.tyre = margins::tyre_name(tyres[i]);
-            deliver((out / "results.json").string(), margins::to_json(input.cases, cells, head));
+            keep_json(out / "results.json", json_file, margins::to_json(input.cases, cells, head));
             margins::draw_plant(input.cases, options.slip_reference, picture_mps, out / "margins.png");
             margins::draw_margins(input.cases, cells, head, out / "margins_speed.png");
-            fmt::print("{}{}", margins::to_table(input.cases, cells, head),
-                       margins::excited_table(input.cases, cells));
+            print_table(json_file, "{}{}", margins::to_table(input.cases, cells, head),
+                        margins::excited_table(input.cases, cells));
+            print_table(json_file, "Written to {}: results.json margins.png margins_speed.png\n",
+                        out.string());
         }
         if (rows.empty()) return 0;
-        deliver((out / "results.json").string(), margins::to_json(rows, head));
-        fmt::print("{}", margins::to_table(rows, head));
+        keep_json(out / "results.json", json_file, margins::to_json(rows, head));
+        print_table(json_file, "{}Written to {}: results.json\n", margins::to_table(rows, head),
+                    out.string());
         return 0;
     }
 
@@ -92,13 +97,14 @@ LabVerb margins_verb(CLI::App& lab) {
     verb->add_option("--picture-speed", command->picture_mps, "speed of margins.png, m/s")
         ->check(CLI::Range(5.0, 49.0))
         ->capture_default_str();
-    verb->add_option("--config", command->scenario.config, "directory of the configuration files")
-        ->capture_default_str();
-    verb->add_option("--controller", command->scenario.controller,
-                     "controller configuration (default: CONFIG/controller.toml)");
+    settings::add_config_directory(*verb, command->scenario.config);
+    settings::existing_file(verb->add_option("--controller", command->scenario.controller,
+                                             "controller configuration (default: CONFIG/controller.toml)"));
+    settings::add_json(*verb, command->json_file, "results");
     verb->add_option("--out", command->out,
                      "directory of results.json, margins.png (Fig. 11) and margins_speed.png")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->footer(
         "Two loops: the shipped law with its observer and predictor, and the paper's PID on measured slip "
         "with the gains of "

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -26,18 +25,19 @@ constexpr int kStopped = 130;
 
 struct RegulateCommand {
     std::filesystem::path config = settings::config_directory();
-    std::filesystem::path order;
+    std::filesystem::path regulation_file;  ///< empty: regulation.toml of `config`
     std::filesystem::path out = "out/regulate";
+    std::string json_file;                ///< "-": standard output
     std::filesystem::path characterised;  ///< write the floor table here instead
     int lives = 24;
     std::vector<double> fixed{0.10, 0.24, 0.40};
-    int landings = 0;  ///< 0: the order's
+    int landings = 0;  ///< 0: the plan's
     std::uint64_t seed = 1;
     Mix mix = Mix::random;
     double missing = 0.0;
     double brake_deviation = 0.0;
     int inspection = 32;
-    std::string surfaces;  ///< empty: the order's
+    std::string surfaces;  ///< empty: the file's
     bool forecast = true;
     bool floor_check = true;
     unsigned threads = std::max(1U, std::thread::hardware_concurrency());
@@ -46,7 +46,7 @@ struct RegulateCommand {
 
   private:
     [[nodiscard]] int characterise() const;
-    [[nodiscard]] std::vector<regulation::Policy> policies(const regulation::Order& asked,
+    [[nodiscard]] std::vector<regulation::Policy> policies(const regulation::RegulationConfig& asked,
                                                            const regulation::Plan& plan,
                                                            const regulation::Range& range) const;
 };
@@ -66,12 +66,12 @@ int RegulateCommand::characterise() const {
     settings::write_file(
         characterised,
         regulation::to_toml(c, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
-    fmt::print("{}: J_mu of {} references on {} surfaces\n", characterised.string(), c.floor.reference.size(),
-               c.floor.rows.size());
+    print_table(json_file, "{}: J_mu of {} references on {} surfaces\n", characterised.string(),
+                c.floor.reference.size(), c.floor.rows.size());
     return 0;
 }
 
-std::vector<regulation::Policy> RegulateCommand::policies(const regulation::Order& asked,
+std::vector<regulation::Policy> RegulateCommand::policies(const regulation::RegulationConfig& asked,
                                                           const regulation::Plan& plan,
                                                           const regulation::Range& range) const {
     const double best = regulation::best_fixed(plan, asked.floor.reference, asked.tyre_share, range);
@@ -86,7 +86,8 @@ std::vector<regulation::Policy> RegulateCommand::policies(const regulation::Orde
 
 int RegulateCommand::run() const {
     if (!characterised.empty()) return characterise();
-    regulation::Order asked = regulation::load_order(order.empty() ? config / "regulation.toml" : order);
+    regulation::RegulationConfig asked = regulation::load_regulation_config(
+        regulation_file.empty() ? config / "regulation.toml" : regulation_file);
     if (!surfaces.empty()) asked.surfaces = regulation::surfaces_of(asked.floor, surfaces);
     const LandingSites sites = load_sites(config);
     const wear::BrakeWear& brake = sites.sites.front().rig.wear;
@@ -95,12 +96,13 @@ int RegulateCommand::run() const {
     if (landings > 0) report.plan.landings = landings;
     report.rules = asked.rules;
     report.range = asked.range();
-    report.outlook = regulation::outlook(regulation::Regulator(report.plan, report.rules, report.range));
+    report.limits =
+        regulation::limit_forecast(regulation::Regulator(report.plan, report.rules, report.range));
     for (const LandingSite& site : sites.sites)
         report.options.allowed_on.push_back(asked.range_on(site.surface));
     if (forecast && asked.forecast_widest > 0.0)
-        report.options.foresight.emplace(regulation::foresight_model(brake), brake,
-                                         asked.forecast_widest * report.plan.brake_budget_J());
+        report.options.life_forecast.emplace(regulation::forecast_model(brake), brake,
+                                             asked.forecast_widest * report.plan.brake_budget_J());
     antiskid::rt::StopSignals signals;
     const std::vector<regulation::Policy> all = policies(asked, report.plan, report.range);
     const int stops_a_life = static_cast<int>(all.size()) + (floor_check ? 2 : 0);
@@ -120,19 +122,18 @@ int RegulateCommand::run() const {
     };
     report.policies = regulation::run_fleet(
         report.plan, report.rules, report.range, all, brake, report.options,
-        [&](std::span<const regulation::Ask> asks) { return land(sites, asks, threads); });
+        [&](std::span<const regulation::LandingRequest> requests) { return land(sites, requests, threads); });
     progress.finish();
     if (report.policies.empty()) return kStopped;
     std::vector<std::filesystem::path> files = sites.files;
     files.insert(files.end(), asked.files.begin(), asked.files.end());
     report.config_hash = settings::hash(files);
-    std::filesystem::create_directories(out);
-    fmt::print("{}", to_text(report));
-    settings::write_file(out / "results.json", to_json(report));
+    print_table(json_file, "{}", to_text(report));
+    keep_json(out / "results.json", json_file, to_json(report));
     settings::write_file(out / "landings.csv", to_csv(report));
     draw(report, out / "regulate.png");
-    fmt::print("  {}, {}, {}\n", (out / "results.json").string(), (out / "landings.csv").string(),
-               (out / "regulate.png").string());
+    print_table(json_file, "  {}, {}, {}\n", (out / "results.json").string(), (out / "landings.csv").string(),
+                (out / "regulate.png").string());
     return report.all_met() ? 0 : 1;
 }
 
@@ -157,12 +158,9 @@ LabVerb regulate_verb(CLI::App& lab) {
     verb->add_option("--seed", command->seed, "seed of every random draw")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    verb->add_option(
-            "--mix", command->mix,
-            "random: each landing any surface and maneuver; balanced: all equally often, in random order")
-        ->transform(CLI::CheckedTransformer(
-            std::map<std::string, Mix>{{"random", Mix::random}, {"balanced", Mix::balanced}}))
-        ->default_str("random");
+    settings::add_choice(
+        *verb, "--mix", command->mix, {{"random", Mix::random}, {"balanced", Mix::balanced}},
+        "random: each landing any surface and maneuver; balanced: all equally often, in random order");
     verb->add_option("--missing", command->missing, "share of landings whose measurements are lost")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
@@ -177,20 +175,22 @@ LabVerb regulate_verb(CLI::App& lab) {
     verb->add_option(
         "--surfaces", command->surfaces,
         "seen before the plan's begin, with commas between, or all: others bound the references from "
-        "their first landing on (default: the order's)");
+        "their first landing on (default: the regulation file's)");
     verb->add_flag(
         "!--no-forecast", command->forecast,
         "where nobody inspects: take the brake's life from the configuration, not from its friction");
     verb->add_flag("!--no-floor-check", command->floor_check,
                    "do not make every regulated landing again at both ends of the range");
-    verb->add_option("--order", command->order, "plan and rules (default: CONFIG/regulation.toml)");
+    settings::existing_file(verb->add_option("--regulation", command->regulation_file,
+                                             "plan and rules (default: CONFIG/regulation.toml)"));
     verb->add_option("--characterise", command->characterised,
                      "only measure J_mu over reference and surface, and write the floor table to this file")
         ->type_name("FILE");
+    settings::add_json(*verb, command->json_file, "results");
     verb->add_option("--out", command->out, "directory for results.json, landings.csv, regulate.png")
-        ->capture_default_str();
-    verb->add_option("--config", command->config, "directory of the configuration files")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
+    settings::add_config_directory(*verb, command->config);
     verb->add_option("--threads", command->threads, "of the computation; the results do not depend on it")
         ->check(CLI::Range(1U, 1024U));
     verb->footer(

@@ -107,7 +107,7 @@ std::string to_text(const RegulateReport& r) {
         "references {:.3f} to {:.3f} keep J_mu at {:.2f} or above\n{}\n",
         r.plan.brake_budget_J() * 1e-6, r.plan.tyre_budget_J() * 1e-6, r.plan.landings,
         r.plan.landing_J * 1e-6, r.plan.landing_deviation_J * 1e-6, r.range.lowest, r.range.highest,
-        r.rules.j_mu_floor, regulation::sentence(r.outlook, r.plan));
+        r.rules.j_mu_floor, regulation::sentence(r.limits, r.plan));
     auto out = std::back_inserter(text);
     const PolicyLives& regulated = r.policies.front();
     for (std::size_t i = 0; i < regulated.lives.size(); ++i)
@@ -155,21 +155,21 @@ std::string to_json(const RegulateReport& r) {
         {"range",
          {{"lowest", r.range.lowest}, {"highest", r.range.highest}, {"j_mu_floor", r.rules.j_mu_floor}}},
         {"outlook",
-         {{"verdict", regulation::name(r.outlook.verdict)},
-          {"sentence", regulation::sentence(r.outlook, r.plan)},
-          {"required_share", r.outlook.required_share},
-          {"least_share", r.outlook.least_share},
-          {"most_share", r.outlook.most_share},
-          {"brake_limit_landing", r.outlook.brake.landing},
-          {"brake_limit_deviation", r.outlook.brake.deviation},
-          {"tyre_limit_landing", r.outlook.tyre.landing},
-          {"tyre_limit_deviation", r.outlook.tyre.deviation},
-          {"probability", r.outlook.probability}}},
+         {{"verdict", regulation::name(r.limits.verdict)},
+          {"sentence", regulation::sentence(r.limits, r.plan)},
+          {"required_share", r.limits.required_share},
+          {"least_share", r.limits.least_share},
+          {"most_share", r.limits.most_share},
+          {"brake_limit_landing", r.limits.brake.landing},
+          {"brake_limit_deviation", r.limits.brake.deviation},
+          {"tyre_limit_landing", r.limits.tyre.landing},
+          {"tyre_limit_deviation", r.limits.tyre.deviation},
+          {"probability", r.limits.probability}}},
         {"mix", r.options.mix == regulation::Mix::random ? "random" : "balanced"},
         {"missing", r.options.missing},
         {"brake_deviation", r.options.brake_deviation},
         {"inspection_landings", r.options.inspection},
-        {"forecast", r.options.foresight.has_value() && r.options.inspection == 0},
+        {"forecast", r.options.life_forecast.has_value() && r.options.inspection == 0},
         {"floor_checked", r.options.worst_stops},
         {"all_met", r.all_met()}};
     auto policies = nlohmann::ordered_json::array();

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "plant_sim/study/regulation/fleet.hpp"
-#include "plant_sim/study/regulation/outlook.hpp"
+#include "plant_sim/study/regulation/limit_forecast.hpp"
 
 namespace plant_sim {
 
@@ -14,7 +14,7 @@ struct RegulateReport {
     regulation::Plan plan;
     regulation::Rules rules;
     regulation::Range range;
-    regulation::Outlook outlook;  ///< at the plan's begin
+    regulation::LimitForecast limits;  ///< at the plan's begin
     regulation::FleetOptions options;
     std::vector<regulation::PolicyLives> policies;  ///< the regulated one first
     std::string config_hash;

@@ -78,20 +78,20 @@ double expected_s(const LandingSite& site) {
     return site.rig.rig.brake_on_mps / plant::peak(site.rig.rig.surface).mu;
 }
 
-study::Maneuver maneuver_of(const LandingSites& sites, const regulation::Ask& ask) {
-    const LandingSite& site = sites.sites.at(ask.draw.scenario);
+study::Maneuver maneuver_of(const LandingSites& sites, const regulation::LandingRequest& request) {
+    const LandingSite& site = sites.sites.at(request.draw.scenario);
     study::Maneuver m{.controller = sites.controller, .rig = site.rig.rig, .options = {}};
-    m.rig.mean_friction = ask.mean_friction;
-    m.options.plan.slip_reference = ask.reference;
+    m.rig.mean_friction = request.mean_friction;
+    m.options.plan.slip_reference = request.reference;
     m.options.plan.demand_Pa = site.rig.full_pressure_Pa;
     m.options.period_s = static_cast<double>(sites.controller.period_s);
     m.options.drop_out_mps = site.rig.drop_out_mps;
-    m.options.seed = ask.draw.sensor_seed;
+    m.options.seed = request.draw.sensor_seed;
     return m;
 }
 
-regulation::Stop stop_of(const LandingSite& site, const regulation::Ask& ask, const study::StopFigures& run,
-                         const rig::Meter* meter) {
+regulation::Stop stop_of(const LandingSite& site, const regulation::LandingRequest& request,
+                         const study::StopFigures& run, const rig::Meter* meter) {
     regulation::Stop stop{.measured = {},
                           .brake_J = run.energy_brake_J,
                           .tyre_J = run.energy_tyre_J,
@@ -99,7 +99,7 @@ regulation::Stop stop_of(const LandingSite& site, const regulation::Ask& ask, co
                           .j_mu = run.j_mu};
     if (meter == nullptr) return stop;
     const rig::Figures measured = meter->figures();
-    stop.measured = {.reference = ask.reference,
+    stop.measured = {.reference = request.reference,
                      .kinetic_J = measured.kinetic_energy_J,
                      .brake_J = measured.energy_brake_J,
                      .tyre_J = measured.energy_tyre_J,
@@ -109,18 +109,18 @@ regulation::Stop stop_of(const LandingSite& site, const regulation::Ask& ask, co
     return stop;
 }
 
-/// Those of `asks` that `own` counts, on this thread.
-void land_alone(const LandingSites& sites, std::span<const regulation::Ask> asks,
+/// Those of `requests` that `own` counts, on this thread.
+void land_alone(const LandingSites& sites, std::span<const regulation::LandingRequest> requests,
                 std::span<const std::size_t> own, std::vector<regulation::Stop>& stops) {
     std::vector<std::unique_ptr<rig::Meter>> meters(own.size());  // none: not metered, or done
     std::size_t begun = 0;
     const auto next = [&]() -> std::optional<study::Maneuver> {
         if (begun == own.size()) return std::nullopt;
-        const regulation::Ask& ask = asks[own[begun]];
-        study::Maneuver m = maneuver_of(sites, ask);
-        if (ask.metered) {
+        const regulation::LandingRequest& request = requests[own[begun]];
+        study::Maneuver m = maneuver_of(sites, request);
+        if (request.metered) {
             meters[begun] = std::make_unique<rig::Meter>(
-                rig::meter_parameters(sites.sites[ask.draw.scenario].rig, m.options.period_s));
+                rig::meter_parameters(sites.sites[request.draw.scenario].rig, m.options.period_s));
             m.on_step = [meter = meters[begun].get(), &sites](const study::RigSession& session,
                                                               const antiskid::can::ControllerView&, double) {
                 meter->feed(rig::as_on_bus(sites.layout, sample_of(session)));
@@ -130,14 +130,15 @@ void land_alone(const LandingSites& sites, std::span<const regulation::Ask> asks
         return m;
     };
     study::run_side_by_side(sites.layout, next, [&](std::size_t i, const study::RunResult& run) {
-        const regulation::Ask& ask = asks[own[i]];
-        const LandingSite& site = sites.sites[ask.draw.scenario];
+        const regulation::LandingRequest& request = requests[own[i]];
+        const LandingSite& site = sites.sites[request.draw.scenario];
         if (!run.came_to_rest)
-            throw std::runtime_error(fmt::format(
-                "the {} landing on {} with slip reference {:.3f}, friction {:.3f}, seed {} "
-                "did not come to rest",
-                site.maneuver, site.surface, ask.reference, ask.mean_friction, ask.draw.sensor_seed));
-        stops[own[i]] = stop_of(site, ask, run.figures, meters[i].get());
+            throw std::runtime_error(
+                fmt::format("the {} landing on {} with slip reference {:.3f}, friction {:.3f}, seed {} "
+                            "did not come to rest",
+                            site.maneuver, site.surface, request.reference, request.mean_friction,
+                            request.draw.sensor_seed));
+        stops[own[i]] = stop_of(site, request, run.figures, meters[i].get());
     });
 }
 
@@ -188,22 +189,22 @@ LandingSites load_sites(const std::filesystem::path& config) {
     return s;
 }
 
-std::vector<regulation::Stop> land(const LandingSites& sites, std::span<const regulation::Ask> asks,
-                                   unsigned threads) {
+std::vector<regulation::Stop> land(const LandingSites& sites,
+                                   std::span<const regulation::LandingRequest> requests, unsigned threads) {
     // Long stops first and dealt in turn, so that every thread has as much to do.
-    std::vector<std::size_t> order(asks.size());
+    std::vector<std::size_t> order(requests.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return expected_s(sites.sites.at(asks[a].draw.scenario)) >
-               expected_s(sites.sites.at(asks[b].draw.scenario));
+        return expected_s(sites.sites.at(requests[a].draw.scenario)) >
+               expected_s(sites.sites.at(requests[b].draw.scenario));
     });
-    std::vector<regulation::Stop> stops(asks.size());
+    std::vector<regulation::Stop> stops(requests.size());
     std::vector<std::exception_ptr> failures(threads);
     const auto work = [&](unsigned thread) {
         try {
             std::vector<std::size_t> own;
             for (std::size_t i = thread; i < order.size(); i += threads) own.push_back(order[i]);
-            land_alone(sites, asks, own, stops);
+            land_alone(sites, requests, own, stops);
         } catch (...) {
             failures[thread] = std::current_exception();
         }
@@ -228,20 +229,20 @@ regulation::Characterisation characterise(const LandingSites& sites, const Chara
     std::vector<double> tyre_J(options.references.size());
     std::vector<double> all_J(options.references.size());
     for (std::size_t i = 0; i < options.references.size(); ++i) {
-        std::vector<regulation::Ask> asks;
+        std::vector<regulation::LandingRequest> requests;
         for (std::size_t site = 0; site < sites.sites.size(); ++site) {
             const plant::LoadedRig& rig = sites.sites[site].rig;
             for (const double friction : {rig.rig.mean_friction, worn_friction(rig.wear)})
-                asks.push_back({.draw = {.scenario = site, .sensor_seed = options.seed},
-                                .reference = options.references[i],
-                                .mean_friction = friction,
-                                .metered = false});
+                requests.push_back({.draw = {.scenario = site, .sensor_seed = options.seed},
+                                    .reference = options.references[i],
+                                    .mean_friction = friction,
+                                    .metered = false});
         }
         if (options.stop != nullptr && options.stop->load()) return {};
-        const std::vector<regulation::Stop> stops = land(sites, asks, options.threads);
-        if (options.on_stops) options.on_stops((i + 1) * asks.size());
-        for (std::size_t k = 0; k < asks.size(); ++k) {
-            const std::string& surface = sites.sites[asks[k].draw.scenario].surface;
+        const std::vector<regulation::Stop> stops = land(sites, requests, options.threads);
+        if (options.on_stops) options.on_stops((i + 1) * requests.size());
+        for (std::size_t k = 0; k < requests.size(); ++k) {
+            const std::string& surface = sites.sites[requests[k].draw.scenario].surface;
             auto row = std::find_if(c.floor.rows.begin(), c.floor.rows.end(),
                                     [&](const auto& r) { return r.surface == surface; });
             if (row == c.floor.rows.end())

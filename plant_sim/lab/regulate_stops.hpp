@@ -13,7 +13,7 @@
 #include "firmware/control/config.hpp"
 #include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/study/regulation/life.hpp"
-#include "plant_sim/study/regulation/order.hpp"
+#include "plant_sim/study/regulation/regulation_config.hpp"
 
 namespace plant_sim {
 
@@ -44,7 +44,8 @@ struct LandingSites {
 /// All these landings, side by side on `threads`; Draw::scenario counts the sites. The stops, in the same order, do not depend on `threads`. Throws
 /// std::runtime_error, naming the landing, when an aircraft did not come to rest.
 [[nodiscard]] std::vector<regulation::Stop> land(const LandingSites& sites,
-                                                 std::span<const regulation::Ask> asks, unsigned threads);
+                                                 std::span<const regulation::LandingRequest> requests,
+                                                 unsigned threads);
 
 struct CharacteriseOptions {
     std::vector<double> references;  ///< rising

@@ -45,6 +45,7 @@ struct ReportCommand {
     fs::path config = settings::config_directory();
     fs::path sections;
     fs::path out = "out/report";
+    std::string json_file;  ///< "-": standard output
     std::vector<std::string> only;
     bool quick = false;
     unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
@@ -90,22 +91,23 @@ struct ReportCommand {
             .config_hash = settings::hash(files),
             .command = fmt::format("rig-lab report{} --out {}", quick ? " --quick" : "", out.string()),
             .quick = quick};
-        deliver((out / "report.html").string(), paper::to_html(found, results, rows, head));
-        deliver((out / "results.json").string(), paper::to_json(results, rows, head));
+        settings::deliver((out / "report.html").string(), paper::to_html(found, results, rows, head));
+        keep_json(out / "results.json", json_file, paper::to_json(results, rows, head));
         bool all_well = true;
         for (const paper::SectionResult& r : results) {
             if (r.answered_yes()) continue;
             all_well = false;
             for (const paper::CommandResult& c : r.commands)
                 if (c.status != 0)
-                    fmt::print("{}: exit status {}: {}\n{}", r.section->id, c.status, c.line, c.errors);
+                    print_table(json_file, "{}: exit status {}: {}\n{}", r.section->id, c.status, c.line,
+                                c.errors);
         }
         for (const paper::Compared& row : rows) {
             if (row.ours) continue;
             all_well = false;
-            fmt::print("no figure for '{}': {}\n", row.what->quantity, row.why);
+            print_table(json_file, "no figure for '{}': {}\n", row.what->quantity, row.why);
         }
-        fmt::print("Written to {}: report.html results.json\n", out.string());
+        print_table(json_file, "Written to {}: report.html results.json\n", out.string());
         return all_well ? 0 : 1;
     }
 };
@@ -119,16 +121,17 @@ LabVerb report_verb(CLI::App& lab) {
         "Every figure and table of the paper that this project reproduces, as one HTML page, made afresh.");
     verb->add_flag("--quick", command->quick, "fewer stops, starts and maneuvers; the page says so");
     verb->add_option("--only", command->only, "only these sections, and those that they build on");
-    verb->add_option("--sections", command->sections,
-                     "what the report consists of (default: CONFIG/report.toml)");
+    settings::existing_file(verb->add_option("--sections", command->sections,
+                                             "what the report consists of (default: CONFIG/report.toml)"));
     verb->add_option("--jobs", command->jobs, "sections at a time; the page does not depend on it")
         ->check(CLI::Range(1U, 64U))
         ->capture_default_str();
-    verb->add_option("--config", command->config, "directory of the configuration files")
-        ->capture_default_str();
+    settings::add_config_directory(*verb, command->config);
+    settings::add_json(*verb, command->json_file, "results");
     verb->add_option("--out", command->out,
                      "directory of report.html, results.json and a folder for each section")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->footer(
         "Examples:\n  rig-lab report\n  rig-lab report --quick --out out/quick\n  rig-lab report --only "
         "fig12\n"

@@ -1,7 +1,6 @@
 /// rig-lab: studies in process, faster than real time. See --help.
 
 #include <fmt/core.h>
-#include <CLI/CLI.hpp>
 
 #include <array>
 #include <cstdio>
@@ -34,11 +33,7 @@ int run(int argc, char** argv) {
         plant_sim::surfaces_verb(app),   //
         plant_sim::report_verb(app),     //
     };
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-        return app.exit(e) == 0 ? 0 : 2;
-    }
+    if (const auto status = settings::parse(app, argc, argv)) return *status;
     return plant_sim::run_parsed(verbs);
 }
 

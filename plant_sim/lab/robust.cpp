@@ -19,6 +19,7 @@ struct RobustCommand {
     robust::PlanOptions options;
     unsigned threads = 0;
     std::filesystem::path out = "out/robust";
+    std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     [[nodiscard]] int run(study::Team& team) const {
@@ -40,11 +41,12 @@ struct RobustCommand {
         }
         const std::vector<robust::Summary> summaries = robust::summarise(plan, rows);
         settings::write_file(out / "stops.csv", robust::to_csv(plan, rows));
-        settings::write_file(out / "results.json", robust::to_json(plan, rows, summaries));
+        keep_json(out / "results.json", json_file, robust::to_json(plan, rows, summaries));
         if (pictures) robust::draw_j_mu(plan, rows, summaries, out / "robust.png");
-        fmt::print("{}seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
-                   robust::to_table(plan, rows, summaries), plan.seed, plan.config_hash, ANTISKID_VERSION,
-                   out.string(), pictures ? " robust.png" : "");
+        print_table(json_file,
+                    "{}seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
+                    robust::to_table(plan, rows, summaries), plan.seed, plan.config_hash, ANTISKID_VERSION,
+                    out.string(), pictures ? " robust.png" : "");
         bool sound = true;
         for (const robust::Summary& s : summaries)
             sound = sound && (plan.laws[s.law].law != antiskid::control::Law::wheel_slip || s.tripped == 0);
@@ -63,10 +65,11 @@ LabVerb robust_verb(CLI::App& lab) {
                      "which ranges are drawn from; changes and brake_on, grids of stops: see below")
         ->delimiter(',')
         ->capture_default_str();
-    verb->add_option(
-            "--laws", command->options.laws,
-            "slip, peak_slip, threshold, pressure_bias; told_peak: the slip law told the peak of the "
-            "surface under the wheel, with whose distances the others' are compared")
+    settings::one_of(
+        verb->add_option("--laws", command->options.laws,
+                         "told_peak: the slip law told the peak of the "
+                         "surface under the wheel, with whose distances the others' are compared"),
+        {"slip", "peak_slip", "threshold", "pressure_bias", "told_peak"})
         ->delimiter(',')
         ->capture_default_str();
     verb->add_option("--draws", command->options.draws,
@@ -75,16 +78,18 @@ LabVerb robust_verb(CLI::App& lab) {
         ->capture_default_str();
     verb->add_option("--seed", command->options.seed, "of the draws: 1 to tune with, others to report")
         ->capture_default_str();
-    verb->add_option("--controller", command->options.controller,
-                     "controller configuration (default: CONFIG/controller.toml)");
-    verb->add_option("--ranges", command->options.ranges, "what is drawn (default: CONFIG/uncertainty.toml)");
-    verb->add_option("--config", command->options.config, "directory of the configuration files")
-        ->capture_default_str();
+    settings::existing_file(verb->add_option("--controller", command->options.controller,
+                                             "controller configuration (default: CONFIG/controller.toml)"));
+    settings::existing_file(verb->add_option("--ranges", command->options.ranges,
+                                             "what is drawn (default: CONFIG/uncertainty.toml)"));
+    settings::add_config_directory(*verb, command->options.config);
     verb->add_option("--threads", command->threads,
                      "results do not depend on it (default: all cores; 1 for each process of mpirun)")
         ->check(CLI::Range(1U, 1024U));
+    settings::add_json(*verb, command->json_file, "results");
     verb->add_option("--out", command->out, "directory of stops.csv, results.json and robust.png")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"

@@ -18,6 +18,7 @@ struct SoakCommand {
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path scenario;
     std::filesystem::path out = "out/soak";
+    std::string json_file;  ///< "-": standard output
     double hours = 24.0;
     std::uint64_t seed = 1;
 
@@ -39,21 +40,20 @@ int SoakCommand::run() const {
         setup, {.seconds = hours * 3600.0, .seed = seed, .stop = &signals.stop()}, heap_in_use,
         [&progress](double share) { progress.show(static_cast<std::int64_t>(share * kParts)); });
     progress.finish();
-    fmt::print("{}: {} landings in {:.2f} h of the controller's time, seed {}\n", setup.scenario.title,
-               result.landings, result.seconds / 3600.0, seed);
-    fmt::print("  span  landings   length (m)            most heap in use (bytes)\n");
+    print_table(json_file, "{}: {} landings in {:.2f} h of the controller's time, seed {}\n",
+                setup.scenario.title, result.landings, result.seconds / 3600.0, seed);
+    print_table(json_file, "  span  landings   length (m)            most heap in use (bytes)\n");
     for (std::size_t i = 0; i < result.spans.size(); ++i) {
         const endurance::SoakSpan& span = result.spans[i];
-        fmt::print("  {:4}  {:8}   {:8.3f} +- {:6.3f}    {}\n", i + 1, span.landings, span.length_m_mean,
-                   span.length_m_deviation, span.most_heap_bytes);
+        print_table(json_file, "  {:4}  {:8}   {:8.3f} +- {:6.3f}    {}\n", i + 1, span.landings,
+                    span.length_m_mean, span.length_m_deviation, span.most_heap_bytes);
     }
     const auto complaints = endurance::complaints(result);
-    for (const std::string& complaint : complaints) fmt::print("  WRONG: {}\n", complaint);
-    if (complaints.empty() && !signals.stop().load()) fmt::print("  nothing creeps\n");
+    for (const std::string& complaint : complaints) print_table(json_file, "  WRONG: {}\n", complaint);
+    if (complaints.empty() && !signals.stop().load()) print_table(json_file, "  nothing creeps\n");
     const auto json = out / "soak.json";
-    std::filesystem::create_directories(out);
-    settings::write_file(json, endurance::to_json(result, setup, seed));
-    fmt::print("  {}\n", json.string());
+    keep_json(json, json_file, endurance::to_json(result, setup, seed));
+    print_table(json_file, "  {}\n", json.string());
     if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
     return complaints.empty() ? 0 : 1;
 }
@@ -68,13 +68,16 @@ LabVerb soak_verb(CLI::App& lab) {
     verb->add_option("--hours", command->hours, "of the controller's time, cooling left out")
         ->check(CLI::Range(0.01, 10'000.0))
         ->capture_default_str();
-    verb->add_option("--scenario", command->scenario, "scenario file (default: CONFIG/scenarios/heavy.toml)");
+    settings::existing_file(verb->add_option("--scenario", command->scenario,
+                                             "scenario file (default: CONFIG/scenarios/heavy.toml)"));
     verb->add_option("--seed", command->seed, "seed of every random draw")
         ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}))
         ->capture_default_str();
-    verb->add_option("--out", command->out, "directory of the result")->capture_default_str();
-    verb->add_option("--config", command->config, "directory of the configuration files")
-        ->capture_default_str();
+    settings::add_json(*verb, command->json_file, "result");
+    verb->add_option("--out", command->out, "directory of the result")
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
+    settings::add_config_directory(*verb, command->config);
     verb->footer(
         "Leaves soak.json in OUT.\n"
         "Examples:\n"

@@ -49,9 +49,9 @@ struct StopCommand {
         report.frames_sent = result.frames_sent;
         report.frames_received = result.frames_received;
         if (json != "-") fmt::print("{}", study::to_table(report));
-        if (!json.empty()) deliver(json, study::to_json(report));
-        if (!bus_log.empty()) deliver(bus_log, log);
-        if (!trajectory.empty()) deliver(trajectory, rows.csv());
+        if (!json.empty()) settings::deliver(json, study::to_json(report));
+        if (!bus_log.empty()) settings::deliver(bus_log, log);
+        if (!trajectory.empty()) settings::deliver(trajectory, rows.csv());
         if (!picture.empty()) {
             const std::string csv = trajectory.empty() || trajectory == "-" ? picture + ".csv" : trajectory;
             if (csv != trajectory) settings::write_file(csv, rows.csv());
@@ -71,10 +71,11 @@ LabVerb stop_verb(CLI::App& lab) {
         "stop", "One braking maneuver in closed loop: the real controller against the plant.");
     stop->scenario.add_to(*verb);
     stop->scenario.brake.add_to(*verb);
-    verb->add_option("--json", stop->json, "result as JSON: a file, or - for standard output");
-    verb->add_option("--trajectory", stop->trajectory, "trajectory as CSV");
-    verb->add_option("--picture", stop->picture, "picture of speeds, slip and pressures (PNG)");
-    verb->add_option("--bus-log", stop->bus_log, "every frame, as candump writes them");
+    settings::add_json(*verb, stop->json, "result");
+    verb->add_option("--trajectory", stop->trajectory, "every period as CSV; - for standard output")
+        ->type_name("FILE");
+    verb->add_option("--picture", stop->picture, "speeds, slip and pressures (PNG)")->type_name("FILE");
+    verb->add_option("--bus-log", stop->bus_log, "every frame, as candump writes them")->type_name("FILE");
     verb->footer(
         "Examples:\n"
         "  rig-lab stop --maneuver heavy --surface wet_asphalt --slip 0.24 --json -\n"

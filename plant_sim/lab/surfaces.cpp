@@ -18,6 +18,7 @@ namespace {
 struct SurfacesCommand {
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path out = "out/surfaces";
+    std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     int run() const {
@@ -28,13 +29,13 @@ struct SurfacesCommand {
             surfaces.push_back(plant::load_rig(config, choice).rig.surface);
         }
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-        fmt::print("{:<18}{:>9}{:>10}{:>9}{:>12}{:>10}{:>14}\n", "surface", "c1", "c2", "c3", "peak_slip",
-                   "peak_mu", "mu_locked");
+        print_table(json_file, "{:<18}{:>9}{:>10}{:>9}{:>12}{:>10}{:>14}\n", "surface", "c1", "c2", "c3",
+                    "peak_slip", "peak_mu", "mu_locked");
         for (const plant::Surface& s : surfaces) {
             const plant::Peak peak = plant::peak(s);
             const double locked = plant::friction(s, 1.0).mu;
-            fmt::print("{:<18}{:>9.4f}{:>10.3f}{:>9.4f}{:>12.3f}{:>10.3f}{:>14.3f}\n", s.name, s.c1, s.c2,
-                       s.c3, peak.slip, peak.mu, locked);
+            print_table(json_file, "{:<18}{:>9.4f}{:>10.3f}{:>9.4f}{:>12.3f}{:>10.3f}{:>14.3f}\n", s.name,
+                        s.c1, s.c2, s.c3, peak.slip, peak.mu, locked);
             rows.push_back({{"surface", s.name},
                             {"c1", s.c1},
                             {"c2", s.c2},
@@ -48,8 +49,10 @@ struct SurfacesCommand {
                                           {"version", ANTISKID_VERSION},
                                           {"config_hash", settings::hash(files)},
                                           {"surfaces", rows}};
-        deliver((out / "results.json").string(), json.dump(2) + "\n");
+        keep_json(out / "results.json", json_file, json.dump(2) + "\n");
         if (pictures) draw_surfaces(surfaces, {}, out / "surfaces.png");
+        print_table(json_file, "Written to {}: results.json{}\n", out.string(),
+                    pictures ? " surfaces.png" : "");
         return 0;
     }
 };
@@ -60,10 +63,11 @@ LabVerb surfaces_verb(CLI::App& lab) {
     const auto command = std::make_shared<SurfacesCommand>();
     CLI::App* verb =
         lab.add_subcommand("surfaces", "Fig. 3: friction over slip of every surface, eq. (4), and its peak.");
-    verb->add_option("--config", command->config, "directory of the configuration files")
-        ->capture_default_str();
+    settings::add_config_directory(*verb, command->config);
+    settings::add_json(*verb, command->json_file, "results");
     verb->add_option("--out", command->out, "directory of results.json and surfaces.png")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer("Example:\n  rig-lab surfaces --out out/surfaces");
     return {verb, [command] { return command->run(); }};

@@ -97,17 +97,18 @@ sweep::Shard parse_shard(const std::string& text) {
 
 /// Files and table of a whole sweep; the exit status.
 int deliver_sweep(const sweep::Identity& identity, std::span<const sweep::Row> rows,
-                  const std::filesystem::path& out, bool pictures) {
+                  const std::filesystem::path& out, const std::string& json_file, bool pictures) {
     const sweep::Summary summary = sweep::summarised(identity, rows);
     settings::write_file(out / "stops.csv", sweep::to_csv(identity, {}, rows));
-    settings::write_file(out / "results.json", sweep::to_json(summary));
+    keep_json(out / "results.json", json_file, sweep::to_json(summary));
     if (pictures) {
         sweep::draw_fig13(summary, out / "fig13.png");
         sweep::draw_fig14(summary, out / "fig14.png");
     }
-    fmt::print("{}  seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
-               sweep::to_table(summary), identity.seed, identity.config_hash, identity.version, out.string(),
-               pictures ? " fig13.png fig14.png" : "");
+    print_table(json_file,
+                "{}  seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
+                sweep::to_table(summary), identity.seed, identity.config_hash, identity.version, out.string(),
+                pictures ? " fig13.png fig14.png" : "");
     return summary.passed() ? 0 : 1;
 }
 
@@ -117,6 +118,7 @@ struct SweepCommand {
     std::string shard = "1/1";
     unsigned threads = 0;
     std::filesystem::path out = "out/sweep";
+    std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     [[nodiscard]] int run();
@@ -151,12 +153,13 @@ int SweepCommand::run_with(study::Team& team) const {
     const sweep::Identity identity = sweep::identity_of(study);
     int status = 0;
     if (whole) {
-        status = deliver_sweep(identity, rows, out, pictures);
+        status = deliver_sweep(identity, rows, out, json_file, pictures);
     } else {
         const auto file = out / (name + ".csv");
         settings::write_file(file, sweep::to_csv(identity, part, rows));
-        fmt::print("{}: {} stops, shard {} of {}; `rig-lab sweep merge` makes the sweep of all shards\n",
-                   file.string(), rows.size(), part.index, part.count);
+        print_table(json_file,
+                    "{}: {} stops, shard {} of {}; `rig-lab sweep merge` makes the sweep of all shards\n",
+                    file.string(), rows.size(), part.index, part.count);
     }
     std::filesystem::remove(work.part);
     return status;
@@ -170,6 +173,7 @@ int SweepCommand::run() {
 struct MergeCommand {
     std::vector<std::filesystem::path> shards;
     std::filesystem::path out = "out/sweep";
+    std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     [[nodiscard]] int run() const {
@@ -177,7 +181,7 @@ struct MergeCommand {
         tables.reserve(shards.size());
         for (const auto& shard : shards) tables.push_back(sweep::read_stops(shard));
         const sweep::StopsTable all = sweep::merged(tables);
-        return deliver_sweep(all.identity, all.rows, out, pictures);
+        return deliver_sweep(all.identity, all.rows, out, json_file, pictures);
     }
 };
 
@@ -204,16 +208,20 @@ LabVerb sweep_verb(CLI::App& lab) {
                      "results do not depend on it (default: all cores; 1 for each process of mpirun)")
         ->check(CLI::Range(1U, 1024U));
     verb->add_option("--shard", command->shard, "only part I of N, as I/N")->capture_default_str();
-    verb->add_option("--out", command->out, "directory of the results")->capture_default_str();
-    verb->add_option("--config", command->plan.config, "directory of the configuration files")
-        ->capture_default_str();
+    settings::add_json(*verb, command->json_file, "results");
+    verb->add_option("--out", command->out, "directory of the results")
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
+    settings::add_config_directory(*verb, command->plan.config);
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(kFooter);
     CLI::App* merging = verb->add_subcommand("merge", "All shards of a sweep as one.");
-    merging->add_option("SHARDS", merge->shards, "shard-I-of-N.csv, every I once")
-        ->required()
-        ->check(CLI::ExistingFile);
-    merging->add_option("--out", merge->out, "directory of the results")->capture_default_str();
+    settings::existing_file(merging->add_option("SHARDS", merge->shards, "shard-I-of-N.csv, every I once"))
+        ->required();
+    settings::add_json(*merging, merge->json_file, "results");
+    merging->add_option("--out", merge->out, "directory of the results")
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     merging->add_flag("!--no-pictures", merge->pictures, "without gnuplot");
     merging->footer(
         "Leaves what `rig-lab sweep` leaves, byte for byte.\n"

@@ -19,6 +19,7 @@ struct TradeCommand {
     std::optional<double> tyre_life;
     sweep::TradeOptions options;
     std::filesystem::path out = "out/trade";
+    std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     int run() {
@@ -35,10 +36,10 @@ struct TradeCommand {
             throw std::invalid_argument(file.string() + " is not there; `rig-lab sweep` makes it");
         const sweep::StopsTable table = sweep::read_stops(file);
         const sweep::Trade trade = sweep::traded(table, options);
-        settings::write_file(out / "results.json", sweep::to_json(trade, table, options));
+        keep_json(out / "results.json", json_file, sweep::to_json(trade, table, options));
         if (pictures) sweep::draw_trade(trade, options, out / "trade.png");
-        fmt::print("{}Written to {}: results.json{}\n", sweep::to_text(trade, options), out.string(),
-                   pictures ? " trade.png" : "");
+        print_table(json_file, "{}Written to {}: results.json{}\n", sweep::to_text(trade, options),
+                    out.string(), pictures ? " trade.png" : "");
         return trade.best ? 0 : 1;
     }
 };
@@ -65,7 +66,10 @@ LabVerb trade_verb(CLI::App& lab) {
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
     verb->add_option("--seed", trade->options.seed, "of the resamples")->capture_default_str();
-    verb->add_option("--out", trade->out, "directory of results.json and trade.png")->capture_default_str();
+    settings::add_json(*verb, trade->json_file, "results");
+    verb->add_option("--out", trade->out, "directory of results.json and trade.png")
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->add_flag("!--no-pictures", trade->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"

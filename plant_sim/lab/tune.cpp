@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "config/reader/atomic_file.hpp"
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/tune_law.hpp"
@@ -109,33 +110,35 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
 
 /// The paper's PID, by its margins in all cells that are feasible at all.
 void tune_pid(const MarginsInput& input, const margins::StudyOptions& options,
-              const margins::SearchOptions& search, ordered_json& json) {
+              const margins::SearchOptions& search, const std::string& json_file, ordered_json& json) {
     const antiskid::control::Config& controller = input.scenarios.front().controller;
     const auto cells = margins::tuning_cells(input.cases, controller, options);
     const auto judged = [&](const std::vector<double>& x) {
         return margins::pid_score(margins::with(input.settings.pid, x), input.cases, cells,
                                   options.requirement);
     };
-    const auto knobs = margins::pid_knobs(input.settings.pid);
+    const auto parameters = margins::pid_parameters(input.settings.pid);
     const auto found = margins::search(
-        knobs, [&](const std::vector<double>& x, double) { return judged(x).value; }, search,
+        parameters, [&](const std::vector<double>& x, double) { return judged(x).value; }, search,
         [](int done, int all) {
             show_steps(static_cast<std::size_t>(done), static_cast<std::size_t>(all), "gains judged");
         });
     std::vector<double> start;
-    std::transform(knobs.begin(), knobs.end(), std::back_inserter(start),
-                   [](const margins::Knob& k) { return k.start.value(); });
-    fmt::print(
+    std::transform(parameters.begin(), parameters.end(), std::back_inserter(start),
+                   [](const margins::Parameter& k) { return k.start.value(); });
+    print_table(
+        json_file,
         "PID on measured slip: least of margins over required, worst of {} cells that are feasible at all\n\n"
         "| | shipped | tuned |\n|---|---|---|\n",
         cells.size());
-    for (std::size_t i = 0; i < knobs.size(); ++i) {
-        fmt::print("| {} | {:.4g} | {:.4g} |\n", knobs[i].name, start[i], found.values[i]);
-        json["shipped"][knobs[i].name] = start[i];
-        json["tuned"][knobs[i].name] = found.values[i];
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+        print_table(json_file, "| {} | {:.4g} | {:.4g} |\n", parameters[i].name, start[i], found.values[i]);
+        json["shipped"][parameters[i].name] = start[i];
+        json["tuned"][parameters[i].name] = found.values[i];
     }
     const auto before = judged(start), after = judged(found.values);
-    fmt::print(
+    print_table(
+        json_file,
         "| score | {:.3f} | {:.3f} |\n| cells that meet {:.0f} deg and {:.0f} dB | {} | {} |\n| unstable "
         "cells | {} | {} |\n",
         before.value, after.value, options.requirement.phase_deg, options.requirement.gain_dB, before.met,
@@ -156,6 +159,7 @@ struct TuneCommand {
     bool constant_slip = false;
     bool check = false;
     std::filesystem::path out = "out/tune";
+    std::string json_file;  ///< "-": standard output
     std::vector<std::filesystem::path> write;
 
     int run() {
@@ -169,7 +173,7 @@ struct TuneCommand {
         scenario.seed = seed.value_or(1);
         MarginsInput input = load_margins_input(scenario);
         if (floor) input.settings.law.stops.mean_j_mu = *floor;
-        std::filesystem::create_directories(out);  // refused now, not when the search is over
+        settings::create_directories(out);  // refused now, not when the search is over
         options.slip_reference = scenario.slip;
         options.speeds = speeds.value_or(law ? 8 : 4);
         options.low_speed_fall = !constant_slip;
@@ -189,15 +193,17 @@ struct TuneCommand {
                           {"slip_reference", options.slip_reference}};
         int status = 0;
         if (law)
-            status = tune_law({scenario, options, search, check, out, write}, input, json);
+            status = tune_law({scenario, options, search, check, out, write, json_file}, input, json);
         else
-            tune_pid(input, options, search, json);
+            tune_pid(input, options, search, json_file, json);
         ordered_json infeasible, creeping;
         const std::string table = infeasible_table(input, options, infeasible);
-        fmt::print("\n{}\n{}", table, creep_table(input, options, creeping));
+        print_table(json_file, "\n{}\n{}", table, creep_table(input, options, creeping));
         json["infeasible_at_constant_slip"] = infeasible;
         json["creeping"] = creeping;
-        deliver((out / "results.json").string(), json.dump(2) + "\n");
+        keep_json(out / "results.json", json_file, json.dump(2) + "\n");
+        print_table(json_file, "Written to {}: results.json{}\n", out.string(),
+                    law && !check ? " slip.toml" : "");
         return status;
     }
 };
@@ -209,9 +215,10 @@ LabVerb tune_verb(CLI::App& lab) {
     CLI::App* verb = lab.add_subcommand("tune",
                                         "Gains with the largest worst margin over all surfaces, maneuvers "
                                         "and speeds; what no controller can have.");
-    verb->add_option("--loop", command->loop,
-                     "pid: the paper's, by its margins; law: the shipped one, by margins and stops")
-        ->check(CLI::IsMember({"pid", "law"}))
+    settings::one_of(
+        verb->add_option("--loop", command->loop,
+                         "pid: the paper's, by its margins; law: the shipped one, by margins and stops"),
+        {"pid", "law"})
         ->capture_default_str();
     verb->add_option("--slip", command->scenario.slip, "slip reference")
         ->check(CLI::Range(0.01, 0.5))
@@ -221,8 +228,8 @@ LabVerb tune_verb(CLI::App& lab) {
     verb->add_flag("--constant-slip", command->constant_slip, "the reference does not fall at low speed");
     verb->add_flag("--check", command->check,
                    "law: no search; exit status 1 unless the stops of the shipped gains are what is asked");
-    verb->add_option("--write", command->write, "law: controller files that get the gains in place of theirs")
-        ->check(CLI::ExistingFile);
+    settings::existing_file(verb->add_option("--write", command->write,
+                                             "law: controller files that get the gains in place of theirs"));
     verb->add_option("--floor", command->floor,
                      "law: least mean J_mu over all stops (default: margins.toml's)")
         ->check(CLI::Range(0.0, 1.0));
@@ -236,10 +243,11 @@ LabVerb tune_verb(CLI::App& lab) {
                      "of the search, and of every sensor (default: 1; law: margins.toml's, sensors 1)");
     verb->add_option("--threads", command->search.threads, "results do not depend on it (default: all cores)")
         ->check(CLI::Range(1U, 1024U));
-    verb->add_option("--config", command->scenario.config, "directory of the configuration files")
-        ->capture_default_str();
+    settings::add_config_directory(*verb, command->scenario.config);
+    settings::add_json(*verb, command->json_file, "results");
     verb->add_option("--out", command->out, "directory of results.json and, for the law, slip.toml")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->footer(
         "Examples:\n"
         "  rig-lab tune\n"

@@ -12,6 +12,7 @@
 #include "firmware/linux/controller_config.hpp"
 #include "plant_sim/lab/controller_gains.hpp"
 #include "plant_sim/lab/step_progress.hpp"
+#include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/law_judge.hpp"
 #include "plant_sim/study/robust/campaign.hpp"
 
@@ -119,16 +120,16 @@ ordered_json to_json(const Judged& j, const margins::TrialStops& trial) {
 
 /// A column for each of `judged`: the shipped gains, and those that were found.
 void print(const std::vector<Judged>& judged, const margins::TrialStops& trial,
-           const margins::Requirement& asked) {
+           const margins::Requirement& asked, const std::string& json_file) {
     const auto row = [&](const std::string& label, const auto& value) {
         std::string line = "| " + label + " |";
         for (const Judged& j : judged) line += fmt::format(" {} |", value(j));
-        fmt::print("{}\n", line);
+        print_table(json_file, "{}\n", line);
     };
-    fmt::print("Slip law: least of margins over required, worst of {} cells\n\n",
-               judged.front().margins.counted);
-    fmt::print("{}",
-               judged.size() > 1 ? "| | shipped | tuned |\n|---|---|---|\n" : "| | shipped |\n|---|---|\n");
+    print_table(json_file, "Slip law: least of margins over required, worst of {} cells\n\n",
+                judged.front().margins.counted);
+    print_table(json_file, "{}",
+                judged.size() > 1 ? "| | shipped | tuned |\n|---|---|---|\n" : "| | shipped |\n|---|---|\n");
     for (std::size_t i = 0; i < margins::gain_names().size(); ++i)
         row(margins::gain_names()[i], [&](const Judged& j) { return fmt::format("{:.4g}", j.gains[i]); });
     row("score", [](const Judged& j) { return fmt::format("{:.3f}", j.margins.value); });
@@ -171,17 +172,18 @@ int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& j
     const Judged before = judged(shipped);
     json["shipped"] = to_json(before, trial);
     if (tuning.check) {
-        print({before}, trial, tuning.options.requirement);
+        print({before}, trial, tuning.options.requirement, tuning.json_file);
         const bool shows = before.stops.violation <= 0.0;
-        fmt::print("\nThe shipped gains {} what stops must show.\n", shows ? "show" : "do not show");
+        print_table(tuning.json_file, "\nThe shipped gains {} what stops must show.\n",
+                    shows ? "show" : "do not show");
         return shows ? 0 : 1;
     }
-    const margins::Found found = margins::search(law.knobs, score, tuning.search, progress);
+    const margins::Found found = margins::search(law.parameters, score, tuning.search, progress);
     const margins::Found top =
-        margins::climb(law.knobs, found.values, score, law.least_gain, tuning.search, progress);
+        margins::climb(law.parameters, found.values, score, law.least_gain, tuning.search, progress);
 
     const Judged after = judged(top.values);
-    print({before, after}, trial, tuning.options.requirement);
+    print({before, after}, trial, tuning.options.requirement, tuning.json_file);
     json["evaluations"] = found.evaluations + top.evaluations;
     json["tuned"] = to_json(after, trial);
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <vector>
 
 #include "plant_sim/lab/margins_input.hpp"
@@ -18,6 +19,7 @@ struct LawTuning {
     bool check = false;         ///< no search: the shipped gains are judged, nothing is written
     std::filesystem::path out;  ///< gets slip.toml
     std::vector<std::filesystem::path> write;  ///< controller files that get the gains
+    std::string json_file;                     ///< "-": standard output is not for tables
 };
 
 /// Prints and reports what it found. 0; with `check` 1 where the stops of the shipped gains are not what is asked.

@@ -29,9 +29,10 @@ void refuse(const std::vector<const CLI::Option*>& options, const std::string& m
 }  // namespace
 
 void TyreOptions::add_to(CLI::App& app) {
-    app.add_option("--tyre", model,
-                   "static (the paper's), ring or relaxation, in the place of the rig file's [tyre]")
-        ->check(CLI::IsMember({"static", "ring", "relaxation"}));
+    settings::one_of(
+        app.add_option("--tyre", model,
+                       "static (the paper's), ring or relaxation, in the place of the rig file's [tyre]"),
+        {"static", "ring", "relaxation"});
     of_ring_ = {
         list(app, "--belt-share", belt_share, 0.01, 0.9, "ring: of J_w that is belt; a list makes a table"),
         list(app, "--frequency", frequency_Hz, 5.0, 1000.0, "ring: rim against belt, Hz; or a list"),

@@ -1,11 +1,10 @@
 /// A tyre from the command line, in the place of the one that the rig's file has.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <string>
 #include <vector>
 
+#include "config/reader/command_line.hpp"
 #include "plant_sim/model/compliance.hpp"
 
 namespace plant_sim {

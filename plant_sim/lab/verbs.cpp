@@ -1,7 +1,5 @@
 #include "plant_sim/lab/verbs.hpp"
 
-#include <fmt/core.h>
-
 #include "config/reader/atomic_file.hpp"
 
 namespace plant_sim {
@@ -13,11 +11,9 @@ int run_parsed(std::span<const LabVerb> verbs) {
     return 2;
 }
 
-void deliver(const std::string& where, std::string_view text) {
-    if (where == "-")
-        fmt::print("{}", text);
-    else
-        settings::write_file(where, text);
+void keep_json(const std::filesystem::path& file, const std::string& json_file, std::string_view text) {
+    settings::write_file(file, text);
+    settings::deliver(json_file, text);
 }
 
 }  // namespace plant_sim

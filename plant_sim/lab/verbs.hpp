@@ -1,12 +1,16 @@
 /// The verbs of rig-lab, one a file: each adds its own command line and says how to run it.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <fmt/core.h>
 
+#include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include "config/reader/command_line.hpp"
 
 namespace plant_sim {
 
@@ -53,7 +57,13 @@ LabVerb report_verb(CLI::App& lab);
 /// What an endurance campaign says about the brake; its verbs are in wear.hpp.
 LabVerb wear_verb(CLI::App& lab);
 
-/// Text to a file, whole or not at all; "-" is standard output.
-void deliver(const std::string& where, std::string_view text);
+/// For people: on standard output, unless `--json -` has it for itself.
+template <typename... T>
+void print_table(const std::string& json_file, fmt::format_string<T...> format, T&&... values) {
+    if (json_file != "-") fmt::print(format, std::forward<T>(values)...);
+}
+
+/// The result of a study, in its directory and where --json says.
+void keep_json(const std::filesystem::path& file, const std::string& json_file, std::string_view text);
 
 }  // namespace plant_sim

@@ -44,6 +44,7 @@ struct DynamicsCommand {
     StopFiles files;
     wear::DynamicsSettings settings;
     std::filesystem::path out = "out/wear";
+    std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     int run() {
@@ -65,15 +66,15 @@ struct DynamicsCommand {
                                     files.config / "maneuvers.toml", files.config / "landing_gear.toml",
                                     files.config / "flywheel_rig.toml"}),
                                 hash_of(classes)};
-        fmt::print("{}", to_text(classes));
-        deliver((out / "dynamics.json").string(), to_json(classes, head));
-        deliver((out / "friction_curves.toml").string(), to_toml(classes, head));
+        print_table(json_file, "{}", to_text(classes));
+        keep_json(out / "dynamics.json", json_file, to_json(classes, head));
+        settings::deliver((out / "friction_curves.toml").string(), to_toml(classes, head));
         if (pictures) draw_dynamics(classes, settings, out / "dynamics.png");
-        fmt::print(
-            "Written to {0}: dynamics.json friction_curves.toml{1}\nIn force with --friction-curves "
-            "{0}/friction_curves.toml, or "
-            "pasted into landing_gear.toml.\n",
-            out.string(), pictures ? " dynamics.png" : "");
+        print_table(json_file,
+                    "Written to {0}: dynamics.json friction_curves.toml{1}\nIn force with --friction-curves "
+                    "{0}/friction_curves.toml, or "
+                    "pasted into landing_gear.toml.\n",
+                    out.string(), pictures ? " dynamics.png" : "");
         return 0;
     }
 };
@@ -95,14 +96,13 @@ LabVerb wear_dynamics_verb(CLI::App& wear) {
     verb->add_option("--highest-order", command->settings.highest_order, "of the polynomials that are tried")
         ->check(CLI::Range(std::size_t{0}, std::size_t{3}))
         ->capture_default_str();
-    verb->add_option("--config", command->files.config, "directory of the configuration files")
-        ->capture_default_str();
-    verb->add_option("--dbc", command->files.dbc, "bus layout (default: CONFIG/antiskid.dbc)");
-    verb->add_option("--binding", command->files.binding,
-                     "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+    settings::add_config_directory(*verb, command->files.config);
+    settings::add_layout_files(*verb, command->files.dbc, command->files.binding);
+    settings::add_json(*verb, command->json_file, "results");
     verb->add_option("--out", command->out,
                      "directory of dynamics.json, friction_curves.toml and dynamics.png")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"

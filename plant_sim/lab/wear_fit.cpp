@@ -44,6 +44,7 @@ struct FitCommand {
     wear::FitSettings settings;
     unsigned threads = std::max(1U, std::thread::hardware_concurrency());
     std::filesystem::path out = "out/wear";
+    std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     int run() const {
@@ -52,19 +53,21 @@ struct FitCommand {
                                                              show_steps(done, all, "EM runs");
                                                          }});
         const wear::Model model = wear::model_of(data, fit, settings);
-        fmt::print("{}\nBetween {:.3f} and {:.3f} MJ the model has seen data; {}.\n", table_of(fit, model),
-                   model.data.first_c_e_J * 1e-6, model.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);
+        print_table(json_file, "{}\nBetween {:.3f} and {:.3f} MJ the model has seen data; {}.\n",
+                    table_of(fit, model), model.data.first_c_e_J * 1e-6, model.data.last_c_e_J * 1e-6,
+                    wear::kHowItExtrapolates);
         if (fit.best().components == settings.most_components && settings.most_components > 1)
-            fmt::print("The least BIC is at the most components allowed: the best order may lie beyond.\n");
-        deliver((out / "model.json").string(), wear::to_json(model));
-        deliver((out / "campaign.csv").string(), wear::to_csv(data));
+            print_table(json_file,
+                        "The least BIC is at the most components allowed: the best order may lie beyond.\n");
+        keep_json(out / "model.json", json_file, wear::to_json(model));
+        settings::deliver((out / "campaign.csv").string(), wear::to_csv(data));
         if (pictures) {
             draw_campaign(data, model, out / "campaign.png");
             draw_density(data, model, out / "density.png");
             draw_bic(model, out / "bic.png");
         }
-        fmt::print("Written to {}: model.json campaign.csv{}\n", out.string(),
-                   pictures ? " campaign.png density.png bic.png" : "");
+        print_table(json_file, "Written to {}: model.json campaign.csv{}\n", out.string(),
+                    pictures ? " campaign.png density.png bic.png" : "");
         return 0;
     }
 };
@@ -75,7 +78,7 @@ LabVerb wear_fit_verb(CLI::App& wear) {
     const auto fit = std::make_shared<FitCommand>();
     CLI::App* verb = wear.add_subcommand(
         "fit", "Gaussian mixtures of eq. (10) to (13) on a campaign; BIC chooses the number of components.");
-    verb->add_option("SOURCE", fit->source, "as for `wear table`")->required()->check(CLI::ExistingPath);
+    settings::existing_path(verb->add_option("SOURCE", fit->source, "as for `wear table`"))->required();
     verb->add_option("--campaign", fit->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, fit->off);
     verb->add_option("--components", fit->settings.most_components, "the most that are tried")
@@ -92,8 +95,10 @@ LabVerb wear_fit_verb(CLI::App& wear) {
     verb->add_option("--threads", fit->threads, "the result does not depend on it")
         ->check(CLI::Range(1U, 1024U))
         ->capture_default_str();
+    settings::add_json(*verb, fit->json_file, "results");
     verb->add_option("--out", fit->out, "directory of model.json, campaign.csv and the pictures")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->add_flag("!--no-pictures", fit->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n  rig-lab wear fit out/endurance\n  rig-lab wear fit measured.csv --components 6 --out "

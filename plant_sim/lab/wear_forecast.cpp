@@ -12,7 +12,7 @@
 #include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/foresight_pictures.hpp"
+#include "plant_sim/lab/forecast_pictures.hpp"
 #include "plant_sim/lab/landing_mix.hpp"
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
@@ -49,6 +49,7 @@ struct ForecastCommand {
     wear::ForecastSettings settings;
     std::filesystem::path back_test;
     std::filesystem::path out = "out/wear";
+    std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     int run() {
@@ -65,7 +66,8 @@ struct ForecastCommand {
     double reserve_friction() {
         const ReserveLimit r = reserve_limit(config);
         files_.insert(files_.end(), r.files.begin(), r.files.end());
-        fmt::print(
+        print_table(
+            json_file,
             "Torque reserve: below mean friction {:.4f} full pressure does not give the {:.0f} N m that a "
             "heavy stop on "
             "dry asphalt can use at {:.0f} m/s.\n",
@@ -134,7 +136,7 @@ int ForecastCommand::run_forecast(const wear::PopulationFile& file) {
     const std::size_t n = recorded.points.size();
     for (std::size_t i = last == 0 || last >= n ? 0 : n - last; i < n; ++i) filter.learn(recorded.points[i]);
     const wear::Forecast f = wear::forecast(filter, recorded.points.back().c_e_J, to_come, settings);
-    fmt::print("{}", text_of(f, settings, to_come));
+    print_table(json_file, "{}", text_of(f, settings, to_come));
     Json json = head(file);
     json["data_hash"] = wear::data_hash(recorded);
     json["maneuvers"] = n;
@@ -157,9 +159,9 @@ int ForecastCommand::run_forecast(const wear::PopulationFile& file) {
         json["landings_left"][kKeys.at(q)] = or_null(f.landings_left.at(q));
         json["crossing_J"][kKeys.at(q)] = or_null(f.crossing_J.at(q));
     }
-    deliver((out / "forecast.json").string(), json.dump(2) + "\n");
+    keep_json(out / "forecast.json", json_file, json.dump(2) + "\n");
     if (pictures) draw_forecast(recorded, f, settings.limit, out / "forecast.png");
-    fmt::print("Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");
+    print_table(json_file, "Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");
     return 0;
 }
 
@@ -198,15 +200,16 @@ int ForecastCommand::run_back_test(const wear::PopulationFile& file) const {
     };
     for (const wear::BackTestRow& r : t.rows) add(r, fmt::format("{:.0f} %", 100.0 * r.share_of_life));
     add(t.pooled, "all");
-    fmt::print("{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}",
-               brakes.size(), table);
+    print_table(json_file, "{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}",
+                brakes.size(), table);
     if (without_end > 0)
-        fmt::print("{} campaigns never come below {:.4f} and are left out.\n", without_end, settings.limit);
+        print_table(json_file, "{} campaigns never come below {:.4f} and are left out.\n", without_end,
+                    settings.limit);
     Json json = head(file);
     json["brakes"] = brakes.size();
     json["rows"] = std::move(rows);
-    deliver((out / "back_test.json").string(), json.dump(2) + "\n");
-    fmt::print("Written to {}: back_test.json\n", out.string());
+    keep_json(out / "back_test.json", json_file, json.dump(2) + "\n");
+    print_table(json_file, "Written to {}: back_test.json\n", out.string());
     const double pooled = t.pooled.coverage();
     return pooled >= 0.7 && pooled <= 0.9 ? 0 : 1;
 }
@@ -218,12 +221,13 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
     CLI::App* verb = wear.add_subcommand("forecast",
                                          "Landings left until the brake's mean friction, without the scatter "
                                          "of single maneuvers, is below a limit.");
-    verb->add_option("SOURCE", f->source, "the brake's campaign so far, as for `wear table`")
-        ->check(CLI::ExistingPath);
+    settings::existing_path(
+        verb->add_option("SOURCE", f->source, "the brake's campaign so far, as for `wear table`"));
     verb->add_option("--campaign", f->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, f->off);
-    verb->add_option("--model", f->model, "population.json of `wear population`, or model.json of `wear fit`")
-        ->check(CLI::ExistingFile)
+    settings::existing_file(
+        verb->add_option("--model", f->model,
+                         "population.json of `wear population`, or model.json of `wear fit`"))
         ->capture_default_str();
     auto* const limit = verb->add_option("--limit", f->limit, "mean friction")->check(CLI::Range(0.001, 1.5));
     verb->add_flag("--reserve", f->reserve,
@@ -250,14 +254,15 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
         ->check(CLI::Range(100, 1'000'000))
         ->capture_default_str();
     verb->add_option("--seed", f->settings.seed, "seed of every random draw")->capture_default_str();
-    verb->add_option("--config", f->config, "directory of the configuration files")->capture_default_str();
-    verb->add_option(
-            "--back-test", f->back_test,
-            "directory of whole campaigns as CSV: forecasts at 20, 40, 60 and 80 % of each brake's life "
-            "against its end; status 0 when 70 to 90 % are held")
-        ->check(CLI::ExistingDirectory);
+    settings::add_config_directory(*verb, f->config);
+    settings::existing_directory(verb->add_option(
+        "--back-test", f->back_test,
+        "directory of whole campaigns as CSV: forecasts at 20, 40, 60 and 80 % of each brake's life "
+        "against its end; status 0 when 70 to 90 % are held"));
+    settings::add_json(*verb, f->json_file, "results");
     verb->add_option("--out", f->out, "directory of forecast.json and forecast.png, or back_test.json")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->add_flag("!--no-pictures", f->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"

@@ -19,14 +19,16 @@ struct PopulationCommand {
     std::vector<std::filesystem::path> healthy;
     OutOfTolerance off = OutOfTolerance::left_out;
     wear::LearnSettings settings;
-    std::filesystem::path out = "out/wear/population.json";
+    std::filesystem::path out = "out/wear";
+    std::string json_file;  ///< "-": standard output
 
     int run() {
         const std::vector<wear::Campaign> campaigns = load_campaigns(sources, off);
         settings.healthy = load_campaigns(healthy, off);
         const wear::Population p = wear::learn_population(
             campaigns, settings, [](std::size_t done, std::size_t all) { show_steps(done, all, "steps"); });
-        fmt::print(
+        print_table(
+            json_file,
             "{}: scatter {:.5f} of which {:.5f} remembers, by {:.2f} from one maneuver to the next; offset "
             "of a brake "
             "{:.5f}, drift {:.6f} in 1 MJ; log of its energy {:.3f} about a member's; health limits {:.2f} "
@@ -35,8 +37,8 @@ struct PopulationCommand {
             p.source, std::hypot(p.scatter.remembered, p.scatter.fresh), p.scatter.remembered,
             p.scatter.memory, p.spread.offset, p.scatter.drift_per_root_MJ, p.spread.log_energy_scale,
             p.limits.gradual, p.limits.sudden);
-        deliver(out.string(), wear::to_json(p));
-        fmt::print("Written to {}\n", out.string());
+        keep_json(out / "population.json", json_file, wear::to_json(p));
+        print_table(json_file, "Written to {}: population.json\n", out.string());
         return 0;
     }
 };
@@ -49,30 +51,32 @@ LabVerb wear_population_verb(CLI::App& wear) {
     CLI::App* verb = wear.add_subcommand(
         "population",
         "What several brakes that were worn out have in common and how they differ: for forecast and watch.");
-    verb->add_option("SOURCE", command->sources,
-                     "campaigns as for `wear table`, or directories of CSV files; three brakes at least, "
-                     "better twenty")
-        ->required()
-        ->check(CLI::ExistingPath);
+    settings::existing_path(
+        verb->add_option("SOURCE", command->sources,
+                         "campaigns as for `wear table`, or directories of CSV files; three brakes at least, "
+                         "better twenty"))
+        ->required();
     verb->add_option("--limit", command->settings.limit,
                      "mean friction that forecasts will ask about; intervals are calibrated for it "
                      "(default: between the middle and the end of the brakes' lives)")
         ->check(CLI::Range(0.001, 1.5));
-    verb->add_option(
-            "--healthy", command->healthy,
-            "campaigns of other brakes that were healthy: health limits are learnt from them (default: "
-            "from the same brakes, each given the others)")
-        ->check(CLI::ExistingPath);
+    settings::existing_path(verb->add_option(
+        "--healthy", command->healthy,
+        "campaigns of other brakes that were healthy: health limits are learnt from them (default: "
+        "from the same brakes, each given the others)"));
     add_out_of_tolerance_flag(*verb, command->off);
     verb->add_option("--seed", command->settings.fit.seed, "seed of every random draw")
         ->capture_default_str();
     verb->add_option("--threads", command->settings.threads, "the result does not depend on it")
         ->check(CLI::Range(1U, 1024U))
         ->capture_default_str();
-    verb->add_option("--out", command->out, "the population, JSON")->capture_default_str();
+    settings::add_json(*verb, command->json_file, "results");
+    verb->add_option("--out", command->out, "directory of population.json")
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->footer(
         "Example:\n  rig-lab wear population campaigns/ --healthy healthy/ --limit 0.2 --out "
-        "out/wear/population.json");
+        "out/wear");
     return {verb, [command] { return command->run(); }};
 }
 

@@ -69,6 +69,7 @@ struct SimulateCommand {
     wear::ConditionalRule rule;
     std::uint64_t seed = 1;
     std::filesystem::path out = "out/wear";
+    std::string json_file;  ///< "-": standard output
 
     int run() const {
         const wear::Campaign recorded = load_campaign(source, campaign, off);
@@ -86,22 +87,22 @@ struct SimulateCommand {
         const wear::Campaign simulated = by_torque ? through_plant(recorded, learnt, files, json)
                                                    : wear::resimulated(recorded, learnt, rule, seed);
         const wear::Comparison c = wear::compare(recorded, simulated, learnt, rule);
-        fmt::print("{}", table_of(c));
+        print_table(json_file, "{}", table_of(c));
         const auto beyond = std::count_if(simulated.points.begin(), simulated.points.end(),
                                           [&](const wear::Point& p) { return learnt.extrapolates(p.c_e_J); });
         if (beyond > 0)
-            fmt::print("{} maneuvers are beyond the model's data ({:.3f} to {:.3f} MJ): {}.\n", beyond,
-                       learnt.data.first_c_e_J * 1e-6, learnt.data.last_c_e_J * 1e-6,
-                       wear::kHowItExtrapolates);
+            print_table(json_file, "{} maneuvers are beyond the model's data ({:.3f} to {:.3f} MJ): {}.\n",
+                        beyond, learnt.data.first_c_e_J * 1e-6, learnt.data.last_c_e_J * 1e-6,
+                        wear::kHowItExtrapolates);
         json["extrapolated"] = beyond;
         json.update(json_of(c));
         json["seed"] = seed;
         json["version"] = ANTISKID_VERSION;
         json["config_hash"] = settings::hash(files);
-        deliver((out / "simulated.json").string(), json.dump(2) + "\n");
-        deliver((out / "simulated.csv").string(), wear::to_csv(simulated));
+        keep_json(out / "simulated.json", json_file, json.dump(2) + "\n");
+        settings::deliver((out / "simulated.csv").string(), wear::to_csv(simulated));
         draw_resimulation(recorded, simulated, out / "simulated.png");
-        fmt::print("Written to {}: simulated.csv simulated.json simulated.png\n", out.string());
+        print_table(json_file, "Written to {}: simulated.csv simulated.json simulated.png\n", out.string());
         return 0;
     }
 
@@ -125,13 +126,14 @@ struct SimulateCommand {
             // Draws of its own: with the campaign's seed, a campaign of the virtual rig would only be repeated.
             {wear, rule, {.seed = ~seed, .maneuvers = 0, .c_e_J = wear::taken_before_J(recorded)}},
             [all](std::size_t done) { show_progress(done, all); });
-        fmt::print(
+        print_table(
+            json_file,
             "{} maneuvers through the plant by their recorded torque: energy {:+.2f} % of the recorded", all,
             replayed.energy_error * 100.0);
         if (replayed.short_of_pressure > 0)
-            fmt::print("; in {} full pressure did not give the torque everywhere",
-                       replayed.short_of_pressure);
-        fmt::print("\n");
+            print_table(json_file, "; in {} full pressure did not give the torque everywhere",
+                        replayed.short_of_pressure);
+        print_table(json_file, "\n");
         json["maneuver"] = maneuver;
         json["energy_error"] = replayed.energy_error;
         json["short_of_pressure"] = replayed.short_of_pressure;
@@ -147,27 +149,29 @@ LabVerb wear_simulate_verb(CLI::App& wear) {
         "simulate",
         "Fig. 9: the maneuvers of a campaign again with friction drawn from eq. (14), compared with the "
         "recorded. Leaves simulated.csv, simulated.json and simulated.png.");
-    verb->add_option("SOURCE", simulate->source, "as for `wear table`")->required()->check(CLI::ExistingPath);
+    settings::existing_path(verb->add_option("SOURCE", simulate->source, "as for `wear table`"))->required();
     verb->add_option("--campaign", simulate->campaign,
                      "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, simulate->off);
-    verb->add_option("--model", simulate->model, "model.json of `wear fit`")
-        ->required()
-        ->check(CLI::ExistingFile);
-    verb->add_option(
+    settings::existing_file(verb->add_option("--model", simulate->model, "model.json of `wear fit`"))
+        ->required();
+    settings::one_of(
+        verb->add_option(
             "--replay", simulate->replay,
             "torque: through the plant, the recorded braking torque fed in (default where SOURCE has "
             "brake_on_mps, mean_torque_Nm and mean_load_N; a ledger has); energy: no plant, each "
-            "maneuver takes the recorded brake energy")
-        ->check(CLI::IsMember({"torque", "energy"}));
+            "maneuver takes the recorded brake energy"),
+        {"torque", "energy"});
     verb->add_option("--maneuver", simulate->maneuver,
                      "whose rig makes the stops: endurance, or one of maneuvers.toml")
         ->capture_default_str();
-    verb->add_option("--config", simulate->config, "directory of the configuration files")
-        ->capture_default_str();
+    settings::add_config_directory(*verb, simulate->config);
     add_rule_options(*verb, simulate->rule);
     verb->add_option("--seed", simulate->seed, "seed of every random draw")->capture_default_str();
-    verb->add_option("--out", simulate->out, "directory of the results")->capture_default_str();
+    settings::add_json(*verb, simulate->json_file, "results");
+    verb->add_option("--out", simulate->out, "directory of the results")
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->footer(
         "Examples:\n"
         "  rig-lab wear simulate out/endurance-1 --model out/wear/model.json\n"

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/wear.hpp"
@@ -11,15 +13,28 @@ namespace plant_sim {
 
 namespace {
 
+std::string as_json(const wear::Campaign& data) {
+    auto rows = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < data.points.size(); ++i)
+        rows.push_back({{"mean_friction", data.points[i].mean_friction},
+                        {"brake_energy_J", wear::brake_energy_J(data, i)},  // null where it is unknown
+                        {"cumulative_energy_J", data.points[i].c_e_J}});
+    const nlohmann::ordered_json table{{"source", data.source},
+                                       {"data_hash", wear::data_hash(data)},
+                                       {"version", ANTISKID_VERSION},
+                                       {"maneuvers", std::move(rows)}};
+    return table.dump(2) + "\n";
+}
+
 struct TableCommand {
     std::filesystem::path source;
     std::string campaign;
     OutOfTolerance off = OutOfTolerance::left_out;
-    std::string csv;
+    std::string csv, json_file;
 
     int run() const {
         const wear::Campaign data = load_campaign(source, campaign, off);
-        if (csv != "-") {
+        if (csv != "-" && json_file != "-") {
             std::string table = fmt::format("{:>8}{:>15}{:>18}{:>24}\n", "maneuver", "mean_friction",
                                             "brake_energy_MJ", "cumulative_energy_MJ");
             for (std::size_t i = 0; i < data.points.size(); ++i) {
@@ -32,7 +47,8 @@ struct TableCommand {
             fmt::print("{}{} maneuvers of {}, data hash {}\n", table, data.points.size(), data.source,
                        wear::data_hash(data));
         }
-        if (!csv.empty()) deliver(csv, wear::to_csv(data));
+        settings::deliver(csv, wear::to_csv(data));
+        settings::deliver(json_file, as_json(data));
         return 0;
     }
 };
@@ -44,14 +60,17 @@ LabVerb wear_table_verb(CLI::App& wear) {
     CLI::App* verb = wear.add_subcommand("table",
                                          "Mean friction by eq. (7), brake energy by eq. (9) and cumulative "
                                          "energy of every maneuver of a campaign.");
-    verb->add_option("SOURCE", table->source,
-                     "ledger, directory with ledger.sqlite, or CSV with the columns cumulative_energy_MJ (or "
-                     "cumulative_energy_J) and mean_friction")
-        ->required()
-        ->check(CLI::ExistingPath);
+    settings::existing_path(
+        verb->add_option(
+            "SOURCE", table->source,
+            "ledger, directory with ledger.sqlite, or CSV with the columns cumulative_energy_MJ (or "
+            "cumulative_energy_J) and mean_friction"))
+        ->required();
     verb->add_option("--campaign", table->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, table->off);
-    verb->add_option("--csv", table->csv, "the table as CSV, exact: a file, or - for standard output");
+    verb->add_option("--csv", table->csv, "the table, exact; - for standard output instead")
+        ->type_name("FILE");
+    settings::add_json(*verb, table->json_file, "the table");
     verb->footer("Examples:\n  rig-lab wear table out/endurance\n  rig-lab wear table measured.csv --csv -");
     return {verb, [table] { return table->run(); }};
 }

@@ -8,7 +8,7 @@
 
 #include "config/reader/config_directory.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/foresight_pictures.hpp"
+#include "plant_sim/lab/forecast_pictures.hpp"
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/wear/fault_trial.hpp"
@@ -28,6 +28,7 @@ struct WatchCommand {
     bool trial = false;
     std::uint64_t seed = 1;
     std::filesystem::path out = "out/wear";
+    std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     int run() const {
@@ -51,8 +52,8 @@ int WatchCommand::watch(const wear::PopulationFile& file) const {
         const wear::Point& p = recorded.points[i];
         const wear::Verdict& v = verdicts.emplace_back(monitor.after(p));
         if (v.condition != before)
-            fmt::print("maneuver {:>5}, {:9.3f} MJ: {}{}{}\n", i + 1, p.c_e_J * 1e-6, wear::name(v.condition),
-                       v.reason.empty() ? "" : ": ", v.reason);
+            print_table(json_file, "maneuver {:>5}, {:9.3f} MJ: {}{}{}\n", i + 1, p.c_e_J * 1e-6,
+                        wear::name(v.condition), v.reason.empty() ? "" : ": ", v.reason);
         before = v.condition;
         list.push_back({{"maneuver", i + 1},
                         {"health", wear::name(v.condition)},
@@ -63,16 +64,16 @@ int WatchCommand::watch(const wear::PopulationFile& file) const {
                         {"deviation", v.deviation},
                         {"reason", v.reason}});
     }
-    fmt::print("{} after {} maneuvers, statistic {:.2f} of its limit\n", wear::name(before), verdicts.size(),
-               verdicts.back().statistic);
+    print_table(json_file, "{} after {} maneuvers, statistic {:.2f} of its limit\n", wear::name(before),
+                verdicts.size(), verdicts.back().statistic);
     const Json json{{"version", ANTISKID_VERSION},
                     {"model_hash", file.hash},
                     {"data_hash", wear::data_hash(recorded)},
                     {"health", wear::name(before)},
                     {"maneuvers", std::move(list)}};
-    deliver((out / "health.json").string(), json.dump(2) + "\n");
+    keep_json(out / "health.json", json_file, json.dump(2) + "\n");
     if (pictures) draw_health(recorded, verdicts, out / "health.png");
-    fmt::print("Written to {}: health.json{}\n", out.string(), pictures ? " health.png" : "");
+    print_table(json_file, "Written to {}: health.json{}\n", out.string(), pictures ? " health.png" : "");
     return before == wear::Condition::abnormal ? 1 : 0;
 }
 
@@ -114,7 +115,7 @@ int WatchCommand::run_trial(const wear::PopulationFile& file) const {
                         {"ninety_maneuvers", t.ninety}});
         show_steps(i + 2, kCases.size() + 1, "trials");
     }
-    fmt::print("{}", table);
+    print_table(json_file, "{}", table);
     const Json json{{"version", ANTISKID_VERSION},
                     {"seed", seed},
                     {"model_hash", file.hash},
@@ -124,8 +125,8 @@ int WatchCommand::run_trial(const wear::PopulationFile& file) const {
                       {"flagged", h.flagged},
                       {"suspected_maneuvers", h.suspected_maneuvers}}},
                     {"faults", std::move(rows)}};
-    deliver((out / "watch_trial.json").string(), json.dump(2) + "\n");
-    fmt::print("Written to {}: watch_trial.json\n", out.string());
+    keep_json(out / "watch_trial.json", json_file, json.dump(2) + "\n");
+    print_table(json_file, "Written to {}: watch_trial.json\n", out.string());
     return 0;
 }
 
@@ -136,23 +137,25 @@ LabVerb wear_watch_verb(CLI::App& wear) {
     CLI::App* verb = wear.add_subcommand("watch",
                                          "Health of a brake after each maneuver: does its friction go on as "
                                          "that of brakes like those the model knows?");
-    verb->add_option("SOURCE", watch->source,
-                     "as for `wear table`; with --trial a directory of healthy brakes' campaigns as CSV")
-        ->required()
-        ->check(CLI::ExistingPath);
+    settings::existing_path(
+        verb->add_option("SOURCE", watch->source,
+                         "as for `wear table`; with --trial a directory of healthy brakes' campaigns as CSV"))
+        ->required();
     verb->add_option("--campaign", watch->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, watch->off);
-    verb->add_option("--model", watch->model,
-                     "population.json of `wear population`, or model.json of `wear fit`")
-        ->check(CLI::ExistingFile)
+    settings::existing_file(
+        verb->add_option("--model", watch->model,
+                         "population.json of `wear population`, or model.json of `wear fit`"))
         ->capture_default_str();
     verb->add_flag(
         "--trial", watch->trial,
         "false alarms on healthy brakes, and how soon glazing, a sudden drop and a dragging piston are "
         "flagged when they are put into the same campaigns");
     verb->add_option("--seed", watch->seed, "of the trial: where the faults begin")->capture_default_str();
+    settings::add_json(*verb, watch->json_file, "results");
     verb->add_option("--out", watch->out, "directory of health.json and health.png, or watch_trial.json")
-        ->capture_default_str();
+        ->capture_default_str()
+        ->type_name("DIRECTORY");
     verb->add_flag("!--no-pictures", watch->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n  rig-lab wear watch runs/brake7\n  rig-lab wear watch measured.csv --model "

@@ -261,10 +261,10 @@ void refuse_mixed_wear(const CampaignCommand& command, const std::vector<LedgerR
 }  // namespace
 
 int run_campaign(const CampaignCommand& command) {
-    std::optional<regulation::Order> asked;
+    std::optional<regulation::RegulationConfig> asked;
     if (command.regulate) {
-        asked = regulation::load_order(command.regulation.empty() ? command.rig.config / "regulation.toml"
-                                                                  : command.regulation);
+        asked = regulation::load_regulation_config(
+            command.regulation.empty() ? command.rig.config / "regulation.toml" : command.regulation);
         if (!command.surfaces.empty())
             asked->surfaces = regulation::surfaces_of(asked->floor, command.surfaces);
     }

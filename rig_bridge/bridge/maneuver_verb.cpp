@@ -36,9 +36,10 @@ std::filesystem::path folder(const Setup& setup) {
     return setup.options.out;
 }
 
-void draw(const std::filesystem::path& place, const std::string& title, const Trace& trace) {
+void draw(const std::filesystem::path& place, const std::filesystem::path& picture, const std::string& title,
+          const Trace& trace) {
     settings::write_file(place / "trajectory.csv", trace.csv());
-    study::draw_stop(place / "trajectory.csv", place / "maneuver.png", title, trace.brake_on_s());
+    study::draw_stop(place / "trajectory.csv", picture, title, trace.brake_on_s());
 }
 
 }  // namespace
@@ -65,7 +66,8 @@ int run_maneuver(const ManeuverCommand& command) {
         const Ran ran = session.run(order);
         session.meanwhile([&] {
             write_summary(order.folder / "summary.json", ran.summary);
-            if (command.picture && !ran.trace.empty()) draw(order.folder, setup.scenario.title, ran.trace);
+            if (!command.picture.empty() && !ran.trace.empty())
+                draw(order.folder, command.picture, setup.scenario.title, ran.trace);
         });
         fmt::print("{}Written to {}: bus.log, modbus.csv, summary.json\n", summary_table(ran.summary),
                    order.folder.string());

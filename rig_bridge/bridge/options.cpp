@@ -1,9 +1,9 @@
 #include "rig_bridge/bridge/options.hpp"
 
-#include <CLI/CLI.hpp>
-
 #include <cstdlib>
-#include <map>
+
+#include "config/reader/command_line.hpp"
+#include "rig_bridge/modbus/plc_address.hpp"
 
 #include "rig_bridge/record/specimen_options.hpp"
 
@@ -34,45 +34,40 @@ struct PlcOptions {
 };
 
 void add_rig_options(CLI::App& app, RigOptions& o, PlcOptions& plc, const char* out) {
-    app.add_option("SCENARIO", o.scenario, "scenario file, e.g. config/scenarios/heavy.toml")
-        ->required()
-        ->type_name("FILE");
+    settings::existing_file(
+        app.add_option("SCENARIO", o.scenario, "scenario file, e.g. config/scenarios/heavy.toml"))
+        ->required();
     app.add_option("--can", o.interface, "CAN interface, e.g. can0")->required()->type_name("IF");
-    auto* const tcp = app.add_option("--plc", plc.tcp, "the PLC's Modbus TCP server")->type_name("IP:PORT");
+    auto* const tcp = app.add_option("--plc", plc.tcp, "the PLC's Modbus TCP server")->type_name("HOST:PORT");
     auto* const rtu =
         app.add_option("--plc-rtu", plc.rtu, "the serial line of the PLC's Modbus RTU")->type_name("DEVICE");
     tcp->excludes(rtu);
-    app.add_option("--out", o.out, out)->type_name("DIR");
+    app.add_option("--out", o.out, out)->type_name("DIRECTORY");
     app.add_option("--seed", o.seed, "seed of every random draw")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    app.add_option("--config", o.config, "directory of the configuration files")->capture_default_str();
-    app.add_option("--dbc", o.dbc, "bus layout (default: CONFIG/antiskid.dbc)");
-    app.add_option("--binding", o.binding, "binding of the layout (default: CONFIG/antiskid_binding.toml)");
-    app.add_option("--registers", o.registers, "register map (default: CONFIG/registers.toml)");
+    settings::add_config_directory(app, o.config);
+    settings::add_layout_files(app, o.dbc, o.binding);
+    settings::existing_file(
+        app.add_option("--registers", o.registers, "register map (default: CONFIG/registers.toml)"));
     app.add_flag("!--no-reset", o.reset,
                  "a tripped PLC is reset by hand only; without this, by the bridge while nothing is on and "
                  "every interlock is good");
     app.add_option("--priority", o.priority, "SCHED_FIFO priority; 0: ordinary scheduling")
         ->check(CLI::Range(0, 99))
         ->capture_default_str();
-    app.add_option(
-           "--clock", o.lockstep,
-           "timer: real time; sync: lockstep with virtual-rig and antiskid-controller --clock sync: the "
-           "same seed gives the same samples and figures")
-        ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"timer", false}, {"sync", true}}))
-        ->default_str("timer");
+    settings::add_choice(
+        app, "--clock", o.lockstep, {{"timer", false}, {"sync", true}},
+        "timer: real time; sync: lockstep with virtual-rig and antiskid-controller --clock sync: the "
+        "same seed gives the same samples and figures");
     app.add_option("--answer-timeout", o.answer_timeout_ms,
                    "with --clock sync: who takes longer is silent; as virtual-rig's")
         ->check(CLI::Range(1, 3'600'000))
         ->type_name("MS")
         ->capture_default_str();
-    app.add_option(
-           "--view", o.view,
-           "live: a block that is drawn over itself; plain: a line a second; auto: live on a terminal")
-        ->transform(CLI::CheckedTransformer(std::map<std::string, View>{
-            {"auto", View::automatic}, {"live", View::live}, {"plain", View::plain}}))
-        ->default_str("auto");
+    settings::add_choice(
+        app, "--view", o.view, {{"auto", View::automatic}, {"live", View::live}, {"plain", View::plain}},
+        "live: a block that is drawn over itself; plain: a line a second; auto: live on a terminal");
 }
 
 /// What only those that move the rig have.
@@ -81,13 +76,16 @@ void add_run_options(CLI::App& app, RigOptions& o) {
         "--leave-turning", o.leave_turning,
         "after an abort end although the rim may still turn; without this its speed is shown until it "
         "stands, or until Ctrl-C");
-    app.add_option(
-           "--on-abort", o.on_abort,
-           "program to run after an abort, once the rig is safe and the record closed: no arguments, at most "
-           "10 s; it has RIG_CAUSE, RIG_OUTCOME, RIG_NEXT_STEP, RIG_CAMPAIGN, RIG_MANEUVER, RIG_FOLDER")
-        ->type_name("FILE");
+    settings::existing_file(app.add_option(
+        "--on-abort", o.on_abort,
+        "program to run after an abort, once the rig is safe and the record closed: no arguments, at most "
+        "10 s; it has RIG_CAUSE, RIG_OUTCOME, RIG_NEXT_STEP, RIG_CAMPAIGN, RIG_MANEUVER, RIG_FOLDER"));
     app.add_flag("--quiet", o.quiet, "no bell at an abort");
     add_specimen_options(app, o.specimen, "; kept with every maneuver from now on");
+}
+
+void campaign_directory(CLI::App& app, std::filesystem::path& directory) {
+    settings::existing_directory(app.add_option("DIRECTORY", directory, "of the campaign"))->required();
 }
 
 const char* user() {
@@ -97,11 +95,11 @@ const char* user() {
 
 void choose_plc(const PlcOptions& plc, RigOptions& o) {
     if (plc.tcp.empty() == plc.rtu.empty())
-        throw std::invalid_argument("say where the PLC is: --plc IP:PORT or --plc-rtu DEVICE");
+        throw std::invalid_argument("say where the PLC is: --plc HOST:PORT or --plc-rtu DEVICE");
     if (!plc.rtu.empty() && plc.rtu.front() != '/')
         throw std::invalid_argument("--plc-rtu: expected the path of a device, e.g. /dev/ttyUSB0, got '" +
                                     plc.rtu + "'");
-    o.plc = plc.tcp.empty() ? plc.rtu : plc.tcp;
+    o.plc = plc.tcp.empty() ? plc.rtu : numeric_plc_address(plc.tcp);
 }
 
 }  // namespace
@@ -124,7 +122,9 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     PlcOptions campaign_plc;
     CLI::App* const one = app.add_subcommand("maneuver", "one maneuver into a folder");
     add_rig_options(*one, maneuver.rig, maneuver_plc, "folder of this maneuver (default: out/SCENARIO-TIME)");
-    one->add_flag("--picture", maneuver.picture, "draw maneuver.png there, from trajectory.csv");
+    one->add_option("--picture", maneuver.picture,
+                    "speeds, slip and pressures (PNG); leaves trajectory.csv, too")
+        ->type_name("FILE");
     one->add_flag("!--no-cool-down", maneuver.cool_down,
                   "do not wait until the brake is cold enough for the next maneuver");
     CLI::App* const many =
@@ -144,10 +144,9 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     auto* const regulate = many->add_flag(
         "--regulate", campaign.regulate,
         "after each maneuver the next slip reference, so that brake and tyre reach their limits together");
-    many->add_option("--regulation", campaign.regulation,
-                     "plan and rules of that (default: CONFIG/regulation.toml)")
-        ->needs(regulate)
-        ->type_name("FILE");
+    settings::existing_file(many->add_option("--regulation", campaign.regulation,
+                                             "plan and rules of that (default: CONFIG/regulation.toml)"))
+        ->needs(regulate);
     many->add_option("--surfaces", campaign.surfaces,
                      "that the pair has seen or will see beside the scenario's own, with commas between, or "
                      "all: they bound "
@@ -156,7 +155,7 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     auto* const model = many->add_option(
         "--wear-model", campaign.wear_model,
         "judge the brake after each maneuver by this population.json or model.json of rig-lab wear");
-    model->check(CLI::ExistingFile)->type_name("FILE");
+    settings::existing_file(model);
     many->add_flag("--stop-on-abnormal", campaign.rules.stop_on_abnormal,
                    "end the campaign, with status 1, when the brake is abnormal")
         ->needs(model);
@@ -175,43 +174,41 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
         ->check(CLI::Range(10'000, 1'000'000))
         ->type_name("BIT/S")
         ->capture_default_str();
-    before
-        ->add_option("--json", preflight.json,
-                     "as JSON, to a file; - for standard output instead of the table")
-        ->type_name("FILE");
+    settings::add_json(*before, preflight.json, "what was found");
     CLI::App* const state = app.add_subcommand("status", "how far a campaign is, from its ledger");
-    state->add_option("DIR", status.directory, "folder of the campaign")->required();
-    state->add_flag("--json", status.json, "as JSON");
+    campaign_directory(*state, status.directory);
+    settings::add_json(*state, status.json, "every campaign and maneuver");
     add_run_options(*one, maneuver.rig);
     add_run_options(*many, campaign.rig);
     WatchCommand watch;
     CLI::App* const look = app.add_subcommand(
         "watch", "looks on while another terminal runs the rig; sends nothing, writes nothing");
-    look->add_option("DIR", watch.directory, "folder of the campaign; without one give --scenario");
+    settings::existing_directory(
+        look->add_option("DIRECTORY", watch.directory, "of the campaign; without one give --scenario"));
     look->add_option("--can", watch.interface, "CAN interface, e.g. can0")->required()->type_name("IF");
-    look->add_option("--scenario", watch.scenario, "that is run (default: CONFIG/scenarios, the campaign's)")
-        ->type_name("FILE");
-    look->add_option("--config", watch.config, "directory of the configuration files")->capture_default_str();
-    look->add_option("--dbc", watch.dbc, "bus layout (default: CONFIG/antiskid.dbc)");
-    look->add_option("--binding", watch.binding,
-                     "binding of the layout (default: CONFIG/antiskid_binding.toml)");
-    look->add_flag("--once", watch.once, "say it once; exit status 1 when no bridge is heard");
-    look->add_flag("--json", watch.json, "an object a line, one a second");
+    settings::existing_file(look->add_option("--scenario", watch.scenario,
+                                             "that is run (default: CONFIG/scenarios, the campaign's)"));
+    settings::add_config_directory(*look, watch.config);
+    settings::add_layout_files(*look, watch.dbc, watch.binding);
+    auto* const once =
+        look->add_flag("--once", watch.once, "say it once; exit status 1 when no bridge is heard");
+    settings::add_json(*look, watch.json,
+                       "with --once what is seen; else with - alone, an object a line, one a second,");
     HoldCommand pause{.directory = {}, .hold = true, .who = user(), .why = {}};
     HoldCommand resume;
     CLI::App* const hold = app.add_subcommand(
         "pause", "holds a campaign before its next maneuver, also one that is started later");
-    hold->add_option("DIR", pause.directory, "folder of the campaign")->required();
+    campaign_directory(*hold, pause.directory);
     hold->add_option("--who", pause.who, "who holds it")->capture_default_str();
     hold->add_option("--why", pause.why, "and why");
     CLI::App* const go = app.add_subcommand("resume", "lets a campaign go on that `pause` holds");
-    go->add_option("DIR", resume.directory, "folder of the campaign")->required();
+    campaign_directory(*go, resume.directory);
     CLI::App* const ledger = app.add_subcommand("ledger", "what people say about a campaign's ledger");
     ledger->require_subcommand(1);
     AmendCommand amendment;
     CLI::App* const amend = ledger->add_subcommand(
         "amend", "what a maneuver adds to the cumulative energy; a row of its own, nothing is overwritten");
-    amend->add_option("DIR", amendment.directory, "folder of the campaign")->required();
+    campaign_directory(*amend, amendment.directory);
     amend->add_option("--maneuver", amendment.number, "its number")->required()->check(CLI::PositiveNumber);
     amend->add_option("--attempt", amendment.attempt, "which attempt at it")
         ->check(CLI::PositiveNumber)
@@ -226,7 +223,7 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     CLI::App* const note = ledger->add_subcommand("note",
                                                   "serial numbers, operator or notes of a maneuver, "
                                                   "afterwards; rows of their own, nothing is overwritten");
-    note->add_option("DIR", noted.directory, "folder of the campaign")->required();
+    campaign_directory(*note, noted.directory);
     note->add_option("--maneuver", noted.number, "its number")->required()->check(CLI::PositiveNumber);
     note->add_option("--attempt", noted.attempt, "which attempt at it")
         ->check(CLI::PositiveNumber)
@@ -236,18 +233,19 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     add_specimen_options(*note, noted.said, "");
     for (CLI::App* const verb : {one, many, before, state, look, hold, go, ledger, amend, note})
         verb->footer(kFooter);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-        return app.exit(e) == 0 ? 0 : 2;
-    }
+    if (const auto mistake = settings::parse(app, argc, argv)) return *mistake;
     if (state->parsed()) return BridgeCommand{status};
     if (amend->parsed()) return BridgeCommand{amendment};
     if (note->parsed()) {
         if (noted.said == Specimen{}) throw std::invalid_argument("ledger note: nothing is said; see --help");
         return BridgeCommand{noted};
     }
-    if (look->parsed()) return BridgeCommand{watch};
+    if (look->parsed()) {
+        if (!watch.json.empty() && watch.json != "-" && once->count() == 0)
+            throw std::invalid_argument(
+                "watch --json: a file holds one answer: add --once, or give - for a stream");
+        return BridgeCommand{watch};
+    }
     if (hold->parsed()) return BridgeCommand{pause};
     if (go->parsed()) return BridgeCommand{resume};
     if (one->parsed()) {

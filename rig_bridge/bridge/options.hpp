@@ -24,7 +24,7 @@ enum class View : std::uint8_t { automatic, live, plain };  ///< automatic: live
 struct RigOptions {
     std::filesystem::path scenario;
     std::string interface;
-    std::string plc;  ///< IP:PORT, or the device of a serial line
+    std::string plc;  ///< numeric IP:PORT, or the device of a serial line
     std::filesystem::path out;
     std::uint64_t seed = 1;
     std::filesystem::path config = settings::config_directory();
@@ -42,8 +42,8 @@ struct RigOptions {
 
 struct ManeuverCommand {
     RigOptions rig;
-    bool picture = false;
-    bool cool_down = true;  ///< end with a brake that is cold enough for the next
+    std::filesystem::path picture;  ///< empty: none
+    bool cool_down = true;          ///< end with a brake that is cold enough for the next
 };
 struct CampaignCommand {
     RigOptions rig;
@@ -57,7 +57,7 @@ struct CampaignCommand {
 };
 struct StatusCommand {
     std::filesystem::path directory;
-    bool json = false;
+    std::string json;  ///< file, "-" for standard output, or empty
 };
 /// What a maneuver adds to the cumulative energy, as a person says.
 struct AmendCommand {
@@ -91,7 +91,7 @@ struct WatchCommand {
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path dbc, binding;  ///< empty: those of `config`
     bool once = false;
-    bool json = false;
+    std::string json;  ///< file, "-" for standard output, or empty
 };
 /// Looks at everything that the maneuvers to come need, and moves nothing.
 struct PreflightCommand {

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <vector>
 
+#include "config/reader/command_line.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/bridge/view.hpp"
@@ -215,8 +216,8 @@ std::string status_json(const std::filesystem::path& ledger) {
 
 int show_status(const StatusCommand& command) {
     const auto file = ledger_file(command.directory);
-    const std::string text = command.json ? status_json(file) : status_text(file);
-    fmt::print("{}", text);
+    if (command.json != "-") fmt::print("{}", status_text(file));
+    if (!command.json.empty()) settings::deliver(command.json, status_json(file));
     return 0;
 }
 

@@ -8,6 +8,7 @@
 #include <ctime>
 #include <thread>
 
+#include "config/reader/command_line.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/can/value_names.hpp"
@@ -230,7 +231,7 @@ int watch_rig(const WatchCommand& command) {
     Watch watch(command, layout,
                 meter_parameters(scenario, antiskid::load_controller_config(scenario.controller)));
     watch.scenario(scenario.name);
-    const bool live = !command.json && !command.once && ::isatty(STDOUT_FILENO) == 1;
+    const bool live = command.json.empty() && !command.once && ::isatty(STDOUT_FILENO) == 1;
     Terminal terminal(STDOUT_FILENO, live);
     const auto steady = [] {
         return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now().time_since_epoch());
@@ -244,7 +245,8 @@ int watch_rig(const WatchCommand& command) {
         if (command.once) {
             const bool is_heard = heard(watch.seen().bridge);
             if (now - began < (is_heard ? kLeast : kMost)) continue;
-            print(command.json ? watch_json(watch.seen()) : block(watch));
+            if (command.json != "-") print(block(watch));
+            settings::deliver(command.json, watch_json(watch.seen()));
             return is_heard ? 0 : 1;
         }
         if (now < next) continue;
@@ -252,7 +254,7 @@ int watch_rig(const WatchCommand& command) {
         if (live)
             terminal.draw(watch_screen(watch.seen(), watch.chart()));
         else
-            print(command.json ? watch_json(watch.seen()) : watch_line(watch.seen()));
+            print(command.json.empty() ? watch_line(watch.seen()) : watch_json(watch.seen()));
         if (std::ferror(stdout) != 0) return 0;  // whoever read it has gone
     }
     return 0;

@@ -11,7 +11,7 @@
 #include "config/reader/atomic_file.hpp"
 #include "config/reader/error.hpp"
 #include "plant_sim/model/measured_friction.hpp"
-#include "plant_sim/study/regulation/outlook.hpp"
+#include "plant_sim/study/regulation/limit_forecast.hpp"
 
 namespace rig {
 
@@ -51,8 +51,8 @@ ordered_json number(double value) {
 
 }  // namespace
 
-WearRegulation::WearRegulation(const regulation::Order& order, const Scenario& scenario)
-    : rules_(order.rules),
+WearRegulation::WearRegulation(const regulation::RegulationConfig& config, const Scenario& scenario)
+    : rules_(config.rules),
       friction_curve_(scenario.rig.rig.friction_curve),
       drop_out_mps_(scenario.rig.drop_out_mps) {
     const std::string file = scenario.files.front().string();
@@ -62,21 +62,21 @@ WearRegulation::WearRegulation(const regulation::Order& order, const Scenario& s
             "--regulate moves the slip reference, which this law has not; expected \"slip\"");
     const double energy_J = kinetic_J(scenario);
     const double deviation_J = 2.0 * scenario.scatter.speed_mps / scenario.mean.speed_mps * energy_J;
-    plan_ = regulation::plan_of(order, scenario.rig.wear.life_J, energy_J, deviation_J);
+    plan_ = regulation::plan_of(config, scenario.rig.wear.life_J, energy_J, deviation_J);
     try {
-        range_ = order.range(scenario.choice.road());
+        range_ = config.range(scenario.choice.road());
         static_cast<void>(regulation::Regulator(plan_, rules_, range_));
     } catch (const std::invalid_argument& e) {
-        throw settings::Error(order.files.front().string(), 0, "", e.what());
+        throw settings::Error(config.files.front().string(), 0, "", e.what());
     }
-    if (order.forecast_widest > 0.0)
-        foresight_.emplace(regulation::foresight_model(scenario.rig.wear), scenario.rig.wear,
-                           order.forecast_widest * plan_.brake_budget_J());
+    if (config.forecast_widest > 0.0)
+        life_forecast_.emplace(regulation::forecast_model(scenario.rig.wear), scenario.rig.wear,
+                               config.forecast_widest * plan_.brake_budget_J());
 }
 
 regulation::Regulator WearRegulation::after(const std::vector<LedgerRow>& rows) const {
     regulation::Regulator regulator(plan_, rules_, range_);
-    std::optional<regulation::Foresight> foresight = foresight_;
+    std::optional<regulation::LifeForecast> life_forecast = life_forecast_;
     auto finished = static_cast<std::size_t>(std::count_if(
         rows.begin(), rows.end(), [](const LedgerRow& row) { return row.state == RowState::finished; }));
     bool counted = true;  // the ledger's cumulative energy has every maneuver so far
@@ -93,19 +93,19 @@ regulation::Regulator WearRegulation::after(const std::vector<LedgerRow>& rows) 
                 row, row.slip_reference,
                 counted ? plan_.brake_taken_J + row.summary.cumulative_energy_J : regulation::kUnknown));
             --finished;
-            if (!foresight || regulator.last_reading() != regulation::Reading::measured) continue;
-            foresight->learn(regulator.brake_used_J(),
-                             plant::mean_of_measured(friction_curve_, figures.mean_friction,
-                                                     drop_out_mps_ / figures.brake_on_mps));
+            if (!life_forecast || regulator.last_reading() != regulation::Reading::measured) continue;
+            life_forecast->learn(regulator.brake_used_J(),
+                                 plant::mean_of_measured(friction_curve_, figures.mean_friction,
+                                                         drop_out_mps_ / figures.brake_on_mps));
             if (finished >= kForecasts) continue;
-            if (const auto life_J = foresight->life_J()) regulator.revise_brake_life(*life_J);
+            if (const auto life_J = life_forecast->life_J()) regulator.revise_brake_life(*life_J);
         }
     }
     return regulator;
 }
 
 std::string line(const regulation::Regulator& r) {
-    const regulation::Outlook o = regulation::outlook(r);
+    const regulation::LimitForecast o = regulation::limit_forecast(r);
     const std::string measured = std::isfinite(r.measured_share())
                                      ? fmt::format("{:.3f} measured", r.measured_share())
                                      : "none measured";
@@ -121,7 +121,7 @@ std::string line(const regulation::Regulator& r) {
 }
 
 void write_regulation(const std::filesystem::path& file, const regulation::Regulator& r) {
-    const regulation::Outlook o = regulation::outlook(r);
+    const regulation::LimitForecast o = regulation::limit_forecast(r);
     const ordered_json json{{"line", line(r)},
                             {"outlook", regulation::sentence(o, r.plan())},
                             {"verdict", regulation::name(o.verdict)},

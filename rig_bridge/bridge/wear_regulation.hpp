@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/study/regulation/foresight.hpp"
-#include "plant_sim/study/regulation/order.hpp"
+#include "plant_sim/study/regulation/life_forecast.hpp"
+#include "plant_sim/study/regulation/regulation_config.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
 
@@ -16,12 +16,12 @@ namespace rig {
 
 class WearRegulation {
   public:
-    /// The scenario's surface is seen beside those of the order. Throws settings::Error naming the file for a scenario without the slip law, on a
+    /// The scenario's surface is seen beside those of the configuration. Throws settings::Error naming the file for a scenario without the slip law, on a
     /// surface that the floor's table does not have, or of a brake that has nothing left.
-    WearRegulation(const regulation::Order& order, const Scenario& scenario);
+    WearRegulation(const regulation::RegulationConfig& config, const Scenario& scenario);
 
     /// As these rows, oldest first, leave it. A finished maneuver is a landing, of which figures that lack frames are not believed; an aborted
-    /// one has spent its energies; the rest has not been. The brake's life is what its friction foretells, where the order asks for that and
+    /// one has spent its energies; the rest has not been. The brake's life is what its friction foretells, where the configuration asks for that and
     /// the newest kForecasts landings can tell; else the plan's.
     [[nodiscard]] regulation::Regulator after(const std::vector<LedgerRow>& rows) const;
 
@@ -31,7 +31,7 @@ class WearRegulation {
     regulation::Plan plan_;
     regulation::Rules rules_;
     regulation::Range range_;
-    std::optional<regulation::Foresight> foresight_;  // before any landing
+    std::optional<regulation::LifeForecast> life_forecast_;  // before any landing
     plant::FrictionCurve friction_curve_;
     double drop_out_mps_;
 

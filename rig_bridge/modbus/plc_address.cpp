@@ -1,8 +1,12 @@
 #include "rig_bridge/modbus/plc_address.hpp"
 
 #include <arpa/inet.h>
+#include <netdb.h>
 
+#include <array>
 #include <charconv>
+#include <cstring>
+#include <memory>
 #include <stdexcept>
 
 namespace rig {
@@ -32,6 +36,25 @@ PlcAddress parse_plc_address(const std::string& text) {
             "serial device, e.g. /dev/ttyUSB0");
     if (colon != std::string::npos) server.port = parse_port(text.substr(colon + 1), text);
     return server;
+}
+
+std::string numeric_plc_address(const std::string& text) {
+    const std::string host = text.substr(0, text.find(':'));
+    in_addr numeric{};
+    if (host.empty() || host.front() == '/' || ::inet_pton(AF_INET, host.c_str(), &numeric) == 1) return text;
+    addrinfo wanted{};
+    wanted.ai_family = AF_INET;
+    wanted.ai_socktype = SOCK_STREAM;
+    addrinfo* found = nullptr;
+    if (const int error = ::getaddrinfo(host.c_str(), nullptr, &wanted, &found); error != 0)
+        throw std::invalid_argument("PLC address '" + text + "': " + ::gai_strerror(error) +
+                                    "; expected HOST:PORT, e.g. 192.168.1.10:502");
+    const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owner(found, &::freeaddrinfo);
+    sockaddr_in address{};
+    std::memcpy(&address, found->ai_addr, sizeof address);
+    std::array<char, INET_ADDRSTRLEN> digits{};
+    ::inet_ntop(AF_INET, &address.sin_addr, digits.data(), digits.size());
+    return digits.data() + text.substr(host.size());
 }
 
 std::string to_string(const PlcAddress& address) {

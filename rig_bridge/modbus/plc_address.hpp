@@ -8,7 +8,7 @@
 namespace rig {
 
 struct TcpServer {
-    std::string address = "127.0.0.1";  ///< numeric IPv4: looking up a name takes unbounded time
+    std::string address = "127.0.0.1";  ///< numeric IPv4
     std::uint16_t port = 502;
 };
 struct SerialDevice {
@@ -19,6 +19,9 @@ using PlcAddress = std::variant<TcpServer, SerialDevice>;
 /// "192.168.1.10:502", "192.168.1.10" (port 502), or a path that begins with '/'. Throws std::invalid_argument that
 /// says what would be right.
 [[nodiscard]] PlcAddress parse_plc_address(const std::string& text);
+/// As above, with a host name looked up, which may take seconds: "plc7:502" as "192.168.1.10:502". Throws std::invalid_argument for a name that
+/// nobody knows.
+[[nodiscard]] std::string numeric_plc_address(const std::string& text);
 /// "Modbus TCP 192.168.1.10:502", "Modbus RTU /dev/ttyUSB0".
 [[nodiscard]] std::string to_string(const PlcAddress& address);
 

@@ -48,7 +48,7 @@ struct BusCommand {
             fmt::print("{}", to_text(*report));
             if (warnings.any()) fmt::print("warnings of the log: {}\n", warnings.summary());
         }
-        deliver(json, to_json(*report, log, can));
+        settings::deliver(json, to_json(*report, log, can));
         if (report->stopped) return 130;
         if (report->sent == 0)
             throw std::runtime_error(log +
@@ -69,7 +69,8 @@ struct BusCommand {
 ReplayVerb bus_verb(CLI::App& app) {
     const auto c = std::make_shared<BusCommand>();
     CLI::App* verb = app.add_subcommand("bus", "Plays a log on a CAN interface, every frame at its time.");
-    verb->add_option("LOG", c->log, "bus log, candump format, plain or gzip")->required();
+    settings::existing_file(verb->add_option("LOG", c->log, "bus log, candump format, plain or gzip"))
+        ->required();
     verb->add_option("--can", c->can, "CAN interface to play on, e.g. vcan0")->required()->type_name("IF");
     verb->add_option("--speed", c->speed, "factor: 2 plays twice as fast as recorded")
         ->check(CLI::Range(1e-3, 1e6))
@@ -85,7 +86,7 @@ ReplayVerb bus_verb(CLI::App& app) {
     verb->add_option("--priority", c->priority, "SCHED_FIFO priority; 0: ordinary scheduling")
         ->check(CLI::Range(0, 99))
         ->capture_default_str();
-    verb->add_option("--json", c->json, "report as JSON; - for standard output");
+    settings::add_json(*verb, c->json, "report");
     verb->footer(
         "CAN FD frames and error frames are not sent: they are counted and named.\n"
         "Examples:\n"

@@ -51,8 +51,8 @@ struct CampaignCommand {
         }
         const CampaignTable table = rebuild_campaign(folders, sources);
         if (json != "-") fmt::print("{}", to_text(table));
-        deliver(json, to_json(table, place.filename().string()));
-        deliver(csv, to_csv(table));
+        settings::deliver(json, to_json(table, place.filename().string()));
+        settings::deliver(csv, to_csv(table));
         if (!picture.empty()) draw(table);
         if (!rebuilt.empty()) {
             write_ledger(rebuilt, campaign_of(file, place.filename().string(), table), table, sources.ledger);
@@ -131,23 +131,24 @@ ReplayVerb campaign_verb(CLI::App& app) {
     CLI::App* verb = app.add_subcommand("campaign",
                                         "The table of Fig. 7 rebuilt from the raw logs of a campaign, held "
                                         "against summaries and ledger bit by bit.");
-    verb->add_option("DIR", c->folder,
-                     "folder of the campaign (0001/bus.log or bus.log.gz, 0001/summary.json, ...), or the "
-                     "directory with its ledger")
+    settings::existing_directory(
+        verb->add_option(
+            "DIRECTORY", c->folder,
+            "folder of the campaign (0001/bus.log or bus.log.gz, 0001/summary.json, ...), or the "
+            "directory with its ledger"))
         ->required();
-    verb->add_option("--ledger", c->ledger,
-                     "its ledger (default: campaign.sqlite or ledger.sqlite beside the folder)");
-    verb->add_option("--config", c->config, "directory of the configuration files")->capture_default_str();
-    verb->add_option("--dbc", c->dbc, "bus layout (default: CONFIG/antiskid.dbc)");
-    verb->add_option("--binding", c->binding,
-                     "binding of the layout (default: CONFIG/antiskid_binding.toml)");
-    verb->add_option("--csv", c->csv, "the table with every figure as CSV");
-    verb->add_option("--json", c->json, "the same as JSON, with what differs; - for standard output");
+    settings::existing_file(verb->add_option(
+        "--ledger", c->ledger, "its ledger (default: campaign.sqlite or ledger.sqlite beside the folder)"));
+    settings::add_config_directory(*verb, c->config);
+    settings::add_layout_files(*verb, c->dbc, c->binding);
+    verb->add_option("--csv", c->csv, "the table with every figure as CSV")->type_name("FILE");
+    settings::add_json(*verb, c->json, "the same");
     verb->add_option("--rebuild", c->rebuilt,
                      "write a new ledger from the folders, amendments of the old one with it; keep it beside "
                      "the campaign's folder")
         ->type_name("FILE");
-    verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG)");
+    verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG)")
+        ->type_name("FILE");
     verb->footer(
         "Examples:\n"
         "  rig-replay campaign out/campaign\n"

@@ -14,17 +14,22 @@ struct ControllerCommand {
     std::string log;
     std::string interface;
     ReplayClock clock = ReplayClock::automatic;
-    antiskid::rt::Options setup;
+    std::filesystem::path config = settings::config_directory();
+    std::filesystem::path controller, dbc, binding;
     std::string json;
 
     int run() const {
+        antiskid::rt::Options setup;
+        setup.controller = controller.empty() ? config / "controller.toml" : controller;
+        setup.dbc = dbc.empty() ? config / "antiskid.dbc" : dbc;
+        setup.binding = binding.empty() ? config / "antiskid_binding.toml" : binding;
         const antiskid::rt::Setup loaded = configured([&] { return antiskid::rt::load_setup(setup); });
         LogWarnings warnings = warnings_of(log);
         LogOptions options;
         if (!interface.empty()) options.interface = interface;
         const ControllerReplayReport report = replay_controller(log, options, loaded, clock, warnings);
         if (json != "-") fmt::print("{}", to_text(report, loaded.layout));
-        deliver(json, to_json(report, loaded.layout));
+        settings::deliver(json, to_json(report, loaded.layout));
         return report.same() ? 0 : 1;
     }
 };
@@ -36,20 +41,21 @@ ReplayVerb controller_verb(CLI::App& app) {
     CLI::App* verb = app.add_subcommand(
         "controller",
         "Recorded sensor frames through the real controller; compares what it sends with what was recorded.");
-    verb->add_option("LOG", command->log, "bus log of one controller session, candump format, plain or gzip")
+    settings::existing_file(
+        verb->add_option("LOG", command->log,
+                         "bus log of one controller session, candump format, plain or gzip"))
         ->required();
-    verb->add_option("--controller", command->setup.config, "controller configuration of the recorded run")
-        ->capture_default_str();
-    verb->add_option("--dbc", command->setup.dbc, "bus layout")->capture_default_str();
-    verb->add_option("--binding", command->setup.binding, "binding of the layout")->capture_default_str();
+    settings::add_config_directory(*verb, command->config);
+    settings::existing_file(verb->add_option("--controller", command->controller,
+                                             "of the recorded run (default: CONFIG/controller.toml)"));
+    settings::add_layout_files(*verb, command->dbc, command->binding);
     verb->add_option("--interface", command->interface,
                      "lines of this interface (default: the first in the log)");
-    verb->add_option("--clock", command->clock,
-                     "auto: lockstep where SYNC comes before the first valve command, else timer")
-        ->transform(CLI::CheckedTransformer(std::map<std::string, ReplayClock>{
-            {"auto", ReplayClock::automatic}, {"sync", ReplayClock::sync}, {"timer", ReplayClock::timer}}))
-        ->default_str("auto");
-    verb->add_option("--json", command->json, "report as JSON; - for standard output");
+    settings::add_choice(
+        *verb, "--clock", command->clock,
+        {{"auto", ReplayClock::automatic}, {"sync", ReplayClock::sync}, {"timer", ReplayClock::timer}},
+        "auto: lockstep where SYNC comes before the first valve command, else timer");
+    settings::add_json(*verb, command->json, "report");
     verb->footer(
         "Examples:\n"
         "  rig-replay controller out/landing/bus.log\n"

@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
@@ -18,11 +20,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::string as_json(const ImportReport& report, const std::string& config_hash) {
+    auto maneuvers = nlohmann::ordered_json::array();
+    for (const ImportedManeuver& m : report.maneuvers)
+        maneuvers.push_back({{"folder", m.folder.string()},
+                             {"first_row", m.first_row},
+                             {"outcome", m.outcome},
+                             {"brake_on_mps", m.figures.brake_on_mps},
+                             {"duration_s", m.figures.duration_s},
+                             {"energy_brake_J", m.figures.energy_brake_J},
+                             {"mean_friction", m.figures.mean_friction}});
+    const nlohmann::ordered_json root{{"rows", report.rows},
+                                      {"version", ANTISKID_VERSION},
+                                      {"config_hash", config_hash},
+                                      {"maneuvers", std::move(maneuvers)}};
+    return root.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 struct ImportCommand {
     fs::path file, map, out;
     fs::path config = settings::config_directory();
     fs::path dbc, binding;
     Specimen specimen;
+    std::string json;
 
     int run() const {
         configured([&] { check_texts(specimen); });
@@ -53,13 +73,15 @@ struct ImportCommand {
             fmt::print(stderr, "rig-replay: warning: {}\n", text);
         });
         const ImportReport report = import_recording(settings, notes);
+        std::string table;
         for (const ImportedManeuver& m : report.maneuvers)
-            fmt::print("{}  row {:>9}  {:6.2f} m/s  {:7.3f} s  {:8.1f} kJ  mu_b {:.4f}  {}\n",
-                       m.folder.string(), m.first_row, m.figures.brake_on_mps, m.figures.duration_s,
-                       m.figures.energy_brake_J * 1e-3, m.figures.mean_friction, m.outcome);
-        fmt::print("{} rows, {} maneuvers", report.rows, report.maneuvers.size());
-        for (const auto& [kind, count] : notes.counts()) fmt::print(", {} {}", kind, count);
-        fmt::print("\n");
+            table += fmt::format("{}  row {:>9}  {:6.2f} m/s  {:7.3f} s  {:8.1f} kJ  mu_b {:.4f}  {}\n",
+                                 m.folder.string(), m.first_row, m.figures.brake_on_mps, m.figures.duration_s,
+                                 m.figures.energy_brake_J * 1e-3, m.figures.mean_friction, m.outcome);
+        table += fmt::format("{} rows, {} maneuvers", report.rows, report.maneuvers.size());
+        for (const auto& [kind, count] : notes.counts()) table += fmt::format(", {} {}", kind, count);
+        if (json != "-") fmt::print("{}\n", table);
+        settings::deliver(json, as_json(report, hash));
         if (report.maneuvers.empty())
             throw std::runtime_error(
                 file.string() +
@@ -75,16 +97,18 @@ ReplayVerb import_verb(CLI::App& app) {
     const auto c = std::make_shared<ImportCommand>();
     CLI::App* verb = app.add_subcommand(
         "import", "Recordings of other systems (CSV, MATLAB) as maneuver folders with logs of our layout.");
-    verb->add_option("FILE", c->file, "the recording: CSV, plain or gzip, or .mat")->required();
-    verb->add_option("--map", c->map,
-                     "which column is what, in which unit; where a maneuver begins and ends (TOML)")
+    settings::existing_file(verb->add_option("FILE", c->file, "the recording: CSV, plain or gzip, or .mat"))
+        ->required();
+    settings::existing_file(
+        verb->add_option("--map", c->map,
+                         "which column is what, in which unit; where a maneuver begins and ends (TOML)"))
         ->required();
     verb->add_option("--out", c->out, "folder of the campaign to make: 0001/bus.log, 0001/summary.json, ...")
-        ->required();
-    verb->add_option("--config", c->config, "directory of the configuration files")->capture_default_str();
-    verb->add_option("--dbc", c->dbc, "bus layout (default: CONFIG/antiskid.dbc)");
-    verb->add_option("--binding", c->binding,
-                     "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+        ->required()
+        ->type_name("DIRECTORY");
+    settings::add_config_directory(*verb, c->config);
+    settings::add_json(*verb, c->json, "maneuvers");
+    settings::add_layout_files(*verb, c->dbc, c->binding);
     add_specimen_options(*verb, c->specimen, ", of every maneuver in the recording");
     verb->footer(
         "config/import_example.toml is a map with every key explained.\n"

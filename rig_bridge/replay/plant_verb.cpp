@@ -62,7 +62,7 @@ struct PlantCommand {
 
     [[nodiscard]] antiskid::rt::Setup setup(const Known& k) const {
         antiskid::rt::Options o;
-        o.config = or_default(controller, k.controller);
+        o.controller = or_default(controller, k.controller);
         o.dbc = or_default(dbc, config / "antiskid.dbc");
         o.binding = or_default(binding, config / "antiskid_binding.toml");
         return antiskid::rt::load_setup(o);
@@ -90,8 +90,9 @@ struct PlantCommand {
                                           {"version", ANTISKID_VERSION},
                                           {"config_hash", settings::hash(rig.files)},
                                           {"warnings", warnings.summary()}};
-        deliver(json, to_json(v, head.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
-        if (!csv.empty()) deliver(csv, to_csv(v));
+        settings::deliver(json,
+                          to_json(v, head.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
+        if (!csv.empty()) settings::deliver(csv, to_csv(v));
         if (!picture.empty()) draw(v, rig.title);
         return 0;
     }
@@ -112,10 +113,12 @@ ReplayVerb plant_verb(CLI::App& app) {
     const auto c = std::make_shared<PlantCommand>();
     CLI::App* verb = app.add_subcommand(
         "plant", "The plant under the recorded brake pressure, held against the recorded motion (Fig. 5).");
-    verb->add_option("LOG", c->log, "bus log, candump format, plain or gzip; its first braking is compared")
+    settings::existing_file(
+        verb->add_option("LOG", c->log,
+                         "bus log, candump format, plain or gzip; its first braking is compared"))
         ->required();
-    CLI::Option* const by_scenario =
-        verb->add_option("--scenario", c->scenario, "rig and maneuver: a file of config/scenarios");
+    CLI::Option* const by_scenario = settings::existing_file(
+        verb->add_option("--scenario", c->scenario, "rig and maneuver: a file of config/scenarios"));
     verb->add_option("--maneuver", c->choice.maneuver,
                      "mass and friction class: a table of maneuvers.toml, or endurance")
         ->excludes(by_scenario)
@@ -128,21 +131,18 @@ ReplayVerb plant_verb(CLI::App& app) {
     verb->add_option(
         "--speed", c->choice.speed_mps,
         "m/s, of the brake's friction curve instead of the maneuver's; the start is as recorded");
-    verb->add_option("--carrier", c->choice.carrier,
-                     "aircraft, or flywheel: the loading device lags behind eq. (2)")
-        ->transform(CLI::CheckedTransformer(std::map<std::string, plant::Carrier>{
-            {"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}}))
-        ->default_str("aircraft");
-    verb->add_option("--config", c->config, "directory of the configuration files")->capture_default_str();
-    verb->add_option("--controller", c->controller,
-                     "its period is that of SYNC (default: that of the maneuver in CONFIG)");
-    verb->add_option("--dbc", c->dbc, "bus layout (default: CONFIG/antiskid.dbc)");
-    verb->add_option("--binding", c->binding,
-                     "binding of the layout (default: CONFIG/antiskid_binding.toml)");
+    settings::add_choice(*verb, "--carrier", c->choice.carrier,
+                         {{"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}},
+                         "flywheel: the loading device lags behind eq. (2)");
+    settings::add_config_directory(*verb, c->config);
+    settings::existing_file(
+        verb->add_option("--controller", c->controller,
+                         "its period is that of SYNC (default: that of the maneuver in CONFIG)"));
+    settings::add_layout_files(*verb, c->dbc, c->binding);
     verb->add_option("--interface", c->interface, "lines of this interface (default: the first in the log)");
-    verb->add_option("--json", c->json, "errors as JSON; - for standard output");
-    verb->add_option("--csv", c->csv, "both motions over time as CSV");
-    verb->add_option("--picture", c->picture, "speeds, slip and errors (PNG)");
+    settings::add_json(*verb, c->json, "errors");
+    verb->add_option("--csv", c->csv, "both motions over time as CSV")->type_name("FILE");
+    verb->add_option("--picture", c->picture, "speeds, slip and errors (PNG)")->type_name("FILE");
     verb->footer(
         "Examples:\n"
         "  rig-replay plant out/landing/bus.log --maneuver light --surface wet_asphalt --picture fig5.png\n"

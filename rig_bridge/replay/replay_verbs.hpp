@@ -1,12 +1,10 @@
 /// The verbs of rig-replay: each adds itself to the command line and says how to run it.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <functional>
 #include <string>
-#include <string_view>
 
+#include "config/reader/command_line.hpp"
 #include "rig_bridge/replay/log_warnings.hpp"
 
 namespace rig {
@@ -36,9 +34,6 @@ auto configured(Load load) {
         throw UsageError(error.what());
     }
 }
-
-/// Writes `text` to the file `where`, or to standard output for "-"; nothing for "".
-void deliver(const std::string& where, std::string_view text);
 
 /// Warnings of `file` on standard error.
 [[nodiscard]] LogWarnings warnings_of(const std::string& file);

@@ -2,20 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
 #include <exception>
 
-#include "config/reader/atomic_file.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
-
-void rig::deliver(const std::string& where, std::string_view text) {
-    if (where == "-")
-        fmt::print("{}", text);
-    else if (!where.empty())
-        settings::write_file(where, text);
-}
 
 rig::LogWarnings rig::warnings_of(const std::string& file) {
     return {file, [](const std::string& text) { fmt::print(stderr, "rig-replay: warning: {}\n", text); }};
@@ -31,11 +22,7 @@ int run(int argc, char** argv) {
     const std::array verbs{rig::bus_verb(app), rig::campaign_verb(app), rig::controller_verb(app),
                            rig::import_verb(app), rig::plant_verb(app)};
     app.footer("Each has --help with examples.");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-        return app.exit(e) == 0 ? 0 : 2;
-    }
+    if (const auto status = settings::parse(app, argc, argv)) return *status;
     for (const rig::ReplayVerb& verb : verbs) {
         if (verb.app->parsed()) return verb.run();
     }

@@ -2,12 +2,9 @@
 // table states, and takes the current away until the controller is armed again.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <map>
-#include <memory>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,6 +14,7 @@
 #include "firmware/linux/controller_config.hpp"
 #include "tests/catch.hpp"
 #include "tests/control/bench.hpp"
+#include "tests/control/fault_table.hpp"
 
 using namespace antiskid::control;
 using control_test::Bench;
@@ -27,35 +25,10 @@ std::string_view fault_name(const Fault fault) {
     return antiskid::can::kFaultNames[static_cast<std::size_t>(fault)];
 }
 
-struct Row {
-    int bit = -1;
-    std::string fault, where;
-    int periods = 0;
-};
-
-std::string trimmed(const std::string& text) {
-    const auto first = text.find_first_not_of(' ');
-    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(' ') - first + 1);
-}
-
-/// The table of docs/faults.md.
-std::vector<Row> documented() {
-    std::ifstream file("docs/faults.md");
-    std::vector<Row> rows;
-    for (std::string line; std::getline(file, line);) {
-        std::vector<std::string> cells;
-        std::istringstream cut(line);
-        for (std::string cell; std::getline(cut, cell, '|');) cells.push_back(trimmed(cell));
-        if (cells.size() != 7 || cells[1].empty() ||
-            cells[1].find_first_not_of("0123456789") != std::string::npos)
-            continue;
-        rows.push_back({std::stoi(cells[1]), cells[2], cells[4], std::stoi(cells[5])});
-    }
-    return rows;
-}
-
 /// What spoils the inputs: called with the sensors as they are and the number of the period since the injection, from 1.
 using Spoil = std::function<void(Bench&, Sensors&, int period)>;
+using fault_table::documented;
+using fault_table::Row;
 
 struct Injection {
     Spoil spoil;

@@ -36,8 +36,8 @@ demo() {
 programs "$controller" "$virtual_rig"
 demo
 expect "a good run" $? 0
-expect "order of events" "$(cat "$scratch/events")" "controller --can vcan0 --clock sync --sync-timeout 60000 --report $out/controller.json
-rig --can vcan0 --clock sync --slip 0.2 --out $out --picture
+expect "order of events" "$(cat "$scratch/events")" "controller --can vcan0 --clock sync --sync-timeout 60000 --json $out/controller.json
+rig --can vcan0 --clock sync --slip 0.2 --out $out --picture $out/maneuver.png
 rig ended
 controller ended"
 expect "what the virtual rig prints" "$(cat "$scratch/stdout")" table

@@ -38,9 +38,9 @@ landing() {
 programs "$controller" "$serve" "$bridge"
 landing
 expect "a good run" $? 0
-expect "order of events" "$(cat "$scratch/events")" "controller --can vcan0 --clock timer --sync-timeout 60000 --report $out/controller.json
+expect "order of events" "$(cat "$scratch/events")" "controller --can vcan0 --clock timer --sync-timeout 60000 --json $out/controller.json
 rig serve --can vcan0 --scenario scenario.toml --clock timer --modbus 127.0.0.1:1502 --spun-up --port-file 
-bridge maneuver scenario.toml --can vcan0 --plc 127.0.0.1:1502 --no-cool-down --leave-turning --picture --out $out --seed 7
+bridge maneuver scenario.toml --can vcan0 --plc 127.0.0.1:1502 --no-cool-down --leave-turning --picture $out/maneuver.png --out $out --seed 7
 controller ended
 rig ended"
 expect "what the bridge prints" "$(cat "$scratch/stdout")" table

@@ -17,6 +17,9 @@ refused() { # STATUS TEXT ARGS...
     check "its message names the cause" grep -qF -- "$text" <<<"$out"
 }
 refused 2 "there is no 'frobnicate'" frobnicate
+refused 2 "there is no 'biuld'; did you mean 'build'?" biuld
+refused 2 "no preset 'relese'; did you mean 'release'?" build relese
+refused 2 "unknown option '--sclip'; did you mean '--slip'?" demo --lockstep --sclip 0.2
 refused 2 "'now'" setup now
 refused 2 "unknown option '--every'" test --every
 refused 2 "takes no argument 'can'" test --all can

@@ -31,20 +31,23 @@ TEST_CASE("options are what was typed, or their defaults", "[RT-080]") {
     const auto plain = std::get<Options>(parse("--can", "can0"));
     CHECK(plain.interface == "can0");
     CHECK(plain.clock == rt::ClockSource::sensors);
-    CHECK(plain.config == "config/controller.toml");
-    CHECK_FALSE(plain.report);
+    CHECK(plain.controller == "config/controller.toml");
+    CHECK(plain.json.empty());
     CHECK_FALSE(plain.realtime.cpu);
     CHECK(plain.realtime.priority == 80);
     CHECK(plain.log_level == spdlog::level::info);
 
-    const auto full = std::get<Options>(
-        parse("--can", "vcan1", "--clock", "sync", "--sync-timeout", "250", "--config", "a", "--dbc", "b",
-              "--binding", "c", "--report", "d", "--cpu", "1", "--priority", "0", "--log-level", "warning"));
+    const auto full = std::get<Options>(parse("--can", "vcan1", "--clock", "sync", "--sync-timeout", "250",
+                                              "--config", "tests", "--dbc", "config/antiskid.dbc",
+                                              "--binding", "config/foreign_binding.toml", "--json", "d",
+                                              "--cpu", "1", "--priority", "0", "--log-level", "warning"));
     CHECK(full.clock == rt::ClockSource::sync);
     CHECK(std::get<Options>(parse("--can", "can0", "--clock", "timer")).clock == rt::ClockSource::timer);
     CHECK(full.sync_timeout_ms == 250);
-    CHECK(full.binding == "c");
-    CHECK(full.report == "d");
+    CHECK(full.controller == "tests/controller.toml");
+    CHECK(full.dbc == "config/antiskid.dbc");
+    CHECK(full.binding == "config/foreign_binding.toml");
+    CHECK(full.json == "d");
     CHECK(full.realtime.cpu == 1);
     CHECK(full.realtime.priority == 0);
     CHECK(full.log_level == spdlog::level::warn);
@@ -76,7 +79,7 @@ TEST_CASE("--check comes with options of its own, which are mistakes without it"
     CHECK(full.check->valve_step);
     CHECK(full.check->bitrate == 500'000);
     CHECK(full.check->expect_hash == "abc");
-    CHECK(full.check->json == "-");
+    CHECK(full.json == "-");
     CHECK(std::get<int>(parse("--can", "can0", "--valve-step")) == 2);
     CHECK(std::get<int>(parse("--can", "can0", "--timing-s", "10")) == 2);
     CHECK(std::get<int>(parse("--can", "can0", "--check", "--timing-s", "0")) == 2);
@@ -105,7 +108,7 @@ TEST_CASE("a layout that cannot serve lockstep is refused with the binding's nam
 
 TEST_CASE("configuration files that are not there are named", "[RT-081]") {
     Options options;
-    options.config = "config/no_such.toml";
+    options.controller = "config/no_such.toml";
     CHECK_THROWS_WITH(rt::load_setup(options), ContainsSubstring("config/no_such.toml"));
     options = {};
     options.dbc = "config/no_such.dbc";

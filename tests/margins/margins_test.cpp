@@ -173,19 +173,20 @@ TEST_CASE("no controller beats the limits that are claimed for any", "[STUDY-122
 }
 
 TEST_CASE("the search finds the top of a hill, keeps to the box and repeats itself", "[STUDY-127]") {
-    const std::vector<Knob> knobs{{"a", 0.1, 100.0, 50.0}, {"b", 1.0, 10.0, 2.0}, {"c", 1e-3, 1.0, 0.5}};
+    const std::vector<Parameter> parameters{
+        {"a", 0.1, 100.0, 50.0}, {"b", 1.0, 10.0, 2.0}, {"c", 1e-3, 1.0, 0.5}};
     // A ridge with its top at (3, 4) inside and beyond the box in c.
     const auto hill = [](const std::vector<double>& x, double = 0.0) {
         const double a = std::log(x[0] / 3.0), b = std::log(x[1] / 4.0), c = std::log(x[2] / 2.0);
         return -a * a - 10.0 * (b - 0.3 * a) * (b - 0.3 * a) - c * c;
     };
-    const Found found = search(knobs, hill, {.seed = 7, .population = 20, .generations = 60});
+    const Found found = search(parameters, hill, {.seed = 7, .population = 20, .generations = 60});
     CHECK(found.values[0] == Approx(3.0).epsilon(1e-2));
     CHECK(found.values[1] == Approx(4.0).epsilon(1e-2));
     CHECK(found.values[2] == Approx(1.0));
     CHECK(found.evaluations == 20 * 61);
-    CHECK(search(knobs, hill, {.seed = 7, .population = 20, .generations = 60}).values == found.values);
-    CHECK(search(knobs, hill, {.seed = 8, .population = 20, .generations = 2}).score >=
+    CHECK(search(parameters, hill, {.seed = 7, .population = 20, .generations = 60}).values == found.values);
+    CHECK(search(parameters, hill, {.seed = 8, .population = 20, .generations = 2}).score >=
           hill({50.0, 2.0, 0.5}));
     CHECK_THROWS_AS(search({{"a", 1.0, 2.0, 3.0}}, hill, {}), std::invalid_argument);
     // More threads, and a judge that answers nothing but "worse" below what is to be beaten, lead to the same point.
@@ -194,27 +195,27 @@ TEST_CASE("the search finds the top of a hill, keeps to the box and repeats itse
         return s < to_beat ? to_beat - 1.0 : s;
     };
     const SearchOptions three{.seed = 7, .population = 20, .generations = 60, .threads = 3};
-    CHECK(search(knobs, curt, three).values == found.values);
+    CHECK(search(parameters, curt, three).values == found.values);
     const auto fails = [](const std::vector<double>&, double) -> double {
         throw std::runtime_error("no score");
     };
-    CHECK_THROWS_WITH(search(knobs, fails, three), "no score");
+    CHECK_THROWS_WITH(search(parameters, fails, three), "no score");
 }
 
 TEST_CASE("a climb ends where no single step of a kept digit is better", "[STUDY-560]") {
-    const std::vector<Knob> knobs{{"a", 0.1, 100.0}, {"b", 1e-3, 0.05}};
+    const std::vector<Parameter> parameters{{"a", 0.1, 100.0}, {"b", 1e-3, 0.05}};
     const auto hill = [](const std::vector<double>& x, double) {
         return -std::abs(std::log(x[0] / 8.97)) - std::abs(std::log(x[1] / 0.00862));
     };
     const SearchOptions digits{.digits = 3, .threads = 2};
-    const Found top = climb(knobs, {20.0, 0.02}, hill, 1e-4, digits);
+    const Found top = climb(parameters, {20.0, 0.02}, hill, 1e-4, digits);
     CHECK(top.values == std::vector<double>{8.97, 0.00862});
-    CHECK(climb(knobs, top.values, hill, 1e-4, digits).values == top.values);
-    CHECK(climb(knobs, {8.96, 0.00862}, hill, 1e-4, digits).values == top.values);
-    CHECK(climb(knobs, {8.96, 0.00862}, hill, 1.0, digits).values[0] == 8.96);  // not worth a step
-    CHECK(climb({{"a", 0.1, 5.0}, knobs[1]}, {4.0, 0.02}, hill, 1e-4, digits).values ==
+    CHECK(climb(parameters, top.values, hill, 1e-4, digits).values == top.values);
+    CHECK(climb(parameters, {8.96, 0.00862}, hill, 1e-4, digits).values == top.values);
+    CHECK(climb(parameters, {8.96, 0.00862}, hill, 1.0, digits).values[0] == 8.96);  // not worth a step
+    CHECK(climb({{"a", 0.1, 5.0}, parameters[1]}, {4.0, 0.02}, hill, 1e-4, digits).values ==
           std::vector<double>{5.0, 0.00862});
-    CHECK_THROWS_AS(climb(knobs, {1.0}, hill, 1e-4, digits), std::invalid_argument);
+    CHECK_THROWS_AS(climb(parameters, {1.0}, hill, 1e-4, digits), std::invalid_argument);
     CHECK(rounded(107.5999984, 3) == 108.0);
     CHECK(rounded(0.0086249, 3) == 0.00862);
     CHECK(rounded(99.96, 3) == 100.0);

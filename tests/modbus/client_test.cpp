@@ -1,15 +1,11 @@
 // The client against the real server: values, commands, watchdogs, reconnection.
 #include "rig_bridge/modbus/client.hpp"
 
-#include <fcntl.h>
-
 #include <cmath>
-#include <limits>
 
-#include "rig_bridge/modbus/modbus_context.hpp"
 #include "rig_bridge/registers/lockstep_turn.hpp"
 #include "tests/catch.hpp"
-#include "tests/modbus/fake_plc.hpp"
+#include "tests/modbus/client_commands.hpp"
 #include "tests/modbus/plc_stub.hpp"
 #include "tests/modbus/raw_tcp.hpp"
 
@@ -20,46 +16,7 @@ using rig::CommandState;
 using rig::LinkState;
 using rig::Measured;
 using stub::eventually;
-
-namespace {
-
-rig::CommandedValues landing(double speed_mps) {
-    rig::CommandedValues wanted{};
-    at(wanted, Commanded::drive_enable) = 1.0;
-    at(wanted, Commanded::flywheel_speed_mps) = speed_mps;
-    at(wanted, Commanded::load_base_N) = 43609.5;
-    at(wanted, Commanded::load_lift_Ns2pm2) = 3.625;
-    return wanted;
-}
-
-rig::TcpServer at_port(std::uint16_t port) {
-    return {"127.0.0.1", port};
-}
-
-/// Calls `client.command` as a bridge does until `done`.
-template <typename Condition>
-bool commanding(rig::ModbusClient& client, const rig::CommandedValues& wanted, const Condition& done) {
-    return eventually([&] {
-        client.command(wanted);
-        return done();
-    });
-}
-
-/// 75 m/s under commit 4711, in one request.
-void other_master_commands(const rig::RegisterMap& map, std::uint16_t port) {
-    const rig::ModbusContext other(modbus_new_tcp("127.0.0.1", port));
-    REQUIRE(modbus_connect(other.get()) == 0);
-    modbus_set_slave(other.get(), map.unit_id);
-    rig::RegisterImage image(map.commanded, map.word_order);
-    REQUIRE(image.write(map.field(Commanded::flywheel_speed_mps), 75.0));
-    REQUIRE(image.write(map.field(Commanded::drive_enable), 1.0));
-    REQUIRE(image.write(map.field(Commanded::commit), 4711.0));
-    const auto words = image.words(1, 11);  // all but the watchdog
-    REQUIRE(modbus_write_registers(other.get(), 1, 11, words.data()) == 11);
-    modbus_close(other.get());
-}
-
-}  // namespace
+using namespace client_test;
 
 TEST_CASE("Measured values arrive in SI with their age and quality", "[BRG-030]") {
     const auto map = stub::shipped_map();
@@ -324,66 +281,6 @@ TEST_CASE("A server that hangs after the request loses the link and gets it back
         return now.link == LinkState::connected && now.command == CommandState::applied;
     }));
     CHECK(plc.server().counters().hangs == 1);
-}
-
-TEST_CASE("The client speaks RTU to the server's pseudo-terminal", "[BRG-026]") {
-    auto map = stub::shipped_map();
-    map.link.response_timeout = 500ms;
-    stub::Plc plc(map, {.rtu = true});
-    plc.set(Measured::vertical_load_N, 43609.5);
-    CHECK_THAT(plc.server().rtu_path(), ContainsSubstring("/dev/pts/"));
-    rig::ModbusClient client(map, rig::SerialDevice{plc.server().rtu_path()});
-    REQUIRE(commanding(client, landing(50.0),
-                       [&] { return client.snapshot().command == CommandState::applied; }));
-    CHECK(client.snapshot().value(Measured::vertical_load_N) == 43609.5);
-    CHECK(at(plc.orders().commanded, Commanded::load_base_N) == 43609.5);
-    // The same registers over TCP at the same time.
-    rig::ModbusClient tcp(map, at_port(plc.server().port()));
-    REQUIRE(eventually([&] { return tcp.snapshot().value(Measured::vertical_load_N) == 43609.5; }));
-}
-
-TEST_CASE("The server's RTU side ignores other units, noise and broken frames", "[BRG-026]") {
-    const auto map = stub::shipped_map();
-    const rig::ModbusServer server(map, {.port = std::nullopt, .rtu = true});
-    CHECK(server.port() == 0);
-    const settings::FileDescriptor line(::open(server.rtu_path().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
-    REQUIRE(line.is_open());
-    const auto answer = [&](const raw::Bytes& request, int timeout_ms) {
-        fake::RtuPlc::write(line.get(), request);
-        raw::Bytes all;
-        pollfd event{.fd = line.get(), .events = POLLIN, .revents = 0};
-        while (::poll(&event, 1, timeout_ms) > 0) {
-            std::array<std::uint8_t, 512> bytes{};
-            const auto got = ::read(line.get(), bytes.data(), bytes.size());
-            all.insert(all.end(), bytes.begin(), bytes.begin() + got);
-            if (all.size() > 4 && fake::crc16(all) == 0) break;  // of a frame with its checksum
-        }
-        return all;
-    };
-    const auto good = fake::with_crc({1, 4, 0, 0, 0, 1});
-    const auto expected = fake::with_crc({1, 4, 2, 0, 1});
-    CHECK(answer(good, 60'000) == expected);
-    CHECK(answer(fake::with_crc({2, 4, 0, 0, 0, 1}), 50).empty());
-    CHECK(answer(good, 60'000) == expected);
-    auto broken = good;
-    broken[3] ^= 1;
-    CHECK(answer(broken, 50).empty());
-    CHECK(answer(good, 60'000) == expected);
-    CHECK(answer({good.begin(), good.begin() + 5}, 400).empty());  // cut off: forgotten after 200 ms
-    CHECK(answer(good, 60'000) == expected);
-    CHECK(answer(fake::with_crc({1, 4, 0, 99, 0, 1}), 60'000) == fake::with_crc({1, 0x84, 2}));
-    // A broadcast is obeyed and never answered, not even by an exception.
-    CHECK(answer(fake::with_crc({0, 6, 0, 4, 0, 1}), 50).empty());
-    CHECK(answer(fake::with_crc({0, 6, 0, 50, 0, 1}), 50).empty());
-    CHECK(answer(fake::with_crc({1, 3, 0, 4, 0, 1}), 60'000) == fake::with_crc({1, 3, 2, 0, 1}));
-    CHECK(server.counters().broken >= 2);
-}
-
-TEST_CASE("A map that a serial line cannot carry safely is refused", "[BRG-043]") {
-    auto map = stub::shipped_map();
-    map.measured[static_cast<std::size_t>(Measured::wheel_on_rim)].address = 500;
-    CHECK_THROWS_WITH(rig::ModbusClient(map, rig::SerialDevice{"/dev/ttyS9"}),
-                      ContainsSubstring("groups of two"));
 }
 
 TEST_CASE("Little word order and scattered registers work as well", "[BRG-030]") {

@@ -304,6 +304,9 @@ TEST_CASE("A PLC address is a numeric host, with or without port, or a device", 
         CAPTURE(wrong);
         CHECK_THROWS_WITH(rig::parse_plc_address(wrong), ContainsSubstring("'" + wrong + "'"));
     }
+    CHECK(rig::numeric_plc_address("localhost:1502") == "127.0.0.1:1502");
+    CHECK(rig::numeric_plc_address("10.0.0.1:502") == "10.0.0.1:502");
+    CHECK_THROWS_WITH(rig::numeric_plc_address("plc 7:502"), ContainsSubstring("'plc 7:502'"));
     CHECK(rig::to_string(rig::parse_plc_address("10.0.0.1")) == "Modbus TCP 10.0.0.1:502");
     CHECK(rig::to_string(rig::parse_plc_address("/dev/ttyS1")) == "Modbus RTU /dev/ttyS1");
 }

@@ -1,121 +1,17 @@
 /// The served rig on the in-process bus, with a clock that only waiting moves.
 #include "plant_sim/serve_node.hpp"
 
-#include <array>
-#include <functional>
-#include <utility>
 #include <vector>
 
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/load_layout.hpp"
-#include "firmware/can/loopback.hpp"
 #include "firmware/can/roles.hpp"
 #include "plant_sim/serve_reporter.hpp"
 #include "tests/catch.hpp"
 #include "tests/plc/operator.hpp"
+#include "tests/plc/serve_stand.hpp"
 
-namespace {
-
-using antiskid::can::Frame;
-using antiskid::can::Role;
-using antiskid::control::Time;
-using plc::Bench;
-
-constexpr Time kMillisecond{1'000'000};
-constexpr Time kSecond = 1000 * kMillisecond;
-
-class FakeClock final : public antiskid::rt::Clock {
-  public:
-    Time now() override { return now_; }
-    void sleep_until(Time deadline) override {
-        now_ = std::max(now_, deadline);
-        if (on_time) on_time(now_);
-    }
-    void pass(Time time) {
-        now_ += time;
-        if (on_time) on_time(now_);
-    }
-    std::function<void(Time)> on_time;
-
-  private:
-    Time now_{};
-};
-
-/// Time passes while the rig waits in vain.
-class WaitingBus final : public antiskid::can::Bus {
-  public:
-    WaitingBus(antiskid::can::Loopback::End& near, FakeClock& clock) : near_(near), clock_(clock) {}
-    std::size_t receive(std::span<Frame> frames) override { return near_.receive(frames); }
-    bool send(const Frame& frame) override {
-        const bool sent = near_.send(frame);
-        if (sent) on_send(frame);
-        return sent;
-    }
-    bool wait(Time timeout) override {
-        const bool there = near_.wait(timeout);
-        if (!there) clock_.pass(std::min(timeout, kMillisecond));
-        return there;
-    }
-    [[nodiscard]] antiskid::can::LinkStatus status() const override { return near_.status(); }
-    std::function<void(const Frame&)> on_send = [](const Frame&) {};
-
-  private:
-    antiskid::can::Loopback::End& near_;
-    FakeClock& clock_;
-};
-
-/// A served rig with a controller on the far end that answers each SYNC with a constant current, while `answers` says so.
-struct Stand {
-    Stand()
-        : layout(antiskid::can::load_layout("config/antiskid.dbc", "config/antiskid_binding.toml")),
-          op(Bench::endurance),
-          near(hub.connect()),
-          far(hub.connect()),
-          bus(near, clock),
-          node(op.rig, layout, bus, clock, kMillisecond, [this](plc::ServedRig& rig) { exchange(rig); }) {
-        bus.on_send = [this](const Frame& frame) { heard(frame); };
-    }
-
-    void exchange(plc::ServedRig& rig) {
-        if (++exchanges % 50 == 1) rig::at(op.registers, rig::Commanded::bridge_watchdog) += 1.0;
-        rig.command(op.registers);
-        if (on_period) on_period();
-        if (rig.time_s() >= end_s) stop = true;
-    }
-    void heard(const Frame& frame) {
-        const auto role = [&] {
-            for (std::size_t i = 0; i < antiskid::can::kRoleCount; ++i) {
-                const auto& message = layout[static_cast<Role>(i)];
-                if (message.bound && message.id == frame.id) return i;
-            }
-            return antiskid::can::kRoleCount;
-        }();
-        REQUIRE(role < antiskid::can::kRoleCount);
-        ++sent[role];
-        if (static_cast<Role>(role) == Role::sync && answers) answer();
-    }
-    void answer() { (void)far.send(controller.valve_command(static_cast<float>(current_mA))); }
-    [[nodiscard]] std::uint64_t count(Role role) const { return sent[static_cast<std::size_t>(role)]; }
-
-    antiskid::can::Layout layout;
-    plc_test::Operator op;
-    FakeClock clock;
-    antiskid::can::Loopback hub;
-    antiskid::can::Loopback::End& near;
-    antiskid::can::Loopback::End& far;
-    WaitingBus bus;
-    antiskid::can::ControllerPort controller{layout, kMillisecond};
-    plant_sim::ServeNode node;
-    std::array<std::uint64_t, antiskid::can::kRoleCount> sent{};
-    std::atomic<bool> stop{false};
-    bool answers = true;
-    double current_mA = 0.0;
-    double end_s = 1.0;
-    long exchanges = 0;
-    std::function<void()> on_period;
-};
-
-}  // namespace
+using namespace serve_test;
 
 TEST_CASE("the served rig sends its sensors and SYNC, and nothing that is the bridge's", "[RIG-270]") {
     Stand s;
@@ -343,97 +239,4 @@ TEST_CASE("foreign traffic and broken commands move no valve", "[RIG-277]") {
     s.node.run_lockstep(s.stop);
     CHECK_FALSE(s.node.state().controller_heard);
     CHECK(s.op.rig.rig().pressure_Pa() == 0.0);
-}
-
-namespace {
-
-/// A bridge that does its turns while the rig waits for them, after so much time each.
-struct TurnTaker {
-    explicit TurnTaker(Stand& stand) : s(stand) {}
-    std::uint16_t look() {
-        if (at_sync != s.count(Role::sync)) {
-            at_sync = s.count(Role::sync);
-            since = s.clock.now();
-        }
-        // The clock moves by the rig's own looking.
-        if (s.clock.now() - since >= takes && at_sync % 10 == 1 && !gone)
-            done = rig::turn_number(static_cast<std::uint32_t>(at_sync - 1), 10);
-        return done;
-    }
-
-    Stand& s;
-    Time takes{};
-    bool gone = false;
-    std::uint16_t done = rig::kJoined;
-    std::uint64_t at_sync = 0;
-    Time since{};
-};
-
-}  // namespace
-
-TEST_CASE("the rig's time waits for the turn of a bridge in lockstep, each tenth period", "[RIG-290]") {
-    Stand s;
-    TurnTaker bridge(s);
-    bridge.takes = 40 * kMillisecond;
-    std::vector<std::uint64_t> early;
-    s.on_period = [&] {
-        // The registers of the period are taken over after the turn.
-        const std::uint64_t sync = s.count(Role::sync);
-        if (sync % 10 == 1 && bridge.done != rig::turn_number(static_cast<std::uint32_t>(sync - 1), 10))
-            early.push_back(sync);
-    };
-    s.node.run_lockstep(s.stop, 100 * kMillisecond, {.done = [&] { return bridge.look(); }});
-    CHECK(early.empty());
-    CHECK(s.clock.now() > 100 * 40 * kMillisecond);
-}
-
-TEST_CASE("a bridge in lockstep that does not answer is given up, and waited for again when it is back",
-          "[RIG-290]") {
-    Stand s;
-    TurnTaker bridge(s);
-    s.end_s = 3.0;
-    s.on_period = [&] { bridge.gone = s.op.rig.time_s() > 1.0 && s.op.rig.time_s() < 2.0; };
-    s.node.run_lockstep(s.stop, 100 * kMillisecond, {.done = [&] { return bridge.look(); }});
-    // Once in vain; the others cost no more than the paced period.
-    CHECK(s.clock.now() > 3 * kSecond + 90 * kMillisecond);
-    CHECK(s.clock.now() < 3 * kSecond + 400 * kMillisecond);
-    CHECK(bridge.done == rig::turn_number(static_cast<std::uint32_t>(s.count(Role::sync) - 1), 10));
-}
-
-TEST_CASE("a bridge in lockstep that says good-bye is not waited for", "[RIG-290]") {
-    Stand s;
-    const auto left = [] { return rig::kNoTurns; };
-    s.node.run_lockstep(s.stop, 100 * kMillisecond, {.done = left});
-    CHECK(s.clock.now() < kSecond + 200 * kMillisecond);
-}
-
-TEST_CASE("all three begin together: the first sample and SYNC are said until the controller answers",
-          "[RIG-291]") {
-    Stand s;
-    s.answers = false;
-    std::vector<Frame> first;
-    s.bus.on_send = [&](const Frame& frame) {
-        if (s.exchanges == 0) first.push_back(frame);
-        if (first.size() == 12 && frame.id == s.layout[Role::sync].id) s.answers = true;
-        s.heard(frame);
-    };
-    std::uint16_t turn = rig::kNoTurns;
-    std::uint64_t sent_before_joining = 1;
-    s.clock.on_time = [&](Time now) {
-        if (turn != rig::kNoTurns || now < 500 * kMillisecond) return;
-        sent_before_joining = first.size();
-        turn = rig::kJoined;
-    };
-    TurnTaker bridge(s);
-    s.node.run_lockstep(
-        s.stop, 100 * kMillisecond,
-        {.done = [&] { return turn == rig::kNoTurns ? turn : bridge.look(); }, .together = true});
-    CHECK(sent_before_joining == 0);
-    REQUIRE(first.size() == 12);
-    for (std::size_t i = 4; i < 12; ++i) {
-        CHECK(first[i].id == first[i % 4].id);
-        CHECK(first[i].data == first[i % 4].data);
-    }
-    CHECK(s.node.state().controller_heard);
-    CHECK(s.node.state().periods == Approx(1000.0).margin(2.0));
 }

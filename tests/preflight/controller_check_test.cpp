@@ -185,7 +185,7 @@ TEST_CASE("a bus that cannot be opened fails by its reason; the loop is timed al
 TEST_CASE("a configuration that is refused, or is not the expected one, is a check that failed", "[RT-139]") {
     CheckBench bench;
     SECTION("refused") {
-        bench.options.config = "config/no_such.toml";
+        bench.options.controller = "config/no_such.toml";
         const preflight::Report report = bench.run();
         CHECK(report.config_hash.empty());
         CHECK(wrong(report.checks) == Wrong{"configuration: fail"});

@@ -29,7 +29,7 @@ def main():
     log, report = place / "log", place / "report.json"
     with open(log, "wb") as out:
         controller = subprocess.Popen([build / "firmware/linux/antiskid-controller", "--can", "can0", "--clock", "sync", "--sync-timeout", "200",
-                                       "--report", report], stdout=out, stderr=out)
+                                       "--json", report], stdout=out, stderr=out)
 
     def says(text):
         deadline = time.monotonic() + 60.0

@@ -12,7 +12,7 @@
 #include "tests/catch.hpp"
 #include "tests/endurance/truth.hpp"
 
-using regulation::Order;
+using regulation::RegulationConfig;
 using rig::LedgerRow;
 using rig::RowState;
 using rig::WearRegulation;
@@ -21,8 +21,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-Order shipped() {
-    return regulation::load_order("config/regulation.toml");
+RegulationConfig shipped() {
+    return regulation::load_regulation_config("config/regulation.toml");
 }
 
 LedgerRow row(RowState state, double reference, double share, double cumulative_J) {
@@ -107,26 +107,26 @@ TEST_CASE("the references follow from the rows alone, each as what it is", "[BRG
 }
 
 TEST_CASE("a campaign that cannot be regulated is refused with the file", "[BRG-511]") {
-    const Order order = shipped();
+    const RegulationConfig config = shipped();
     CHECK_THROWS_WITH(
-        WearRegulation(order, endurance_test::setup("endurance").scenario),
+        WearRegulation(config, endurance_test::setup("endurance").scenario),
         ContainsSubstring("endurance.toml") && ContainsSubstring("law.law") && ContainsSubstring("slip"));
     rig::Scenario heavy = endurance_test::setup("heavy").scenario;
     heavy.choice.surface = "grass";
-    CHECK_THROWS_WITH(WearRegulation(order, heavy),
+    CHECK_THROWS_WITH(WearRegulation(config, heavy),
                       ContainsSubstring("regulation.toml") && ContainsSubstring("grass"));
     heavy.choice.surface = "snow";
     heavy.rig.wear.life_J = 1e9;
-    CHECK_THROWS_WITH(WearRegulation(order, heavy), ContainsSubstring("plan.brake_taken_J"));
+    CHECK_THROWS_WITH(WearRegulation(config, heavy), ContainsSubstring("plan.brake_taken_J"));
 }
 
 TEST_CASE("a campaign reckons with the surfaces that it is told, and with its own", "[BRG-580]") {
-    Order order = shipped();
+    RegulationConfig config = shipped();
     const rig::Scenario scenario = endurance_test::setup("heavy").scenario;  // dry asphalt
-    const regulation::Range all = WearRegulation(order, scenario).after({}).range();
-    order.surfaces = {"ice"};
-    const regulation::Range own = WearRegulation(order, scenario).after({}).range();
-    CHECK(own == order.range_on("dry_asphalt"));
+    const regulation::Range all = WearRegulation(config, scenario).after({}).range();
+    config.surfaces = {"ice"};
+    const regulation::Range own = WearRegulation(config, scenario).after({}).range();
+    CHECK(own == config.range_on("dry_asphalt"));
     CHECK(own.lowest < all.lowest);
     CHECK(own.highest > all.highest);
 }
@@ -155,7 +155,7 @@ TEST_CASE("the brake's life is what its friction foretells; without friction it 
     const auto none = shares.after(campaign_of([](double) { return kNaN; }));
     CHECK(none.plan().brake_life_J == shares.plan().brake_life_J);
     CHECK(none.missed() == 0);  // the energies are measured all the same
-    Order without = shipped();
+    RegulationConfig without = shipped();
     without.forecast_widest = 0.0;
     CHECK(WearRegulation(without, scenario)
               .after(campaign_of([](double friction) { return friction; }))
@@ -217,11 +217,11 @@ TEST_CASE("view and status show reference, shares and landings to the limits", "
 
 TEST_CASE("a regulated campaign in one process: rows, references, resumption", "[BRG-514]") {
     const endurance::Setup setup = endurance_test::setup("light");
-    Order order = shipped();
-    order.plan.brake_taken_J = setup.scenario.rig.wear.life_J - 12 * 2.30e6;
-    order.plan.tyre_life_J = 12 * 1.06e6;
-    order.plan.landings = 12;
-    const WearRegulation shares(order, setup.scenario);
+    RegulationConfig config = shipped();
+    config.plan.brake_taken_J = setup.scenario.rig.wear.life_J - 12 * 2.30e6;
+    config.plan.tyre_life_J = 12 * 1.06e6;
+    config.plan.landings = 12;
+    const WearRegulation shares(config, setup.scenario);
     const auto path = fresh("regulation_cell") / "campaign.sqlite";
     auto cell = endurance_test::cell(setup);
     constexpr int kPlanned = 5;
@@ -254,5 +254,5 @@ TEST_CASE("a regulated campaign in one process: rows, references, resumption", "
     CHECK(rows[4].slip_reference ==
           Approx(0.32).margin(0.011));  // by steps of 0.02 towards 0.315 of the energy
     CHECK(after.measured_share() == Approx(rows[4].slip_reference * 0.97).margin(0.02));
-    CHECK(after.brake_used_J() - order.plan.brake_taken_J == Approx(taken_J));
+    CHECK(after.brake_used_J() - config.plan.brake_taken_J == Approx(taken_J));
 }

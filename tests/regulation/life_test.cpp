@@ -47,11 +47,11 @@ Stop landed(const Draw& draw, double reference, double friction) {
             .j_mu = 1.0 - off};
 }
 
-std::vector<Stop> landed_all(std::span<const regulation::Ask> asks) {
+std::vector<Stop> landed_all(std::span<const regulation::LandingRequest> requests) {
     std::vector<Stop> stops;
-    stops.reserve(asks.size());
-    for (const regulation::Ask& ask : asks)
-        stops.push_back(landed(ask.draw, ask.reference, ask.mean_friction));
+    stops.reserve(requests.size());
+    for (const regulation::LandingRequest& request : requests)
+        stops.push_back(landed(request.draw, request.reference, request.mean_friction));
     return stops;
 }
 
@@ -164,7 +164,7 @@ TEST_CASE("a stop beyond the worst reference's is noticed", "[STUDY-173]") {
         plan, {}, kRange, regulation::draw_life(1, 1, 40, 20, 4, Mix::random, 0.0),
         {.fixed = {}, .brake = brake(plan.brake_life_J), .rule = {}, .worst_stops = true});
     for (int landing = 0; !pair.over(); ++landing) {
-        std::vector<Stop> stops = landed_all(pair.asks());
+        std::vector<Stop> stops = landed_all(pair.requests());
         REQUIRE(stops.size() == 3);
         if (landing == 10) stops.front().distance_m *= 2.0;
         pair.landed(stops);
@@ -187,7 +187,7 @@ TEST_CASE("a surface that nobody reckoned with bounds the references once it was
                                  .rule = {},
                                  .allowed_on = allowed_on,
                                  .worst_stops = true});
-    while (!pair.over()) pair.landed(landed_all(pair.asks()));
+    while (!pair.over()) pair.landed(landed_all(pair.requests()));
     const Life life = pair.life();
     for (std::size_t i = 0; i < life.rows.size(); ++i) {
         CAPTURE(i, life.rows[i].reference);
@@ -206,7 +206,7 @@ TEST_CASE("without inspections the brake's own friction tells how long it lasts"
     const wear::BrakeWear planned = brake(plan.brake_life_J);
     regulation::FleetOptions options{.lives = 5, .seed = 4, .mix = Mix::balanced, .brake_deviation = 0.10};
     const auto blind = fleet(plan, options);
-    options.foresight.emplace(regulation::foresight_model(planned), planned, 0.15 * plan.brake_budget_J());
+    options.life_forecast.emplace(regulation::forecast_model(planned), planned, 0.15 * plan.brake_budget_J());
     const auto told = fleet(plan, options);
     const std::vector<bool> possible = feasible(told);
     const regulation::Summary without = summary(blind[0], possible, plan.tolerance);
@@ -224,24 +224,24 @@ TEST_CASE("without inspections the brake's own friction tells how long it lasts"
 
 TEST_CASE("a life is not forecast from what is no friction, nor from too little", "[STUDY-341]") {
     const wear::BrakeWear planned = brake(4e9);
-    regulation::Foresight foresight(regulation::foresight_model(planned), planned, 0.1e9);
-    CHECK_FALSE(foresight.life_J());
+    regulation::LifeForecast life_forecast(regulation::forecast_model(planned), planned, 0.1e9);
+    CHECK_FALSE(life_forecast.life_J());
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-    foresight.learn(kNaN, 0.25);
-    foresight.learn(3e9, kNaN);
-    foresight.learn(3e9, -0.1);
-    CHECK_FALSE(foresight.life_J());
-    foresight.learn(3e9, 0.235);
-    CHECK_FALSE(foresight.life_J());  // on the plateau nobody can tell
+    life_forecast.learn(kNaN, 0.25);
+    life_forecast.learn(3e9, kNaN);
+    life_forecast.learn(3e9, -0.1);
+    CHECK_FALSE(life_forecast.life_J());
+    life_forecast.learn(3e9, 0.235);
+    CHECK_FALSE(life_forecast.life_J());  // on the plateau nobody can tell
     const wear::MeanCurve curve(*planned.model);
     for (int i = 1; i <= 150; ++i) {
         const double c_e_J = 3e9 + i * 6e6;
-        foresight.learn(c_e_J, curve(c_e_J / planned.scale.energy));
+        life_forecast.learn(c_e_J, curve(c_e_J / planned.scale.energy));
     }
-    REQUIRE(foresight.life_J());
-    CHECK(*foresight.life_J() == Approx(4e9).epsilon(0.01));
-    foresight.learn(3.5e9, 0.3);  // the counter went back: passed over
-    CHECK(*foresight.life_J() == Approx(4e9).epsilon(0.01));
+    REQUIRE(life_forecast.life_J());
+    CHECK(*life_forecast.life_J() == Approx(4e9).epsilon(0.01));
+    life_forecast.learn(3.5e9, 0.3);  // the counter went back: passed over
+    CHECK(*life_forecast.life_J() == Approx(4e9).epsilon(0.01));
 }
 
 TEST_CASE("the same seed gives the same lives, and they end when told to", "[STUDY-172]") {
@@ -271,7 +271,7 @@ TEST_CASE("the same seed gives the same lives, and they end when told to", "[STU
 
 TEST_CASE("what goes wrong in a landing comes out", "[STUDY-172]") {
     const regulation::FleetOptions options{.lives = 2, .scenarios = 4};
-    const auto broken = [](std::span<const regulation::Ask>) -> std::vector<Stop> {
+    const auto broken = [](std::span<const regulation::LandingRequest>) -> std::vector<Stop> {
         throw std::runtime_error("the aircraft is gone");
     };
     CHECK_THROWS_WITH(regulation::run_fleet(toy::plan(64, 0.3), {}, kRange, {{"regulated", std::nullopt}},

@@ -162,7 +162,7 @@ TEST_CASE("measurements that cannot be are named, hold the reference, and are no
         {changed(&Landing::reference, kNaN), Reading::missing},
         {changed(&Landing::tyre_J, -1.0), Reading::negative},
         {changed(&Landing::tyre_J, 1.2 * good.kinetic_J), Reading::beyond_kinetic},
-        {changed(&Landing::brake_J, 0.5 * good.brake_J), Reading::open_books},
+        {changed(&Landing::brake_J, 0.5 * good.brake_J), Reading::energy_mismatch},
         {changed(&Landing::brake_wear_J, 0.5 * r.brake_used_J()), Reading::counter_back},
     };
     for (const auto& [landing, reading] : cases) {

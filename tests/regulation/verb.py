@@ -57,5 +57,5 @@ with tempfile.TemporaryDirectory() as scratch:
     status, text, _ = run(*short, "--surfaces", "dry_asphalt", "--out", scratch / "few")
     few = json.loads((scratch / "few/results.json").read_text())
     check("fewer surfaces allow more", few["range"]["highest"] > results["range"]["highest"] + 0.01, few["range"])
-    status, _, error = run("--order", scratch / "nowhere.toml")
+    status, _, error = run("--regulation", scratch / "nowhere.toml")
     check("a plan that is not there is refused by name", status == 2 and "nowhere.toml" in error, error)

@@ -14,7 +14,7 @@ namespace {
 
 antiskid::rt::Setup setup_of(const plant_sim::ScenarioOptions& o) {
     antiskid::rt::Options options;
-    if (o.choice.maneuver == plant::kEndurance) options.config = "config/controller_endurance.toml";
+    if (o.choice.maneuver == plant::kEndurance) options.controller = "config/controller_endurance.toml";
     if (!o.dbc.empty()) options.dbc = o.dbc;
     if (!o.binding.empty()) options.binding = o.binding;
     return antiskid::rt::load_setup(options);

@@ -29,7 +29,7 @@ assert status == 0 and len(rows) == 2 * 4 * 2 and {r["surface"] for r in rows} =
 with tempfile.TemporaryDirectory() as scratch:
     profile = pathlib.Path(scratch, "pressure.csv")
     profile.write_text("time_s,pressure_Pa\n0,0\n1,2e6\n2,2e6\n")
-    moved = {road: run(LAB, "drive", *road, "--input", profile, "--output", "-")
+    moved = {road: run(LAB, "drive", *road, "--input", profile, "--csv", "-")
              for road in (("--runway", WET), ("--surface", "wet_asphalt"))}
     assert all(status == 0 for status, _, _ in moved.values()), moved
     assert len({text.splitlines()[-1] for _, text, _ in moved.values()}) == 2

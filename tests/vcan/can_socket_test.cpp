@@ -2,7 +2,6 @@
 #include "firmware/can/socket_can.hpp"
 
 #include <array>
-#include <cstdlib>
 #include <ctime>
 #include <stdexcept>
 #include <string>
@@ -13,100 +12,13 @@
 #include "firmware/can/roles.hpp"
 #include "tests/can/layouts.hpp"
 #include "tests/catch.hpp"
+#include "tests/vcan/real_bus.hpp"
 
 using namespace antiskid;
 using namespace antiskid::can;
 using can_test::ours;
 using control::Time;
-
-namespace {
-
-constexpr Time kStep{1'000'000};
-constexpr Time kPatience{5'000'000'000};
-
-void shell(const std::string& command) {
-    if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
-}
-
-/// A virtual interface of its own, up, gone at the end.
-class Interface {
-  public:
-    explicit Interface(std::string interface) : name_(std::move(interface)) {
-        shell("ip link add dev " + name_ + " type vcan && ip link set " + name_ + " up");
-    }
-    Interface(const Interface&) = delete;
-    Interface& operator=(const Interface&) = delete;
-    ~Interface() { static_cast<void>(std::system(("ip link del " + name_ + " 2>/dev/null").c_str())); }
-
-  private:
-    std::string name_;
-};
-
-constexpr std::array<std::uint16_t, 2> kWanted{0x110, 0x120};
-
-Frame numbered(std::uint16_t id, std::uint32_t number) {
-    Frame frame{.id = id, .length = 8, .data = {}, .received = {}};
-    for (std::size_t i = 0; i < 4; ++i) frame.data[i] = static_cast<std::uint8_t>(number >> (8 * i));
-    return frame;
-}
-
-std::uint32_t number_of(const Frame& frame) {
-    return std::uint32_t{frame.data[0]} | std::uint32_t{frame.data[1]} << 8U |
-           std::uint32_t{frame.data[2]} << 16U | std::uint32_t{frame.data[3]} << 24U;
-}
-
-/// Everything that is there now.
-std::vector<Frame> drain(Bus& bus) {
-    std::vector<Frame> all;
-    std::array<Frame, 16> batch;
-    while (const std::size_t count = bus.receive(batch))
-        all.insert(all.end(), batch.begin(), batch.begin() + count);
-    return all;
-}
-
-/// The same, once at least `count` are there: the kernel delivers in its own time.
-std::vector<Frame> await(Bus& bus, std::size_t count) {
-    std::vector<Frame> all = drain(bus);
-    while (all.size() < count && bus.wait(kPatience)) {
-        const std::vector<Frame> more = drain(bus);
-        all.insert(all.end(), more.begin(), more.end());
-    }
-    return all;
-}
-
-/// Until the status says so; no data frame may arrive meanwhile.
-template <typename Told>
-bool await_status(Bus& bus, const Told& told) {
-    while (drain(bus).empty()) {
-        if (told(bus.status())) return true;
-        if (!bus.wait(kPatience)) return false;
-    }
-    return false;
-}
-
-Time monotonic() {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return Time{std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec};
-}
-
-}  // namespace
-
-TEST_CASE("an interface that cannot be used is refused with the command that mends it", "[CAN-080]") {
-    CHECK_THROWS_WITH(SocketCan("vcan77", kWanted),
-                      ContainsSubstring("CAN interface 'vcan77' does not exist") &&
-                          ContainsSubstring("ip link add dev vcan77 type vcan"));
-    CHECK_THROWS_WITH(SocketCan("can77", kWanted),
-                      ContainsSubstring("'can77' does not exist") &&
-                          ContainsSubstring("ip link set can77 up type can bitrate 1000000"));
-    CHECK_THROWS_WITH(SocketCan("lo", kWanted), ContainsSubstring("'lo' is no CAN interface"));
-    CHECK_THROWS_WITH(SocketCan("", kWanted), ContainsSubstring("is no interface name"));
-    CHECK_THROWS_WITH(SocketCan("sixteen-letters.", kWanted), ContainsSubstring("1 to 15 characters"));
-    const Interface down("vcan5");
-    shell("ip link set vcan5 down");
-    CHECK_THROWS_WITH(SocketCan("vcan5", kWanted),
-                      ContainsSubstring("'vcan5' is down") && ContainsSubstring("`ip link set vcan5 up`"));
-}
+using namespace real_bus;
 
 TEST_CASE("frames arrive as they were sent, with a monotonic time stamp", "[CAN-081]") {
     SocketCan a("vcan0", kWanted);
@@ -296,41 +208,6 @@ TEST_CASE("a long wait ends with a frame, or in good time without", "[CAN-210]")
     std::size_t count = b.receive_within(SocketCan::kLongestWait, frames);
     if (count == 1) count += b.receive_within(SocketCan::kLongestWait, frames);
     CHECK(count == 2);
-}
-
-TEST_CASE("an interface that goes down is reported, and used again when it comes up", "[CAN-085]") {
-    const Interface fragile("vcan4");
-    SocketCan a("vcan4", kWanted);
-    SocketCan b("vcan4", kWanted);
-    for (int round = 0; round < 2; ++round) {
-        REQUIRE(a.send(numbered(0x110, 1)));
-        CHECK(await(b, 1).size() == 1);
-        shell("ip link set vcan4 down");
-        CHECK(await_status(b, [](const auto& status) { return !status.up; }));
-        CHECK_FALSE(b.status().bus_off);
-        CHECK_FALSE(a.send(numbered(0x110, 2)));
-        CHECK_FALSE(a.status().up);
-        shell("ip link set vcan4 up");
-        CHECK(a.send(numbered(0x110, 3)));
-        CHECK(a.status().up);
-        const std::vector<Frame> frames = await(b, 1);
-        REQUIRE(frames.size() == 1);
-        CHECK(number_of(frames[0]) == 3);
-        CHECK(b.status().up);
-    }
-}
-
-TEST_CASE("an interface that vanishes is reported for good", "[CAN-085]") {
-    const Interface fragile("vcan3");
-    SocketCan bus("vcan3", kWanted);
-    shell("ip link del vcan3");
-    CHECK(await_status(bus, [](const auto& status) { return !status.up; }));
-    shell("ip link add dev vcan3 type vcan && ip link set vcan3 up");
-    for (int i = 0; i < 3; ++i) {
-        CHECK_FALSE(bus.send(numbered(0x110, 1)));
-        CHECK(drain(bus).empty());
-        CHECK_FALSE(bus.status().up);
-    }
 }
 
 TEST_CASE("foreign traffic at full load does not get in, and loses us nothing", "[CAN-086]") {

@@ -32,11 +32,11 @@ def watched(out, config, *more, status=0):
 
 
 def seen(out, config, status=0):
-    return json.loads(watched(out, config, "--json", status=status))
+    return json.loads(watched(out, config, "--json", "-", status=status))
 
 
 def state(out):
-    return json.loads(tool(BRIDGE, "status", out, "--json"))[0]
+    return json.loads(tool(BRIDGE, "status", out, "--json", "-"))[0]
 
 
 def drive_enable(rig):
@@ -120,7 +120,7 @@ def watch(folder):
     check(bus.await_phase(("finished",), 120) and bus.await_phase(("spin_up",), 120), f"no second maneuver: {words(run)}")
     log = folder / "watch.log"
     with open(log, "w", encoding="utf-8") as file:
-        watch_run = subprocess.Popen([BRIDGE, "watch", out, "--can", "vcan0", "--config", rig.config, "--json"], stdout=file, stderr=subprocess.STDOUT)
+        watch_run = subprocess.Popen([BRIDGE, "watch", out, "--can", "vcan0", "--config", rig.config, "--json", "-"], stdout=file, stderr=subprocess.STDOUT)
     check(bus.await_phase(("braking",), 120), f"no second braking: {words(run)}")
     screen = watched(out, rig.config)
     print(screen)

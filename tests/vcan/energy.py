@@ -32,7 +32,7 @@ def rim_mps(rig):
 
 
 def status(out):
-    return json.loads(subprocess.run([BRIDGE, "status", out, "--json"], check=True, capture_output=True).stdout)[0]
+    return json.loads(subprocess.run([BRIDGE, "status", out, "--json", "-"], check=True, capture_output=True).stdout)[0]
 
 
 def finished(process, seconds=200):

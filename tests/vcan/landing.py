@@ -65,7 +65,7 @@ def read_log(path):
 
 def start_controller(folder, *more, clock="sync"):
     log = open(folder / "controller.log", "w")
-    process = subprocess.Popen([CONTROLLER, "--can", "vcan0", "--clock", clock, "--report", str(folder / "controller.json"), *more],
+    process = subprocess.Popen([CONTROLLER, "--can", "vcan0", "--clock", clock, "--json", str(folder / "controller.json"), *more],
                                stdout=log, stderr=subprocess.STDOUT)
     deadline = time.monotonic() + 30
     while " on vcan0" not in (folder / "controller.log").read_text():
@@ -142,7 +142,7 @@ def identified(folder):
                    stdout=subprocess.DEVNULL)
     config = str(folder / "found/config")
     landing = ("--maneuver", "light", "--surface", "dry_asphalt")
-    same_bytes(folder, ("--config", config + "/controller.toml"), (*landing, "--config", config), "100")
+    same_bytes(folder, ("--config", config), (*landing, "--config", config), "100")
     (folder / "shipped").mkdir()
     ours, shipped = json.loads((folder / "result.json").read_text()), in_process(folder / "shipped", *landing)[1]
     check(ours["config_hash"] != shipped["config_hash"], "the identified configuration was not used")

@@ -102,7 +102,7 @@ class Served:
 
 
 def start_controller(folder, clock):
-    config = ["--config", "config/controller_endurance.toml"]
+    config = ["--controller", "config/controller_endurance.toml"]
     log = folder / "controller.log"
     process = subprocess.Popen([CONTROLLER, "--can", "vcan0", "--clock", clock, *config], stdout=open(log, "w"),
                                stderr=subprocess.STDOUT)

@@ -173,8 +173,8 @@ class Rig:
         if self.controller is None or self.controller.poll() is not None:
             name = "controller_endurance.toml" if "endurance" in self.scenario.name else "controller.toml"
             self.controller = subprocess.Popen(
-                [self.build / "firmware/linux/antiskid-controller", "--can", "vcan0", "--clock", self.clock, "--config", self.config / name,
-                 "--sync-timeout", str(self.sync_timeout_ms), "--report", self.folder / "controller.json"],
+                [self.build / "firmware/linux/antiskid-controller", "--can", "vcan0", "--clock", self.clock, "--controller", self.config / name,
+                 "--sync-timeout", str(self.sync_timeout_ms), "--json", self.folder / "controller.json"],
                 stdout=open(self.folder / "controller.log", "a"), stderr=subprocess.STDOUT)
 
     def start_virtual_rig(self):

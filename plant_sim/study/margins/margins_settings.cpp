@@ -30,7 +30,7 @@ LawSearch law_search(const settings::Table& t) {
         .drawn_seed = draws.integer<std::uint64_t>("seed", {.min = 0}),
         .draws = draws.integer<std::size_t>("draws", {.min = 1, .max = 10000}),
         .least_drawn_j_mu = {},
-        .knobs = {}};
+        .parameters = {}};
     for (std::size_t i = 0; i < robust::kFamilyNames.size(); ++i)
         if (const auto least = draws.find_number(robust::kFamilyNames[i], {.min = 0.0, .max = 1.0}))
             s.least_drawn_j_mu.emplace_back(static_cast<robust::Family>(i), *least);
@@ -38,10 +38,11 @@ LawSearch law_search(const settings::Table& t) {
         const auto values = gains.numbers(
             name,
             {.range = {.min = 1e-6, .max = 1e4}, .count = {.min = 3, .max = 3}, .strictly_increasing = true});
-        s.knobs.push_back({name, values[0], values[2], values[1]});
+        s.parameters.push_back({name, values[0], values[2], values[1]});
     }
     const auto named = [&](std::string_view key) {
-        return *std::find_if(s.knobs.begin(), s.knobs.end(), [&](const Knob& k) { return k.name == key; });
+        return *std::find_if(s.parameters.begin(), s.parameters.end(),
+                             [&](const Parameter& k) { return k.name == key; });
     };
     if (named("low_speed_floor_mps").high >= named("low_speed_mps").low)
         gains.fail("low_speed_floor_mps", "must end below where low_speed_mps begins");

@@ -25,7 +25,7 @@ struct LawSearch {
     std::uint64_t drawn_seed = 1;         ///< of further stops on drawn plants (study/robust)
     std::size_t draws = 0;                ///< so many of each family
     std::vector<std::pair<robust::Family, double>> least_drawn_j_mu;  ///< mean of each family
-    std::vector<Knob> knobs;                                          ///< in the order of gain_names()
+    std::vector<Parameter> parameters;                                ///< in the order of gain_names()
 };
 
 struct MarginsSettings {

@@ -86,17 +86,18 @@ double rounded(double value, int digits) {
                        : std::round(value / place) * place;
 }
 
-Found search(const std::vector<Knob>& knobs, const Score& score, const SearchOptions& options,
+Found search(const std::vector<Parameter>& parameters, const Score& score, const SearchOptions& options,
              const SearchProgress& progress) {
-    if (knobs.empty() || options.population < 4)
-        throw std::invalid_argument("a search needs knobs and a population of four");
-    for (const Knob& k : knobs)
+    if (parameters.empty() || options.population < 4)
+        throw std::invalid_argument("a search needs parameters and a population of four");
+    for (const Parameter& k : parameters)
         if (!(k.low > 0.0 && k.high >= k.low) || (k.start && (*k.start < k.low || *k.start > k.high)))
             throw std::invalid_argument(k.name + ": bounds must be above zero, rising, and hold the start");
     plant::Random random(options.seed);
     const auto members = static_cast<std::size_t>(options.population);
-    const std::size_t n = knobs.size();
-    const bool started = std::all_of(knobs.begin(), knobs.end(), [](const Knob& k) { return k.start; });
+    const std::size_t n = parameters.size();
+    const bool started =
+        std::all_of(parameters.begin(), parameters.end(), [](const Parameter& k) { return k.start; });
     std::vector<std::vector<double>> place(members, std::vector<double>(n));  // logarithms
     const auto values = [&](const std::vector<double>& x) {
         std::vector<double> v(n);
@@ -108,9 +109,9 @@ Found search(const std::vector<Knob>& knobs, const Score& score, const SearchOpt
     std::vector<Candidate> candidates(members);
     for (std::size_t i = 0; i < members; ++i) {
         for (std::size_t k = 0; k < n; ++k) {
-            const double low = std::log(knobs[k].low), high = std::log(knobs[k].high);
+            const double low = std::log(parameters[k].low), high = std::log(parameters[k].high);
             place[i][k] =
-                i == 0 && started ? std::log(*knobs[k].start) : low + uniform(random) * (high - low);
+                i == 0 && started ? std::log(*parameters[k].start) : low + uniform(random) * (high - low);
         }
         candidates[i].values = values(place[i]);
     }
@@ -128,8 +129,8 @@ Found search(const std::vector<Knob>& knobs, const Score& score, const SearchOpt
             trials[i] = place[i];
             for (std::size_t k = 0; k < n; ++k) {
                 if (uniform(random) > kRecombination && k != always) continue;
-                trials[i][k] = std::clamp(leader[k] + f * (place[a][k] - place[b][k]), std::log(knobs[k].low),
-                                          std::log(knobs[k].high));
+                trials[i][k] = std::clamp(leader[k] + f * (place[a][k] - place[b][k]),
+                                          std::log(parameters[k].low), std::log(parameters[k].high));
             }
             candidates[i] = {values(trials[i]), scores[i]};
         }
@@ -143,20 +144,21 @@ Found search(const std::vector<Knob>& knobs, const Score& score, const SearchOpt
     return {values(place[best()]), scores[best()], jury.judged()};
 }
 
-Found climb(const std::vector<Knob>& knobs, const std::vector<double>& start, const Score& score,
+Found climb(const std::vector<Parameter>& parameters, const std::vector<double>& start, const Score& score,
             double least_gain, const SearchOptions& options, const SearchProgress& progress) {
-    if (start.size() != knobs.size() || !(least_gain > 0.0))
-        throw std::invalid_argument("a climb needs a start for each knob and a least gain above zero");
+    if (start.size() != parameters.size() || !(least_gain > 0.0))
+        throw std::invalid_argument("a climb needs a start for each parameter and a least gain above zero");
     Jury jury(score, options.threads, progress);
     Found found{start, jury.judge({{start}}, 1).front(), 1};
     constexpr std::array<int, 3> kSteps{20, 5, 1};
     for (std::size_t size = 0; size < kSteps.size();) {
         std::vector<Candidate> candidates;
-        for (std::size_t k = 0; k < knobs.size(); ++k) {
+        for (std::size_t k = 0; k < parameters.size(); ++k) {
             const double step = kSteps[size] * last_place(found.values[k], options.digits);
             for (const double change : {-step, step}) {
                 std::vector<double> x = found.values;
-                x[k] = rounded(std::clamp(x[k] + change, knobs[k].low, knobs[k].high), options.digits);
+                x[k] =
+                    rounded(std::clamp(x[k] + change, parameters[k].low, parameters[k].high), options.digits);
                 if (x[k] != found.values[k]) candidates.push_back({std::move(x), found.score + least_gain});
             }
         }

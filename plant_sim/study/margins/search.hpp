@@ -10,11 +10,11 @@
 namespace study::margins {
 
 /// One number that is tuned. Searched on a logarithmic scale; both ends above zero.
-struct Knob {
+struct Parameter {
     std::string name;
     double low;
     double high;
-    std::optional<double> start{};  ///< where all knobs have one, that point is in the first population
+    std::optional<double> start{};  ///< where all parameters have one, that point is in the first population
 };
 
 /// What is maximised. `to_beat`: whoever asks only wants to know how good the point is if it is at least as good as this; for any other it
@@ -33,19 +33,19 @@ struct SearchOptions {
 };
 
 struct Found {
-    std::vector<double> values;  ///< in the order of the knobs
+    std::vector<double> values;  ///< in the order of the parameters
     double score = 0.0;
     int evaluations = 0;
 };
 
 /// Maximises `score` by differential evolution (Storn and Price, 1997: best/1/bin, F drawn between 0.4 and 0.9, CR 0.9), a generation at a
 /// time. Throws std::invalid_argument for an empty box, and what `score` throws.
-[[nodiscard]] Found search(const std::vector<Knob>& knobs, const Score& score, const SearchOptions& options,
-                           const SearchProgress& progress = {});
+[[nodiscard]] Found search(const std::vector<Parameter>& parameters, const Score& score,
+                           const SearchOptions& options, const SearchProgress& progress = {});
 
-/// Climbs from `start` by the best single step of one knob, up or down by 20 of its last significant digit; where none gains `least_gain` or
+/// Climbs from `start` by the best single step of one parameter, up or down by 20 of its last significant digit; where none gains `least_gain` or
 /// more by 5, then by 1 of it. Ends where none of all these does. Of `options` the digits and threads count.
-[[nodiscard]] Found climb(const std::vector<Knob>& knobs, const std::vector<double>& start,
+[[nodiscard]] Found climb(const std::vector<Parameter>& parameters, const std::vector<double>& start,
                           const Score& score, double least_gain, const SearchOptions& options,
                           const SearchProgress& progress = {});
 

@@ -25,7 +25,7 @@ WorstScore worst(const std::vector<TuningCell>& cells, const Requirement& requir
     return w;
 }
 
-Knob around(const char* name, double start, double low, double high) {
+Parameter around(const char* name, double start, double low, double high) {
     return {name, low, high, std::clamp(start, low, high)};
 }
 
@@ -62,7 +62,7 @@ WorstScore pid_score(const Pid& pid, const std::vector<Scenario>& scenarios,
     });
 }
 
-std::vector<Knob> pid_knobs(const Pid& start) {
+std::vector<Parameter> pid_parameters(const Pid& start) {
     return {around("k_p_per_s", start.k_p_per_s, 5.0, 200.0),
             around("k_i_per_s2", start.k_i_per_s2, 5.0, 500.0), around("k_d", start.k_d, 0.01, 5.0),
             around("schedule", start.schedule, 0.25, 2.0)};

@@ -35,7 +35,7 @@ LivingPair pair_of(const Plan& plan, const Rules& rules, const Range& range, con
                         .brake_seed = options.seed + life,
                         .inspection = options.inspection,
                         .allowed_on = options.allowed_on,
-                        .foresight = options.foresight,
+                        .life_forecast = options.life_forecast,
                         .worst_stops = options.worst_stops && !policy.fixed}};
 }
 
@@ -55,20 +55,20 @@ std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const R
         std::size_t count;
     };
     std::vector<Asked> asked;
-    std::vector<Ask> asks;
+    std::vector<LandingRequest> requests;
     std::size_t done = 0;
     for (;;) {
         asked.clear();
-        asks.clear();
+        requests.clear();
         for (LivingPair& pair : pairs) {
             if (pair.over()) continue;
-            const std::vector<Ask> own = pair.asks();
+            const std::vector<LandingRequest> own = pair.requests();
             asked.push_back({&pair, own.size()});
-            asks.insert(asks.end(), own.begin(), own.end());
+            requests.insert(requests.end(), own.begin(), own.end());
         }
-        if (asks.empty()) break;
+        if (requests.empty()) break;
         if (options.stop != nullptr && options.stop->load()) return {};
-        const std::vector<Stop> stops = land(asks);
+        const std::vector<Stop> stops = land(requests);
         std::span<const Stop> left = stops;
         for (const Asked& one : asked) {
             one.pair->landed(left.first(one.count));

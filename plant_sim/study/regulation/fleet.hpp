@@ -26,7 +26,7 @@ struct FleetOptions {
         0.0;             ///< of what a brake really can take more, over the plan's budget, from life to life
     int inspection = 0;  ///< see LifeOptions, here and below
     std::vector<Range> allowed_on{};
-    std::optional<Foresight> foresight{};
+    std::optional<LifeForecast> life_forecast{};
     std::size_t scenarios = 0;
     bool worst_stops = true;                            ///< of the regulated lives
     const std::atomic<bool>* stop = nullptr;            ///< once true nothing more is begun
@@ -39,7 +39,7 @@ struct PolicyLives {
 };
 
 /// Makes all these landings, which do not depend on one another, and gives the stops in their order.
-using Lander = std::function<std::vector<Stop>(std::span<const Ask>)>;
+using Lander = std::function<std::vector<Stop>(std::span<const LandingRequest>)>;
 
 /// All lives advance together, a landing at a time, so that `land` has many to make at once. Empty when it was stopped.
 [[nodiscard]] std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const Range& range,

@@ -102,7 +102,7 @@ LivingPair::LivingPair(const Plan& plan, const Rules& rules, const Range& range,
       draws_(std::move(draws)),
       options_(options),
       regulator_(plan, rules, range),
-      foresight_(options.foresight),
+      life_forecast_(options.life_forecast),
       brake_(options.brake, options.rule,
              {.seed = options.brake_seed, .maneuvers = 0, .c_e_J = plan.brake_taken_J}) {
     life_.brake_budget_J = options.brake.life_J - plan.brake_taken_J;
@@ -117,19 +117,19 @@ bool LivingPair::over() const {
     return used_up && landings >= static_cast<std::size_t>(regulator_.plan().landings);
 }
 
-std::vector<Ask> LivingPair::asks() const {
+std::vector<LandingRequest> LivingPair::requests() const {
     const double friction = brake_.next_friction();
     const Draw& draw = draws_[life_.rows.size()];
-    std::vector<Ask> asks{{.draw = draw,
-                           .reference = options_.fixed.value_or(regulator_.reference()),
-                           .mean_friction = friction,
-                           .metered = !options_.fixed && draw.measured}};
+    std::vector<LandingRequest> requests{{.draw = draw,
+                                          .reference = options_.fixed.value_or(regulator_.reference()),
+                                          .mean_friction = friction,
+                                          .metered = !options_.fixed && draw.measured}};
     if (options_.worst_stops) {
         const Range& range = regulator_.range();
         for (const double end : {range.lowest, range.highest})
-            asks.push_back({.draw = draw, .reference = end, .mean_friction = friction, .metered = false});
+            requests.push_back({.draw = draw, .reference = end, .mean_friction = friction, .metered = false});
     }
-    return asks;
+    return requests;
 }
 
 void LivingPair::landed(std::span<const Stop> stops) {
@@ -174,11 +174,11 @@ void LivingPair::regulate(const Draw& draw, const Stop& stop) {
     const bool inspected = options_.inspection > 0 && (regulator_.landings() + 1) % options_.inspection == 0;
     if (inspected) measured.brake_wear_J = brake_.state().c_e_J;
     regulator_.after(measured);
-    if (foresight_ && draw.measured && options_.inspection == 0) {
-        foresight_->learn(regulator_.brake_used_J(), stop.measured_friction);
+    if (life_forecast_ && draw.measured && options_.inspection == 0) {
+        life_forecast_->learn(regulator_.brake_used_J(), stop.measured_friction);
         constexpr int kEvery = 8;  // landings: a forecast costs as much as a short stop
         if (regulator_.landings() % kEvery == 0) {
-            if (const auto life_J = foresight_->life_J()) regulator_.revise_brake_life(*life_J);
+            if (const auto life_J = life_forecast_->life_J()) regulator_.revise_brake_life(*life_J);
         }
     }
     if (inspected) regulator_.revise_brake_life(options_.brake.life_J);

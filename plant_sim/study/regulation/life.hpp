@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "plant_sim/study/regulation/foresight.hpp"
+#include "plant_sim/study/regulation/life_forecast.hpp"
 #include "plant_sim/study/regulation/regulator.hpp"
 #include "plant_sim/wear/wearing_brake.hpp"
 
@@ -42,7 +42,7 @@ struct Stop {
 };
 
 /// A landing that a life asks for.
-struct Ask {
+struct LandingRequest {
     Draw draw;
     double reference = 0.0;
     double mean_friction = 0.0;  ///< of the brake
@@ -60,7 +60,7 @@ struct LifeOptions {
     /// all surfaces in it.
     std::vector<Range> allowed_on{};
     /// Of the brake as planned, where nobody inspects it; none: nobody forecasts its life.
-    std::optional<Foresight> foresight{};
+    std::optional<LifeForecast> life_forecast{};
     bool worst_stops =
         false;  ///< also land with both ends of the range, to know the distance that the floor stands for
 };
@@ -102,7 +102,7 @@ inline constexpr double kDistanceNoise = 1e-2;
 
 /// A life under way:
 ///
-///     for (LivingPair pair(...); !pair.over();) pair.landed(stops_of(pair.asks()));
+///     for (LivingPair pair(...); !pair.over();) pair.landed(stops_of(pair.requests()));
 ///     Life life = pair.life();
 class LivingPair {
   public:
@@ -112,8 +112,8 @@ class LivingPair {
 
     [[nodiscard]] bool over() const;
     /// The next landing, and where LifeOptions asks for them the same one at both ends of the range. Not once it is over.
-    [[nodiscard]] std::vector<Ask> asks() const;
-    /// What became of asks(), in their order.
+    [[nodiscard]] std::vector<LandingRequest> requests() const;
+    /// What became of requests(), in their order.
     void landed(std::span<const Stop> stops);
     /// Judged; once it is over.
     [[nodiscard]] Life life() const;
@@ -125,7 +125,7 @@ class LivingPair {
     std::vector<Draw> draws_;
     LifeOptions options_;
     Regulator regulator_;
-    std::optional<Foresight> foresight_;
+    std::optional<LifeForecast> life_forecast_;
     wear::WearingBrake brake_;
     Life life_;
     double brake_J_ = 0.0;

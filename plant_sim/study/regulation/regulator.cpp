@@ -22,8 +22,8 @@ bool positive(double value) {
 }  // namespace
 
 const char* name(Reading reading) {
-    static constexpr std::array kNames{"measured",       "missing",    "negative",
-                                       "beyond_kinetic", "open_books", "counter_back"};
+    static constexpr std::array kNames{"measured",       "missing",         "negative",
+                                       "beyond_kinetic", "energy_mismatch", "counter_back"};
     return kNames[static_cast<std::size_t>(reading)];
 }
 
@@ -80,7 +80,7 @@ Reading Regulator::judge(const Landing& l) const {
     const double most_J = l.kinetic_J * (1.0 + rules_.books_tolerance);
     if (l.tyre_J > most_J || l.brake_J > most_J) return Reading::beyond_kinetic;
     if (std::abs(l.brake_J + l.tyre_J - l.kinetic_J) > rules_.books_tolerance * l.kinetic_J)
-        return Reading::open_books;
+        return Reading::energy_mismatch;
     if (l.brake_wear_J < wear_counter_J_) return Reading::counter_back;
     return Reading::measured;
 }

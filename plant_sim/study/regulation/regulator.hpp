@@ -61,11 +61,11 @@ struct Landing {
 /// How a landing was taken.
 enum class Reading : std::uint8_t {
     measured,
-    missing,         ///< a figure is absent or no number
-    negative,        ///< an energy is below zero
-    beyond_kinetic,  ///< the tyre or the brake took more than there was
-    open_books,      ///< brake and tyre together are not what there was
-    counter_back,    ///< the brake's cumulative energy went back
+    missing,          ///< a figure is absent or no number
+    negative,         ///< an energy is below zero
+    beyond_kinetic,   ///< the tyre or the brake took more than there was
+    energy_mismatch,  ///< brake and tyre together are not what there was
+    counter_back,     ///< the brake's cumulative energy went back
 };
 [[nodiscard]] const char* name(Reading reading);
 
