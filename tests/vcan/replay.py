@@ -81,7 +81,7 @@ def ends(folder):
     log = folder / "long.log"
     log.write_text("(1.000000) can0 111#01\n(1000.000000) can0 111#02\n")
     check("vcan7" in replay("bus", str(log), "--can", "vcan7", status=1).stderr, "the absent interface is not named")
-    check("nowhere" in replay("bus", "nowhere.log", "--can", "vcan0", status=1).stderr, "the absent log is not named")
+    check("nowhere" in replay("bus", "nowhere.log", "--can", "vcan0", status=2).stderr, "the absent log is not named")
     check("100:7F0" in replay("bus", str(log), "--can", "vcan0", "--id", "12", status=2).stderr, "the wrong rule is not explained")
     replay("bus", str(log), "--can", "vcan0", "--speed", "-1", status=2)
     playing = subprocess.Popen([REPLAY, "bus", str(log), "--can", "vcan0"], stdout=subprocess.DEVNULL)
