@@ -1,6 +1,8 @@
 // Whose word counts when: load cells' or speeds'.
 #include "rig_bridge/record/work_books.hpp"
 
+#include <cmath>
+
 #include "tests/catch.hpp"
 
 using rig::CellReading;
@@ -13,7 +15,7 @@ namespace {
 WorkBooks books(double until_s, double from_s, double to_s, double again_s) {
     WorkBooks books(0.0);
     double knot_s = 0.0;
-    for (int n = 1; n <= static_cast<int>(until_s * 1000.0 + 0.5); ++n) {
+    for (int n = 1; n <= static_cast<int>(std::lround(until_s * 1000.0)); ++n) {
         const double t = 1e-3 * n;
         CellReading reading = n % 10 == 0 ? CellReading::fresh : CellReading::none;
         if (t > from_s && t < to_s && reading == CellReading::fresh)
