@@ -121,7 +121,8 @@ double EdgeTrack::speed(double window_s) const {
     const double time = seconds(edge(0).time - edge(age).time);
     if (!(time > 0.0)) return 0.0;
     const double mean = static_cast<double>(edge(0).edges - edge(age).edges) * pitch_ / time;
-    const double since = last_.newest_s - last_edge_s();
+    // From report to report: a frame that brings an edge late, as a bus and a busy host do, is no slower shaft.
+    const double since = last_.newest_s - last_.first_s;
     return mean * since > pitch_ ? pitch_ / since : mean;
 }
 

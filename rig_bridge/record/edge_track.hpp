@@ -48,7 +48,7 @@ class EdgeTrack {
     /// Way at the last edge.
     [[nodiscard]] double way_at_edge() const { return static_cast<double>(edges_) * pitch_; }
     /// Mean speed over the newest edges that lie at least `window_s` apart (M/T method), or over the last interval
-    /// where that is longer; once the next edge is overdue by what the newest report says, at most what that allows. 0 before the second
+    /// where that is longer; once reports without an edge span more than its pitch took, at most what that allows. 0 before the second
     /// edge.
     [[nodiscard]] double speed(double window_s) const;
     /// Instant of the last edge on the clock of update().

@@ -103,3 +103,31 @@ TEST_CASE("frames that are lost, doubled or overtaken leave the length within 0.
         CHECK(worst_m(d) < 2.5 * kPitch_m);
     }
 }
+
+TEST_CASE("a report that brings its edge late is no slower shaft, reports without one are", "[BRG-626]") {
+    constexpr double kEdges_hz = 970.0;
+    const double late_s = GENERATE(0.0, 0.0011, 0.005, 0.018);
+    CAPTURE(late_s);
+    rig::EdgeTrack track(1.0, {.edges_per_s = 3000.0, .late_s = 0.02});
+    std::uint32_t edges = 0;
+    double t = 0.0;
+    const auto report = [&](double delay_s) {
+        const auto stamp = Time{static_cast<std::int64_t>(edges / kEdges_hz * 1e9)};
+        track.update(edges, stamp, t + delay_s);
+    };
+    for (int i = 0; i < 500; ++i) {
+        t += 1e-3;
+        edges = static_cast<std::uint32_t>(t * kEdges_hz);
+        report(0.0);
+    }
+    edges += 1;
+    t = edges / kEdges_hz + 1e-4;
+    report(late_s);
+    CHECK(track.speed(0.03) == Approx(kEdges_hz).epsilon(1e-6));
+    // No edge for 20 ms: it turns by less than one pitch in that time.
+    for (int i = 0; i < 20; ++i) {
+        t += 1e-3;
+        report(late_s);
+    }
+    CHECK(track.speed(0.03) == Approx(1.0 / 0.02).epsilon(0.01));
+}
