@@ -75,6 +75,7 @@ void EdgeTrack::take(const Step& step, const Report& report) {
     const double before_s = last_.newest_s;
     if (step.edges == 0) {
         last_.newest_s = report.newest_s;
+        ++last_.without_edge;
         return;
     }
     last_ = report;
@@ -121,7 +122,9 @@ double EdgeTrack::speed(double window_s) const {
     const double time = seconds(edge(0).time - edge(age).time);
     if (!(time > 0.0)) return 0.0;
     const double mean = static_cast<double>(edge(0).edges - edge(age).edges) * pitch_ / time;
-    // From report to report: a frame that brings an edge late, as a bus and a busy host do, is no slower shaft.
+    // From report to report, and not by one alone: frames that come late, as over a bus and on a busy host, are no slower shaft. At nearly an
+    // edge a report some report has none.
+    if (last_.without_edge < 2) return mean;
     const double since = last_.newest_s - last_.first_s;
     return mean * since > pitch_ ? pitch_ / since : mean;
 }

@@ -48,7 +48,7 @@ class EdgeTrack {
     /// Way at the last edge.
     [[nodiscard]] double way_at_edge() const { return static_cast<double>(edges_) * pitch_; }
     /// Mean speed over the newest edges that lie at least `window_s` apart (M/T method), or over the last interval
-    /// where that is longer; once reports without an edge span more than its pitch took, at most what that allows. 0 before the second
+    /// where that is longer; once two reports without an edge span more than a pitch took, at most what that allows. 0 before the second
     /// edge.
     [[nodiscard]] double speed(double window_s) const;
     /// Instant of the last edge on the clock of update().
@@ -81,6 +81,7 @@ class EdgeTrack {
         double first_s = 0.0;                                        ///< when its edge was reported first
         double newest_s = 0.0;                                       ///< and last
         double before_s = -std::numeric_limits<double>::infinity();  ///< its edge came after this
+        std::uint32_t without_edge = 0;                              ///< reports since
     };
     /// From one report to another.
     struct Step {

@@ -124,6 +124,10 @@ TEST_CASE("a report that brings its edge late is no slower shaft, reports withou
     t = edges / kEdges_hz + 1e-4;
     report(late_s);
     CHECK(track.speed(0.03) == Approx(kEdges_hz).epsilon(1e-6));
+    // Nor is one without an edge, of which there are 30 a second at this speed.
+    rig::EdgeTrack other = track;
+    other.update(edges, Time{static_cast<std::int64_t>(edges / kEdges_hz * 1e9)}, t + late_s + 1.06e-3);
+    CHECK(other.speed(0.03) == Approx(kEdges_hz).epsilon(1e-6));
     // No edge for 20 ms: it turns by less than one pitch in that time.
     for (int i = 0; i < 20; ++i) {
         t += 1e-3;
