@@ -43,7 +43,7 @@ TEST_CASE("Retries are counted for one maneuver, in a row", "[BRG-410]") {
     CHECK_THAT(decision.reason, ContainsSubstring("2 retries did not help"));
 }
 
-TEST_CASE("What a person stopped is never started again by itself", "[BRG-411]") {
+TEST_CASE("What a person stopped is never started again by itself", "[BRG-410]") {
     for (const char* const outcome : {"emergency_stop", "guard_open", "requested", "foreign_command",
                                       "overspeed", "speed_mismatch", "two_senders"}) {
         CampaignJudge judge({.maneuvers = 500, .retries = 100});
@@ -54,7 +54,7 @@ TEST_CASE("What a person stopped is never started again by itself", "[BRG-411]")
 }
 
 TEST_CASE("The wear limit ends the campaign, also when the limit was reached in an earlier session",
-          "[BRG-412]") {
+          "[BRG-410]") {
     CampaignJudge judge({.maneuvers = 500, .retries = 0, .min_friction = 0.15});
     CHECK(judge.after(summary(1, "finished", 0.15)).verdict == Verdict::go_on);
     const rig::Decision decision = judge.after(summary(2, "finished", 0.1499));
@@ -69,7 +69,7 @@ TEST_CASE("The wear limit ends the campaign, also when the limit was reached in 
     CHECK(judge.after(summary(3, "plc_silent", 0.0)).verdict == Verdict::fault);
 }
 
-TEST_CASE("Time left follows the newest maneuvers", "[BRG-413]") {
+TEST_CASE("Time left follows the newest maneuvers", "[BRG-420]") {
     rig::Pace pace;
     CHECK_FALSE(pace.left_s(10).has_value());
     pace.add(10.0);
@@ -82,7 +82,7 @@ TEST_CASE("Time left follows the newest maneuvers", "[BRG-413]") {
 
 TEST_CASE(
     "An abnormal brake stops the campaign where that is asked for, also when it was found before a resume",
-    "[BRG-503]") {
+    "[BRG-500]") {
     const rig::Health abnormal{rig::HealthState::abnormal, 1.2, "friction has dropped", "f00d"};
     const rig::Health suspect{rig::HealthState::suspect, 0.8, "friction has dropped", "f00d"};
     CampaignJudge judge({.maneuvers = 500, .stop_on_abnormal = true});

@@ -53,7 +53,7 @@ Watched watched_braking() {
 
 }  // namespace
 
-TEST_CASE("A hold says who, since when and why, and whoever made it", "[BRG-472]") {
+TEST_CASE("A hold says who, since when and why, and whoever made it", "[BRG-471]") {
     const TempDir dir;
     const auto place = dir.write("x", "").parent_path();
     CHECK_FALSE(rig::read_hold(place).has_value());
@@ -106,7 +106,7 @@ TEST_CASE("A program for aborts that fails or hangs is named, and holds nobody",
     CHECK_NOTHROW(rig::check_hook(script(dir, "")));
 }
 
-TEST_CASE("Who runs the campaign is told from bus and ledger", "[BRG-473]") {
+TEST_CASE("Who runs the campaign is told from bus and ledger", "[BRG-420]") {
     const auto says = [](std::optional<double> silent_s, bool with_ledger, bool held, std::int64_t running) {
         return to_text(BridgeSigns{silent_s, with_ledger, held, running});
     };
@@ -120,7 +120,7 @@ TEST_CASE("Who runs the campaign is told from bus and ledger", "[BRG-473]") {
     CHECK(says({}, false, false, 0) == "not heard");
 }
 
-TEST_CASE("The watch's screen has phase, figures, road and outcomes in 80 columns", "[BRG-473]") {
+TEST_CASE("The watch's screen has phase, figures, road and outcomes in 80 columns", "[BRG-420]") {
     StripChart chart;
     Watched w = watched_braking();
     const auto lines = watch_screen(w, chart);
@@ -156,7 +156,7 @@ TEST_CASE("The watch's screen has phase, figures, road and outcomes in 80 column
     CHECK(watch_screen(Watched{}, chart)[0] == ": no maneuver");
 }
 
-TEST_CASE("The watch's JSON is one line with null for what is not known", "[BRG-473]") {
+TEST_CASE("The watch's JSON is one line with null for what is not known", "[BRG-420]") {
     Watched w = watched_braking();
     const std::string text = watch_json(w);
     CHECK(text.find('\n') == std::string::npos);
@@ -174,7 +174,7 @@ TEST_CASE("The watch's JSON is one line with null for what is not known", "[BRG-
     for (const char* const key : {"rim_mps", "phase", "road", "left_s"}) CHECK(json[key].is_null());
 }
 
-TEST_CASE("The strip chart keeps ten seconds, newest at the right", "[BRG-473]") {
+TEST_CASE("The strip chart keeps ten seconds, newest at the right", "[BRG-420]") {
     StripChart chart;
     for (const std::string& line : chart.lines()) CHECK(line.size() <= StripChart::kWidth);
     const auto at = [&](double time_s, double rim_mps) {

@@ -29,7 +29,7 @@ SpeedInput shaft(double radps, double t) {
 
 }  // namespace
 
-TEST_CASE("A constant speed is measured exactly, however late its frames are", "[BRG-425]") {
+TEST_CASE("A constant speed is measured exactly, however late its frames are", "[BRG-420]") {
     for (const double radps : {100.0, 30.0, 10.0, 4.0}) {
         CAPTURE(radps);
         rig::LiveSpeed speed(kTeeth);
@@ -45,7 +45,7 @@ TEST_CASE("A constant speed is measured exactly, however late its frames are", "
     }
 }
 
-TEST_CASE("A shaft that stops is soon seen to stop", "[BRG-425]") {
+TEST_CASE("A shaft that stops is soon seen to stop", "[BRG-420]") {
     rig::LiveSpeed speed(kTeeth);
     for (int i = 0; i < 1000; ++i) speed.update(shaft(100.0, i * 1e-3), at(i * 1e-3));
     const SpeedInput last = shaft(100.0, 0.999);
@@ -58,7 +58,7 @@ TEST_CASE("A shaft that stops is soon seen to stop", "[BRG-425]") {
 }
 
 TEST_CASE("Nothing is measured before the first frame, and a sensor that starts again starts again",
-          "[BRG-425]") {
+          "[BRG-420]") {
     rig::LiveSpeed speed(kTeeth);
     speed.update(SpeedInput{}, at(1.0));
     CHECK(speed.radps() == 0.0);

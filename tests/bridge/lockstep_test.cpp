@@ -62,7 +62,7 @@ TEST_CASE("A SYNC that is repeated is one; lost ones have passed; a rig that sta
     CHECK(b.lockstep.due());
 }
 
-TEST_CASE("A controller that is silent is waited for once", "[BRG-466]") {
+TEST_CASE("A controller that is silent is waited for once", "[BRG-465]") {
     LockstepBench b;
     b.period(0);
     (void)b.lockstep.taken();
@@ -81,7 +81,7 @@ TEST_CASE("A controller that is silent is waited for once", "[BRG-466]") {
     CHECK_FALSE(b.lockstep.due());
 }
 
-TEST_CASE("Without SYNC time goes on as the machine's does, and by SYNC again when it comes", "[BRG-466]") {
+TEST_CASE("Without SYNC time goes on as the machine's does, and by SYNC again when it comes", "[BRG-465]") {
     LockstepBench b;
     CHECK(b.lockstep.patience() == Time{30s});
     CHECK(b.lockstep.taken() == rig::kJoined);

@@ -54,7 +54,7 @@ TEST_CASE("docs/next_steps.md says of every abort cause, phase and fault what th
     CHECK(surplus.empty());
 }
 
-TEST_CASE("At an abort the bridge says what it means and what to do", "[BRG-139]") {
+TEST_CASE("At an abort the bridge says what it means and what to do", "[BRG-130]") {
     const std::string foreign = rig::advice(Abort::foreign_command, Phase::spin_up, {});
     CHECK(foreign ==
           fmt::format("ABORT foreign_command in spin_up: somebody else commanded the PLC. Next: {}",

@@ -93,7 +93,7 @@ class Folder {
 
 }  // namespace
 
-TEST_CASE("a scenario's law that the bus has no code for is refused by name", "[CTL-336]") {
+TEST_CASE("a scenario's law that the bus has no code for is refused by name", "[CTL-330]") {
     const TemporaryDirectory directory;
     std::string text = content_of("config/scenarios/heavy.toml");
     text.resize(text.find("law = \"slip\""));
@@ -109,7 +109,7 @@ TEST_CASE("a scenario's law that the bus has no code for is refused by name", "[
                       ContainsSubstring("foreign.dbc: the law's field is too narrow"));
 }
 
-TEST_CASE("Lockstep needs a PLC that waits and a SYNC with a number", "[BRG-468]") {
+TEST_CASE("Lockstep needs a PLC that waits and a SYNC with a number", "[BRG-465]") {
     const TemporaryDirectory directory;
     rig::RigOptions options = heavy().rig;
     options.lockstep = true;
@@ -141,7 +141,7 @@ TEST_CASE("A rig that is good in every respect passes every check but what nobod
     }
 }
 
-TEST_CASE("A PLC that is bad in one respect fails that check alone", "[BRG-151]") {
+TEST_CASE("A PLC that is bad in one respect fails that check alone", "[BRG-150]") {
     PreflightBench bench;
     SECTION("silent") {
         bench.plc.link = rig::LinkState::lost;
@@ -188,7 +188,7 @@ TEST_CASE("A PLC that is bad in one respect fails that check alone", "[BRG-151]"
     }
 }
 
-TEST_CASE("Each interlock that is open is named", "[BRG-151]") {
+TEST_CASE("Each interlock that is open is named", "[BRG-150]") {
     for (std::size_t i = 0; i < rig::kInterlockCount; ++i) {
         PreflightBench bench;
         set(bench, rig::Measured::interlocks, 15.0 - static_cast<double>(1U << i));
@@ -197,7 +197,7 @@ TEST_CASE("Each interlock that is open is named", "[BRG-151]") {
     }
 }
 
-TEST_CASE("A bus that is bad in one respect fails that check alone", "[BRG-152]") {
+TEST_CASE("A bus that is bad in one respect fails that check alone", "[BRG-150]") {
     PreflightBench bench;
     auto& stats = bench.bus.stats;
     const auto of = [&](Role role) -> auto& {
@@ -250,7 +250,7 @@ TEST_CASE("A bus that is bad in one respect fails that check alone", "[BRG-152]"
     }
 }
 
-TEST_CASE("A computer, a ledger or a configuration that will not do fails its own check", "[BRG-153]") {
+TEST_CASE("A computer, a ledger or a configuration that will not do fails its own check", "[BRG-150]") {
     PreflightBench bench;
     SECTION("no real-time right") {
         bench.machine.fifo_granted = false;
@@ -290,7 +290,7 @@ TEST_CASE("A computer, a ledger or a configuration that will not do fails its ow
     }
 }
 
-TEST_CASE("A ledger says whether another program holds it", "[BRG-153]") {
+TEST_CASE("A ledger says whether another program holds it", "[BRG-150]") {
     const Folder folder;
     {
         const rig::Ledger ledger(folder.ledger());

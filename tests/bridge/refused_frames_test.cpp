@@ -47,7 +47,7 @@ struct Ear {
 
 }  // namespace
 
-TEST_CASE("What was refused is said by its reason, as long as it is news", "[BRG-461]") {
+TEST_CASE("What was refused is said by its reason, as long as it is news", "[BRG-460]") {
     Ear ear;
     Sender sender(ear.layout);
     ear.hear(sender.next());

@@ -51,7 +51,7 @@ struct Listener {
 
 }  // namespace
 
-TEST_CASE("Two senders are told by fourteen frames, whatever lies between their counters", "[BRG-640]") {
+TEST_CASE("Two senders are told by fourteen frames, whatever lies between their counters", "[BRG-460]") {
     for (const Role role : {Role::status, Role::valve, Role::maneuver}) {
         for (std::uint16_t apart = 0; apart < kModulo; ++apart) {
             CAPTURE(name(role), apart);
@@ -63,7 +63,7 @@ TEST_CASE("Two senders are told by fourteen frames, whatever lies between their 
     }
 }
 
-TEST_CASE("Two that come in bursts, lose frames or begin late are two", "[BRG-640]") {
+TEST_CASE("Two that come in bursts, lose frames or begin late are two", "[BRG-460]") {
     Listener ear(Role::valve);
     HandMade first(ear.message), second(ear.message, 7, 1);
     SECTION("a host that runs them in turns") {
@@ -97,7 +97,7 @@ TEST_CASE("Two that come in bursts, lose frames or begin late are two", "[BRG-64
     CHECK(ear.senders.several());
 }
 
-TEST_CASE("One sender stays one, whatever becomes of its frames", "[BRG-641]") {
+TEST_CASE("One sender stays one, whatever becomes of its frames", "[BRG-460]") {
     std::mt19937 random(640);
     const auto one_in = [&random](unsigned n) { return random() % n == 0; };
     for (const Role role : {Role::status, Role::valve}) {
@@ -129,7 +129,7 @@ TEST_CASE("One sender stays one, whatever becomes of its frames", "[BRG-641]") {
     }
 }
 
-TEST_CASE("A few frames that are replayed are no sender, a stream of them is one", "[BRG-641]") {
+TEST_CASE("A few frames that are replayed are no sender, a stream of them is one", "[BRG-460]") {
     Listener ear(Role::valve);
     HandMade sender(ear.message);
     std::vector<Frame> recorded;
@@ -149,7 +149,7 @@ TEST_CASE("A few frames that are replayed are no sender, a stream of them is one
     CHECK_FALSE(ear.senders.several());  // over
 }
 
-TEST_CASE("Equal counters are said to be equal: somebody may repeat each frame of one sender", "[BRG-641]") {
+TEST_CASE("Equal counters are said to be equal: somebody may repeat each frame of one sender", "[BRG-460]") {
     Listener ear(Role::status);
     HandMade sender(ear.message);
     for (int i = 0; i < kEnough; ++i) {
@@ -161,7 +161,7 @@ TEST_CASE("Equal counters are said to be equal: somebody may repeat each frame o
                Catch::Matchers::StartsWith("every frame of 0x180 comes twice, at counter "));
 }
 
-TEST_CASE("Other identifiers, damaged frames and messages without a counter say nothing", "[BRG-641]") {
+TEST_CASE("Other identifiers, damaged frames and messages without a counter say nothing", "[BRG-460]") {
     Listener ear(Role::status);
     HandMade first(ear.message), second(ear.message, 7), valve(ear.layout[Role::valve]);
     for (int i = 0; i < 100; ++i) {
@@ -193,7 +193,7 @@ TEST_CASE("Other identifiers, damaged frames and messages without a counter say 
 }
 
 TEST_CASE("A second controller is told by its valve commands or its status, a second bridge by its commands",
-          "[BRG-640]") {
+          "[BRG-460]") {
     const antiskid::can::Layout layout = bridge_test::layout();
     for (const Role role : {Role::valve, Role::status, Role::maneuver}) {
         rig::WhoSends who(layout);

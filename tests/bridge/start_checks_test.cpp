@@ -20,7 +20,7 @@ struct StartBench {
 
 }  // namespace
 
-TEST_CASE("A start is refused by each cheap check alone, with its next step", "[BRG-462]") {
+TEST_CASE("A start is refused by each cheap check alone, with its next step", "[BRG-150]") {
     StartBench bench;
     CHECK(wrong(bench.run()).empty());
     SECTION("another bridge on the bus") {
@@ -50,7 +50,7 @@ TEST_CASE("A start is refused by each cheap check alone, with its next step", "[
     }
 }
 
-TEST_CASE("What is only a warning, and another bit rate than preflight's default, starts", "[BRG-462]") {
+TEST_CASE("What is only a warning, and another bit rate than preflight's default, starts", "[BRG-150]") {
     StartBench bench;
     bench.facts.link.state = 1;
     bench.facts.link.bitrate = 500'000;

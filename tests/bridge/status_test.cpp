@@ -46,7 +46,7 @@ struct Begun {
 }  // namespace
 
 TEST_CASE("Status has the energy so far while a maneuver runs, and warnings beside their maneuver",
-          "[BRG-267]") {
+          "[BRG-261]") {
     const Begun begun;
     const std::string text = rig::status_text(begun.path);
     CHECK_THAT(text,
@@ -60,7 +60,7 @@ TEST_CASE("Status has the energy so far while a maneuver runs, and warnings besi
     CHECK(json["maneuvers"][1]["warnings"].size() == 1);
 }
 
-TEST_CASE("A maneuver whose bridge is dead does not run", "[BRG-267]") {
+TEST_CASE("A maneuver whose bridge is dead does not run", "[BRG-261]") {
     Begun begun;
     begun.ledger.reset();
     CHECK_THAT(rig::status_text(begun.path), ContainsSubstring("1 left by a dead bridge; 1.000 MJ") &&
@@ -73,7 +73,7 @@ TEST_CASE("A maneuver whose bridge is dead does not run", "[BRG-267]") {
     CHECK_NOTHROW(rig::Ledger(begun.path));
 }
 
-TEST_CASE("Amendments stand in the status with who and why", "[BRG-264][BRG-267]") {
+TEST_CASE("Amendments stand in the status with who and why", "[BRG-261]") {
     Begun begun;
     begun.ledger->mark_unfinished();
     begun.ledger->amend(2, 1, {.counted_J = 0.9e6, .who = "A. Rossi", .made = "t9", .why = "node restarted"});
@@ -84,7 +84,7 @@ TEST_CASE("Amendments stand in the status with who and why", "[BRG-264][BRG-267]
     CHECK(begun.json()["cumulative_energy_J"] == 1.9e6);
 }
 
-TEST_CASE("A record that the disk did not take is not an abort on request", "[BRG-267]") {
+TEST_CASE("A record that the disk did not take is not an abort on request", "[BRG-261]") {
     rig::ViewModel view;
     view.abort = sequencer::Abort::requested;
     CHECK_THAT(rig::plain_line(view), ContainsSubstring("ABORT requested"));

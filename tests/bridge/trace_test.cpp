@@ -6,7 +6,7 @@
 
 using sequencer::Phase;
 
-TEST_CASE("The trace runs from touchdown to retract and knows brake-on", "[BRG-424]") {
+TEST_CASE("The trace runs from touchdown to retract and knows brake-on", "[BRG-420]") {
     rig::Trace trace;
     CHECK(trace.empty());
     rig::Moment m;

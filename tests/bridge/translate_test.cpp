@@ -52,7 +52,7 @@ TEST_CASE("A good rig is seen as it is", "[BRG-400]") {
     CHECK(in.pressure_Pa == 5e6);
 }
 
-TEST_CASE("Each register that is old, implausible or no number makes the PLC silent", "[BRG-401]") {
+TEST_CASE("Each register that is old, implausible or no number makes the PLC silent", "[BRG-400]") {
     for (std::size_t i = 0; i < rig::kMeasuredCount; ++i) {
         CAPTURE(i);
         rig::Snapshot old = good_plc();
@@ -75,7 +75,7 @@ TEST_CASE("Each register that is old, implausible or no number makes the PLC sil
     CHECK_FALSE(look(other_map, good_bus(1s)).plc_fresh);
 }
 
-TEST_CASE("Interlocks are each their own; a silent PLC has none", "[BRG-401]") {
+TEST_CASE("Interlocks are each their own; a silent PLC has none", "[BRG-400]") {
     for (unsigned i = 0; i < rig::kInterlockCount; ++i) {
         rig::Snapshot plc = good_plc();
         rig::at(plc.values, Measured::interlocks) = 15.0 - static_cast<double>(1U << i);
@@ -91,7 +91,7 @@ TEST_CASE("Interlocks are each their own; a silent PLC has none", "[BRG-401]") {
     CHECK(rig::interlocks_good(good_plc(), kLimits));
 }
 
-TEST_CASE("A command that is refused, unsendable or not confirmed is known", "[BRG-401]") {
+TEST_CASE("A command that is refused, unsendable or not confirmed is known", "[BRG-400]") {
     rig::Snapshot plc = good_plc();
     plc.command = rig::CommandState::refused;
     CHECK(look(plc, good_bus(1s)).commit_refused);
@@ -104,7 +104,7 @@ TEST_CASE("A command that is refused, unsendable or not confirmed is known", "[B
     CHECK(look(plc, good_bus(1s)).commit_late);
 }
 
-TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-402]") {
+TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-400]") {
     const auto aged = [](Time received, Time looked) {
         rig::BusNow bus = good_bus(looked);
         bus.view.pressure.received = received;
@@ -138,7 +138,7 @@ TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-
     CHECK_FALSE(look(good_plc(), down).bus_up);
 }
 
-TEST_CASE("Every state of the controller is standby, safe, armed or none of them", "[BRG-402]") {
+TEST_CASE("Every state of the controller is standby, safe, armed or none of them", "[BRG-400]") {
     for (std::uint8_t i = 0; i < antiskid::control::kStateCount; ++i) {
         const auto state = static_cast<State>(i);
         rig::BusNow bus = good_bus(1s);
@@ -151,7 +151,7 @@ TEST_CASE("Every state of the controller is standby, safe, armed or none of them
     }
 }
 
-TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-403]") {
+TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-400]") {
     sequencer::Outputs out;
     out.phase = sequencer::Phase::braking;
     out.drive_enable = true;
@@ -194,7 +194,7 @@ TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-
     CHECK(rig::telegram(out, unread, 1).maneuver_state.brake_temperature_C == 0.0F);
 }
 
-TEST_CASE("Two senders of what one may send are told to the sequencer and to people", "[BRG-642]") {
+TEST_CASE("Two senders of what one may send are told to the sequencer and to people", "[BRG-460]") {
     rig::Moment moment;
     moment.plc.link = rig::LinkState::connected;
     moment.bus = good_bus(1s);

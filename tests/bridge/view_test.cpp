@@ -82,7 +82,7 @@ TEST_CASE("The bar is the phase's share of the speed", "[BRG-420]") {
     CHECK(bar(Phase::spin_up, NAN) >= 0);
 }
 
-TEST_CASE("A campaign shows its progress and the time left", "[BRG-421]") {
+TEST_CASE("A campaign shows its progress and the time left", "[BRG-420]") {
     ViewModel v = braking();
     v.campaign =
         CampaignView{.number = 126, .finished = 125, .planned = 500, .left_s = 3 * 3600.0 + 12 * 60.0};
@@ -94,7 +94,7 @@ TEST_CASE("A campaign shows its progress and the time left", "[BRG-421]") {
     CHECK(screen(v, 200)[0].ends_with("125 of 500 finished, time left unknown"));
 }
 
-TEST_CASE("Durations are said as people say them", "[BRG-421]") {
+TEST_CASE("Durations are said as people say them", "[BRG-420]") {
     CHECK(rig::duration_text(0.0) == "0 s");
     CHECK(rig::duration_text(59.4) == "59 s");
     CHECK(rig::duration_text(59.6) == "1 min 00 s");
@@ -121,7 +121,7 @@ TEST_CASE("No line is wider than the terminal, and no character is cut", "[BRG-4
     CHECK(rig::fit("abc", 5) == "abc");
 }
 
-TEST_CASE("Elsewhere than on a terminal: a plain line a second and one for every phase", "[BRG-422]") {
+TEST_CASE("Elsewhere than on a terminal: a plain line a second and one for every phase", "[BRG-420]") {
     std::array<int, 2> ends{};
     REQUIRE(pipe(ends.data()) == 0);
     rig::Terminal terminal(ends[1]);
@@ -145,7 +145,7 @@ TEST_CASE("Elsewhere than on a terminal: a plain line a second and one for every
     close(ends[1]);
 }
 
-TEST_CASE("A reader who does not read holds nobody up", "[BRG-422]") {
+TEST_CASE("A reader who does not read holds nobody up", "[BRG-420]") {
     std::array<int, 2> ends{};
     REQUIRE(pipe(ends.data()) == 0);
     rig::Terminal terminal(ends[1]);
@@ -155,7 +155,7 @@ TEST_CASE("A reader who does not read holds nobody up", "[BRG-422]") {
     SUCCEED("5000 lines into a full pipe");
 }
 
-TEST_CASE("In a campaign with a wear model the view has the brake's health", "[BRG-502]") {
+TEST_CASE("In a campaign with a wear model the view has the brake's health", "[BRG-500]") {
     ViewModel v = braking();
     v.campaign = CampaignView{.number = 7, .finished = 6, .planned = 500, .left_s = 60.0};
     CHECK(screen(v, 200).size() == 6);

@@ -38,7 +38,7 @@ Layout pressure_like(const std::string& scale_and_range) {
 
 }  // namespace
 
-TEST_CASE("a refusal says in full what is wrong with a message, and where", "[CAN-042]") {
+TEST_CASE("a refusal says in full what is wrong with a message, and where", "[CAN-040]") {
     const auto refused = [](const std::string& from, const std::string& to, const std::string& words) {
         const can_test::TempDir dir;
         const auto dbc = dir.write("a.dbc", replaced(kOurDbc, from, to));
@@ -86,7 +86,7 @@ TEST_CASE("what just fits is accepted: identifier, widths, clocks, data IDs, ran
               .bound);
 }
 
-TEST_CASE("the CRC is found in whichever byte it fills, in either order", "[CAN-042]") {
+TEST_CASE("the CRC is found in whichever byte it fills, in either order", "[CAN-040]") {
     struct Row {
         std::string crc, counter, count;
         std::uint8_t byte;
@@ -105,7 +105,7 @@ TEST_CASE("the CRC is found in whichever byte it fills, in either order", "[CAN-
     }
 }
 
-TEST_CASE("a range is kept in raw numbers: offset, sign, a hair of tolerance, single values", "[CAN-042]") {
+TEST_CASE("a range is kept in raw numbers: offset, sign, a hair of tolerance, single values", "[CAN-040]") {
     const auto ends = [](const std::string& scale_and_range) {
         const Signal pressure = pressure_like(scale_and_range).pressure_Pa;
         return std::pair(pressure.raw_min, pressure.raw_max);
@@ -123,7 +123,7 @@ TEST_CASE("a range is kept in raw numbers: offset, sign, a hair of tolerance, si
     CHECK(slip.raw_max == 32767);
 }
 
-TEST_CASE("a counter without a CRC has 2 to 8 bits; a rim 0.01 to 10 m", "[CAN-042]") {
+TEST_CASE("a counter without a CRC has 2 to 8 bits; a rim 0.01 to 10 m", "[CAN-040]") {
     const auto foreign_refusal = [](const std::string& dbc_from, const std::string& dbc_to,
                                     const std::string& toml) {
         return refusal(replaced(kForeignDbc, dbc_from, dbc_to), toml);

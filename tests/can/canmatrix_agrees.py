@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""[CAN-033] Frames that our encoder made, decoded by python3-canmatrix from the same DBC, hold the values that went in.
+"""[CAN-030] Frames that our encoder made, decoded by python3-canmatrix from the same DBC, hold the values that went in.
 
 Usage: canmatrix_agrees.py FRAME_VECTORS, from the project root. Units, CRC and roll-over are worked out here, not taken from our code.
 """

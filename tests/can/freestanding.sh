@@ -1,5 +1,5 @@
 #!/bin/bash
-# [CAN-046] What a microcontroller needs of the CAN room compiles for it, without heap, exceptions, libm or operating
+# [CAN-045] What a microcontroller needs of the CAN room compiles for it, without heap, exceptions, libm or operating
 # system.   freestanding.sh OBJECT_DIR
 set -euo pipefail
 out=$1

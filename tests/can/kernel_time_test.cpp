@@ -22,7 +22,7 @@ using antiskid::can::Time;
 using can_test::FakeKernel;
 using namespace kernel_test;
 
-TEST_CASE("a wait that one identifier ends is one call, and the bell never stays full", "[CAN-212]") {
+TEST_CASE("a wait that one identifier ends is one call, and the bell never stays full", "[CAN-058]") {
     FakeKernel kernel;
     {
         SocketCan bus("can0", kWanted, SocketCanOptions{.wakes = kWanted[1]});
@@ -43,7 +43,7 @@ TEST_CASE("a wait that one identifier ends is one call, and the bell never stays
     CHECK(kernel.open.empty());
 }
 
-TEST_CASE("a bell that cannot be had is an error, and no descriptor stays open", "[CAN-212][CAN-200]") {
+TEST_CASE("a bell that cannot be had is an error, and no descriptor stays open", "[CAN-058][CAN-080]") {
     FakeKernel kernel;
     int& error = GENERATE(false, true) ? kernel.epoll_error : kernel.epoll_add_error;
     error = EMFILE;
@@ -52,7 +52,7 @@ TEST_CASE("a bell that cannot be had is an error, and no descriptor stays open",
     CHECK(kernel.open.empty());
 }
 
-TEST_CASE("a long wait and the reception after it are one call, a short wait is exact", "[CAN-210]") {
+TEST_CASE("a long wait and the reception after it are one call, a short wait is exact", "[CAN-058]") {
     FakeKernel kernel;
     SocketCan bus("can0", kWanted);
     std::array<Frame, 4> frames;
@@ -73,7 +73,7 @@ TEST_CASE("a long wait and the reception after it are one call, a short wait is 
     CHECK(Time{limit.tv_sec * 1'000'000'000 + limit.tv_usec * 1000} == SocketCan::kLongestWait);
 }
 
-TEST_CASE("waiting asks for the time that is left, never for less than none", "[CAN-200]") {
+TEST_CASE("waiting asks for the time that is left, never for less than none", "[CAN-080]") {
     FakeKernel kernel;
     SocketCan bus("can0", kWanted);
     CHECK(bus.wait(Time{2'500'000'000}));
@@ -86,7 +86,7 @@ TEST_CASE("waiting asks for the time that is left, never for less than none", "[
     CHECK(kernel.waited.back() == Time{1});
 }
 
-TEST_CASE("the clocks are compared by the least disturbed of three readings", "[CAN-081][CAN-200]") {
+TEST_CASE("the clocks are compared by the least disturbed of three readings", "[CAN-081][CAN-080]") {
     FakeKernel kernel;
     const auto error_after = [&](std::deque<Time> takes) {
         const int before = kernel.readings;
@@ -107,7 +107,7 @@ TEST_CASE("the clocks are compared by the least disturbed of three readings", "[
     CHECK(error_after({Time{100'000}, Time{100'000}, Time{300'000}}) == Time{50'000});
 }
 
-TEST_CASE("stamps that leap or go back cost a look at the clocks and nothing else", "[CAN-081][CAN-200]") {
+TEST_CASE("stamps that leap or go back cost a look at the clocks and nothing else", "[CAN-081][CAN-080]") {
     FakeKernel kernel;
     SocketCan bus("can0", kWanted);
     std::array<Frame, 1> frames;
@@ -130,7 +130,7 @@ TEST_CASE("stamps that leap or go back cost a look at the clocks and nothing els
     CHECK(kernel.readings == settled + 2);
 }
 
-TEST_CASE("a frame without a stamp is old, so that nobody takes it for fresh", "[CAN-081][CAN-200]") {
+TEST_CASE("a frame without a stamp is old, so that nobody takes it for fresh", "[CAN-081][CAN-080]") {
     FakeKernel kernel;
     SocketCan bus("can0", kWanted);
     for (const bool foreign_note : {false, true}) {

@@ -19,7 +19,7 @@ Layout with(const std::string& from, const std::string& to, const Reach& reach =
 
 }  // namespace
 
-TEST_CASE("a field that ends below the rig's pressure or current is refused with both numbers", "[CAN-047]") {
+TEST_CASE("a field that ends below the rig's pressure or current is refused with both numbers", "[CAN-040]") {
     const std::string pressure = "SG_ Pressure : 16|16@1+ (500,0) [0|32767500] \"Pa\"";
     CHECK_NOTHROW(with(pressure, pressure));
     CHECK_NOTHROW(with(pressure, "SG_ Pressure : 16|16@1+ (500,0) [0|20700000] \"Pa\""));

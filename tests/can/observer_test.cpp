@@ -71,7 +71,7 @@ TEST_CASE("sensors and bridge together send what one rig sends, and the maneuver
     }
 }
 
-TEST_CASE("the maneuver state is sent every 100 ms and once at every change", "[CAN-101]") {
+TEST_CASE("the maneuver state is sent every 100 ms and once at every change", "[CAN-100]") {
     for (const int step_ms : {1, 10}) {
         RigPort bridge(ours(), step_ms * kPeriod, kFromBridge);
         RigSample sample;
@@ -100,7 +100,7 @@ TEST_CASE("the maneuver state is sent every 100 ms and once at every change", "[
     CHECK(frames == 2);  // a layout without telemetry: maneuver command and heartbeat
 }
 
-TEST_CASE("a phase that does not exist is refused", "[CAN-101]") {
+TEST_CASE("a phase that does not exist is refused", "[CAN-100]") {
     RigPort bridge(ours(), kPeriod, kFromBridge);
     Observer observer(ours());
     for (std::uint8_t phase = 0; phase < 16; ++phase) {
@@ -112,7 +112,7 @@ TEST_CASE("a phase that does not exist is refused", "[CAN-101]") {
     CHECK(observer.view().maneuver_state.phase == 10);
 }
 
-TEST_CASE("telemetry on the bus changes nothing that the controller knows", "[CAN-102]") {
+TEST_CASE("telemetry on the bus changes nothing that the controller knows", "[CAN-100]") {
     RigPort rig(ours(), kPeriod);
     RigPort sensors(ours(), kPeriod, kFromRigSensors);
     RigPort bridge(ours(), kPeriod, kFromBridge);
@@ -153,7 +153,7 @@ TEST_CASE("telemetry on the bus changes nothing that the controller knows", "[CA
     CHECK(telemetry > 200);
 }
 
-TEST_CASE("the observer reads what the addressees read, in either direction", "[CAN-110]") {
+TEST_CASE("the observer reads what the addressees read, in either direction", "[CAN-100]") {
     for (const Layout* layout : {&ours(), &foreign()}) {
         RigPort rig(*layout, kPeriod);
         RigPort bridge(*layout, kPeriod, kFromBridge);
@@ -216,7 +216,7 @@ TEST_CASE("the observer reads what the addressees read, in either direction", "[
     }
 }
 
-TEST_CASE("the observer sees stops, and a SYNC that carries nothing", "[CAN-110][CAN-201]") {
+TEST_CASE("the observer sees stops, and a SYNC that carries nothing", "[CAN-100][CAN-201]") {
     Layout silent = ours();
     silent.sync_counter = {};
     RigPort rig(silent, kPeriod);
@@ -239,7 +239,7 @@ TEST_CASE("the observer sees stops, and a SYNC that carries nothing", "[CAN-110]
 }
 
 TEST_CASE("a controller's message is taken over, or refused whole; other roles are none of its",
-          "[CAN-054][CAN-201]") {
+          "[CAN-050][CAN-201]") {
     ControllerView view;
     const auto taken = [&view](Role role, const std::array<std::uint8_t, 8>& bytes) {
         return apply(ours(), role, Payload(bytes), Time{9}, view);
@@ -255,7 +255,7 @@ TEST_CASE("a controller's message is taken over, or refused whole; other roles a
     CHECK(view.status_received == control::kNever);
 }
 
-TEST_CASE("the observer refuses what the addressees refuse", "[CAN-110]") {
+TEST_CASE("the observer refuses what the addressees refuse", "[CAN-100]") {
     RigPort rig(ours(), kPeriod);
     ControllerPort port(ours(), kPeriod);
     Observer observer(ours());
@@ -287,7 +287,7 @@ TEST_CASE("the observer refuses what the addressees refuse", "[CAN-110]") {
     }
 }
 
-TEST_CASE("the observer has the rig's telemetry with its time", "[CAN-110]") {
+TEST_CASE("the observer has the rig's telemetry with its time", "[CAN-100]") {
     RigPort rig(ours(), kPeriod, kFromBridge);
     Observer observer(ours());
     int cells = 0, states = 0;

@@ -14,7 +14,7 @@ using can_test::ours;
 using control::Time;
 using namespace port_test;
 
-TEST_CASE("command, state and every fault arrive at the rig", "[CAN-057]") {
+TEST_CASE("command, state and every fault arrive at the rig", "[CAN-058]") {
     for (const Layout* layout : {&ours(), &foreign()}) {
         ControllerPort port(*layout, kStep);
         RigPort rig(*layout, kStep);
@@ -48,7 +48,7 @@ TEST_CASE("command, state and every fault arrive at the rig", "[CAN-057]") {
     }
 }
 
-TEST_CASE("what the peak law has found arrives at the rig, where the layout has the message", "[CAN-061]") {
+TEST_CASE("what the peak law has found arrives at the rig, where the layout has the message", "[CAN-058]") {
     ControllerPort port(ours(), kStep);
     RigPort rig(ours(), kStep);
     Frame frame = port.road({.peak_slip = 0.1713F, .grip_N = 31'002.0F, .confidence = 0.752F});
@@ -111,7 +111,7 @@ TEST_CASE("SYNC carries its number modulo the field", "[CAN-058]") {
 }
 
 TEST_CASE("the rig counts what is spoilt or has no meaning, and sends a valve command when it is due",
-          "[CAN-051][CAN-201]") {
+          "[CAN-050][CAN-201]") {
     Layout slow = ours();
     slow[Role::valve].period = Time{2'000'000};
     ControllerPort port(slow, kStep);

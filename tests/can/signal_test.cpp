@@ -108,7 +108,7 @@ TEST_CASE("a field lies where the DBC says, in both byte orders, at every place 
 }
 
 TEST_CASE("values are rounded to the nearest step, halves away from zero, and limited to the range",
-          "[CAN-021]") {
+          "[CAN-020]") {
     const Signal s{.shift = 0,
                    .bits = 8,
                    .big_endian = false,
@@ -131,7 +131,7 @@ TEST_CASE("values are rounded to the nearest step, halves away from zero, and li
     CHECK(s.rounded(3.1) == 3.0);
 }
 
-TEST_CASE("a valve current that is no number goes out as no current", "[CAN-021]") {
+TEST_CASE("a valve current that is no number goes out as no current", "[CAN-020]") {
     ControllerPort port(can_test::ours(), control::Time{1'000'000});
     RigPort rig(can_test::ours(), control::Time{1'000'000});
     rig.accept(port.valve_command(12.3456F));
@@ -144,7 +144,7 @@ TEST_CASE("a valve current that is no number goes out as no current", "[CAN-021]
     CHECK(rig.controller().current_mA == 65.535F);
 }
 
-TEST_CASE("every raw value survives decoding and encoding again", "[CAN-021]") {
+TEST_CASE("every raw value survives decoding and encoding again", "[CAN-020]") {
     for (const Layout* layout : {&can_test::ours(), &can_test::foreign()}) {
         for (const Signal& s : {layout->pressure_Pa, layout->valve_current_mA, layout->maneuver.demand_Pa,
                                 layout->maneuver.slip_reference, layout->maneuver.deceleration_mps2,
@@ -171,7 +171,7 @@ TEST_CASE("a signal that no layout has described is none, and passes a value as 
     CHECK(flag.bound());
 }
 
-TEST_CASE("what the addressees said arrives with its time, each by itself", "[CAN-057]") {
+TEST_CASE("what the addressees said arrives with its time, each by itself", "[CAN-058]") {
     const Layout& layout = can_test::ours();
     ControllerPort port(layout, Time{1'000'000});
     control::Command command;
@@ -246,7 +246,7 @@ TEST_CASE("a sample that nobody has filled in moves nothing", "[CAN-058]") {
     CHECK(ControllerPort(can_test::ours(), Time{1'000'000}).sync_number() == 0);
 }
 
-TEST_CASE("what was refused is the sum of its reasons", "[CAN-052]") {
+TEST_CASE("what was refused is the sum of its reasons", "[CAN-050]") {
     const MessageStats stats{
         .accepted = 1, .wrong_crc = 20, .wrong_counter = 300, .wrong_length = 4000, .wrong_value = 50'000};
     CHECK(stats.rejected() == 54'320);

@@ -51,7 +51,7 @@ class FileSizeLimit {
 
 }  // namespace
 
-TEST_CASE("a file is written whole, in directories that need not exist", "[CFG-024]") {
+TEST_CASE("a file is written whole, in directories that need not exist", "[CFG-023]") {
     const TemporaryDirectory directory;
     const auto path = directory / "out/demo/result.json";
     std::string bytes;
@@ -63,7 +63,7 @@ TEST_CASE("a file is written whole, in directories that need not exist", "[CFG-0
     CHECK(entries(path.parent_path()) == 1);
 }
 
-TEST_CASE("the name may be relative or as long as the file system allows", "[CFG-024]") {
+TEST_CASE("the name may be relative or as long as the file system allows", "[CFG-023]") {
     const TemporaryDirectory directory;
     const auto longest = directory / std::string(255, 'n');
     settings::write_file(longest, "x");
@@ -76,7 +76,7 @@ TEST_CASE("the name may be relative or as long as the file system allows", "[CFG
     CHECK(content_of(directory / "relative") == "y");
 }
 
-TEST_CASE("permissions follow the umask", "[CFG-024]") {
+TEST_CASE("permissions follow the umask", "[CFG-023]") {
     const TemporaryDirectory directory;
     const auto before = ::umask(027);
     settings::write_file(directory / "file", "x");
@@ -84,7 +84,7 @@ TEST_CASE("permissions follow the umask", "[CFG-024]") {
     CHECK(fs::status(directory / "file").permissions() == static_cast<fs::perms>(0640));
 }
 
-TEST_CASE("a full disk leaves the old file and nothing beside it", "[CFG-025]") {
+TEST_CASE("a full disk leaves the old file and nothing beside it", "[CFG-023]") {
     const TemporaryDirectory directory;
     const auto path = directory / "result.json";
     settings::write_file(path, "old");
@@ -98,7 +98,7 @@ TEST_CASE("a full disk leaves the old file and nothing beside it", "[CFG-025]") 
     CHECK(entries(directory.path()) == 1);
 }
 
-TEST_CASE("readers and a killed writer never see half a file", "[CFG-025]") {
+TEST_CASE("readers and a killed writer never see half a file", "[CFG-023]") {
     const TemporaryDirectory directory;
     const auto path = directory / "state";
     const std::string a(400000, 'a');
@@ -133,7 +133,7 @@ TEST_CASE("readers and a killed writer never see half a file", "[CFG-025]") {
     CHECK((last == a || last == b));
 }
 
-TEST_CASE("what is no regular file is neither written nor replaced", "[CFG-026]") {
+TEST_CASE("what is no regular file is neither written nor replaced", "[CFG-023]") {
     const TemporaryDirectory directory;
     const auto pipe = directory / "pipe";
     REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
@@ -150,7 +150,7 @@ TEST_CASE("what is no regular file is neither written nor replaced", "[CFG-026]"
     CHECK(entries(directory.path()) == 2);
 }
 
-TEST_CASE("a symbolic link stays and its file is written", "[CFG-026]") {
+TEST_CASE("a symbolic link stays and its file is written", "[CFG-023]") {
     const TemporaryDirectory directory;
     fs::create_directory(directory / "elsewhere");
     put(directory / "elsewhere/file", "old");

@@ -17,7 +17,7 @@ std::string repeated(std::size_t count, std::string_view part) {
 
 }  // namespace
 
-TEST_CASE("a syntax error or a duplicate key is refused with its line", "[CFG-018]") {
+TEST_CASE("a syntax error or a duplicate key is refused with its line", "[CFG-001]") {
     CHECK(refused_line("a = 1\nb = \n") == 2);
     CHECK(refused_line("a = 1\na = 2\n") == 2);
     CHECK(refused_line("[t]\na = 1\n[t]\n") == 3);
@@ -29,7 +29,7 @@ TEST_CASE("a syntax error or a duplicate key is refused with its line", "[CFG-01
     CHECK(refused_line("\n\na = 1,5\n") == 3);
 }
 
-TEST_CASE("byte order mark, line ends and unicode are taken as TOML says", "[CFG-019]") {
+TEST_CASE("byte order mark, line ends and unicode are taken as TOML says", "[CFG-021]") {
     const auto marked = parsed(
         "\xEF\xBB\xBF"
         "a = 1\r\n\r\nb = 'x'\r\n[t]\r\nc = true\r\n");
@@ -56,7 +56,7 @@ TEST_CASE("byte order mark, line ends and unicode are taken as TOML says", "[CFG
                        "b = 2\n") == 2);
 }
 
-TEST_CASE("depth is bounded before the stack is", "[CFG-020]") {
+TEST_CASE("depth is bounded before the stack is", "[CFG-021]") {
     const auto refused = [](const std::string& before, std::size_t count, const std::string& part,
                             const std::string& after) {
         return refused_line(std::string("\n").append(before).append(repeated(count, part)).append(after));

@@ -4,7 +4,7 @@
 
 #include "tests/config/refusal.hpp"
 
-TEST_CASE("a file is loaded with its path in every message", "[CFG-022]") {
+TEST_CASE("a file is loaded with its path in every message", "[CFG-021]") {
     const TemporaryDirectory directory;
     const auto path = directory / "plant.toml";
     const std::string text = "\xEF\xBB\xBF[wheel]\r\ninertia_kgm2 = 900\r\n";
@@ -19,7 +19,7 @@ TEST_CASE("a file is loaded with its path in every message", "[CFG-022]") {
     CHECK_NOTHROW(settings::Document::load(path).finish());
 }
 
-TEST_CASE("a file that cannot be read is named, with the reason", "[CFG-022]") {
+TEST_CASE("a file that cannot be read is named, with the reason", "[CFG-021]") {
     const TemporaryDirectory directory;
     const auto refused = [](const std::filesystem::path& path) {
         const auto error = refusal_of([&] { return settings::Document::load(path); });
@@ -37,7 +37,7 @@ TEST_CASE("a file that cannot be read is named, with the reason", "[CFG-022]") {
     CHECK(refused("/dev/zero") == "is larger than 16 MiB, so it is no settings file");
 }
 
-TEST_CASE("the bytes of a file are read as they are", "[CFG-022]") {
+TEST_CASE("the bytes of a file are read as they are", "[CFG-021]") {
     const TemporaryDirectory directory;
     std::string bytes;
     for (int i = 0; i < 200000; ++i) bytes += static_cast<char>(i * 7 % 256);
@@ -45,7 +45,7 @@ TEST_CASE("the bytes of a file are read as they are", "[CFG-022]") {
     CHECK(settings::read_file(directory / "bytes") == bytes);
 }
 
-TEST_CASE("the size limit is 16 MiB, to the byte", "[CFG-022]") {
+TEST_CASE("the size limit is 16 MiB, to the byte", "[CFG-021]") {
     const TemporaryDirectory directory;
     constexpr std::uintmax_t kLimit = 16U << 20U;
     put(directory / "big", "");

@@ -42,7 +42,7 @@ double brake_gain_m3(const settings::Table& brake) {
 
 }  // namespace
 
-TEST_CASE("surfaces peak where they are published to", "[CFG-027]") {
+TEST_CASE("surfaces peak where they are published to", "[CFG-028]") {
     struct Published {
         std::string_view name;
         double slip;
@@ -110,7 +110,7 @@ TEST_CASE("landing gear and maneuvers agree with each other", "[CFG-028]") {
     CHECK_NOTHROW(doc.finish());
 }
 
-TEST_CASE("the flywheel rig meets every row of Table III", "[CFG-029]") {
+TEST_CASE("the flywheel rig meets every row of Table III", "[CFG-028]") {
     const auto doc = settings::Document::load("config/flywheel_rig.toml");
     const auto root = doc.root();
     const auto campaign = root.table("endurance");

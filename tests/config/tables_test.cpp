@@ -1,6 +1,6 @@
 #include "tests/config/refusal.hpp"
 
-TEST_CASE("named tables come in the order of the file, with their names", "[CFG-009]") {
+TEST_CASE("named tables come in the order of the file, with their names", "[CFG-001]") {
     const auto doc = parsed(
         "[surfaces.wet]\nc1 = 0.8\n[surfaces.dry]\nc1 = 1.2\n[surfaces.damp]\nc1 = 1.0\n"
         "[surfaces]\nice = { c1 = 0.05 }\nbare = { c1 = 0.1 }\n");
@@ -15,7 +15,7 @@ TEST_CASE("named tables come in the order of the file, with their names", "[CFG-
     CHECK_NOTHROW(doc.finish());
 }
 
-TEST_CASE("an array of tables comes in order, and its elements are named by their index", "[CFG-010]") {
+TEST_CASE("an array of tables comes in order, and its elements are named by their index", "[CFG-001]") {
     const auto doc =
         parsed("[can]\n[[can.signal]]\nid = 1\n[[can.signal]]\nid = 2\n[[can.signal]]\nid = 'x'\n");
     const auto signals = doc.root().table("can").tables("signal");
@@ -28,7 +28,7 @@ TEST_CASE("an array of tables comes in order, and its elements are named by thei
           std::string("plant.toml:7: can.signal[2].id: expected an integer, got the string 'x'"));
 }
 
-TEST_CASE("tables are counted, and nothing else may stand among them", "[CFG-011]") {
+TEST_CASE("tables are counted, and nothing else may stand among them", "[CFG-001]") {
     const auto refused = [](const std::string& text, const settings::Count& count = {}) {
         const auto doc = parsed(text);
         return std::string(refusal_of([&] { return doc.root().tables("s", count); }).what());
@@ -43,7 +43,7 @@ TEST_CASE("tables are counted, and nothing else may stand among them", "[CFG-011
           "plant.toml:4: s.stray: expected a table, got the integer 2");
 }
 
-TEST_CASE("a check of the caller fails at the line of its key", "[CFG-012]") {
+TEST_CASE("a check of the caller fails at the line of its key", "[CFG-001]") {
     const auto doc = parsed("a = 1\n[wheel]\nmass_kg = 3\n");
     const auto wheel = doc.root().table("wheel");
     CHECK(refusal_of([&] {
@@ -64,7 +64,7 @@ TEST_CASE("a check of the caller fails at the line of its key", "[CFG-012]") {
           }).what() == std::string("plant.toml: is contradictory"));
 }
 
-TEST_CASE("a table outlives the document it came from", "[CFG-013]") {
+TEST_CASE("a table outlives the document it came from", "[CFG-021]") {
     const auto table = [] { return parsed("[a.b]\nx = 4\n").root().table("a").table("b"); }();
     CHECK(table.number("x") == 4.0);
     CHECK(table.file() == "plant.toml");

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Where the working directory has no `config`, every verb looks in the installation's. [STUDY-581]
+"""Where the working directory has no `config`, every verb looks in the installation's. [STUDY-185]
 
 usage: without_checkout.py RIG_LAB INSTALLED_CONFIG
 """

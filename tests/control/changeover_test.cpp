@@ -10,7 +10,7 @@
 using namespace antiskid::control;
 using control_test::Bench;
 
-TEST_CASE("below drop-out the demand passes through at a limited rate", "[CTL-064]") {
+TEST_CASE("below drop-out the demand passes through at a limited rate", "[CTL-065]") {
     Bench b;
     b.to_braking();
     b.sensors.maneuver.demand_Pa = 12e6F;
@@ -40,7 +40,7 @@ TEST_CASE("below drop-out the demand passes through at a limited rate", "[CTL-06
     CHECK(b.command.slip_reference == 0.0F);
 }
 
-TEST_CASE("pass-through starts from the pressure that is there", "[CTL-064]") {
+TEST_CASE("pass-through starts from the pressure that is there", "[CTL-065]") {
     Bench b;
     b.to_braking(Law::wheel_slip);
     b.sensors.maneuver.demand_Pa = 12e6F;
@@ -106,7 +106,7 @@ TEST_CASE("a law that takes over is held back at the rate of a demand that passe
     CHECK(b.command.pressure_request_Pa > 8e6F);
 }
 
-TEST_CASE("from a reading below none the demand passes through from none", "[CTL-064]") {
+TEST_CASE("from a reading below none the demand passes through from none", "[CTL-065]") {
     Bench b;
     b.to_braking();
     b.sensors.maneuver.demand_Pa = 0.3e6F;

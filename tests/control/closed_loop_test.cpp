@@ -78,21 +78,21 @@ void put_with_period(const std::filesystem::path& file, const int period_ms) {
 
 }  // namespace
 
-TEST_CASE("no false fault on the 32 scenarios, whatever the seed", "[CTL-086]") {
+TEST_CASE("no false fault on the 32 scenarios, whatever the seed", "[CTL-085]") {
     const auto seed = static_cast<std::uint64_t>(GENERATE(1, 2, 3, 77));
     all_scenarios([seed](plant_sim::ScenarioOptions& o) { o.seed = seed; });
 }
 
-TEST_CASE("no false fault with a worn or a sharp brake", "[CTL-086]") {
+TEST_CASE("no false fault with a worn or a sharp brake", "[CTL-085]") {
     const double friction = GENERATE(0.2, 0.36);
     all_scenarios([friction](plant_sim::ScenarioOptions& o) { o.choice.friction = friction; });
 }
 
-TEST_CASE("no false fault with the loading device of the flywheel rig", "[CTL-086]") {
+TEST_CASE("no false fault with the loading device of the flywheel rig", "[CTL-085]") {
     all_scenarios([](plant_sim::ScenarioOptions& o) { o.choice.carrier = plant::Carrier::flywheel; });
 }
 
-TEST_CASE("no false fault with any law", "[CTL-086][CTL-335][CTL-345]") {
+TEST_CASE("no false fault with any law", "[CTL-085][CTL-330][CTL-340]") {
     SECTION("threshold") {
         all_scenarios([](plant_sim::ScenarioOptions& o) { o.law = "threshold"; });
     }
@@ -132,7 +132,7 @@ TEST_CASE("no false fault with any law", "[CTL-086][CTL-335][CTL-345]") {
     }
 }
 
-TEST_CASE("no false fault at other control periods", "[CTL-086]") {
+TEST_CASE("no false fault at other control periods", "[CTL-085]") {
     const int period_ms = GENERATE(2, 5);
     const TemporaryDirectory directory;
     put_with_period(directory / "controller.toml", period_ms);
@@ -209,7 +209,7 @@ Spoil gap(Input Sensors::*const input, const double gap_s) {
 
 }  // namespace
 
-TEST_CASE("an encoder that dies while braking never locks the wheel", "[CTL-087]") {
+TEST_CASE("an encoder that dies while braking never locks the wheel", "[CTL-081]") {
     const auto* const surface = GENERATE("dry_asphalt", "wet_asphalt", "snow", "ice");
     CAPTURE(surface);
     SECTION("flywheel: the aircraft seems to stand") {
@@ -228,7 +228,7 @@ TEST_CASE("an encoder that dies while braking never locks the wheel", "[CTL-087]
     }
 }
 
-TEST_CASE("frames that are lost for less than their age hardly show", "[CTL-088]") {
+TEST_CASE("frames that are lost for less than their age hardly show", "[CTL-085]") {
     const auto* const surface = GENERATE("dry_asphalt", "wet_asphalt", "snow", "ice");
     const double gap_s = GENERATE(1e-3, 5e-3, 15e-3);
     const Outcome undisturbed = brake(surface, [](Sensors&, double) {});
@@ -244,7 +244,7 @@ TEST_CASE("frames that are lost for less than their age hardly show", "[CTL-088]
     check(gap(&Sensors::pressure, gap_s));
 }
 
-TEST_CASE("one wrong reading hardly shows", "[CTL-088]") {
+TEST_CASE("one wrong reading hardly shows", "[CTL-085]") {
     const auto* const surface = GENERATE("dry_asphalt", "wet_asphalt", "snow", "ice");
     const Outcome undisturbed = brake(surface, [](Sensors&, double) {});
     const auto at_one_second = [](const double since) { return since > 0.9995 && since < 1.0005; };
@@ -269,7 +269,7 @@ TEST_CASE("one wrong reading hardly shows", "[CTL-088]") {
     });
 }
 
-TEST_CASE("the peak law's grip is the runway's peak friction force where it is confident", "[CTL-346]") {
+TEST_CASE("the peak law's grip is the runway's peak friction force where it is confident", "[CTL-340]") {
     const std::string surface = GENERATE("dry_asphalt", "wet_asphalt", "wet_cobblestone", "snow");
     plant_sim::ScenarioOptions options;
     options.law = "peak_slip";

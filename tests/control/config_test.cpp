@@ -125,7 +125,7 @@ TEST_CASE("each missing, misspelt, mis-united or mistyped key is refused at its 
     }
 }
 
-TEST_CASE("each value out of range is refused at its line, above and below", "[CTL-091]") {
+TEST_CASE("each value out of range is refused at its line, above and below", "[CTL-090]") {
     const File file("config/controller.toml");
     const Check check{"config/controller.toml", {}};
     const std::string name = (check.directory / "controller.toml").string();
@@ -144,7 +144,7 @@ TEST_CASE("each value out of range is refused at its line, above and below", "[C
     }
 }
 
-TEST_CASE("values that contradict each other are refused where they stand", "[CTL-092]") {
+TEST_CASE("values that contradict each other are refused where they stand", "[CTL-090]") {
     const File file("config/controller.toml");
     const Check check{"config/controller.toml", {}};
     const auto refused = [&](const std::string& path, const std::string& value) {
@@ -172,7 +172,7 @@ TEST_CASE("values that contradict each other are refused where they stand", "[CT
     refused("monitor.sensor_max_age_ms", "1.5");  // younger than a sensor frame can be
 }
 
-TEST_CASE("low_speed_mps = 0 is allowed whatever the floor is", "[CTL-092]") {
+TEST_CASE("low_speed_mps = 0 is allowed whatever the floor is", "[CTL-090]") {
     const File file("config/controller.toml");
     const TemporaryDirectory directory;
     for (const Entry& entry : file.entries)
@@ -199,7 +199,7 @@ TEST_CASE("missing tables, unknown tables and missing files are refused by name"
     CHECK_THROWS_AS(load_controller_config("config/no_such_controller.toml"), settings::Error);
 }
 
-TEST_CASE("the shipped files load, in SI units", "[CTL-093]") {
+TEST_CASE("the shipped files load, in SI units", "[CTL-090]") {
     const auto c = load_controller_config("config/controller.toml");
     CHECK(c.period_s == 1e-3F);
     CHECK(c.wheel.lift_Ns2pm2 == Approx(0.5 * 1.225 * 5.9));

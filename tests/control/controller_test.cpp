@@ -94,7 +94,7 @@ TEST_CASE("the pressure request is never above the demand", "[CTL-061]") {
     CHECK(dropped + braking > 1000);
 }
 
-TEST_CASE("no input whatever makes a command that is no number or out of range", "[CTL-062]") {
+TEST_CASE("no input whatever makes a command that is no number or out of range", "[CTL-061]") {
     const auto seed = static_cast<unsigned>(GENERATE(range(0, 8)));
     std::mt19937 random(seed);
     constexpr std::array<float, 14> kNasty{0.0F,
@@ -202,7 +202,7 @@ TEST_CASE("no input whatever makes a command that is no number or out of range",
     CHECK(braking_through_it > 0);
 }
 
-TEST_CASE("open loop is the commanded current, limited by the demand", "[CTL-060]") {
+TEST_CASE("open loop is the commanded current, limited by the demand", "[CTL-061]") {
     Bench b;
     b.to_braking(Law::open_loop);
     b.sensors.maneuver.demand_Pa = 20.7e6F;
@@ -221,7 +221,7 @@ TEST_CASE("open loop is the commanded current, limited by the demand", "[CTL-060
 }
 
 TEST_CASE("a command that did not leave is not taken for given: the valve holds the one before",
-          "[CTL-320]") {
+          "[CTL-020]") {
     const bool told = GENERATE(false, true);
     Bench b;
     b.to_braking(Law::open_loop);
@@ -257,7 +257,7 @@ TEST_CASE("a command that did not leave is not taken for given: the valve holds 
     }
 }
 
-TEST_CASE("a valve that gives less than its map is asked for more where a pressure is meant", "[CTL-025]") {
+TEST_CASE("a valve that gives less than its map is asked for more where a pressure is meant", "[CTL-020]") {
     antiskid::control::Config config = fixed_config();
     config.estimator.pressure_bandwidth_radps = 30.0F;
     config.estimator.valve_offset_radps = 7.0F;
@@ -302,7 +302,7 @@ TEST_CASE("a valve that gives less than its map is asked for more where a pressu
           antiskid::control::valve_current_mA(config.valve, slip.command.pressure_request_Pa));
 }
 
-TEST_CASE("estimates can be looked at, and the state is told", "[CTL-066]") {
+TEST_CASE("estimates can be looked at, and the state is told", "[CTL-076]") {
     Bench b;
     b.to_braking();
     CHECK(b.command.speed_mps == b.controller.estimate().v_mps);
@@ -318,7 +318,7 @@ TEST_CASE("estimates can be looked at, and the state is told", "[CTL-066]") {
     CHECK(b.command.current_mA == 0.0F);
 }
 
-TEST_CASE("a command that nobody has decided says nothing and asks for nothing", "[CTL-066]") {
+TEST_CASE("a command that nobody has decided says nothing and asks for nothing", "[CTL-076]") {
     const std::vector<Command> undecided(1);
     CHECK(undecided[0].current_mA == 0.0F);
     CHECK(undecided[0].slip == 0.0F);

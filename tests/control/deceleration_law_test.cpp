@@ -125,7 +125,7 @@ TEST_CASE("a biased estimate of acceleration does not bias the law: it integrate
     CHECK(a == Approx(3.24).epsilon(1e-3));
 }
 
-TEST_CASE("above half the slip limit the slip law has the last word", "[CTL-051]") {
+TEST_CASE("above half the slip limit the slip law has the last word", "[CTL-050]") {
     DecelerationLaw d = law();
     Estimate grip = decelerating(50.0F, 0.05F, 6e6F, 4.0F);
     d.start(grip);
@@ -158,7 +158,7 @@ TEST_CASE("above half the slip limit the slip law has the last word", "[CTL-051]
     CHECK(d.pressure_Pa(back, 4.0F, kFull_Pa) < 3e6F);
 }
 
-TEST_CASE("far from the slip limit the guard takes nothing away, at any speed", "[CTL-051]") {
+TEST_CASE("far from the slip limit the guard takes nothing away, at any speed", "[CTL-050]") {
     for (const float v : {60.0F, 20.0F, 4.0F}) {
         DecelerationLaw d = law();
         // The road torque as noisy as it is at low speed.
@@ -172,7 +172,7 @@ TEST_CASE("far from the slip limit the guard takes nothing away, at any speed", 
     }
 }
 
-TEST_CASE("the integral does not wind up at either limit", "[CTL-051]") {
+TEST_CASE("the integral does not wind up at either limit", "[CTL-050]") {
     Estimate e = decelerating(50.0F, 0.05F, 3e6F, 2.0F);
     DecelerationLaw d = law();
     d.start(e);
@@ -197,7 +197,7 @@ TEST_CASE("the integral does not wind up at either limit", "[CTL-051]") {
     }
 }
 
-TEST_CASE("close to standstill the last pressure is held", "[CTL-052]") {
+TEST_CASE("close to standstill the last pressure is held", "[CTL-050]") {
     DecelerationLaw d = law();
     Estimate e = decelerating(20.0F, 0.05F, 5e6F, 4.0F);
     d.start(e);
@@ -218,7 +218,7 @@ TEST_CASE("close to standstill the last pressure is held", "[CTL-052]") {
     CHECK(d.pressure_Pa(slow, 4.0F, kFull_Pa) == 0.0F);
 }
 
-TEST_CASE("at half the slip limit the guard still rests, above it it acts", "[CTL-051]") {
+TEST_CASE("at half the slip limit the guard still rests, above it it acts", "[CTL-050]") {
     const bool above = GENERATE(false, true);
     DecelerationLaw d = law();
     Estimate e = decelerating(50.0F, 0.05F, 6e6F, 4.0F);
@@ -229,7 +229,7 @@ TEST_CASE("at half the slip limit the guard still rests, above it it acts", "[CT
     CHECK((d.pressure_Pa(e, 4.0F, kFull_Pa) < 3e6F) == above);
 }
 
-TEST_CASE("at the drop-out speed itself the law still acts", "[CTL-052]") {
+TEST_CASE("at the drop-out speed itself the law still acts", "[CTL-050]") {
     const bool below = GENERATE(false, true);
     DecelerationLaw d = law();
     Estimate e = decelerating(20.0F, 0.02F, 2e6F, 0.0F);
@@ -239,7 +239,7 @@ TEST_CASE("at the drop-out speed itself the law still acts", "[CTL-052]") {
     CHECK((d.pressure_Pa(e, 5.0F, kFull_Pa) == 2e6F) == below);
 }
 
-TEST_CASE("under the ceiling the integral stops where the request reaches it", "[CTL-051]") {
+TEST_CASE("under the ceiling the integral stops where the request reaches it", "[CTL-050]") {
     // The reference rises by 0.9 m/s2 at 10 m/s3 over what the wheel does. The request, I + k_p e, meets the ceiling of 3 MPa after t with
     // 2.9 + 20 t^2 + 2 t = 3 (MPa, k_i / 2 = 20 per s2): 36.6 ms, the integral at 2.927 MPa.
     DecelerationLaw d = law();

@@ -183,7 +183,7 @@ TEST_CASE("a copy forks the state", "[CTL-095]") {
     CHECK(same_bits(kept.step(next, again.time()), c.step(next, again.time())));
 }
 
-TEST_CASE("the controller never allocates and is of a size that any microcontroller has", "[CTL-096]") {
+TEST_CASE("the controller never allocates and is of a size that any microcontroller has", "[CTL-095]") {
     const std::uint64_t start = allocations();
     ::operator delete(::operator new(1));
     const std::uint64_t trapped = allocations() - start;
@@ -207,7 +207,7 @@ TEST_CASE("the controller never allocates and is of a size that any microcontrol
     CHECK(sizeof(Controller) <= 2048);
 }
 
-TEST_CASE("the bits are those of every other machine and build", "[CTL-097]") {
+TEST_CASE("the bits are those of every other machine and build", "[CTL-095]") {
     // One word for 96,000 commands through all laws and states. It changes only when the arithmetic of firmware/control does, and then it
     // must be the same again in every preset and on every machine: no fused multiply-add, no libm, no reordering.
     Controller controller(fixed_config());

@@ -242,7 +242,7 @@ void check_latched(Bench& b, const FaultSet faults, const Spoil& spoil, int peri
 
 }  // namespace
 
-TEST_CASE("the table documents every fault by its name and bit", "[CTL-080]") {
+TEST_CASE("the table documents every fault by its name and bit", "[CTL-081]") {
     const std::vector<Row> rows = documented();
     REQUIRE(rows.size() == kFaultCount);
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -290,7 +290,7 @@ TEST_CASE("every fault is named alone, in time, takes the current away and stays
     }
 }
 
-TEST_CASE("a lock that persists is named, where no encoder check is faster", "[CTL-082]") {
+TEST_CASE("a lock that persists is named, where no encoder check is faster", "[CTL-081]") {
     const Row row = documented()[static_cast<std::size_t>(Fault::lock_persists)];
     Bench b(antiskid::load_controller_config("config/controller.toml"));
     b.to_braking();
@@ -318,7 +318,7 @@ TEST_CASE("a lock that persists is named, where no encoder check is faster", "[C
         b, only, [](Bench&, Sensors&, int) {}, 0);
 }
 
-TEST_CASE("pressure at rest fails the self-test", "[CTL-083]") {
+TEST_CASE("pressure at rest fails the self-test", "[CTL-070]") {
     const Row row = documented()[static_cast<std::size_t>(Fault::self_test_failed)];
     Bench b(antiskid::load_controller_config("config/controller.toml"));
     b.tamper = [](Sensors& seen) { seen.pressure.pressure_Pa = 0.8e6F; };
@@ -336,7 +336,7 @@ TEST_CASE("pressure at rest fails the self-test", "[CTL-083]") {
     CHECK(name(b.command.faults) == "self_test_failed");
 }
 
-TEST_CASE("before the self-test has passed no fault is latched, and none lets it pass", "[CTL-084]") {
+TEST_CASE("before the self-test has passed no fault is latched, and none lets it pass", "[CTL-070]") {
     for (const auto& [fault, list] : injections()) {
         if (fault == Fault::wheel_stuck || fault == Fault::flywheel_stuck || fault == Fault::pressure_stuck ||
             fault == Fault::speeds_disagree)

@@ -40,7 +40,7 @@ void to_retreated(Bench& b) {
 
 }  // namespace
 
-TEST_CASE("a reference that has retreated is whole on the next landing", "[CTL-315]") {
+TEST_CASE("a reference that has retreated is whole on the next landing", "[CTL-040]") {
     const bool from_touchdown = GENERATE(false, true);
     CAPTURE(from_touchdown);
     Bench b;
@@ -71,7 +71,7 @@ TEST_CASE("a reference that has retreated is whole on the next landing", "[CTL-3
     CHECK(b.command.state == State::braking);
 }
 
-TEST_CASE("a reference that has retreated stays so within a landing", "[CTL-315]") {
+TEST_CASE("a reference that has retreated stays so within a landing", "[CTL-040]") {
     Bench b;
     to_retreated(b);
     SECTION("after a lock") {
@@ -96,7 +96,7 @@ TEST_CASE("a reference that has retreated stays so within a landing", "[CTL-315]
     CHECK(most_reference(b) < 0.15F);
 }
 
-TEST_CASE("the slip of most friction is sought from its start on each landing, and told", "[CTL-344]") {
+TEST_CASE("the slip of most friction is sought from its start on each landing, and told", "[CTL-340]") {
     Config config = fixed_config();
     config.peak.swing = 0.0F;
     config.peak.elasticity = -1.0F;  // always upwards
@@ -147,7 +147,7 @@ TEST_CASE("the slip of most friction is sought from its start on each landing, a
     }
 }
 
-TEST_CASE("the bias outlasts a lock, neither another law nor a landing", "[CTL-334]") {
+TEST_CASE("the bias outlasts a lock, neither another law nor a landing", "[CTL-330]") {
     Config config = fixed_config();
     config.pressure_bias.most_bias_share = 1.0F;
     Bench b(config);

@@ -104,7 +104,7 @@ TEST_CASE("a wheel that changes its speed by 15 m/s2 is not steady", "[CTL-081]"
 }
 
 TEST_CASE("a wheel that loses more than the brake can take is named, one that the brake slows is not",
-          "[CTL-350]") {
+          "[CTL-081]") {
     struct Row {
         float pressure_Pa, share;  // of the speed that is left at once
         bool rolling, named;
@@ -133,7 +133,7 @@ TEST_CASE("a wheel that loses more than the brake can take is named, one that th
     if (row.named) CHECK(all.contains(Fault::wheel_stuck) == (row.share == 0.0F));
 }
 
-TEST_CASE("the fall of a slow wheel is not held against the brake", "[CTL-350]") {
+TEST_CASE("the fall of a slow wheel is not held against the brake", "[CTL-081]") {
     const bool slow = GENERATE(true, false);
     Config config = fixed_config();  // speeds are compared above 8 m/s: three times that
     config.monitor.free_slip = 1.0F;

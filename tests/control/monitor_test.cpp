@@ -304,7 +304,7 @@ TEST_CASE("rim speeds and slip exactly at their limits", "[CTL-081]") {
     CHECK(faults.contains(Fault::flywheel_stuck) == (row.flywheel_radps == 0.0F && row.disagree));
 }
 
-TEST_CASE("more refused maneuver commands than its maximum age has frames are corrupt", "[CTL-277]") {
+TEST_CASE("more refused maneuver commands than its maximum age has frames are corrupt", "[CTL-081]") {
     // 0.1 s and 10 ms; the good frame among them pays for one.
     const float period_s = GENERATE(1e-3F, 5e-3F);
     const std::uint32_t refused = GENERATE(11U, 12U);
@@ -346,7 +346,7 @@ TEST_CASE(
     CHECK(w.step().contains(Fault::flywheel_rate) == row.named);
 }
 
-TEST_CASE("a set of faults from the bus holds the faults that exist", "[CTL-080]") {
+TEST_CASE("a set of faults from the bus holds the faults that exist", "[CTL-081]") {
     CHECK(FaultSet::from_bits(0xFFFF'FFFFU).bits() == 0x03FF'FFFFU);
     for (unsigned i = 0; i < 32; ++i) {
         const FaultSet one = FaultSet::from_bits(1U << i);
@@ -355,7 +355,7 @@ TEST_CASE("a set of faults from the bus holds the faults that exist", "[CTL-080]
     }
 }
 
-TEST_CASE("a jump that misplaced teeth explain is none", "[CTL-314]") {
+TEST_CASE("a jump that misplaced teeth explain is none", "[CTL-040]") {
     // 60 teeth, 1/1024 s: three times 2 % of a pitch are 6.43 rad/s; 1,000 rad/s2 allow 0.98 more.
     const bool misplaced = GENERATE(false, true);
     Config config = control_test::exact_config();

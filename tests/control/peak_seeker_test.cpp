@@ -72,7 +72,7 @@ TEST_CASE("what cannot be is bounded before it is believed", "[CTL-340]") {
     CHECK(after(400, e).elasticity() == Approx(0.01 * 40.0 / (0.32 * 50.0)).epsilon(1e-4));
 }
 
-TEST_CASE("grip is the road's force, taken in as far as friction does not change with slip", "[CTL-346]") {
+TEST_CASE("grip is the road's force, taken in as far as friction does not change with slip", "[CTL-340]") {
     // J tau / r = 1.3 * 4000 / 0.32
     CHECK(after(400, on_road(0.0F)).found().grip_N == Approx(16250.0).epsilon(1e-4));
     CHECK(after(400, on_road(0.0F, 0.2F, 400.0F)).found().grip_N == Approx(1625.0).epsilon(1e-4));
@@ -89,7 +89,7 @@ TEST_CASE("grip is the road's force, taken in as far as friction does not change
     CHECK(seeker.found().grip_N == 0.0F);
 }
 
-TEST_CASE("confidence needs a slip at the peak and a slope that is known", "[CTL-346]") {
+TEST_CASE("confidence needs a slip at the peak and a slope that is known", "[CTL-340]") {
     CHECK(after(400, on_road(0.0F)).found().confidence == Approx(1.0).epsilon(1e-4));
     CHECK(after(400, on_road(0.4F)).found().confidence == Approx(0.6).epsilon(1e-3));
     CHECK(after(400, on_road(-0.4F)).found().confidence == Approx(0.6).epsilon(1e-3));
@@ -103,7 +103,7 @@ TEST_CASE("confidence needs a slip at the peak and a slope that is known", "[CTL
     CHECK(seeker.found().confidence == 0.0F);
 }
 
-TEST_CASE("the reference moves by what is missing of the elasticity asked for", "[CTL-341]") {
+TEST_CASE("the reference moves by what is missing of the elasticity asked for", "[CTL-340]") {
     CHECK(growth(on_road(0.1F)) == Approx(1.0 + 4.0 * 2.0 * 0.1e-3).epsilon(1e-6));
     CHECK(growth(on_road(-0.1F)) == Approx(1.0 - 4.0 * 2.0 * 0.1e-3).epsilon(1e-6));
     CHECK(growth(on_road(0.0F)) == 1.0);
@@ -115,13 +115,13 @@ TEST_CASE("the reference moves by what is missing of the elasticity asked for", 
     CHECK(growth(on_road(0.0F), before_peak) == Approx(1.0 - 0.8e-3).epsilon(1e-6));
 }
 
-TEST_CASE("it begins at its start, and stays between its ends", "[CTL-341]") {
+TEST_CASE("it begins at its start, and stays between its ends", "[CTL-340]") {
     CHECK(PeakSeeker(without_swing(), kInertia_kgm2, kPeriod_s).found().peak_slip == 0.16F);
     CHECK(after(3000, on_road(0.9F)).found().peak_slip == 0.4F);
     CHECK(after(3000, on_road(-0.9F)).found().peak_slip == 0.03F);
 }
 
-TEST_CASE("the reference swings about what was found", "[CTL-342]") {
+TEST_CASE("the reference swings about what was found", "[CTL-340]") {
     PeakConfig config = fixed_config().peak;  // a quarter of itself at 5 Hz
     PeakSeeker seeker(config, kInertia_kgm2, kPeriod_s);
     const Estimate e = on_road(0.0F);
@@ -143,7 +143,7 @@ TEST_CASE("the reference swings about what was found", "[CTL-342]") {
     }
 }
 
-TEST_CASE("on another road it begins at its start, if less was in force", "[CTL-343]") {
+TEST_CASE("on another road it begins at its start, if less was in force", "[CTL-340]") {
     for (const float before : {-0.9F, 0.9F}) {
         PeakSeeker seeker = after(3000, on_road(before));
         const float was = seeker.found().peak_slip;
@@ -155,13 +155,13 @@ TEST_CASE("on another road it begins at its start, if less was in force", "[CTL-
     }
 }
 
-TEST_CASE("a wheel that is nearly locked takes the reference down", "[CTL-343]") {
+TEST_CASE("a wheel that is nearly locked takes the reference down", "[CTL-340]") {
     CHECK(growth(on_road(0.0F, 0.6F)) == 1.0);
     CHECK(growth(on_road(0.0F, 0.61F)) == Approx(1.0 - 10e-3).epsilon(1e-6));
     CHECK(growth(on_road(-0.9F, 0.61F)) == Approx(1.0 - 14e-3).epsilon(1e-6));
 }
 
-TEST_CASE("at walking speed nothing is sought", "[CTL-341]") {
+TEST_CASE("at walking speed nothing is sought", "[CTL-340]") {
     Estimate e = on_road(0.9F);
     e.v_mps = 5.9F;
     CHECK(after(400, e).found().peak_slip == 0.16F);
@@ -170,7 +170,7 @@ TEST_CASE("at walking speed nothing is sought", "[CTL-341]") {
     CHECK(after(400, e).found().peak_slip > 0.2F);
 }
 
-TEST_CASE("a lock leaves what was found, another landing does not", "[CTL-343]") {
+TEST_CASE("a lock leaves what was found, another landing does not", "[CTL-340]") {
     PeakSeeker seeker = after(200, on_road(0.5F));
     const float found = seeker.found().peak_slip;
     REQUIRE(found > 0.2F);

@@ -30,7 +30,7 @@ struct Encoder {
 
 }  // namespace
 
-TEST_CASE("an encoder that counts backwards is out of range, however seldom an edge comes", "[CTL-273]") {
+TEST_CASE("an encoder that counts backwards is out of range, however seldom an edge comes", "[CTL-081]") {
     Encoder e;
     for (int k = 0; k < 400; ++k) REQUIRE((e.turn(1).empty() || k < 300));
     int periods = 1;
@@ -39,7 +39,7 @@ TEST_CASE("an encoder that counts backwards is out of range, however seldom an e
     CHECK(periods == 17);
 }
 
-TEST_CASE("frames that come late after their edges are lost ones, one alone is not", "[CTL-271]") {
+TEST_CASE("frames that come late after their edges are lost ones, one alone is not", "[CTL-081]") {
     Encoder e;
     for (int k = 0; k < 400; ++k) REQUIRE((e.turn(1).empty() || k < 300));
     const auto fall_behind = [&e](const int to_ms) {
@@ -62,7 +62,7 @@ TEST_CASE("frames that come late after their edges are lost ones, one alone is n
     }
 }
 
-TEST_CASE("slip above what the law asks for is named once it adds up", "[CTL-274][CTL-314]") {
+TEST_CASE("slip above what the law asks for is named once it adds up", "[CTL-081][CTL-040]") {
     Config config = exact_config();
     config.monitor.free_slip = 0.9F;
     Watch w(config);
@@ -113,7 +113,7 @@ TEST_CASE("slip above what the law asks for is named once it adds up", "[CTL-274
     }
 }
 
-TEST_CASE("a valve off its map by more than is made up for is named", "[CTL-275]") {
+TEST_CASE("a valve off its map by more than is made up for is named", "[CTL-081]") {
     // 8 mA are 2.1 MPa; up to a quarter of it is made up for.
     struct Row {
         float short_Pa;
@@ -144,7 +144,7 @@ TEST_CASE("a valve off its map by more than is made up for is named", "[CTL-275]
     CHECK(faults.contains(Fault::pressure_off_command) == row.named);
 }
 
-TEST_CASE("no offset, and no pressure, are exactly at their limits where these are none", "[CTL-275]") {
+TEST_CASE("no offset, and no pressure, are exactly at their limits where these are none", "[CTL-081]") {
     const bool learns = GENERATE(false, true);
     Config config = fixed_config();
     config.supervisor.residual_pressure_Pa = 0.0F;
@@ -158,7 +158,7 @@ TEST_CASE("no offset, and no pressure, are exactly at their limits where these a
     for (int k = 0; k < 1000; ++k) REQUIRE_FALSE(w.step().contains(Fault::pressure_off_command));
 }
 
-TEST_CASE("an encoder that stands is not late before its first reading", "[CTL-271]") {
+TEST_CASE("an encoder that stands is not late before its first reading", "[CTL-081]") {
     Watch w;
     w.sensors.wheel.source = SpeedSource::edges;
     for (int k = 0; k < 200; ++k) REQUIRE(w.step().empty());

@@ -77,7 +77,7 @@ TEST_CASE("the pressure-bias law starts at the pressure that it finds and rises 
     CHECK(b.law.bias_Pa() == 0.0F);
 }
 
-TEST_CASE("the reference speed follows the wheel up at once and down at its rate", "[CTL-331]") {
+TEST_CASE("the reference speed follows the wheel up at once and down at its rate", "[CTL-330]") {
     Modulation b;
     CHECK(b.law.reference_mps() == 40.0F);
     b.step(45.0F);
@@ -96,7 +96,7 @@ TEST_CASE("the reference speed follows the wheel up at once and down at its rate
     CHECK(b.law.reference_mps() == 14.0F);
 }
 
-TEST_CASE("velocity error beyond the dead band comes off at once", "[CTL-332]") {
+TEST_CASE("velocity error beyond the dead band comes off at once", "[CTL-330]") {
     Modulation b(without(&PressureBiasConfig::k_bias_Pa_per_m, &PressureBiasConfig::k_lead_Pa_per_mps2));
     b.step(40.0F);
     b.step(38.0F);  // the reference is at 39.99
@@ -109,7 +109,7 @@ TEST_CASE("velocity error beyond the dead band comes off at once", "[CTL-332]") 
     CHECK(b.pressure_Pa == Approx(5e6 + 132e3).epsilon(1e-5));  // it has skidded
 }
 
-TEST_CASE("velocity error beyond the dead band adds to the bias", "[CTL-332]") {
+TEST_CASE("velocity error beyond the dead band adds to the bias", "[CTL-330]") {
     Modulation b(
         without(&PressureBiasConfig::k_transient_Pa_per_mps, &PressureBiasConfig::k_lead_Pa_per_mps2));
     b.step(40.0F);
@@ -119,7 +119,7 @@ TEST_CASE("velocity error beyond the dead band adds to the bias", "[CTL-332]") {
     CHECK(b.pressure_Pa == Approx(5e6 + 64e3 - 10 * 24e3 + 4e3).epsilon(1e-4));
 }
 
-TEST_CASE("the wheel's deceleration comes off without error", "[CTL-332]") {
+TEST_CASE("the wheel's deceleration comes off without error", "[CTL-330]") {
     Modulation b;
     const auto lead_Pa = [&b](const float mps2) {
         b.step(40.0F, mps2);
@@ -133,7 +133,7 @@ TEST_CASE("the wheel's deceleration comes off without error", "[CTL-332]") {
 }
 
 TEST_CASE("the bias stays within its share of the demand, the pressure between nothing and the demand",
-          "[CTL-333]") {
+          "[CTL-330]") {
     Modulation b(
         without(&PressureBiasConfig::k_transient_Pa_per_mps, &PressureBiasConfig::k_lead_Pa_per_mps2));
     for (int i = 0; i < 2000; ++i) b.step(0.0F);
@@ -151,7 +151,7 @@ TEST_CASE("the bias stays within its share of the demand, the pressure between n
     CHECK(all.pressure_Pa == 7e6F);
 }
 
-TEST_CASE("after a lock the bias goes on where it was, and slowly", "[CTL-334]") {
+TEST_CASE("after a lock the bias goes on where it was, and slowly", "[CTL-330]") {
     Modulation b;
     for (int i = 0; i < 50; ++i) b.step(40.0F);
     const float bias_Pa = b.law.bias_Pa();

@@ -80,7 +80,7 @@ TEST_CASE("a bounce is no fault and protects again", "[CTL-073]") {
 
 TEST_CASE(
     "a squat switch that opens for a moment, or a command of the approach in between, costs that moment",
-    "[CTL-276]") {
+    "[CTL-073]") {
     const float v = GENERATE(5.1F, 12.0F, 29.0F, 45.0F);
     const bool approach = GENERATE(false, true);  // its command disarms, too
     Stand s;
@@ -94,7 +94,7 @@ TEST_CASE(
     CHECK(s.step() == State::braking);
 }
 
-TEST_CASE("a wheel below 30 % is released until 70 %", "[CTL-074]") {
+TEST_CASE("a wheel below 30 % is released until 70 %", "[CTL-073]") {
     const auto law =
         GENERATE(Law::wheel_slip, Law::deceleration, Law::threshold, Law::pressure_bias, Law::peak_slip);
     Stand s;
@@ -113,7 +113,7 @@ TEST_CASE("a wheel below 30 % is released until 70 %", "[CTL-074]") {
 }
 
 TEST_CASE("a wheel that does not come back when it must is a fault, one that does is none, however often",
-          "[CTL-074][CTL-252]") {
+          "[CTL-073]") {
     struct Row {
         float v_mps;
         int periods;  // the last without a fault: 125 ms, and 0.7 v at 50 m/s2
@@ -138,7 +138,7 @@ TEST_CASE("a wheel that does not come back when it must is a fault, one that doe
     CHECK(s.step() == State::standby);
 }
 
-TEST_CASE("under a law that holds a slip, locks that recur are a fault, although none lasts", "[CTL-252]") {
+TEST_CASE("under a law that holds a slip, locks that recur are a fault, although none lasts", "[CTL-073]") {
     Stand s;
     s.to_braking();
     s.sensors.maneuver.law = GENERATE(Law::wheel_slip, Law::peak_slip);
@@ -159,7 +159,7 @@ TEST_CASE("under a law that holds a slip, locks that recur are a fault, although
     }
 }
 
-TEST_CASE("open loop has no lock protection and no drop-out", "[CTL-074]") {
+TEST_CASE("open loop has no lock protection and no drop-out", "[CTL-073]") {
     Stand s;
     s.to_braking();
     s.sensors.maneuver.law = Law::open_loop;
@@ -169,7 +169,7 @@ TEST_CASE("open loop has no lock protection and no drop-out", "[CTL-074]") {
     CHECK(s.step() == State::braking);
 }
 
-TEST_CASE("anti-skid drops out below 5 m/s and comes back above 6", "[CTL-075]") {
+TEST_CASE("anti-skid drops out below 5 m/s and comes back above 6", "[CTL-073]") {
     const auto law = GENERATE(Law::wheel_slip, Law::threshold, Law::pressure_bias, Law::peak_slip);
     Stand s;
     s.to_braking();
@@ -190,7 +190,7 @@ TEST_CASE("anti-skid drops out below 5 m/s and comes back above 6", "[CTL-075]")
     CHECK(s.step(3000) == State::drop_out);
 }
 
-TEST_CASE("the deceleration law brakes to standstill", "[CTL-075]") {
+TEST_CASE("the deceleration law brakes to standstill", "[CTL-073]") {
     Stand s;
     s.to_braking();
     s.sensors.maneuver.law = Law::deceleration;

@@ -42,7 +42,7 @@ TEST_CASE("constant speed is exact at every speed and period", "[CTL-010]") {
     }
 }
 
-TEST_CASE("the reading is the mean speed over its interval", "[CTL-011]") {
+TEST_CASE("the reading is the mean speed over its interval", "[CTL-010]") {
     const double acceleration = GENERATE(-900.0, -50.0, 50.0, 900.0, 10'000.0);
     Line line;
     double radps = acceleration > 0.0 ? 20.0 : 350.0;
@@ -68,7 +68,7 @@ TEST_CASE("the reading is the mean speed over its interval", "[CTL-011]") {
     CHECK(checked >= 30);
 }
 
-TEST_CASE("the first edge after a standstill only starts the clock", "[CTL-012]") {
+TEST_CASE("the first edge after a standstill only starts the clock", "[CTL-010]") {
     Line line;
     for (int i = 0; i < 150; ++i) CHECK(line.turn_to(0.0).speed_radps == 0.0F);
     // Half a tooth in a jerk, then steady: were the time since the last edge used, the speed would come out near zero.
@@ -87,7 +87,7 @@ TEST_CASE("the first edge after a standstill only starts the clock", "[CTL-012]"
     CHECK(reading.speed_radps == Approx(50.0).epsilon(1e-5));
 }
 
-TEST_CASE("nothing is valid before two edges or a standstill", "[CTL-012]") {
+TEST_CASE("nothing is valid before two edges or a standstill", "[CTL-010]") {
     SpeedEstimator never(60.0F);
     CHECK_FALSE(never.update({}).valid);
 
@@ -112,7 +112,7 @@ TEST_CASE("nothing is valid before two edges or a standstill", "[CTL-012]") {
     CHECK(reading.speed_radps == Approx(30.0).epsilon(1e-5));
 }
 
-TEST_CASE("count and time roll over", "[CTL-013]") {
+TEST_CASE("count and time roll over", "[CTL-010]") {
     Line line;
     line.shaft.first_count = std::numeric_limits<std::uint32_t>::max() - 40U;
     line.shaft.first_time = Time{-1'000'000'000};  // through zero
@@ -127,7 +127,7 @@ TEST_CASE("count and time roll over", "[CTL-013]") {
     CHECK(rolled);
 }
 
-TEST_CASE("frames without an edge bound the speed and end in a standstill", "[CTL-014]") {
+TEST_CASE("frames without an edge bound the speed and end in a standstill", "[CTL-010]") {
     const double radps = GENERATE(5.0, 40.0, 300.0);
     Line line;
     for (int i = 0; i < 500; ++i) line.turn_to(radps);
@@ -156,7 +156,7 @@ TEST_CASE("frames without an edge bound the speed and end in a standstill", "[CT
     CHECK(bounded > 70);
 }
 
-TEST_CASE("frames that do not come say nothing about the shaft", "[CTL-015]") {
+TEST_CASE("frames that do not come say nothing about the shaft", "[CTL-010]") {
     Line line;
     for (int i = 0; i < 200; ++i) line.turn_to(150.0);
     const float before = line.again().speed_radps;
@@ -175,7 +175,7 @@ TEST_CASE("frames that do not come say nothing about the shaft", "[CTL-015]") {
     CHECK(reading.interval_s == Approx(0.3).margin(0.005));
 }
 
-TEST_CASE("an encoder whose clock starts anew costs one reading", "[CTL-016]") {
+TEST_CASE("an encoder whose clock starts anew costs one reading", "[CTL-010]") {
     Line line;
     for (int i = 0; i < 200; ++i) line.turn_to(150.0);
     line.shaft.first_time = Time{-10'000'000'000};
@@ -192,7 +192,7 @@ TEST_CASE("an encoder whose clock starts anew costs one reading", "[CTL-016]") {
     CHECK(reading.speed_radps == Approx(150.0).epsilon(1e-5));
 }
 
-TEST_CASE("edges whose clock stands still are not a speed", "[CTL-016]") {
+TEST_CASE("edges whose clock stands still are not a speed", "[CTL-010]") {
     Line line;
     for (int i = 0; i < 200; ++i) line.turn_to(150.0);
     const Time stamp = line.input.edge_time;
@@ -209,7 +209,7 @@ TEST_CASE("edges whose clock stands still are not a speed", "[CTL-016]") {
     CHECK(reading.valid);
 }
 
-TEST_CASE("a sensor that reports speed is taken at its word", "[CTL-017]") {
+TEST_CASE("a sensor that reports speed is taken at its word", "[CTL-010]") {
     SpeedEstimator estimator(60.0F);
     SpeedInput input;
     input.source = SpeedSource::speed;
@@ -226,7 +226,7 @@ TEST_CASE("a sensor that reports speed is taken at its word", "[CTL-017]") {
     CHECK_FALSE(reading.fresh);
 }
 
-TEST_CASE("a clock that jumps, or an old frame, is no edge interval", "[CTL-231]") {
+TEST_CASE("a clock that jumps, or an old frame, is no edge interval", "[CTL-010]") {
     Line line;
     for (int i = 0; i < 100; ++i) static_cast<void>(line.turn_to(100.0));
     const Time jump = GENERATE(Time{30'000'000}, Time{429'000'000'000});
@@ -249,7 +249,7 @@ TEST_CASE("a clock that jumps, or an old frame, is no edge interval", "[CTL-231]
 TEST_CASE(
     "a frame is late by what it comes later after its edge than the quickest, by clocks without a common "
     "zero",
-    "[CTL-271]") {
+    "[CTL-081]") {
     Line line;
     line.shaft.first_time = Time{GENERATE(0LL, 7'000'000'000LL, -3'000'000'000LL)};
     const auto late = [&line](const Time by) {
@@ -292,7 +292,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("how late a frame is, is measured", "[CTL-271]") {
+TEST_CASE("how late a frame is, is measured", "[CTL-081]") {
     const Time later{GENERATE(0, 1, 3'000'000, 25'000'001)};
     SpeedEstimator estimator(60.0F);
     SpeedInput input{.source = SpeedSource::edges};

@@ -28,7 +28,7 @@ SpeedReading reading_of(const double speed, const float interval_s = kPeriod_s) 
 
 }  // namespace
 
-TEST_CASE("constant acceleration is tracked without error", "[CTL-018]") {
+TEST_CASE("constant acceleration is tracked without error", "[CTL-010]") {
     const double bandwidth = GENERATE(50.0, 450.0);
     const double acceleration = GENERATE(-300.0, 0.0, 40.0, 2000.0);
     SpeedTracker tracker(static_cast<float>(bandwidth), kEncoder);
@@ -42,7 +42,7 @@ TEST_CASE("constant acceleration is tracked without error", "[CTL-018]") {
     CHECK(tracker.speed() == Approx(speed).epsilon(1e-4));
 }
 
-TEST_CASE("sparse readings are weighed by the time they stand for", "[CTL-018]") {
+TEST_CASE("sparse readings are weighed by the time they stand for", "[CTL-010]") {
     // 20 m/s2 at 8 ms between edges: the tracker must find the same motion as with dense ones.
     SpeedTracker tracker(450.0F, kEncoder);
     const double acceleration = -60.0;
@@ -63,7 +63,7 @@ TEST_CASE("sparse readings are weighed by the time they stand for", "[CTL-018]")
     CHECK(tracker.speed() == Approx(speed).margin(0.3));
 }
 
-TEST_CASE("the tracker starts at the first reading and forgets with its validity", "[CTL-018]") {
+TEST_CASE("the tracker starts at the first reading and forgets with its validity", "[CTL-010]") {
     SpeedTracker tracker(450.0F, kEncoder);
     SpeedReading stale = reading_of(99.0);
     stale.fresh = false;
@@ -78,7 +78,7 @@ TEST_CASE("the tracker starts at the first reading and forgets with its validity
     CHECK(tracker.speed() == 50.0F);
 }
 
-TEST_CASE("a bound is used only where it says something", "[CTL-018]") {
+TEST_CASE("a bound is used only where it says something", "[CTL-010]") {
     SpeedTracker tracker(450.0F, kEncoder);
     tracker.update(reading_of(50.0), kPeriod_s);
     const SpeedReading above{
@@ -92,7 +92,7 @@ TEST_CASE("a bound is used only where it says something", "[CTL-018]") {
     CHECK(tracker.speed() > 30.0F);
 }
 
-TEST_CASE("a wheel that stands has no acceleration, and no speed is negative", "[CTL-018]") {
+TEST_CASE("a wheel that stands has no acceleration, and no speed is negative", "[CTL-010]") {
     SpeedTracker tracker(450.0F, kEncoder);
     for (int i = 0; i < 20; ++i) tracker.update(reading_of(50.0 - 2.0 * i), kPeriod_s);
     CHECK(tracker.acceleration() < -500.0F);
@@ -113,7 +113,7 @@ TEST_CASE("a wheel that stands has no acceleration, and no speed is negative", "
     CHECK(tracker.speed() >= 0.0F);
 }
 
-TEST_CASE("a wheel that nearly stopped is found again, however fast it slowed down", "[CTL-018]") {
+TEST_CASE("a wheel that nearly stopped is found again, however fast it slowed down", "[CTL-010]") {
     // 15 rad/s is an edge every 7 ms. A prediction that has run into zero must not explain the reading away.
     const double slows_by = GENERATE(135.0, 15.0, 4.0);  // rad/s a period
     SpeedTracker tracker(450.0F, kEncoder);
@@ -129,7 +129,7 @@ TEST_CASE("a wheel that nearly stopped is found again, however fast it slowed do
     CHECK(ms < 200);
 }
 
-TEST_CASE("no reading leaves a tracker that the next ones do not lead back", "[CTL-230]") {
+TEST_CASE("no reading leaves a tracker that the next ones do not lead back", "[CTL-010]") {
     // An interval of minutes, as an encoder shows it whose clock jumps, and a speed that no wheel has.
     const double wrong = GENERATE(0.0, 1.0, 1e6);
     const float interval_s = GENERATE(1e-6F, 20.0F, 429.0F);
@@ -145,7 +145,7 @@ TEST_CASE("no reading leaves a tracker that the next ones do not lead back", "[C
     CHECK(std::abs(tracker.acceleration()) < 500.0F);
 }
 
-TEST_CASE("what is not known is zero, before the first reading and after the last", "[CTL-018]") {
+TEST_CASE("what is not known is zero, before the first reading and after the last", "[CTL-010]") {
     SpeedTracker tracker(450.0F, kEncoder);
     CHECK(tracker.speed() == 0.0F);
     CHECK(tracker.acceleration() == 0.0F);
@@ -156,7 +156,7 @@ TEST_CASE("what is not known is zero, before the first reading and after the las
     CHECK(tracker.acceleration() == 0.0F);
 }
 
-TEST_CASE("an upper bound that is just met says nothing", "[CTL-018]") {
+TEST_CASE("an upper bound that is just met says nothing", "[CTL-010]") {
     SpeedTracker tracker(450.0F, kEncoder);
     for (int i = 0; i < 20; ++i) tracker.update(reading_of(100.0 - 0.5 * i), kPeriod_s);
     REQUIRE(tracker.acceleration() < -100.0F);
@@ -175,7 +175,7 @@ TEST_CASE("an upper bound that is just met says nothing", "[CTL-018]") {
     CHECK(tracker.speed() != unheard.speed());
 }
 
-TEST_CASE("a prediction that ends at zero is not looked back along", "[CTL-018]") {
+TEST_CASE("a prediction that ends at zero is not looked back along", "[CTL-010]") {
     // With half of its memory lost in a period every number is exact: 22.5 rad/s, and as much less in a period.
     constexpr float kExact_s = 1.0F / 1024.0F;
     SpeedTracker tracker(1024.0F, kEncoder);
@@ -186,7 +186,7 @@ TEST_CASE("a prediction that ends at zero is not looked back along", "[CTL-018]"
     CHECK(tracker.speed() == 7.5F);
 }
 
-TEST_CASE("a reading that no wheel can have got to is not believed for 10 ms", "[CTL-270]") {
+TEST_CASE("a reading that no wheel can have got to is not believed for 10 ms", "[CTL-300]") {
     SpeedTracker tracker(450.0F, kEncoder);
     for (int i = 0; i < 50; ++i) tracker.update(reading_of(33.0), kPeriod_s);
     const auto most = 0.99 * static_cast<double>(kMost * kPeriod_s);
@@ -209,7 +209,7 @@ TEST_CASE("a reading that no wheel can have got to is not believed for 10 ms", "
     }
 }
 
-TEST_CASE("a reading exactly at the limit is believed", "[CTL-270]") {
+TEST_CASE("a reading exactly at the limit is believed", "[CTL-300]") {
     constexpr float kExact_s = 1.0F / 1024.0F;
     SpeedTracker tracker(450.0F, {.max_speed_radps = 400.0F, .max_acceleration_radps2 = 16.0F});
     tracker.update(reading_of(32.0, kExact_s), kExact_s);
@@ -217,7 +217,7 @@ TEST_CASE("a reading exactly at the limit is believed", "[CTL-270]") {
     CHECK(tracker.speed() > 32.0F);
 }
 
-TEST_CASE("a reading that cannot be does not reach the tracker", "[CTL-019]") {
+TEST_CASE("a reading that cannot be does not reach the tracker", "[CTL-010]") {
     SpeedTracker tracker(450.0F, {.max_speed_radps = 400.0F, .max_acceleration_radps2 = 1e9F});
     tracker.update({.speed_radps = 100.0F, .interval_s = 1e-3F, .fresh = true, .valid = true}, 1e-3F);
     for (const float radps : {-1.0F, 401.0F, std::numeric_limits<float>::quiet_NaN()}) {

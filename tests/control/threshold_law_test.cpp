@@ -52,7 +52,7 @@ struct Row {
 
 }  // namespace
 
-TEST_CASE("the actions change where the thresholds say", "[CTL-055]") {
+TEST_CASE("the actions change where the thresholds say", "[CTL-330]") {
     const Row row = GENERATE(values<Row>({
         {"grip", Action::increase, 0.10F, -10.0F, Action::increase},
         {"slip between the thresholds alone", Action::increase, 0.30F, -10.0F, Action::increase},
@@ -82,7 +82,7 @@ TEST_CASE("the actions change where the thresholds say", "[CTL-055]") {
     CHECK(b.step(row.slip, row.mps2) == row.to);
 }
 
-TEST_CASE("the pressure rises, holds and falls at its rates", "[CTL-056]") {
+TEST_CASE("the pressure rises, holds and falls at its rates", "[CTL-330]") {
     Bench b;
     b.step(0.1F, -5.0F);
     CHECK(b.pressure == Approx(5e6 + 64e6 * 1e-3));  // first rise
@@ -105,7 +105,7 @@ TEST_CASE("the pressure rises, holds and falls at its rates", "[CTL-056]") {
     CHECK(b.pressure == Approx(before + 2e6 * 1e-3));
 }
 
-TEST_CASE("restoring never lowers the pressure, and a new start forgets the skid", "[CTL-056]") {
+TEST_CASE("restoring never lowers the pressure, and a new start forgets the skid", "[CTL-330]") {
     Bench b;
     for (int i = 0; i < 100; ++i) b.step(0.1F, -5.0F);  // 11.4 MPa asked for, 5 measured
     b.step(0.5F, -5.0F);
@@ -120,7 +120,7 @@ TEST_CASE("restoring never lowers the pressure, and a new start forgets the skid
     CHECK(b.pressure == Approx(1e6 + 64e6 * 1e-3));
 }
 
-TEST_CASE("the threshold law stays between nothing and the ceiling", "[CTL-056]") {
+TEST_CASE("the threshold law stays between nothing and the ceiling", "[CTL-330]") {
     Bench b;
     for (int i = 0; i < 1000; ++i) {
         b.step(0.1F, -5.0F, 7e6F);

@@ -30,7 +30,7 @@ constexpr std::array<std::array<bool, kStateCount>, kStateCount> kMayFollow{{
 
 }  // namespace
 
-TEST_CASE("random inputs make every transition of the table and no other", "[CTL-077]") {
+TEST_CASE("random inputs make every transition of the table and no other", "[CTL-076]") {
     std::array<std::array<int, kStateCount>, kStateCount> seen{};
     std::mt19937 random(5);
     const auto chance = [&random](const double p) {

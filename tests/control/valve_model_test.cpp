@@ -72,7 +72,7 @@ TEST_CASE("a map may use every point there is, or only two", "[CTL-020]") {
     CHECK(valve_current_mA(v, 15e6F) == 3.0F);
 }
 
-TEST_CASE("map and inverse map are each other's inverse", "[CTL-021]") {
+TEST_CASE("map and inverse map are each other's inverse", "[CTL-020]") {
     const ValveConfig v = fixed_config().valve;
     float before_mA = 0.0F;
     for (int i = 1; i <= 20'700; ++i) {
@@ -88,7 +88,7 @@ TEST_CASE("map and inverse map are each other's inverse", "[CTL-021]") {
     }
 }
 
-TEST_CASE("no pressure asks for the safe current, and what is no number for no pressure", "[CTL-021]") {
+TEST_CASE("no pressure asks for the safe current, and what is no number for no pressure", "[CTL-020]") {
     ValveConfig v = fixed_config().valve;
     v.safe_current_mA = 1.5F;
     constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -100,7 +100,7 @@ TEST_CASE("no pressure asks for the safe current, and what is no number for no p
     CHECK(valve_pressure_Pa(v, kNaN) == 0.0F);
 }
 
-TEST_CASE("the step response is the textbook's, delay a whole number of periods", "[CTL-022]") {
+TEST_CASE("the step response is the textbook's, delay a whole number of periods", "[CTL-020]") {
     const double period_s = GENERATE(1e-3, 2e-3, 5e-3);
     const double frequency_Hz = GENERATE(5.0, 20.0, 60.0, 200.0);
     const double damping = GENERATE(0.1, 0.8, 1.0, 2.0);
@@ -120,7 +120,7 @@ TEST_CASE("the step response is the textbook's, delay a whole number of periods"
     if (frequency_Hz * damping > 10.0) CHECK(model.now().pressure_Pa == Approx(u).epsilon(1e-4));
 }
 
-TEST_CASE("a delay that is no multiple of the period is shared between two commands", "[CTL-022]") {
+TEST_CASE("a delay that is no multiple of the period is shared between two commands", "[CTL-020]") {
     const double period_s = GENERATE(1e-3, 2e-3, 5e-3);
     const double delay_s = GENERATE(0.4e-3, 6.3e-3, 7.5e-3, 9.9e-3);
     const ValveConfig v = valve(20.0, 0.8, delay_s);
@@ -137,7 +137,7 @@ TEST_CASE("a delay that is no multiple of the period is shared between two comma
     }
 }
 
-TEST_CASE("random commands: the model is an independent integration of eq. (6)", "[CTL-022]") {
+TEST_CASE("random commands: the model is an independent integration of eq. (6)", "[CTL-020]") {
     std::mt19937 random(7);
     std::uniform_real_distribution<float> command(0.0F, 20.7e6F);
     const int held = GENERATE(1, 4, 15);
@@ -155,7 +155,7 @@ TEST_CASE("random commands: the model is an independent integration of eq. (6)",
     }
 }
 
-TEST_CASE("the outlook is what then happens, whatever is commanded from now on", "[CTL-023]") {
+TEST_CASE("the outlook is what then happens, whatever is commanded from now on", "[CTL-020]") {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> command(0.0F, 20.7e6F);
     const double delay_s = GENERATE(0.0, 0.5e-3, 1e-3, 6e-3, 6.4e-3, 16e-3);
@@ -177,7 +177,7 @@ TEST_CASE("the outlook is what then happens, whatever is commanded from now on",
     }
 }
 
-TEST_CASE("measurements correct the model, the uncorrected one ignores them", "[CTL-024]") {
+TEST_CASE("measurements correct the model, the uncorrected one ignores them", "[CTL-020]") {
     ValveModel model(valve(20.0, 0.8, 6e-3), 1e-3F, {.pressure_bandwidth_radps = 470.0F});
     // A valve that gives 2 MPa more than commanded.
     for (int k = 0; k < 200; ++k) model.update(6e6F, 8e6F, true);
@@ -202,7 +202,7 @@ TEST_CASE("measurements correct the model, the uncorrected one ignores them", "[
     CHECK(late.now().pressure_Pa == Approx(9e6).epsilon(0.02));
 }
 
-TEST_CASE("what the valve gives beside its map is learnt and made up for", "[CTL-025]") {
+TEST_CASE("what the valve gives beside its map is learnt and made up for", "[CTL-020]") {
     const float gain = GENERATE(0.88F, 1.12F);  // of the valve's pressure over its map's
     const EstimatorConfig learns{
         .pressure_bandwidth_radps = 30.0F, .valve_offset_radps = 7.0F, .valve_offset_share = 0.25F};
@@ -246,7 +246,7 @@ TEST_CASE("what the valve gives beside its map is learnt and made up for", "[CTL
 }
 
 TEST_CASE("what is made up for is a share of what is asked, and what is learnt one of full pressure",
-          "[CTL-025]") {
+          "[CTL-020]") {
     const float sign = GENERATE(-1.0F, 1.0F);
     const ValveConfig v = valve(20.0, 0.8, 6e-3);
     ValveModel model(

@@ -112,7 +112,7 @@ TEST_CASE("an answer without noise is known, and stays what it is", "[CTL-300]")
     CHECK(most == Approx(300.0).margin(1.0));
 }
 
-TEST_CASE("a step of the equations is the exact one for short steps, and stable for any", "[CTL-301]") {
+TEST_CASE("a step of the equations is the exact one for short steps, and stable for any", "[CTL-300]") {
     const WheelMotion from{.omega_radps = 100.0F, .road_radps2 = 4000.0F};
     for (const double a : {200.0, 20.0, 0.0, -20.0}) {
         constexpr double h = 1e-5;
@@ -136,7 +136,7 @@ TEST_CASE("a step of the equations is the exact one for short steps, and stable 
     CHECK(WheelStep(0.0F, 1e-3F).from({1.0F, 0.0F}, 1e5F, 0.0F).omega_radps == 0.0F);
 }
 
-TEST_CASE("the observer begins at the first reading, and anew with its validity", "[CTL-302]") {
+TEST_CASE("the observer begins at the first reading, and anew with its validity", "[CTL-300]") {
     WheelObserver observer(fixed_config().observer, fixed_config().wheel.encoder, 1e-3F);
     CHECK(observer.motion().omega_radps == 0.0F);
     SpeedReading nothing = reading(150.0);
@@ -159,7 +159,7 @@ TEST_CASE("the observer begins at the first reading, and anew with its validity"
 }
 
 TEST_CASE("a wheel that stands has no road torque; an upper bound counts where it says something",
-          "[CTL-302]") {
+          "[CTL-300]") {
     WheelObserver observer = started(150.0);
     for (int i = 0; i < 50; ++i) observer.update(reading(150.0 - 3.0 * i), drive(3000.0));
     observer.update(reading(0.0), drive(3000.0));
@@ -181,7 +181,7 @@ TEST_CASE("a wheel that stands has no road torque; an upper bound counts where i
     CHECK(fast.motion().omega_radps < also.motion().omega_radps);
 }
 
-TEST_CASE("the observer does not believe for 10 ms what no wheel can have got to", "[CTL-302]") {
+TEST_CASE("the observer does not believe for 10 ms what no wheel can have got to", "[CTL-300]") {
     WheelObserver observer = started(150.0);
     for (int i = 0; i < 200; ++i) observer.update(reading(150.0), drive(-kSteady_radps2));
     const float before = observer.motion().omega_radps;
@@ -194,7 +194,7 @@ TEST_CASE("the observer does not believe for 10 ms what no wheel can have got to
     CHECK(believed_after <= 11);
 }
 
-TEST_CASE("no reading leaves an observer that the next ones do not lead back", "[CTL-303]") {
+TEST_CASE("no reading leaves an observer that the next ones do not lead back", "[CTL-300]") {
     WheelObserver observer = started(150.0);
     std::uint32_t random = 1;
     for (int i = 0; i < 20'000; ++i) {
@@ -213,7 +213,7 @@ TEST_CASE("no reading leaves an observer that the next ones do not lead back", "
     CHECK(observer.motion().omega_radps == Approx(120.0).epsilon(1e-3));
 }
 
-TEST_CASE("a wheel that comes onto another road is found again within 25 ms", "[CTL-305]") {
+TEST_CASE("a wheel that comes onto another road is found again within 25 ms", "[CTL-300]") {
     // On the steep side, then the grip is gone: nothing that was learnt of the road holds any more.
     Wheel wheel{.answer_per_s = 800.0};
     WheelObserver observer = started(wheel.omega_radps);
@@ -236,7 +236,7 @@ TEST_CASE("a wheel that comes onto another road is found again within 25 ms", "[
     CHECK(observer.answer_per_s() < 60.0F);
 }
 
-TEST_CASE("a released wheel that gains speed between sparse edges is followed", "[CTL-306]") {
+TEST_CASE("a released wheel that gains speed between sparse edges is followed", "[CTL-300]") {
     // From a lock, at an edge in every 17 ms: most of what is heard are bounds, which are below the wheel that gains speed.
     const double gains_radps2 = GENERATE(40.0, 75.0, 150.0);
     CAPTURE(gains_radps2);
@@ -353,7 +353,7 @@ TEST_CASE("the observer is the textbook's extended Kalman filter", "[CTL-300]") 
 }
 
 TEST_CASE("an observer whose wheel fell faster than any can is led back by sparse edges and bounds",
-          "[CTL-303]") {
+          "[CTL-300]") {
     const double gains_radps2 = GENERATE(40.0, 75.0, 150.0);
     CAPTURE(gains_radps2);
     control_test::Shaft shaft(60.0);

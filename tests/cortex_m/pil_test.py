@@ -18,7 +18,7 @@ only = [word for name in SCENARIOS for word in ("--only", name)]
 good = subprocess.run([PIL, "--build", BUILD, "--out", OUT, *only], text=True, capture_output=True)
 print(good.stdout, good.stderr)
 
-# [CTL-120] The host's bytes; [CTL-121] within every limit.
+# [CTL-120] The host's bytes; [CTL-120] within every limit.
 assert good.returncode == 0
 results = json.loads((OUT / "results.json").read_text())
 figures = results["figures"]
@@ -29,7 +29,7 @@ assert figures["step_worst_instructions"] < figures["period_worst_instructions"]
 # The bound over all calls and what was seen in memory are two ways to the same stack; the latter has the harness on top.
 assert 100 < figures["stack_bytes"] < figures["stack_painted_bytes"] + 512
 
-# [CTL-121] A limit that is passed is named, and ends with status 1.
+# [CTL-120] A limit that is passed is named, and ends with status 1.
 loader = importlib.machinery.SourceFileLoader("pil", str(PIL))
 pil = importlib.util.module_from_spec(importlib.util.spec_from_loader("pil", loader))
 sys.dont_write_bytecode = True
@@ -43,7 +43,7 @@ pil.LIMITS["step_worst_instructions"] = 2500
 pil.FLAGS[pil.FLAGS.index("-ffp-contract=off")] = "-ffp-contract=fast"
 assert pil.main() == 1, "a controller that rounds otherwise went unnoticed"
 
-# [CTL-122] A heap in the image is refused.
+# [CTL-120] A heap in the image is refused.
 heap = OUT / "heap.elf"
 source = OUT / "heap.cpp"
 source.write_text("#include <cstdlib>\nvoid* volatile kept;\nextern \"C\" void _exit(int) { for (;;) {} }\n"
@@ -56,7 +56,7 @@ except pil.Failed as failure:
 else:
     raise SystemExit("a heap went unnoticed")
 
-# [CTL-123] Nonsense is refused by name.
+# [CTL-120] Nonsense is refused by name.
 bad = subprocess.run([PIL, "--build", BUILD, "--out", OUT, "--only", "heavy/mud"], text=True, capture_output=True)
 assert bad.returncode == 2 and "heavy/mud" in bad.stderr
 log = OUT / "not.log"

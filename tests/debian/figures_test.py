@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""figures.py accepts a run in which every test passed or says why it was skipped, and refuses any other. [DOOR-061]"""
+"""figures.py accepts a run in which every test passed or says why it was skipped, and refuses any other. [DOOR-060]"""
 import json
 import pathlib
 import subprocess

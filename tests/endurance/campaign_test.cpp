@@ -43,7 +43,7 @@ TEST_CASE("Table III: over 20 maneuvers every mean within one printed standard d
 
 TEST_CASE(
     "Table III: over 500 maneuvers, new to worn out, every standard deviation within 30 % of the printed one",
-    "[STUDY-074]") {
+    "[STUDY-073]") {
     const TemporaryDirectory directory;
     const CampaignResult result = campaign(directory / "ledger.sqlite", 500);
     REQUIRE(result.finished.size() == 500);
@@ -64,7 +64,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("same seed: the same rows to the last bit; another seed: others", "[STUDY-075]") {
+TEST_CASE("same seed: the same rows to the last bit; another seed: others", "[STUDY-073]") {
     const TemporaryDirectory directory;
     const auto a = campaign(directory / "a.sqlite", 4).finished;
     const auto b = campaign(directory / "b.sqlite", 4).finished;
@@ -88,7 +88,7 @@ TEST_CASE("same seed: the same rows to the last bit; another seed: others", "[ST
 }
 
 TEST_CASE("a campaign that was stopped goes on with the next maneuver and the brake as worn as it was",
-          "[STUDY-076]") {
+          "[STUDY-073]") {
     const TemporaryDirectory directory;
     const auto ledger = directory / "ledger.sqlite";
     std::atomic<bool> stop{false};
@@ -120,7 +120,7 @@ TEST_CASE("a campaign that was stopped goes on with the next maneuver and the br
 
 TEST_CASE(
     "friction of a maneuver follows from seed, number and what the ledger says of the brake, stopped or not",
-    "[RIG-306]") {
+    "[RIG-300]") {
     const TemporaryDirectory directory;
     const auto s = setup("endurance");
     (void)campaign(directory / "ledger.sqlite", 2);
@@ -152,7 +152,7 @@ TEST_CASE(
 TEST_CASE(
     "a campaign keeps its brake's state, goes on where it was killed before it could, and with no other "
     "brake",
-    "[RIG-307]") {
+    "[RIG-300]") {
     const TemporaryDirectory directory;
     const auto s = setup("endurance");
     const auto file = directory / "brake.json";
@@ -184,7 +184,7 @@ TEST_CASE(
     CHECK(run(1, "b.sqlite").brake->state().maneuvers == 45);
 }
 
-TEST_CASE("an aborted maneuver stops the campaign and is entered as such", "[STUDY-077]") {
+TEST_CASE("an aborted maneuver stops the campaign and is entered as such", "[STUDY-070]") {
     const TemporaryDirectory directory;
     endurance::Setup s = setup("endurance");
     s.scenario.mean.braking_limit_s = 3.0;
@@ -199,7 +199,7 @@ TEST_CASE("an aborted maneuver stops the campaign and is entered as such", "[STU
     CHECK(rows[0].state == rig::RowState::aborted);
 }
 
-TEST_CASE("each row has the slip reference in force; none where the law has none", "[BRG-582]") {
+TEST_CASE("each row has the slip reference in force; none where the law has none", "[BRG-510]") {
     const TemporaryDirectory directory;
     const endurance::Setup light = setup("light");
     (void)endurance::run_campaign(light, {.maneuvers = 2, .seed = 1, .ledger = directory / "light.sqlite"});
@@ -209,7 +209,7 @@ TEST_CASE("each row has the slip reference in force; none where the law has none
     CHECK(std::isnan(rig::read_ledger(directory / "endurance.sqlite", "endurance").front().slip_reference));
 }
 
-TEST_CASE("the table's statistics are those of the textbook", "[STUDY-078]") {
+TEST_CASE("the table's statistics are those of the textbook", "[STUDY-073]") {
     std::vector<rig::Summary> maneuvers(4);
     const double torques[] = {2.0, 4.0, 4.0, 6.0};
     for (std::size_t i = 0; i < 4; ++i) maneuvers[i].figures.mean_torque_Nm = torques[i];
@@ -236,7 +236,7 @@ TEST_CASE("the table's statistics are those of the textbook", "[STUDY-078]") {
 
 TEST_CASE(
     "with a wear model each finished maneuver's row has the brake's health, also of a session without one",
-    "[BRG-504]") {
+    "[BRG-500]") {
     const TemporaryDirectory directory;
     const auto ledger = directory / "ledger.sqlite";
     (void)campaign(ledger, 3);

@@ -34,7 +34,7 @@ double lost_on_the_way_mps(const endurance::Setup& s, const sequencer::Plan& pla
 }  // namespace
 
 TEST_CASE("after an abort in any phase the maneuver that follows at once is the one that was asked for",
-          "[STUDY-080]") {
+          "[STUDY-070]") {
     const std::string name =
         GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance",
                  "ramp", "step", "sweep", "slow_braking", "below_peak");
@@ -63,7 +63,7 @@ TEST_CASE("after an abort in any phase the maneuver that follows at once is the 
     }
 }
 
-TEST_CASE("aborted again and again while the rim coasts, the maneuver still succeeds", "[STUDY-080]") {
+TEST_CASE("aborted again and again while the rim coasts, the maneuver still succeeds", "[STUDY-070]") {
     const std::string name = GENERATE("light", "endurance");
     CAPTURE(name);
     const endurance::Setup s = setup(name);

@@ -38,7 +38,7 @@ TEST_CASE("every shipped scenario runs to its end, twice on the same rig", "[STU
 
 TEST_CASE(
     "what the rig does with a shipped scenario is within its bands; another load or deceleration is not",
-    "[STUDY-081]") {
+    "[STUDY-070]") {
     const std::string name =
         GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance",
                  "ramp", "step", "sweep", "slow_braking", "below_peak");
@@ -56,7 +56,7 @@ TEST_CASE(
     CHECK_THAT(rig::what_is_outside(bands, off.figures), ContainsSubstring("mean load"));
 }
 
-TEST_CASE("a stop that is as long as the brake is weak finishes, and is out of tolerance", "[STUDY-081]") {
+TEST_CASE("a stop that is as long as the brake is weak finishes, and is out of tolerance", "[STUDY-070]") {
     const endurance::Setup s = setup("endurance");
     auto rig = cell(s);
     const sequencer::Plan plan = rig::plan(s.scenario, 1, 1);
@@ -78,7 +78,7 @@ TEST_CASE("the slip landing uses the friction of the road", "[STUDY-070]") {
     CHECK(out.figures.j_mu <= 1.0);
 }
 
-TEST_CASE("the meter's figures are the plant's", "[STUDY-071]") {
+TEST_CASE("the meter's figures are the plant's", "[STUDY-070]") {
     const endurance::Setup s = setup("endurance");
     auto rig = cell(s);
     const double energy_before = rig.rig().cumulative_energy_J();
@@ -92,7 +92,7 @@ TEST_CASE("the meter's figures are the plant's", "[STUDY-071]") {
 }
 
 TEST_CASE("an interlock that opens while the sequencer runs ends the maneuver, and the rig runs the next",
-          "[STUDY-072]") {
+          "[STUDY-070]") {
     const unsigned bit = GENERATE(0U, 1U, 2U, 3U);
     constexpr Abort kCauses[] = {Abort::emergency_stop, Abort::guard_open, Abort::hydraulics_lost,
                                  Abort::drive_fault};
@@ -106,7 +106,7 @@ TEST_CASE("an interlock that opens while the sequencer runs ends the maneuver, a
     CHECK(rig.rig().rig().wheel().v_mps == 0.0);
 }
 
-TEST_CASE("the valve's experiments run at standstill", "[BRG-520]") {
+TEST_CASE("the valve's experiments run at standstill", "[BRG-100]") {
     const std::string name = GENERATE("ramp", "step", "sweep");
     CAPTURE(name);
     const endurance::Setup s = setup(name);

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """rig-lab endurance as its users meet it: results, exit status, Ctrl-C and SIGKILL, resumption; the brake that it keeps.
-[STUDY-079] [RIG-305] [RIG-307]
+[STUDY-073] [RIG-300]
 
 usage: verb.py RIG_LAB
 """

@@ -40,7 +40,7 @@ TEST_CASE("fault campaign: every fault in every phase on every surface, as often
     CHECK(plan({"dry_asphalt", "wet_asphalt", "snow", "ice"}, 5).runs() >= 20'000);
 }
 
-TEST_CASE("fault campaign: the same bytes whatever the number of threads, and for a run alone", "[RIG-704]") {
+TEST_CASE("fault campaign: the same bytes whatever the number of threads, and for a run alone", "[RIG-700]") {
     const faults::Plan p = plan({"dry_asphalt"}, 1);
     const std::vector<std::size_t> numbers = every(p, 83);
     const auto one = faults::run_campaign(p, numbers, {.threads = 1});
@@ -52,13 +52,13 @@ TEST_CASE("fault campaign: the same bytes whatever the number of threads, and fo
     CHECK(faults::run_one(p, again, faults::run_sound(p, again)).verdict == row.result.verdict);
 }
 
-TEST_CASE("fault campaign: a stop that was asked to end runs no more", "[RIG-704]") {
+TEST_CASE("fault campaign: a stop that was asked to end runs no more", "[RIG-700]") {
     const faults::Plan p = plan({"dry_asphalt"}, 1);
     const std::atomic<bool> stop{true};
     CHECK(faults::run_campaign(p, every(p, 83), {.threads = 2, .stop = &stop}).empty());
 }
 
-TEST_CASE("fault campaign: a sample of it has nothing unsafe, and all the other outcomes", "[RIG-705]") {
+TEST_CASE("fault campaign: a sample of it has nothing unsafe, and all the other outcomes", "[RIG-700]") {
     const faults::Plan p = plan({"dry_asphalt", "wet_asphalt"}, 1);
     std::set<faults::Outcome> outcomes;
     for (const faults::Row& row : faults::run_campaign(p, every(p, 13), {.threads = 2})) {

@@ -92,7 +92,7 @@ double shown_radps(const Fault& f) {
 
 }  // namespace
 
-TEST_CASE("fault campaign: frames are lost, late, twice or out of order", "[RIG-701]") {
+TEST_CASE("fault campaign: frames are lost, late, twice or out of order", "[RIG-700]") {
     CHECK(through(fault(Signal::pressure, Kind::drop)).periods.empty());
     const Heard some = through(fault(Signal::pressure, Kind::drop, 0.5, 0.3));
     CHECK(some.periods.size() > 620);
@@ -120,7 +120,7 @@ TEST_CASE("fault campaign: frames are lost, late, twice or out of order", "[RIG-
 }
 
 TEST_CASE("fault campaign: corrupt frames fail their check value, wrong counters have a right one",
-          "[RIG-701]") {
+          "[RIG-700]") {
     const Heard corrupt = through(fault(Signal::pressure, Kind::corrupt));
     CHECK(corrupt.stats.wrong_crc > 900);
     const Heard counter = through(fault(Signal::pressure, Kind::wrong_counter));
@@ -134,7 +134,7 @@ TEST_CASE("fault campaign: corrupt frames fail their check value, wrong counters
     CHECK_FALSE(std::is_sorted(old.pressures_Pa.begin(), old.pressures_Pa.end()));
 }
 
-TEST_CASE("fault campaign: an encoder's faults show in its speed", "[RIG-702]") {
+TEST_CASE("fault campaign: an encoder's faults show in its speed", "[RIG-700]") {
     CHECK(shown_radps(fault(Signal::wheel, Kind::drop)) == Approx(100.0).epsilon(0.01));
     CHECK(shown_radps(fault(Signal::wheel, Kind::freeze)) == 0.0);
     CHECK(shown_radps(fault(Signal::wheel, Kind::bias, 1.0)) == Approx(150.0).epsilon(0.01));
@@ -148,7 +148,7 @@ TEST_CASE("fault campaign: an encoder's faults show in its speed", "[RIG-702]") 
     CHECK(shown_radps(fault(Signal::wheel, Kind::clock_step)) == Approx(100.0).epsilon(0.01));
 }
 
-TEST_CASE("fault campaign: values and switches", "[RIG-702]") {
+TEST_CASE("fault campaign: values and switches", "[RIG-700]") {
     plant::Random random(7);
     const faults::Scale scale{.least_bias = 1.0, .most_bias = 100.0, .full = 50.0};
     const auto value = [&](Kind kind, double x, bool negative = false) {
@@ -173,7 +173,7 @@ TEST_CASE("fault campaign: values and switches", "[RIG-702]") {
     CHECK_FALSE(turned.apply(true, true, random));
 }
 
-TEST_CASE("fault campaign: valve and machine", "[RIG-702]") {
+TEST_CASE("fault campaign: valve and machine", "[RIG-700]") {
     plant::Random random(7);
     const auto valve = [&](Kind kind, bool negative = false) {
         faults::ValveFault f(fault(Signal::valve, kind, 0.5, 1.0, negative), kPeriod_s);
@@ -198,7 +198,7 @@ TEST_CASE("fault campaign: valve and machine", "[RIG-702]") {
     CHECK(stamps.effect(true, random).stamps.count() < 0);
 }
 
-TEST_CASE("fault campaign: the valve's driver", "[RIG-706]") {
+TEST_CASE("fault campaign: the valve's driver", "[RIG-700]") {
     using antiskid::control::Time;
     faults::ValveDriver driver;
     antiskid::can::ControllerView view;

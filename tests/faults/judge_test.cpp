@@ -58,7 +58,7 @@ faults::Verdict stopped_after(double distance_m, State state = State::braking, b
 
 }  // namespace
 
-TEST_CASE("fault campaign: loss of braking without a name is judged by its distance", "[RIG-703]") {
+TEST_CASE("fault campaign: loss of braking without a name is judged by its distance", "[RIG-700]") {
     CHECK(stopped_after(100.0).outcome == Outcome::handled);
     CHECK(stopped_after(115.9).outcome == Outcome::handled);
     CHECK(stopped_after(116.1).hazard == Hazard::silent_loss);
@@ -70,7 +70,7 @@ TEST_CASE("fault campaign: loss of braking without a name is judged by its dista
     CHECK(stopped_after(130.0).distance_share == Approx(1.3));
 }
 
-TEST_CASE("fault campaign: distance counts from where the fault began", "[RIG-703]") {
+TEST_CASE("fault campaign: distance counts from where the fault began", "[RIG-700]") {
     faults::Judge j = judge();
     j.observe(braking(90.0));
     j.observe(braking(104.0));
@@ -78,7 +78,7 @@ TEST_CASE("fault campaign: distance counts from where the fault began", "[RIG-70
     CHECK(j.verdict(true).distance_share == Approx(1.4));
 }
 
-TEST_CASE("fault campaign: a changed wish may be obeyed, but not by a locked wheel", "[RIG-703]") {
+TEST_CASE("fault campaign: a changed wish may be obeyed, but not by a locked wheel", "[RIG-700]") {
     faults::Judge obeyed = judge(true);
     obeyed.observe(braking(0.0));
     obeyed.observe(braking(500.0));
@@ -89,7 +89,7 @@ TEST_CASE("fault campaign: a changed wish may be obeyed, but not by a locked whe
 }
 
 TEST_CASE("fault campaign: a named fault with the valve safe is safe, and the time to its name is told",
-          "[RIG-703]") {
+          "[RIG-700]") {
     faults::Judge j = judge();
     j.observe(braking(0.0));
     j.observe(braking(0.0));
@@ -100,7 +100,7 @@ TEST_CASE("fault campaign: a named fault with the valve safe is safe, and the ti
     CHECK(v.named_after_s == Approx(3e-3));
 }
 
-TEST_CASE("fault campaign: permission that was never given is safe by the state that says so", "[RIG-703]") {
+TEST_CASE("fault campaign: permission that was never given is safe by the state that says so", "[RIG-700]") {
     faults::Observation refused = braking(0.0);
     refused.state = State::standby;
     refused.driver_mA = 0.0;
@@ -111,14 +111,14 @@ TEST_CASE("fault campaign: permission that was never given is safe by the state 
     CHECK(after(withdrawn, refused, 1000, false).hazard == Hazard::silent_loss);
 }
 
-TEST_CASE("fault campaign: a driver that keeps its current under a safe controller is unsafe", "[RIG-703]") {
+TEST_CASE("fault campaign: a driver that keeps its current under a safe controller is unsafe", "[RIG-700]") {
     faults::Observation late = safe(0.0);
     late.driver_mA = 1.0;
     CHECK(after(judge(), late, 21).outcome == Outcome::safe);
     CHECK(after(judge(), late, 22).hazard == Hazard::late_safe);
 }
 
-TEST_CASE("fault campaign: pressure that nobody asks for", "[RIG-703]") {
+TEST_CASE("fault campaign: pressure that nobody asks for", "[RIG-700]") {
     faults::Observation o = braking(0.0);
     o.asked_Pa = 3.9e6;
     CHECK(after(judge(), o, 249).outcome == Outcome::handled);
@@ -132,7 +132,7 @@ TEST_CASE("fault campaign: pressure that nobody asks for", "[RIG-703]") {
     CHECK(after(judge(), stuck, 1000).outcome == Outcome::safe);
 }
 
-TEST_CASE("fault campaign: a locked wheel counts under pressure and at speed", "[RIG-703]") {
+TEST_CASE("fault campaign: a locked wheel counts under pressure and at speed", "[RIG-700]") {
     faults::Observation o = braking(0.0);
     o.slip = 0.96;
     CHECK(after(judge(), o, 249).outcome == Outcome::handled);
@@ -145,7 +145,7 @@ TEST_CASE("fault campaign: a locked wheel counts under pressure and at speed", "
     CHECK(after(judge(), slow, 1000).outcome == Outcome::handled);
 }
 
-TEST_CASE("fault campaign: an emergency stop is to be heard within half a second", "[RIG-703]") {
+TEST_CASE("fault campaign: an emergency stop is to be heard within half a second", "[RIG-700]") {
     CHECK(after(judge(false, true), braking(0.0), 499).hazard == Hazard::none);
     CHECK(after(judge(false, true), braking(0.0), 502).hazard == Hazard::stop_not_heard);
     faults::Observation heard = safe(0.0);

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""cppcheck's MISRA add-on over firmware/control: every rule holds but those that docs/misra.md lists with a reason, and the add-on bites. [CTL-241]
+"""cppcheck's MISRA add-on over firmware/control: every rule holds but those that docs/misra.md lists with a reason, and the add-on bites. [CTL-240]
 
 usage: lint_misra.py ROOT WORK_DIR
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What `./rig test` runs of all tests, and the tables about time that the front door makes. [DOOR-070] [DOOR-071] [DOOR-072]
+"""What `./rig test` runs of all tests, and the tables about time that the front door makes. [DOOR-060]
 
 usage: tiers.py BUILD_DIR
 """

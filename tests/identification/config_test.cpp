@@ -38,7 +38,7 @@ identification::Identified found(double full_Pa) {
 }  // namespace
 
 TEST_CASE("a written configuration is read by plant and controller, whatever the last digit of a pressure",
-          "[STUDY-107][STUDY-322]") {
+          "[STUDY-100]") {
     const double full_Pa = GENERATE(20700152.4, 20700147.6, 20700149.96, 19999999.96);
     const TemporaryDirectory directory;
     const std::filesystem::path to = std::filesystem::path(directory / "config");

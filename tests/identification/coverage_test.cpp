@@ -77,8 +77,7 @@ void add_seed(Coverage& coverage, std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("the truth lies in the intervals, for valve, wheel, brake and road",
-          "[STUDY-104][STUDY-105][STUDY-106]") {
+TEST_CASE("the truth lies in the intervals, for valve, wheel, brake and road", "[STUDY-100]") {
     Coverage coverage;
     constexpr int kSeeds = 4;
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) add_seed(coverage, seed);
@@ -95,7 +94,7 @@ TEST_CASE("the truth lies in the intervals, for valve, wheel, brake and road",
 }
 
 TEST_CASE("the truth lies in the interval of each parameter for 45 of 50 seeds or more",
-          "[.fifty][STUDY-106]") {
+          "[.fifty][STUDY-100]") {
     Coverage coverage;
     for (std::uint64_t seed = 1; seed <= 50; ++seed) add_seed(coverage, seed);
     for (const auto& [name, h] : coverage) {
@@ -106,7 +105,7 @@ TEST_CASE("the truth lies in the interval of each parameter for 45 of 50 seeds o
     }
 }
 
-TEST_CASE("intervals count correlated residuals", "[STUDY-103]") {
+TEST_CASE("intervals count correlated residuals", "[STUDY-100]") {
     // A straight line under first-order autoregressive noise: an interval that took residuals for independent would be less than half as wide.
     constexpr int kTrials = 400;
     constexpr Eigen::Index kRows = 400;
@@ -144,7 +143,7 @@ TEST_CASE("intervals count correlated residuals", "[STUDY-103]") {
     CHECK(deviation == Approx(white / (1.0 - kCorrelation)).epsilon(0.2));
 }
 
-TEST_CASE("where few readings decide, intervals of whitened residuals hold", "[STUDY-321]") {
+TEST_CASE("where few readings decide, intervals of whitened residuals hold", "[STUDY-100]") {
     // A step that the last 25 of 1,000 readings show, under white noise of a size that is found from all of them. Scores by themselves see 25.
     constexpr int kTrials = 1000;
     constexpr Eigen::Index kRows = 1000;
@@ -173,7 +172,7 @@ TEST_CASE("where few readings decide, intervals of whitened residuals hold", "[S
     CHECK(hits <= 0.97 * kTrials);
 }
 
-TEST_CASE("what a landing does not show is refused with the landing that is missing", "[STUDY-102]") {
+TEST_CASE("what a landing does not show is refused with the landing that is missing", "[STUDY-100]") {
     const std::vector<Run> all = runs(9);
     const auto refusal = [](const auto& fit) -> std::string {
         try {

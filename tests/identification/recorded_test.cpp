@@ -8,7 +8,7 @@
 #include "tests/config/refusal.hpp"
 #include "tests/identification/experiments.hpp"
 
-TEST_CASE("the bus log of a maneuver in process holds its samples", "[BRG-522]") {
+TEST_CASE("the bus log of a maneuver in process holds its samples", "[BRG-200]") {
     const endurance::Setup setup = identification_test::setup("rejected_takeoff");
     const identification::Recording direct = identification_test::record(setup, 2);
     const TemporaryDirectory directory;

@@ -25,7 +25,7 @@ Run run(const endurance::Setup& setup, std::uint64_t seed) {
 }  // namespace
 
 TEST_CASE("divided by their expected covariance, errors of friction readings are white and of unit size",
-          "[STUDY-320]") {
+          "[STUDY-100]") {
     const char* name = GENERATE("slow_braking", "heavy");
     const endurance::Setup setup = identification_test::setup(name);
     const plant::Surface& truth = setup.scenario.rig.rig.surface;
@@ -54,7 +54,7 @@ TEST_CASE("divided by their expected covariance, errors of friction readings are
     CHECK(std::abs(neighbours) < 0.08);
 }
 
-TEST_CASE("the free radius is as certain as it says", "[STUDY-320]") {
+TEST_CASE("the free radius is as certain as it says", "[STUDY-100]") {
     const endurance::Setup setup = identification_test::setup("heavy");
     constexpr int kSeeds = 30;
     double square = 0.0;

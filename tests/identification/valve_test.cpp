@@ -96,7 +96,7 @@ TEST_CASE("map, hysteresis and dynamics of the valve are found, each within its 
     CHECK(f.hysteresis_Pa.value == Approx(f.hysteresis_mA.value * c.gain * 0.62e6).epsilon(1e-3));
 }
 
-TEST_CASE("the modelled pressure is eq. (6), integrated by brute force", "[STUDY-101]") {
+TEST_CASE("the modelled pressure is eq. (6), integrated by brute force", "[STUDY-100]") {
     const plant::PressureMap map({{3.0, 0.0}, {10.0, 4.0e6}, {40.0, 20.0e6}});
     const plant::ValveParameters valve{
         .natural_frequency_radps = 110.0, .damping = 0.6, .delay_s = 3.7e-3, .hysteresis_mA = 1.0};
@@ -129,7 +129,7 @@ TEST_CASE("the modelled pressure is eq. (6), integrated by brute force", "[STUDY
     }
 }
 
-TEST_CASE("what the recordings do not show is refused with the experiment that is missing", "[STUDY-102]") {
+TEST_CASE("what the recordings do not show is refused with the experiment that is missing", "[STUDY-100]") {
     const plant::ValveParameters shipped = identification_test::setup("ramp").scenario.rig.rig.valve;
     static const std::vector<Recording> kAll = experiments(shipped, 1.0, 3);
     const auto says = [](const std::string& what) { return ContainsSubstring(what); };
@@ -161,7 +161,7 @@ TEST_CASE("what the recordings do not show is refused with the experiment that i
     CHECK_THAT(refusal(broken, light_rig()), says("ramp") && says("without samples"));
 }
 
-TEST_CASE("samples that are missing are bridged", "[STUDY-102]") {
+TEST_CASE("samples that are missing are bridged", "[STUDY-100]") {
     const plant::ValveParameters shipped = identification_test::setup("ramp").scenario.rig.rig.valve;
     std::vector<Recording> holes = experiments(shipped, 1.0, 4);
     for (Recording& r : holes) {

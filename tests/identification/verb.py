@@ -1,4 +1,4 @@
-"""[STUDY-107][STUDY-108][STUDY-109][STUDY-323] rig-lab maneuver and identify, end to end: experiments in process, identification, a configuration that
+"""[STUDY-100] rig-lab maneuver and identify, end to end: experiments in process, identification, a configuration that
 the programs load, and a stop replayed with it."""
 import json
 import pathlib
@@ -44,7 +44,7 @@ with tempfile.TemporaryDirectory() as place:
         data = (out / f"{picture}.png").read_bytes()
         expect(data.startswith(b"\x89PNG") and len(data) > 5000, picture)
 
-    # STUDY-108: stops that were not among the experiments. A heavy landing from 61 m/s at slip 0.13, pressure in feed-forward; limits: three times
+    # STUDY-100: stops that were not among the experiments. A heavy landing from 61 m/s at slip 0.13, pressure in feed-forward; limits: three times
     # what the truth itself leaves. Then the rejected take-off of Fig. 5 by rig-replay.
     validation = results["validation"]
     expect(validation["run"] == "below_peak" and validation["past_peak"] < 0.05, validation)
@@ -54,7 +54,7 @@ with tempfile.TemporaryDirectory() as place:
     run(RIG_REPLAY, "plant", place / "rejected_takeoff" / "bus.log", "--scenario", "config/scenarios/rejected_takeoff.toml",
         "--config", out / "config", "--json", report)
 
-    # STUDY-323: past the peak no feed-forward holds a wheel, so the heavy landing at 0.24 is simulated with its controller and the same noise:
+    # STUDY-100: past the peak no feed-forward holds a wheel, so the heavy landing at 0.24 is simulated with its controller and the same noise:
     # another noise alone moves its length by 0.3 %.
     seed = 20 + experiments.index("heavy")
     run(RIG_LAB, "maneuver", "config/scenarios/heavy.toml", "--config", out / "config", "--seed", seed, "--out", place / "simulated")
@@ -62,7 +62,7 @@ with tempfile.TemporaryDirectory() as place:
     for key in ("brake_on_mps", "length_m", "duration_s", "energy_brake_J", "energy_tyre_J", "mean_torque_Nm", "j_mu"):
         expect(abs(simulated[key] / recorded[key] - 1) < 0.001, (key, simulated[key], recorded[key]))
 
-    # STUDY-107: every program reads it; only what was identified differs.
+    # STUDY-100: every program reads it; only what was identified differs.
     stop = json.loads(run(RIG_LAB, "stop", "--config", out / "config", "--json", "-"))
     shipped = json.loads(run(RIG_LAB, "stop", "--json", "-"))
     distance = lambda s: next(v for k, v in s.items() if "distance" in k)

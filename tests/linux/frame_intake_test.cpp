@@ -29,7 +29,7 @@ class FloodBus final : public can::Bus {
 
 }  // namespace
 
-TEST_CASE("a flood of frames takes a bounded share of a period", "[RT-042]") {
+TEST_CASE("a flood of frames takes a bounded share of a period", "[RT-034]") {
     const rt::Setup setup = default_setup();
     can::ControllerPort port(setup.layout, setup.period);
     FloodBus bus({.id = 0x7FF, .length = 8, .data = {}, .received = {}});
@@ -44,7 +44,7 @@ TEST_CASE("a flood of frames takes a bounded share of a period", "[RT-042]") {
     CHECK_FALSE(taken.sync);
 }
 
-TEST_CASE("frames behind SYNC belong to the next cycle", "[RT-043]") {
+TEST_CASE("frames behind SYNC belong to the next cycle", "[RT-030]") {
     const rt::Setup setup = default_setup();
     can::ControllerPort port(setup.layout, setup.period);
     can::RigPort rig(setup.layout, setup.period);
@@ -77,7 +77,7 @@ TEST_CASE("frames behind SYNC belong to the next cycle", "[RT-043]") {
     CHECK(port.sync_number() == 1);
 }
 
-TEST_CASE("by the timer a frame keeps its time of reception, but never lies ahead of the step", "[RT-044]") {
+TEST_CASE("by the timer a frame keeps its time of reception, but never lies ahead of the step", "[RT-045]") {
     const rt::Setup setup = default_setup();
     can::ControllerPort port(setup.layout, setup.period);
     can::RigPort rig(setup.layout, setup.period);

@@ -48,7 +48,7 @@ TEST_CASE("deadlines lie on a fixed grid whatever the wake-up latency and the wo
 }
 
 TEST_CASE("work longer than a period: missed periods are counted once and left out, without a burst",
-          "[RT-002]") {
+          "[RT-001]") {
     FakeClock clock;
     PeriodicTimer timer(clock, 1ms);
     REQUIRE(timer.wait().deadline == 5001ms);
@@ -66,7 +66,7 @@ TEST_CASE("work longer than a period: missed periods are counted once and left o
     CHECK(next.skipped == 0);
 }
 
-TEST_CASE("late by less than a period is latency, not a missed period", "[RT-002]") {
+TEST_CASE("late by less than a period is latency, not a missed period", "[RT-001]") {
     FakeClock clock;
     PeriodicTimer timer(clock, 1ms);
     clock.advance(1999us);
@@ -77,7 +77,7 @@ TEST_CASE("late by less than a period is latency, not a missed period", "[RT-002
     CHECK(timer.wait().deadline == 5002ms);
 }
 
-TEST_CASE("late by exactly one period skips exactly one point", "[RT-002]") {
+TEST_CASE("late by exactly one period skips exactly one point", "[RT-001]") {
     FakeClock clock;
     PeriodicTimer timer(clock, 1ms);
     clock.advance(2ms);
@@ -86,7 +86,7 @@ TEST_CASE("late by exactly one period skips exactly one point", "[RT-002]") {
     CHECK(tick.skipped == 1);
 }
 
-TEST_CASE("a wake-up that comes periods late counts like late work", "[RT-002]") {
+TEST_CASE("a wake-up that comes periods late counts like late work", "[RT-001]") {
     FakeClock clock;
     PeriodicTimer timer(clock, 2ms);
     clock.wake_latency = 9ms;
@@ -99,7 +99,7 @@ TEST_CASE("a wake-up that comes periods late counts like late work", "[RT-002]")
     CHECK(timer.wait().deadline == 5012ms);
 }
 
-TEST_CASE("a clock that jumps ahead an hour gives one tick", "[RT-002]") {
+TEST_CASE("a clock that jumps ahead an hour gives one tick", "[RT-001]") {
     FakeClock clock;
     PeriodicTimer timer(clock, 1ms);
     clock.advance(1h);
@@ -109,7 +109,7 @@ TEST_CASE("a clock that jumps ahead an hour gives one tick", "[RT-002]") {
     CHECK(timer.wait().skipped == 0);
 }
 
-TEST_CASE("the monotonic clock never wakes before its deadline and ignores deadlines gone by", "[RT-003]") {
+TEST_CASE("the monotonic clock never wakes before its deadline and ignores deadlines gone by", "[RT-001]") {
     antiskid::rt::MonotonicClock clock;
     const Time before = clock.now();
     clock.sleep_until(before - 1s);

@@ -86,7 +86,7 @@ TEST_CASE("--check comes with options of its own, which are mistakes without it"
     CHECK(std::get<int>(parse("--can", "can0", "--check", "--clock", "sync")) == 2);
 }
 
-TEST_CASE("a layout that cannot serve lockstep is refused with the binding's name", "[RT-081]") {
+TEST_CASE("a layout that cannot serve lockstep is refused with the binding's name", "[RT-080]") {
     const rt::Setup setup = rt::load_setup({});
     CHECK(setup.period == 1ms);
     CHECK_NOTHROW(rt::check_layout(setup.layout, rt::ClockSource::sync, 1ms, "b.toml"));
@@ -106,7 +106,7 @@ TEST_CASE("a layout that cannot serve lockstep is refused with the binding's nam
     CHECK_NOTHROW(rt::check_layout(slow, rt::ClockSource::sync, 2ms, "b.toml"));
 }
 
-TEST_CASE("configuration files that are not there are named", "[RT-081]") {
+TEST_CASE("configuration files that are not there are named", "[RT-080]") {
     Options options;
     options.controller = "config/no_such.toml";
     CHECK_THROWS_WITH(rt::load_setup(options), ContainsSubstring("config/no_such.toml"));
@@ -118,7 +118,7 @@ TEST_CASE("configuration files that are not there are named", "[RT-081]") {
     CHECK_THROWS_WITH(rt::load_setup(options), ContainsSubstring("config/no_such_binding.toml"));
 }
 
-TEST_CASE("a right that is refused comes back as a sentence with its cure", "[RT-082]") {
+TEST_CASE("a right that is refused comes back as a sentence with its cure", "[RT-103]") {
     std::vector<std::string> refused;
     std::thread([&] { refused = rt::enter_realtime({.priority = 0, .cpu = 1'000'000}); }).join();
     REQUIRE(refused.size() == 1);
@@ -134,7 +134,7 @@ TEST_CASE("a right that is refused comes back as a sentence with its cure", "[RT
     CHECK(refused.empty());
 }
 
-TEST_CASE("signals become a flag, whoever is asleep", "[RT-083]") {
+TEST_CASE("signals become a flag, whoever is asleep", "[RT-032]") {
     sigset_t before;
     pthread_sigmask(SIG_SETMASK, nullptr, &before);
     const int number = GENERATE(SIGINT, SIGTERM, SIGHUP);

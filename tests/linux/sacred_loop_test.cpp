@@ -101,7 +101,7 @@ TEST_CASE("the loop does nothing forbidden", "[RT-050]") {
     }
 }
 
-TEST_CASE("the traps catch each forbidden call, in the program and in shared libraries", "[RT-051]") {
+TEST_CASE("the traps catch each forbidden call, in the program and in shared libraries", "[RT-050]") {
     std::mutex mutex;
     std::ostringstream sunk;
     spdlog::logger logger("trap", std::make_shared<spdlog::sinks::ostream_sink_mt>(sunk));
@@ -139,7 +139,7 @@ TEST_CASE("the traps catch each forbidden call, in the program and in shared lib
     CHECK(traps::caught() == 0);
 }
 
-TEST_CASE("an allocation in the real loop is caught", "[RT-051]") {
+TEST_CASE("an allocation in the real loop is caught", "[RT-050]") {
     LoopBench bench(ClockSource::timer);
     bench.heard.reserve(10'000);
     std::unique_ptr<int> leak;

@@ -101,7 +101,7 @@ TEST_CASE("a step for each period of the sensors, when their last frame is there
     }
 }
 
-TEST_CASE("a frame that is lost costs no step: the timer makes it half a period later", "[RT-046]") {
+TEST_CASE("a frame that is lost costs no step: the timer makes it half a period later", "[RT-045]") {
     PacerBench bench;
     for (const int period : {1, 2, 4, 5}) bench.sensors(bench.start + period * 1ms);
     for (const Time at : {1000us, 2000us, 3500us, 4000us, 5000us}) {
@@ -126,7 +126,7 @@ TEST_CASE("a damaged frame keeps the rig's time", "[RT-045]") {
     }
 }
 
-TEST_CASE("without the sensors the timer makes every step, until they are there", "[RT-046]") {
+TEST_CASE("without the sensors the timer makes every step, until they are there", "[RT-045]") {
     PacerBench bench;
     bench.sensors(bench.start + 10400us);
     for (int period = 1; period <= 10; ++period) {
@@ -145,7 +145,7 @@ TEST_CASE("without the sensors the timer makes every step, until they are there"
 }
 
 TEST_CASE("frames that come at once make one step, and none sooner than half a period after the last",
-          "[RT-046]") {
+          "[RT-045]") {
     PacerBench bench;
     for (const Time at : {1000us, 1050us, 1100us, 2000us}) bench.sensors(bench.start + at);
     CHECK(bench.next().now - bench.start == 1000us);
@@ -154,7 +154,7 @@ TEST_CASE("frames that come at once make one step, and none sooner than half a p
 }
 
 TEST_CASE("a loop that is held up steps once, with the newest, and says how many periods it missed",
-          "[RT-046]") {
+          "[RT-045]") {
     PacerBench bench;
     for (int period = 1; period <= 6; ++period) bench.sensors(bench.start + period * 1ms);
     CHECK(bench.next().skipped == 0);
@@ -179,7 +179,7 @@ TEST_CASE("a loop that is held up steps once, with the newest, and says how many
     CHECK(bench.next().now - bench.start == 13200us);
 }
 
-TEST_CASE("the pacer ends when it is told to", "[RT-046]") {
+TEST_CASE("the pacer ends when it is told to", "[RT-045]") {
     PacerBench bench;
     bench.stop = true;
     CHECK_FALSE(bench.pacer.next(bench.stop));
@@ -189,7 +189,7 @@ TEST_CASE("the pacer ends when it is told to", "[RT-046]") {
     CHECK_FALSE(bench.pacer.next(bench.stop));
 }
 
-TEST_CASE("by the sensors the loop answers at once, by the timer when that comes", "[RT-047]") {
+TEST_CASE("by the sensors the loop answers at once, by the timer when that comes", "[RT-045]") {
     const bool by_sensors = GENERATE(false, true);
     LoopBench bench(by_sensors ? rt::ClockSource::sensors : rt::ClockSource::timer);
     if (by_sensors)
@@ -205,7 +205,7 @@ TEST_CASE("by the sensors the loop answers at once, by the timer when that comes
     CHECK(bench.statistics().period.percentile(0.5) >= 1ms);
 }
 
-TEST_CASE("in lockstep the answer is counted from SYNC", "[RT-047]") {
+TEST_CASE("in lockstep the answer is counted from SYNC", "[RT-045]") {
     LoopBench bench(rt::ClockSource::sync);
     bench.run_sync(100, [&](int) {
         bench.rig_period(at_rest());

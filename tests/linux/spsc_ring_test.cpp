@@ -8,7 +8,7 @@
 
 using antiskid::rt::SpscRing;
 
-TEST_CASE("a ring gives back what was put in, in order, over many turns", "[RT-010]") {
+TEST_CASE("a ring gives back what was put in, in order, over many turns", "[RT-073]") {
     SpscRing<int, 8> ring;
     int value = -1;
     REQUIRE_FALSE(ring.pop(value));
@@ -24,7 +24,7 @@ TEST_CASE("a ring gives back what was put in, in order, over many turns", "[RT-0
     REQUIRE(ring.dropped() == 0);
 }
 
-TEST_CASE("a full ring keeps what it holds and counts what it loses", "[RT-011]") {
+TEST_CASE("a full ring keeps what it holds and counts what it loses", "[RT-073]") {
     SpscRing<int, 4> ring;
     for (int i = 0; i < 4; ++i) REQUIRE(ring.push(i));
     for (int i = 4; i < 10; ++i) REQUIRE_FALSE(ring.push(i));
@@ -42,8 +42,7 @@ TEST_CASE("a full ring keeps what it holds and counts what it loses", "[RT-011]"
 
 // Under the thread sanitizer this is the proof that an item is seen whole: it holds three words that must
 // agree.
-TEST_CASE("two threads: every item arrives whole and in order, or is counted as dropped",
-          "[RT-010][RT-011]") {
+TEST_CASE("two threads: every item arrives whole and in order, or is counted as dropped", "[RT-073]") {
     struct Item {
         std::uint64_t number;
         std::uint64_t twice;

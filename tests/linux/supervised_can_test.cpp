@@ -57,14 +57,14 @@ struct Interface {
 
 }  // namespace
 
-TEST_CASE("an interface that is absent at the start is an error", "[RT-060]") {
+TEST_CASE("an interface that is absent at the start is an error", "[RT-040]") {
     Interface interface {
         .present = false, .wires = {}
     };
     CHECK_THROWS_WITH(SupervisedCan(interface.open()), ContainsSubstring("no such interface"));
 }
 
-TEST_CASE("an interface that vanishes is opened anew once it is back", "[RT-061]") {
+TEST_CASE("an interface that vanishes is opened anew once it is back", "[RT-040]") {
     Interface interface;
     SupervisedCan bus(interface.open());
     bus.receive({});
@@ -95,7 +95,7 @@ TEST_CASE("an interface that vanishes is opened anew once it is back", "[RT-061]
     CHECK_FALSE(bus.lost());
 }
 
-TEST_CASE("bus-off is left to the kernel: a new socket would only hide it", "[RT-062]") {
+TEST_CASE("bus-off is left to the kernel: a new socket would only hide it", "[RT-040]") {
     Interface interface;
     SupervisedCan bus(interface.open());
     interface.wires[0]->bus_off = true;
@@ -106,7 +106,7 @@ TEST_CASE("bus-off is left to the kernel: a new socket would only hide it", "[RT
     CHECK(bus.status().bus_off);
 }
 
-TEST_CASE("what is left at the door when the program ends is closed, too", "[RT-061]") {
+TEST_CASE("what is left at the door when the program ends is closed, too", "[RT-040]") {
     Interface interface;
     const bool taken = GENERATE(false, true);
     {
@@ -122,7 +122,7 @@ TEST_CASE("what is left at the door when the program ends is closed, too", "[RT-
 }
 
 // For the thread sanitizer: the loop's thread and the other one, with the interface coming and going.
-TEST_CASE("loop and supervisor on two threads", "[RT-061]") {
+TEST_CASE("loop and supervisor on two threads", "[RT-040]") {
     Interface interface;
     interface.wires.reserve(10'000);
     SupervisedCan bus(interface.open());

@@ -72,7 +72,7 @@ TEST_CASE("faults are logged by name when they come and when they go", "[RT-070]
     CHECK_THAT(log.log(in_state(State::safe)), ContainsSubstring("info: [0.004 s] fault wheel_lost cleared"));
 }
 
-TEST_CASE("what comes and goes all the time is said a few times a second, and counted", "[RT-074]") {
+TEST_CASE("what comes and goes all the time is said a few times a second, and counted", "[RT-070]") {
     Log log;
     control::FaultSet lost;
     lost.insert(Fault::heartbeat_lost);
@@ -126,7 +126,7 @@ TEST_CASE("link and SYNC are logged with the interface's name and what mends the
     CHECK_THAT(log.log(record), ContainsSubstring("SYNC is back on vcan0"));
 }
 
-TEST_CASE("the summary counts what came since the last one", "[RT-071]") {
+TEST_CASE("the summary counts what came since the last one", "[RT-073]") {
     Log log;
     log.telemetry.summarise(*log.ring);
     CHECK_THAT(log.take(), ContainsSubstring("nothing has come on vcan0 yet"));
@@ -146,7 +146,7 @@ TEST_CASE("the summary counts what came since the last one", "[RT-071]") {
     CHECK_THAT(log.take(), ContainsSubstring("the loop stands"));
 }
 
-TEST_CASE("records that were lost on the way are owned up to", "[RT-071]") {
+TEST_CASE("records that were lost on the way are owned up to", "[RT-073]") {
     Log log;
     for (int i = 0; i < 5000; ++i) log.ring->push(in_state(State::standby));
     log.telemetry.drain(*log.ring);
@@ -155,7 +155,7 @@ TEST_CASE("records that were lost on the way are owned up to", "[RT-071]") {
     CHECK_THAT(log.take(), ContainsSubstring("904 records were lost"));
 }
 
-TEST_CASE("every state and fault has a name of its own", "[RT-072]") {
+TEST_CASE("every state and fault has a name of its own", "[RT-070]") {
     control::FaultSet all;
     for (std::uint8_t i = 0; i < control::kFaultCount; ++i) all.insert(static_cast<Fault>(i));
     auto names = rt::names(all);

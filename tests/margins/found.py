@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The shipped gains keep what config/margins.toml asks of stops; a search writes what it finds, and only that. [STUDY-563]
+"""The shipped gains keep what config/margins.toml asks of stops; a search writes what it finds, and only that. [STUDY-561]
 
 usage: found.py RIG_LAB
 """

@@ -84,7 +84,7 @@ TEST_CASE("tracking that no stop measured is missing, not perfect", "[STUDY-561]
 }
 
 TEST_CASE("a score says stops, stability and margins, in this order, whatever is to be beaten",
-          "[STUDY-562]") {
+          "[STUDY-561]") {
     Bench b;
     StudyOptions options;
     options.speeds = 3;
@@ -118,7 +118,7 @@ TEST_CASE("a score says stops, stability and margins, in this order, whatever is
     CHECK(judge.score(good, 0.0) < 0.0);
 }
 
-TEST_CASE("gains go into the controller by name and come back", "[STUDY-562]") {
+TEST_CASE("gains go into the controller by name and come back", "[STUDY-561]") {
     const Bench b;
     std::vector<double> values = gains_of(b.controller());
     REQUIRE(values.size() == gain_names().size());

@@ -72,7 +72,7 @@ TEST_CASE("frequency response of the real estimator and law in the loop", "[STUD
 }
 
 TEST_CASE("at each margin a pair of closed-loop poles stands on the axis, with the frequency that was said",
-          "[STUDY-124]") {
+          "[STUDY-123]") {
     for (const char* surface : {"dry_asphalt", "dry_cobblestone", "wet_asphalt", "snow"}) {
         const plant_sim::Scenario s = scenario(surface);
         for (const double v : {48.0, 30.0, 20.0, 12.0, 6.0}) {
@@ -104,7 +104,7 @@ TEST_CASE("at each margin a pair of closed-loop poles stands on the axis, with t
 
 TEST_CASE(
     "where the wheel is faster than the loop, feed-forward and proportional gain bound the upward margin",
-    "[STUDY-301]") {
+    "[STUDY-123]") {
     // Late-peaking surfaces at low speed, a valve whose offset is not learnt. Neither derivative gains nor the rest of the estimator matter:
     // the integral adds up to half a dB.
     int counted = 0;
@@ -143,7 +143,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a law that is unstable by itself runs away when nothing answers, in a closed loop that is stable",
-          "[STUDY-564]") {
+          "[STUDY-561]") {
     const plant_sim::Scenario s = scenario("snow", "heavy");
     const auto growth_per_s = [&](const antiskid::control::Config& c, const OperatingPoint& at) {
         const PeriodicSystem system = law_system(c, s.plant.rig, at, Linearisation::full);
@@ -168,7 +168,7 @@ TEST_CASE("a law that is unstable by itself runs away when nothing answers, in a
     CHECK(apart(knowing(s.controller, fast), fast, 0.5) < 1e-3);
 }
 
-TEST_CASE("past its margin the real loop oscillates, below it the oscillation dies", "[STUDY-125]") {
+TEST_CASE("past its margin the real loop oscillates, below it the oscillation dies", "[STUDY-123]") {
     for (const char* surface : {"dry_asphalt", "wet_asphalt", "wet_cobblestone", "snow"}) {
         const plant_sim::Scenario s = scenario(surface);
         for (const double v : {47.0, 24.0}) {

@@ -36,7 +36,7 @@ double root(const F& f, double a, double b) {
 
 }  // namespace
 
-TEST_CASE("integrator with delay: margins in closed form, stable up to k tau = pi / 2", "[STUDY-120]") {
+TEST_CASE("integrator with delay: margins in closed form, stable up to k tau = pi / 2", "[STUDY-123]") {
     const double tau = 0.006;
     for (const double k : {1.0, 20.0, 100.0, 250.0}) {
         INFO("k " << k);
@@ -55,7 +55,7 @@ TEST_CASE("integrator with delay: margins in closed form, stable up to k tau = p
     CHECK(margins(DelayLoop(1.01 * 9.0 * kPi / (2.0 * tau), {}, {0.0}, tau)).unstable_closed == 6);
 }
 
-TEST_CASE("two integrators: on the axis is not stable, with a zero it is", "[STUDY-120]") {
+TEST_CASE("two integrators: on the axis is not stable, with a zero it is", "[STUDY-123]") {
     CHECK_FALSE(margins(DelayLoop(4.0, {}, {0.0, 0.0}, 0.0)).stable);
     // L = k (s + z) / s^2: crossover and phase margin in closed form, no gain breaks it.
     const double k = 3.0, z = 2.0;
@@ -66,7 +66,7 @@ TEST_CASE("two integrators: on the axis is not stable, with a zero it is", "[STU
     CHECK(std::isinf(m.gain_up_dB));
 }
 
-TEST_CASE("an unstable pole with delay: one encirclement, margins both ways", "[STUDY-120]") {
+TEST_CASE("an unstable pole with delay: one encirclement, margins both ways", "[STUDY-123]") {
     const double p = 30.0, tau = 0.006;
     const auto loop = [&](double k) { return DelayLoop(k, {}, {p}, tau); };
     // On the negative real axis where atan(w / p) = w tau.
@@ -89,7 +89,7 @@ TEST_CASE("an unstable pole with delay: one encirclement, margins both ways", "[
     CHECK(std::isnan(margins(loop(0.99 * p)).phase_deg));
 }
 
-TEST_CASE("the count needs no luck with the grid: a resonance far sharper than its steps", "[STUDY-120]") {
+TEST_CASE("the count needs no luck with the grid: a resonance far sharper than its steps", "[STUDY-123]") {
     // L = k / (s (s^2 + 2 d s + 1)) encircles -1 between 1 - d and 1 + d, or nowhere: stable for k < 2 d.
     for (const double d : {1e-3, 1e-6, 1e-9}) {
         INFO("damping " << d);
@@ -99,7 +99,7 @@ TEST_CASE("the count needs no luck with the grid: a resonance far sharper than i
     }
 }
 
-TEST_CASE("a loop that no gain makes stable is called so", "[STUDY-120]") {
+TEST_CASE("a loop that no gain makes stable is called so", "[STUDY-123]") {
     // p tau > 1: no proportional gain holds an unstable pole behind a delay.
     const double tau = 0.006, p = 1.05 / tau;
     for (double k = 0.5 * p; k < 20.0 * p; k *= 1.1) CHECK_FALSE(margins(DelayLoop(k, {}, {p}, tau)).stable);
@@ -107,7 +107,7 @@ TEST_CASE("a loop that no gain makes stable is called so", "[STUDY-120]") {
     CHECK_THROWS_AS(DelayLoop(1.0, {}, {-2.0}, -1e-3), std::invalid_argument);
 }
 
-TEST_CASE("the PID's loop is C(s) A(s) G(s), term by term", "[STUDY-121]") {
+TEST_CASE("the PID's loop is C(s) A(s) G(s), term by term", "[STUDY-123]") {
     const plant::ValveParameters valve{.natural_frequency_radps = 125.0, .damping = 0.8, .delay_s = 0.006};
     OperatingPoint at;
     at.speed_mps = 20.0;
@@ -140,7 +140,7 @@ TEST_CASE("the PID's loop is C(s) A(s) G(s), term by term", "[STUDY-121]") {
     }
 }
 
-TEST_CASE("no controller beats the limits that are claimed for any", "[STUDY-122]") {
+TEST_CASE("no controller beats the limits that are claimed for any", "[STUDY-123]") {
     // Proportional gains alone come close to the phase limit only for slow poles; none may pass either limit.
     const double tau = 0.006;
     for (const double p : {5.0, 20.0, 60.0, 120.0}) {
@@ -172,7 +172,7 @@ TEST_CASE("no controller beats the limits that are claimed for any", "[STUDY-122
     CHECK_FALSE(limits(-1.001 * p, tau, 1e-3).allow(r));
 }
 
-TEST_CASE("the search finds the top of a hill, keeps to the box and repeats itself", "[STUDY-127]") {
+TEST_CASE("the search finds the top of a hill, keeps to the box and repeats itself", "[STUDY-561]") {
     const std::vector<Parameter> parameters{
         {"a", 0.1, 100.0, 50.0}, {"b", 1.0, 10.0, 2.0}, {"c", 1e-3, 1.0, 0.5}};
     // A ridge with its top at (3, 4) inside and beyond the box in c.
@@ -202,7 +202,7 @@ TEST_CASE("the search finds the top of a hill, keeps to the box and repeats itse
     CHECK_THROWS_WITH(search(parameters, fails, three), "no score");
 }
 
-TEST_CASE("a climb ends where no single step of a kept digit is better", "[STUDY-560]") {
+TEST_CASE("a climb ends where no single step of a kept digit is better", "[STUDY-561]") {
     const std::vector<Parameter> parameters{{"a", 0.1, 100.0}, {"b", 1e-3, 0.05}};
     const auto hill = [](const std::vector<double>& x, double) {
         return -std::abs(std::log(x[0] / 8.97)) - std::abs(std::log(x[1] / 0.00862));
@@ -222,7 +222,7 @@ TEST_CASE("a climb ends where no single step of a kept digit is better", "[STUDY
 }
 
 TEST_CASE("a score is the least margin over what is asked, and below zero where nothing is stable",
-          "[STUDY-127]") {
+          "[STUDY-561]") {
     Margins m;
     CHECK(score(m, {}) < 0.0);
     m.stable = true;

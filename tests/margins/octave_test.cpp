@@ -101,7 +101,7 @@ void compare(const Margins& m, const std::string& name, std::map<std::string, do
 
 }  // namespace
 
-TEST_CASE("the shipped law's loop: octave-control's frequency response and stability", "[STUDY-126]") {
+TEST_CASE("the shipped law's loop: octave-control's frequency response and stability", "[STUDY-123]") {
     std::ostringstream script;
     script << kReport;
     std::map<std::string, Margins> ours;
@@ -131,7 +131,7 @@ TEST_CASE("the shipped law's loop: octave-control's frequency response and stabi
     }
 }
 
-TEST_CASE("the PID's loop with its exact delay: octave's frequency response and root finder", "[STUDY-126]") {
+TEST_CASE("the PID's loop with its exact delay: octave's frequency response and root finder", "[STUDY-123]") {
     const Pid pid{60.0, 40.0, 0.4, 0.002, 1.0};
     std::ostringstream script;
     script << kReport;

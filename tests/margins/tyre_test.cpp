@@ -110,7 +110,7 @@ const std::vector<plant::Compliance> kNearlyRigid{{.ring = {0.35, 2e5, 1.0}, .re
 
 }  // namespace
 
-TEST_CASE("rim's slip against brake torque: the frequency response of the plant's own wheel", "[STUDY-302]") {
+TEST_CASE("rim's slip against brake torque: the frequency response of the plant's own wheel", "[STUDY-123]") {
     for (const Case& c : kBeforePeak) {
         const plant::RigParameters rig = rig_of(c, kNoAircraft_kg);
         const OperatingPoint at = operating_point(rig, c.speed_mps, c.slip);
@@ -149,7 +149,7 @@ TEST_CASE("rim's slip against brake torque: the frequency response of the plant'
 }
 
 TEST_CASE("beyond the peak the plant's own wheel leaves its equilibrium as the linearised one does",
-          "[STUDY-302]") {
+          "[STUDY-123]") {
     for (const Case& c : kBeyondPeak) {
         const plant::RigParameters rig = rig_of(c, kNoAircraft_kg);
         const OperatingPoint at = operating_point(rig, c.speed_mps, c.slip);
@@ -188,7 +188,7 @@ TEST_CASE("beyond the peak the plant's own wheel leaves its equilibrium as the l
     CHECK_FALSE(swing(kBeyondPeak[2]));
 }
 
-TEST_CASE("a tyre that hardly gives way has the rigid one's margins", "[STUDY-303]") {
+TEST_CASE("a tyre that hardly gives way has the rigid one's margins", "[STUDY-123]") {
     const plant_sim::Scenario s = on("dry_asphalt");
     const Pid pid = load_margins_settings("config/margins.toml").pid;
     for (const plant::Compliance& tyre : kNearlyRigid) {
@@ -221,7 +221,7 @@ TEST_CASE("a tyre that hardly gives way has the rigid one's margins", "[STUDY-30
 }
 
 TEST_CASE("the real estimator and law on the plant's own ring: the loop that a frequency analyser measures",
-          "[STUDY-304]") {
+          "[STUDY-123]") {
     // As near as on the rigid wheel (law_loop_test.cpp), up to two thirds of the ring's frequency: at its resonance a percent of frequency
     // is ten of L.
     struct Ring {

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""rig-lab margins and tune: what bad input gets, and that a study leaves its files. [STUDY-300] [STUDY-305]
+"""rig-lab margins and tune: what bad input gets, and that a study leaves its files. [STUDY-123]
 
 usage: verb.py RIG_LAB
 """

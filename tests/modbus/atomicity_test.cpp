@@ -30,7 +30,7 @@ Context connected(std::uint16_t port) {
 
 }  // namespace
 
-TEST_CASE("Multi-register commands are seen whole, under fire", "[BRG-021]") {
+TEST_CASE("Multi-register commands are seen whole, under fire", "[BRG-020]") {
     const auto map = stub::shipped_map();
     rig::ModbusServer server(map, {});
     constexpr int kCommands = 2000;

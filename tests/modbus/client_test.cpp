@@ -39,7 +39,7 @@ TEST_CASE("Measured values arrive in SI with their age and quality", "[BRG-030]"
     }
 }
 
-TEST_CASE("A command is applied whole and confirmed by its number", "[BRG-031]") {
+TEST_CASE("A command is applied whole and confirmed by its number", "[BRG-030]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
     rig::ModbusClient client(map, at_port(plc.server().port()));
@@ -93,7 +93,7 @@ TEST_CASE(
     CHECK(client.snapshot().foreign_commit == 4711);
 }
 
-TEST_CASE("A refused command is told, and so is one that cannot be sent", "[BRG-041]") {
+TEST_CASE("A refused command is told, and so is one that cannot be sent", "[BRG-030]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
     plc.refuse(true);
@@ -110,7 +110,7 @@ TEST_CASE("A refused command is told, and so is one that cannot be sent", "[BRG-
     CHECK(at(plc.orders().commanded, Commanded::flywheel_speed_mps) == 51.0);
 }
 
-TEST_CASE("Many commands in a row: each as it was wanted, the last one applied", "[BRG-031]") {
+TEST_CASE("Many commands in a row: each as it was wanted, the last one applied", "[BRG-030]") {
     auto map = stub::shipped_map();
     map.link.poll = 1ms;
     stub::Plc plc(map);
@@ -136,7 +136,7 @@ TEST_CASE("Many commands in a row: each as it was wanted, the last one applied",
     CHECK(at(plc.orders().commanded, Commanded::flywheel_speed_mps) == k);
 }
 
-TEST_CASE("A server that was killed and restarted gets the newest command again", "[BRG-037]") {
+TEST_CASE("A server that was killed and restarted gets the newest command again", "[BRG-030]") {
     auto map = stub::shipped_map();
     map.link.backoff_min = 1ms;
     map.link.backoff_max = 20ms;
@@ -165,7 +165,7 @@ TEST_CASE("A server that was killed and restarted gets the newest command again"
     CHECK(plc->commits().size() == 1);
 }
 
-TEST_CASE("A PLC with another map version is refused by number and left alone", "[BRG-038]") {
+TEST_CASE("A PLC with another map version is refused by number and left alone", "[BRG-030]") {
     auto other = stub::shipped_map();
     other.version = 2;
     auto plc = std::make_unique<stub::Plc>(other);
@@ -191,7 +191,7 @@ TEST_CASE("A PLC with another map version is refused by number and left alone", 
                        [&] { return client.snapshot().command == CommandState::applied; }));
 }
 
-TEST_CASE("The watchdog moves only while the bridge's thread calls", "[BRG-039]") {
+TEST_CASE("The watchdog moves only while the bridge's thread calls", "[BRG-030]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
     std::atomic<std::int64_t> now_ms{1000};
@@ -238,7 +238,7 @@ TEST_CASE("The watchdog moves only while the bridge's thread calls", "[BRG-039]"
     }));
 }
 
-TEST_CASE("Commands wait until the PLC has seen the watchdog move", "[BRG-039]") {
+TEST_CASE("Commands wait until the PLC has seen the watchdog move", "[BRG-030]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
     plc.freeze(true);
@@ -253,7 +253,7 @@ TEST_CASE("Commands wait until the PLC has seen the watchdog move", "[BRG-039]")
     CHECK(std::isfinite(client.snapshot().plc_watchdog_age_s));
 }
 
-TEST_CASE("A PLC that hangs is seen by the age of its watchdog, though it answers", "[BRG-033]") {
+TEST_CASE("A PLC that hangs is seen by the age of its watchdog, though it answers", "[BRG-034]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
     rig::ModbusClient client(map, at_port(plc.server().port()));
@@ -263,7 +263,7 @@ TEST_CASE("A PLC that hangs is seen by the age of its watchdog, though it answer
     CHECK(client.snapshot().link == LinkState::connected);
 }
 
-TEST_CASE("A server that hangs after the request loses the link and gets it back", "[BRG-033]") {
+TEST_CASE("A server that hangs after the request loses the link and gets it back", "[BRG-034]") {
     auto map = stub::shipped_map();
     map.link.response_timeout = 50ms;
     map.link.backoff_max = 100ms;
@@ -303,7 +303,7 @@ TEST_CASE("Little word order and scattered registers work as well", "[BRG-030]")
     CHECK(at(plc.orders().commanded, Commanded::load_lift_Ns2pm2) == 3.625);
 }
 
-TEST_CASE("Turn by turn the PLC is read and told on the caller's thread, by the caller's time", "[BRG-467]") {
+TEST_CASE("Turn by turn the PLC is read and told on the caller's thread, by the caller's time", "[BRG-465]") {
     auto map = stub::shipped_map();
     map.link.response_timeout = 60s;  // a busy host may stop the server for longer than a PLC would take
     rig::ModbusServer server(map, {});

@@ -18,7 +18,7 @@ using rig::Measured;
 using stub::eventually;
 using namespace client_test;
 
-TEST_CASE("The client speaks RTU to the server's pseudo-terminal", "[BRG-026]") {
+TEST_CASE("The client speaks RTU to the server's pseudo-terminal", "[BRG-020]") {
     auto map = stub::shipped_map();
     map.link.response_timeout = 500ms;
     stub::Plc plc(map, {.rtu = true});
@@ -34,7 +34,7 @@ TEST_CASE("The client speaks RTU to the server's pseudo-terminal", "[BRG-026]") 
     REQUIRE(eventually([&] { return tcp.snapshot().value(Measured::vertical_load_N) == 43609.5; }));
 }
 
-TEST_CASE("The server's RTU side ignores other units, noise and broken frames", "[BRG-026]") {
+TEST_CASE("The server's RTU side ignores other units, noise and broken frames", "[BRG-020]") {
     const auto map = stub::shipped_map();
     const rig::ModbusServer server(map, {.port = std::nullopt, .rtu = true});
     CHECK(server.port() == 0);
@@ -71,7 +71,7 @@ TEST_CASE("The server's RTU side ignores other units, noise and broken frames", 
     CHECK(server.counters().broken >= 2);
 }
 
-TEST_CASE("A map that a serial line cannot carry safely is refused", "[BRG-043]") {
+TEST_CASE("A map that a serial line cannot carry safely is refused", "[BRG-034]") {
     auto map = stub::shipped_map();
     map.measured[static_cast<std::size_t>(Measured::wheel_on_rim)].address = 500;
     CHECK_THROWS_WITH(rig::ModbusClient(map, rig::SerialDevice{"/dev/ttyS9"}),

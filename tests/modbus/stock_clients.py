@@ -178,7 +178,7 @@ def check_client(bench, what, client, commit):
 
 
 def stock_clients(program):
-    """[BRG-050] [BRG-051]"""
+    """[BRG-050]"""
     bench = Bench(program)
     for name, value in MEASURED.items():
         bench.say(f"{name} {value!r}")
@@ -193,7 +193,7 @@ def stock_clients(program):
 
 
 def stock_server(program):
-    """[BRG-052]"""
+    """[BRG-050]"""
     inputs, holdings = [0] * 64, [0] * 64
     for name, value in {**MEASURED, "map_version": MAP["map_version"], "refused_commit": 0}.items():
         field = MAP["input"][name]

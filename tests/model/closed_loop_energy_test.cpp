@@ -6,7 +6,7 @@
 #include "plant_sim/study/in_process.hpp"
 #include "tests/catch.hpp"
 
-TEST_CASE("energy: the books of every closed-loop stop close to a millionth", "[RIG-006]") {
+TEST_CASE("energy: the books of every closed-loop stop close to a millionth", "[RIG-050]") {
     double worst = 0.0;
     for (const std::string law : {"slip", "threshold"}) {
         for (const std::string& surface : plant::surface_names("config")) {

@@ -172,12 +172,12 @@ TEST_CASE("a compliant wheel agrees with a tight reference integration", "[RIG-2
 }
 
 TEST_CASE("so does a wheel whose friction depends on speed, on a rigid and on a compliant tyre",
-          "[RIG-264]") {
+          "[RIG-262]") {
     check_against_reference(kFloodedCases);
 }
 
 TEST_CASE("the books close where friction depends on speed, through floating, locks and releases",
-          "[RIG-264]") {
+          "[RIG-262]") {
     for (const Case& one : kFloodedCases) {
         INFO(one.name);
         WheelState state;
@@ -202,7 +202,7 @@ TEST_CASE("the books close where friction depends on speed, through floating, lo
     }
 }
 
-TEST_CASE("the books of a compliant wheel close, through a lock and its release, too", "[RIG-251]") {
+TEST_CASE("the books of a compliant wheel close, through a lock and its release, too", "[RIG-250]") {
     for (const Case& one : kCases) {
         INFO(one.name);
         WheelState state;
@@ -226,7 +226,7 @@ TEST_CASE("the books of a compliant wheel close, through a lock and its release,
     }
 }
 
-TEST_CASE("a belt that swings under a locked rim, far beyond slip 1, takes few steps", "[RIG-268]") {
+TEST_CASE("a belt that swings under a locked rim, far beyond slip 1, takes few steps", "[RIG-250]") {
     const Compliance c{.ring = {0.35, 100.0, 0.03}, .relaxation = {}, .leg = {}};
     CompliantWheel mine(wheel(c), brake(), kTyre);
     WheelState state;
@@ -248,7 +248,7 @@ TEST_CASE("a belt that swings under a locked rim, far beyond slip 1, takes few s
 }
 
 TEST_CASE("off the ground, rim and belt swing at the mode that was asked for, and die out as asked",
-          "[RIG-252]") {
+          "[RIG-250]") {
     const Compliance c{.ring = {0.35, 70.0, 0.05}, .relaxation = {}, .leg = {}};
     CompliantWheel mine(wheel(c), BrakeTorque(), kTyre, 1e-10);
     WheelState state;
@@ -273,7 +273,7 @@ TEST_CASE("off the ground, rim and belt swing at the mode that was asked for, an
     CHECK(state.v_mps == Approx(49.0));
 }
 
-TEST_CASE("a tyre that hardly gives way is the paper's", "[RIG-252]") {
+TEST_CASE("a tyre that hardly gives way is the paper's", "[RIG-250]") {
     const Compliance stiff{.ring = {0.3, 3000.0, 0.5}, .relaxation = {}, .leg = {}};
     WheelState a;
     a.v_mps = 49.0;
@@ -292,7 +292,7 @@ TEST_CASE("a tyre that hardly gives way is the paper's", "[RIG-252]") {
     CHECK(b.omega_radps == Approx(a.omega_radps).epsilon(1e-3));
 }
 
-TEST_CASE("compliance that cannot be is refused", "[RIG-252]") {
+TEST_CASE("compliance that cannot be is refused", "[RIG-250]") {
     const auto refused = [](const Compliance& c) {
         CHECK_THROWS_AS(CompliantWheel(wheel(c), brake(), kTyre), std::invalid_argument);
     };

@@ -49,7 +49,7 @@ enum Column { kTime, kSpeed, kOmega, kSlip, kPressure, kTorque, kF_x, kF_z, kRad
 
 }  // namespace
 
-TEST_CASE("drive: every bad input names its line", "[RIG-110]") {
+TEST_CASE("drive: every bad input names its line", "[RIG-090]") {
     const std::string good = "time_s,pressure_Pa\n0,0\n";
     struct Bad {
         std::string text;
@@ -97,7 +97,7 @@ TEST_CASE("drive: every bad input names its line", "[RIG-110]") {
 }
 
 TEST_CASE("drive: what is well-formed is read, with blank lines, spaces, CRLF and a byte order mark",
-          "[RIG-111]") {
+          "[RIG-090]") {
     const auto p = read("\xEF\xBB\xBFtime_s , current_mA\r\n\r\n-1.5, 3\r\n 0 ,4e0\r\n2.5,12.25");
     CHECK(p.input == DriveInput::current_mA);
     CHECK(p.time_s == std::vector<double>{-1.5, 0.0, 2.5});
@@ -111,7 +111,7 @@ TEST_CASE("drive: what is well-formed is read, with blank lines, spaces, CRLF an
         CHECK(rows[i][kTime] == Approx(0.0005 + 1e-3 * static_cast<double>(i)).epsilon(1e-12));
 }
 
-TEST_CASE("drive: the table is the motion that the reference integrates", "[RIG-112]") {
+TEST_CASE("drive: the table is the motion that the reference integrates", "[RIG-001]") {
     for (const NamedScenario& s : all_scenarios()) {
         CAPTURE(s.name);
         const plant::RigParameters& rig = s.loaded.rig;
@@ -140,7 +140,7 @@ TEST_CASE("drive: the table is the motion that the reference integrates", "[RIG-
     }
 }
 
-TEST_CASE("drive: the columns obey the equations row by row", "[RIG-113]") {
+TEST_CASE("drive: the columns obey the equations row by row", "[RIG-001]") {
     plant::ManeuverChoice choice;
     choice.surface = "wet_asphalt";
     const plant::RigParameters rig = plant::load_rig("config", choice).rig;
@@ -166,7 +166,7 @@ TEST_CASE("drive: the columns obey the equations row by row", "[RIG-113]") {
     CHECK(rows.back()[kBrake] + rows.back()[kTyre] == Approx(start_J).epsilon(2e-6));
 }
 
-TEST_CASE("drive: driven by current it is the valve in front of the same plant", "[RIG-114]") {
+TEST_CASE("drive: driven by current it is the valve in front of the same plant", "[RIG-001]") {
     const plant::RigParameters rig = plant::load_rig("config", {}).rig;
     const auto rows =
         table(study::drive(rig, read("time_s,current_mA\n0,0\n0.5,3\n1.5,12\n2.5,12\n2.501,0\n3.5,0\n")));
@@ -194,7 +194,7 @@ TEST_CASE("drive: driven by current it is the valve in front of the same plant",
     CHECK(rows[3400][kPressure] == Approx(0.0).margin(1.0));
 }
 
-TEST_CASE("drive: a step or a knot between two rows of output acts at its own time", "[RIG-115]") {
+TEST_CASE("drive: a step or a knot between two rows of output acts at its own time", "[RIG-001]") {
     const plant::RigParameters rig = plant::load_rig("config", {}).rig;
     const double peak = least_peak_pressure_Pa(rig);
     for (const double at_s : {1.0, 1.0003, 1.0009}) {

@@ -73,7 +73,7 @@ TEST_CASE("flywheel: J_f and R_f act as the mass J_f / R_f^2 on the rim", "[RIG-
           Approx(torque_Nm).epsilon(0.005));
 }
 
-TEST_CASE("loading device: a first-order lag on touchdown and on lift-off", "[RIG-101]") {
+TEST_CASE("loading device: a first-order lag on touchdown and on lift-off", "[RIG-100]") {
     const plant::RigParameters rig = endurance_rig();
     CHECK(rig.load.lag_s == Approx(0.1));
     for (const double step_s : {1e-3, 5e-3}) {
@@ -95,7 +95,7 @@ TEST_CASE("loading device: a first-order lag on touchdown and on lift-off", "[RI
     }
 }
 
-TEST_CASE("loading device: follows eq. (2) of a landing with its lag behind", "[RIG-101]") {
+TEST_CASE("loading device: follows eq. (2) of a landing with its lag behind", "[RIG-100]") {
     plant::ManeuverChoice choice;
     choice.carrier = plant::Carrier::flywheel;
     const plant::RigParameters rig = plant::load_rig("config", choice).rig;
@@ -120,7 +120,7 @@ TEST_CASE("loading device: follows eq. (2) of a landing with its lag behind", "[
     CHECK(std::abs(lost - plant.wheel().energy_brake_J - plant.wheel().energy_tyre_J) <= 1e-6 * lost);
 }
 
-TEST_CASE("endurance: spinning the wheel up leaves the flywheel at the campaign's speed", "[RIG-102]") {
+TEST_CASE("endurance: spinning the wheel up leaves the flywheel at the campaign's speed", "[RIG-100]") {
     const plant::RigParameters rig = endurance_rig();
     plant::Rig plant(rig, 1e-3, 1);
     CHECK(plant.wheel().v_mps > rig.brake_on_mps + 1.0);
@@ -130,7 +130,7 @@ TEST_CASE("endurance: spinning the wheel up leaves the flywheel at the campaign'
     CHECK(plant.forces().slip < 1e-3);
 }
 
-TEST_CASE("endurance: one stop meets Table III within a standard deviation", "[RIG-103]") {
+TEST_CASE("endurance: one stop meets Table III within a standard deviation", "[RIG-100]") {
     plant_sim::ScenarioOptions options;
     options.choice.maneuver = plant::kEndurance;
     options.law = "deceleration";

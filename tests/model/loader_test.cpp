@@ -182,7 +182,7 @@ TEST_CASE("loader: every key of the plant's files, damaged in every way, is refu
 }
 
 TEST_CASE("loader: every key of the controller's files, damaged in every way, is refused by name",
-          "[RIG-091]") {
+          "[RIG-090]") {
     for (const std::string file : {"controller.toml", "controller_endurance.toml"}) {
         CHECK(damage_all(file, [&](const fs::path& directory) {
                   (void)antiskid::load_controller_config(directory / file);
@@ -190,7 +190,7 @@ TEST_CASE("loader: every key of the controller's files, damaged in every way, is
     }
 }
 
-TEST_CASE("loader: a missing file is named", "[RIG-092]") {
+TEST_CASE("loader: a missing file is named", "[RIG-090]") {
     for (const std::string file :
          {"surfaces.toml", "maneuvers.toml", "landing_gear.toml", "flywheel_rig.toml"}) {
         const ConfigCopy config;
@@ -200,7 +200,7 @@ TEST_CASE("loader: a missing file is named", "[RIG-092]") {
     }
 }
 
-TEST_CASE("loader: an unknown surface or maneuver names those there are", "[RIG-093]") {
+TEST_CASE("loader: an unknown surface or maneuver names those there are", "[RIG-090]") {
     plant::ManeuverChoice choice;
     choice.surface = "gravel";
     const auto surface = refusal_of([&] { return plant::load_rig("config", choice); });
@@ -216,7 +216,7 @@ TEST_CASE("loader: an unknown surface or maneuver names those there are", "[RIG-
     CHECK_THAT(maneuver.what(), ContainsSubstring(plant::kEndurance));
 }
 
-TEST_CASE("loader: what cannot be simulated is refused", "[RIG-094]") {
+TEST_CASE("loader: what cannot be simulated is refused", "[RIG-090]") {
     SECTION("more lift than weight, from the file or by the speed asked for") {
         const ConfigCopy config;
         config.replace("landing_gear.toml", "lift_area_m2 = 5.9", "lift_area_m2 = 50.0");
@@ -289,7 +289,7 @@ TEST_CASE("loader: what cannot be simulated is refused", "[RIG-094]") {
     }
 }
 
-TEST_CASE("loader: what is in the files is what the plant gets", "[RIG-095]") {
+TEST_CASE("loader: what is in the files is what the plant gets", "[RIG-090]") {
     plant::ManeuverChoice choice;
     choice.maneuver = "medium_a";
     choice.surface = "snow";

@@ -54,7 +54,7 @@ TEST_CASE("a locked wheel holds exactly, gives the brake no energy, and spins up
     }
 }
 
-TEST_CASE("a locked wheel decelerates as sliding friction says", "[RIG-051]") {
+TEST_CASE("a locked wheel decelerates as sliding friction says", "[RIG-050]") {
     // mu(1) is constant, so v_dot = -(mu / m) (m g - L v^2) has the closed solution v = a tanh(...) of a Riccati equation.
     for (const NamedScenario& s : all_scenarios()) {
         const plant::RigParameters& rig = s.loaded.rig;
@@ -76,7 +76,7 @@ TEST_CASE("a locked wheel decelerates as sliding friction says", "[RIG-051]") {
     }
 }
 
-TEST_CASE("in the air the brake stops the wheel and does not turn it back; the speed stays", "[RIG-052]") {
+TEST_CASE("in the air the brake stops the wheel and does not turn it back; the speed stays", "[RIG-050]") {
     const plant::RigParameters parameters = plant::load_rig("config", {}).rig;
     plant::Rig rig(parameters, 1e-3, 1);
     rig.start_rolling();
@@ -103,7 +103,7 @@ TEST_CASE("in the air the brake stops the wheel and does not turn it back; the s
 }
 
 TEST_CASE("any state, any input: finite, no energy from nothing, no wheel turning back, no time lost",
-          "[RIG-060]") {
+          "[RIG-001]") {
     plant::Random random(20260102);
     const auto share = [&] { return static_cast<double>(random.bits() >> 11U) * 0x1p-53; };
     const auto scenarios = all_scenarios();
@@ -166,7 +166,7 @@ TEST_CASE("any state, any input: finite, no energy from nothing, no wheel turnin
     SUCCEED("worst energy residual of one step " << worst_residual);
 }
 
-TEST_CASE("a load that drifts is followed: energies close, steps of any size agree", "[RIG-061]") {
+TEST_CASE("a load that drifts is followed: energies close, steps of any size agree", "[RIG-001]") {
     const plant::RigParameters rig = plant::load_rig("config", {}).rig;
     const double pressure_Pa = 0.6 * least_peak_pressure_Pa(rig);
     const auto run = [&](double h) {
@@ -197,7 +197,7 @@ TEST_CASE("a load that drifts is followed: energies close, steps of any size agr
     }
 }
 
-TEST_CASE("what the wheel remembers between steps changes no bit", "[RIG-062]") {
+TEST_CASE("what the wheel remembers between steps changes no bit", "[RIG-001]") {
     const plant::RigParameters rig = plant::load_rig("config", {}).rig;
     const plant::LoadArc load{rig.load.base_N, 0.0, rig.load.lift_Ns2pm2};
     plant::Wheel remembering = wheel_of(rig);

@@ -40,15 +40,15 @@ void check_all(std::size_t first, std::size_t count, double tolerance) {
 }  // namespace
 
 TEST_CASE("open loop: below the peak long steps agree with the reference, at their ends and between",
-          "[RIG-120]") {
+          "[RIG-001]") {
     check_all(0, 2, OpenLoop::kCoarse);
 }
 
-TEST_CASE("open loop: locks and release too, at the tighter tolerance", "[RIG-121]") {
+TEST_CASE("open loop: locks and release too, at the tighter tolerance", "[RIG-001]") {
     check_all(2, 2, OpenLoop::kFine);
 }
 
-TEST_CASE("open loop: what it cannot do is refused", "[RIG-122]") {
+TEST_CASE("open loop: what it cannot do is refused", "[RIG-001]") {
     plant::ManeuverChoice choice;
     choice.carrier = plant::Carrier::flywheel;
     const plant::RigParameters lagging = plant::load_rig("config", choice).rig;

@@ -51,7 +51,7 @@ TEST_CASE("tyre: every surface peaks where its coefficients say, and where the p
     }
 }
 
-TEST_CASE("tyre: eq. (4) for slip, its odd extension for overspeed, slope as by differences", "[RIG-021]") {
+TEST_CASE("tyre: eq. (4) for slip, its odd extension for overspeed, slope as by differences", "[RIG-020]") {
     for (const plant::Surface& s : surfaces()) {
         CAPTURE(s.name);
         for (double lambda = 1e-6; lambda < 1.0; lambda *= 1.07) {
@@ -71,7 +71,7 @@ TEST_CASE("tyre: eq. (4) for slip, its odd extension for overspeed, slope as by 
     }
 }
 
-TEST_CASE("tyre: a curve without c3 never falls; its peak is at slip 1", "[RIG-022]") {
+TEST_CASE("tyre: a curve without c3 never falls; its peak is at slip 1", "[RIG-020]") {
     const plant::Surface s{.name = "no c3", .c1 = 0.05, .c2 = 306.39, .c3 = 0.0};
     CHECK(plant::peak(s).slip == 1.0);
     CHECK(plant::peak(s).mu == Approx(0.05));
@@ -80,7 +80,7 @@ TEST_CASE("tyre: a curve without c3 never falls; its peak is at slip 1", "[RIG-0
     CHECK(plant::peak({.name = "none", .c1 = 0.1, .c2 = 1.0, .c3 = 0.2}).slip == 0.0);
 }
 
-TEST_CASE("brake: k_b is eq. (5) with a friction curve brought to the given mean", "[RIG-030]") {
+TEST_CASE("brake: k_b is eq. (5) with a friction curve brought to the given mean", "[RIG-020]") {
     const plant::BrakeGeometry geometry{
         .piston_area_m2 = 8.04e-4, .pistons = 6, .surfaces = 6, .effective_radius_m = 0.12};
     CHECK(geometry.gain_m3() == Approx(8.04e-4 * 6 * 6 * 0.12).epsilon(1e-15));
@@ -112,7 +112,7 @@ TEST_CASE("brake: k_b is eq. (5) with a friction curve brought to the given mean
     }
 }
 
-TEST_CASE("brake: eq. (7) gives back the mean friction from a stop", "[RIG-031]") {
+TEST_CASE("brake: eq. (7) gives back the mean friction from a stop", "[RIG-020]") {
     for (const std::string maneuver : {"light", "medium_a", "heavy"}) {
         plant::ManeuverChoice choice;
         choice.maneuver = maneuver;

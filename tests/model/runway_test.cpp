@@ -107,7 +107,7 @@ TEST_CASE("between the printed pressures friction is linear; beyond them there i
 }
 
 TEST_CASE("on a flooded runway friction is gone at 9 sqrt(p) knots, for a wheel that stands at 7.7 sqrt(p)",
-          "[RIG-263]") {
+          "[RIG-262]") {
     for (const double psi : {50.0, 81.0, 144.0, 300.0}) {
         const WetGrip wet(psi, Texture::smooth), flooded(psi, Texture::smooth, 0.04);
         for (const bool spun_up : {true, false}) {
@@ -133,7 +133,7 @@ TEST_CASE("on a flooded runway friction is gone at 9 sqrt(p) knots, for a wheel 
     }
 }
 
-TEST_CASE("a wheel that touches down between the two speeds floats until it has spun up", "[RIG-263]") {
+TEST_CASE("a wheel that touches down between the two speeds floats until it has spun up", "[RIG-262]") {
     const TemporaryDirectory directory;
     plant::RigParameters rig =
         on_runway(
@@ -154,7 +154,7 @@ TEST_CASE("a wheel that touches down between the two speeds floats until it has 
     CHECK(plant::peak(landing.surface(), landing.wheel().v_mps).mu > 0.2);
 }
 
-TEST_CASE("a wheel held from touchdown on a wet runway stops where the quadrature says", "[RIG-264]") {
+TEST_CASE("a wheel held from touchdown on a wet runway stops where the quadrature says", "[RIG-262]") {
     const TemporaryDirectory directory;
     plant::RigParameters rig =
         on_runway("[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 160, texture = \"grooved\"}\n",
@@ -182,7 +182,7 @@ TEST_CASE("a wheel held from touchdown on a wet runway stops where the quadratur
 }
 
 TEST_CASE("a runway's file: surfaces by name, wet ones by the regulation, counted from touchdown",
-          "[RIG-265]") {
+          "[RIG-262]") {
     const TemporaryDirectory directory;
     const plant::LoadedRig loaded = on_runway(
         "[[patch]]\nfrom_m = 0.0\nsurface = \"dry_asphalt\"\n"
@@ -220,7 +220,7 @@ TEST_CASE("a runway's file: surfaces by name, wet ones by the regulation, counte
     }
 }
 
-TEST_CASE("every mistake in a runway's file is refused with file, line and key", "[RIG-265]") {
+TEST_CASE("every mistake in a runway's file is refused with file, line and key", "[RIG-262]") {
     struct Mistake {
         const char* text;
         std::size_t line;
@@ -265,7 +265,7 @@ TEST_CASE("every mistake in a runway's file is refused with file, line and key",
     }
 }
 
-TEST_CASE("the shipped runways are read", "[RIG-265]") {
+TEST_CASE("the shipped runways are read", "[RIG-262]") {
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator("config/runways")) {
         plant::ManeuverChoice choice;
@@ -277,7 +277,7 @@ TEST_CASE("the shipped runways are read", "[RIG-265]") {
     CHECK(count == 4);
 }
 
-TEST_CASE("tyre, leg, teeth and line stand in the rig's file; without them it is the paper's", "[RIG-266]") {
+TEST_CASE("tyre, leg, teeth and line stand in the rig's file; without them it is the paper's", "[RIG-250]") {
     const plant::RigParameters paper = plant::load_rig("config", {}).rig;
     CHECK_FALSE(paper.wheel.compliance.any());
     CHECK(paper.valve.line_s == 0.0);
@@ -314,7 +314,7 @@ TEST_CASE("tyre, leg, teeth and line stand in the rig's file; without them it is
     CHECK(teeth.flywheel_encoder.pitch_error == 0.0);
 }
 
-TEST_CASE("tyre, leg, teeth and line that cannot be are refused by name", "[RIG-266]") {
+TEST_CASE("tyre, leg, teeth and line that cannot be are refused by name", "[RIG-250]") {
     struct Mistake {
         const char *from, *to, *key;
     };

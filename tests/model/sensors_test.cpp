@@ -63,7 +63,7 @@ TEST_CASE("encoder: counts are the exact angle, edge times the closed form at co
     }
 }
 
-TEST_CASE("encoder: on the plant its last edge and count tell the speed", "[RIG-071]") {
+TEST_CASE("encoder: on the plant its last edge and count tell the speed", "[RIG-070]") {
     plant::RigParameters parameters = plant::load_rig("config", {}).rig;
     parameters.wheel_encoder.jitter_s = 0.0;
     parameters.flywheel_encoder.jitter_s = 0.0;
@@ -94,7 +94,7 @@ TEST_CASE("encoder: on the plant its last edge and count tell the speed", "[RIG-
 }
 
 TEST_CASE("encoder: jitter has the given deviation and no bias; stamps never run back nor ahead of now",
-          "[RIG-072]") {
+          "[RIG-070]") {
     constexpr double kJitter_s = 5e-6;
     const Shaft shaft{150.0, 0.0};
     plant::Encoder encoder(with_jitter(kJitter_s));
@@ -122,7 +122,7 @@ TEST_CASE("encoder: jitter has the given deviation and no bias; stamps never run
     CHECK(plausible_variance(squares / count, kJitter_s * kJitter_s, count, 2.0));
 }
 
-TEST_CASE("encoder: blind below ten edges a second, counts on when the shaft is fast again", "[RIG-073]") {
+TEST_CASE("encoder: blind below ten edges a second, counts on when the shaft is fast again", "[RIG-070]") {
     plant::Encoder encoder(kClean);
     plant::Random random(1);
     double angle = 0.0;
@@ -149,7 +149,7 @@ TEST_CASE("encoder: blind below ten edges a second, counts on when the shaft is 
     CHECK(encoder.speed_radps(now) == Approx(100.0).epsilon(1e-6));
 }
 
-TEST_CASE("encoder: the count rolls over at 32 bits", "[RIG-074]") {
+TEST_CASE("encoder: the count rolls over at 32 bits", "[RIG-070]") {
     plant::Encoder encoder(kClean);
     plant::Random random(1);
     // Two turns of the counter less one edge, in strides that a 32-bit number holds.
@@ -164,7 +164,7 @@ TEST_CASE("encoder: the count rolls over at 32 bits", "[RIG-074]") {
     CHECK(encoder.edge_count() == 2U);
 }
 
-TEST_CASE("sensors: the same seed gives the same readings, another seed others", "[RIG-075]") {
+TEST_CASE("sensors: the same seed gives the same readings, another seed others", "[RIG-070]") {
     const plant::RigParameters parameters = plant::load_rig("config", {}).rig;
     const auto readings = [&](std::uint64_t seed) {
         plant::Rig rig(parameters, kStep_s, seed);
@@ -185,7 +185,7 @@ TEST_CASE("sensors: the same seed gives the same readings, another seed others",
     for (std::size_t i = 3; i < first.size(); i += 4) REQUIRE(first[i] == other[i]);
 }
 
-TEST_CASE("transducer: range, resolution, noise", "[RIG-076]") {
+TEST_CASE("transducer: range, resolution, noise", "[RIG-070]") {
     plant::Random random(20260104);
     const plant::TransducerParameters clean{.range_Pa = 25e6, .noise_Pa = 0.0, .resolution_Pa = 5000.0};
     for (double p = 0.0; p <= 25e6; p += 12345.6) {
@@ -213,7 +213,7 @@ TEST_CASE("transducer: range, resolution, noise", "[RIG-076]") {
     }
 }
 
-TEST_CASE("random: SplitMix64 as published", "[RIG-077]") {
+TEST_CASE("random: SplitMix64 as published", "[RIG-070]") {
     plant::Random from_zero(0);
     for (const std::uint64_t expected : {0xE220A8397B1DCDAFULL, 0x6E789E6AA1B965F4ULL, 0x06C45D188009454FULL,
                                          0xF88BB8A8724C81ECULL, 0x1B39896A51A8749BULL}) {
@@ -228,7 +228,7 @@ TEST_CASE("random: SplitMix64 as published", "[RIG-077]") {
 }
 
 TEST_CASE("random: noise has mean 0, deviation 1, no third moment, its bound and nearly the normal law",
-          "[RIG-078]") {
+          "[RIG-070]") {
     plant::Random random(20260105);
     constexpr int kCount = 1000000;
     std::vector<double> draws(kCount);
@@ -263,7 +263,7 @@ TEST_CASE("random: noise has mean 0, deviation 1, no third moment, its bound and
 }
 
 TEST_CASE("teeth that stand in the wrong place move their stamps, not their number nor the mean speed",
-          "[RIG-254]") {
+          "[RIG-070]") {
     plant::EncoderParameters off = kClean;
     off.pitch_error = 0.02;
     off.eccentricity = 0.003;

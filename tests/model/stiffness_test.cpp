@@ -18,7 +18,7 @@ double pole_per_s(const plant::RigParameters& rig, double v) {
 
 }  // namespace
 
-TEST_CASE("low speed: accurate at 1 ms and 5 ms on every surface", "[RIG-010]") {
+TEST_CASE("low speed: accurate at 1 ms and 5 ms on every surface", "[RIG-001]") {
     double fastest_pole = 0.0;
     for (const NamedScenario& s : all_scenarios()) {
         for (const double start_mps : {5.5, 2.0}) {
@@ -43,7 +43,7 @@ TEST_CASE("low speed: accurate at 1 ms and 5 ms on every surface", "[RIG-010]") 
     CHECK(fastest_pole < -5e4);
 }
 
-TEST_CASE("low speed: a disturbed wheel returns to its slip without oscillation", "[RIG-011]") {
+TEST_CASE("low speed: a disturbed wheel returns to its slip without oscillation", "[RIG-001]") {
     for (const NamedScenario& s : all_scenarios()) {
         const plant::RigParameters& rig = s.loaded.rig;
         plant::Wheel wheel(

@@ -83,7 +83,7 @@ TEST_CASE("valve: step response, whatever the delay and the step", "[RIG-040]") 
     }
 }
 
-TEST_CASE("valve: the step response behind a line, whatever its lag, the delay and the step", "[RIG-267]") {
+TEST_CASE("valve: the step response behind a line, whatever its lag, the delay and the step", "[RIG-040]") {
     for (const double line_s : {1e-4, 2e-3, 30e-3}) {
         for (const double delay_s : kDelays_s) {
             for (const double step_s : kSteps_s) {
@@ -109,7 +109,7 @@ TEST_CASE("valve: the step response behind a line, whatever its lag, the delay a
 }
 
 TEST_CASE("valve: a line that hardly lags is none; a ramp comes later by its lag; one below zero is refused",
-          "[RIG-267]") {
+          "[RIG-040]") {
     plant::ValveParameters parameters = kValve;
     plant::Valve bare(parameters, 1e-3);
     parameters.line_s = 1e-7;
@@ -131,7 +131,7 @@ TEST_CASE("valve: a line that hardly lags is none; a ramp comes later by its lag
     }
 }
 
-TEST_CASE("valve: exact for an input that is linear in time", "[RIG-041]") {
+TEST_CASE("valve: exact for an input that is linear in time", "[RIG-040]") {
     for (const double delay_s : kDelays_s) {
         for (const double step_s : kSteps_s) {
             CAPTURE(delay_s, step_s);
@@ -149,7 +149,7 @@ TEST_CASE("valve: exact for an input that is linear in time", "[RIG-041]") {
     }
 }
 
-TEST_CASE("valve: any sequence of held commands is the sum of its steps", "[RIG-042]") {
+TEST_CASE("valve: any sequence of held commands is the sum of its steps", "[RIG-040]") {
     for (const double delay_s : kDelays_s) {
         CAPTURE(delay_s);
         const plant::ValveParameters parameters = with_delay(delay_s);
@@ -174,7 +174,7 @@ TEST_CASE("valve: any sequence of held commands is the sum of its steps", "[RIG-
     }
 }
 
-TEST_CASE("valve: within a step the pressure follows the closed form to a millionth", "[RIG-043]") {
+TEST_CASE("valve: within a step the pressure follows the closed form to a millionth", "[RIG-040]") {
     for (const double delay_s : {6e-3, 6.3e-3}) {
         const plant::ValveParameters parameters = with_delay(delay_s);
         plant::Valve valve(parameters, 1e-3);
@@ -196,7 +196,7 @@ TEST_CASE("valve: within a step the pressure follows the closed form to a millio
     }
 }
 
-TEST_CASE("valve: pressure is never negative, though eq. (6) undershoots on release", "[RIG-044]") {
+TEST_CASE("valve: pressure is never negative, though eq. (6) undershoots on release", "[RIG-040]") {
     plant::Valve valve(kValve, 1e-3);
     for (int i = 0; i < 200; ++i) static_cast<void>(valve.advance(kFull_Pa, kFull_Pa));
     double lowest_of_law = 0.0;
@@ -215,7 +215,7 @@ TEST_CASE("valve: pressure is never negative, though eq. (6) undershoots on rele
     CHECK(lowest_of_law == Approx(-kFull_Pa * std::exp(-std::numbers::pi * 0.8 / 0.6)).epsilon(0.01));
 }
 
-TEST_CASE("valve: a part of an arc is the arc", "[RIG-045]") {
+TEST_CASE("valve: a part of an arc is the arc", "[RIG-040]") {
     const auto arc = plant::PressureArc::hermite(3e6, -1e9, 2e6, 2e9, 1e-3);
     CHECK(arc.at(0.0) == Approx(3e6));
     CHECK(arc.at(1.0) == Approx(2e6));
@@ -230,7 +230,7 @@ TEST_CASE("valve: a part of an arc is the arc", "[RIG-045]") {
     }
 }
 
-TEST_CASE("valve: parameters that it cannot integrate are refused", "[RIG-046]") {
+TEST_CASE("valve: parameters that it cannot integrate are refused", "[RIG-040]") {
     plant::ValveParameters valve = kValve;
     for (const double damping : {0.0, 1.0, 1.5, -0.1, std::nan("")}) {
         valve.damping = damping;
@@ -238,7 +238,7 @@ TEST_CASE("valve: parameters that it cannot integrate are refused", "[RIG-046]")
     }
 }
 
-TEST_CASE("static map: dead zone, points, linear between, saturating", "[RIG-047]") {
+TEST_CASE("static map: dead zone, points, linear between, saturating", "[RIG-040]") {
     const plant::PressureMap map = plant::load_rig("config", {}).rig.pressure_map;
     const auto& points = map.points();
     CHECK(points.front().current_mA == 3.0);
@@ -268,7 +268,7 @@ TEST_CASE("static map: dead zone, points, linear between, saturating", "[RIG-047
     CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 0.0}, {4.0, std::nan("")}}), std::invalid_argument);
 }
 
-TEST_CASE("valve: play before the map shows as two branches", "[STUDY-110]") {
+TEST_CASE("valve: play before the map shows as two branches", "[STUDY-100]") {
     constexpr double kWidth_mA = 0.8;
     plant::RigParameters parameters = plant::load_rig("config", {}).rig;
     parameters.valve.hysteresis_mA = kWidth_mA;

@@ -166,7 +166,7 @@ def round_of(name, todo, steps, jobs, done_with):
                     print(file=sys.stderr)
 
 
-# [DOOR-040] [DOOR-041]
+# [DOOR-040]
 def judge(chosen, steps, journal, jobs):
     """The quick steps on every mutant, then the slow ones on those that are left."""
     quick, slow = ([s for s in steps if (s.seconds <= QUICK_S) == q] for q in (True, False))

@@ -1,6 +1,6 @@
 #!/bin/bash
 # The Debian packages: twice the same bytes; in a bare Debian they install, land from their own files alone, keep an edited configuration
-# over an upgrade, and leave nothing when purged. [DOOR-030] [DOOR-031] [DOOR-032]
+# over an upgrade, and leave nothing when purged. [DOOR-030]
 # shellcheck source=tests/front_door/harness.bash
 source "$(dirname "$0")/../front_door/harness.bash"
 

@@ -1,5 +1,5 @@
 #!/bin/bash
-# The systemd units are right, and expose little. [RT-121]
+# The systemd units are right, and expose little. [RT-120]
 # shellcheck source=tests/front_door/harness.bash
 source "$(dirname "$0")/../front_door/harness.bash"
 

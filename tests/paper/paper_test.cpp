@@ -65,7 +65,7 @@ std::size_t count(const std::string& text, const std::string& what) {
 
 }  // namespace
 
-TEST_CASE("a report's sections are read, and mistakes refused with line and key", "[STUDY-180]") {
+TEST_CASE("a report's sections are read, and mistakes refused with line and key", "[STUDY-185]") {
     const TempDir dir;
     const paper::Contents c = paper::load_contents(dir.write(
         "r.toml",
@@ -99,7 +99,7 @@ TEST_CASE("a report's sections are read, and mistakes refused with line and key"
 
 TEST_CASE(
     "commands run after what they build on; 1 is an answer, 2 ends a section and those that wait for it",
-    "[STUDY-181]") {
+    "[STUDY-185]") {
     const std::string text = kHead + section("no", "false\ntouch {here}/went_on") +
                              section("bad", "sh {out}/../two\ntouch {here}/went_on") +
                              section("waits", "touch {here}/ran", "after = \"bad\"\n") +
@@ -138,7 +138,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the quick form has its own commands, and a configuration of its own reaches them", "[STUDY-181]") {
+TEST_CASE("the quick form has its own commands, and a configuration of its own reaches them", "[STUDY-185]") {
     const TempDir dir;
     const paper::Contents contents = paper::load_contents(
         dir.write("r.toml", kHead + section("a", "echo slow --config {config}",
@@ -152,7 +152,7 @@ TEST_CASE("the quick form has its own commands, and a configuration of its own r
     CHECK(quick[0].commands[0].line == "echo quick --config 'my rig'");
 }
 
-TEST_CASE("figures are found in results by name, index, member and size", "[STUDY-182]") {
+TEST_CASE("figures are found in results by name, index, member and size", "[STUDY-185]") {
     const std::string json =
         R"({"a": {"b": [1.5, {"c": 2}]}, "rows": [{"r": 0.23, "v": 1}, {"r": 0.24, "v": 2, "n": "x"}]})";
     CHECK(paper::value_at(json, "/a/b/0") == 1.5);
@@ -167,7 +167,7 @@ TEST_CASE("figures are found in results by name, index, member and size", "[STUD
     CHECK_THROWS(paper::value_at("{", "/a"));
 }
 
-TEST_CASE("base64 is that of RFC 4648, and text cannot become markup", "[STUDY-183]") {
+TEST_CASE("base64 is that of RFC 4648, and text cannot become markup", "[STUDY-185]") {
     CHECK(paper::base64("").empty());
     CHECK(paper::base64("f") == "Zg==");
     CHECK(paper::base64("fo") == "Zm8=");
@@ -181,7 +181,7 @@ TEST_CASE("base64 is that of RFC 4648, and text cannot become markup", "[STUDY-1
 }
 
 TEST_CASE("tables that a command prints in Markdown are tables in the page, all else is as printed",
-          "[STUDY-582]") {
+          "[STUDY-185]") {
     CHECK(paper::output_html("").empty());
     CHECK(paper::output_html("a  <b>\n c\n") == "<pre>a  &lt;b&gt;\n c</pre>\n");
     CHECK(paper::output_html("before\n\n| a | b & c |\n|---|---:|\n| 1 |  |\n\nafter") ==
@@ -191,7 +191,7 @@ TEST_CASE("tables that a command prints in Markdown are tables in the page, all 
           "<table class=\"output\">\n<tbody>\n<tr><td>x</td></tr>\n<tr><td>y</td></tr>\n</tbody></table>\n");
 }
 
-TEST_CASE("the page holds pictures, differences and every no; it needs nothing else", "[STUDY-184]") {
+TEST_CASE("the page holds pictures, differences and every no; it needs nothing else", "[STUDY-185]") {
     const TempDir dir;
     dir.write("dot.png", kDot);
     const std::string compare =

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The report in its quick form, read by headless Chromium: every picture decodes, nothing is fetched, it prints. [STUDY-186]
+"""The report in its quick form, read by headless Chromium: every picture decodes, nothing is fetched, it prints. [STUDY-185]
 
     report_in_browser.py RIG_LAB RIG_REPLAY
 """

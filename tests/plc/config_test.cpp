@@ -25,7 +25,7 @@ settings::Error with_line(std::size_t number, const std::string& line) {
 
 }  // namespace
 
-TEST_CASE("the shipped machinery is read, benches apart", "[RIG-260]") {
+TEST_CASE("the shipped machinery is read, benches apart", "[RIG-090]") {
     const auto landing = plc::load_served_rig("config", plc::Bench::landing);
     const auto endurance = plc::load_served_rig("config", plc::Bench::endurance);
     CHECK(landing.machinery.drive.torque_Nm == 8000.0);
@@ -34,7 +34,7 @@ TEST_CASE("the shipped machinery is read, benches apart", "[RIG-260]") {
 }
 
 TEST_CASE("every number of the machinery that is missing, misspelt, no number or out of range is refused",
-          "[RIG-261]") {
+          "[RIG-090]") {
     std::istringstream shipped(content_of(kFile));
     std::string line;
     int keys = 0;

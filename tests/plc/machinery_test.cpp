@@ -71,7 +71,7 @@ TEST_CASE("a landing's flywheel is spun up in about 20 s, the endurance one, too
     CHECK(op.rig.time_s() > 15.0);
 }
 
-TEST_CASE("without drive the flywheel coasts down by bearings and windage", "[RIG-201]") {
+TEST_CASE("without drive the flywheel coasts down by bearings and windage", "[RIG-200]") {
     const plant::Drag drag{.bearing_N = 40.0, .windage_Ns2pm2 = 0.3};
     const double m = 500.0;
     SECTION("closed form against a fine integration") {
@@ -113,7 +113,7 @@ TEST_CASE("without drive the flywheel coasts down by bearings and windage", "[RI
     }
 }
 
-TEST_CASE("a lower set-point is reached by coasting: the drive does not brake", "[RIG-201]") {
+TEST_CASE("a lower set-point is reached by coasting: the drive does not brake", "[RIG-200]") {
     Operator op(Bench::endurance);
     op.wish({.drive = true, .speed_mps = 20.0});
     REQUIRE(op.until([&op] { return op.v() > 19.99; }, 30.0));
@@ -124,7 +124,7 @@ TEST_CASE("a lower set-point is reached by coasting: the drive does not brake", 
     CHECK(slowest == Approx(19.9).margin(1e-6));
 }
 
-TEST_CASE("the sledge travels at its speed, both ways, and touches at its contact position", "[RIG-202]") {
+TEST_CASE("the sledge travels at its speed, both ways, and touches at its contact position", "[RIG-200]") {
     Operator op(Bench::endurance);
     const plc::Sledge sledge = plc::load_served_rig("config", Bench::endurance).machinery.sledge;
     const double travel_s = sledge.contact_m / sledge.speed_mps;
@@ -148,7 +148,7 @@ TEST_CASE("the sledge travels at its speed, both ways, and touches at its contac
     CHECK(op.measured(Measured::wheel_on_rim) == 0.0);
 }
 
-TEST_CASE("brake temperature: heat capacity and cooling in closed form", "[RIG-203]") {
+TEST_CASE("brake temperature: heat capacity and cooling in closed form", "[RIG-200]") {
     const plc::BrakeThermal t{.heat_capacity_JpK = 4000.0, .cooling_WpK = 10.0, .ambient_C = 20.0};
     SECTION("constant power, in a thousand steps and in one") {
         double T = 35.0;

@@ -8,7 +8,7 @@ using plc::Bench;
 using plc_test::maneuver;
 using plc_test::Operator;
 
-TEST_CASE("several maneuvers one after the other: books closed, energy counted on", "[RIG-240]") {
+TEST_CASE("several maneuvers one after the other: books closed, energy counted on", "[RIG-230]") {
     Operator op(Bench::endurance);
     double before_J = 0.0;
     for (int i = 0; i < 4; ++i) {
@@ -28,7 +28,7 @@ TEST_CASE("several maneuvers one after the other: books closed, energy counted o
     }
 }
 
-TEST_CASE("eq. (7) finds the friction that the brake had, on a rig that has braked before", "[RIG-241]") {
+TEST_CASE("eq. (7) finds the friction that the brake had, on a rig that has braked before", "[RIG-230]") {
     plc::ServedRigOptions options = plc::load_served_rig("config", Bench::endurance);
     options.brake.emplace(plc_test::loaded(Bench::endurance).wear, wear::ConditionalRule{},
                           wear::BrakeState{});
@@ -64,7 +64,7 @@ TEST_CASE("eq. (7) finds the friction that the brake had, on a rig that has brak
     }
 }
 
-TEST_CASE("an aborted maneuver leaves a rig that runs the next", "[RIG-242]") {
+TEST_CASE("an aborted maneuver leaves a rig that runs the next", "[RIG-230]") {
     Operator op(Bench::landing);
     op.wish({.drive = true, .speed_mps = 30.0});
     REQUIRE(op.until([&op] { return op.v() > 29.9; }, 60.0));
@@ -81,7 +81,7 @@ TEST_CASE("an aborted maneuver leaves a rig that runs the next", "[RIG-242]") {
     CHECK(maneuver(op, 40.0, 14.0));
 }
 
-TEST_CASE("cool-down at once is cool-down step by step", "[RIG-243]") {
+TEST_CASE("cool-down at once is cool-down step by step", "[RIG-230]") {
     Operator jump(Bench::endurance);
     REQUIRE(maneuver(jump, 40.0, 18.0));
     Operator steps(Bench::endurance);
@@ -105,7 +105,7 @@ TEST_CASE("cool-down at once is cool-down step by step", "[RIG-243]") {
     CHECK(maneuver(jump, 40.0, 18.0));
 }
 
-TEST_CASE("no time passes at once on a rig that is not idle", "[RIG-243]") {
+TEST_CASE("no time passes at once on a rig that is not idle", "[RIG-230]") {
     Operator op(Bench::endurance);
     op.wish({.drive = true, .speed_mps = 10.0});
     op.run(1.0);

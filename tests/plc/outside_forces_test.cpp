@@ -18,7 +18,7 @@ double residual_J(const plant::Rig& rig, double start_J) {
 
 }  // namespace
 
-TEST_CASE("a constant force accelerates the free flywheel uniformly, encoder included", "[RIG-220]") {
+TEST_CASE("a constant force accelerates the free flywheel uniformly, encoder included", "[RIG-200]") {
     const plant::RigParameters p = parameters();
     plant::Rig rig(p, 1e-3, 1);
     rig.start_at_rest();
@@ -41,7 +41,7 @@ TEST_CASE("a constant force accelerates the free flywheel uniformly, encoder inc
           Approx(last_edge_s).margin(5.0 * p.flywheel_encoder.jitter_s));
 }
 
-TEST_CASE("drag stops flywheel and wheel, and never turns them back", "[RIG-220]") {
+TEST_CASE("drag stops flywheel and wheel, and never turns them back", "[RIG-200]") {
     plant::Rig rig(parameters(), 1e-3, 1);
     rig.start_rolling();
     rig.lift_off();
@@ -57,7 +57,7 @@ TEST_CASE("drag stops flywheel and wheel, and never turns them back", "[RIG-220]
     CHECK(std::abs(residual_J(rig, start_J)) < 1e-6 * start_J);
 }
 
-TEST_CASE("the books close with drive, drag, brake and tyre at once", "[RIG-221]") {
+TEST_CASE("the books close with drive, drag, brake and tyre at once", "[RIG-200]") {
     plant::Rig rig(parameters(), 1e-3, 1);
     rig.start_at_rest();
     double largest_J = 0.0;
@@ -80,7 +80,7 @@ TEST_CASE("the books close with drive, drag, brake and tyre at once", "[RIG-221]
     CHECK(rig.wheel().energy_tyre_J > 1e4);
 }
 
-TEST_CASE("another load law acts with the device's own lag", "[RIG-222]") {
+TEST_CASE("another load law acts with the device's own lag", "[RIG-200]") {
     const plant::RigParameters p = parameters();
     plant::Rig rig(p, 1e-3, 1);
     rig.start_rolling();
@@ -97,7 +97,7 @@ TEST_CASE("another load law acts with the device's own lag", "[RIG-222]") {
     CHECK(from_N > 2.0 * expected);
 }
 
-TEST_CASE("another brake acts from the next step on", "[RIG-223]") {
+TEST_CASE("another brake acts from the next step on", "[RIG-200]") {
     const plant::RigParameters p = parameters();
     plant::Rig rig(p, 1e-3, 1);
     rig.start_rolling();
@@ -112,7 +112,7 @@ TEST_CASE("another brake acts from the next step on", "[RIG-223]") {
     CHECK_THROWS_AS(rig.set_brake(std::nan(""), 50.0), std::invalid_argument);
 }
 
-TEST_CASE("idle time at once is idle time step by step", "[RIG-224]") {
+TEST_CASE("idle time at once is idle time step by step", "[RIG-200]") {
     const plant::RigParameters p = parameters();
     const plant::Drag drag{.bearing_N = 5.0, .windage_Ns2pm2 = 0.004};
     plant::Rig steps(p, 1e-3, 1);

@@ -111,7 +111,7 @@ class SecondMaster {
 
 TEST_CASE(
     "A second master that commands 75 m/s in the spin-up of a 49 m/s landing ends it, and commands nothing",
-    "[BRG-138]") {
+    "[BRG-136]") {
     Bench b;
     SecondMaster other(b);
     REQUIRE(b.until([&] { return b.served.plc().orders().drive && b.fastest_mps > 1.0; }));
@@ -131,7 +131,7 @@ TEST_CASE(
 }
 
 TEST_CASE("An encoder with a wrong number of teeth ends the spin-up before the speed is wrong by much",
-          "[BRG-138]") {
+          "[BRG-136]") {
     Bench b;
     b.encoder_scale = 0.75;
     REQUIRE(b.until([&] { return b.sequencer.over(); }));

@@ -31,7 +31,7 @@ TEST_CASE("the served rig sends its sensors and SYNC, and nothing that is the br
     CHECK(s.clock.now() >= (static_cast<std::int64_t>(periods) - 1) * kMillisecond);
 }
 
-TEST_CASE("the brake is handed out after each maneuver, to a reporter on another thread", "[RIG-308]") {
+TEST_CASE("the brake is handed out after each maneuver, to a reporter on another thread", "[RIG-300]") {
     plc::ServedRigOptions options = plc::load_served_rig("config", Bench::endurance);
     options.brake.emplace(plc_test::loaded(Bench::endurance).wear, wear::ConditionalRule{},
                           wear::BrakeState{.seed = 4});
@@ -70,7 +70,7 @@ TEST_CASE("the brake is handed out after each maneuver, to a reporter on another
                         [](const std::string& line) { return line.ends_with("s: second"); }) == 1);
 }
 
-TEST_CASE("the valve command of the period acts in it", "[RIG-271]") {
+TEST_CASE("the valve command of the period acts in it", "[RIG-270]") {
     Stand s;
     s.current_mA = 20.0;
     s.node.run_lockstep(s.stop);
@@ -81,7 +81,7 @@ TEST_CASE("the valve command of the period acts in it", "[RIG-271]") {
     CHECK(s.clock.now() < kSecond + 200 * kMillisecond);
 }
 
-TEST_CASE("lockstep over the bus is the rig in process, bit for bit", "[RIG-271]") {
+TEST_CASE("lockstep over the bus is the rig in process, bit for bit", "[RIG-270]") {
     Stand s;
     s.end_s = 3.0;
     s.current_mA = 12.5;
@@ -100,7 +100,7 @@ TEST_CASE("lockstep over the bus is the rig in process, bit for bit", "[RIG-271]
 
 TEST_CASE(
     "a silent controller: the driver holds for 20 ms of rig time, then gives no current; the rig goes on",
-    "[RIG-272]") {
+    "[RIG-270]") {
     const bool lockstep = GENERATE(true, false);
     Stand s;
     s.current_mA = 20.0;
@@ -138,7 +138,7 @@ TEST_CASE(
     CHECK(s.count(Role::wheel) >= 1999);
 }
 
-TEST_CASE("a controller that comes back is heard again, and has caught up when it counts", "[RIG-273]") {
+TEST_CASE("a controller that comes back is heard again, and has caught up when it counts", "[RIG-270]") {
     Stand s;
     s.current_mA = 20.0;
     s.end_s = 2.0;
@@ -162,7 +162,7 @@ TEST_CASE("a controller that comes back is heard again, and has caught up when i
 }
 
 TEST_CASE("the interface goes down and comes back: the rig goes on without current, and sends again",
-          "[RIG-274]") {
+          "[RIG-270]") {
     const bool lockstep = GENERATE(true, false);
     Stand s;
     s.current_mA = 20.0;
@@ -197,7 +197,7 @@ TEST_CASE("the interface goes down and comes back: the rig goes on without curre
     CHECK(static_cast<double>(s.count(Role::wheel)) == Approx(2000.0).margin(20.0));
 }
 
-TEST_CASE("periods that the machine missed have passed for the plant", "[RIG-275]") {
+TEST_CASE("periods that the machine missed have passed for the plant", "[RIG-270]") {
     Stand s;
     s.end_s = 4.0;
     bool stalled = false;
@@ -213,7 +213,7 @@ TEST_CASE("periods that the machine missed have passed for the plant", "[RIG-275
     CHECK(s.count(Role::wheel) == Approx(2000.0).margin(4.0));
 }
 
-TEST_CASE("trips and refusals are there for who reports", "[RIG-276]") {
+TEST_CASE("trips and refusals are there for who reports", "[RIG-270]") {
     Stand s;
     s.end_s = 1.0;
     s.op.wish({.drive = true, .speed_mps = 1000.0});
@@ -223,7 +223,7 @@ TEST_CASE("trips and refusals are there for who reports", "[RIG-276]") {
     CHECK(s.node.state().refused == 256U + static_cast<unsigned>(plc::Refusal::range));
 }
 
-TEST_CASE("foreign traffic and broken commands move no valve", "[RIG-277]") {
+TEST_CASE("foreign traffic and broken commands move no valve", "[RIG-270]") {
     Stand s;
     s.answers = false;
     s.current_mA = 20.0;

@@ -29,7 +29,7 @@ class Near final : public antiskid::can::Bus {
 
 }  // namespace
 
-TEST_CASE("refusal, trip, reset, a lost interface and its return are said once each, in order", "[RIG-276]") {
+TEST_CASE("refusal, trip, reset, a lost interface and its return are said once each, in order", "[RIG-270]") {
     using plc_test::Operator;
     const auto layout = antiskid::can::load_layout("config/antiskid.dbc", "config/antiskid_binding.toml");
     Operator op(plc::Bench::endurance);

@@ -78,7 +78,7 @@ TEST_CASE("a bridge in lockstep that says good-bye is not waited for", "[RIG-290
 }
 
 TEST_CASE("all three begin together: the first sample and SYNC are said until the controller answers",
-          "[RIG-291]") {
+          "[RIG-290]") {
     Stand s;
     s.answers = false;
     std::vector<Frame> first;

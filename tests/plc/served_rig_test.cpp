@@ -38,7 +38,7 @@ TEST_CASE("everything is at rest and off at the start", "[RIG-230]") {
 TEST_CASE(
     "a rig that starts spun up has a flywheel that turns, coasts and is brought to speed, and nothing else "
     "that moves",
-    "[RIG-244]") {
+    "[RIG-230]") {
     plc::ServedRigOptions options = plc::load_served_rig("config", Bench::landing);
     options.rim_mps = 50.0;
     Operator op(Bench::landing, options, 1);
@@ -54,7 +54,7 @@ TEST_CASE(
     CHECK(op.rig.rig().wheel().omega_radps == 0.0);
 }
 
-TEST_CASE("the load follows eq. (2) behind its lag, once enabled", "[RIG-231]") {
+TEST_CASE("the load follows eq. (2) behind its lag, once enabled", "[RIG-200]") {
     Operator op(Bench::landing);
     REQUIRE(on_rim_at(op, op.plant.rig.brake_on_mps, false));
     const double contact_N = plc::load_served_rig("config", Bench::landing).machinery.loading.contact_force_N;
@@ -81,7 +81,7 @@ TEST_CASE("the load follows eq. (2) behind its lag, once enabled", "[RIG-231]") 
     CHECK(op.measured(Measured::vertical_load_N) == Approx(op.rig.rig().forces().F_z_N).margin(200.0));
 }
 
-TEST_CASE("without load_enable only the contact force presses; retract lifts off", "[RIG-231]") {
+TEST_CASE("without load_enable only the contact force presses; retract lifts off", "[RIG-200]") {
     Operator op(Bench::endurance);
     REQUIRE(on_rim_at(op, 20.0, true));
     op.run(2.0);
@@ -96,7 +96,7 @@ TEST_CASE("without load_enable only the contact force presses; retract lifts off
     CHECK(op.measured(Measured::vertical_load_N) == Approx(0.0).margin(100.0));
 }
 
-TEST_CASE("touchdown spins the wheel up and costs the rim what the wheel took", "[RIG-232]") {
+TEST_CASE("touchdown spins the wheel up and costs the rim what the wheel took", "[RIG-200]") {
     const auto bench = GENERATE(Bench::landing, Bench::endurance);
     Operator op(bench);
     REQUIRE(on_rim_at(op, 50.0, true));
@@ -113,7 +113,7 @@ TEST_CASE("touchdown spins the wheel up and costs the rim what the wheel took", 
     CHECK(op.rig.maneuvers() == 1);
 }
 
-TEST_CASE("an open interlock in any phase: drive off, sledge back, load off", "[RIG-233]") {
+TEST_CASE("an open interlock in any phase: drive off, sledge back, load off", "[RIG-214]") {
     const unsigned interlock = GENERATE(0U, 1U, 2U, 3U);
     const bool braking = GENERATE(false, true);
     Operator op(Bench::endurance);
@@ -148,7 +148,7 @@ TEST_CASE("an open interlock in any phase: drive off, sledge back, load off", "[
     CHECK(op.v() > before_mps - 3.0 + 1.0);
 }
 
-TEST_CASE("a silent bridge trips the rig after its time, in rig time", "[RIG-234]") {
+TEST_CASE("a silent bridge trips the rig after its time, in rig time", "[RIG-214]") {
     plc::ServedRigOptions options = plc::load_served_rig("config", Bench::endurance);
     options.watchdog_s = 1.5;
     Operator op(Bench::endurance, options, 1);
@@ -162,7 +162,7 @@ TEST_CASE("a silent bridge trips the rig after its time, in rig time", "[RIG-234
     CHECK(op.rig.plc().trip() == plc::Trip::bridge_silent);
 }
 
-TEST_CASE("gauges: seeded noise of the given size, no bias, resolution kept", "[RIG-235]") {
+TEST_CASE("gauges: seeded noise of the given size, no bias, resolution kept", "[RIG-230]") {
     Operator op(Bench::endurance);
     REQUIRE(on_rim_at(op, 30.0, true));
     op.run(3.0);
@@ -184,7 +184,7 @@ TEST_CASE("gauges: seeded noise of the given size, no bias, resolution kept", "[
 }
 
 TEST_CASE("same seed and commands: the same bits; another seed: another noise on the same plant",
-          "[RIG-236]") {
+          "[RIG-230]") {
     const auto run = [](std::uint64_t seed, std::vector<double>& noisy) {
         Operator op(Bench::endurance, seed);
         REQUIRE(on_rim_at(op, 20.0, true));
@@ -204,7 +204,7 @@ TEST_CASE("same seed and commands: the same bits; another seed: another noise on
     CHECK(one != other);
 }
 
-TEST_CASE("periods of several milliseconds are the same rig", "[RIG-236]") {
+TEST_CASE("periods of several milliseconds are the same rig", "[RIG-230]") {
     plc::ServedRigOptions options = plc::load_served_rig("config", Bench::endurance);
     Operator fine(Bench::endurance, options, 3);
     options.period_s = 5e-3;
@@ -227,7 +227,7 @@ TEST_CASE("periods of several milliseconds are the same rig", "[RIG-236]") {
     }
 }
 
-TEST_CASE("a command acts at the next scan, measured values change with it", "[RIG-237]") {
+TEST_CASE("a command acts at the next scan, measured values change with it", "[RIG-210]") {
     Operator op(Bench::endurance);
     op.run(1.0);
     op.wish({.drive = true, .speed_mps = 20.0});

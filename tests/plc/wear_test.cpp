@@ -37,7 +37,7 @@ TEST_CASE("friction of each maneuver is the model's at the energy taken so far; 
     }
 }
 
-TEST_CASE("a brake that is taken up again meets the friction of one that never was put down", "[RIG-301]") {
+TEST_CASE("a brake that is taken up again meets the friction of one that never was put down", "[RIG-300]") {
     Operator whole = worn(Bench::endurance, {.seed = 5});
     REQUIRE(maneuver(whole, 30.0, 18.0));
     const wear::BrakeState kept = whole.rig.brake()->state();
@@ -57,7 +57,7 @@ TEST_CASE("a brake that is taken up again meets the friction of one that never w
 }
 
 TEST_CASE("a brake worn beyond all use keeps a friction curve above zero, and no rig fails over it",
-          "[RIG-302]") {
+          "[RIG-300]") {
     Operator op = worn(Bench::endurance, {.seed = 5, .maneuvers = 0, .c_e_J = 1e12});
     REQUIRE(op.rig.brake()->extrapolates());
     op.wish({.drive = true, .speed_mps = 10.0});

@@ -106,7 +106,7 @@ Message kvaser() {
 
 }  // namespace
 
-TEST_CASE("a controller chip that is as it should be passes every check", "[RT-133]") {
+TEST_CASE("a controller chip that is as it should be passes every check", "[RT-130]") {
     const auto checks = can_link_checks(good_link(), "can0", 1'000'000);
     CHECK(checks.size() == 7);
     for (const preflight::Check& check : checks) {
@@ -115,7 +115,7 @@ TEST_CASE("a controller chip that is as it should be passes every check", "[RT-1
     }
 }
 
-TEST_CASE("an interface that is bad in one respect fails that check alone", "[RT-133]") {
+TEST_CASE("an interface that is bad in one respect fails that check alone", "[RT-130]") {
     const std::vector<BadLink> links{
         {[](auto& l) { l.there = false; }, {"CAN interface: fail"}},
         {[](auto& l) { l.is_can = false; }, {"CAN interface: fail"}},
@@ -143,7 +143,7 @@ TEST_CASE("an interface that is bad in one respect fails that check alone", "[RT
     }
 }
 
-TEST_CASE("what a virtual interface or a driver cannot tell is skipped, never passed", "[RT-133]") {
+TEST_CASE("what a virtual interface or a driver cannot tell is skipped, never passed", "[RT-130]") {
     CanLink link = good_link();
     link.errors.reset();
     CHECK(named(can_link_checks(link, "can0", 1'000'000), "CAN error counters").verdict ==
@@ -162,7 +162,7 @@ TEST_CASE("what a virtual interface or a driver cannot tell is skipped, never pa
     }
 }
 
-TEST_CASE("the kernel's message is read whole", "[RT-134]") {
+TEST_CASE("the kernel's message is read whole", "[RT-130]") {
     const CanLink link = preflight::parse_link(kvaser().bytes());
     CHECK(link.there);
     CHECK(link.is_can);
@@ -182,7 +182,7 @@ TEST_CASE("the kernel's message is read whole", "[RT-134]") {
     CHECK_FALSE(preflight::parse_link(Message(RTM_NEWLINK, 0).bytes()).up);
 }
 
-TEST_CASE("a message that is cut off, or whose lengths lie, is read no further than it goes", "[RT-134]") {
+TEST_CASE("a message that is cut off, or whose lengths lie, is read no further than it goes", "[RT-130]") {
     const std::vector<std::byte> whole = kvaser().bytes();
     for (std::size_t size = 0; size < whole.size(); ++size) {
         // On the heap and no longer than it says: a read beyond the end is the sanitizer's to see.
@@ -197,7 +197,7 @@ TEST_CASE("a message that is cut off, or whose lengths lie, is read no further t
 }
 
 TEST_CASE("this machine's kernel is asked: the loopback is no CAN, and what is not there is not there",
-          "[RT-134]") {
+          "[RT-130]") {
     const CanLink lo = preflight::can_link("lo");
     CHECK(lo.refusal.empty());
     CHECK(lo.there);

@@ -74,7 +74,7 @@ struct CheckBench {
 }  // namespace
 
 TEST_CASE("a sound machine and a rig at rest: fit, nothing sent, the valve step not counted as passed",
-          "[RT-139]") {
+          "[RT-130]") {
     CheckBench bench;
     const preflight::Report report = bench.run();
     CHECK(wrong(report.checks).empty());
@@ -85,7 +85,7 @@ TEST_CASE("a sound machine and a rig at rest: fit, nothing sent, the valve step 
 }
 
 TEST_CASE("the valve step moves the valve by a little, and the safe current is the last on the bus",
-          "[RT-140]") {
+          "[RT-130]") {
     CheckBench bench;
     bench.options.check->valve_step = true;
     const preflight::Report report = bench.run();
@@ -99,7 +99,7 @@ TEST_CASE("the valve step moves the valve by a little, and the safe current is t
 }
 
 TEST_CASE("the valve is not touched unless everything stands, is released, is heard and nobody else commands",
-          "[RT-140]") {
+          "[RT-130]") {
     CheckBench bench;
     bench.options.check->valve_step = true;
     const char* why = "";
@@ -152,7 +152,7 @@ TEST_CASE("the valve is not touched unless everything stands, is released, is he
 }
 
 TEST_CASE("a wheel that begins to turn during the step, and the operator, end it with the safe current",
-          "[RT-140]") {
+          "[RT-130]") {
     CheckBench bench;
     bench.options.check->valve_step = true;
     SECTION("wheel") {
@@ -172,7 +172,7 @@ TEST_CASE("a wheel that begins to turn during the step, and the operator, end it
     for (std::size_t i = commands.size() - 3; i < commands.size(); ++i) CHECK(commands[i] == 0.0F);
 }
 
-TEST_CASE("a bus that cannot be opened fails by its reason; the loop is timed all the same", "[RT-139]") {
+TEST_CASE("a bus that cannot be opened fails by its reason; the loop is timed all the same", "[RT-130]") {
     CheckBench bench;
     bench.refusal = std::string("CAN interface 'can0' is down");
     const auto checks = bench.run().checks;
@@ -182,7 +182,7 @@ TEST_CASE("a bus that cannot be opened fails by its reason; the loop is timed al
     CHECK(named(checks, "loop latency").verdict == preflight::Verdict::pass);
 }
 
-TEST_CASE("a configuration that is refused, or is not the expected one, is a check that failed", "[RT-139]") {
+TEST_CASE("a configuration that is refused, or is not the expected one, is a check that failed", "[RT-130]") {
     CheckBench bench;
     SECTION("refused") {
         bench.options.controller = "config/no_such.toml";

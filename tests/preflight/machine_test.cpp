@@ -69,14 +69,14 @@ class Tree {
 
 }  // namespace
 
-TEST_CASE("a machine that is good in every respect passes every check", "[RT-131]") {
+TEST_CASE("a machine that is good in every respect passes every check", "[RT-130]") {
     for (const preflight::Check& check : all(good_machine())) {
         CAPTURE(check.name, check.measured);
         CHECK(check.verdict == preflight::Verdict::pass);
     }
 }
 
-TEST_CASE("a machine that is bad in one respect fails that check alone", "[RT-131]") {
+TEST_CASE("a machine that is bad in one respect fails that check alone", "[RT-130]") {
     const std::vector<Bad> machines{
         {[](auto& m) { m.realtime_kernel = false, m.kernel = "#1 SMP PREEMPT_DYNAMIC"; },
          {"kernel preemption: warn"}},
@@ -108,7 +108,7 @@ TEST_CASE("a machine that is bad in one respect fails that check alone", "[RT-13
     }
 }
 
-TEST_CASE("what cannot be looked at is skipped, and says so", "[RT-131]") {
+TEST_CASE("what cannot be looked at is skipped, and says so", "[RT-130]") {
     MachineFacts facts = good_machine();
     facts.governors.clear();
     CHECK(named(all(facts), "frequency governor").verdict == preflight::Verdict::skipped);
@@ -121,7 +121,7 @@ TEST_CASE("what cannot be looked at is skipped, and says so", "[RT-131]") {
     CHECK(named(checks, "core isolation").verdict == preflight::Verdict::skipped);
 }
 
-TEST_CASE("facts are read where the kernel keeps them", "[RT-132]") {
+TEST_CASE("facts are read where the kernel keeps them", "[RT-130]") {
     const Tree tree;
     tree.write("proc/sys/kernel/version", "#7 SMP PREEMPT_RT test");
     tree.write("sys/kernel/realtime", "1");
@@ -152,7 +152,7 @@ TEST_CASE("facts are read where the kernel keeps them", "[RT-132]") {
     CHECK_THAT(facts.record_refusal, ContainsSubstring("is no directory"));
 }
 
-TEST_CASE("this machine is looked at to an end, and a right that nobody has is not granted", "[RT-132]") {
+TEST_CASE("this machine is looked at to an end, and a right that nobody has is not granted", "[RT-130]") {
     MachineNeeds needs = loop_needs();
     needs.priority = 1000;  // out of SCHED_FIFO's range
     needs.cpu = 1'000'000;

@@ -64,7 +64,7 @@ bool fails_by(const Played& played, const std::string& words) {
 
 }  // namespace
 
-TEST_CASE("a healthy valve answers; the step is small, short and ends at the safe current", "[RT-138]") {
+TEST_CASE("a healthy valve answers; the step is small, short and ends at the safe current", "[RT-130]") {
     const Played played = play({});
     CAPTURE(played.check.measured);
     CHECK(played.check.verdict == preflight::Verdict::pass);
@@ -76,7 +76,7 @@ TEST_CASE("a healthy valve answers; the step is small, short and ends at the saf
     CHECK(play({.gain = 0.8F}).check.verdict == preflight::Verdict::pass);
 }
 
-TEST_CASE("a valve that answers too much, too little, too late or not at all fails", "[RT-138]") {
+TEST_CASE("a valve that answers too much, too little, too late or not at all fails", "[RT-130]") {
     CHECK(play({.gain = 1.35F}).check.verdict == preflight::Verdict::fail);
     CHECK(play({.gain = 0.7F}).check.verdict == preflight::Verdict::fail);
     CHECK(play({.gain = 0.0F}).check.verdict == preflight::Verdict::fail);
@@ -87,7 +87,7 @@ TEST_CASE("a valve that answers too much, too little, too late or not at all fai
 }
 
 TEST_CASE("whatever moves, stops or falls silent during the step ends it at once at the safe current",
-          "[RT-138]") {
+          "[RT-130]") {
     const auto at = [](int when, const std::function<void(control::Sensors&)>& what) {
         return [when, what](control::Sensors& sensors, int period) {
             if (period >= when) what(sensors);

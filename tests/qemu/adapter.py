@@ -23,7 +23,7 @@ def check(truth, what):
 
 
 def main():
-    """[RT-171]"""
+    """[RT-040]"""
     build = pathlib.Path(sys.argv[1]).resolve()
     place = pathlib.Path(tempfile.mkdtemp())
     log, report = place / "log", place / "report.json"

@@ -60,7 +60,7 @@ rig::Figures figures(const std::vector<Frame>& record) {
 }  // namespace
 
 TEST_CASE("a wall clock that is set, in any phase, forward or back, changes no figure of a landing",
-          "[BRG-265]") {
+          "[BRG-200]") {
     const ClosedForm c;
     const std::vector<Frame> sent = Recording(c, false).frames;
     const rig::Figures sound = figures(recorded(sent, 1h, Time{}));

@@ -93,7 +93,7 @@ double worst_m(const Disturbance& disturbance) {
 }  // namespace
 
 TEST_CASE("frames that are lost, doubled or overtaken leave the length within 0.16 m of a listener's",
-          "[BRG-269]") {
+          "[BRG-200]") {
     for (const Disturbance& d :
          {Disturbance{}, Disturbance{.lost = 0.001}, Disturbance{.lost = 0.01}, Disturbance{.lost = 0.05},
           Disturbance{.twice = 0.2}, Disturbance{.late = 0.01, .late_ms = 2.0},
@@ -104,7 +104,7 @@ TEST_CASE("frames that are lost, doubled or overtaken leave the length within 0.
     }
 }
 
-TEST_CASE("a report that brings its edge late is no slower shaft, reports without one are", "[BRG-626]") {
+TEST_CASE("a report that brings its edge late is no slower shaft, reports without one are", "[BRG-200]") {
     constexpr double kEdges_hz = 970.0;
     const double late_s = GENERATE(0.0, 0.0011, 0.005, 0.018);
     CAPTURE(late_s);

@@ -73,7 +73,7 @@ Recording::Change started_anew(double at_s) {
 
 }  // namespace
 
-TEST_CASE("a sound record has the same figures with the gate, and no warning", "[BRG-260]") {
+TEST_CASE("a sound record has the same figures with the gate, and no warning", "[BRG-200]") {
     for (const bool sync : {true, false}) {
         ClosedForm c;
         c.jitter_s = 2e-6;
@@ -101,7 +101,7 @@ TEST_CASE("a sound record has the same figures with the gate, and no warning", "
 }
 
 TEST_CASE("a sensor that starts anew in braking is counted, and its edges are none of the brake's",
-          "[BRG-260]") {
+          "[BRG-200]") {
     ClosedForm c;
     for (const bool sync : {true, false}) {
         for (const double at_s : {2.5, 5.0, 9.1, 12.345}) {
@@ -123,7 +123,7 @@ TEST_CASE("a sensor that starts anew in braking is counted, and its edges are no
 }
 
 TEST_CASE("a sensor that is silent before it starts anew leaves energy unknown, and that is said",
-          "[BRG-260][BRG-261]") {
+          "[BRG-200][BRG-261]") {
     ClosedForm c;
     const Recording recording(c, true, 1, started_anew(6.5));
     std::vector<Frame> heard;
@@ -142,7 +142,7 @@ TEST_CASE("a sensor that is silent before it starts anew leaves energy unknown, 
     CHECK(judged.counted_J() == 0.0);
 }
 
-TEST_CASE("frames that are replayed move nothing", "[BRG-260]") {
+TEST_CASE("frames that are replayed move nothing", "[BRG-200]") {
     ClosedForm c;
     const Measured sound = measure(Recording(c, true).frames);
     for (const int age : {1, 10, 200, 1500}) {
@@ -164,7 +164,7 @@ TEST_CASE("frames that are replayed move nothing", "[BRG-260]") {
 }
 
 TEST_CASE("a run of replayed frames without any other between them is no restart, and changes no figure",
-          "[BRG-620]") {
+          "[BRG-200]") {
     ClosedForm c;
     for (const double from_s : {2.2, 9.0, 16.0}) {
         for (const bool aborted : {false, true}) {
@@ -196,7 +196,7 @@ TEST_CASE("a run of replayed frames without any other between them is no restart
 }
 
 TEST_CASE("what the brake takes after an abort until it has released counts; way and time end with the abort",
-          "[BRG-622]") {
+          "[BRG-200]") {
     ClosedForm c;
     constexpr double kAbort_s = 5.0;
     for (const double release_s : {0.1, 0.3, 2.0}) {
@@ -218,7 +218,7 @@ TEST_CASE("what the brake takes after an abort until it has released counts; way
     }
 }
 
-TEST_CASE("a sensor that starts anew where the rig stands is no motion either", "[BRG-260]") {
+TEST_CASE("a sensor that starts anew where the rig stands is no motion either", "[BRG-200]") {
     ClosedForm c;
     c.standstill_s = 1.0;
     const Recording recording(c, true, 1, started_anew(c.rest_s() + 0.2));
@@ -271,7 +271,7 @@ TEST_CASE("brake and tyre energy that is not the kinetic energy lost is flagged,
     CHECK(without_force(1.3F).warns("energy_unbalanced"));
 }
 
-TEST_CASE("torque over pressure that is no brake's friction is named with both numbers", "[BRG-266]") {
+TEST_CASE("torque over pressure that is no brake's friction is named with both numbers", "[BRG-261]") {
     ClosedForm c;
     rig::MeterParameters p = gated();
     p.friction = 0.26;  // 630 N m by 2 MPa through this brake

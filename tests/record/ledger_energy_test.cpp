@@ -71,7 +71,7 @@ std::string table(const std::filesystem::path& path) {
 }  // namespace
 
 TEST_CASE("what a dead bridge had braked counts once its log was metered, and the number is run again",
-          "[BRG-262]") {
+          "[BRG-220]") {
     const TempDir dir;
     const auto path = ledger_in(dir);
     {
@@ -133,7 +133,7 @@ TEST_CASE("energy that does not balance is in its row, and not in the sum", "[BR
     CHECK_THAT(summary_table(s), ContainsSubstring("energy_unbalanced: brake and tyre took 60 MJ"));
 }
 
-TEST_CASE("an amendment moves every sum that stands on the maneuver, and overwrites nothing", "[BRG-264]") {
+TEST_CASE("an amendment moves every sum that stands on the maneuver, and overwrites nothing", "[BRG-261]") {
     const TempDir dir;
     const auto path = ledger_in(dir);
     Ledger ledger(path);
@@ -174,7 +174,7 @@ TEST_CASE("an amendment moves every sum that stands on the maneuver, and overwri
                       ContainsSubstring("while a maneuver is running"));
 }
 
-TEST_CASE("an attempt without figures can be amended, too, and a campaign is chosen as it is", "[BRG-264]") {
+TEST_CASE("an attempt without figures can be amended, too, and a campaign is chosen as it is", "[BRG-261]") {
     const TempDir dir;
     const auto path = ledger_in(dir);
     {

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""[BRG-227] A bridge killed with SIGKILL at random moments never leaves a corrupt ledger, loses no finished maneuver and counts none twice.
+"""[BRG-220] A bridge killed with SIGKILL at random moments never leaves a corrupt ledger, loses no finished maneuver and counts none twice.
 
 Usage: ledger_killed.py LEDGER_WRITER. The ledger is judged by Python's own SQLite, not by our code.
 """

@@ -101,7 +101,7 @@ TEST_CASE("a campaign goes through its maneuvers, each in a row with all its fig
     CHECK(read_campaigns(path)[0].seed == 7);
 }
 
-TEST_CASE("what a dead bridge left is settled on resume, once", "[BRG-221]") {
+TEST_CASE("what a dead bridge left is settled on resume, once", "[BRG-220]") {
     const TempDir dir;
     const auto path = place(dir);
     Summary whole;
@@ -147,7 +147,7 @@ TEST_CASE("what a dead bridge left is settled on resume, once", "[BRG-221]") {
     CHECK(read_ledger(path, "endurance").size() == 6);
 }
 
-TEST_CASE("aborted maneuvers keep their row and are run again; nothing is finished twice", "[BRG-222]") {
+TEST_CASE("aborted maneuvers keep their row and are run again; nothing is finished twice", "[BRG-220]") {
     const TempDir dir;
     const auto path = place(dir);
     Ledger ledger(path);
@@ -217,7 +217,7 @@ TEST_CASE("a campaign is not resumed as another one unless told so", "[BRG-223]"
                       ContainsSubstring("has no campaign 'third'; it has endurance, second"));
 }
 
-TEST_CASE("one bridge at a time; readers may look", "[BRG-224]") {
+TEST_CASE("one bridge at a time; readers may look", "[BRG-223]") {
     const TempDir dir;
     const auto path = place(dir);
     {
@@ -232,7 +232,7 @@ TEST_CASE("one bridge at a time; readers may look", "[BRG-224]") {
     CHECK_NOTHROW(Ledger(path));
 }
 
-TEST_CASE("foreign, newer and damaged files are refused by name, and left as they are", "[BRG-225]") {
+TEST_CASE("foreign, newer and damaged files are refused by name, and left as they are", "[BRG-223]") {
     const TempDir dir;
     const auto text = dir.write("text.sqlite", "campaign,number\n1,2\n" + std::string(2000, 'x'));
     CHECK_THROWS_WITH(Ledger(text), ContainsSubstring("text.sqlite: is no SQLite file"));
@@ -280,7 +280,7 @@ TEST_CASE("foreign, newer and damaged files are refused by name, and left as the
     CHECK_THROWS_AS(Ledger("/proc/no/ledger.sqlite"), LedgerError);
 }
 
-TEST_CASE("a disk without room is an error that says so; the ledger stays whole", "[BRG-226]") {
+TEST_CASE("a disk without room is an error that says so; the ledger stays whole", "[BRG-220]") {
     const TempDir dir;
     const auto path = place(dir);
     std::int64_t finished = 0;
@@ -348,7 +348,7 @@ TEST_CASE("a finished maneuver keeps what was thought of its brake", "[BRG-500]"
 
 TEST_CASE(
     "a ledger of schema 1 is read as it is, and brought to the newest when it is written; nothing is lost",
-    "[BRG-501]") {
+    "[BRG-223]") {
     // Two maneuvers and an aborted third, as the program of that schema wrote them.
     const TempDir dir;
     const auto path = dir.write("old.sqlite", "");

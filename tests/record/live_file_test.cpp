@@ -32,7 +32,7 @@ bool eventually(Truth truth) {
 
 }  // namespace
 
-TEST_CASE("lines of a live file come to the kernel by themselves, in order", "[BRG-263]") {
+TEST_CASE("lines of a live file come to the kernel by themselves, in order", "[BRG-220]") {
     const TempDir dir;
     const auto path = dir.write("x", "").parent_path() / "deep" / "er" / "bus.log";
     LiveFile file(path);
@@ -53,7 +53,7 @@ TEST_CASE("lines of a live file come to the kernel by themselves, in order", "[B
 }
 
 TEST_CASE("a disk that stands still holds nobody up; what the queue does not hold is counted and named",
-          "[BRG-263]") {
+          "[BRG-220]") {
     const TempDir dir;
     const auto path = dir.write("x", "").parent_path() / "bus.log";
     std::atomic<bool> stands{true}, waits{false};
@@ -76,7 +76,7 @@ TEST_CASE("a disk that stands still holds nobody up; what the queue does not hol
 }
 
 TEST_CASE("the stamps of a record go on as the monotonic clock does, whoever sets the wall clock",
-          "[BRG-265]") {
+          "[BRG-200]") {
     const Time offset{1'700'000'000'000'000'000};
     rig::StampLabel label(offset);
     const Time noise{20'000};

@@ -114,7 +114,7 @@ void compare(const Both& b) {
 
 }  // namespace
 
-TEST_CASE("landings on every kind of surface: the meter's figures are the plant's", "[BRG-208]") {
+TEST_CASE("landings on every kind of surface: the meter's figures are the plant's", "[BRG-200]") {
     for (const char* surface : {"dry_asphalt", "wet_asphalt", "snow"}) {
         for (const char* maneuver : {"light", "heavy"}) {
             INFO(surface << ' ' << maneuver);
@@ -123,7 +123,7 @@ TEST_CASE("landings on every kind of surface: the meter's figures are the plant'
     }
 }
 
-TEST_CASE("endurance stops: the meter's figures are the plant's", "[BRG-208]") {
+TEST_CASE("endurance stops: the meter's figures are the plant's", "[BRG-200]") {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
         auto options = scenarios::options({"dry_asphalt", "endurance"}, "deceleration");
         options.seed = seed;
@@ -134,7 +134,7 @@ TEST_CASE("endurance stops: the meter's figures are the plant's", "[BRG-208]") {
 }
 
 TEST_CASE("where the load cells are silent, the speeds say what the brake took, and that is said",
-          "[BRG-621]") {
+          "[BRG-200]") {
     std::vector<plant_sim::ScenarioOptions> stops{
         scenarios::options({"dry_asphalt", "endurance"}, "deceleration")};
     for (const char* surface : {"dry_asphalt", "wet_asphalt", "snow"})
@@ -158,7 +158,7 @@ TEST_CASE("where the load cells are silent, the speeds say what the brake took, 
     }
 }
 
-TEST_CASE("how often load cells are read costs no energy", "[BRG-625]") {
+TEST_CASE("how often load cells are read costs no energy", "[BRG-200]") {
     for (const char* surface : {"dry_asphalt", "wet_asphalt", "snow"}) {
         for (const int every : {1, 2, 4}) {
             CAPTURE(surface, every);

@@ -82,7 +82,7 @@ TEST_CASE("Each maneuver keeps the specimen that was said when it began", "[BRG-
     CHECK(to_text(rows[0].summary.specimen) == "brake B1, disc D7, operator Rossi");
 }
 
-TEST_CASE("Another brake or disc in a campaign is refused unless it is meant", "[BRG-271]") {
+TEST_CASE("Another brake or disc in a campaign is refused unless it is meant", "[BRG-270]") {
     const TempDir dir;
     const auto path = dir.write("x", "").parent_path() / "campaign.sqlite";
     Ledger ledger(path);
@@ -98,7 +98,7 @@ TEST_CASE("Another brake or disc in a campaign is refused unless it is meant", "
     CHECK(ledger.specimen() == Specimen{.brake = "B1", .disc = "D8"});
 }
 
-TEST_CASE("Energy is counted disc by disc", "[BRG-271]") {
+TEST_CASE("Energy is counted disc by disc", "[BRG-270]") {
     DiscEnergy energy;
     CHECK(energy.after({.disc = "D7"}, 1.0) == 1.0);
     CHECK(energy.after({.disc = "D7"}, 3.0) == 3.0);

@@ -27,7 +27,7 @@ const Verdict kVerdicts[] = {std::nullopt, Verdict{std::in_place},
 
 }  // namespace
 
-TEST_CASE("a summary keeps the verdict; one of a time that knew none is not judged", "[BRG-141]") {
+TEST_CASE("a summary keeps the verdict; one of a time that knew none is not judged", "[BRG-140]") {
     const TempDir dir;
     const auto path = dir.write("summary.json", "");
     for (const Verdict& verdict : kVerdicts) {
@@ -47,7 +47,7 @@ TEST_CASE("a summary keeps the verdict; one of a time that knew none is not judg
     CHECK_FALSE(rig::read_summary(dir.write("old.json", text)).out_of_tolerance.has_value());
 }
 
-TEST_CASE("a ledger's row keeps the verdict, and a bridge that died leaves it in its summary", "[BRG-141]") {
+TEST_CASE("a ledger's row keeps the verdict, and a bridge that died leaves it in its summary", "[BRG-140]") {
     for (const Verdict& verdict : kVerdicts) {
         const TempDir dir;
         const auto path = dir.write("x", "").parent_path() / "ledger.sqlite";

@@ -27,7 +27,7 @@ WorkBooks books(double until_s, double from_s, double to_s, double again_s) {
 
 }  // namespace
 
-TEST_CASE("readings that come late or are said again now and then are believed", "[BRG-621]") {
+TEST_CASE("readings that come late or are said again now and then are believed", "[BRG-200]") {
     for (const double hole_s : {0.0, 0.03, 0.09}) {
         const WorkBooks sound = books(3.0, 1.0, 1.0 + hole_s, 0.05);
         CHECK(sound.work().brake_J == Approx(300.0));
@@ -38,7 +38,7 @@ TEST_CASE("readings that come late or are said again now and then are believed",
 }
 
 TEST_CASE("a silence is the speeds' from the newest reading on that was new, to where readings are back",
-          "[BRG-621]") {
+          "[BRG-200]") {
     for (const double again_s : {0.0, 0.05, 0.1}) {
         CAPTURE(again_s);
         const WorkBooks ended = books(3.0, 1.0, 2.0, again_s);
@@ -53,7 +53,7 @@ TEST_CASE("a silence is the speeds' from the newest reading on that was new, to 
     }
 }
 
-TEST_CASE("a step over a hole of everything is the speeds' even where it ends with a reading", "[BRG-621]") {
+TEST_CASE("a step over a hole of everything is the speeds' even where it ends with a reading", "[BRG-200]") {
     WorkBooks books(0.0);
     books.add(0.01, CellReading::fresh, {.brake_J = 1.0}, {.brake_J = 2.0});
     books.add(1.01, CellReading::fresh, {.brake_J = 100.0}, {.brake_J = 200.0});

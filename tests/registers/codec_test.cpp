@@ -61,7 +61,7 @@ std::vector<std::uint16_t> swapped(std::vector<std::uint16_t> words) {
 
 }  // namespace
 
-TEST_CASE("Every type and word order is coded as written down", "[BRG-005]") {
+TEST_CASE("Every type and word order is coded as written down", "[BRG-001]") {
     for (const auto& [f, value, abcd] : vectors()) {
         CAPTURE(value, static_cast<int>(f.type));
         std::vector<std::uint16_t> words(abcd.size());
@@ -79,7 +79,7 @@ TEST_CASE("Every type and word order is coded as written down", "[BRG-005]") {
     }
 }
 
-TEST_CASE("Integers are rounded to the nearest, halves away from zero", "[BRG-006]") {
+TEST_CASE("Integers are rounded to the nearest, halves away from zero", "[BRG-001]") {
     std::vector<std::uint16_t> word(1);
     const Field f = field(RegisterType::i16, -100, 100);
     const auto coded = [&](double value) {
@@ -93,7 +93,7 @@ TEST_CASE("Integers are rounded to the nearest, halves away from zero", "[BRG-00
     CHECK(coded(-0.4) == 0);
 }
 
-TEST_CASE("Writing saturates at the declared range and refuses NaN", "[BRG-006]") {
+TEST_CASE("Writing saturates at the declared range and refuses NaN", "[BRG-001]") {
     std::vector<std::uint16_t> word(1);
     const Field f = field(RegisterType::i16, -40, 1500, 0.1);
     REQUIRE(encode(f, WordOrder::big, 1e9, word));
@@ -116,7 +116,7 @@ TEST_CASE("Writing saturates at the declared range and refuses NaN", "[BRG-006]"
     CHECK(decode(odd, WordOrder::big, pair).quality == ValueQuality::good);
 }
 
-TEST_CASE("Reading reports what cannot be", "[BRG-007]") {
+TEST_CASE("Reading reports what cannot be", "[BRG-001]") {
     const Field force = field(RegisterType::float32, -5e3, 100e3);
     const auto quality = [&](std::uint16_t high, std::uint16_t low) {
         return decode(force, WordOrder::big, std::vector<std::uint16_t>{high, low}).quality;
@@ -138,7 +138,7 @@ TEST_CASE("Reading reports what cannot be", "[BRG-007]") {
     CHECK(two.value == 2.0);
 }
 
-TEST_CASE("Any value comes back within half a step", "[BRG-008]") {
+TEST_CASE("Any value comes back within half a step", "[BRG-001]") {
     std::mt19937_64 random(20261121);
     std::uniform_real_distribution<double> share(0.0, 1.0);
     constexpr std::array kTypes{RegisterType::u16, RegisterType::i16, RegisterType::u32,
@@ -169,7 +169,7 @@ TEST_CASE("Any value comes back within half a step", "[BRG-008]") {
     }
 }
 
-TEST_CASE("Interlock bits stand where the map says", "[BRG-009]") {
+TEST_CASE("Interlock bits stand where the map says", "[BRG-001]") {
     rig::RegisterMap map = rig::load_register_map("config/registers.toml");
     map.interlock_bit = {7, 15, 0, 3};  // emergency stop, guard, hydraulics, drive
     CHECK(rig::interlocks_from_register(map, 0x0080) == 0b0001);
@@ -187,7 +187,7 @@ TEST_CASE("Interlock bits stand where the map says", "[BRG-009]") {
     CHECK(rig::read(map, inputs, rig::Measured::interlocks).value == 0b1011);
 }
 
-TEST_CASE("Blocks cover all registers, none beside them, in the fewest requests", "[BRG-010]") {
+TEST_CASE("Blocks cover all registers, none beside them, in the fewest requests", "[BRG-001]") {
     const auto at = [](std::uint16_t address, RegisterType type) {
         return Field{"x", address, type, 1.0, 0.0, 0.0, 1.0, ""};
     };

@@ -1,5 +1,5 @@
 #!/bin/bash
-# [BRG-011] The committed page is the one that the map gives; another map gives another page.
+# [BRG-001] The committed page is the one that the map gives; another map gives another page.
 # usage: page_test.sh [PYTHON]   from the project root
 set -euo pipefail
 python=${1:-/usr/bin/python3}

@@ -106,7 +106,7 @@ TEST_CASE("the references follow from the rows alone, each as what it is", "[BRG
     CHECK(shares.after(back).last_reading() == regulation::Reading::counter_back);
 }
 
-TEST_CASE("a campaign that cannot be regulated is refused with the file", "[BRG-511]") {
+TEST_CASE("a campaign that cannot be regulated is refused with the file", "[BRG-510]") {
     const RegulationConfig config = shipped();
     CHECK_THROWS_WITH(
         WearRegulation(config, endurance_test::setup("endurance").scenario),
@@ -120,7 +120,7 @@ TEST_CASE("a campaign that cannot be regulated is refused with the file", "[BRG-
     CHECK_THROWS_WITH(WearRegulation(config, heavy), ContainsSubstring("plan.brake_taken_J"));
 }
 
-TEST_CASE("a campaign reckons with the surfaces that it is told, and with its own", "[BRG-580]") {
+TEST_CASE("a campaign reckons with the surfaces that it is told, and with its own", "[BRG-510]") {
     RegulationConfig config = shipped();
     const rig::Scenario scenario = endurance_test::setup("heavy").scenario;  // dry asphalt
     const regulation::Range all = WearRegulation(config, scenario).after({}).range();
@@ -131,7 +131,7 @@ TEST_CASE("a campaign reckons with the surfaces that it is told, and with its ow
     CHECK(own.highest > all.highest);
 }
 
-TEST_CASE("the brake's life is what its friction foretells; without friction it is the plan's", "[BRG-581]") {
+TEST_CASE("the brake's life is what its friction foretells; without friction it is the plan's", "[BRG-510]") {
     const rig::Scenario scenario = endurance_test::setup("heavy").scenario;
     const WearRegulation shares(shipped(), scenario);
     const wear::BrakeWear& brake = scenario.rig.wear;
@@ -163,7 +163,7 @@ TEST_CASE("the brake's life is what its friction foretells; without friction it 
               .brake_life_J == shares.plan().brake_life_J);
 }
 
-TEST_CASE("the ledger keeps the reference in force", "[BRG-512]") {
+TEST_CASE("the ledger keeps the reference in force", "[BRG-510]") {
     const auto path = fresh("regulation_ledger") / "campaign.sqlite";
     {
         rig::Ledger ledger(path, {.durable = false});
@@ -178,7 +178,7 @@ TEST_CASE("the ledger keeps the reference in force", "[BRG-512]") {
     CHECK(std::isnan(rows[1].slip_reference));
 }
 
-TEST_CASE("view and status show reference, shares and landings to the limits", "[BRG-513]") {
+TEST_CASE("view and status show reference, shares and landings to the limits", "[BRG-510]") {
     const WearRegulation shares(shipped(), endurance_test::setup("heavy").scenario);
     const regulation::Regulator one = shares.after({row(RowState::finished, 0.24, 0.231, 6.4e6)});
     const std::string text = rig::line(one);
@@ -215,7 +215,7 @@ TEST_CASE("view and status show reference, shares and landings to the limits", "
     CHECK_THAT(rig::status_text(folder / "campaign.sqlite"), !ContainsSubstring("regulation:"));
 }
 
-TEST_CASE("a regulated campaign in one process: rows, references, resumption", "[BRG-514]") {
+TEST_CASE("a regulated campaign in one process: rows, references, resumption", "[BRG-510]") {
     const endurance::Setup setup = endurance_test::setup("light");
     RegulationConfig config = shipped();
     config.plan.brake_taken_J = setup.scenario.rig.wear.life_J - 12 * 2.30e6;

@@ -31,7 +31,7 @@ double walked(const FloorTable& table, double floor, double from, double step) {
 
 }  // namespace
 
-TEST_CASE("the allowed range is where a walk from the default first meets the floor", "[STUDY-165]") {
+TEST_CASE("the allowed range is where a walk from the default first meets the floor", "[STUDY-167]") {
     std::mt19937 generator(11);
     std::uniform_real_distribution<double> j(0.7, 1.0);
     int bounded = 0;
@@ -55,7 +55,7 @@ TEST_CASE("the allowed range is where a walk from the default first meets the fl
 }
 
 TEST_CASE("a surface that is unknown, or on which the default is below the floor, is refused by name",
-          "[STUDY-165]") {
+          "[STUDY-167]") {
     const FloorTable table{.reference = {0.1, 0.3}, .rows = {{"ice", {0.99, 0.99}}, {"cobble", {0.5, 0.9}}}};
     const std::vector<std::string> cobble{"ice", "cobble"};
     const std::vector<std::string> grass{"grass"};

@@ -72,7 +72,7 @@ std::vector<bool> feasible(const std::vector<regulation::PolicyLives>& all) {
 }  // namespace
 
 TEST_CASE("landings are drawn evenly, the same for every policy; balanced ones each equally often",
-          "[STUDY-172]") {
+          "[STUDY-167]") {
     const auto draws = regulation::draw_life(3, 5, 6400, 256, 32, Mix::random, 0.25);
     std::map<std::size_t, int> counts;
     int measured = 0;
@@ -99,7 +99,7 @@ TEST_CASE("landings are drawn evenly, the same for every policy; balanced ones e
 }
 
 TEST_CASE("both limits are met where that is feasible, together where not; fixed references do neither",
-          "[STUDY-173]") {
+          "[STUDY-167]") {
     const regulation::Plan plan = toy::plan(256, 0.32);
     const auto all = fleet(plan, {.lives = 40, .seed = 9, .worst_stops = true});
     const std::vector<bool> possible = feasible(all);
@@ -128,7 +128,7 @@ TEST_CASE("both limits are met where that is feasible, together where not; fixed
 }
 
 TEST_CASE("with every scenario equally often the plan is feasible in every life, and met in every one",
-          "[STUDY-173]") {
+          "[STUDY-167]") {
     const regulation::Plan plan = toy::plan(256, 0.28);
     const auto all = fleet(plan, {.lives = 20, .seed = 4, .mix = Mix::balanced, .missing = 0.1});
     const regulation::Summary regulated = summary(all[0], feasible(all), plan.tolerance);
@@ -138,7 +138,7 @@ TEST_CASE("with every scenario equally often the plan is feasible in every life,
 
 TEST_CASE(
     "brakes that last differently are met together where inspections tell, and not by a fixed reference",
-    "[STUDY-173]") {
+    "[STUDY-167]") {
     const regulation::Plan plan = toy::plan(256, 0.30);
     const regulation::FleetOptions options{.lives = 20, .seed = 4, .brake_deviation = 0.05, .inspection = 32};
     const auto all = fleet(plan, options);
@@ -148,7 +148,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a share that is out of reach is no feasible life, and the limit that was forecast comes first",
-          "[STUDY-173]") {
+          "[STUDY-167]") {
     const auto all = fleet(toy::plan(256, 0.45), {.lives = 3, .seed = 2});
     for (const Life& life : all[0].lives) {
         CHECK_FALSE(life.feasible);
@@ -158,7 +158,7 @@ TEST_CASE("a share that is out of reach is no feasible life, and the limit that 
     }
 }
 
-TEST_CASE("a stop beyond the worst reference's is noticed", "[STUDY-173]") {
+TEST_CASE("a stop beyond the worst reference's is noticed", "[STUDY-167]") {
     const regulation::Plan plan = toy::plan(20, 0.3);
     regulation::LivingPair pair(
         plan, {}, kRange, regulation::draw_life(1, 1, 40, 20, 4, Mix::random, 0.0),
@@ -172,7 +172,7 @@ TEST_CASE("a stop beyond the worst reference's is noticed", "[STUDY-173]") {
     CHECK_FALSE(pair.life().floor_held);
 }
 
-TEST_CASE("a surface that nobody reckoned with bounds the references once it was landed on", "[STUDY-340]") {
+TEST_CASE("a surface that nobody reckoned with bounds the references once it was landed on", "[STUDY-167]") {
     // The fourth class of landings is a runway on which the floor allows no more than 0.27.
     constexpr regulation::Range kWide{0.10, 0.45};
     const std::vector<regulation::Range> allowed_on{kWide, kWide, kWide, {0.20, 0.27}};
@@ -199,7 +199,7 @@ TEST_CASE("a surface that nobody reckoned with bounds the references once it was
     CHECK_FALSE(life.feasible);  // a share of 0.40 is out of reach with what was seen
 }
 
-TEST_CASE("without inspections the brake's own friction tells how long it lasts", "[STUDY-341]") {
+TEST_CASE("without inspections the brake's own friction tells how long it lasts", "[STUDY-167]") {
     regulation::Plan plan = toy::plan(256, 0.30);
     plan.brake_taken_J = 3.2 * plan.brake_life_J;  // a brake in the last quarter of its life
     plan.brake_life_J += plan.brake_taken_J;
@@ -222,7 +222,7 @@ TEST_CASE("without inspections the brake's own friction tells how long it lasts"
           plan.brake_taken_J + inspected[0].lives[0].brake_budget_J);
 }
 
-TEST_CASE("a life is not forecast from what is no friction, nor from too little", "[STUDY-341]") {
+TEST_CASE("a life is not forecast from what is no friction, nor from too little", "[STUDY-167]") {
     const wear::BrakeWear planned = brake(4e9);
     regulation::LifeForecast life_forecast(regulation::forecast_model(planned), planned, 0.1e9);
     CHECK_FALSE(life_forecast.life_J());
@@ -244,7 +244,7 @@ TEST_CASE("a life is not forecast from what is no friction, nor from too little"
     CHECK(*life_forecast.life_J() == Approx(4e9).epsilon(0.01));
 }
 
-TEST_CASE("the same seed gives the same lives, and they end when told to", "[STUDY-172]") {
+TEST_CASE("the same seed gives the same lives, and they end when told to", "[STUDY-167]") {
     const regulation::Plan plan = toy::plan(64, 0.3);
     regulation::FleetOptions options{.lives = 6, .seed = 8, .missing = 0.05};
     const auto one = fleet(plan, options);
@@ -269,7 +269,7 @@ TEST_CASE("the same seed gives the same lives, and they end when told to", "[STU
     CHECK(fleet(plan, options).empty());
 }
 
-TEST_CASE("what goes wrong in a landing comes out", "[STUDY-172]") {
+TEST_CASE("what goes wrong in a landing comes out", "[STUDY-167]") {
     const regulation::FleetOptions options{.lives = 2, .scenarios = 4};
     const auto broken = [](std::span<const regulation::LandingRequest>) -> std::vector<Stop> {
         throw std::runtime_error("the aircraft is gone");
@@ -279,7 +279,7 @@ TEST_CASE("what goes wrong in a landing comes out", "[STUDY-172]") {
                       ContainsSubstring("gone"));
 }
 
-TEST_CASE("the best fixed reference is the one whose share fits the budgets", "[STUDY-173]") {
+TEST_CASE("the best fixed reference is the one whose share fits the budgets", "[STUDY-167]") {
     const std::vector<double> grid{0.1, 0.2, 0.3, 0.4};
     const std::vector<double> share{0.11, 0.20, 0.285, 0.38};
     // 0.285 - 0.25 = 0.035 of 0.085 a tenth below 0.30: 0.2588, so 0.26.

@@ -42,7 +42,7 @@ regulation::When brute_force(double life_J, double share) {
 
 }  // namespace
 
-TEST_CASE("what will happen is said: feasible, early, late, which limit comes first", "[STUDY-166]") {
+TEST_CASE("what will happen is said: feasible, early, late, which limit comes first", "[STUDY-167]") {
     const regulation::Plan good = toy::plan(250, 0.3);
     CHECK(forecast_of(good).verdict == Verdict::together);
     CHECK(forecast_of(toy::plan(250, 0.3, 0.9 * toy::Landings::kMean_J)).verdict == Verdict::early);
@@ -55,7 +55,7 @@ TEST_CASE("what will happen is said: feasible, early, late, which limit comes fi
                ContainsSubstring("not feasible") && ContainsSubstring("tyre's limit comes first"));
 }
 
-TEST_CASE("the landings at which limits come are those of many lives", "[STUDY-166]") {
+TEST_CASE("the landings at which limits come are those of many lives", "[STUDY-167]") {
     const regulation::Plan plan = toy::plan(250, 0.5);  // out of reach: the brake comes first
     const LimitForecast o = forecast_of(plan);
     REQUIRE(o.verdict == Verdict::brake_first);
@@ -67,7 +67,7 @@ TEST_CASE("the landings at which limits come are those of many lives", "[STUDY-1
     CHECK(o.tyre.deviation == Approx(tyre.deviation).epsilon(0.05));
 }
 
-TEST_CASE("the chance that the landings bring the planned energy is that of many lives", "[STUDY-166]") {
+TEST_CASE("the chance that the landings bring the planned energy is that of many lives", "[STUDY-167]") {
     const LimitForecast o = forecast_of(toy::plan(250, 0.3));
     toy::Landings landings({}, 5);
     constexpr int kLives = 4000;
@@ -80,7 +80,7 @@ TEST_CASE("the chance that the landings bring the planned energy is that of many
     CHECK(o.probability == Approx(static_cast<double>(within) / kLives).margin(0.025));
 }
 
-TEST_CASE("nothing left is said", "[STUDY-166]") {
+TEST_CASE("nothing left is said", "[STUDY-167]") {
     Regulator regulator(toy::plan(10, 0.3), Rules{}, kWholeRange);
     regulator.spent(0.0, 1e9);
     CHECK(regulation::limit_forecast(regulator).verdict == Verdict::reached);

@@ -44,7 +44,7 @@ void refuses(const std::string& what, const std::string& by, const std::string& 
 
 }  // namespace
 
-TEST_CASE("the shipped file: a plan that is feasible within the range of its floor", "[STUDY-174]") {
+TEST_CASE("the shipped file: a plan that is feasible within the range of its floor", "[STUDY-167]") {
     const RegulationConfig config = regulation::load_regulation_config(kShipped);
     CHECK(config.surfaces.size() == 8);
     const regulation::Range range = config.range();
@@ -58,14 +58,14 @@ TEST_CASE("the shipped file: a plan that is feasible within the range of its flo
     CHECK((plan.tyre_budget_J() + plan.brake_budget_J()) / (256 * 5.12e6) == Approx(1.0).margin(0.01));
 }
 
-TEST_CASE("a planned ratio without a planned landing is met when the landings bring it", "[STUDY-174]") {
+TEST_CASE("a planned ratio without a planned landing is met when the landings bring it", "[STUDY-167]") {
     const Changed changed("landings = 256\n", "");
     const RegulationConfig config = regulation::load_regulation_config(changed.file());
     const regulation::Plan plan = regulation::plan_of(config, 3.90e9, 6.6e6, 1.9e6);
     CHECK(plan.landings == 200);  // (0.95 + 0.37) GJ
 }
 
-TEST_CASE("surfaces to reckon with are all, unless the file names them; each alone is known", "[STUDY-340]") {
+TEST_CASE("surfaces to reckon with are all, unless the file names them; each alone is known", "[STUDY-167]") {
     const Changed changed("surfaces = \"all\"", "surfaces = \"dry_cobblestone, ice\"");
     const RegulationConfig two = regulation::load_regulation_config(changed.file());
     CHECK(two.surfaces == std::vector<std::string>{"dry_cobblestone", "ice"});
@@ -86,7 +86,7 @@ TEST_CASE("surfaces to reckon with are all, unless the file names them; each alo
                       ContainsSubstring("on dry_cobblestone J_mu"));
 }
 
-TEST_CASE("a forecast is asked for by its table, and left out without it", "[STUDY-341]") {
+TEST_CASE("a forecast is asked for by its table, and left out without it", "[STUDY-167]") {
     CHECK(regulation::load_regulation_config(kShipped).forecast_widest == 0.15);
     std::string text = contents(kShipped);
     text.resize(text.find("[forecast]"));
@@ -96,7 +96,7 @@ TEST_CASE("a forecast is asked for by its table, and left out without it", "[STU
     refuses("widest = 0.15", "widest = 0.0", "forecast.widest");
 }
 
-TEST_CASE("what cannot be is refused with file, line and key", "[STUDY-174]") {
+TEST_CASE("what cannot be is refused with file, line and key", "[STUDY-167]") {
     refuses("tyre_life_J = 0.37e9", "tyre_life_MJ = 400", "tyre_life_J");
     refuses("tyre_taken_J = 0.0", "tyre_taken_J = 1e9", "plan.tyre_taken_J: is not below tyre_life_J");
     refuses("landings = 256", "landings = 0", "plan.landings");
@@ -111,7 +111,7 @@ TEST_CASE("what cannot be is refused with file, line and key", "[STUDY-174]") {
                       ContainsSubstring("no_such_floor.toml"));
 }
 
-TEST_CASE("a characterisation comes back as it was written", "[STUDY-174]") {
+TEST_CASE("a characterisation comes back as it was written", "[STUDY-167]") {
     const regulation::Characterisation c{
         .floor = {.reference = {0.1, 0.24, 0.5},
                   .rows = {{"snow", {0.9912, 0.9443, 0.8}}, {"ice", {0.99, 0.98, 0.97}}}},

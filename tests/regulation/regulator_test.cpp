@@ -112,7 +112,7 @@ TEST_CASE("a brake life that is revised on the way is met all the same", "[STUDY
 }
 
 TEST_CASE("whatever is measured, the reference stays in its range and moves by one step at most",
-          "[STUDY-168]") {
+          "[STUDY-167]") {
     std::mt19937 generator(17);
     const std::vector<double> odd{kNaN, std::numeric_limits<double>::infinity(), -1.0, 0.0, 1e300, 5e6, 1e6,
                                   0.3};
@@ -141,7 +141,7 @@ TEST_CASE("whatever is measured, the reference stays in its range and moves by o
     }
 }
 
-TEST_CASE("measurements that cannot be are named, hold the reference, and are no news", "[STUDY-169]") {
+TEST_CASE("measurements that cannot be are named, hold the reference, and are no news", "[STUDY-167]") {
     Regulator r(toy::plan(250, 0.3), {.patience = 3}, kRange);
     toy::Landings landings({.noise = 0.0}, 2);
     for (int i = 0; i < 20; ++i) {
@@ -180,7 +180,7 @@ TEST_CASE("measurements that cannot be are named, hold the reference, and are no
 }
 
 TEST_CASE("without measurements it goes back to the default, step by step, and takes up again when they come",
-          "[STUDY-169]") {
+          "[STUDY-167]") {
     const Rules rules{.step = 0.01, .patience = 4};
     Regulator r(toy::plan(250, 0.33), rules, kRange);
     toy::Landings landings({}, 6);
@@ -202,7 +202,7 @@ TEST_CASE("without measurements it goes back to the default, step by step, and t
 
 TEST_CASE(
     "one landing in ten lost: the limits are still reached together, the wear counter tells what they took",
-    "[STUDY-169]") {
+    "[STUDY-167]") {
     for (unsigned seed = 1; seed <= 20; ++seed) {
         Regulator r(toy::plan(250, 0.29), {}, kRange);
         toy::Landings landings({}, seed);
@@ -223,7 +223,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a measured J_mu below the floor moves the bound towards the default, never past it",
-          "[STUDY-170]") {
+          "[STUDY-167]") {
     Regulator r(toy::plan(250, 0.45), {.step = 0.02, .j_mu_floor = 0.85}, kRange);
     toy::Landings landings({.noise = 0.0}, 8);
     for (int i = 0; i < 30; ++i) r.after(landings.next(r.reference()));
@@ -245,7 +245,7 @@ TEST_CASE("a measured J_mu below the floor moves the bound towards the default, 
     CHECK_THROWS_AS(r.narrow({0.25, 0.5}), std::invalid_argument);
 }
 
-TEST_CASE("the same landings give the same references: it is rebuilt from what was measured", "[STUDY-171]") {
+TEST_CASE("the same landings give the same references: it is rebuilt from what was measured", "[STUDY-167]") {
     const Plan plan = toy::plan(120, 0.28);
     Regulator r(plan, {}, kRange);
     toy::Landings landings({}, 12);
@@ -262,7 +262,7 @@ TEST_CASE("the same landings give the same references: it is rebuilt from what w
     }
 }
 
-TEST_CASE("plans and rules that cannot be are refused", "[STUDY-171]") {
+TEST_CASE("plans and rules that cannot be are refused", "[STUDY-167]") {
     const Plan good = toy::plan(100, 0.3);
     const auto refuses = [](const Plan& plan, const Rules& rules, const char* what) {
         CHECK_THROWS_WITH(Regulator(plan, rules, kRange), ContainsSubstring(what));

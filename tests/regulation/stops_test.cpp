@@ -9,7 +9,7 @@
 using plant_sim::land;
 using plant_sim::LandingSites;
 
-TEST_CASE("energies as the meter counts them are the plant's, and what the aircraft brought", "[STUDY-175]") {
+TEST_CASE("energies as the meter counts them are the plant's, and what the aircraft brought", "[STUDY-167]") {
     const LandingSites sites = plant_sim::load_sites("config");
     REQUIRE(sites.sites.size() == 32);
     for (const std::size_t site : {std::size_t{0}, std::size_t{10}, std::size_t{19}, std::size_t{23}}) {
@@ -28,7 +28,7 @@ TEST_CASE("energies as the meter counts them are the plant's, and what the aircr
 }
 
 TEST_CASE("landings side by side do not depend on the threads, nor on what lands beside them",
-          "[STUDY-342]") {
+          "[STUDY-160]") {
     const LandingSites sites = plant_sim::load_sites("config");
     std::vector<regulation::LandingRequest> requests;
     for (const std::size_t site : {0U, 3U, 10U, 16U, 9U, 5U, 1U, 8U, 4U, 11U, 12U})
@@ -55,7 +55,7 @@ TEST_CASE("landings side by side do not depend on the threads, nor on what lands
     CHECK_THROWS(land(sites, never, 1));
 }
 
-TEST_CASE("the shipped table of J_mu is what these landings give", "[STUDY-175]") {
+TEST_CASE("the shipped table of J_mu is what these landings give", "[STUDY-167]") {
     LandingSites sites = plant_sim::load_sites("config");
     const regulation::RegulationConfig config = regulation::load_regulation_config("config/regulation.toml");
     const plant_sim::CharacteriseOptions options{.references = {0.20, 0.36}, .seed = 1, .threads = 2};
@@ -78,7 +78,7 @@ TEST_CASE("the shipped table of J_mu is what these landings give", "[STUDY-175]"
 }
 
 TEST_CASE("a short life in closed loop: brake and tyre are used up together, no stop beyond the floor's",
-          "[STUDY-175]") {
+          "[STUDY-167]") {
     LandingSites sites = plant_sim::load_sites("config");
     std::erase_if(sites.sites,
                   [](const auto& s) { return s.surface != "dry_concrete" && s.surface != "damp_asphalt"; });

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""rig-lab regulate as its users meet it: results, exit status, threads, refusals. [STUDY-176]
+"""rig-lab regulate as its users meet it: results, exit status, threads, refusals. [STUDY-167]
 
 usage: verb.py RIG_LAB
 """

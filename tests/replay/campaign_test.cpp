@@ -148,7 +148,7 @@ TEST_CASE("the campaign's table from the raw logs is that of summaries and ledge
 }
 
 TEST_CASE("a log that ends with the wheel on the rim says how much the brake may have taken after it",
-          "[BRG-623]") {
+          "[BRG-261]") {
     const TempDir dir;
     const record_test::ClosedForm form;
     const record_test::Recording recording(form, true);
@@ -203,7 +203,7 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
     }
 }
 
-TEST_CASE("a ledger that is rebuilt from the folders is the one that was lost", "[BRG-264]") {
+TEST_CASE("a ledger that is rebuilt from the folders is the one that was lost", "[BRG-261]") {
     const Ran ran;
     {
         rig::Ledger ledger(ran.file());
@@ -237,7 +237,7 @@ TEST_CASE("a ledger that is rebuilt from the folders is the one that was lost", 
 }
 
 TEST_CASE("an unfinished attempt whose log was never metered is where a ledger differs from its folders",
-          "[BRG-264]") {
+          "[BRG-261]") {
     const Ran ran;
     const auto file = ran.file().parent_path() / "older.sqlite";
     {
@@ -259,7 +259,7 @@ TEST_CASE("an unfinished attempt whose log was never metered is where a ledger d
     CHECK_THAT(said, ContainsSubstring("DIFFERS: cumulative_energy_J is "));
 }
 
-TEST_CASE("a log that is not the one of its summary is named with the figure", "[BRG-341]") {
+TEST_CASE("a log that is not the one of its summary is named with the figure", "[BRG-340]") {
     const Ran ran;
     const auto log = ran.folder() / "0001/bus.log";
     auto lines = replay_test::lines_of(can_test::contents(log));
@@ -275,7 +275,7 @@ TEST_CASE("a log that is not the one of its summary is named with the figure", "
     CHECK_THAT(said, ContainsSubstring("in the ledger"));
 }
 
-TEST_CASE("folders and ledger that do not belong together are told", "[BRG-341]") {
+TEST_CASE("folders and ledger that do not belong together are told", "[BRG-340]") {
     const Ran ran;
     std::filesystem::remove_all(ran.folder() / "0003");
     std::filesystem::create_directories(ran.folder() / "0007");
@@ -289,7 +289,7 @@ TEST_CASE("folders and ledger that do not belong together are told", "[BRG-341]"
 }
 
 TEST_CASE("the exported table has the specimen of each maneuver as noted, and counts energy disc by disc",
-          "[BRG-270][BRG-271]") {
+          "[BRG-270]") {
     const Ran ran({.disc = "D7", .notes = "a, \"b\""});
     {
         rig::Ledger ledger(ran.file());

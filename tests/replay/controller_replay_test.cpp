@@ -75,7 +75,7 @@ TEST_CASE("lockstep logs of every law and layout: no command frame differs", "[B
     }
 }
 
-TEST_CASE("a command that is not the recorded one is named: line, time, expected, got", "[BRG-311]") {
+TEST_CASE("a command that is not the recorded one is named: line, time, expected, got", "[BRG-310]") {
     const TempDir dir;
     std::vector<std::string> lines = lines_of(wet_landing());
     std::size_t changed = 30'000;
@@ -96,7 +96,7 @@ TEST_CASE("a command that is not the recorded one is named: line, time, expected
     CHECK_THAT(text, ContainsSubstring("1 of "));
 }
 
-TEST_CASE("another configuration than the recorded one shows", "[BRG-311]") {
+TEST_CASE("another configuration than the recorded one shows", "[BRG-310]") {
     const TempDir dir;
     auto setup = setup_of({});
     setup.control.slip.k_p_per_s *= 1.01F;
@@ -106,7 +106,7 @@ TEST_CASE("another configuration than the recorded one shows", "[BRG-311]") {
     CHECK(report.first->time > rig::Time{1'400'000'000});
 }
 
-TEST_CASE("lines that are missing from a log do not shift what follows", "[BRG-312]") {
+TEST_CASE("lines that are missing from a log do not shift what follows", "[BRG-310]") {
     const TempDir dir;
     const std::vector<std::string> whole = lines_of(wet_landing());
     const auto without = [&](const char* id, std::size_t from, std::size_t count) {
@@ -134,7 +134,7 @@ TEST_CASE("lines that are missing from a log do not shift what follows", "[BRG-3
     CHECK(sensor.count(Role::valve).only_replayed == 0);
 }
 
-TEST_CASE("without SYNC the recorded commands end the steps, and missed periods are told", "[BRG-313]") {
+TEST_CASE("without SYNC the recorded commands end the steps, and missed periods are told", "[BRG-310]") {
     const TempDir dir;
     std::vector<std::string> lines = lines_of(wet_landing());
     for (std::string& line : lines)
@@ -152,7 +152,7 @@ TEST_CASE("without SYNC the recorded commands end the steps, and missed periods 
     CHECK(forced.same());
 }
 
-TEST_CASE("a rig that repeats its first sample, and a controller that came later", "[BRG-314]") {
+TEST_CASE("a rig that repeats its first sample, and a controller that came later", "[BRG-310]") {
     const TempDir dir;
     std::vector<std::string> lines = lines_of(wet_landing());
     const auto setup = setup_of({});
@@ -165,7 +165,7 @@ TEST_CASE("a rig that repeats its first sample, and a controller that came later
     CHECK(repeated.unanswered == 3);
 }
 
-TEST_CASE("a log that begins within a session of the controller", "[BRG-316]") {
+TEST_CASE("a log that begins within a session of the controller", "[BRG-310]") {
     const TempDir dir;
     const auto setup = setup_of({});
     for (const bool with_sync : {true, false}) {
@@ -192,7 +192,7 @@ TEST_CASE("a log that begins within a session of the controller", "[BRG-316]") {
     }
 }
 
-TEST_CASE("steps without SYNC and the closing commands of the controller", "[BRG-314]") {
+TEST_CASE("steps without SYNC and the closing commands of the controller", "[BRG-310]") {
     const TempDir dir;
     // The rig falls silent after the first 300 samples; the controller goes on alone, 40 steps, and ends.
     const auto setup = setup_of({});
@@ -238,7 +238,7 @@ TEST_CASE("steps without SYNC and the closing commands of the controller", "[BRG
     }
 }
 
-TEST_CASE("a log without commands is refused, not called the same", "[BRG-311]") {
+TEST_CASE("a log without commands is refused, not called the same", "[BRG-310]") {
     const TempDir dir;
     CHECK_THROWS_WITH(replay(dir.write("bus.log", "(1.000000) vcan0 110#0011\n"), setup_of({})),
                       ContainsSubstring("no valve command"));

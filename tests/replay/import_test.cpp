@@ -156,7 +156,7 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
 }
 
 TEST_CASE("what is said of the specimen at an import is that of every maneuver in it, exports included",
-          "[BRG-624]") {
+          "[BRG-270]") {
     const TempDir dir;
     rig::ImportMap map = example();
     map.after_s = 0.1;
@@ -183,7 +183,7 @@ TEST_CASE("what is said of the specimen at an import is that of every maneuver i
                       ContainsSubstring("control character"));
 }
 
-TEST_CASE("MATLAB files give the same maneuvers", "[BRG-351]") {
+TEST_CASE("MATLAB files give the same maneuvers", "[BRG-350]") {
     const auto write = [](const std::filesystem::path& path, mat_ft version) {
         mat_t* const file = Mat_CreateVer(path.c_str(), nullptr, version);
         if (file == nullptr) return false;
@@ -223,7 +223,7 @@ TEST_CASE("MATLAB files give the same maneuvers", "[BRG-351]") {
                       ContainsSubstring("cannot be read as a MATLAB file"));
 }
 
-TEST_CASE("what is wrong in a recording is reported with row and column", "[BRG-352]") {
+TEST_CASE("what is wrong in a recording is reported with row and column", "[BRG-350]") {
     const TempDir dir;
     std::vector<std::string> lines = lines_of(two_stops());
     const auto cell = [&](std::size_t row, const std::string& from, const std::string& to) {
@@ -253,7 +253,7 @@ TEST_CASE("what is wrong in a recording is reported with row and column", "[BRG-
     CHECK_THAT(import.said, ContainsSubstring("r.csv:2001: time_repeated"));
 }
 
-TEST_CASE("gaps and resets of time end a maneuver, the next is whole", "[BRG-352]") {
+TEST_CASE("gaps and resets of time end a maneuver, the next is whole", "[BRG-350]") {
     const TempDir dir;
     std::string csv = kHead;
     const auto& rows = truth().rows;
@@ -272,7 +272,7 @@ TEST_CASE("gaps and resets of time end a maneuver, the next is whole", "[BRG-352
     CHECK_THAT(import.said, ContainsSubstring("0001 while braking"));
 }
 
-TEST_CASE("swapped units end the import with the likely one, and nothing is written", "[BRG-353]") {
+TEST_CASE("swapped units end the import with the likely one, and nothing is written", "[BRG-350]") {
     const TempDir dir;
     const auto file = dir.write("r.csv", two_stops());
     const auto refused = [&](std::size_t channel, const char* unit, const char* quantity_of,
@@ -297,7 +297,7 @@ TEST_CASE("swapped units end the import with the likely one, and nothing is writ
 
 TEST_CASE(
     "a pressure in another unit than the map's shows in the friction, which is named with the likely unit",
-    "[BRG-266]") {
+    "[BRG-261]") {
     const TempDir dir;
     rig::ImportMap map = example();
     map.unit_row = 0;
@@ -318,7 +318,7 @@ TEST_CASE(
         ContainsSubstring("mean mu_b 4.") && ContainsSubstring("is column 'p_Bremse' in bar, not psi?"));
 }
 
-TEST_CASE("maps are refused with file, line and key", "[BRG-354]") {
+TEST_CASE("maps are refused with file, line and key", "[BRG-350]") {
     const TempDir dir;
     const std::string good = can_test::contents("config/import_example.toml");
     const auto refused = [&](const std::string& from, const std::string& to, const std::string& words) {

@@ -65,7 +65,7 @@ TEST_CASE("on a log of the virtual rig speed and slip agree to the resolution of
     }
 }
 
-TEST_CASE("a brake that is 3 % weaker than the recorded one shows", "[BRG-321]") {
+TEST_CASE("a brake that is 3 % weaker than the recorded one shows", "[BRG-320]") {
     const TempDir dir;
     const auto options = stop("endurance", "dry_asphalt", 0.0);
     auto weaker = options;
@@ -75,7 +75,7 @@ TEST_CASE("a brake that is 3 % weaker than the recorded one shows", "[BRG-321]")
     CHECK(v.all.speed_mps.rms() > 20.0 * resolution_mps(30.0));
 }
 
-TEST_CASE("slip beyond the peak of the friction curve is told", "[BRG-322]") {
+TEST_CASE("slip beyond the peak of the friction curve is told", "[BRG-320]") {
     const TempDir dir;
     const auto options = stop("light", "dry_asphalt", 0.24);
     const rig::Validation v = validate(dir.write("bus.log", landing(options)), options);
@@ -83,7 +83,7 @@ TEST_CASE("slip beyond the peak of the friction curve is told", "[BRG-322]") {
     CHECK_THAT(rig::to_text(v), ContainsSubstring("unstable"));
 }
 
-TEST_CASE("without SYNC the stamps are the time; lost samples are gaps", "[BRG-323]") {
+TEST_CASE("without SYNC the stamps are the time; lost samples are gaps", "[BRG-320]") {
     const TempDir dir;
     const auto options = stop("light", "dry_asphalt", 0.06);
     std::string text;
@@ -100,7 +100,7 @@ TEST_CASE("without SYNC the stamps are the time; lost samples are gaps", "[BRG-3
     CHECK_THAT(rig::to_text(v), ContainsSubstring("1 gaps"));
 }
 
-TEST_CASE("a log without a braking says so; reports hold their rows", "[BRG-323]") {
+TEST_CASE("a log without a braking says so; reports hold their rows", "[BRG-320]") {
     const TempDir dir;
     const auto options = stop("light", "dry_asphalt", 0.06);
     const std::string text = landing(options);

@@ -140,7 +140,7 @@ TEST_CASE("a stop ends a long pause and an endless loop", "[BRG-330]") {
     CHECK(empty.report.sent == 0);
 }
 
-TEST_CASE("rules of identifiers", "[BRG-331]") {
+TEST_CASE("rules of identifiers", "[BRG-300]") {
     rig::IdFilter filter;
     rig::LogFrame frame;
     frame.frame.id = 0x113;

@@ -10,7 +10,7 @@
 
 using namespace robust;
 
-TEST_CASE("rows do not depend on threads, and come in the order of the plan", "[STUDY-601]") {
+TEST_CASE("rows do not depend on threads, and come in the order of the plan", "[STUDY-602]") {
     PlanOptions options;
     options.families = {"ring", "speed"};
     options.laws = {"slip", "threshold"};
@@ -30,7 +30,7 @@ TEST_CASE("rows do not depend on threads, and come in the order of the plan", "[
     CHECK(to_csv(plan, one) == to_csv(plan, three));
 }
 
-TEST_CASE("three processes give the rows of one; one with another plan refuses to work", "[STUDY-614]") {
+TEST_CASE("three processes give the rows of one; one with another plan refuses to work", "[STUDY-602]") {
     PlanOptions options;
     options.families = {"speed"};
     options.laws = {"slip"};
@@ -60,7 +60,7 @@ TEST_CASE("three processes give the rows of one; one with another plan refuses t
     CHECK_THROWS_WITH(run(other, {}, member), ContainsSubstring("other stops than the leading one"));
 }
 
-TEST_CASE("a summary counts what its rows say", "[STUDY-601]") {
+TEST_CASE("a summary counts what its rows say", "[STUDY-602]") {
     PlanOptions options;
     options.families = {"paper"};
     options.laws = {"slip"};
@@ -92,7 +92,7 @@ TEST_CASE("a summary counts what its rows say", "[STUDY-601]") {
     CHECK_THAT(to_table(plan, rows, all), ContainsSubstring("| paper | slip | 200 | 4 | 3 |"));
 }
 
-TEST_CASE("families and laws that are not there are named", "[STUDY-603]") {
+TEST_CASE("families and laws that are not there are named", "[STUDY-602]") {
     PlanOptions options;
     options.families = {"rings"};
     CHECK_THROWS_WITH(load_plan(options), ContainsSubstring("relaxation"));

@@ -31,7 +31,7 @@ Row made_up(Family family, std::size_t number) {
 
 }  // namespace
 
-TEST_CASE("a grid has every stop once, whatever the number of draws", "[STUDY-609]") {
+TEST_CASE("a grid has every stop once, whatever the number of draws", "[STUDY-602]") {
     const Plan plan = grid("changes");
     const Basis& basis = plan.basis;
     std::set<std::tuple<std::string, std::string, std::string, double>> changes;
@@ -61,7 +61,7 @@ TEST_CASE("a grid has every stop once, whatever the number of draws", "[STUDY-60
     CHECK(first.size() == 7);
 }
 
-TEST_CASE("the surface changes about at the speed of the grid, 1.5 s after brake-on", "[STUDY-609]") {
+TEST_CASE("the surface changes about at the speed of the grid, 1.5 s after brake-on", "[STUDY-602]") {
     Plan plan = grid("changes");
     std::erase_if(plan.basis.landings, [](const Landing& landing) {
         return landing.surface != "dry_asphalt" && landing.surface != "wet_cobblestone" &&
@@ -82,7 +82,7 @@ TEST_CASE("the surface changes about at the speed of the grid, 1.5 s after brake
     }
 }
 
-TEST_CASE("a summary of changes counts what its rows say", "[STUDY-607]") {
+TEST_CASE("a summary of changes counts what its rows say", "[STUDY-602]") {
     const Plan plan = grid("changes");
     std::vector<Row> rows;
     for (std::size_t i = 0; i < plan.stops(); ++i) {
@@ -119,7 +119,7 @@ TEST_CASE("a summary of changes counts what its rows say", "[STUDY-607]") {
     CHECK_THAT(changes_table(plan, rows), ContainsSubstring("| slip | at 25 m/s | 0 of 84 | not measured |"));
 }
 
-TEST_CASE("brake-on: shares of the held reference and of the fastest landing's travel", "[STUDY-608]") {
+TEST_CASE("brake-on: shares of the held reference and of the fastest landing's travel", "[STUDY-602]") {
     const Plan plan = grid("brake_on", {"slip", "peak_slip", "threshold"});
     std::vector<Row> rows;
     for (std::size_t law = 0; law < 3; ++law) {

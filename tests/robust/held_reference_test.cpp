@@ -21,7 +21,7 @@ double mu(const plant::Surface& s, double slip) {
 
 }  // namespace
 
-TEST_CASE("without a fall at low speed it is the curve's own ratio; at the peak all of it", "[STUDY-608]") {
+TEST_CASE("without a fall at low speed it is the curve's own ratio; at the peak all of it", "[STUDY-602]") {
     const robust::Plan plan = as_configured();
     antiskid::control::SlipConfig config = plan.controller.slip;
     config.low_speed_mps = 0.0F;
@@ -33,7 +33,7 @@ TEST_CASE("without a fall at low speed it is the curve's own ratio; at the peak 
     }
 }
 
-TEST_CASE("with the fall it is what an integration over time gives", "[STUDY-608]") {
+TEST_CASE("with the fall it is what an integration over time gives", "[STUDY-602]") {
     const robust::Plan plan = as_configured();
     const antiskid::control::SlipConfig& c = plan.controller.slip;
     const double from = static_cast<double>(c.low_speed_mps), to = static_cast<double>(c.low_speed_floor_mps),

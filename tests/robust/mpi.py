@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""rig-lab robust under mpirun: two processes give the bytes of one. [STUDY-614]
+"""rig-lab robust under mpirun: two processes give the bytes of one. [STUDY-602]
 
 usage: mpi.py RIG_LAB MPIRUN
 """

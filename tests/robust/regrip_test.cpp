@@ -28,7 +28,7 @@ std::optional<Regrip> after_change(const std::function<double(double since_s)>& 
 
 }  // namespace
 
-TEST_CASE("friction that comes at once, in a step or along a ramp is had when it is", "[STUDY-607]") {
+TEST_CASE("friction that comes at once, in a step or along a ramp is had when it is", "[STUDY-602]") {
     const auto at_once = after_change([](double) { return 1.0; });
     REQUIRE(at_once);
     CHECK(at_once->measured());
@@ -43,7 +43,7 @@ TEST_CASE("friction that comes at once, in a step or along a ramp is had when it
     CHECK(*ramp->regained_s == Approx(0.380).margin(1.1e-3));
 }
 
-TEST_CASE("friction that is had in passing, or lost again, does not count", "[STUDY-607]") {
+TEST_CASE("friction that is had in passing, or lost again, does not count", "[STUDY-602]") {
     // Through the peak on the way to a lock, back 0.35 s later.
     const auto passed = after_change([](double t) { return t < 0.0295 || t > 0.4005 ? 1.0 : 0.7; });
     CHECK(passed->regained_s == Approx(0.401));
@@ -57,7 +57,7 @@ TEST_CASE("friction that is had in passing, or lost again, does not count", "[ST
 }
 
 TEST_CASE("a reference that swings counts by its mean: one window of too little is too little",
-          "[STUDY-607]") {
+          "[STUDY-602]") {
     // 8 Hz. Its mean over 0.1 s swings by a fifth of the amplitude: sin(pi 0.8) / (pi 0.8) = 0.234.
     const auto swing = [](double mean) {
         return [mean](double t) { return t < 0.25 ? 0.5 : mean + 0.03 * std::sin(50.265482 * t); };
@@ -70,7 +70,7 @@ TEST_CASE("a reference that swings counts by its mean: one window of too little 
     CHECK(after_change(swing(0.955))->regained_s.value_or(2.0) > 1.7);
 }
 
-TEST_CASE("what was looked at too briefly, too slowly or not at all is not measured", "[STUDY-607]") {
+TEST_CASE("what was looked at too briefly, too slowly or not at all is not measured", "[STUDY-602]") {
     const auto perfect = [](double) { return 1.0; };
     CHECK_FALSE(after_change(perfect, 0.0));
     CHECK_FALSE(after_change(perfect, 0.499)->measured());

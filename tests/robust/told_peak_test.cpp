@@ -25,7 +25,7 @@ double peak_of(const plant::Surface& s) {
 
 }  // namespace
 
-TEST_CASE("on one surface it is the slip law with that number, bit for bit", "[STUDY-605]") {
+TEST_CASE("on one surface it is the slip law with that number, bit for bit", "[STUDY-602]") {
     for (const char* family : {"paper", "ring"}) {
         Plan plan = told(family);
         if (plan.families.front() == Family::ring) plan.draws = 4;
@@ -51,7 +51,7 @@ TEST_CASE("on one surface it is the slip law with that number, bit for bit", "[S
 }
 
 TEST_CASE("on patches the pilot gives the peak of the surface under the wheel, at every period",
-          "[STUDY-605]") {
+          "[STUDY-602]") {
     const Plan plan = told("patches");
     const Draw d = draw(plan.basis, Family::patches, plan.seed, 12);
     std::size_t periods = 0, wrong = 0;
@@ -70,12 +70,12 @@ TEST_CASE("on patches the pilot gives the peak of the surface under the wheel, a
     CHECK(given.size() >= 3);
 }
 
-TEST_CASE("no other law is told", "[STUDY-605]") {
+TEST_CASE("no other law is told", "[STUDY-602]") {
     const Plan plan = told("patches", {"slip", "peak_slip", "threshold", "pressure_bias"});
     for (const Peer& law : plan.laws) CHECK_FALSE(session(plan, law, 0).slip_reference);
 }
 
-TEST_CASE("distances are compared draw by draw; what did not come to rest is outside of 3 %", "[STUDY-606]") {
+TEST_CASE("distances are compared draw by draw; what did not come to rest is outside of 3 %", "[STUDY-602]") {
     Plan plan = told("paper", {"peak_slip", "told_peak"});
     plan.draws = 100;
     std::vector<Row> rows;

@@ -25,7 +25,7 @@ bool within(double value, const Interval& range) {
 
 }  // namespace
 
-TEST_CASE("a draw takes what its family says, within the ranges, and leaves the rest", "[STUDY-600]") {
+TEST_CASE("a draw takes what its family says, within the ranges, and leaves the rest", "[STUDY-602]") {
     const Plan plan = shipped();
     const Uncertainty& u = plan.basis.uncertainty;
     REQUIRE(plan.basis.landings.size() == 14);
@@ -76,7 +76,7 @@ TEST_CASE("a draw takes what its family says, within the ranges, and leaves the 
     }
 }
 
-TEST_CASE("seed and number decide a draw; another seed is another plant", "[STUDY-600]") {
+TEST_CASE("seed and number decide a draw; another seed is another plant", "[STUDY-602]") {
     const Plan plan = shipped();
     const auto ring_Hz = [&](std::uint64_t seed, std::size_t number) {
         return draw(plan.basis, Family::ring, seed, number).rig.wheel.compliance.ring.frequency_Hz;
@@ -97,7 +97,7 @@ TEST_CASE("seed and number decide a draw; another seed is another plant", "[STUD
     CHECK_THAT(describe(plan.basis, patched), ContainsSubstring(" from "));
 }
 
-TEST_CASE("ranges that cannot be are refused with file, line and key", "[STUDY-603]") {
+TEST_CASE("ranges that cannot be are refused with file, line and key", "[STUDY-602]") {
     std::ifstream file("config/uncertainty.toml");
     std::stringstream text;
     text << file.rdbuf();

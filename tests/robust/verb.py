@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""rig-lab robust: its files, its exit status, its grids, and what bad input gets. [STUDY-604] [STUDY-606] [STUDY-607] [STUDY-608] [STUDY-615]
-[STUDY-616]
+"""rig-lab robust: its files, its exit status, its grids, and what bad input gets. [STUDY-602]
+[STUDY-602]
 
 usage: verb.py RIG_LAB
 """

@@ -112,7 +112,7 @@ TEST_CASE("without scatter or bands nothing is judged", "[BRG-140]") {
     CHECK(rig::acceptance(s, s.mean).empty());
 }
 
-TEST_CASE("a band that is none is refused with file, line and key", "[BRG-125]") {
+TEST_CASE("a band that is none is refused with file, line and key", "[BRG-120]") {
     const auto refused = [](const std::string& line) {
         return refusal_of([&] { return changed("light", "\n[acceptance]\n" + line + "\n"); });
     };

@@ -70,7 +70,7 @@ TEST_CASE("the shipped scenarios are those of Table II, Fig. 5, Table III and an
     CHECK(e.controller.filename() == "controller_endurance.toml");
 }
 
-TEST_CASE("numbers shared by all come from sequencer.toml, a scenario's own stand above them", "[BRG-121]") {
+TEST_CASE("numbers shared by all come from sequencer.toml, a scenario's own stand above them", "[BRG-120]") {
     CHECK(shipped("heavy").mean.cool_to_C == 250.0);
     CHECK(shipped("endurance").mean.cool_to_C == 60.0);
     CHECK(shipped("heavy").mean.settle_s == 1.0);
@@ -78,7 +78,7 @@ TEST_CASE("numbers shared by all come from sequencer.toml, a scenario's own stan
     CHECK(shipped("heavy").mean.abort_limit_s == 60.0);
 }
 
-TEST_CASE("the wheel's share in the momentum, and its radius, are the rig's", "[BRG-122]") {
+TEST_CASE("the wheel's share in the momentum, and its radius, are the rig's", "[BRG-100]") {
     const Scenario s = shipped("endurance");
     // m = 228.10 / 0.6^2, J = 1.3, r = 0.30: Table III's rig.
     CHECK(s.mean.wheel_share == Approx(1.3 / (228.10 / 0.36 * 0.30 * 0.30)).epsilon(1e-4));
@@ -88,7 +88,7 @@ TEST_CASE("the wheel's share in the momentum, and its radius, are the rig's", "[
     CHECK(s.rolling_radius_m(23532.78) == Approx(0.30).epsilon(1e-5));
 }
 
-TEST_CASE("a maneuver follows from seed and number alone", "[BRG-123]") {
+TEST_CASE("a maneuver follows from seed and number alone", "[BRG-120]") {
     const Scenario s = shipped("endurance");
     const auto a = rig::plan(s, 5, 17);
     (void)rig::plan(s, 5, 18);
@@ -105,7 +105,7 @@ TEST_CASE("a maneuver follows from seed and number alone", "[BRG-123]") {
     CHECK(rig::plan(landing, 1, 1).wheel_share == landing.mean.wheel_share);
 }
 
-TEST_CASE("what is drawn has the mean and deviation asked for, each for itself", "[BRG-123]") {
+TEST_CASE("what is drawn has the mean and deviation asked for, each for itself", "[BRG-120]") {
     const Scenario s = shipped("endurance");
     constexpr int kMany = 20'000;
     double sum[3] = {}, squares[3] = {}, speed_load = 0.0, speed_before = 0.0, serial = 0.0;
@@ -131,7 +131,7 @@ TEST_CASE("what is drawn has the mean and deviation asked for, each for itself",
     CHECK(std::abs(serial / kMany) < tolerance);
 }
 
-TEST_CASE("the files for the hash are those that were read", "[BRG-124]") {
+TEST_CASE("the files for the hash are those that were read", "[BRG-120]") {
     const Scenario s = shipped("heavy");
     for (const char* name : {"heavy.toml", "sequencer.toml", "maneuvers.toml", "surfaces.toml",
                              "landing_gear.toml", "flywheel_rig.toml", "model.json"}) {
@@ -142,7 +142,7 @@ TEST_CASE("the files for the hash are those that were read", "[BRG-124]") {
     CHECK(s.files.size() == 7);
 }
 
-TEST_CASE("the meter knows the rig", "[BRG-124]") {
+TEST_CASE("the meter knows the rig", "[BRG-120]") {
     const Scenario s = shipped("endurance");
     const rig::MeterParameters p = rig::meter_parameters(s.rig, 1e-3);
     CHECK(p.flywheel_mass_kg == Approx(633.61).epsilon(1e-4));
@@ -151,7 +151,7 @@ TEST_CASE("the meter knows the rig", "[BRG-124]") {
     CHECK(p.wheel_radius_m == 0.308716);
 }
 
-TEST_CASE("a wrong scenario is refused with file, line and key", "[BRG-125]") {
+TEST_CASE("a wrong scenario is refused with file, line and key", "[BRG-120]") {
     const auto line_of = [](const settings::Error& e) { return e.line(); };
     const auto unknown = refused("heavy", "slip_reference", "slip_refrence");
     CHECK(line_of(unknown) > 0);
@@ -181,7 +181,7 @@ TEST_CASE("a wrong scenario is refused with file, line and key", "[BRG-125]") {
     CHECK_THROWS_AS(rig::load_scenario("config/scenarios/heavy.toml", "nowhere"), settings::Error);
 }
 
-TEST_CASE("a sweep is a sine of steadily rising frequency behind the points", "[BRG-521]") {
+TEST_CASE("a sweep is a sine of steadily rising frequency behind the points", "[BRG-120]") {
     const Scenario s = shipped("sweep");
     const auto& points = s.mean.current;
     const auto at = [&points](double time_s) {
@@ -213,7 +213,7 @@ TEST_CASE("a sweep is a sine of steadily rising frequency behind the points", "[
 }
 
 TEST_CASE("a scenario on a runway: its file beside the rig's, and no J_mu from what the bridge measures",
-          "[STUDY-613]") {
+          "[STUDY-070]") {
     const TemporaryDirectory directory;
     const auto file = directory / "wet.toml";
     put(file, replaced(content_of("config/scenarios/heavy.toml"), "surface = \"dry_asphalt\"",

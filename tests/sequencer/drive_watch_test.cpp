@@ -5,7 +5,7 @@
 using namespace sequencer_test;
 using sequencer::Abort;
 
-TEST_CASE("a rim that is faster than any spin-up can ask for ends the maneuver", "[BRG-132]") {
+TEST_CASE("a rim that is faster than any spin-up can ask for ends the maneuver", "[BRG-110]") {
     const Plan plan = landing();
     const double top_mps = 50.0 + 0.003 * 50.0 + 0.05 + plan.speed_band_mps;
     CHECK(sequencer::top_speed_mps(plan) == Approx(top_mps).epsilon(1e-12));
@@ -24,7 +24,7 @@ TEST_CASE("a rim that is faster than any spin-up can ask for ends the maneuver",
     }
 }
 
-TEST_CASE("PLC and encoder may differ in the rim's speed for a moment, not for longer", "[BRG-133]") {
+TEST_CASE("PLC and encoder may differ in the rim's speed for a moment, not for longer", "[BRG-110]") {
     const double sign = GENERATE(-1.0, 1.0);
     for (const Phase phase : {Phase::spin_up, Phase::settling, Phase::braking, Phase::cool_down}) {
         INFO(sequencer::name(phase) << ", " << sign);
@@ -55,7 +55,7 @@ TEST_CASE("PLC and encoder may differ in the rim's speed for a moment, not for l
 }
 
 TEST_CASE("sensors that are lost are no other speed, however much longer than mismatch_s they are waited for",
-          "[BRG-645]") {
+          "[BRG-400]") {
     const Phase phase = GENERATE(Phase::spin_up, Phase::settling, Phase::braking);
     CAPTURE(sequencer::name(phase));
     Reached r(phase);
@@ -72,7 +72,7 @@ TEST_CASE("sensors that are lost are no other speed, however much longer than mi
     CHECK(r.next(in).abort == Abort::sensors_lost);
 }
 
-TEST_CASE("speeds that differ are named though the encoder falls silent now and then", "[BRG-645]") {
+TEST_CASE("speeds that differ are named though the encoder falls silent now and then", "[BRG-400]") {
     Reached r(Phase::braking);
     Inputs in = r.rig.inputs;
     in.rim_mps = in.flywheel_mps - 2.01;
@@ -88,7 +88,7 @@ TEST_CASE("speeds that differ are named though the encoder falls silent now and 
 }
 
 TEST_CASE("an old reading of the PLC is no other speed: it may be off by what a tyre can have done since",
-          "[BRG-133]") {
+          "[BRG-110]") {
     const double off_mps = GENERATE(5.59, 5.61);
     Reached r(Phase::braking);
     Inputs in = r.rig.inputs;

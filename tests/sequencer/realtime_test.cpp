@@ -6,7 +6,7 @@
 using namespace sequencer_test;
 namespace traps = rt_test::traps;
 
-TEST_CASE("a whole maneuver and an abort: no allocation, lock, print or exception in any step", "[BRG-107]") {
+TEST_CASE("a whole maneuver and an abort: no allocation, lock, print or exception in any step", "[BRG-100]") {
     const bool aborts = GENERATE(false, true);
     Plan plan = landing();
     plan.law = sequencer::BrakeLaw::open_loop;

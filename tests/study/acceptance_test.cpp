@@ -41,7 +41,7 @@ TEST_CASE("the same holds with another seed of every sensor", "[STUDY-001]") {
 }
 
 TEST_CASE("the slip law beats the threshold law on every surface whose friction at 0.24 lets it",
-          "[STUDY-002]") {
+          "[STUDY-001]") {
     struct Sums {
         double j_mu = 0.0;
         double distance_m = 0.0;
@@ -73,7 +73,7 @@ TEST_CASE("the slip law beats the threshold law on every surface whose friction 
     CHECK(slip["dry_cobblestone"].j_mu >= 0.96 * plant::friction(cobble, 0.24).mu / plant::peak(cobble).mu);
 }
 
-TEST_CASE("the peak is found without being told the surface", "[STUDY-617]") {
+TEST_CASE("the peak is found without being told the surface", "[STUDY-602]") {
     std::map<std::string, double> sum;
     for (const Name& name : scenarios::all()) {
         INFO(name.surface << ", " << name.maneuver);
@@ -92,7 +92,7 @@ TEST_CASE("the peak is found without being told the surface", "[STUDY-617]") {
     CHECK(mean >= 0.980);
 }
 
-TEST_CASE("a reference far past the peak is reached without a lock, and tracked", "[CTL-181]") {
+TEST_CASE("a reference far past the peak is reached without a lock, and tracked", "[CTL-040]") {
     // What is held exactly is the most that can be had; build-up, drop-out and the fall of the reference take the rest.
     for (const double reference : {0.44, 0.50}) {
         for (const char* surface : {"dry_asphalt", "wet_asphalt", "wet_cobblestone", "snow"}) {
@@ -118,7 +118,7 @@ TEST_CASE("a reference far past the peak is reached without a lock, and tracked"
     }
 }
 
-TEST_CASE("a worn and a fierce brake are held as well", "[STUDY-003]") {
+TEST_CASE("a worn and a fierce brake are held as well", "[STUDY-001]") {
     for (const double friction : {0.22, 0.36}) {
         for (const Name& name : scenarios::all()) {
             INFO(name.surface << ", " << name.maneuver << ", mu_b " << friction);
@@ -139,7 +139,7 @@ TEST_CASE("a worn and a fierce brake are held as well", "[STUDY-003]") {
 }
 
 TEST_CASE("the low-speed schedule of the reference can be switched off: the paper's exact law",
-          "[STUDY-004]") {
+          "[STUDY-001]") {
     auto options = scenarios::options({"wet_cobblestone", "light"});
     plant_sim::Scenario s = plant_sim::load_scenario(options);
     s.controller.slip.low_speed_mps = 0.0F;
@@ -154,7 +154,7 @@ TEST_CASE("the low-speed schedule of the reference can be switched off: the pape
     CHECK(lowest == Approx(0.24).epsilon(1e-3));
 }
 
-TEST_CASE("period 2 and 5 ms stop the aircraft, too", "[STUDY-005]") {
+TEST_CASE("period 2 and 5 ms stop the aircraft, too", "[STUDY-001]") {
     for (const float period_s : {2e-3F, 5e-3F}) {
         for (const char* surface : {"dry_asphalt", "wet_asphalt", "snow", "ice"}) {
             INFO(surface << ", period " << period_s);

@@ -31,7 +31,7 @@ plant_sim::BrakeOptions asked(const std::string& arguments) {
 
 }  // namespace
 
-TEST_CASE("--brake says new, worn or MJ; anything else is refused", "[RIG-303]") {
+TEST_CASE("--brake says new, worn or MJ; anything else is refused", "[RIG-300]") {
     const wear::BrakeWear wear = plant_sim::load_scenario(landing()).plant.wear;
     CHECK_FALSE(asked("").given());
     CHECK(asked("--brake new").brake_of(wear, 3).state() == wear::BrakeState{3, 0, 0.0});
@@ -43,7 +43,7 @@ TEST_CASE("--brake says new, worn or MJ; anything else is refused", "[RIG-303]")
     CHECK(rule == wear::ConditionalRule{wear::Variance::printed, wear::Choice::mixture});
 }
 
-TEST_CASE("a landing has the friction of the brake asked for; --mu-b stands above it", "[RIG-303]") {
+TEST_CASE("a landing has the friction of the brake asked for; --mu-b stands above it", "[RIG-300]") {
     auto options = landing();
     CHECK(plant_sim::load_scenario(options).plant.rig.mean_friction == 0.30);
     CHECK_FALSE(plant_sim::load_scenario(options).brake);
@@ -56,7 +56,7 @@ TEST_CASE("a landing has the friction of the brake asked for; --mu-b stands abov
     CHECK(plant_sim::load_scenario(options).plant.rig.mean_friction == 0.25);
 }
 
-TEST_CASE("landings one after the other wear the kept brake as one object would", "[RIG-304]") {
+TEST_CASE("landings one after the other wear the kept brake as one object would", "[RIG-300]") {
     const TemporaryDirectory directory;
     auto options = landing();
     options.brake.state = directory / "brake.json";
@@ -84,7 +84,7 @@ TEST_CASE("landings one after the other wear the kept brake as one object would"
     CHECK_THROWS_AS(plant_sim::load_scenario(options), settings::Error);
 }
 
-TEST_CASE("beyond the model's data it is said that and how the model goes on", "[RIG-305]") {
+TEST_CASE("beyond the model's data it is said that and how the model goes on", "[RIG-300]") {
     const wear::BrakeWear wear = plant_sim::load_scenario(landing()).plant.wear;
     const auto notice = [&](const char* arguments) {
         return plant_sim::extrapolation_notice(asked(arguments).brake_of(wear, 1));

@@ -56,7 +56,7 @@ TEST_CASE("without bytes: the same commands, bit for bit, both layouts, every la
     }
 }
 
-TEST_CASE("a law that the bus has no code for is refused by name", "[CTL-336]") {
+TEST_CASE("a law that the bus has no code for is refused by name", "[CTL-330]") {
     auto options = scenarios::options({"dry_asphalt", "heavy"}, "pressure_bias");
     options.dbc = scenarios::kConfig / "foreign.dbc";
     options.binding = scenarios::kConfig / "foreign_binding.toml";
@@ -64,7 +64,7 @@ TEST_CASE("a law that the bus has no code for is refused by name", "[CTL-336]") 
                       ContainsSubstring("pressure_bias") && ContainsSubstring("foreign.dbc"));
 }
 
-TEST_CASE("same seed, same bytes; another seed, other bytes", "[STUDY-011]") {
+TEST_CASE("same seed, same bytes; another seed, other bytes", "[STUDY-010]") {
     auto options = scenarios::options({"wet_asphalt", "light"});
     const auto once = commands(options);
     CHECK(once == commands(options));
@@ -73,7 +73,7 @@ TEST_CASE("same seed, same bytes; another seed, other bytes", "[STUDY-011]") {
 }
 
 TEST_CASE("a foreign layout runs the same landing: rpm, bar, Motorola, 5 ms pressure, no CRC on sensors",
-          "[STUDY-012]") {
+          "[STUDY-010]") {
     for (const char* surface : {"dry_asphalt", "wet_asphalt", "snow", "ice"}) {
         INFO(surface);
         auto options = scenarios::options({surface, "heavy"});

@@ -12,7 +12,7 @@ study::ManeuverPlan plan() {
 }
 }  // namespace
 
-TEST_CASE("a landing goes through its phases once, in order", "[STUDY-020]") {
+TEST_CASE("a landing goes through its phases once, in order", "[STUDY-030]") {
     Pilot pilot(plan());
     CHECK_FALSE(pilot.command().arm);
     CHECK_FALSE(pilot.command().weight_on_wheels);
@@ -37,7 +37,7 @@ TEST_CASE("a landing goes through its phases once, in order", "[STUDY-020]") {
     CHECK(pilot.phase() == Phase::done);
 }
 
-TEST_CASE("standing before brake-on ends nothing", "[STUDY-020]") {
+TEST_CASE("standing before brake-on ends nothing", "[STUDY-030]") {
     Pilot pilot(plan());
     pilot.update(0.1, true);
     CHECK(pilot.phase() == Phase::approach);
@@ -45,7 +45,7 @@ TEST_CASE("standing before brake-on ends nothing", "[STUDY-020]") {
     CHECK(pilot.phase() == Phase::rolling);
 }
 
-TEST_CASE("the open-loop profile counts from brake-on, linear between points, held beyond", "[STUDY-021]") {
+TEST_CASE("the open-loop profile counts from brake-on, linear between points, held beyond", "[STUDY-030]") {
     study::ManeuverPlan p = plan();
     p.law = antiskid::control::Law::open_loop;
     p.current = {{0.0, 4.0}, {1.0, 10.0}, {2.0, 10.0}};

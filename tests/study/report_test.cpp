@@ -5,7 +5,7 @@
 #include "plant_sim/study/drive.hpp"
 #include "tests/catch.hpp"
 
-TEST_CASE("result.json has the keys that users read, and the faults by name", "[STUDY-040]") {
+TEST_CASE("result.json has the keys that users read, and the faults by name", "[STUDY-030]") {
     study::StopReport report;
     report.figures.stop_distance_m = 197.4;
     report.figures.valve_travel_mAps = 41.2;

@@ -89,7 +89,7 @@ constexpr Time kSecond{1'000'000'000};
 
 }  // namespace
 
-TEST_CASE("lockstep over a bus gives the figures of the run in process", "[STUDY-050]") {
+TEST_CASE("lockstep over a bus gives the figures of the run in process", "[STUDY-010]") {
     const auto options = scenarios::options({"wet_asphalt", "medium_b"});
     Bench bench(options);
     AnsweringBus bus(bench.near, bench.clock, [&bench] { bench.answer(); });
@@ -128,7 +128,7 @@ TEST_CASE("a controller that is never there ends the run after the patience", "[
           plant_sim::Ending::silent);
 }
 
-TEST_CASE("the interface going down ends the run with its reason", "[STUDY-052]") {
+TEST_CASE("the interface going down ends the run with its reason", "[STUDY-051]") {
     Bench bench(scenarios::options({"wet_asphalt", "light"}));
     AnsweringBus bus(bench.near, bench.clock, [&bench] {
         if (bench.syncs < 500)

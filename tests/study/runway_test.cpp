@@ -20,7 +20,7 @@ plant_sim::ScenarioOptions on(const std::filesystem::path& runway, const std::st
 
 }  // namespace
 
-TEST_CASE("on a wet runway J_mu counts against the friction available at each speed", "[STUDY-610]") {
+TEST_CASE("on a wet runway J_mu counts against the friction available at each speed", "[STUDY-602]") {
     plant::RigParameters p = plant_sim::load_scenario(on("config/runways/wet_smooth.toml")).plant.rig;
     plant::Rig rig(p, 1e-3, 1);
     study::StopMeter meter(0.24, 5.0);
@@ -39,7 +39,7 @@ TEST_CASE("on a wet runway J_mu counts against the friction available at each sp
 }
 
 TEST_CASE("the shipped wet runways in closed loop: books close, grooves stop earlier, J_mu stays below 1",
-          "[STUDY-610][RIG-264]") {
+          "[STUDY-602][RIG-262]") {
     double smooth_m = 0.0;
     for (const std::string name : {"wet_smooth", "wet_grooved", "wet_middle"}) {
         INFO(name);
@@ -55,7 +55,7 @@ TEST_CASE("the shipped wet runways in closed loop: books close, grooves stop ear
 }
 
 TEST_CASE("on a runway the trajectory has the place and what is available there; on one surface nothing more",
-          "[STUDY-612]") {
+          "[STUDY-030]") {
     const auto csv_of = [](const plant_sim::ScenarioOptions& o) {
         study::Trajectory rows(!o.choice.runway.empty());
         static_cast<void>(scenarios::run(

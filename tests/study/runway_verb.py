@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""--runway on the command lines of rig-lab and virtual-rig, and in a scenario. [STUDY-611]
+"""--runway on the command lines of rig-lab and virtual-rig, and in a scenario. [STUDY-602]
 
 usage: runway_verb.py RIG_LAB VIRTUAL_RIG
 """

@@ -44,7 +44,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a stop that begins below the speeds that tracking is measured at has no share of it",
-          "[STUDY-033]") {
+          "[STUDY-030]") {
     plant::RigParameters p = heavy();
     p.brake_on_mps = p.touchdown_mps = 16.667;
     plant::Rig rig(p, 1e-3, 1);
@@ -64,7 +64,7 @@ TEST_CASE("a stop that begins below the speeds that tracking is measured at has 
     CHECK(nlohmann::json::parse(study::to_json(report)).at("tracked_share").is_null());
 }
 
-TEST_CASE("eq. (7) gives back the friction that the brake had", "[STUDY-031]") {
+TEST_CASE("eq. (7) gives back the friction that the brake had", "[STUDY-030]") {
     plant::RigParameters p = heavy();
     p.friction_curve = {0.3, 0.0, 0.0, 0.0};
     p.mean_friction = 0.27;
@@ -79,7 +79,7 @@ TEST_CASE("eq. (7) gives back the friction that the brake had", "[STUDY-031]") {
     CHECK(meter.figures(rig).mean_friction == Approx(0.27).epsilon(1e-6));
 }
 
-TEST_CASE("the valve's travel counts from brake-on to drop-out, against the time between", "[STUDY-035]") {
+TEST_CASE("the valve's travel counts from brake-on to drop-out, against the time between", "[STUDY-030]") {
     plant::RigParameters p = heavy();
     plant::Rig rig(p, 1e-3, 1);
     rig.start_rolling();
@@ -105,7 +105,7 @@ TEST_CASE("the valve's travel counts from brake-on to drop-out, against the time
 }
 
 TEST_CASE("a stop without a valve current has no travel; every landing under a controller has",
-          "[STUDY-035]") {
+          "[STUDY-030]") {
     plant::Rig rig(heavy(), 1e-3, 1);
     rig.start_rolling();
     study::StopMeter meter(0.24, 5.0);
@@ -136,7 +136,7 @@ TEST_CASE("a stop without a valve current has no travel; every landing under a c
     }
 }
 
-TEST_CASE("wheel-slip efficiency: the printed formula at its corners", "[STUDY-032]") {
+TEST_CASE("wheel-slip efficiency: the printed formula at its corners", "[STUDY-030]") {
     CHECK(study::slip_efficiency(-0.2, 0.16) == 0.0);
     CHECK(study::slip_efficiency(0.0, 0.16) == 0.0);
     CHECK(study::slip_efficiency(0.08, 0.16) == Approx(1.5 * 0.5 - 0.5 * 0.125).epsilon(1e-12));
@@ -147,7 +147,7 @@ TEST_CASE("wheel-slip efficiency: the printed formula at its corners", "[STUDY-0
 }
 
 TEST_CASE("a slip that is held: efficiency and the tyre's share of the energy are those of that slip",
-          "[STUDY-032]") {
+          "[STUDY-030]") {
     constexpr double kSlip = 0.24;
     auto options = scenarios::options({"wet_asphalt", "heavy"});
     const auto run = scenarios::run(options);
@@ -157,7 +157,7 @@ TEST_CASE("a slip that is held: efficiency and the tyre's share of the energy ar
     CHECK(run.figures.tracked_tyre_share.value() == Approx(kSlip).margin(0.005));
 }
 
-TEST_CASE("on a runway of patches J_mu counts against the surface under the wheel", "[RIG-253][STUDY-034]") {
+TEST_CASE("on a runway of patches J_mu counts against the surface under the wheel", "[RIG-262][STUDY-030]") {
     plant::RigParameters p = heavy();
     p.load.lift_Ns2pm2 = 0.0;
     const plant::Surface snow{.name = "snow", .c1 = 0.1946, .c2 = 94.129, .c3 = 0.0646};

@@ -42,7 +42,7 @@ wear::Campaign recorded(int maneuvers, std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("a torque that is held stops the flywheel as eq. (1) says, whatever the friction", "[RIG-310]") {
+TEST_CASE("a torque that is held stops the flywheel as eq. (1) says, whatever the friction", "[RIG-200]") {
     for (const double friction : {0.30, 0.18}) {
         CAPTURE(friction);
         const study::TorqueStop stop = study::stop_by_torque(bench(friction), kTableThree);
@@ -66,7 +66,7 @@ TEST_CASE("a torque that is held stops the flywheel as eq. (1) says, whatever th
     }
 }
 
-TEST_CASE("a brake too worn for the torque gives what full pressure gives", "[RIG-310]") {
+TEST_CASE("a brake too worn for the torque gives what full pressure gives", "[RIG-200]") {
     // Table III's torque at full pressure is friction 0.137; at brake-on the light curve lies 0.036 below its mean.
     const study::TorqueStop worn = study::stop_by_torque(bench(0.15), kTableThree);
     CHECK(worn.short_of_pressure);
@@ -76,7 +76,7 @@ TEST_CASE("a brake too worn for the torque gives what full pressure gives", "[RI
 }
 
 TEST_CASE("Fig. 9 through the plant: energy is the recorded, friction has the recorded trend and scatter",
-          "[RIG-311]") {
+          "[RIG-300]") {
     const wear::Campaign campaign = recorded(200, 41);
     wear::FitSettings settings;
     settings.most_components = 8;

@@ -41,7 +41,7 @@ Landing landing(const Name& name, double life_J, double part) {
 
 }  // namespace
 
-TEST_CASE("slip reference 0.24 holds its acceptance figures from a new brake to a worn one", "[RIG-309]") {
+TEST_CASE("slip reference 0.24 holds its acceptance figures from a new brake to a worn one", "[RIG-300]") {
     const double life_J = plant_sim::load_scenario(scenarios::options({"ice", "heavy"})).plant.wear.life_J;
     double sum = 0.0;
     int able = 0;

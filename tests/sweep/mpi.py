@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""rig-lab sweep under mpirun: two processes give the bytes of one. [STUDY-145]
+"""rig-lab sweep under mpirun: two processes give the bytes of one. [STUDY-148]
 
 usage: mpi.py RIG_LAB MPIRUN
 """

@@ -10,7 +10,7 @@
 #include "tests/catch.hpp"
 
 TEST_CASE("the paper's sweep: 32 scenarios, 45 references, 100 landings, 4,500 stops and the threshold law's",
-          "[STUDY-140]") {
+          "[STUDY-148]") {
     const sweep::Plan plan = sweep::load_plan({});
     CHECK(plan.scenarios.size() == 32);
     CHECK(plan.references.size() == 45);
@@ -34,7 +34,7 @@ TEST_CASE("the paper's sweep: 32 scenarios, 45 references, 100 landings, 4,500 s
 }
 
 TEST_CASE("landings are drawn each by itself: more of them change none, another seed changes all",
-          "[STUDY-140]") {
+          "[STUDY-148]") {
     const auto friction = [](double c_e_J, wear::Generator& generator) {
         return 0.3 - 1e-11 * c_e_J + 1e-3 * wear::normal(generator);
     };
@@ -66,7 +66,7 @@ TEST_CASE("landings are drawn each by itself: more of them change none, another 
     CHECK(mean_J == Approx(2e9).margin(3.3 * 4e9 / std::sqrt(12.0 * 1000.0)));
 }
 
-TEST_CASE("friction is drawn from the brake's wear model at the wear that was drawn", "[STUDY-141]") {
+TEST_CASE("friction is drawn from the brake's wear model at the wear that was drawn", "[STUDY-148]") {
     sweep::PlanOptions options;
     options.landings = 2000;
     const sweep::Plan plan = sweep::load_plan(options);
@@ -86,7 +86,7 @@ TEST_CASE("friction is drawn from the brake's wear model at the wear that was dr
     CHECK(high - low > 0.05);  // from a new brake to a worn one
 }
 
-TEST_CASE("the order of work has every stop once, and shards share it out", "[STUDY-144]") {
+TEST_CASE("the order of work has every stop once, and shards share it out", "[STUDY-148]") {
     const auto all = study::order_of_work(4600);
     CHECK(std::set<std::size_t>(all.begin(), all.end()).size() == 4600);
     std::set<std::size_t> seen;

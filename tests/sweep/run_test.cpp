@@ -48,7 +48,7 @@ std::string text_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-TEST_CASE("the number of threads and the order of work change no byte", "[STUDY-142]") {
+TEST_CASE("the number of threads and the order of work change no byte", "[STUDY-148]") {
     const sweep::Plan plan = small::plan();
     std::vector<std::size_t> in_order(plan.stops());
     std::iota(in_order.begin(), in_order.end(), std::size_t{0});
@@ -70,7 +70,7 @@ std::vector<double> many_references() {
 
 }  // namespace
 
-TEST_CASE("what a stop or an observer throws ends the run and comes out of it", "[STUDY-142]") {
+TEST_CASE("what a stop or an observer throws ends the run and comes out of it", "[STUDY-148]") {
     const sweep::Plan plan = small::plan(1, many_references());
     const auto numbers = study::order_of_work(plan.stops());
     std::size_t seen = 0;
@@ -83,7 +83,7 @@ TEST_CASE("what a stop or an observer throws ends the run and comes out of it", 
 }
 
 TEST_CASE("a sweep that is stopped or killed goes on: nothing twice, nothing lost, the same bytes",
-          "[STUDY-143]") {
+          "[STUDY-148]") {
     const Scratch scratch;
     const auto part = scratch.path / "new" / "stops.part";
     const sweep::Plan plan = small::plan(1, many_references());
@@ -121,7 +121,7 @@ TEST_CASE("a sweep that is stopped or killed goes on: nothing twice, nothing los
     CHECK(whole.starts_with(text_of(part)));
 }
 
-TEST_CASE("what another sweep left is refused, and named; it is not touched", "[STUDY-143]") {
+TEST_CASE("what another sweep left is refused, and named; it is not touched", "[STUDY-148]") {
     const Scratch scratch;
     const auto part = scratch.path / "stops.part";
     const sweep::Plan plan = small::plan();
@@ -151,7 +151,7 @@ TEST_CASE("what another sweep left is refused, and named; it is not touched", "[
     CHECK(text_of(part) == "notes of mine");
 }
 
-TEST_CASE("three processes give the bytes of one, and go on where one was stopped", "[STUDY-145]") {
+TEST_CASE("three processes give the bytes of one, and go on where one was stopped", "[STUDY-148]") {
     const Scratch scratch;
     const sweep::Plan plan = small::plan();
     const auto part = scratch.path / "stops.part";
@@ -176,7 +176,7 @@ TEST_CASE("three processes give the bytes of one, and go on where one was stoppe
     CHECK(csv_of(plan, rows) == reference_csv());
 }
 
-TEST_CASE("a process with another plan than the leader's refuses to work", "[STUDY-145]") {
+TEST_CASE("a process with another plan than the leader's refuses to work", "[STUDY-148]") {
     threads::Wire wire;
     const sweep::Plan plan = small::plan();
     wire.from_leader = csv_of(plan, {});
@@ -187,7 +187,7 @@ TEST_CASE("a process with another plan than the leader's refuses to work", "[STU
                       ContainsSubstring("another sweep than the leading one"));
 }
 
-TEST_CASE("shards give the bytes of the whole", "[STUDY-144]") {
+TEST_CASE("shards give the bytes of the whole", "[STUDY-148]") {
     const sweep::Plan plan = small::plan();
     std::vector<sweep::StopsTable> shards;
     for (std::size_t i = 1; i <= 5; ++i) {

@@ -38,7 +38,7 @@ void fails_alone(const sweep::Summary& summary, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("means and standard error over the landings, law by law", "[STUDY-147]") {
+TEST_CASE("means and standard error over the landings, law by law", "[STUDY-148]") {
     const auto figures = [](double reference, std::size_t landing) {
         study::StopFigures f;
         f.j_mu = (reference > 0.0 ? 0.9 : 0.8) + 0.01 * static_cast<double>(landing);
@@ -73,7 +73,7 @@ TEST_CASE("means and standard error over the landings, law by law", "[STUDY-147]
     CHECK(json["threshold"]["j_mu"] == s.threshold->j_mu);
 }
 
-TEST_CASE("what the paper shows passes; each thing that is not so fails by its name", "[STUDY-147]") {
+TEST_CASE("what the paper shows passes; each thing that is not so fails by its name", "[STUDY-148]") {
     CHECK(with([](sweep::Row&) {}).passed());
     fails_alone(with([](sweep::Row& r) { r.figures.j_mu -= 0.01; }), "j_mu");
     fails_alone(with([](sweep::Row& r) {
@@ -113,7 +113,7 @@ TEST_CASE("what the paper shows passes; each thing that is not so fails by its n
         named(with([](sweep::Row& r) { r.figures.j_mu = 1.0 - r.figures.j_mu; }), "j_mu_trend").passed);
 }
 
-TEST_CASE("what few landings cannot show is said, not passed and not failed", "[STUDY-147]") {
+TEST_CASE("what few landings cannot show is said, not passed and not failed", "[STUDY-148]") {
     auto table = made_up::table(sweep::paper_references(), 16, made_up::like_the_paper);
     for (sweep::Row& row : table.rows) row.figures.j_mu -= 0.01;  // would fail with more
     const sweep::Summary few = sweep::summarised(table.identity, table.rows);
@@ -124,7 +124,7 @@ TEST_CASE("what few landings cannot show is said, not passed and not failed", "[
     CHECK_FALSE(sweep::summarised(table.identity, table.rows).passed());
 }
 
-TEST_CASE("what the references of a smaller sweep cannot show is said, not passed", "[STUDY-147]") {
+TEST_CASE("what the references of a smaller sweep cannot show is said, not passed", "[STUDY-148]") {
     const auto table = made_up::table({0.2, 0.3}, 4, made_up::like_the_paper, false);
     const sweep::Summary s = sweep::summarised(table.identity, table.rows);
     CHECK(s.passed());

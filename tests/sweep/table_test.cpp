@@ -35,7 +35,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 }  // namespace
 
-TEST_CASE("a table reads back to the last bit", "[STUDY-146]") {
+TEST_CASE("a table reads back to the last bit", "[STUDY-148]") {
     const sweep::StopsTable table = sweep::parse_stops("t", csv());
     const sweep::Plan plan = small::plan();
     CHECK(table.identity == sweep::identity_of(plan));
@@ -54,7 +54,7 @@ TEST_CASE("a table reads back to the last bit", "[STUDY-146]") {
 }
 
 TEST_CASE("a line without an end is passed over; anything else that is wrong is named by line and column",
-          "[STUDY-146]") {
+          "[STUDY-148]") {
     const std::string good = csv();
     const auto cut = sweep::parse_stops("t", good.substr(0, good.size() - 5));
     CHECK(cut.rows.size() == 2);

@@ -27,7 +27,7 @@ constexpr double kMean_MJ = 6.0;  // of 4 MJ times 1, 1.5 and 2
 
 }  // namespace
 
-TEST_CASE("a floor on J_mu: the dear part is spared up to where the floor is", "[STUDY-150]") {
+TEST_CASE("a floor on J_mu: the dear part is spared up to where the floor is", "[STUDY-148]") {
     constexpr double kFloor = 0.95;
     const Trade dear_brake = trade(paper(), Prices{3.0, 1.0}, {.least_j_mu = kFloor});
     REQUIRE(dear_brake.best.has_value());
@@ -51,7 +51,7 @@ TEST_CASE("a floor on J_mu: the dear part is spared up to where the floor is", "
           Approx(1.0 - (1.0 + 2.0 * dear_tyre.best->slip_reference) / 1.32).epsilon(1e-9));
 }
 
-TEST_CASE("a ceiling on distance is the same floor by another name", "[STUDY-150]") {
+TEST_CASE("a ceiling on distance is the same floor by another name", "[STUDY-148]") {
     const Trade by_distance = trade(paper(), Prices{3.0, 1.0}, {.most_distance_m = 480.0 / 0.95});
     const Trade by_j_mu = trade(paper(), Prices{3.0, 1.0}, {.least_j_mu = 0.95});
     REQUIRE(by_distance.best.has_value());
@@ -60,7 +60,7 @@ TEST_CASE("a ceiling on distance is the same floor by another name", "[STUDY-150
     CHECK(by_distance.decides == Decides::most_distance);
 }
 
-TEST_CASE("lives: brake and tyre are worn out together where that can be", "[STUDY-150]") {
+TEST_CASE("lives: brake and tyre are worn out together where that can be", "[STUDY-148]") {
     // E_b / L_b = E_t / L_t at slip = L_t / (L_b + L_t).
     const Trade together = trade(paper(), Lives{700.0, 300.0});
     REQUIRE(together.best.has_value());
@@ -78,7 +78,7 @@ TEST_CASE("lives: brake and tyre are worn out together where that can be", "[STU
 }
 
 TEST_CASE("no reference within the bounds, nothing that costs, all on one side: plain answers",
-          "[STUDY-151]") {
+          "[STUDY-148]") {
     const sweep::TradeOptions options{
         .tariff = Prices{1.0, 2.0}, .bounds = {.least_j_mu = 0.97}, .resamples = 50};
     const Trade none = sweep::traded(paper(), options);
@@ -109,7 +109,7 @@ TEST_CASE("no reference within the bounds, nothing that costs, all on one side: 
     CHECK(same.best->slip_reference == Approx(0.22));
 }
 
-TEST_CASE("the interval is that of the scatter: 1.96 standard errors over the slope", "[STUDY-152]") {
+TEST_CASE("the interval is that of the scatter: 1.96 standard errors over the slope", "[STUDY-148]") {
     // J_mu = 1 - slip / 2 plus a part of the landing's own, the same for every reference; with the floor 0.85 and a dear brake the
     // best reference is 2 (mean - 0.85).
     constexpr std::size_t kLandings = 200;
@@ -139,14 +139,14 @@ TEST_CASE("the interval is that of the scatter: 1.96 standard errors over the sl
     CHECK_FALSE(t.threshold.has_value());
 }
 
-TEST_CASE("the same seed gives the same answer, to the byte", "[STUDY-152]") {
+TEST_CASE("the same seed gives the same answer, to the byte", "[STUDY-148]") {
     const sweep::TradeOptions options{
         .tariff = Prices{1.0, 2.0}, .bounds = {.least_j_mu = 0.95}, .resamples = 100};
     CHECK(sweep::to_json(sweep::traded(paper(), options), paper(), options) ==
           sweep::to_json(sweep::traded(paper(), options), paper(), options));
 }
 
-TEST_CASE("tariffs, bounds and sweeps that cannot be are refused", "[STUDY-151]") {
+TEST_CASE("tariffs, bounds and sweeps that cannot be are refused", "[STUDY-148]") {
     CHECK_THROWS_WITH(trade(paper(), Prices{-1.0, 1.0}), ContainsSubstring("not negative"));
     CHECK_THROWS_WITH(trade(paper(), Prices{NAN, 1.0}), ContainsSubstring("finite"));
     CHECK_THROWS_WITH(trade(paper(), Lives{0.0, 1.0}), ContainsSubstring("above 0"));

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""rig-lab sweep, sweep merge and trade as their users meet them: files, exit status, Ctrl-C, SIGKILL, shards. [STUDY-149] [STUDY-153]
+"""rig-lab sweep, sweep merge and trade as their users meet them: files, exit status, Ctrl-C, SIGKILL, shards. [STUDY-148]
 
 usage: verb.py RIG_LAB
 """

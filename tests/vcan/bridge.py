@@ -62,7 +62,7 @@ def done(rows):
 
 
 def campaign_killed(folder):
-    """[BRG-441] SIGKILL at 50 random moments: the ledger is never corrupt, no finished maneuver lost or counted twice, unfinished ones marked,
+    """[BRG-410] SIGKILL at 50 random moments: the ledger is never corrupt, no finished maneuver lost or counted twice, unfinished ones marked,
     the rig left safe; the same command goes on."""
     draw = random.Random(20261121)
     scenario, config = quick_rig(folder)
@@ -118,7 +118,7 @@ def campaign_killed(folder):
 
 
 def campaign_ends(folder):
-    """[BRG-442] A campaign stops on a fault, on its wear limit and on a full disk, says why, and goes on by the same command."""
+    """[BRG-410] A campaign stops on a fault, on its wear limit and on a full disk, says why, and goes on by the same command."""
     scenario, config = quick_rig(folder)
     rig = Rig(BUILD, folder, scenario, config)
     bus = Bus()
@@ -190,7 +190,7 @@ def campaign_ends(folder):
 
 
 def realtime(folder):
-    """[BRG-443] 1 kHz by the clock, three programs on one virtual processor. How punctual this machine is decides whether the maneuver
+    """[BRG-440] 1 kHz by the clock, three programs on one virtual processor. How punctual this machine is decides whether the maneuver
     finishes or is aborted; both must be told truly, the valve safe at the end."""
     scenario, config = quick_rig(folder)
     rig = Rig(BUILD, folder, scenario, config, clock="timer")

@@ -12,7 +12,7 @@ CONFIG_MAX_AGE_PERIODS = round(rig_side.CONFIG["monitor"]["sensor_max_age_ms"] /
 
 class BusTest(OnTheBus):
     def test_rig_that_falls_silent(self):
-        """[RT-106]"""
+        """[RT-034]"""
         controller, rig = self.lockstep("--sync-timeout", "200")
         rig.brake()
         frames = []
@@ -36,7 +36,7 @@ class BusTest(OnTheBus):
         self.assertIn("wheel_lost", [fault["name"] for fault in report["faults"]])
 
     def test_rig_that_never_comes(self):
-        """[RT-106]"""
+        """[RT-034]"""
         controller, rig = self.lockstep()
         self.assertTrue(controller.says("nothing has come on vcan0 yet"))
         self.assertIsNone(rig.bus.receive(0.5))
@@ -44,12 +44,12 @@ class BusTest(OnTheBus):
         self.assertEqual(len(self.rest(rig.bus)), SAFE_COMMANDS)
 
     def test_damaged_frames_are_counted_and_not_used(self):
-        """[RT-107]"""
+        """[RT-034]"""
 
         def damage(rig):
             good = rig.protected(WHEEL, bytes(6))
             rig.counters[WHEEL] = (rig.counters[WHEEL] - 1) % 15  # never sent: the sequence goes on
-            # As many as good ones: more would be a fault (CTL-232).
+            # As many as good ones: more would be a fault (CTL-081).
             rig.bus.send(WHEEL, good[:5] if rig.steps % 2 else bytes([good[0] ^ 0x40]) + good[1:])
             rig.bus.send(WHEEL | socket.CAN_EFF_FLAG, good)
             rig.bus.send(WHEEL | socket.CAN_RTR_FLAG, good)
@@ -69,7 +69,7 @@ class BusTest(OnTheBus):
         self.assertEqual(report["faults"], [])
 
     def test_sensor_that_is_damaged_for_good(self):
-        """[RT-107]"""
+        """[RT-034]"""
         controller, rig = self.lockstep()
         rig.brake()
         whole = rig.bus.send
@@ -82,7 +82,7 @@ class BusTest(OnTheBus):
         self.assertEqual(controller.end(), 0)
 
     def test_same_run_same_bytes(self):
-        """[RT-108]"""
+        """[RT-030]"""
         runs = []
         for _ in range(2):
             controller, rig = self.lockstep()
@@ -95,7 +95,7 @@ class BusTest(OnTheBus):
     # The bus
 
     def test_flood_of_foreign_frames(self):
-        """[RT-109]"""
+        """[RT-034]"""
         controller, rig = self.lockstep()
         rig.brake()
         self.assertEqual(controller.end(), 0)
@@ -126,7 +126,7 @@ class BusTest(OnTheBus):
         return controller, rig
 
     def test_interface_that_goes_down_and_up(self):
-        """[RT-110]"""
+        """[RT-040]"""
         controller, rig = self.braking_on("vcan3")
         sh("ip link set vcan3 down")
         self.assertTrue(controller.says("vcan3 is down or gone"), controller.log())
@@ -142,7 +142,7 @@ class BusTest(OnTheBus):
         self.assertGreaterEqual(controller.report()["link"]["outages"], 1)
 
     def test_interface_that_vanishes_and_comes_back(self):
-        """[RT-110]"""
+        """[RT-040]"""
         controller, rig = self.braking_on("vcan4")
         sh("ip link del vcan4")
         self.assertTrue(controller.says("vcan4 is down or gone"), controller.log())
@@ -159,7 +159,7 @@ class BusTest(OnTheBus):
         self.assert_safe_is_last(self.rest(bus))
 
     def test_interface_that_vanishes_by_the_timer(self):
-        """[RT-110]"""
+        """[RT-040]"""
         self.interface("vcan5")
         controller = self.start("--can", "vcan5")
         self.assertTrue(controller.says("state self_test"), controller.log())
@@ -171,7 +171,7 @@ class BusTest(OnTheBus):
         self.assertEqual(controller.end(), 0, controller.log())
 
     def test_interface_that_is_gone_at_the_end(self):
-        """[RT-111]"""
+        """[RT-032]"""
         controller, _ = self.braking_on("vcan6")
         sh("ip link del vcan6")
         self.assertTrue(controller.says("vcan6 is down or gone"), controller.log())

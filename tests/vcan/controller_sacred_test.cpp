@@ -45,7 +45,7 @@ class RigEnd {
 
 }  // namespace
 
-TEST_CASE("over a real socket the loop does nothing forbidden", "[RT-052]") {
+TEST_CASE("over a real socket the loop does nothing forbidden", "[RT-050]") {
     constexpr int kPeriods = 10'000;
     const auto source = GENERATE(rt::ClockSource::sync, rt::ClockSource::timer);
     const rt::Setup setup = default_setup();
@@ -92,7 +92,7 @@ TEST_CASE("over a real socket the loop does nothing forbidden", "[RT-052]") {
         CHECK(statistics.steps_in_state[static_cast<std::size_t>(control::State::braking)] > 1000);
 }
 
-TEST_CASE("by the machine's own clock, too", "[RT-052]") {
+TEST_CASE("by the machine's own clock, too", "[RT-050]") {
     const rt::Setup setup = default_setup();
     rt::SupervisedCan socket([&setup] {
         return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span());

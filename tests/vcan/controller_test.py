@@ -25,28 +25,28 @@ class ControllerTest(OnTheBus):
             self.assertIn(text, controller.log())
 
     def test_absent_interface(self):
-        """[RT-100]"""
+        """[RT-080]"""
         self.refused(1, "nosuch0", arguments=["--can", "nosuch0"])
 
     def test_interface_that_is_down(self):
-        """[RT-100]"""
+        """[RT-080]"""
         self.interface("vcan7")
         sh("ip link set vcan7 down")
         self.refused(1, "vcan7", "ip link set vcan7", arguments=["--can", "vcan7"])
 
     def test_interface_that_is_no_can(self):
-        """[RT-100]"""
+        """[RT-080]"""
         self.refused(1, "'lo'", arguments=["--can", "lo"])
 
     def test_bad_configuration(self):
-        """[RT-101]"""
+        """[RT-080]"""
         with tempfile.NamedTemporaryFile("w", suffix=".toml") as file, open("config/controller.toml", encoding="utf-8") as good:
             file.write(good.read().replace("period_ms = 1.0", "period_ms = 17.0"))
             file.flush()
             self.refused(2, f"{file.name}:", "period_ms", arguments=["--can", "vcan0", "--controller", file.name])
 
     def test_report_that_cannot_be_written(self):
-        """[RT-102]"""
+        """[RT-073]"""
         controller = self.start("--can", "vcan0", report="/proc/none/report.json")
         self.assertTrue(controller.says("on vcan0"))
         self.assertEqual(controller.end(), 1)
@@ -96,19 +96,19 @@ class ControllerTest(OnTheBus):
         self.assertEqual(report["messages"]["sync"]["accepted"], rig.steps)
 
     def test_sigint_while_braking(self):
-        """[RT-104]"""
+        """[RT-032]"""
         self.stops_safely(signal.SIGINT)
 
     def test_sigterm_while_braking(self):
-        """[RT-104]"""
+        """[RT-032]"""
         self.stops_safely(signal.SIGTERM)
 
     def test_sighup_while_braking(self):
-        """[RT-104]"""
+        """[RT-032]"""
         self.stops_safely(signal.SIGHUP)
 
     def test_sigint_by_the_timer_with_nobody_there(self):
-        """[RT-104]"""
+        """[RT-032]"""
         bus = self.bus()
         controller = self.start("--can", "vcan0")
         frames = [bus.receive() for _ in range(50)]
@@ -117,7 +117,7 @@ class ControllerTest(OnTheBus):
         self.assert_safe_is_last(frames + self.rest(bus))
 
     def test_log_reader_that_goes_away(self):
-        """[RT-105]"""
+        """[RT-070]"""
         controller, rig, reading, writing = self.lockstep_with_piped_log()
         os.close(writing)
         rig.brake()
@@ -129,7 +129,7 @@ class ControllerTest(OnTheBus):
         self.assert_safe_is_last(self.rest(rig.bus))
 
     def test_log_that_nobody_reads(self):
-        """[RT-105]"""
+        """[RT-070]"""
         controller, rig, reading, writing = self.lockstep_with_piped_log()
         rig.brake()
         os.set_blocking(writing, False)

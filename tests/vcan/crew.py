@@ -57,7 +57,7 @@ def aborted_once(rig, bus, run):
 
 
 def operator(folder):
-    """[BRG-270] [BRG-271] [BRG-471] [BRG-472] Held between maneuvers, over the death of the bridge, with the drive off; told of an abort; serial
+    """[BRG-270] [BRG-471] Held between maneuvers, over the death of the bridge, with the drive off; told of an abort; serial
     numbers in every record, and of another disc only when somebody says that he means it."""
     rig, bus, out = the_rig(folder), Bus(), folder / "campaign"
     hook, told = folder / "hook.sh", folder / "told"
@@ -110,7 +110,7 @@ def operator(folder):
 
 
 def watch(folder):
-    """[BRG-473] From another terminal: what runs, in the middle of it; 80 columns; and that the bridge has died."""
+    """[BRG-420] From another terminal: what runs, in the middle of it; 80 columns; and that the bridge has died."""
     rig, bus, out = the_rig(folder), Bus(), folder / "campaign"
     run = rig.bridge("campaign", out, "--maneuvers", "2")
     check(bus.await_phase(("braking",), 120), f"no braking: {words(run)}")

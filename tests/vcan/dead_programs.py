@@ -117,7 +117,7 @@ class Bench:
         """The bridge, after the signal came in that phase; None: the host stood still, and the phase was over before it came or never came."""
         bridge = self.start()
         self.ear.until(lambda: REACHED[case.phase](self.ear) or bridge.poll() is not None, 120.0)
-        if (case.program, case.phase) == ("bridge", "standby"):  # a PLC that has not seen it does not miss it: RIG-215
+        if (case.program, case.phase) == ("bridge", "standby"):  # a PLC that has not seen it does not miss it: RIG-214
             self.rig.plc.await_bridge()
         target = self.process(case, bridge)
         with self.ear.news:
@@ -262,5 +262,5 @@ def main():
 
 
 if __name__ == "__main__":
-    """[BRG-612] [BRG-613]"""
+    """[BRG-450]"""
     sys.exit(main())

@@ -230,5 +230,5 @@ def main():
 
 
 if __name__ == "__main__":
-    """[BRG-614]"""
+    """[BRG-450]"""
     sys.exit(main())

@@ -41,7 +41,7 @@ def finished(process, seconds=200):
 
 
 def bridge_killed(folder):
-    """[BRG-262][BRG-623] A bridge killed late in braking: what it had recorded counts, and the sum is the plant's."""
+    """[BRG-220][BRG-261] A bridge killed late in braking: what it had recorded counts, and the sum is the plant's."""
     scenario, config = quick_rig(folder)
     rig = Rig(BUILD, folder, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
     bus = Bus()
@@ -84,7 +84,7 @@ def bridge_killed(folder):
 
 
 def rig_restarted(folder):
-    """[BRG-260] The rig's node dies in braking and is there again at once, its counters at zero: no joule comes of it."""
+    """[BRG-200] The rig's node dies in braking and is there again at once, its counters at zero: no joule comes of it."""
     scenario, config = quick_rig(folder)
     rig = Rig(BUILD, folder, scenario, config, sync_timeout_ms=3000, answer_timeout_ms=3000)
     bus = Bus()
@@ -128,7 +128,7 @@ def stop_with_clock_set(rig, bus, out, step_s):
 
 
 def clock(folder, how):
-    """[BRG-265] The wall clock is set in braking, forward and back: nobody aborts, and no figure knows of it."""
+    """[BRG-200] The wall clock is set in braking, forward and back: nobody aborts, and no figure knows of it."""
     scenario, config = quick_rig(folder)
     if how == "timer":  # a host that stands still is not what is tested
         path = config / "controller.toml"

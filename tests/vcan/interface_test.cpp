@@ -32,7 +32,7 @@ TEST_CASE("an interface that cannot be used is refused with the command that men
                       ContainsSubstring("'vcan5' is down") && ContainsSubstring("`ip link set vcan5 up`"));
 }
 
-TEST_CASE("an interface that goes down is reported, and used again when it comes up", "[CAN-085]") {
+TEST_CASE("an interface that goes down is reported, and used again when it comes up", "[CAN-080]") {
     const Interface fragile("vcan4");
     SocketCan a("vcan4", kWanted);
     SocketCan b("vcan4", kWanted);
@@ -54,7 +54,7 @@ TEST_CASE("an interface that goes down is reported, and used again when it comes
     }
 }
 
-TEST_CASE("an interface that vanishes is reported for good", "[CAN-085]") {
+TEST_CASE("an interface that vanishes is reported for good", "[CAN-080]") {
     const Interface fragile("vcan3");
     SocketCan bus("vcan3", kWanted);
     shell("ip link del vcan3");

@@ -115,7 +115,7 @@ def same_bytes(folder, controller_options, rig_options, valve_id):
 
 
 def lockstep(folder):
-    """[STUDY-060] Lockstep over the bus gives the commands of the run in process, byte for byte."""
+    """[STUDY-010] Lockstep over the bus gives the commands of the run in process, byte for byte."""
     for number, options in enumerate([("--maneuver", "heavy", "--surface", "dry_asphalt"),
                                       ("--maneuver", "light", "--surface", "wet_asphalt", "--seed", "42"),
                                       ("--maneuver", "medium_a", "--surface", "dry_cobblestone", "--law", "threshold"),
@@ -126,14 +126,14 @@ def lockstep(folder):
 
 
 def foreign(folder):
-    """[STUDY-061] A foreign layout runs the same landing."""
+    """[STUDY-010] A foreign layout runs the same landing."""
     layout = ("--dbc", "config/foreign.dbc", "--binding", "config/foreign_binding.toml")
     valve = re.search(r"^BO_ (\d+) SERVO_VALVE", pathlib.Path("config/foreign.dbc").read_text(), re.M)
     same_bytes(folder, layout, ("--maneuver", "light", "--surface", "dry_asphalt", *layout), f"{int(valve.group(1)):03X}")
 
 
 def identified(folder):
-    """[STUDY-580] What rig-lab identify wrote runs in controller and rig over the bus as in process, and stops where the shipped numbers do."""
+    """[STUDY-010] What rig-lab identify wrote runs in controller and rig over the bus as in process, and stops where the shipped numbers do."""
     experiments = ("ramp", "step", "sweep", "slow_braking", "heavy")
     for seed, name in enumerate(experiments):
         subprocess.run([LAB, "maneuver", f"config/scenarios/{name}.toml", "--seed", str(seed + 1), "--out", folder / name], check=True,
@@ -150,7 +150,7 @@ def identified(folder):
 
 
 def flood(folder):
-    """[STUDY-062] Foreign traffic as fast as it goes changes nothing in lockstep."""
+    """[STUDY-010] Foreign traffic as fast as it goes changes nothing in lockstep."""
     cangen = subprocess.Popen(["cangen", "vcan0", "-g", "0", "-i", "-I", "555", "-p", "1"], stderr=subprocess.DEVNULL)
     controller = start_controller(folder)
     run = rig(folder, "--maneuver", "light", "--surface", "dry_asphalt")
@@ -165,7 +165,7 @@ def flood(folder):
 
 
 def realtime(folder):
-    """[STUDY-063] 1 kHz by the clock, both programs and the recorder on one virtual processor. How punctual this machine is today decides whether
+    """[STUDY-051] 1 kHz by the clock, both programs and the recorder on one virtual processor. How punctual this machine is today decides whether
     the controller stops the aircraft or finds too many overruns and goes safe: both must be told truly, and nothing else may happen."""
     recorder = Recorder(folder)
     controller = start_controller(folder, clock="timer")
@@ -188,7 +188,7 @@ def realtime(folder):
 
 
 def controller_dies(folder):
-    """[STUDY-064] The rig says who was silent, and when."""
+    """[STUDY-051] The rig says who was silent, and when."""
     controller = start_controller(folder)
     dying = subprocess.Popen([RIG, "--can", "vcan0", "--surface", "ice", "--maneuver", "light"], text=True,
                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
@@ -202,7 +202,7 @@ def controller_dies(folder):
 
 
 def rig_dies(folder, number, expected):
-    """[STUDY-065] The controller names what is missing, and the safe current is the last command."""
+    """[STUDY-051] The controller names what is missing, and the safe current is the last command."""
     recorder = Recorder(folder)
     controller = start_controller(folder)
     dying = subprocess.Popen([RIG, "--can", "vcan0", "--surface", "ice", "--maneuver", "light"], stdout=subprocess.DEVNULL,
@@ -227,7 +227,7 @@ def rig_killed(folder):
 
 
 def interface(folder):
-    """[STUDY-066] An absent interface is refused by name; one that goes down during a run ends it with the reason."""
+    """[STUDY-051] An absent interface is refused by name; one that goes down during a run ends it with the reason."""
     run = subprocess.run([RIG, "--can", "vcan7"], text=True, capture_output=True)
     check(run.returncode == 1 and "vcan7" in run.stderr, f"absent interface: {run.returncode} {run.stderr}")
     controller = start_controller(folder)

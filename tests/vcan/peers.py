@@ -117,7 +117,7 @@ def run(rig, bus, folder, phase, case, number):
         if safe == "-":
             safe = f"{time.monotonic() - began:.1f}"
     name = outcome(words(bridge)) if case.cause != "bridge SIGKILL" else "-"
-    if case.note.startswith("bridge: emergency stop"):  # [CTL-391]
+    if case.note.startswith("bridge: emergency stop"):  # [CTL-076]
         check("are not listed" not in controller_says(rig)[said:], f"{case.cause}: the controller changes again and again:\n{controller_says(rig)[said:]}")
     check(name in case.outcomes, f"{case.cause} in {phase}: {name}, expected {case.outcomes}\n{words(bridge)}")
     check(bridge.returncode == (-signal.SIGKILL if case.cause == "bridge SIGKILL" else 1), f"exit status {bridge.returncode}")

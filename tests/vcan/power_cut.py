@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""[BRG-263] A power cut in the middle of a campaign: the guest that runs it, on a file system of its own, is killed whole; a second one mounts
+"""[BRG-220] A power cut in the middle of a campaign: the guest that runs it, on a file system of its own, is killed whole; a second one mounts
 what is left. Finished maneuvers are in a sound ledger, the running one's log is there but for its last two seconds, and the same command goes on.
 
 usage: power_cut.py BUILD_DIR ext2|ext4 [--cuts N] [--seed S]         on the machine itself: it starts the guests

@@ -89,7 +89,7 @@ def in_time(command, expected):
 
 
 def controller(folder):
-    """[RT-141]"""
+    """[RT-130]"""
     command = [CONTROLLER, "--can", "vcan0", "--check", "--timing-s", "1"]
     _, checks = report_of(command)
     verdicts(checks, {"CAN interface": "pass", "CAN bit rate": "skipped", "CAN socket": "pass", "wheel frames": "fail",
@@ -112,7 +112,7 @@ def controller(folder):
 
 
 def bridge(folder):
-    """[BRG-154]"""
+    """[BRG-150]"""
     command = [BRIDGE, "preflight", "config/scenarios/heavy.toml", "--can", "vcan0", "--out", str(folder / "campaign")]
     rig = Rig(folder)
     reached = [*command, "--plc", f"127.0.0.1:{rig.port}"]
@@ -152,7 +152,7 @@ class SerialChip:
 
 
 def chip(_folder):
-    """[RT-141]"""
+    """[RT-130]"""
     for module in ("dev/can-dev.ko", "slcan/slcan.ko"):
         path = f"/usr/lib/uml/modules/{os.uname().release}/kernel/drivers/net/can/{module}"
         subprocess.run(["insmod", path] if os.path.exists(path) else ["modprobe", pathlib.Path(path).stem], stderr=subprocess.DEVNULL,

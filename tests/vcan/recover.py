@@ -34,7 +34,7 @@ def check_landing(out, folder_of_attempt):
 
 
 def retry(folder, phase):
-    """[BRG-451] An abort in this phase, and one retry, which is the landing that was asked for."""
+    """[BRG-450] An abort in this phase, and one retry, which is the landing that was asked for."""
     rig, bus, out = the_rig(folder), Bus(), folder / "campaign"
     run = rig.bridge("campaign", out, "--maneuvers", "1", "--retry", "1")
     check(bus.await_phase((phase,), 300), f"no {phase}: {words(run)}")
@@ -50,7 +50,7 @@ def retry(folder, phase):
 
 
 def resume(folder):
-    """[BRG-451] Ctrl-C in braking, and the same command at once; the program says that the rim still turns."""
+    """[BRG-450] Ctrl-C in braking, and the same command at once; the program says that the rim still turns."""
     rig, bus, out = the_rig(folder), Bus(), folder / "campaign"
     run = rig.bridge("campaign", out, "--maneuvers", "1")
     check(bus.await_phase(("braking",), 300), f"no braking: {words(run)}")
@@ -66,7 +66,7 @@ def resume(folder):
 
 
 def second_master(folder):
-    """[BRG-452] Another Modbus client commands 75 m/s in the spin-up of a 49 m/s landing: seen, named, undone, and never retried. Without
+    """[BRG-136] Another Modbus client commands 75 m/s in the spin-up of a 49 m/s landing: seen, named, undone, and never retried. Without
     --leave-turning the bridge then shows the rim's speed until it is told to end."""
     rig, bus, out = the_rig(folder), Bus(), folder / "campaign"
     command = [word for word in rig.command("campaign", out, "--priority", "0", "--maneuvers", "1", "--retry", "3") if word != "--leave-turning"]

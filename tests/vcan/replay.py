@@ -47,7 +47,7 @@ def made_log(folder):
 
 
 def play(folder):
-    """[BRG-332] What we play candump records, frame by frame in order; canplayer plays our logs, we play candump's, plain and gzip."""
+    """[BRG-330] What we play candump records, frame by frame in order; canplayer plays our logs, we play candump's, plain and gzip."""
     log = made_log(folder)
     frames = read_log(log)
     check(len(frames) > 9000, "no log")
@@ -62,7 +62,7 @@ def play(folder):
 
 
 def choice(folder):
-    """[BRG-332] Filter, loops, other interface in the log, 29-bit and remote frames; error and FD frames stay behind."""
+    """[BRG-330] Filter, loops, other interface in the log, 29-bit and remote frames; error and FD frames stay behind."""
     log = folder / "mixed.log"
     log.write_text("(1.000000) can7 111#01\n(1.001000) can8 111#02\n(1.002000) can7 18FF0011#0102\n(1.003000) can7 222#R\n"
                    "(1.004000) can7 20000040#0000000000000000\n(1.005000) can7 123##1AA\nnonsense\n(1.006000) can7 333#\n")
@@ -77,7 +77,7 @@ def choice(folder):
 
 
 def ends(folder):
-    """[BRG-332] Exit statuses: no interface, interface down, no log, wrong rule, Ctrl-C."""
+    """[BRG-330] Exit statuses: no interface, interface down, no log, wrong rule, Ctrl-C."""
     log = folder / "long.log"
     log.write_text("(1.000000) can0 111#01\n(1000.000000) can0 111#02\n")
     check("vcan7" in replay("bus", str(log), "--can", "vcan7", status=1).stderr, "the absent interface is not named")
@@ -93,7 +93,7 @@ def ends(folder):
 
 
 def controller(folder):
-    """[BRG-315] A landing recorded from the bus, controller and rig separate processes in lockstep: no command frame differs on replay."""
+    """[BRG-310] A landing recorded from the bus, controller and rig separate processes in lockstep: no command frame differs on replay."""
     recorder = Recorder(folder)
     process = start_controller(folder)
     run = landing.rig(folder, "--maneuver", "light", "--surface", "dry_asphalt")

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""[BRG-470] Three programs in lockstep, twice, with a shipped scenario and shipped configuration, from a flywheel at rest: the same seed gives the
+"""[BRG-465] Three programs in lockstep, twice, with a shipped scenario and shipped configuration, from a flywheel at rest: the same seed gives the
 same samples, frames and figures. Runs inside `./rig vcan`.
 
 usage: same_bytes.py BUILD_DIR

@@ -152,7 +152,7 @@ def registers(folder):
 
 
 def controller(folder):
-    """[RIG-281] The real controller in lockstep: heard, killed, heard again; the rig goes on."""
+    """[RIG-270] The real controller in lockstep: heard, killed, heard again; the rig goes on."""
     rig = Served(folder, clock="sync")
     first = start_controller(folder, "sync")
     eventually(lambda: rig.has_said("antiskid-controller is heard"), "the controller is not heard")
@@ -170,7 +170,7 @@ def controller(folder):
 
 
 def interface(folder):
-    """[RIG-282] vcan0 goes down and up, then vanishes and comes back; Modbus goes on."""
+    """[RIG-270] vcan0 goes down and up, then vanishes and comes back; Modbus goes on."""
     rig = Served(folder)
     for down, up in (("ip link set vcan0 down", "ip link set vcan0 up"), ("ip link del vcan0", "ip link add vcan0 type vcan")):
         times = rig.said.read_text().count("vcan0 is up again")
@@ -187,7 +187,7 @@ def interface(folder):
 
 
 def rtu(folder):
-    """[RIG-283] RTU on a pseudo-terminal, by mbpoll."""
+    """[RIG-280] RTU on a pseudo-terminal, by mbpoll."""
     rig = Served(folder, "--modbus-rtu", "pty")
     check(rig.port == 0 and rig.pty, "RTU alone, yet there is a TCP port")
     address = MAP["input"]["map_version"]["address"]

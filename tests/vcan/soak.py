@@ -223,5 +223,5 @@ def main():
 
 
 if __name__ == "__main__":
-    """[BRG-615]"""
+    """[BRG-616]"""
     sys.exit(main())

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""[BRG-617] A campaign over the real bus that something befalls in every tenth maneuver, and that ends by itself with a right ledger: each maneuver
+"""[BRG-616] A campaign over the real bus that something befalls in every tenth maneuver, and that ends by itself with a right ledger: each maneuver
 finished once, every figure made again from the logs, the energy that of the plant's brake within 1 % of an undisturbed campaign's, but for attempts
 of which the ledger says that their energy is not known. A service manager starts again what was killed, and a person who comes to an emergency stop
 gives the command again. Inside `./rig vcan`; `./rig soak --unattended`.

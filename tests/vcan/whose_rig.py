@@ -39,7 +39,7 @@ def preflight(rig, folder, *before):
 
 
 def second_bridge(rig, bus, folder):
-    """[BRG-463] It is refused whatever it has in common with the first, and the first one finishes."""
+    """[BRG-460] It is refused whatever it has in common with the first, and the first one finishes."""
     subprocess.run("ip link add dev vcan1 type vcan && ip link set vcan1 up", shell=True, check=True)
     first = rig.bridge("campaign", folder / "first", "--maneuvers", "1")
     check(bus.await_phase(("braking",)), "no braking")
@@ -61,7 +61,7 @@ def second_bridge(rig, bus, folder):
 
 
 def killed(rig, bus, folder):
-    """[BRG-463] SIGKILL leaves nothing behind: the next one has the rig at once."""
+    """[BRG-460] SIGKILL leaves nothing behind: the next one has the rig at once."""
     first = rig.bridge("maneuver", folder / "killed")
     check(bus.await_phase(("braking",)), "no braking")
     first.kill()
@@ -82,7 +82,7 @@ def start_controller():
 
 
 def second_controller(rig, bus, folder):
-    """[BRG-464] [BRG-643] Two controllers: refused at the start, by what shows that there are two, before anything is commanded."""
+    """[BRG-460] Two controllers: refused at the start, by what shows that there are two, before anything is commanded."""
     second = start_controller()
     try:
         await_two(second)
@@ -118,7 +118,7 @@ def named_two(run, out, what):
 
 
 def heard_bridge(rig, bus, folder):
-    """[BRG-644] A bridge that no lock of this computer knows of: commands that disarm, by hand, with good counters and check values."""
+    """[BRG-460] A bridge that no lock of this computer knows of: commands that disarm, by hand, with good counters and check values."""
     run = rig.bridge("maneuver", folder / "heard")
     check(bus.await_phase(("spin_up",)), "no spin-up")
     with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as mouth:

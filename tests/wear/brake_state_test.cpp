@@ -22,7 +22,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 }  // namespace
 
-TEST_CASE("a kept brake comes back to the last bit, and there is none where there is no file", "[WEAR-033]") {
+TEST_CASE("a kept brake comes back to the last bit, and there is none where there is no file", "[WEAR-011]") {
     const TemporaryDirectory directory;
     CHECK(wear::find_brake_state(directory / "brake.json", shipped_wear()) == std::nullopt);
     wear::keep_brake_state(directory / "brake.json", kState, shipped_wear());
@@ -31,7 +31,7 @@ TEST_CASE("a kept brake comes back to the last bit, and there is none where ther
     CHECK_THROWS_AS(wear::find_brake_state(directory.path(), shipped_wear()), settings::Error);
 }
 
-TEST_CASE("every byte of a kept brake that is damaged is noticed", "[WEAR-033]") {
+TEST_CASE("every byte of a kept brake that is damaged is noticed", "[WEAR-011]") {
     const std::string json = wear::to_json(kState, shipped_wear());
     for (std::size_t i = 0; i < json.size(); ++i) {
         CAPTURE(i, json.substr(0, i));
@@ -49,7 +49,7 @@ TEST_CASE("every byte of a kept brake that is damaged is noticed", "[WEAR-033]")
     }
 }
 
-TEST_CASE("a kept brake says what is wrong with it", "[WEAR-033]") {
+TEST_CASE("a kept brake says what is wrong with it", "[WEAR-011]") {
     const std::string json = wear::to_json(kState, shipped_wear());
     CHECK_THAT(refusal(""), ContainsSubstring("brake.json: no JSON"));
     CHECK_THAT(refusal("[]"), ContainsSubstring("must be an object"));

@@ -56,7 +56,7 @@ rig::Campaign campaign(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("a ledger is a campaign", "[WEAR-014]") {
+TEST_CASE("a ledger is a campaign", "[WEAR-001]") {
     const Folder folder("wear_ledger");
     {
         rig::Ledger ledger(folder / "ledger.sqlite", {.durable = false});
@@ -85,7 +85,7 @@ TEST_CASE("a ledger is a campaign", "[WEAR-014]") {
 }
 
 TEST_CASE("maneuvers out of tolerance are left out unless they are asked for; their energy is not",
-          "[WEAR-015]") {
+          "[WEAR-001]") {
     const Folder folder("wear_off");
     {
         rig::Ledger ledger(folder / "ledger.sqlite", {.durable = false});
@@ -106,7 +106,7 @@ TEST_CASE("maneuvers out of tolerance are left out unless they are asked for; th
     CHECK(plant_sim::load_campaigns({folder.path()}, taken).at(0).points == all.points);
 }
 
-TEST_CASE("what is no ledger is read as CSV", "[WEAR-014]") {
+TEST_CASE("what is no ledger is read as CSV", "[WEAR-001]") {
     const Folder folder("wear_csv");
     std::ofstream(folder / "data.csv") << "cumulative_energy_MJ,mean_friction\n1,0.3\n2,0.29\n";
     CHECK(plant_sim::load_campaign(folder / "data.csv", "").points.size() == 2);
@@ -115,7 +115,7 @@ TEST_CASE("what is no ledger is read as CSV", "[WEAR-014]") {
     CHECK_THROWS_AS(plant_sim::load_campaign(folder.path(), ""), settings::Error);
 }
 
-TEST_CASE("the bridge's directory is a campaign, and a directory of CSV files is many", "[WEAR-014]") {
+TEST_CASE("the bridge's directory is a campaign, and a directory of CSV files is many", "[WEAR-001]") {
     const Folder folder("wear_many");
     {
         rig::Ledger ledger(folder / "campaign.sqlite", {.durable = false});
@@ -135,7 +135,7 @@ TEST_CASE("the bridge's directory is a campaign, and a directory of CSV files is
     CHECK_THROWS_AS(plant_sim::load_campaigns({folder / "none"}), settings::Error);
 }
 
-TEST_CASE("a landing's energy and the torque reserve are those of the configuration", "[WEAR-056]") {
+TEST_CASE("a landing's energy and the torque reserve are those of the configuration", "[WEAR-050]") {
     // By hand: light 2800 kg at 49 m/s, medium_a 3150 at 52, medium_b 3300 at 53, 76 % to the brake, an eighth on the model's axis.
     const plant_sim::ConfiguredMix c = plant_sim::configured_mix("config", "light=1,medium=3", 0.24);
     REQUIRE(c.mix.size() == 3);
@@ -168,7 +168,7 @@ TEST_CASE("a landing's energy and the torque reserve are those of the configurat
 }
 
 TEST_CASE("of a ledger whose disc was changed the newest disc is a campaign, with the energy that it took",
-          "[WEAR-016]") {
+          "[WEAR-001]") {
     const Folder folder("wear_discs");
     {
         rig::Ledger ledger(folder / "ledger.sqlite", {.durable = false});

@@ -98,7 +98,7 @@ TEST_CASE("without scatter the curve comes back exactly, with the mean 1 and eac
     }
 }
 
-TEST_CASE("the order is found", "[WEAR-041]") {
+TEST_CASE("the order is found", "[WEAR-040]") {
     constexpr int kSeeds = 25;
     struct Case {
         Curve truth;
@@ -120,7 +120,7 @@ TEST_CASE("the order is found", "[WEAR-041]") {
 // Each stop has a shape of its own, and its samples remember each other: intervals that counted samples would be several times too narrow.
 TEST_CASE(
     "95 % intervals hold the truth in 90 to 99 % of draws, though samples are correlated and stops differ",
-    "[WEAR-042]") {
+    "[WEAR-040]") {
     constexpr int kSeeds = 100;
     constexpr std::array<double, 3> kAt{0.0, 0.5, 1.0};
     std::array<int, kAt.size()> held{};
@@ -146,7 +146,7 @@ TEST_CASE(
     CHECK(widths / errors < 1.5 * 2.36 / 0.8);
 }
 
-TEST_CASE("spikes and a torque cell that slips do not move the curve", "[WEAR-043]") {
+TEST_CASE("spikes and a torque cell that slips do not move the curve", "[WEAR-040]") {
     const auto clean = stops_of(kHeavy, {}, 11, 6);
     const double before = greatest_difference(wear::learn_dynamics(clean, {}), kHeavy);
     REQUIRE(before < 0.006);
@@ -179,14 +179,14 @@ TEST_CASE("spikes and a torque cell that slips do not move the curve", "[WEAR-04
 }
 
 TEST_CASE("one stop is enough for a curve, and says that its intervals come from bands of speed",
-          "[WEAR-042]") {
+          "[WEAR-040]") {
     const wear::FrictionDynamics found = wear::learn_dynamics(stops_of(kMedium, {}, 5, 1), {});
     CHECK_FALSE(found.by_stops);
     CHECK(found.order == 2);
     CHECK(greatest_difference(found, kMedium) < 0.02);
 }
 
-TEST_CASE("bad recordings are refused with stop and sample", "[WEAR-044]") {
+TEST_CASE("bad recordings are refused with stop and sample", "[WEAR-040]") {
     const auto good = stops_of(kLight, {}, 2, 2);
     CHECK_THAT(refusal({}), ContainsSubstring("no stop"));
     auto bad = good;

@@ -27,7 +27,7 @@ wear::StandardPoints standard_points(const wear::Campaign& campaign) {
 
 }  // namespace
 
-TEST_CASE("the search's exp is exact to 2 units in the last place", "[WEAR-004]") {
+TEST_CASE("the search's exp is exact to 2 units in the last place", "[WEAR-003]") {
     const auto error = [](double x) {
         const long double truth = std::exp(static_cast<long double>(x));
         return static_cast<double>(std::fabs((wear::exp_not_positive(x) - truth) / truth));
@@ -48,7 +48,7 @@ TEST_CASE("the search's exp is exact to 2 units in the last place", "[WEAR-004]"
     CHECK(wear::exp_not_positive(-1e300) > 0.0);
 }
 
-TEST_CASE("the log-likelihood of EM never falls, and is that of the mixture it ends with", "[WEAR-005]") {
+TEST_CASE("the log-likelihood of EM never falls, and is that of the mixture it ends with", "[WEAR-003]") {
     for (const physical::BrakeLaw& law : physical::laws()) {
         const wear::StandardPoints points = standard_points(physical::campaign(law, 3));
         for (const double floor : {1e-6, 1e-4, 1e-2}) {
@@ -73,7 +73,7 @@ TEST_CASE("the log-likelihood of EM never falls, and is that of the mixture it e
     }
 }
 
-TEST_CASE("the log-likelihood of the search is that of eq. (13)", "[WEAR-005]") {
+TEST_CASE("the log-likelihood of the search is that of eq. (13)", "[WEAR-003]") {
     // Two ways of computing it: in blocks of standardised points, and point by point in SI units.
     for (const std::size_t count : {12UL, 63UL, 64UL, 65UL, 500UL}) {
         wear::Generator generator = wear::generator_of(6, count);
@@ -89,7 +89,7 @@ TEST_CASE("the log-likelihood of the search is that of eq. (13)", "[WEAR-005]") 
     }
 }
 
-TEST_CASE("one component is mean and covariance of the points", "[WEAR-005]") {
+TEST_CASE("one component is mean and covariance of the points", "[WEAR-003]") {
     const wear::Campaign campaign = physical::campaign({}, 1);
     const wear::Fit fit = wear::fit(campaign, small(1, 1));
     const wear::Component& c = fit.best().mixture.components()[0];
@@ -116,14 +116,14 @@ TEST_CASE("one component is mean and covariance of the points", "[WEAR-005]") {
     CHECK(c.variance_friction == Approx(mumu));
 }
 
-TEST_CASE("more components never explain less", "[WEAR-005]") {
+TEST_CASE("more components never explain less", "[WEAR-003]") {
     const wear::Fit fit = wear::fit(physical::campaign(physical::laws()[1], 2), small(15, 2));
     for (std::size_t i = 1; i < fit.orders.size(); ++i)
         CHECK(fit.orders[i].log_likelihood > fit.orders[i - 1].log_likelihood - 1e-3);
 }
 
 TEST_CASE("BIC finds the four components of a known mixture in at least 45 of 50 draws of 500 points",
-          "[WEAR-006]") {
+          "[WEAR-003]") {
     // M up to 8 and 3 starts each (and the splits) to 1e-6, instead of 15, 100 and 1e-8.
     int four = 0;
     for (std::uint64_t seed = 1; seed <= 50; ++seed) {
@@ -138,7 +138,7 @@ TEST_CASE("BIC finds the four components of a known mixture in at least 45 of 50
     CHECK(four >= 45);
 }
 
-TEST_CASE("no component collapses onto points or a line", "[WEAR-008]") {
+TEST_CASE("no component collapses onto points or a line", "[WEAR-003]") {
     // Half of the campaign lies on a straight line exactly, and friction takes few values.
     wear::Campaign campaign;
     campaign.source = "line";
@@ -170,7 +170,7 @@ TEST_CASE("no component collapses onto points or a line", "[WEAR-008]") {
     }
 }
 
-TEST_CASE("a fit that the data do not bear is refused", "[WEAR-002]") {
+TEST_CASE("a fit that the data do not bear is refused", "[WEAR-001]") {
     const wear::Campaign campaign = physical::campaign({}, 1);
     wear::Campaign few = campaign;
     few.points.resize(30);

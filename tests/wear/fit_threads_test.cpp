@@ -12,7 +12,7 @@
 #include "tests/wear/small_fit.hpp"
 
 TEST_CASE("the model is the same bytes whatever the number of threads, and another with another seed",
-          "[WEAR-007]") {
+          "[WEAR-003]") {
     const wear::Campaign campaign = physical::campaign({}, 4);
     const auto bytes = [&](unsigned threads, std::uint64_t seed) {
         wear::FitSettings settings = small(6, 8);
@@ -32,7 +32,7 @@ TEST_CASE("the model is the same bytes whatever the number of threads, and anoth
     CHECK(bytes(1, 2) != one);
 }
 
-TEST_CASE("a search tells how far it is, and ends when asked to", "[WEAR-013]") {
+TEST_CASE("a search tells how far it is, and ends when asked to", "[WEAR-003]") {
     const wear::Campaign campaign = physical::campaign({}, 1);
     std::vector<std::size_t> seen;
     std::size_t total = 0;

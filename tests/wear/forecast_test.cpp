@@ -57,7 +57,7 @@ TEST_CASE("the table of a mean curve is the model's conditional mean, beyond the
 }
 
 TEST_CASE("the filter is the exact posterior: that of the joint normal distribution of all maneuvers",
-          "[WEAR-051]") {
+          "[WEAR-050]") {
     // One hypothesis, four points at 1 MJ each: the density of all is that of a normal distribution in four dimensions with covariances of
     // offset (and its walk), autoregression and noise, written down here without any recursion.
     const wear::Population p = line_population();
@@ -99,7 +99,7 @@ TEST_CASE("the filter is the exact posterior: that of the joint normal distribut
     CHECK(got == Approx(expected).epsilon(1e-10));
 }
 
-TEST_CASE("hypotheses are weighed by Bayes' rule", "[WEAR-051]") {
+TEST_CASE("hypotheses are weighed by Bayes' rule", "[WEAR-050]") {
     wear::Population p = line_population();
     p.models.push_back(straight(-5e-4));
     p.members.emplace_back(p.models.back());
@@ -122,7 +122,7 @@ TEST_CASE("hypotheses are weighed by Bayes' rule", "[WEAR-051]") {
 }
 
 TEST_CASE("on a straight line landings left are normal, with mean and deviation of the closed form",
-          "[WEAR-052]") {
+          "[WEAR-050]") {
     wear::Population p = line_population();
     p.scatter.drift_per_root_MJ = 0.0;
     wear::BrakeFilter filter(p);
@@ -154,7 +154,7 @@ TEST_CASE("on a straight line landings left are normal, with mean and deviation 
     CHECK(wear::forecast(filter, 100e6, kOneMJ, s).friction_now != f.friction_now);
 }
 
-TEST_CASE("already crossed, never crossed and beyond the data are said", "[WEAR-053]") {
+TEST_CASE("already crossed, never crossed and beyond the data are said", "[WEAR-050]") {
     const wear::Population p = line_population();
     const wear::BrakeFilter filter(p);
     const wear::Forecast crossed = wear::forecast(filter, 300e6, kOneMJ, with_limit(0.25));
@@ -180,7 +180,7 @@ TEST_CASE("already crossed, never crossed and beyond the data are said", "[WEAR-
 }
 
 TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interval holds 70 to 90 %",
-          "[WEAR-054]") {
+          "[WEAR-050]") {
     // The population was learnt from the brakes of seeds 1000 to 1039; the truth here is the law's own friction without scatter.
     constexpr double kLimit = 0.2;
     std::vector<wear::HeldOut> brakes;
@@ -215,7 +215,7 @@ TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interv
 }
 
 TEST_CASE("a population is learnt from campaigns, finds their scatter, and comes back from its file",
-          "[WEAR-055]") {
+          "[WEAR-050]") {
     std::vector<wear::Campaign> campaigns;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         // A straight line, an offset each, and scatter whose parameters are known.
@@ -251,7 +251,7 @@ TEST_CASE("a population is learnt from campaigns, finds their scatter, and comes
     CHECK_THROWS_AS(wear::learn_population(campaigns, learn), std::invalid_argument);
 }
 
-TEST_CASE("a population file that is none is refused, naming file and key", "[WEAR-055]") {
+TEST_CASE("a population file that is none is refused, naming file and key", "[WEAR-050]") {
     wear::Population p = line_population();
     p.limits.sudden = 6.0;
     const std::string json = wear::to_json(p);

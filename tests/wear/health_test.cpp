@@ -53,7 +53,7 @@ TEST_CASE("scores of healthy brakes are standard normal", "[WEAR-060]") {
     CHECK(beyond_two / n == Approx(0.0455).margin(0.02));
 }
 
-TEST_CASE("healthy brakes are seldom called abnormal", "[WEAR-061]") {
+TEST_CASE("healthy brakes are seldom called abnormal", "[WEAR-060]") {
     const wear::HealthyTrial t = wear::try_healthy(shipped(), fleet(80000, 100));
     CHECK(t.campaigns == 100);
     CHECK(t.maneuvers > 40000);
@@ -64,7 +64,7 @@ TEST_CASE("healthy brakes are seldom called abnormal", "[WEAR-061]") {
 }
 
 TEST_CASE("glazing, a sudden drop and a dragging piston are flagged within the stated number of maneuvers",
-          "[WEAR-062]") {
+          "[WEAR-060]") {
     const std::vector<wear::Campaign> healthy = fleet(80000, 60);
     struct Promise {
         Fault fault;
@@ -83,7 +83,7 @@ TEST_CASE("glazing, a sudden drop and a dragging piston are flagged within the s
 }
 
 TEST_CASE("limits flag the stated share of the brakes that they were made from, by both tests together",
-          "[WEAR-200]") {
+          "[WEAR-060]") {
     // Gradual and sudden agree on some brakes and differ on others.
     std::vector<wear::HealthLimits> greatest;
     wear::Generator generator = wear::generator_of(3, 0);
@@ -110,7 +110,7 @@ TEST_CASE("limits flag the stated share of the brakes that they were made from, 
     CHECK(flagged(others, wear::calibrated(greatest)) < 600);
 }
 
-TEST_CASE("what is wrong is named by its direction, and abnormal is for good", "[WEAR-063]") {
+TEST_CASE("what is wrong is named by its direction, and abnormal is for good", "[WEAR-060]") {
     const wear::Campaign healthy = physical::worn_out(80001).campaign;
     const auto watch = [&](Fault fault, double size) {
         wear::HealthMonitor monitor(shipped());
@@ -131,7 +131,7 @@ TEST_CASE("what is wrong is named by its direction, and abnormal is for good", "
     CHECK(watch(Fault::drop, 0.0).condition != Condition::abnormal);
 }
 
-TEST_CASE("a fault is put in as it is described", "[WEAR-062]") {
+TEST_CASE("a fault is put in as it is described", "[WEAR-060]") {
     const wear::Campaign healthy = physical::worn_out(80002).campaign;
     const wear::Campaign drop = wear::with_fault(healthy, Fault::drop, 0.1, 50);
     const wear::Campaign glazing = wear::with_fault(healthy, Fault::glazing, 0.1, 50);
@@ -143,7 +143,7 @@ TEST_CASE("a fault is put in as it is described", "[WEAR-062]") {
 }
 
 TEST_CASE("with a single model its own brake is healthy for all of its life, and its drop is flagged",
-          "[WEAR-064]") {
+          "[WEAR-060]") {
     const wear::Population p = wear::read_population("config/wear/model.json").population;
     int flagged = 0;
     for (std::uint64_t seed = 1001; seed <= 1020; ++seed) {

@@ -147,7 +147,7 @@ TEST_CASE("nearest asks the component whose mean is nearest in energy, mixture a
     CHECK(all.terms.size() > 1);
 }
 
-TEST_CASE("samples reproduce the mixture", "[WEAR-010]") {
+TEST_CASE("samples reproduce the mixture", "[WEAR-003]") {
     // Each comparison fails with a probability of 0.001 for a right sampler; the seeds are fixed.
     const Mixture mixture = known::four();
     constexpr std::size_t kCount = 40000;
@@ -193,7 +193,7 @@ TEST_CASE("samples reproduce the mixture", "[WEAR-010]") {
     CHECK(kolmogorov::distance(off, [](double u) { return u; }) > bound);
 }
 
-TEST_CASE("draws of the conditional have its distribution", "[WEAR-010]") {
+TEST_CASE("draws of the conditional have its distribution", "[WEAR-003]") {
     const Mixture mixture = known::four();
     for (const auto& rule : {wear::ConditionalRule{wear::Variance::exact, wear::Choice::mixture},
                              wear::ConditionalRule{wear::Variance::exact, wear::Choice::nearest},

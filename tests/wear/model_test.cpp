@@ -70,7 +70,7 @@ TEST_CASE("a model file that is none is refused, naming file and key", "[WEAR-01
                ContainsSubstring("components[0].weight"));
 }
 
-TEST_CASE("beyond its data the model says so, and goes on as it says", "[WEAR-012]") {
+TEST_CASE("beyond its data the model says so, and goes on as it says", "[WEAR-009]") {
     const wear::Model model = some_model();
     const double last_J = model.data.last_c_e_J;
     CHECK_FALSE(model.extrapolates(0.0));  // one maneuver before the first point: a new brake

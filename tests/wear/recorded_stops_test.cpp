@@ -53,7 +53,7 @@ std::filesystem::path write_log(const TempDir& dir, const std::string& folder, c
 
 }  // namespace
 
-TEST_CASE("curves learnt from bus logs of the virtual rig are its own", "[WEAR-045]") {
+TEST_CASE("curves learnt from bus logs of the virtual rig are its own", "[WEAR-040]") {
     const TempDir dir;
     std::vector<plant_sim::StopSource> sources;
     for (const char* maneuver : {"light", "medium_b", "heavy"})
@@ -88,7 +88,7 @@ TEST_CASE("curves learnt from bus logs of the virtual rig are its own", "[WEAR-0
     }
 }
 
-TEST_CASE("a folder's summary says which maneuver it was; what was aborted is passed over", "[WEAR-046]") {
+TEST_CASE("a folder's summary says which maneuver it was; what was aborted is passed over", "[WEAR-040]") {
     const TempDir dir;
     const std::string log = landing_of("light", 1);
     rig::Summary summary;
@@ -118,7 +118,7 @@ TEST_CASE("a folder's summary says which maneuver it was; what was aborted is pa
                       ContainsSubstring("no braking in it"));
 }
 
-TEST_CASE("a CSV is a stop when its columns say so", "[WEAR-047]") {
+TEST_CASE("a CSV is a stop when its columns say so", "[WEAR-040]") {
     const std::string head = "time_s,speed_mps,pressure_Pa,brake_torque_Nm\n";
     const wear::RecordedStop stop = plant_sim::parse_stop(
         "a.csv",
@@ -146,7 +146,7 @@ TEST_CASE("a CSV is a stop when its columns say so", "[WEAR-047]") {
     CHECK_THAT(refusal(head + "0,50,0,0\n1,49,0,0\n"), ContainsSubstring("no pressure"));
 }
 
-TEST_CASE("the plant takes learnt curves over, class by class, and refuses what is none", "[WEAR-048]") {
+TEST_CASE("the plant takes learnt curves over, class by class, and refuses what is none", "[WEAR-040]") {
     const TempDir dir;
     plant_sim::ClassDynamics learnt;
     learnt.data.friction_class = "heavy";
@@ -175,7 +175,7 @@ TEST_CASE("the plant takes learnt curves over, class by class, and refuses what 
                       ContainsSubstring("expected one or more of light, medium, heavy"));
 }
 
-TEST_CASE("the report's JSON has what was learnt", "[WEAR-049]") {
+TEST_CASE("the report's JSON has what was learnt", "[WEAR-011]") {
     const TempDir dir;
     const auto classes =
         plant_sim::load_stops({{"medium", write_log(dir, "one", landing_of("medium_a", 4))}}, quiet());

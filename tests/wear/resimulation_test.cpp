@@ -19,7 +19,7 @@ constexpr wear::ConditionalRule kMixture{wear::Variance::exact, wear::Choice::mi
 
 }  // namespace
 
-TEST_CASE("the campaign simulated again has its trend and scatter", "[WEAR-021]") {
+TEST_CASE("the campaign simulated again has its trend and scatter", "[WEAR-009]") {
     for (const physical::BrakeLaw& law : physical::laws()) {
         const wear::Campaign recorded = physical::campaign(law, 34);
         const wear::Model model = fitted(recorded);
@@ -45,7 +45,7 @@ TEST_CASE("the campaign simulated again has its trend and scatter", "[WEAR-021]"
     }
 }
 
-TEST_CASE("the measures notice a brake that is another", "[WEAR-021]") {
+TEST_CASE("the measures notice a brake that is another", "[WEAR-009]") {
     const wear::Campaign recorded = physical::campaign(physical::laws()[0], 35);
     const wear::Campaign other = physical::campaign(physical::laws()[2], 35);
     const wear::Model model = fitted(other);
@@ -55,7 +55,7 @@ TEST_CASE("the measures notice a brake that is another", "[WEAR-021]") {
     CHECK(c.ks_probability < 0.001);
 }
 
-TEST_CASE("the two-sample probability is Kolmogorov's", "[WEAR-021]") {
+TEST_CASE("the two-sample probability is Kolmogorov's", "[WEAR-009]") {
     // Large samples: the table's quantiles 1.2238, 1.3581, 1.6276, 1.9495 at 10, 5, 1, 0.1 %.
     constexpr std::size_t kMany = 100'000'000;
     const double root = std::sqrt(kMany / 2.0);

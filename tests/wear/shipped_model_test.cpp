@@ -42,11 +42,11 @@ std::string fitted_model() {
 
 }  // namespace
 
-TEST_CASE("the shipped campaign is what the physical law makes of seed 1", "[WEAR-030]") {
+TEST_CASE("the shipped campaign is what the physical law makes of seed 1", "[WEAR-011]") {
     CHECK(content_of(kCampaign) == made_up_campaign());
 }
 
-TEST_CASE("the shipped model is what `rig-lab wear fit` makes of the shipped campaign", "[WEAR-030]") {
+TEST_CASE("the shipped model is what `rig-lab wear fit` makes of the shipped campaign", "[WEAR-011]") {
     CHECK(content_of(kModel) == fitted_model());
 }
 

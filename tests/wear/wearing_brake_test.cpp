@@ -32,7 +32,7 @@ const std::string kGood =
 }  // namespace
 
 TEST_CASE("a brake of another size wears by the same model over its own energy, with its own friction",
-          "[WEAR-031]") {
+          "[WEAR-009]") {
     const BrakeWear small = shipped_wear();
     const BrakeWear large = shipped_wear({.energy = 8.0, .friction = 1.2});
     std::vector<double> draws;
@@ -53,7 +53,7 @@ TEST_CASE("a brake of another size wears by the same model over its own energy, 
     CHECK_FALSE(WearingBrake(large, {}, {}).extrapolates());
 }
 
-TEST_CASE("the next friction follows from seed, number of the maneuver and energy alone", "[WEAR-020]") {
+TEST_CASE("the next friction follows from seed, number of the maneuver and energy alone", "[WEAR-009]") {
     const BrakeWear wear = shipped_wear({.energy = 8.0, .friction = 1.0});
     WearingBrake whole(wear, {}, {.seed = 9});
     for (int i = 0; i < 50; ++i) {
@@ -69,7 +69,7 @@ TEST_CASE("the next friction follows from seed, number of the maneuver and energ
     CHECK(WearingBrake(wear, {}, {1, 0, 1e12}).next_friction() >= wear::kLeastFriction);
 }
 
-TEST_CASE("a wearing brake that makes no sense is refused", "[WEAR-031]") {
+TEST_CASE("a wearing brake that makes no sense is refused", "[WEAR-009]") {
     WearingBrake brake(shipped_wear(), {}, {});
     CHECK_THROWS_AS(brake.take(-1.0), std::invalid_argument);
     CHECK_THROWS_AS(brake.take(std::nan("")), std::invalid_argument);
@@ -78,7 +78,7 @@ TEST_CASE("a wearing brake that makes no sense is refused", "[WEAR-031]") {
     CHECK_THROWS_AS(WearingBrake({}, {}, {}), std::invalid_argument);
 }
 
-TEST_CASE("[brake.wear] is read whole or refused with its key", "[WEAR-032]") {
+TEST_CASE("[brake.wear] is read whole or refused with its key", "[WEAR-011]") {
     const BrakeWear good = loaded(kGood);
     CHECK(good.scale == wear::BrakeScale{8.0, 1.1});
     CHECK(good.life_J == 3.9e9);
@@ -105,7 +105,7 @@ TEST_CASE("[brake.wear] is read whole or refused with its key", "[WEAR-032]") {
 }
 
 TEST_CASE("both rigs' brakes start at their nominal friction and are worn at the end of their life",
-          "[WEAR-032]") {
+          "[WEAR-011]") {
     for (const char* maneuver : {"heavy", plant::kEndurance}) {
         CAPTURE(maneuver);
         plant::ManeuverChoice choice;
