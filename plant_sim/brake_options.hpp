@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "config/reader/command_line.hpp"
-#include "plant_sim/wear/wearing_brake.hpp"
+#include "firmware/host/settings/command_line.hpp"
+#include "rig_bridge/wear/wearing_brake.hpp"
 
 namespace plant_sim {
 

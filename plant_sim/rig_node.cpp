@@ -7,7 +7,7 @@
 
 #include "firmware/can/roles.hpp"
 #include "firmware/can/value_names.hpp"
-#include "firmware/linux/periodic_timer.hpp"
+#include "firmware/host/periodic_timer.hpp"
 
 namespace plant_sim {
 

@@ -8,7 +8,7 @@
 #include "firmware/can/bus.hpp"
 #include "firmware/can/layout.hpp"
 #include "firmware/can/rig_port.hpp"
-#include "firmware/linux/clock.hpp"
+#include "firmware/host/clock.hpp"
 #include "plant_sim/study/rig_session.hpp"
 
 namespace plant_sim {

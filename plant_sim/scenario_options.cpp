@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "config/reader/hash.hpp"
 #include "firmware/can/load_layout.hpp"
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/hash.hpp"
 #include "plant_sim/study/drive.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 

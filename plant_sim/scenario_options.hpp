@@ -5,14 +5,14 @@
 #include <optional>
 #include <string>
 
-#include "config/reader/command_line.hpp"
-#include "config/reader/config_directory.hpp"
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"
+#include "firmware/host/settings/command_line.hpp"
+#include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/brake_options.hpp"
-#include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/study/report.hpp"
 #include "plant_sim/study/rig_session.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 
 namespace plant_sim {
 

@@ -15,15 +15,15 @@
 #include <string>
 #include <string_view>
 
-#include "config/reader/atomic_file.hpp"
-#include "config/reader/config_directory.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
-#include "firmware/linux/controller_config.hpp"
-#include "firmware/linux/realtime.hpp"
-#include "firmware/linux/stop_signals.hpp"
-#include "firmware/linux/supervised_can.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/realtime.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/stop_signals.hpp"
+#include "firmware/host/supervised_can.hpp"
 #include "plant_sim/brake_options.hpp"
 #include "plant_sim/plc/load_served_rig.hpp"
 #include "plant_sim/serve_node.hpp"

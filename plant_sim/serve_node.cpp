@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "firmware/can/roles.hpp"
-#include "firmware/linux/periodic_timer.hpp"
+#include "firmware/host/periodic_timer.hpp"
 
 namespace plant_sim {
 

@@ -9,8 +9,8 @@
 #include "firmware/can/bus.hpp"
 #include "firmware/can/layout.hpp"
 #include "firmware/can/rig_port.hpp"
-#include "firmware/linux/clock.hpp"
-#include "firmware/linux/spsc_ring.hpp"
+#include "firmware/host/clock.hpp"
+#include "firmware/host/spsc_ring.hpp"
 #include "plant_sim/plc/served_rig.hpp"
 #include "rig_bridge/registers/lockstep_turn.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "firmware/linux/supervised_can.hpp"
+#include "firmware/host/supervised_can.hpp"
 #include "plant_sim/serve_node.hpp"
 
 namespace plant_sim {

@@ -9,17 +9,17 @@
 #include <string>
 #include <string_view>
 
-#include "config/reader/atomic_file.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
-#include "firmware/linux/realtime.hpp"
-#include "firmware/linux/stop_signals.hpp"
+#include "firmware/host/realtime.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "plant_sim/progress.hpp"
 #include "plant_sim/rig_node.hpp"
 #include "plant_sim/scenario_options.hpp"
 #include "plant_sim/serve_command.hpp"
-#include "plant_sim/study/picture.hpp"
 #include "plant_sim/study/trajectory.hpp"
+#include "rig_bridge/pictures/stop_picture.hpp"
 
 namespace {
 

@@ -3,8 +3,8 @@
 #include <map>
 #include <utility>
 
-#include "config/reader/input_file.hpp"
 #include "firmware/can/dbc_cursor.hpp"
+#include "firmware/host/settings/input_file.hpp"
 
 namespace antiskid::can {
 

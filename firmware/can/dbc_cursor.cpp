@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "config/reader/error.hpp"
-#include "config/reader/near_miss.hpp"
+#include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/near_miss.hpp"
 
 namespace antiskid::can {
 

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "config/reader/settings.hpp"
 #include "firmware/can/message_binder.hpp"
 #include "firmware/can/value_names.hpp"
+#include "firmware/host/settings/settings.hpp"
 
 namespace antiskid::can {
 

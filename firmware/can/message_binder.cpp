@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "config/reader/near_miss.hpp"
+#include "firmware/host/settings/near_miss.hpp"
 
 namespace antiskid::can {
 

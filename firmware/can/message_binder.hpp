@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "config/reader/settings.hpp"
 #include "firmware/can/dbc.hpp"
 #include "firmware/can/layout.hpp"
 #include "firmware/can/units.hpp"
+#include "firmware/host/settings/settings.hpp"
 
 namespace antiskid::can {
 

@@ -15,15 +15,15 @@
 #include <variant>
 #include <vector>
 
-#include "config/reader/atomic_file.hpp"
-#include "config/reader/command_line.hpp"
-#include "config/reader/config_directory.hpp"
-#include "config/reader/error.hpp"
-#include "config/reader/hash.hpp"
 #include "firmware/can/candump.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/cortex_m/stream.hpp"
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/command_line.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/hash.hpp"
 
 namespace {
 

@@ -15,7 +15,7 @@
 #include <system_error>
 #include <type_traits>
 
-#include "config/reader/file_descriptor.hpp"
+#include "firmware/host/settings/file_descriptor.hpp"
 
 namespace antiskid::preflight {
 

@@ -6,8 +6,8 @@
 #include <future>
 
 #include "firmware/can/socket_can.hpp"
-#include "firmware/linux/realtime.hpp"
-#include "firmware/linux/stop_signals.hpp"
+#include "firmware/host/realtime.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "firmware/preflight/controller_check.hpp"
 
 namespace antiskid::preflight {

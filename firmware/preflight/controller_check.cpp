@@ -4,13 +4,13 @@
 #include <optional>
 #include <stdexcept>
 
-#include "config/reader/error.hpp"
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/roles.hpp"
-#include "firmware/linux/control_loop.hpp"
-#include "firmware/linux/frame_intake.hpp"
-#include "firmware/linux/pacer.hpp"
-#include "firmware/linux/setup.hpp"
+#include "firmware/host/control_loop.hpp"
+#include "firmware/host/frame_intake.hpp"
+#include "firmware/host/pacer.hpp"
+#include "firmware/host/settings/error.hpp"
+#include "firmware/host/setup.hpp"
 #include "firmware/preflight/listener_checks.hpp"
 #include "firmware/preflight/valve_step.hpp"
 

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "firmware/can/bus.hpp"
-#include "firmware/linux/clock.hpp"
-#include "firmware/linux/options.hpp"
+#include "firmware/host/clock.hpp"
+#include "firmware/host/options.hpp"
 #include "firmware/preflight/can_link.hpp"
 #include "firmware/preflight/check.hpp"
 #include "firmware/preflight/machine.hpp"

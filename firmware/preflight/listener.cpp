@@ -6,8 +6,8 @@
 #include "firmware/can/roles.hpp"
 #include "firmware/control/estimator.hpp"
 #include "firmware/control/monitor.hpp"
-#include "firmware/linux/frame_intake.hpp"
-#include "firmware/linux/pacer.hpp"
+#include "firmware/host/frame_intake.hpp"
+#include "firmware/host/pacer.hpp"
 
 namespace antiskid::preflight {
 

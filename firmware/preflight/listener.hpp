@@ -11,9 +11,9 @@
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/message_stats.hpp"
 #include "firmware/control/types.hpp"
-#include "firmware/linux/clock.hpp"
-#include "firmware/linux/histogram.hpp"
-#include "firmware/linux/setup.hpp"
+#include "firmware/host/clock.hpp"
+#include "firmware/host/histogram.hpp"
+#include "firmware/host/setup.hpp"
 
 namespace antiskid::preflight {
 

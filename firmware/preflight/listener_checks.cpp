@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "firmware/can/roles.hpp"
-#include "firmware/linux/names.hpp"
+#include "firmware/host/names.hpp"
 
 namespace antiskid::preflight {
 

@@ -13,7 +13,7 @@
 #include <system_error>
 #include <thread>
 
-#include "firmware/linux/realtime.hpp"
+#include "firmware/host/realtime.hpp"
 #include "firmware/preflight/machine.hpp"
 
 namespace antiskid::preflight {

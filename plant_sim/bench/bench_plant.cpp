@@ -16,12 +16,12 @@
 #include <utility>
 #include <vector>
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/odeint_plant.hpp"
-#include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/model/open_loop.hpp"
-#include "plant_sim/study/gnuplot.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 #include "tests/model/reference/profiles.hpp"
 #include "tests/model/reference/reference_plant.hpp"
 

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "config/reader/atomic_file.hpp"
 #include "firmware/control/controller.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/bench/closed_loop.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/odeint_plant.hpp"

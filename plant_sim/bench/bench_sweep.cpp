@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/bench/closed_loop.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/study/in_process.hpp"

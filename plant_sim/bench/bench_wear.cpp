@@ -19,9 +19,9 @@
 #include <string>
 #include <vector>
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/bench/measure.hpp"
-#include "plant_sim/wear/fit.hpp"
+#include "rig_bridge/wear/fit.hpp"
 #include "tests/wear/physical_campaign.hpp"
 
 namespace {

@@ -6,12 +6,12 @@
 #include <chrono>
 #include <optional>
 
-#include "config/reader/hash.hpp"
 #include "firmware/can/value_names.hpp"
+#include "firmware/host/settings/hash.hpp"
 #include "plant_sim/endurance/test_cell.hpp"
 #include "plant_sim/wear/brake_state.hpp"
-#include "rig_bridge/health/health_watch.hpp"
 #include "rig_bridge/scenario/acceptance.hpp"
+#include "rig_bridge/wear/health_watch.hpp"
 
 namespace endurance {
 

@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "config/reader/hash.hpp"
 #include "firmware/can/load_layout.hpp"
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/hash.hpp"
 #include "plant_sim/plc/load_served_rig.hpp"
 
 namespace endurance {

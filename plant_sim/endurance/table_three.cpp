@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "config/reader/settings.hpp"
+#include "firmware/host/settings/settings.hpp"
 
 namespace endurance {
 

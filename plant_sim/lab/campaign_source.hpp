@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "config/reader/command_line.hpp"
-#include "plant_sim/wear/campaign.hpp"
+#include "firmware/host/settings/command_line.hpp"
+#include "rig_bridge/wear/campaign.hpp"
 
 namespace plant_sim {
 

@@ -1,9 +1,9 @@
 #include <memory>
 
-#include "config/reader/config_directory.hpp"
+#include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/study/drive.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 
 namespace plant_sim {
 

@@ -3,9 +3,9 @@
 #include <memory>
 #include <optional>
 
-#include "config/reader/atomic_file.hpp"
-#include "config/reader/config_directory.hpp"
-#include "firmware/linux/stop_signals.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "plant_sim/brake_options.hpp"
 #include "plant_sim/endurance/campaign.hpp"
 #include "plant_sim/endurance/table_three.hpp"

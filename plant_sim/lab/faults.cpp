@@ -7,14 +7,14 @@
 #include <stdexcept>
 #include <thread>
 
-#include "config/reader/atomic_file.hpp"
-#include "firmware/linux/stop_signals.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/faults/campaign.hpp"
 #include "plant_sim/study/faults/report.hpp"
-#include "plant_sim/study/picture.hpp"
 #include "plant_sim/study/trajectory.hpp"
+#include "rig_bridge/pictures/stop_picture.hpp"
 
 namespace plant_sim {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/wear/forecast.hpp"
-#include "plant_sim/wear/health.hpp"
+#include "rig_bridge/wear/forecast.hpp"
+#include "rig_bridge/wear/health.hpp"
 
 namespace plant_sim {
 

@@ -8,17 +8,17 @@
 #include <set>
 #include <stdexcept>
 
-#include "config/reader/atomic_file.hpp"
-#include "config/reader/config_directory.hpp"
-#include "config/reader/hash.hpp"
 #include "firmware/can/load_layout.hpp"
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/hash.hpp"
 #include "plant_sim/lab/identify_pictures.hpp"
 #include "plant_sim/lab/recorded_run.hpp"
 #include "plant_sim/lab/surface_picture.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "rig_bridge/replay/plant_validation.hpp"
-#include "rig_bridge/replay/validation_picture.hpp"
+#include "plant_sim/study/validation/plant_validation.hpp"
+#include "plant_sim/study/validation/validation_picture.hpp"
 
 namespace plant_sim {
 

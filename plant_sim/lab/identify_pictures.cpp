@@ -6,8 +6,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "config/reader/atomic_file.hpp"
-#include "plant_sim/study/gnuplot.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace plant_sim {
 

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "config/reader/near_miss.hpp"
-#include "plant_sim/model/load_rig.hpp"
+#include "firmware/host/settings/near_miss.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 
 namespace plant_sim {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/wear/forecast.hpp"
+#include "rig_bridge/wear/forecast.hpp"
 
 namespace plant_sim {
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <stdexcept>
 
-#include "config/reader/config_directory.hpp"
-#include "config/reader/input_file.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/input_file.hpp"
 #include "plant_sim/endurance/frame_log.hpp"
 #include "plant_sim/endurance/setup.hpp"
 #include "plant_sim/lab/verbs.hpp"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/tyre_options.hpp"
 #include "plant_sim/lab/verbs.hpp"

@@ -1,6 +1,6 @@
 #include "plant_sim/lab/margins_input.hpp"
 
-#include "config/reader/hash.hpp"
+#include "firmware/host/settings/hash.hpp"
 
 namespace plant_sim {
 

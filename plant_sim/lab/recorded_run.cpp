@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "config/reader/settings.hpp"
 #include "firmware/can/observer.hpp"
+#include "firmware/host/settings/settings.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
-#include "config/reader/near_miss.hpp"
+#include "firmware/host/settings/near_miss.hpp"
 #include "plant_sim/lab/recorded_stops.hpp"
-#include "plant_sim/wear/csv_rows.hpp"
+#include "rig_bridge/wear/csv_rows.hpp"
 
 namespace plant_sim {
 

@@ -7,12 +7,12 @@
 #include <numbers>
 #include <optional>
 
-#include "config/reader/input_file.hpp"
 #include "firmware/can/load_layout.hpp"
-#include "plant_sim/model/load_rig.hpp"
+#include "firmware/host/settings/input_file.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
 

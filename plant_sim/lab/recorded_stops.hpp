@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "config/reader/config_directory.hpp"
+#include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/wear/dynamics.hpp"
 
 namespace plant_sim {

@@ -6,10 +6,10 @@
 #include <thread>
 #include <vector>
 
-#include "config/reader/atomic_file.hpp"
-#include "config/reader/config_directory.hpp"
-#include "config/reader/hash.hpp"
-#include "firmware/linux/stop_signals.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/hash.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/regulate_report.hpp"
 #include "plant_sim/lab/regulate_stops.hpp"

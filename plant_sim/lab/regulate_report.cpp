@@ -6,7 +6,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "plant_sim/study/gnuplot.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace plant_sim {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "plant_sim/study/regulation/fleet.hpp"
-#include "plant_sim/study/regulation/limit_forecast.hpp"
+#include "rig_bridge/wear/limit_forecast.hpp"
 
 namespace plant_sim {
 

@@ -15,10 +15,10 @@
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/value_names.hpp"
-#include "firmware/linux/controller_config.hpp"
-#include "plant_sim/model/measured_friction.hpp"
+#include "firmware/host/controller_config.hpp"
 #include "plant_sim/study/side_by_side.hpp"
 #include "rig_bridge/record/meter.hpp"
+#include "rig_bridge/rig/friction_curve.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
 
 namespace plant_sim {

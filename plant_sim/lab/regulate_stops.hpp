@@ -11,9 +11,9 @@
 
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"
-#include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/study/regulation/life.hpp"
-#include "plant_sim/study/regulation/regulation_config.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
+#include "rig_bridge/wear/regulation_config.hpp"
 
 namespace plant_sim {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <thread>
 
-#include "config/reader/config_directory.hpp"
-#include "config/reader/hash.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/hash.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/paper/page.hpp"
 #include "plant_sim/study/paper/run.hpp"

@@ -26,6 +26,7 @@ int run(int argc, char** argv) {
         plant_sim::margins_verb(app),    //
         plant_sim::tune_verb(app),       //
         plant_sim::maneuver_verb(app),   //
+        plant_sim::plant_verb(app),      //
         plant_sim::identify_verb(app),   //
         plant_sim::wear_verb(app),       //
         plant_sim::faults_verb(app),     //

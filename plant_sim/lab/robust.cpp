@@ -3,8 +3,8 @@
 #include <csignal>
 #include <memory>
 
-#include "config/reader/atomic_file.hpp"
-#include "firmware/linux/stop_signals.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/in_team.hpp"
 #include "plant_sim/lab/verbs.hpp"

@@ -3,13 +3,13 @@
 #include <array>
 #include <memory>
 
-#include "config/reader/atomic_file.hpp"
 #include "firmware/can/candump.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/scenario_options.hpp"
 #include "plant_sim/study/in_process.hpp"
-#include "plant_sim/study/picture.hpp"
 #include "plant_sim/study/trajectory.hpp"
+#include "rig_bridge/pictures/stop_picture.hpp"
 
 namespace plant_sim {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <iterator>
 
-#include "plant_sim/study/gnuplot.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace plant_sim {
 

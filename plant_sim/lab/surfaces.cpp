@@ -5,11 +5,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "config/reader/config_directory.hpp"
-#include "config/reader/hash.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/hash.hpp"
 #include "plant_sim/lab/surface_picture.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/model/load_rig.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 
 namespace plant_sim {
 

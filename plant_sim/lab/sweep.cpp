@@ -7,8 +7,8 @@
 #include <optional>
 #include <span>
 
-#include "config/reader/atomic_file.hpp"
-#include "firmware/linux/stop_signals.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/in_team.hpp"
 #include "plant_sim/lab/verbs.hpp"

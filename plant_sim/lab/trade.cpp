@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/sweep/trade.hpp"
 

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/tune_law.hpp"

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "config/reader/atomic_file.hpp"
-#include "config/reader/settings.hpp"
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/settings.hpp"
 #include "plant_sim/lab/controller_gains.hpp"
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"

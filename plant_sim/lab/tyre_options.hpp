@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "config/reader/command_line.hpp"
-#include "plant_sim/model/compliance.hpp"
+#include "firmware/host/settings/command_line.hpp"
+#include "rig_bridge/rig/compliance.hpp"
 
 namespace plant_sim {
 

@@ -1,6 +1,6 @@
 #include "plant_sim/lab/verbs.hpp"
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 
 namespace plant_sim {
 

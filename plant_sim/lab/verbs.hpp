@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "config/reader/command_line.hpp"
+#include "firmware/host/settings/command_line.hpp"
 
 namespace plant_sim {
 
@@ -44,6 +44,8 @@ LabVerb margins_verb(CLI::App& lab);
 LabVerb tune_verb(CLI::App& lab);
 /// A scenario on the virtual rig, recorded as the bridge records it.
 LabVerb maneuver_verb(CLI::App& lab);
+/// A recorded braking through the plant, held against the recorded motion.
+LabVerb plant_verb(CLI::App& lab);
 /// Valve, brake, wheel and road from recordings.
 LabVerb identify_verb(CLI::App& lab);
 /// Every fault in every phase of a stop, against criteria.

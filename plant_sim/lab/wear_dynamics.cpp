@@ -3,10 +3,10 @@
 #include <array>
 #include <memory>
 
-#include "config/reader/hash.hpp"
+#include "firmware/host/settings/hash.hpp"
 #include "plant_sim/lab/dynamics_report.hpp"
 #include "plant_sim/lab/wear.hpp"
-#include "plant_sim/model/load_rig.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 
 namespace plant_sim {
 

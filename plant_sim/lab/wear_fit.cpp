@@ -10,7 +10,7 @@
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
-#include "plant_sim/wear/model_io.hpp"
+#include "rig_bridge/wear/model_io.hpp"
 
 namespace plant_sim {
 

@@ -9,15 +9,15 @@
 #include <optional>
 #include <stdexcept>
 
-#include "config/reader/config_directory.hpp"
-#include "config/reader/hash.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/hash.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/forecast_pictures.hpp"
 #include "plant_sim/lab/landing_mix.hpp"
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/wear/back_test.hpp"
-#include "plant_sim/wear/population_io.hpp"
+#include "rig_bridge/wear/population_io.hpp"
 
 namespace plant_sim {
 

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <string>
 
-#include "plant_sim/study/gnuplot.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace plant_sim {
 

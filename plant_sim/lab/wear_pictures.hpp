@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "plant_sim/wear/campaign.hpp"
-#include "plant_sim/wear/model.hpp"
+#include "rig_bridge/wear/campaign.hpp"
+#include "rig_bridge/wear/model.hpp"
 
 namespace plant_sim {
 

@@ -7,8 +7,8 @@
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
-#include "plant_sim/wear/learn_population.hpp"
-#include "plant_sim/wear/population_io.hpp"
+#include "rig_bridge/wear/learn_population.hpp"
+#include "rig_bridge/wear/population_io.hpp"
 
 namespace plant_sim {
 

@@ -7,15 +7,15 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "config/reader/config_directory.hpp"
-#include "config/reader/hash.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/hash.hpp"
 #include "plant_sim/brake_options.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
 #include "plant_sim/study/torque_replay.hpp"
-#include "plant_sim/wear/model_io.hpp"
 #include "plant_sim/wear/resimulation.hpp"
+#include "rig_bridge/wear/model_io.hpp"
 
 namespace plant_sim {
 

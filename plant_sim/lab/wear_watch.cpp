@@ -6,13 +6,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "config/reader/config_directory.hpp"
+#include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/forecast_pictures.hpp"
 #include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/wear/fault_trial.hpp"
-#include "plant_sim/wear/population_io.hpp"
+#include "rig_bridge/wear/population_io.hpp"
 
 namespace plant_sim {
 

@@ -2,31 +2,9 @@
 /// varying within a stop (Fig. 6).
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <vector>
+#include "rig_bridge/rig/rig_parameters.hpp"
 
 namespace plant {
-
-struct BrakeGeometry {
-    double piston_area_m2 = 0.0;      ///< A_p
-    double pistons = 0.0;             ///< N_p
-    double surfaces = 0.0;            ///< N_s
-    double effective_radius_m = 0.0;  ///< R_eff
-
-    /// k_b per unit of friction, m^3.
-    [[nodiscard]] double gain_m3() const { return piston_area_m2 * pistons * surfaces * effective_radius_m; }
-};
-
-/// The shape of mu_b over a stop as a polynomial in x = v / v_brake_on, lowest power first (Fig. 6), absolute
-/// values.
-using FrictionCurve = std::array<double, 4>;
-
-/// The least mu_b over a stop when the curve is brought to the mean `friction`. At or below zero no brake is like that.
-[[nodiscard]] double least_friction(const FrictionCurve& curve, double friction);
-
-/// The least mean that leaves at least 0.01 of friction everywhere on the curve: what a brake that is worn beyond use is taken to have.
-[[nodiscard]] double least_mean_friction(const FrictionCurve& curve);
 
 /// k_b(v): the friction curve of the maneuver's class, shifted so that its mean over a stop of constant
 /// deceleration is `mean_friction` (Section IV: "a suitably biased version ... adapted to match the extracted

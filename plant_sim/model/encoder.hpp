@@ -4,19 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "plant_sim/model/random.hpp"
+#include "rig_bridge/rig/random.hpp"
+#include "rig_bridge/rig/rig_parameters.hpp"
 
 namespace plant {
-
-struct EncoderParameters {
-    double teeth = 60.0;
-    double jitter_s = 0.0;         ///< standard deviation of an edge's time stamp
-    double slowest_edges_hz = 10;  ///< a magnetic pick-up gives nothing below this rate
-    double pitch_error =
-        0.0;  ///< of each tooth's place, of its pitch, evenly to both sides; the same teeth every time
-    double eccentricity =
-        0.0;  ///< of the ring of teeth: speed seen over speed, less 1, at the most within a turn
-};
 
 class Encoder {
   public:

@@ -4,15 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plant_sim/model/random.hpp"
+#include "rig_bridge/rig/random.hpp"
+#include "rig_bridge/rig/rig_parameters.hpp"
 
 namespace plant {
-
-struct TransducerParameters {
-    double range_Pa = 0.0;       ///< reads 0 to range
-    double noise_Pa = 0.0;       ///< standard deviation
-    double resolution_Pa = 0.0;  ///< of its converter; 0: continuous
-};
 
 inline double reading_Pa(const TransducerParameters& transducer, double pressure_Pa, Random& random) {
     double reading = pressure_Pa + transducer.noise_Pa * random.noise();

@@ -18,39 +18,12 @@
 #include "plant_sim/model/drag.hpp"
 #include "plant_sim/model/encoder.hpp"
 #include "plant_sim/model/pressure_transducer.hpp"
-#include "plant_sim/model/random.hpp"
-#include "plant_sim/model/runway.hpp"
-#include "plant_sim/model/tyre.hpp"
 #include "plant_sim/model/valve.hpp"
 #include "plant_sim/model/wheel.hpp"
+#include "rig_bridge/rig/random.hpp"
+#include "rig_bridge/rig/rig_parameters.hpp"
 
 namespace plant {
-
-/// How the vertical load comes about.
-struct LoadParameters {
-    double base_N = 0.0;       ///< m g of eq. (2), or the set-point of the loading device
-    double lift_Ns2pm2 = 0.0;  ///< rho S C_l / 2 of eq. (2)
-    double lag_s =
-        0.0;  ///< first-order lag of the loading device behind the law above; 0: the aircraft itself
-};
-
-struct RigParameters {
-    WheelParameters wheel;
-    LoadParameters load;
-    BrakeGeometry brake;
-    FrictionCurve friction_curve{};
-    double mean_friction = 0.0;  ///< mean mu_b of the maneuver
-    ValveParameters valve;
-    PressureMap pressure_map;
-    EncoderParameters wheel_encoder;
-    EncoderParameters flywheel_encoder;
-    double flywheel_radius_m = 0.0;  ///< R_f of the wheel that measures v
-    TransducerParameters transducer;
-    Surface surface;  ///< of the whole runway, and where `runway` says nothing
-    Runway runway{};
-    double brake_on_mps = 0.0;   ///< speed of the maneuver
-    double touchdown_mps = 0.0;  ///< initial speed where spinning the wheel up costs some; 0: brake_on_mps
-};
 
 /// What acts on the rig beside brake and tyre.
 struct OutsideForces {

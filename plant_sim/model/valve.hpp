@@ -8,33 +8,6 @@
 
 namespace plant {
 
-/// The static map: monotone, linear between its points, held beyond them.
-class PressureMap {
-  public:
-    struct Point {
-        double current_mA;
-        double pressure_Pa;
-    };
-    /// Needs two points at least, currents strictly increasing, pressures not falling; throws
-    /// std::invalid_argument.
-    explicit PressureMap(std::vector<Point> points);
-
-    [[nodiscard]] double pressure_Pa(double current_mA) const;
-    [[nodiscard]] const std::vector<Point>& points() const { return points_; }
-
-  private:
-    std::vector<Point> points_;
-};
-
-struct ValveParameters {
-    double natural_frequency_radps = 0.0;  ///< omega_n
-    double damping = 0.0;                  ///< xi, in (0, 1)
-    double delay_s = 0.0;                  ///< tau
-    double hysteresis_mA = 0.0;            ///< width of the Play before the static map, >= 0
-    double line_s =
-        0.0;  ///< of the line between valve and brake: first-order lag, >= 0; 0: none, to the last bit
-};
-
 /// Hysteresis of the static map as play: the current in effect follows the commanded one only at the edges of a band of this width, so
 /// that the branch of rising current lies half a width to the right of the map and the falling one half a width to the left. Width 0: no
 /// play, to the last bit.

@@ -7,20 +7,11 @@
 #pragma once
 
 #include "plant_sim/model/brake.hpp"
-#include "plant_sim/model/compliance.hpp"
-#include "plant_sim/model/tyre.hpp"
 #include "plant_sim/model/wheel_arcs.hpp"
 #include "plant_sim/model/wheel_step.hpp"
+#include "rig_bridge/rig/rig_parameters.hpp"
 
 namespace plant {
-
-struct WheelParameters {
-    double mass_kg = 0.0;        ///< m_a, or J_f / R_f^2
-    double inertia_kgm2 = 0.0;   ///< J_w
-    double free_radius_m = 0.0;  ///< r_0 of r(F_z) = r_0 - F_z / k_r
-    double stiffness_Npm = 0.0;  ///< k_r
-    Compliance compliance{};     ///< of tyre and leg; none: Wheel, otherwise CompliantWheel
-};
 
 /// Motion and what it has cost since the start. Energies close: eq. (8) equals eq. (9).
 struct WheelState {

@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "plant_sim/model/brake.hpp"
-#include "plant_sim/model/tyre.hpp"
 #include "plant_sim/model/wheel_arcs.hpp"
+#include "rig_bridge/rig/tyre.hpp"
 
 namespace plant::wheel_step {
 

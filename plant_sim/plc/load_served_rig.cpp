@@ -1,6 +1,6 @@
 #include "plant_sim/plc/load_served_rig.hpp"
 
-#include "config/reader/settings.hpp"
+#include "firmware/host/settings/settings.hpp"
 
 namespace plc {
 

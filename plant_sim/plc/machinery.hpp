@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "plant_sim/model/drag.hpp"
-#include "plant_sim/model/random.hpp"
+#include "rig_bridge/rig/random.hpp"
 
 namespace plc {
 

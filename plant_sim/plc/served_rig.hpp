@@ -20,12 +20,12 @@
 #include <optional>
 
 #include "firmware/can/rig_sample.hpp"
-#include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/model/rig.hpp"
 #include "plant_sim/plc/machinery.hpp"
 #include "plant_sim/plc/virtual_plc.hpp"
-#include "plant_sim/wear/wearing_brake.hpp"
 #include "rig_bridge/registers/quantities.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
+#include "rig_bridge/wear/wearing_brake.hpp"
 
 namespace plc {
 

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <string_view>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 
 namespace study {
 

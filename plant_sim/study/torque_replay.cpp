@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "plant_sim/model/measured_friction.hpp"
 #include "plant_sim/study/stop_meter.hpp"
+#include "rig_bridge/rig/friction_curve.hpp"
 
 namespace study {
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <functional>
 
-#include "plant_sim/model/load_rig.hpp"
-#include "plant_sim/wear/campaign.hpp"
-#include "plant_sim/wear/wearing_brake.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
+#include "rig_bridge/wear/campaign.hpp"
+#include "rig_bridge/wear/wearing_brake.hpp"
 
 namespace study {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "plant_sim/wear/forecast.hpp"
+#include "rig_bridge/wear/forecast.hpp"
 
 namespace wear {
 

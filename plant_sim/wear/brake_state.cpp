@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "config/reader/atomic_file.hpp"
-#include "config/reader/hash.hpp"
-#include "config/reader/input_file.hpp"
-#include "config/reader/near_miss.hpp"
-#include "plant_sim/wear/json_object.hpp"
-#include "plant_sim/wear/model_io.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/input_file.hpp"
+#include "firmware/host/settings/near_miss.hpp"
+#include "rig_bridge/wear/json_object.hpp"
+#include "rig_bridge/wear/model_io.hpp"
 
 namespace wear {
 

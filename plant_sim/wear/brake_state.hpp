@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "plant_sim/wear/wearing_brake.hpp"
+#include "rig_bridge/wear/wearing_brake.hpp"
 
 namespace wear {
 

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 
 namespace wear {
 

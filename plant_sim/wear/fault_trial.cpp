@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "plant_sim/wear/draw.hpp"
+#include "rig_bridge/wear/draw.hpp"
 
 namespace wear {
 

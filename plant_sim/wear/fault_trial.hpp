@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/wear/health.hpp"
+#include "rig_bridge/wear/health.hpp"
 
 namespace wear {
 

@@ -18,11 +18,11 @@
 #include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/bridge/wear_regulation.hpp"
-#include "rig_bridge/health/health_watch.hpp"
 #include "rig_bridge/record/fault_names.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_meter.hpp"
+#include "rig_bridge/wear/health_watch.hpp"
 
 namespace rig {
 

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 
 namespace rig {
 

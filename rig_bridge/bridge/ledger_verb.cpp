@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/record/ledger.hpp"

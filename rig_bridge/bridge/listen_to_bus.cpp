@@ -6,7 +6,7 @@
 
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
-#include "firmware/linux/clock.hpp"
+#include "firmware/host/clock.hpp"
 #include "rig_bridge/bridge/senders.hpp"
 
 namespace rig {

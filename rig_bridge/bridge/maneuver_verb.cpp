@@ -6,14 +6,14 @@
 #include <exception>
 #include <filesystem>
 
-#include "config/reader/atomic_file.hpp"
-#include "plant_sim/study/picture.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
 #include "rig_bridge/bridge/rig_hold.hpp"
 #include "rig_bridge/bridge/session.hpp"
 #include "rig_bridge/bridge/setup.hpp"
 #include "rig_bridge/bridge/start_checks.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
+#include "rig_bridge/pictures/stop_picture.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 
 namespace rig {

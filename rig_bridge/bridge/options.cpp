@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "config/reader/command_line.hpp"
+#include "firmware/host/settings/command_line.hpp"
 #include "rig_bridge/modbus/plc_address.hpp"
 
 #include "rig_bridge/record/specimen_options.hpp"

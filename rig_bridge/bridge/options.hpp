@@ -7,7 +7,7 @@
 #include <string>
 #include <variant>
 
-#include "config/reader/config_directory.hpp"
+#include "firmware/host/settings/config_directory.hpp"
 #include "rig_bridge/bridge/campaign.hpp"
 #include "rig_bridge/record/specimen.hpp"
 

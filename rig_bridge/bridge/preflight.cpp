@@ -3,7 +3,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 
 namespace rig {
 

@@ -5,7 +5,7 @@
 #include <system_error>
 #include <thread>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/bridge/listen_to_bus.hpp"
 #include "rig_bridge/bridge/preflight.hpp"
 #include "rig_bridge/bridge/rig_hold.hpp"

@@ -1,7 +1,7 @@
 /// Asks the system for what a steady 10 ms needs; says what it refused and goes on without.
 #pragma once
 
-#include "firmware/linux/realtime.hpp"
+#include "firmware/host/realtime.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
 
 namespace rig {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <variant>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 
 namespace {

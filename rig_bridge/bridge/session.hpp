@@ -10,9 +10,9 @@
 #include <optional>
 #include <string>
 
-#include "firmware/linux/clock.hpp"
-#include "firmware/linux/periodic_timer.hpp"
-#include "firmware/linux/supervised_can.hpp"
+#include "firmware/host/clock.hpp"
+#include "firmware/host/periodic_timer.hpp"
+#include "firmware/host/supervised_can.hpp"
 #include "rig_bridge/bridge/bus_recorder.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
 #include "rig_bridge/bridge/node.hpp"

@@ -2,11 +2,11 @@
 
 #include <stdexcept>
 
-#include "config/reader/hash.hpp"
-#include "config/reader/settings.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/roles.hpp"
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/settings.hpp"
 #include "rig_bridge/bridge/abort_hook.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
 

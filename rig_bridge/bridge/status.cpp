@@ -9,7 +9,7 @@
 #include <fstream>
 #include <vector>
 
-#include "config/reader/command_line.hpp"
+#include "firmware/host/settings/command_line.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/bridge/view.hpp"

@@ -13,7 +13,7 @@ class Trace {
   public:
     void record(const Moment& moment);
 
-    /// Time since touchdown began; the columns of a stop's picture (plant_sim/study/picture.hpp), load and torque.
+    /// Time since touchdown began; the columns of a stop's picture (rig_bridge/pictures/stop_picture.hpp), load and torque.
     [[nodiscard]] std::string csv() const;
     /// On the same clock; 0 without brake-on.
     [[nodiscard]] double brake_on_s() const { return brake_on_s_.value_or(0.0); }

@@ -8,11 +8,11 @@
 #include <ctime>
 #include <thread>
 
-#include "config/reader/command_line.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/can/value_names.hpp"
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/command_line.hpp"
 #include "rig_bridge/bridge/bus_recorder.hpp"
 #include "rig_bridge/bridge/campaign.hpp"
 #include "rig_bridge/bridge/hold.hpp"

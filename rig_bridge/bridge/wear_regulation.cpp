@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "config/reader/atomic_file.hpp"
-#include "config/reader/error.hpp"
-#include "plant_sim/model/measured_friction.hpp"
-#include "plant_sim/study/regulation/limit_forecast.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/error.hpp"
+#include "rig_bridge/rig/friction_curve.hpp"
+#include "rig_bridge/wear/limit_forecast.hpp"
 
 namespace rig {
 

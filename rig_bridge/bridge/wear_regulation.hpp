@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/study/regulation/life_forecast.hpp"
-#include "plant_sim/study/regulation/regulation_config.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
+#include "rig_bridge/wear/life_forecast.hpp"
+#include "rig_bridge/wear/regulation_config.hpp"
 
 namespace rig {
 

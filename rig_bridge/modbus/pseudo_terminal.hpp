@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "config/reader/file_descriptor.hpp"
+#include "firmware/host/settings/file_descriptor.hpp"
 
 namespace rig {
 

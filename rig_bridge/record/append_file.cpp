@@ -8,7 +8,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 
 namespace rig {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "config/reader/file_descriptor.hpp"
+#include "firmware/host/settings/file_descriptor.hpp"
 #include "rig_bridge/record/line_file.hpp"
 
 namespace rig {

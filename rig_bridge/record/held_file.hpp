@@ -8,7 +8,7 @@
 #include <string>
 #include <variant>
 
-#include "config/reader/file_descriptor.hpp"
+#include "firmware/host/settings/file_descriptor.hpp"
 
 namespace rig {
 

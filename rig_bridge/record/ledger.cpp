@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/ledger_impl.hpp"
 #include "rig_bridge/record/summary_file.hpp"

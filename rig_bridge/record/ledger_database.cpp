@@ -3,7 +3,7 @@
 #include <array>
 #include <limits>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 
 namespace rig {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/ledger_database.hpp"

@@ -10,7 +10,7 @@
 #include <set>
 #include <string_view>
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 
 namespace rig {

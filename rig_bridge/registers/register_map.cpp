@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "config/reader/settings.hpp"
+#include "firmware/host/settings/settings.hpp"
 
 namespace rig {
 namespace {

@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
-#include "firmware/linux/realtime.hpp"
-#include "firmware/linux/stop_signals.hpp"
+#include "firmware/host/realtime.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/replay/player.hpp"
 #include "rig_bridge/replay/raw_can_sender.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"

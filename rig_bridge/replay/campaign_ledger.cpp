@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 
 namespace rig {

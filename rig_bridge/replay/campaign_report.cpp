@@ -3,7 +3,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "config/reader/csv_field.hpp"
+#include "firmware/host/settings/csv_field.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 

@@ -3,11 +3,11 @@
 #include <map>
 #include <memory>
 
-#include "config/reader/atomic_file.hpp"
-#include "config/reader/config_directory.hpp"
 #include "firmware/can/load_layout.hpp"
-#include "firmware/linux/controller_config.hpp"
-#include "plant_sim/study/gnuplot.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"

@@ -7,7 +7,7 @@
 
 #include "firmware/can/roles.hpp"
 #include "firmware/control/controller.hpp"
-#include "firmware/linux/control_loop.hpp"
+#include "firmware/host/control_loop.hpp"
 
 namespace rig {
 

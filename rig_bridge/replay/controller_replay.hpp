@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "firmware/linux/setup.hpp"
+#include "firmware/host/setup.hpp"
 #include "rig_bridge/replay/frame_comparison.hpp"
 #include "rig_bridge/replay/recorded_pacer.hpp"
 

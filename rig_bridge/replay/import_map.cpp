@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "config/reader/settings.hpp"
+#include "firmware/host/settings/settings.hpp"
 
 namespace rig {
 

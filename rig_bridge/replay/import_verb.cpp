@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "config/reader/config_directory.hpp"
-#include "config/reader/hash.hpp"
 #include "firmware/can/load_layout.hpp"
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/hash.hpp"
 #include "rig_bridge/record/specimen_options.hpp"
 #include "rig_bridge/replay/importer.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"

@@ -10,7 +10,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "config/reader/file_descriptor.hpp"
+#include "firmware/host/settings/file_descriptor.hpp"
 #include "rig_bridge/replay/mat_structure.hpp"
 #include "rig_bridge/replay/recording.hpp"
 

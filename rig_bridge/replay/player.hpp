@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "firmware/linux/clock.hpp"
-#include "firmware/linux/histogram.hpp"
+#include "firmware/host/clock.hpp"
+#include "firmware/host/histogram.hpp"
 #include "rig_bridge/replay/id_filter.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 

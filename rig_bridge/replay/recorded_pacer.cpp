@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "firmware/can/roles.hpp"
-#include "firmware/linux/control_loop.hpp"
-#include "firmware/linux/frame_intake.hpp"
+#include "firmware/host/control_loop.hpp"
+#include "firmware/host/frame_intake.hpp"
 
 namespace rig {
 

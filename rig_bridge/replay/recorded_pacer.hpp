@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "firmware/can/controller_port.hpp"
-#include "firmware/linux/pacer.hpp"
+#include "firmware/host/pacer.hpp"
 #include "rig_bridge/replay/frame_comparison.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 #include "rig_bridge/replay/session_start.hpp"

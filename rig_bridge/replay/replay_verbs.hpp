@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "config/reader/command_line.hpp"
+#include "firmware/host/settings/command_line.hpp"
 #include "rig_bridge/replay/log_warnings.hpp"
 
 namespace rig {
@@ -23,7 +23,6 @@ struct UsageError : std::runtime_error {
 [[nodiscard]] ReplayVerb campaign_verb(CLI::App& app);
 [[nodiscard]] ReplayVerb controller_verb(CLI::App& app);
 [[nodiscard]] ReplayVerb import_verb(CLI::App& app);
-[[nodiscard]] ReplayVerb plant_verb(CLI::App& app);
 
 /// Runs `load`; whatever it throws becomes a UsageError.
 template <typename Load>

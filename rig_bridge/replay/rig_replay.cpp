@@ -1,4 +1,4 @@
-/// rig-replay: what was recorded on the bus, played, replayed, validated. See --help.
+/// rig-replay: what was recorded on the bus, played, replayed, rebuilt, imported. See --help.
 
 #include <fmt/core.h>
 
@@ -15,12 +15,12 @@ rig::LogWarnings rig::warnings_of(const std::string& file) {
 namespace {
 
 int run(int argc, char** argv) {
-    CLI::App app{"rig-replay: bus logs played, replayed through the controller, and held against the plant.",
+    CLI::App app{"rig-replay: bus logs played, replayed through the controller, rebuilt and imported.",
                  "rig-replay"};
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.require_subcommand(1);
     const std::array verbs{rig::bus_verb(app), rig::campaign_verb(app), rig::controller_verb(app),
-                           rig::import_verb(app), rig::plant_verb(app)};
+                           rig::import_verb(app)};
     app.footer("Each has --help with examples.");
     if (const auto status = settings::parse(app, argc, argv)) return *status;
     for (const rig::ReplayVerb& verb : verbs) {

@@ -3,7 +3,7 @@
 #include <numbers>
 #include <optional>
 
-#include "config/reader/settings.hpp"
+#include "firmware/host/settings/settings.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
 #include "rig_bridge/sequencer/check_plan.hpp"
 

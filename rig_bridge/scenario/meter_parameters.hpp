@@ -2,8 +2,8 @@
 #pragma once
 
 #include "firmware/control/config.hpp"
-#include "plant_sim/model/load_rig.hpp"
 #include "rig_bridge/record/meter.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
 
 namespace rig {

@@ -1,6 +1,6 @@
 #include "rig_bridge/scenario/scenario.hpp"
 
-#include "plant_sim/model/random.hpp"
+#include "rig_bridge/rig/random.hpp"
 
 namespace rig {
 

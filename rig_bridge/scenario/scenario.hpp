@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/model/load_rig.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 #include "rig_bridge/sequencer/sequencer.hpp"
 
 namespace rig {

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "tests/bridge/fakes.hpp"
-#include "tests/config/refusal.hpp"
 #include "tests/preflight/sound_link.hpp"
 #include "tests/preflight/verdicts.hpp"
+#include "tests/settings/refusal.hpp"
 
 using namespace std::chrono_literals;
 using antiskid::can::Role;

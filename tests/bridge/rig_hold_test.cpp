@@ -8,7 +8,7 @@
 #include <csignal>
 
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 
 namespace {
 

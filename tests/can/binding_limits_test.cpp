@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <string>
 
-#include "config/reader/error.hpp"
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/rig_port.hpp"
 #include "firmware/can/roles.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "tests/can/bindings.hpp"
 #include "tests/can/layouts.hpp"
 #include "tests/catch.hpp"

@@ -4,12 +4,12 @@
 #include <type_traits>
 #include <vector>
 
-#include "config/reader/error.hpp"
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/rig_port.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/can/units.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "tests/can/bindings.hpp"
 #include "tests/can/layouts.hpp"
 #include "tests/catch.hpp"

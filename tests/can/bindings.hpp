@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "config/reader/error.hpp"
 #include "firmware/can/load_layout.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "tests/can/layouts.hpp"
 
 namespace bindings {

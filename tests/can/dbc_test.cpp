@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "config/reader/error.hpp"
 #include "firmware/can/value_names.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "tests/can/layouts.hpp"
 #include "tests/catch.hpp"
 

@@ -1,6 +1,6 @@
 // Fields that end below what the rig needs.
-#include "config/reader/error.hpp"
 #include "firmware/can/load_layout.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "tests/can/layouts.hpp"
 #include "tests/catch.hpp"
 

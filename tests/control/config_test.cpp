@@ -10,9 +10,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 
 using antiskid::load_controller_config;
 

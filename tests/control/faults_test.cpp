@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "firmware/can/value_names.hpp"
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
 #include "tests/catch.hpp"
 #include "tests/control/bench.hpp"
 #include "tests/control/fault_table.hpp"

@@ -1,7 +1,7 @@
 /// Ways around the protections that somebody tried: none may work.
 #include <limits>
 
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
 #include "tests/catch.hpp"
 #include "tests/control/bench.hpp"
 

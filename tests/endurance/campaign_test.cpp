@@ -7,8 +7,8 @@
 #include "plant_sim/endurance/table_three.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
 #include "tests/endurance/truth.hpp"
+#include "tests/settings/refusal.hpp"
 
 using endurance::CampaignResult;
 using endurance::kTableThree;

@@ -17,7 +17,7 @@ TYPES = {"--config": "DIRECTORY", "--out": "DIRECTORY", "--controller": "FILE", 
 # Verbs that print no figures, or CSV alone.
 WITHOUT_JSON = {"rig-bridge maneuver", "rig-bridge campaign", "rig-bridge pause", "rig-bridge resume", "rig-bridge ledger amend", "rig-bridge ledger note",
                 "virtual-rig serve", "rig-lab drive", "cortex-m-prepare"}
-COMPLETION = pathlib.Path(__file__).resolve().parents[2] / "config/package/completion.bash"
+COMPLETION = pathlib.Path(__file__).resolve().parents[2] / "firmware/host/package/completion.bash"
 wrong = []
 runs = 0
 

@@ -4,18 +4,18 @@ source "$(dirname "$0")/harness.bash"
 
 build=$scratch/build
 out=$scratch/out
-mkdir -p "$build/plant_sim" "$build/firmware/linux"
+mkdir -p "$build/plant_sim" "$build/firmware/host"
 
 programs() { # CONTROLLER VIRTUAL_RIG: bodies of the stand-ins
-    printf '#!/bin/bash\nout=%q\n%s\n' "$scratch" "$1" >"$build/firmware/linux/antiskid-controller"
-    printf '#!/bin/bash\nout=%q\n%s\n' "$scratch" "$2" >"$build/plant_sim/virtual-rig"
-    chmod +x "$build/plant_sim/virtual-rig" "$build/firmware/linux/antiskid-controller"
+    printf '#!/bin/bash\nout=%q\n%s\n' "$scratch" "$1" >"$build/bin/antiskid-controller"
+    printf '#!/bin/bash\nout=%q\n%s\n' "$scratch" "$2" >"$build/bin/virtual-rig"
+    chmod +x "$build/bin/virtual-rig" "$build/bin/antiskid-controller"
     rm -rf "$out" "$scratch"/{events,*.seen}
     mkdir "$out"
 }
 
 demo() {
-    "$rig" vcan --timeout 100 -- "$here/../../config/vcan/demo" "$build" "$out" sync --slip 0.2 >"$scratch/stdout" 2>"$scratch/stderr"
+    "$rig" vcan --timeout 100 -- "$here/../../firmware/host/vcan/demo" "$build" "$out" sync --slip 0.2 >"$scratch/stdout" 2>"$scratch/stderr"
 }
 
 # shellcheck disable=SC2016 # expanded in the stand-ins
@@ -71,7 +71,7 @@ demo
 expect "the controller fails at its end" $? 6
 
 programs "$controller" "$stuck_rig"
-setsid env --default-signal=INT "$rig" vcan --timeout 100 -- "$here/../../config/vcan/demo" "$build" "$out" sync \
+setsid env --default-signal=INT "$rig" vcan --timeout 100 -- "$here/../../firmware/host/vcan/demo" "$build" "$out" sync \
     >"$scratch/stdout" 2>"$scratch/stderr" &
 run=$!
 check "up" eventually 60 test -e "$scratch/rig.seen"

@@ -5,10 +5,10 @@ source "$(dirname "$0")/harness.bash"
 
 build=$scratch/build
 out=$scratch/out
-mkdir -p "$build/plant_sim" "$build/firmware/linux" "$build/rig_bridge/bridge"
+mkdir -p "$build/plant_sim" "$build/firmware/host" "$build/rig_bridge/bridge"
 
 programs() { # CONTROLLER VIRTUAL_RIG BRIDGE: bodies of the stand-ins
-    local name body=("$@") paths=(firmware/linux/antiskid-controller plant_sim/virtual-rig rig_bridge/bridge/rig-bridge)
+    local name body=("$@") paths=(bin/antiskid-controller bin/virtual-rig bin/rig-bridge)
     for name in 0 1 2; do
         printf '#!/bin/bash\nout=%q\n%s\n' "$scratch" "${body[$name]}" >"$build/${paths[$name]}"
         chmod +x "$build/${paths[$name]}"
@@ -18,7 +18,7 @@ programs() { # CONTROLLER VIRTUAL_RIG BRIDGE: bodies of the stand-ins
 }
 
 landing() {
-    "$rig" vcan --timeout 100 -- "$here/../../config/vcan/landing" "$build" "$out" timer scenario.toml spun-up --seed 7 \
+    "$rig" vcan --timeout 100 -- "$here/../../firmware/host/vcan/landing" "$build" "$out" timer scenario.toml spun-up --seed 7 \
         >"$scratch/stdout" 2>"$scratch/stderr"
 }
 
@@ -31,7 +31,7 @@ landing() {
     dead_serve='echo "no port" >&2; exit 1'
     bridge='until grep -qs rig $out/events; do sleep 0.05; done; echo "bridge $*" >>$out/events; echo table; exit 0'
     failing='until grep -qs rig $out/events; do sleep 0.05; done; echo "bridge ended" >>$out/events; exit 1'
-    killer='until grep -qs rig $out/events; do sleep 0.05; done; pkill -KILL -f linux/antiskid-controller; sleep 0.3; exit 1'
+    killer='until grep -qs rig $out/events; do sleep 0.05; done; pkill -KILL -f host/antiskid-controller; sleep 0.3; exit 1'
     patient='trap "echo bridge safe >>$out/events; exit 130" INT; touch $out/bridge.seen; while :; do sleep 0.1; done'
 }
 
@@ -63,7 +63,7 @@ check "and is named" grep -q "antiskid-controller had ended with status 137" "$s
 check "the rig was ended" grep -q "rig ended" "$scratch/events"
 
 programs "$controller" "$serve" "$patient"
-setsid env --default-signal=INT "$rig" vcan --timeout 100 -- "$here/../../config/vcan/landing" "$build" "$out" timer scenario.toml at-rest \
+setsid env --default-signal=INT "$rig" vcan --timeout 100 -- "$here/../../firmware/host/vcan/landing" "$build" "$out" timer scenario.toml at-rest \
     >"$scratch/stdout" 2>"$scratch/stderr" &
 run=$!
 check "up" eventually 60 test -e "$scratch/bridge.seen"

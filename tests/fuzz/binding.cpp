@@ -1,9 +1,9 @@
 // TOML from anywhere, bound to the shipped DBC. A layout that is accepted can be used.
 #include <array>
 
-#include "config/reader/settings.hpp"
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/rig_port.hpp"
+#include "firmware/host/settings/settings.hpp"
 #include "tests/fuzz/input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

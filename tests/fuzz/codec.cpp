@@ -9,7 +9,7 @@
 #include "firmware/can/observer.hpp"
 #include "firmware/can/rig_port.hpp"
 #include "firmware/control/controller.hpp"
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
 #include "tests/fuzz/input.hpp"
 
 namespace {

@@ -1,8 +1,8 @@
 // Recordings and tables of other systems as text: read, or refused with the file's name.
 #include <cmath>
 
-#include "plant_sim/wear/campaign.hpp"
 #include "rig_bridge/replay/recording.hpp"
+#include "rig_bridge/wear/campaign.hpp"
 #include "tests/fuzz/input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
 // A DBC from anywhere is read or refused with its line; a binding whose first message is in it finds the others, or says what is missing.
 #include "firmware/can/dbc.hpp"
-#include "config/reader/error.hpp"
 #include "firmware/can/load_layout.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "tests/fuzz/input.hpp"
 
 namespace {

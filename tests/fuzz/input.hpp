@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-#include "config/reader/file_descriptor.hpp"
+#include "firmware/host/settings/file_descriptor.hpp"
 
 namespace fuzz {
 

@@ -1,9 +1,9 @@
 /// What was identified, as configuration: the readers of plant and controller take it, whatever the digits.
-#include "firmware/linux/controller_config.hpp"
-#include "plant_sim/model/load_rig.hpp"
+#include "firmware/host/controller_config.hpp"
 #include "plant_sim/study/identification/identified.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 
 using identification::Estimate;
 

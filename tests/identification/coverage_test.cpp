@@ -6,8 +6,8 @@
 #include <map>
 #include <string>
 
-#include "plant_sim/model/random.hpp"
 #include "plant_sim/study/identification/identified.hpp"
+#include "rig_bridge/rig/random.hpp"
 #include "tests/catch.hpp"
 #include "tests/identification/experiments.hpp"
 

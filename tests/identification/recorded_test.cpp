@@ -5,8 +5,8 @@
 
 #include "plant_sim/endurance/frame_log.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
 #include "tests/identification/experiments.hpp"
+#include "tests/settings/refusal.hpp"
 
 TEST_CASE("the bus log of a maneuver in process holds its samples", "[BRG-200]") {
     const endurance::Setup setup = identification_test::setup("rejected_takeoff");

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "config/reader/file_descriptor.hpp"
+#include "firmware/host/settings/file_descriptor.hpp"
 
 namespace raw {
 

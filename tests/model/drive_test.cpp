@@ -7,9 +7,9 @@
 
 #include "plant_sim/study/drive.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
 #include "tests/model/reference/profiles.hpp"
 #include "tests/model/scenarios.hpp"
+#include "tests/settings/refusal.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include "plant_sim/scenario_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 
 namespace {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "firmware/linux/controller_config.hpp"
-#include "plant_sim/model/load_rig.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 
 namespace fs = std::filesystem;
 

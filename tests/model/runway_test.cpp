@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plant_sim/model/load_rig.hpp"
-#include "plant_sim/model/load_runway.hpp"
-#include "plant_sim/model/wet_grip.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
+#include "rig_bridge/rig/load_runway.hpp"
+#include "rig_bridge/rig/wet_grip.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 
 using plant::Texture;
 using plant::WetGrip;

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "plant_sim/model/load_rig.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 
 struct NamedScenario {
     std::string name;

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstring>
 
-#include "plant_sim/model/random.hpp"
 #include "plant_sim/model/wheel_lanes.hpp"
+#include "rig_bridge/rig/random.hpp"
 
 namespace {
 

@@ -4,13 +4,15 @@
 source "$(dirname "$0")/../front_door/harness.bash"
 
 build=$1
-units=$here/../../config/package
+units=$scratch/units
+mkdir "$units"
+cp "$here"/../../firmware/host/package/*.service "$here/../../rig_bridge/bridge/rig-bridge@.service" "$units"
 exposed_little() { # UNIT
     systemd-analyze security --offline=true --threshold=25 --no-pager "$1" >"$scratch/out" 2>&1
 }
 
 for unit in antiskid-controller@ antiskid-can@ rig-bridge@; do
-    sed "s#/usr/bin/antiskid-controller#$build/firmware/linux/antiskid-controller#; s#/usr/bin/rig-bridge#$build/rig_bridge/bridge/rig-bridge#" \
+    sed "s#/usr/bin/antiskid-controller#$build/bin/antiskid-controller#; s#/usr/bin/rig-bridge#$build/bin/rig-bridge#" \
         "$units/$unit.service" >"$scratch/$unit.service"
     expect "verify says nothing about $unit" "$(systemd-analyze verify --man=no "$scratch/$unit.service" 2>&1)" ""
     # Fails where the exposure is more than 2.5.

@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "plant_sim/plc/load_served_rig.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 
 namespace {
 

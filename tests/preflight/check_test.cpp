@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "tests/preflight/verdicts.hpp"
 
 using namespace preflight_test;

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "firmware/control/valve_model.hpp"
-#include "tests/linux/loop_bench.hpp"
+#include "tests/host/loop_bench.hpp"
 
 namespace preflight_test {
 

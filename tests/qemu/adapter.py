@@ -28,7 +28,7 @@ def main():
     place = pathlib.Path(tempfile.mkdtemp())
     log, report = place / "log", place / "report.json"
     with open(log, "wb") as out:
-        controller = subprocess.Popen([build / "firmware/linux/antiskid-controller", "--can", "can0", "--clock", "sync", "--sync-timeout", "200",
+        controller = subprocess.Popen([build / "bin/antiskid-controller", "--can", "can0", "--clock", "sync", "--sync-timeout", "200",
                                        "--json", report], stdout=out, stderr=out)
 
     def says(text):

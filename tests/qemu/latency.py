@@ -51,7 +51,7 @@ def cyclictest():
 
 def wake_up(build):
     """The controller's own pacer, by its check before the wheel turns."""
-    said = subprocess.run([build / "firmware/linux/antiskid-controller", "--can", "can0", "--check", "--timing-s", "3", "--json", "-"],
+    said = subprocess.run([build / "bin/antiskid-controller", "--can", "can0", "--check", "--timing-s", "3", "--json", "-"],
                           stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout
     (timing,) = (each for each in json.loads(said)["checks"] if each["name"] == "loop latency")
     return {name: round(timing["figures"][f"{name}_us"], 1) for name in ("p50", "p99", "max")}
@@ -77,7 +77,7 @@ def answer(build):
         ear.setsockopt(socket.SOL_SOCKET, 33, 1 << 23)  # SO_RCVBUFFORCE
         ear.setsockopt(socket.SOL_SOCKET, 35, 1)        # SO_TIMESTAMPNS
         ear.bind(("can1",))
-        controller = subprocess.Popen([build / "firmware/linux/antiskid-controller", "--can", "can0", "--clock", "sync"],
+        controller = subprocess.Popen([build / "bin/antiskid-controller", "--can", "can0", "--clock", "sync"],
                                       stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         while b"on can0" not in (said := controller.stderr.readline()):
             check(said, "the controller did not start")

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "config/reader/error.hpp"
 #include "firmware/can/candump.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/append_file.hpp"
 #include "rig_bridge/record/bus_log.hpp"
 #include "rig_bridge/record/bus_meter.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "tests/can/layouts.hpp"

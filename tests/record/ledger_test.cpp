@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/summary_file.hpp"

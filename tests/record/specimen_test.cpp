@@ -1,7 +1,7 @@
 #include "rig_bridge/record/specimen.hpp"
 
-#include "config/reader/csv_field.hpp"
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/csv_field.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "tests/can/layouts.hpp"

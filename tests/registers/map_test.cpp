@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 
 using rig::Commanded;
 using rig::load_register_map;

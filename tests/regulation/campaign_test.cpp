@@ -3,12 +3,12 @@
 #include <limits>
 #include <vector>
 
-#include "config/reader/atomic_file.hpp"
-#include "plant_sim/model/measured_friction.hpp"
-#include "plant_sim/wear/mean_curve.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "rig_bridge/bridge/status.hpp"
 #include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/bridge/wear_regulation.hpp"
+#include "rig_bridge/rig/friction_curve.hpp"
+#include "rig_bridge/wear/mean_curve.hpp"
 #include "tests/catch.hpp"
 #include "tests/endurance/truth.hpp"
 

@@ -1,4 +1,4 @@
-#include "plant_sim/study/regulation/floor.hpp"
+#include "rig_bridge/wear/floor.hpp"
 
 #include <cmath>
 #include <random>

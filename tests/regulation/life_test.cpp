@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "plant_sim/study/regulation/fleet.hpp"
-#include "plant_sim/wear/model_io.hpp"
+#include "rig_bridge/wear/model_io.hpp"
 #include "tests/catch.hpp"
 #include "tests/regulation/toy_landing.hpp"
 

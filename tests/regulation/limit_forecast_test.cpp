@@ -1,4 +1,4 @@
-#include "plant_sim/study/regulation/limit_forecast.hpp"
+#include "rig_bridge/wear/limit_forecast.hpp"
 
 #include <cmath>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "plant_sim/study/regulation/regulation_config.hpp"
+#include "rig_bridge/wear/regulation_config.hpp"
 
 #include <fstream>
 #include <string>

@@ -1,4 +1,4 @@
-#include "plant_sim/study/regulation/regulator.hpp"
+#include "rig_bridge/wear/regulator.hpp"
 
 #include <algorithm>
 #include <cmath>

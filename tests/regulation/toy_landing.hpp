@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <random>
 
-#include "plant_sim/study/regulation/regulator.hpp"
+#include "rig_bridge/wear/regulator.hpp"
 
 namespace toy {
 

@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "firmware/linux/controller_config.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "plant_sim/study/validation/plant_validation.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 #include "rig_bridge/replay/importer.hpp"
-#include "rig_bridge/replay/plant_validation.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
 #include "tests/catch.hpp"

@@ -6,10 +6,10 @@
 #include <set>
 #include <sstream>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "plant_sim/study/robust/campaign.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 
 using namespace robust;
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 
 using Keys = std::vector<std::string>;
 

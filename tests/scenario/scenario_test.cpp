@@ -7,7 +7,7 @@
 
 #include "rig_bridge/scenario/meter_parameters.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 
 using rig::Scenario;
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "plant_sim/model/random.hpp"
+#include "rig_bridge/rig/random.hpp"
 #include "tests/catch.hpp"
 #include "tests/sequencer/rig_model.hpp"
 

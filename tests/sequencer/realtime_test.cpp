@@ -1,6 +1,6 @@
 /// step() in the real-time path: traps in front of the C library count what it must not do.
 #include "tests/catch.hpp"
-#include "tests/linux/traps.hpp"
+#include "tests/host/traps.hpp"
 #include "tests/sequencer/rig_model.hpp"
 
 using namespace sequencer_test;

@@ -3,7 +3,7 @@
 
 #include "plant_sim/wear/brake_state.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 #include "tests/study/scenarios.hpp"
 
 namespace {

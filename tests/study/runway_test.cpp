@@ -5,7 +5,7 @@
 #include "plant_sim/study/stop_meter.hpp"
 #include "plant_sim/study/trajectory.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 #include "tests/study/scenarios.hpp"
 
 namespace {

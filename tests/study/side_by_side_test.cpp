@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "plant_sim/model/random.hpp"
 #include "plant_sim/study/side_by_side.hpp"
+#include "rig_bridge/rig/random.hpp"
 
 namespace {
 

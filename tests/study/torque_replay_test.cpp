@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "plant_sim/wear/fit.hpp"
 #include "plant_sim/wear/resimulation.hpp"
+#include "rig_bridge/wear/fit.hpp"
 #include "tests/catch.hpp"
 #include "tests/wear/physical_campaign.hpp"
 

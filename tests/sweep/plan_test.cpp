@@ -3,10 +3,10 @@
 #include <map>
 #include <set>
 
-#include "plant_sim/model/load_rig.hpp"
 #include "plant_sim/study/sweep/setup.hpp"
 #include "plant_sim/study/sweep/stops_table.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 #include "tests/catch.hpp"
 
 TEST_CASE("the paper's sweep: 32 scenarios, 45 references, 100 landings, 4,500 stops and the threshold law's",

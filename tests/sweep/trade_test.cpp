@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "plant_sim/wear/draw.hpp"
+#include "rig_bridge/wear/draw.hpp"
 #include "tests/catch.hpp"
 #include "tests/sweep/made_up_sweep.hpp"
 

@@ -17,7 +17,7 @@ import time
 from three_programs import PATIENT, Bus, Rig, check, configuration, eventually, in_guest_memory, ledger_copy, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
-LAB = BUILD / "plant_sim/rig-lab"
+LAB = BUILD / "bin/rig-lab"
 
 
 def finished(process, seconds=300):
@@ -111,7 +111,7 @@ def campaign_killed(folder):
         check(summary["length_m"] == row["length_m"], "ledger and summary.json differ")
         check(row["cumulative_energy_J"] >= energy + row["energy_brake_J"] * 0.999, "energy was lost")
         energy = row["cumulative_energy_J"]
-    status = json.loads(subprocess.run([BUILD / "rig_bridge/bridge/rig-bridge", "status", out, "--json", "-"], check=True, capture_output=True).stdout)
+    status = json.loads(subprocess.run([BUILD / "bin/rig-bridge", "status", out, "--json", "-"], check=True, capture_output=True).stdout)
     check(status[0]["finished"] == planned and status[0]["unfinished"] == len(unfinished), status[0])
     print(f"{kills} kills, {planned} maneuvers finished once each, {len(unfinished)} unfinished and marked, "
           f"{sum(row['state'] == 'aborted' for row in rows)} aborted")

@@ -5,11 +5,11 @@
 
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
-#include "firmware/linux/supervised_can.hpp"
+#include "firmware/host/supervised_can.hpp"
 #include "tests/catch.hpp"
-#include "tests/linux/loop_bench.hpp"
-#include "tests/linux/toy_rig.hpp"
-#include "tests/linux/traps.hpp"
+#include "tests/host/loop_bench.hpp"
+#include "tests/host/toy_rig.hpp"
+#include "tests/host/traps.hpp"
 
 using namespace rt_test;
 

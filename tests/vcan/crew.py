@@ -16,8 +16,8 @@ import time
 from three_programs import Bus, Rig, check, eventually, in_guest_memory, ledger_copy, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
-BRIDGE = BUILD / "rig_bridge/bridge/rig-bridge"
-REPLAY = BUILD / "rig_bridge/replay/rig-replay"
+BRIDGE = BUILD / "bin/rig-bridge"
+REPLAY = BUILD / "bin/rig-replay"
 OPERATOR, NOTES = 'Zoë "Z" Rossi', "new, from batch 4; =1+1"
 
 

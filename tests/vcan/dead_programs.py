@@ -220,7 +220,7 @@ class Bench:
         check(ledger_copy(self.out)[-1]["state"] == "finished", "the last attempt is not in the ledger as finished")
         self.rig.end()
         check(self.rig.controller.returncode == 0 and self.rig.virtual_rig.returncode == 0, "controller or virtual rig did not end well")
-        replay = subprocess.run([self.build / "rig_bridge/replay/rig-replay", "campaign", self.out, "--config", self.config],
+        replay = subprocess.run([self.build / "bin/rig-replay", "campaign", self.out, "--config", self.config],
                                 capture_output=True, text=True)
         check(replay.returncode == 0, f"rig-replay campaign: {replay.returncode}\n{replay.stdout}{replay.stderr}")
 

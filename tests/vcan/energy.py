@@ -16,7 +16,7 @@ import time
 from three_programs import Bus, Rig, changed, check, eventually, in_guest_memory, quick_rig, words
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
-BRIDGE = BUILD / "rig_bridge/bridge/rig-bridge"
+BRIDGE = BUILD / "bin/rig-bridge"
 
 
 def taken_by_brake_J(rig):
@@ -70,7 +70,7 @@ def bridge_killed(folder):
     check(0.97 * truth_J - left_J < after["cumulative_energy_J"] < 1.01 * truth_J, "the ledger's energy is not the plant's")
     check([row["state"] for row in rows] == ["finished", "unfinished", "finished"], rows)
     check(rows[1]["energy_brake_J"] > 0.7 * rows[0]["energy_brake_J"], "the killed bridge's stop does not count")
-    compared = subprocess.run([BUILD / "rig_bridge/replay/rig-replay", "campaign", out, "--config", config, "--rebuild", out / "rebuilt.sqlite"],
+    compared = subprocess.run([BUILD / "bin/rig-replay", "campaign", out, "--config", config, "--rebuild", out / "rebuilt.sqlite"],
                               capture_output=True, text=True, check=False)
     check(compared.returncode == 0, compared.stdout + compared.stderr)
     # What a person says stands beside what was measured.

@@ -14,9 +14,9 @@ import tempfile
 import time
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
-CONTROLLER = str(BUILD / "firmware/linux/antiskid-controller")
-RIG = str(BUILD / "plant_sim/virtual-rig")
-LAB = str(BUILD / "plant_sim/rig-lab")
+CONTROLLER = str(BUILD / "bin/antiskid-controller")
+RIG = str(BUILD / "bin/virtual-rig")
+LAB = str(BUILD / "bin/rig-lab")
 VALVE = {"antiskid": "100"}
 
 

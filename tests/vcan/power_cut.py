@@ -84,7 +84,7 @@ def inside_after(build, kind):
         left["resumed"] = run.wait(timeout=200)
         left["words"] = run.log.read_text()
         rig.end()
-    left["status"] = json.loads(subprocess.run([build / "rig_bridge/bridge/rig-bridge", "status", RUNS, "--json", "-"], check=True,
+    left["status"] = json.loads(subprocess.run([build / "bin/rig-bridge", "status", RUNS, "--json", "-"], check=True,
                                                capture_output=True).stdout)
     subprocess.run(["umount", MOUNT], check=True)
     print("LEFT", json.dumps(left), flush=True)

@@ -22,10 +22,10 @@ import tty
 from pymodbus.client import ModbusTcpClient
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
-RIG = str(BUILD / "plant_sim/virtual-rig")
-BRIDGE = str(BUILD / "rig_bridge/bridge/rig-bridge")
+RIG = str(BUILD / "bin/virtual-rig")
+BRIDGE = str(BUILD / "bin/rig-bridge")
 NOT_TESTED = 77  # ctest says "Skipped" then
-CONTROLLER = str(BUILD / "firmware/linux/antiskid-controller")
+CONTROLLER = str(BUILD / "bin/antiskid-controller")
 
 
 def check(truth, what):

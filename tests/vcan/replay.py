@@ -13,8 +13,8 @@ import tempfile
 import time
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
-REPLAY = str(BUILD / "rig_bridge/replay/rig-replay")
-LAB = str(BUILD / "plant_sim/rig-lab")
+REPLAY = str(BUILD / "bin/rig-replay")
+LAB = str(BUILD / "bin/rig-lab")
 
 import landing  # noqa: E402  (reads the build directory from sys.argv)
 from landing import Recorder, check, end, read_log, start_controller  # noqa: E402

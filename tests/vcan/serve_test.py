@@ -16,8 +16,8 @@ import tomllib
 from pymodbus.client import ModbusTcpClient
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
-RIG = str(BUILD / "plant_sim/virtual-rig")
-CONTROLLER = str(BUILD / "firmware/linux/antiskid-controller")
+RIG = str(BUILD / "bin/virtual-rig")
+CONTROLLER = str(BUILD / "bin/antiskid-controller")
 MAP = tomllib.loads(pathlib.Path("config/registers.toml").read_text())
 
 

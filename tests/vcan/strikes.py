@@ -86,7 +86,7 @@ class Bench:
         self.rig_ended(told=True)
 
     def tool(self, verb):
-        subprocess.run([self.rig.build / "rig_bridge/bridge/rig-bridge", verb, self.out], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([self.rig.build / "bin/rig-bridge", verb, self.out], check=True, stdout=subprocess.DEVNULL)
 
     def renew_rig(self, seconds=120.0):
         """Between two maneuvers, so that what the plant's brake took until now is told before the rig is killed. False: the bridge ended."""
@@ -253,7 +253,7 @@ def energies(bench, rows):
 
 
 def replayed_right(bench, config):
-    done = subprocess.run([bench.rig.build / "rig_bridge/replay/rig-replay", "campaign", bench.out, "--config", config], capture_output=True,
+    done = subprocess.run([bench.rig.build / "bin/rig-replay", "campaign", bench.out, "--config", config], capture_output=True,
                           text=True, check=False)
     check(done.returncode == 0, f"rig-replay campaign: {done.returncode}\n{done.stdout[-3000:]}{done.stderr}")
 

@@ -173,7 +173,7 @@ class Rig:
         if self.controller is None or self.controller.poll() is not None:
             name = "controller_endurance.toml" if "endurance" in self.scenario.name else "controller.toml"
             self.controller = subprocess.Popen(
-                [self.build / "firmware/linux/antiskid-controller", "--can", "vcan0", "--clock", self.clock, "--controller", self.config / name,
+                [self.build / "bin/antiskid-controller", "--can", "vcan0", "--clock", self.clock, "--controller", self.config / name,
                  "--sync-timeout", str(self.sync_timeout_ms), "--json", self.folder / "controller.json"],
                 stdout=open(self.folder / "controller.log", "a"), stderr=subprocess.STDOUT)
 
@@ -181,7 +181,7 @@ class Rig:
         port_file = self.folder / "port"
         port_file.unlink(missing_ok=True)
         self.virtual_rig = subprocess.Popen(
-            [self.build / "plant_sim/virtual-rig", "serve", "--can", "vcan0", "--scenario", self.scenario, "--config", self.config, "--clock",
+            [self.build / "bin/virtual-rig", "serve", "--can", "vcan0", "--scenario", self.scenario, "--config", self.config, "--clock",
              self.clock, "--answer-timeout", str(self.answer_timeout_ms), "--modbus", "127.0.0.1:1502", "--port-file", port_file, *self.together],
             stdout=open(self.folder / "virtual-rig.log", "a"), stderr=subprocess.STDOUT)
         eventually(lambda: port_file.exists() or self.virtual_rig.poll() is not None, "nothing is served")
@@ -191,7 +191,7 @@ class Rig:
     def command(self, verb, out, *more):
         if verb in ("maneuver", "campaign"):
             more = ("--leave-turning", *more)  # the rim coasts for minutes
-        return [self.build / "rig_bridge/bridge/rig-bridge", verb, self.scenario, "--can", "vcan0", "--plc", "127.0.0.1:1502", "--config",
+        return [self.build / "bin/rig-bridge", verb, self.scenario, "--can", "vcan0", "--plc", "127.0.0.1:1502", "--config",
                 self.config, "--out", out, *more]
 
     def bridge(self, verb, out, *more, priority=0):

@@ -77,7 +77,7 @@ def await_two(second):
 
 
 def start_controller():
-    return subprocess.Popen([BUILD / "firmware/linux/antiskid-controller", "--can", "vcan0", "--clock", "sync"], stdout=subprocess.DEVNULL,
+    return subprocess.Popen([BUILD / "bin/antiskid-controller", "--can", "vcan0", "--clock", "sync"], stdout=subprocess.DEVNULL,
                             stderr=subprocess.DEVNULL)
 
 
@@ -92,7 +92,7 @@ def second_controller(rig, bus, folder):
         check(rig.plc.client.read_holding_registers(commit, count=1, slave=1).registers == before, "the refused one has written to the PLC")
         look = preflight(rig, folder)["only controller"]
         check(look["verdict"] == "fail", look)
-        watched = [rig.build / "rig_bridge/bridge/rig-bridge", "watch", folder / "first", "--can", "vcan0", "--config", rig.config, "--once", "--json", "-"]
+        watched = [rig.build / "bin/rig-bridge", "watch", folder / "first", "--can", "vcan0", "--config", rig.config, "--once", "--json", "-"]
         seen = json.loads(subprocess.run(watched, capture_output=True, text=True, timeout=60).stdout)
         check(seen["senders"].startswith("two controllers talk on the bus: "), seen)
     finally:

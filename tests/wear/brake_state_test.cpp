@@ -3,7 +3,7 @@
 #include <string>
 
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 #include "tests/wear/shipped_wear.hpp"
 
 namespace {

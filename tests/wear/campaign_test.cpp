@@ -1,4 +1,4 @@
-#include "plant_sim/wear/campaign.hpp"
+#include "rig_bridge/wear/campaign.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "plant_sim/wear/draw.hpp"
+#include "rig_bridge/wear/draw.hpp"
 #include "tests/catch.hpp"
 
 namespace {

@@ -1,13 +1,13 @@
-#include "plant_sim/wear/fit.hpp"
+#include "rig_bridge/wear/fit.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
-#include "plant_sim/wear/fast_exp.hpp"
-#include "plant_sim/wear/fit_starts.hpp"
-#include "plant_sim/wear/model.hpp"
+#include "rig_bridge/wear/fast_exp.hpp"
+#include "rig_bridge/wear/fit_starts.hpp"
+#include "rig_bridge/wear/model.hpp"
 #include "tests/catch.hpp"
 #include "tests/wear/known_mixture.hpp"
 #include "tests/wear/physical_campaign.hpp"

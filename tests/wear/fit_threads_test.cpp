@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/wear/fit.hpp"
-#include "plant_sim/wear/model_io.hpp"
+#include "rig_bridge/wear/fit.hpp"
+#include "rig_bridge/wear/model_io.hpp"
 #include "tests/catch.hpp"
 #include "tests/wear/physical_campaign.hpp"
 #include "tests/wear/small_fit.hpp"

@@ -1,12 +1,12 @@
-#include "plant_sim/wear/forecast.hpp"
+#include "rig_bridge/wear/forecast.hpp"
 
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
 #include "plant_sim/wear/back_test.hpp"
-#include "plant_sim/wear/learn_population.hpp"
-#include "plant_sim/wear/population_io.hpp"
+#include "rig_bridge/wear/learn_population.hpp"
+#include "rig_bridge/wear/population_io.hpp"
 #include "tests/catch.hpp"
 #include "tests/wear/fleet.hpp"
 

@@ -1,15 +1,15 @@
-#include "plant_sim/wear/health.hpp"
+#include "rig_bridge/wear/health.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
 
-#include "plant_sim/wear/draw.hpp"
 #include "plant_sim/wear/fault_trial.hpp"
-#include "plant_sim/wear/health_limits.hpp"
-#include "plant_sim/wear/population_io.hpp"
-#include "plant_sim/wear/wearing_brake.hpp"
+#include "rig_bridge/wear/draw.hpp"
+#include "rig_bridge/wear/health_limits.hpp"
+#include "rig_bridge/wear/population_io.hpp"
+#include "rig_bridge/wear/wearing_brake.hpp"
 #include "tests/catch.hpp"
 #include "tests/wear/fleet.hpp"
 

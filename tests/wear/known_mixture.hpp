@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "plant_sim/wear/mixture.hpp"
+#include "rig_bridge/wear/mixture.hpp"
 
 namespace known {
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <string_view>
 
-#include "config/reader/atomic_file.hpp"
-#include "plant_sim/wear/model_io.hpp"
-#include "plant_sim/wear/wearing_brake.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
+#include "rig_bridge/wear/model_io.hpp"
+#include "rig_bridge/wear/wearing_brake.hpp"
 #include "tests/wear/fleet.hpp"
 
 namespace {

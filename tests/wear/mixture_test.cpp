@@ -1,10 +1,10 @@
-#include "plant_sim/wear/mixture.hpp"
+#include "rig_bridge/wear/mixture.hpp"
 
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "plant_sim/wear/conditional.hpp"
+#include "rig_bridge/wear/conditional.hpp"
 #include "tests/catch.hpp"
 #include "tests/wear/known_mixture.hpp"
 #include "tests/wear/kolmogorov.hpp"

@@ -1,8 +1,8 @@
-#include "plant_sim/wear/model.hpp"
+#include "rig_bridge/wear/model.hpp"
 
 #include <string>
 
-#include "plant_sim/wear/model_io.hpp"
+#include "rig_bridge/wear/model_io.hpp"
 #include "tests/catch.hpp"
 #include "tests/wear/physical_campaign.hpp"
 

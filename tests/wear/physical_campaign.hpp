@@ -9,8 +9,8 @@
 #include <limits>
 #include <vector>
 
-#include "plant_sim/wear/campaign.hpp"
-#include "plant_sim/wear/draw.hpp"
+#include "rig_bridge/wear/campaign.hpp"
+#include "rig_bridge/wear/draw.hpp"
 
 namespace physical {
 

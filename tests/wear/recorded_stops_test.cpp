@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "plant_sim/lab/dynamics_report.hpp"
-#include "plant_sim/wear/draw.hpp"
 #include "rig_bridge/record/summary_file.hpp"
+#include "rig_bridge/wear/draw.hpp"
 #include "tests/catch.hpp"
 #include "tests/replay/landings.hpp"
 

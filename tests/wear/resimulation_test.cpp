@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "plant_sim/wear/fit.hpp"
+#include "rig_bridge/wear/fit.hpp"
 #include "tests/catch.hpp"
 #include "tests/wear/physical_campaign.hpp"
 

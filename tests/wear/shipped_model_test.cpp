@@ -5,11 +5,11 @@
 #include <iterator>
 #include <string>
 
-#include "plant_sim/wear/fit.hpp"
-#include "plant_sim/wear/model_io.hpp"
-#include "plant_sim/wear/wearing_brake.hpp"
+#include "rig_bridge/wear/fit.hpp"
+#include "rig_bridge/wear/model_io.hpp"
+#include "rig_bridge/wear/wearing_brake.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 #include "tests/wear/physical_campaign.hpp"
 
 namespace {

@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "plant_sim/wear/model_io.hpp"
-#include "plant_sim/wear/wearing_brake.hpp"
+#include "rig_bridge/wear/model_io.hpp"
+#include "rig_bridge/wear/wearing_brake.hpp"
 
 /// A brake of the shipped model, with the life of its campaign.
 inline wear::BrakeWear shipped_wear(const wear::BrakeScale& scale = {}) {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "plant_sim/wear/fit.hpp"
+#include "rig_bridge/wear/fit.hpp"
 
 /// Up to `most` components, each order from `starts` starts; all else as shipped.
 inline wear::FitSettings small(std::size_t most, int starts) {

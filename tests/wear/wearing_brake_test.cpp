@@ -1,13 +1,13 @@
-#include "plant_sim/wear/wearing_brake.hpp"
+#include "rig_bridge/wear/wearing_brake.hpp"
 
 #include <cmath>
 #include <stdexcept>
 #include <vector>
 
-#include "plant_sim/model/load_rig.hpp"
-#include "plant_sim/wear/load_brake_wear.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
+#include "rig_bridge/wear/load_brake_wear.hpp"
 #include "tests/catch.hpp"
-#include "tests/config/refusal.hpp"
+#include "tests/settings/refusal.hpp"
 #include "tests/wear/kolmogorov.hpp"
 #include "tests/wear/shipped_wear.hpp"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "plant_sim/model/random.hpp"
+#include "rig_bridge/rig/random.hpp"
 
 namespace faults {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "plant_sim/study/faults/report.hpp"
-#include "plant_sim/study/gnuplot.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace faults {
 

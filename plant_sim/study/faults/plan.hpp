@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include "config/reader/config_directory.hpp"
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"
+#include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/model/rig.hpp"
 #include "plant_sim/study/faults/catalogue.hpp"
 #include "plant_sim/study/rig_session.hpp"

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/model/tyre.hpp"
 #include "plant_sim/study/identification/estimate.hpp"
 #include "plant_sim/study/identification/motion.hpp"
+#include "rig_bridge/rig/tyre.hpp"
 
 namespace identification {
 

@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "plant_sim/model/tyre.hpp"
 #include "plant_sim/study/identification/motion.hpp"
+#include "rig_bridge/rig/tyre.hpp"
 
 namespace identification {
 

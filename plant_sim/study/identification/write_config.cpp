@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "config/reader/atomic_file.hpp"
+#include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/study/identification/identified.hpp"
 
 namespace identification {

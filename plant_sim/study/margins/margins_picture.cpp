@@ -6,8 +6,8 @@
 #include <iterator>
 #include <numbers>
 
-#include "plant_sim/study/gnuplot.hpp"
 #include "plant_sim/study/margins/margins_report.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace study::margins {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "config/reader/settings.hpp"
+#include "firmware/host/settings/settings.hpp"
 
 #include "plant_sim/study/margins/law_judge.hpp"
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "plant_sim/model/random.hpp"
+#include "rig_bridge/rig/random.hpp"
 
 namespace study::margins {
 

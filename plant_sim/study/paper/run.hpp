@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "config/reader/config_directory.hpp"
+#include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/study/paper/sections.hpp"
 
 namespace paper {

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "config/reader/settings.hpp"
+#include "firmware/host/settings/settings.hpp"
 
 namespace paper {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "plant_sim/wear/draw.hpp"
+#include "rig_bridge/wear/draw.hpp"
 
 namespace regulation {
 

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "plant_sim/wear/draw.hpp"
+#include "rig_bridge/wear/draw.hpp"
 
 namespace regulation {
 

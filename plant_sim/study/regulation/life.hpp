@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "plant_sim/study/regulation/life_forecast.hpp"
-#include "plant_sim/study/regulation/regulator.hpp"
-#include "plant_sim/wear/wearing_brake.hpp"
+#include "rig_bridge/wear/life_forecast.hpp"
+#include "rig_bridge/wear/regulator.hpp"
+#include "rig_bridge/wear/wearing_brake.hpp"
 
 namespace regulation {
 

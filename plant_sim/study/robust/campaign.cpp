@@ -11,15 +11,15 @@
 #include <string_view>
 #include <type_traits>
 
-#include "config/reader/hash.hpp"
 #include "firmware/can/load_layout.hpp"
-#include "firmware/linux/controller_config.hpp"
-#include "plant_sim/model/load_rig.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/hash.hpp"
 #include "plant_sim/study/robust/grids.hpp"
 #include "plant_sim/study/rounded_loop.hpp"
 #include "plant_sim/study/run_many.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
 #include "plant_sim/study/team/team_alone.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 
 namespace robust {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "config/reader/config_directory.hpp"
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"
+#include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/study/robust/regrip.hpp"
 #include "plant_sim/study/robust/uncertainty.hpp"
 #include "plant_sim/study/stop_meter.hpp"

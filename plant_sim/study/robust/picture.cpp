@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "plant_sim/study/gnuplot.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace robust {
 

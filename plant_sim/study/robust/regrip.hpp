@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/model/tyre.hpp"
+#include "rig_bridge/rig/tyre.hpp"
 
 namespace robust {
 

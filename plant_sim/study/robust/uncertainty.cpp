@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "config/reader/settings.hpp"
+#include "firmware/host/settings/settings.hpp"
 #include "plant_sim/study/robust/grids.hpp"
-#include "plant_sim/wear/draw.hpp"
+#include "rig_bridge/wear/draw.hpp"
 
 namespace robust {
 

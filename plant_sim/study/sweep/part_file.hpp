@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "config/reader/file_descriptor.hpp"
+#include "firmware/host/settings/file_descriptor.hpp"
 #include "plant_sim/study/sweep/stops_table.hpp"
 
 namespace sweep {

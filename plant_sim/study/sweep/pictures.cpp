@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "plant_sim/study/gnuplot.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace sweep {
 

@@ -13,7 +13,7 @@
 #include "firmware/control/config.hpp"
 #include "plant_sim/model/rig.hpp"
 #include "plant_sim/study/rig_session.hpp"
-#include "plant_sim/wear/draw.hpp"
+#include "rig_bridge/wear/draw.hpp"
 
 namespace sweep {
 

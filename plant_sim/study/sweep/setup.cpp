@@ -1,9 +1,9 @@
 #include "plant_sim/study/sweep/setup.hpp"
 
-#include "config/reader/hash.hpp"
 #include "firmware/can/load_layout.hpp"
-#include "firmware/linux/controller_config.hpp"
-#include "plant_sim/model/load_rig.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/hash.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 
 namespace sweep {
 

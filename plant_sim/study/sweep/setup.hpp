@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "config/reader/config_directory.hpp"
+#include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/study/sweep/plan.hpp"
 
 namespace sweep {

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "config/reader/error.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "plant_sim/study/sweep/run.hpp"
 
 namespace sweep {

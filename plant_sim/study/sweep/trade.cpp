@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "plant_sim/wear/draw.hpp"
+#include "rig_bridge/wear/draw.hpp"
 
 namespace sweep {
 

@@ -3,8 +3,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "plant_sim/study/gnuplot.hpp"
 #include "plant_sim/study/sweep/trade.hpp"
+#include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace sweep {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "plant_sim/model/random.hpp"
+#include "rig_bridge/rig/random.hpp"
 
 namespace study {
 

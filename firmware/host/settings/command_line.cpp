@@ -1,0 +1,135 @@
+#include "firmware/host/settings/command_line.hpp"
+
+#include <cstdio>
+
+#include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/near_miss.hpp"
+
+namespace settings {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string suggestion(std::string_view word, const std::vector<std::string>& known) {
+    const std::vector<std::string_view> views(known.begin(), known.end());
+    const std::string_view near = nearest(word, views);
+    return near.empty() ? std::string() : "; did you mean '" + std::string(near) + "'?";
+}
+
+/// `rig-lab wear fit`: the verb that was reached, as it was typed.
+std::string full_name(const CLI::App& app) {
+    return app.get_parent() == nullptr ? app.get_name() : full_name(*app.get_parent()) + " " + app.get_name();
+}
+
+const CLI::App& innermost(const CLI::App& app) {
+    const std::vector<CLI::App*> verbs = app.get_subcommands();
+    return verbs.empty() ? app : innermost(*verbs.back());
+}
+
+/// The first word that nothing on the command line takes, with what may have been meant; "" where there is none.
+std::string unknown_word(const CLI::App& app) {
+    const std::vector<std::string> words = app.remaining();
+    if (words.empty()) {
+        const std::vector<CLI::App*> verbs = app.get_subcommands();
+        return verbs.empty() ? std::string() : unknown_word(*verbs.back());
+    }
+    const std::string word = words.front().substr(0, words.front().find('='));
+    std::vector<std::string> known;
+    if (word.starts_with('-')) {
+        for (const CLI::Option* const option : app.get_options())
+            for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+        return "there is no option '" + printable(word) + "'" + suggestion(word, known);
+    }
+    const std::vector<const CLI::App*> verbs = app.get_subcommands([](const CLI::App*) { return true; });
+    for (const CLI::App* const verb : verbs) known.push_back(verb->get_name());
+    const bool is_verb = !verbs.empty() && app.get_subcommands().empty();
+    return (is_verb ? "there is no '" : "nothing takes '") + printable(words.front()) + "'" +
+           suggestion(word, known);
+}
+
+CLI::Option* checked(CLI::Option* option, const char* type, bool (*good)(const fs::path&), const char* why) {
+    const auto check = [good, why](const std::string& text) {
+        std::error_code none;
+        if (good(text)) return std::string();
+        return printable(text) + ": " + (fs::exists(text, none) ? why : "there is no such file or directory");
+    };
+    return option->check(CLI::Validator(check, ""))->type_name(type);
+}
+
+bool is_there(const fs::path& path) {
+    std::error_code none;
+    return fs::exists(path, none);
+}
+bool is_folder(const fs::path& path) {
+    std::error_code none;
+    return fs::is_directory(path, none);
+}
+bool is_file(const fs::path& path) {
+    return is_there(path) && !is_folder(path);
+}
+
+}  // namespace
+
+std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
+    try {
+        app.parse(argc, argv);
+        return std::nullopt;
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);
+        const std::string unknown = unknown_word(app);
+        const std::string name = full_name(innermost(app));
+        (void)std::fprintf(stderr, "%s: %s\nSee %s --help.\n", name.c_str(),
+                           unknown.empty() ? error.what() : unknown.c_str(), name.c_str());
+        return 2;
+    }
+}
+
+CLI::Option* one_of(CLI::Option* option, std::vector<std::string> words) {
+    std::string list;
+    for (const std::string& word : words) list += (list.empty() ? "" : ",") + word;
+    const auto check = [words = std::move(words), list](const std::string& text) {
+        if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+        return "'" + printable(text) + "' is none of " + list + suggestion(text, words);
+    };
+    return option->check(CLI::Validator(check, ""))->type_name("{" + list + "}");
+}
+
+CLI::Option* existing_file(CLI::Option* option) {
+    return checked(option, "FILE", is_file, "is a directory, not a file");
+}
+
+CLI::Option* existing_directory(CLI::Option* option) {
+    return checked(option, "DIRECTORY", is_folder, "is no directory");
+}
+
+CLI::Option* existing_path(CLI::Option* option) {
+    return checked(option, "PATH", is_there, "");
+}
+
+CLI::Option* add_config_directory(CLI::App& app, fs::path& directory) {
+    return existing_directory(app.add_option("--config", directory, "configuration files"))
+        ->capture_default_str();
+}
+
+void add_layout_files(CLI::App& app, fs::path& dbc, fs::path& binding) {
+    existing_file(app.add_option("--dbc", dbc, "bus layout (default: CONFIG/antiskid.dbc)"));
+    existing_file(app.add_option("--binding", binding,
+                                 "binding of the layout (default: CONFIG/antiskid_binding.toml)"));
+}
+
+CLI::Option* add_json(CLI::App& app, std::string& where, const std::string& what) {
+    return app.add_option("--json", where, what + " as JSON; - for standard output instead of the table")
+        ->type_name("FILE");
+}
+
+void deliver(const std::string& where, std::string_view text) {
+    if (where == "-") {
+        if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+            throw Error("standard output", 0, "", "cannot be written");
+    } else if (!where.empty()) {
+        write_file(where, text);
+    }
+}
+
+}  // namespace settings

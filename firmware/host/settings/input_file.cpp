@@ -1,0 +1,39 @@
+#include "firmware/host/settings/input_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "firmware/host/settings/file_descriptor.hpp"
+
+namespace settings {
+
+std::string read_file(const std::filesystem::path& path) {
+    constexpr std::size_t kMaxBytes = 16U << 20U;
+    const auto refuse = [&path](const std::string& why) { throw Error(path.string(), 0, "", why); };
+
+    const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    if (!file.is_open()) refuse("cannot be opened: " + std::string(std::strerror(errno)));
+    struct stat status {};
+    if (::fstat(file.get(), &status) != 0) refuse("cannot be read: " + std::string(std::strerror(errno)));
+    if (S_ISDIR(status.st_mode)) refuse("is a directory, not a file");
+
+    std::string bytes;
+    std::array<char, 65536> chunk{};
+    while (true) {
+        const auto count = ::read(file.get(), chunk.data(), chunk.size());
+        if (count == 0) return bytes;
+        if (count < 0) {
+            if (errno == EINTR) continue;
+            refuse("cannot be read: " + std::string(std::strerror(errno)));
+        }
+        bytes.append(chunk.data(), static_cast<std::size_t>(count));
+        if (bytes.size() > kMaxBytes) refuse("is larger than 16 MiB, so it is no settings file");
+    }
+}
+
+}  // namespace settings

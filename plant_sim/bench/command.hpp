@@ -1,0 +1,37 @@
+/// How long the rig waits for a valve command, against the least that SocketCAN takes.
+///
+/// In turn, equally many exchanges each, in lockstep, by the same client at the same priority on the same
+/// processor: from before SYNC is sent, the last frame of a cycle, to the valve command in the client's hands,
+/// with the real antiskid-controller on the other side, all frames of a whole recorded stop replayed to it;
+/// and from one frame sent to one frame back, with a process on the other side that does nothing else.
+/// Both contain one reading of the clock, which is no small thing in a virtual machine.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "plant_sim/bench/percentiles.hpp"
+#include "plant_sim/bench/recorded_stop.hpp"
+#include "plant_sim/bench/settings.hpp"
+
+namespace antiskid::bench {
+
+struct CommandRound {
+    Percentiles controller;
+    Percentiles ping_pong;
+    std::uint64_t unlike_recorded = 0;  ///< answers of the controller that are not those of the recorded stop
+};
+
+struct CommandLatency {
+    std::vector<CommandRound> rounds;
+    Percentiles controller;  ///< of all rounds together
+    Percentiles ping_pong;
+    double clock_reading_us = 0.0;  ///< median
+};
+
+/// `on_round` after each. Throws std::runtime_error or std::system_error when a program is missing, fails or
+/// does not answer.
+[[nodiscard]] CommandLatency measure_command(const Settings& settings, const RecordedStop& stop,
+                                             const std::function<void(int, const CommandRound&)>& on_round);
+
+}  // namespace antiskid::bench

@@ -1,0 +1,36 @@
+/// A runway whose surface changes along its length.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "rig_bridge/rig/tyre.hpp"
+
+namespace plant {
+
+/// From `from_m` on to the next patch.
+struct Patch {
+    double from_m = 0.0;
+    Surface surface;
+};
+
+struct Runway {
+    std::vector<Patch> patches;  ///< `from_m` strictly increasing; empty: one surface all along
+    bool from_touchdown =
+        false;  ///< distances count from the last touchdown, or start of rolling; otherwise from where the rig began
+
+    /// Whether friction depends on speed anywhere.
+    [[nodiscard]] bool wet() const {
+        return std::any_of(patches.begin(), patches.end(),
+                           [](const Patch& patch) { return patch.surface.wet.has_value(); });
+    }
+    /// How many patches have begun at a distance.
+    [[nodiscard]] std::size_t begun(double distance_m) const {
+        const auto begins = [](double at, const Patch& patch) { return at < patch.from_m; };
+        return static_cast<std::size_t>(std::upper_bound(patches.begin(), patches.end(), distance_m, begins) -
+                                        patches.begin());
+    }
+};
+
+}  // namespace plant

@@ -1,0 +1,64 @@
+/// What an endurance campaign measured: mean brake friction over the energy that the brake had taken, one point a maneuver (the
+/// paper's Fig. 7).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/host/settings/error.hpp"
+
+namespace wear {
+
+/// x of eq. (12).
+struct Point {
+    double c_e_J = 0.0;          ///< cumulative brake energy, this maneuver included, eq. (9)
+    double mean_friction = 0.0;  ///< mean mu_b of the maneuver, eq. (7)
+    bool operator==(const Point&) const = default;
+};
+
+/// What else a maneuver was, for those who make it again.
+struct Braking {
+    double brake_on_mps = 0.0;    ///< rim speed at brake-on
+    double mean_torque_Nm = 0.0;  ///< of the brake, from brake-on to standstill
+    double mean_load_N = 0.0;     ///< F_z, likewise
+    bool operator==(const Braking&) const = default;
+};
+
+struct Campaign {
+    std::string source;               ///< where it was read, for people
+    std::vector<Point> points;        ///< in the order of the maneuvers
+    std::vector<Braking> brakings{};  ///< one a point where they were recorded, else none
+    std::string brake{}, disc{};      ///< serial numbers; empty: not known
+    bool operator==(const Campaign&) const = default;
+};
+
+/// CSV with a header. Columns, in any order, others are passed over: `cumulative_energy_MJ` or `cumulative_energy_J` (one of them), and
+/// `mean_friction`. Where there are `brake_on_mps`, `mean_torque_Nm` and `mean_load_N`, all three and positive, too. Where there are `brake_serial` and `disc_serial`,
+/// each the same in all rows: wear of two discs is no campaign. Empty lines and lines that begin with # are passed over. At least two maneuvers; energy positive and strictly
+/// increasing by at most 1e9 J a maneuver and by at least 100 J on average; friction within 0.001 to 1.5, and not the same everywhere.
+/// Throws settings::Error with `name` and the line of what is wrong otherwise. `name` becomes the source.
+[[nodiscard]] Campaign parse_campaign(const std::string& name, std::string_view csv);
+
+/// The same from a file.
+[[nodiscard]] Campaign read_campaign(const std::filesystem::path& csv);
+
+/// The same demands on points that came another way; row i is said to be line `first_line` + i of `campaign.source`.
+void check(const Campaign& campaign, unsigned first_line = 1);
+
+/// CSV that read_campaign() reads back to the last bit: maneuver,mean_friction,brake_energy_J,cumulative_energy_J, the brakings where there
+/// are some, and the serial numbers where they are known. The first maneuver's brake energy is left empty where energy was counted before it.
+[[nodiscard]] std::string to_csv(const Campaign& campaign);
+
+/// Of the points: the same for the same ones, wherever they came from and whatever else was recorded.
+[[nodiscard]] std::string data_hash(const Campaign& campaign);
+
+/// J that the brake had taken before the first maneuver: 0 for one that was new (see brake_energy_J()), else a mean maneuver less than after it.
+[[nodiscard]] double taken_before_J(const Campaign& campaign);
+
+/// J that maneuver `i` of the campaign took. The first is what energy was counted up to it, when that is no more than 1.5 times the mean
+/// of the others (a brake that was new), else NaN.
+[[nodiscard]] double brake_energy_J(const Campaign& campaign, std::size_t i);
+
+}  // namespace wear

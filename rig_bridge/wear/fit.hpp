@@ -1,0 +1,58 @@
+/// Learns the mixture of eq. (10) from a campaign: for every number of components M many EM runs from random starts, the best of each M
+/// kept, the M with the least BIC chosen.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <stop_token>
+#include <vector>
+
+#include "rig_bridge/wear/campaign.hpp"
+#include "rig_bridge/wear/em.hpp"
+#include "rig_bridge/wear/mixture.hpp"
+
+namespace wear {
+
+struct FitSettings {
+    std::size_t least_components = 1;
+    std::size_t most_components = 15;  ///< at most kMostComponents
+    int starts = 100;                  ///< random ones for each M
+    std::uint64_t seed = 1;
+    EmSettings em;
+};
+
+/// What the search found for one M.
+struct OrderFit {
+    std::size_t components = 0;
+    double log_likelihood = 0.0;  ///< eq. (13) of the points in SI units, the best of all runs
+    double bic = 0.0;
+    int runs = 0;           ///< random starts, and those that split a component of the best for M - 1
+    int not_converged = 0;  ///< of them, stopped by EmSettings::most_iterations
+    Mixture mixture;
+};
+
+struct Fit {
+    std::vector<OrderFit> orders;  ///< M ascending
+    std::size_t chosen = 0;        ///< index of the least BIC
+    [[nodiscard]] const OrderFit& best() const { return orders[chosen]; }
+};
+
+class Cancelled : public std::runtime_error {
+  public:
+    Cancelled() : std::runtime_error("cancelled") {}
+};
+
+struct FitControl {
+    unsigned threads = 1;  ///< at least 1; the result is the same bytes whatever their number
+    std::stop_token stop;  ///< looked at before each run; fit() then throws Cancelled
+    /// Runs done and runs in all; calls come from any thread, never two at a time.
+    std::function<void(std::size_t done, std::size_t all)> progress;
+};
+
+/// Data are standardised (each coordinate to mean 0, standard deviation 1) before EM. Throws settings::Error where check() does and when the
+/// points are fewer than 6 times the components (a component has 6 parameters); std::invalid_argument for settings out of range.
+[[nodiscard]] Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl& control = {});
+
+}  // namespace wear

@@ -1,0 +1,83 @@
+/// What the readers of the wear model's files share. Inside model_io and brake_state.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "firmware/host/settings/error.hpp"
+
+namespace wear {
+
+/// An object of the file and where it stands; every key of it must be asked for.
+class JsonObject {
+  public:
+    JsonObject(std::string file, std::string path, const nlohmann::ordered_json& json)
+        : file_(std::move(file)), path_(std::move(path)), json_(json) {
+        if (!json_.is_object()) throw settings::Error(file_, 0, path_, "must be an object");
+    }
+
+    [[nodiscard]] const nlohmann::ordered_json& get(const std::string& key) {
+        const auto at = json_.find(key);
+        if (at == json_.end()) throw settings::Error(file_, 0, path_of(key), "is missing");
+        ++asked_;
+        return *at;
+    }
+    [[nodiscard]] JsonObject object(const std::string& key) { return {file_, path_of(key), get(key)}; }
+    [[nodiscard]] std::vector<JsonObject> objects(const std::string& key) {
+        const nlohmann::ordered_json& list = get(key);
+        if (!list.is_array() || list.empty())
+            throw settings::Error(file_, 0, path_of(key), "must be an array of objects, not empty");
+        std::vector<JsonObject> out;
+        out.reserve(list.size());
+        for (std::size_t i = 0; i < list.size(); ++i)
+            out.emplace_back(file_, fmt::format("{}[{}]", path_of(key), i), list[i]);
+        return out;
+    }
+    [[nodiscard]] double number(const std::string& key) {
+        const nlohmann::ordered_json& value = get(key);
+        if (!value.is_number() || !std::isfinite(value.get<double>()))
+            throw settings::Error(file_, 0, path_of(key), "must be a finite number");
+        return value.get<double>();
+    }
+    [[nodiscard]] double positive(const std::string& key) {
+        const double value = number(key);
+        if (value <= 0.0)
+            throw settings::Error(file_, 0, path_of(key), fmt::format("{} must be positive", value));
+        return value;
+    }
+    [[nodiscard]] std::uint64_t count(const std::string& key, std::uint64_t least = 0) {
+        const nlohmann::ordered_json& value = get(key);
+        if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least)
+            throw settings::Error(file_, 0, path_of(key),
+                                  fmt::format("must be an integer of at least {}", least));
+        return value.get<std::uint64_t>();
+    }
+    [[nodiscard]] std::string text(const std::string& key) {
+        const nlohmann::ordered_json& value = get(key);
+        if (!value.is_string()) throw settings::Error(file_, 0, path_of(key), "must be a string");
+        return value.get<std::string>();
+    }
+    /// To be called when every key was asked for once.
+    void finish() const {
+        if (asked_ != json_.size())
+            throw settings::Error(file_, 0, path_, "has a key that this format does not know");
+    }
+
+  private:
+    [[nodiscard]] std::string path_of(const std::string& key) const {
+        return path_.empty() ? key : path_ + "." + key;
+    }
+
+    std::string file_;
+    std::string path_;
+    const nlohmann::ordered_json& json_;
+    std::size_t asked_ = 0;
+};
+
+}  // namespace wear

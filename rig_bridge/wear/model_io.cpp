@@ -1,0 +1,131 @@
+#include "rig_bridge/wear/model_io.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "firmware/host/settings/input_file.hpp"
+#include "firmware/host/settings/near_miss.hpp"
+#include "rig_bridge/wear/json_object.hpp"
+
+namespace wear {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using settings::Error;
+using Reader = JsonObject;
+
+Model::Data data_of(Reader r, const std::string& file) {
+    Model::Data d;
+    d.source = r.text("source");
+    d.hash = r.text("hash");
+    d.maneuvers = r.count("maneuvers", 2);
+    d.first_c_e_J = r.positive("first_cumulative_energy_J");
+    d.last_c_e_J = r.positive("last_cumulative_energy_J");
+    d.least_friction = r.positive("least_mean_friction");
+    d.greatest_friction = r.positive("greatest_mean_friction");
+    r.finish();
+    if (d.last_c_e_J <= d.first_c_e_J)
+        throw Error(file, 0, "data.last_cumulative_energy_J", "must be above the first");
+    return d;
+}
+
+Model::Search search_of(Reader r) {
+    Model::Search s;
+    s.seed = r.count("seed");
+    s.starts = static_cast<int>(r.count("starts", 1));
+    s.tolerance = r.positive("tolerance");
+    s.covariance_floor = r.positive("covariance_floor");
+    r.finish();
+    return s;
+}
+
+Model::Order order_of(Reader r) {
+    const Model::Order o{r.count("components", 1), r.number("log_likelihood"), r.number("bic")};
+    r.finish();
+    return o;
+}
+
+Component component_of(Reader r) {
+    const Component c{r.positive("weight"),      r.number("mean_cumulative_energy_J"),
+                      r.number("mean_friction"), r.positive("variance_cumulative_energy_J2"),
+                      r.number("covariance_J"),  r.positive("variance_friction")};
+    r.finish();
+    return c;
+}
+
+Json json_of(const Component& c) {
+    return {{"weight", c.weight},
+            {"mean_cumulative_energy_J", c.mean_c_e_J},
+            {"mean_friction", c.mean_friction},
+            {"variance_cumulative_energy_J2", c.variance_c_e_J2},
+            {"covariance_J", c.covariance_J},
+            {"variance_friction", c.variance_friction}};
+}
+
+}  // namespace
+
+std::string to_json(const Model& m) {
+    Json orders = Json::array();
+    for (const Model::Order& o : m.orders)
+        orders.push_back(
+            {{"components", o.components}, {"log_likelihood", o.log_likelihood}, {"bic", o.bic}});
+    Json components = Json::array();
+    for (const Component& c : m.mixture.components()) components.push_back(json_of(c));
+    const Json json{{"format", kModelFormat},
+                    {"format_version", kModelFormatVersion},
+                    {"data",
+                     {{"source", m.data.source},
+                      {"hash", m.data.hash},
+                      {"maneuvers", m.data.maneuvers},
+                      {"first_cumulative_energy_J", m.data.first_c_e_J},
+                      {"last_cumulative_energy_J", m.data.last_c_e_J},
+                      {"least_mean_friction", m.data.least_friction},
+                      {"greatest_mean_friction", m.data.greatest_friction}}},
+                    {"search",
+                     {{"seed", m.search.seed},
+                      {"starts", m.search.starts},
+                      {"tolerance", m.search.tolerance},
+                      {"covariance_floor", m.search.covariance_floor}}},
+                    {"orders", orders},
+                    {"components", components}};
+    // A path need not be UTF-8; JSON must.
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Model from_json(const std::string& name, std::string_view text) {
+    Json json;
+    try {
+        json = Json::parse(text);
+    } catch (const Json::parse_error& e) {
+        throw Error(name, 0, "", fmt::format("no JSON: {}", settings::printable(e.what())));
+    }
+    Reader root(name, "", json);
+    if (root.text("format") != kModelFormat)
+        throw Error(name, 0, "format", fmt::format("must be '{}'", kModelFormat));
+    if (const auto version = root.count("format_version"); version != kModelFormatVersion)
+        throw Error(
+            name, 0, "format_version",
+            fmt::format("{} is not the version that this program reads ({})", version, kModelFormatVersion));
+    const Model::Data data = data_of(root.object("data"), name);
+    const Model::Search search = search_of(root.object("search"));
+    std::vector<Model::Order> orders;
+    for (const Reader& r : root.objects("orders")) orders.push_back(order_of(r));
+    std::vector<Component> components;
+    for (const Reader& r : root.objects("components")) components.push_back(component_of(r));
+    root.finish();
+    try {
+        return {data, search, orders, Mixture(components)};
+    } catch (const std::invalid_argument& e) {
+        throw Error(name, 0, "components", e.what());
+    }
+}
+
+Model read_model(const std::filesystem::path& json) {
+    return from_json(json.string(), settings::read_file(json));
+}
+
+}  // namespace wear

@@ -1,0 +1,25 @@
+/// The fitted model as JSON: readable, versioned, exact.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "firmware/host/settings/error.hpp"
+#include "rig_bridge/wear/model.hpp"
+
+namespace wear {
+
+constexpr const char* kModelFormat = "antiskid wear model";
+constexpr int kModelFormatVersion = 1;
+
+/// from_json(to_json(m)) == m, to the last bit, and to_json of it the same bytes.
+[[nodiscard]] std::string to_json(const Model& model);
+
+/// Throws settings::Error with `name` and the key of what is missing, unknown, of the wrong type or out of range, and for another format
+/// or version.
+[[nodiscard]] Model from_json(const std::string& name, std::string_view json);
+
+[[nodiscard]] Model read_model(const std::filesystem::path& json);
+
+}  // namespace wear

@@ -1,0 +1,72 @@
+#include "rig_bridge/wear/population.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "rig_bridge/wear/health.hpp"
+#include "rig_bridge/wear/health_limits.hpp"
+#include "rig_bridge/wear/wearing_brake.hpp"
+
+namespace wear {
+
+namespace {
+
+/// Of brakes that are the model itself, drawn by the rule of eq. (14) that makes them the stranger.
+HealthLimits limits_of_simulated(const Population& population) {
+    constexpr std::uint64_t kBrakes = 500;
+    const Model& model = population.models.front();
+    const auto shared = std::make_shared<const Model>(model);
+    const double begin_J = std::max(0.0, model.data.first_c_e_J - model.data.mean_step_J());
+    HealthLimits out;
+    for (const Choice choice : {Choice::nearest, Choice::mixture}) {
+        std::vector<HealthLimits> greatest;
+        greatest.reserve(kBrakes);
+        for (std::uint64_t seed = 1; seed <= kBrakes; ++seed) {
+            WearingBrake brake({shared, {}, model.data.last_c_e_J, {}}, {Variance::exact, choice},
+                               {seed, 0, begin_J});
+            HealthMonitor monitor(population);
+            for (std::size_t i = 0; i < model.data.maneuvers; ++i) {
+                const double friction = brake.next_friction();
+                brake.take(model.data.mean_step_J());
+                (void)monitor.after({brake.state().c_e_J, friction});
+            }
+            greatest.push_back(monitor.greatest());
+        }
+        const HealthLimits by_this = calibrated(greatest);
+        out = {std::max(out.gradual, by_this.gradual), std::max(out.sudden, by_this.sudden)};
+    }
+    return out;
+}
+
+}  // namespace
+
+Population brakes_like(const Model& model) {
+    constexpr std::size_t kPlaces = 200;
+    double variance = 0.0;
+    for (std::size_t i = 0; i <= kPlaces; ++i) {
+        const double c_e_J = model.data.first_c_e_J + (model.data.last_c_e_J - model.data.first_c_e_J) *
+                                                          static_cast<double>(i) / kPlaces;
+        const Conditional c = friction_given_energy(model, c_e_J, {Variance::exact, Choice::mixture});
+        variance += c.variance() / (kPlaces + 1);
+    }
+    const double deviation = std::sqrt(variance);
+    const double half = std::sqrt(0.5 * variance);
+    Population out;
+    out.source = "one brake: " + model.data.source;
+    out.models = {model};
+    out.members = {MeanCurve(model)};
+    out.scatter = {0.5, half, half, 0.1 * deviation};
+    out.spread = {0.1, 2.5 * deviation, 0.98};
+    out.limits = {1.0, 1.0};
+    return out;
+}
+
+Population population_of(const Model& model) {
+    Population out = brakes_like(model);
+    out.limits = limits_of_simulated(out);
+    return out;
+}
+
+}  // namespace wear

@@ -1,0 +1,116 @@
+#include "rig_bridge/wear/population_io.hpp"
+
+#include <fmt/format.h>
+
+#include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/input_file.hpp"
+#include "firmware/host/settings/near_miss.hpp"
+#include "rig_bridge/wear/json_object.hpp"
+#include "rig_bridge/wear/model_io.hpp"
+
+namespace wear {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using settings::Error;
+using Reader = JsonObject;
+
+double share(Reader& r, const std::string& file, const char* key) {
+    const double value = r.number(key);
+    if (value < 0.0 || value > 1.0) throw Error(file, 0, key, fmt::format("{} must be within 0 to 1", value));
+    return value;
+}
+
+double not_negative(Reader& r, const std::string& file, const char* key) {
+    const double value = r.number(key);
+    if (value < 0.0) throw Error(file, 0, key, fmt::format("{} must not be negative", value));
+    return value;
+}
+
+Scatter scatter_of(Reader r, const std::string& file) {
+    Scatter s;
+    s.memory = share(r, file, "memory");
+    s.remembered = not_negative(r, file, "remembered");
+    s.fresh = r.positive("fresh");
+    s.drift_per_root_MJ = not_negative(r, file, "drift_per_root_MJ");
+    r.finish();
+    if (s.memory >= 1.0) throw Error(file, 0, "scatter.memory", "must be below 1");
+    return s;
+}
+
+Spread spread_of(Reader r, const std::string& file) {
+    Spread s;
+    s.log_energy_scale = not_negative(r, file, "log_energy_scale");
+    s.offset = not_negative(r, file, "offset");
+    s.evidence_kept = share(r, file, "evidence_kept");
+    r.finish();
+    return s;
+}
+
+}  // namespace
+
+std::string to_json(const Population& p) {
+    Json models = Json::array();
+    for (const Model& model : p.models) models.push_back(Json::parse(to_json(model)));
+    const Json json{{"format", kPopulationFormat},
+                    {"format_version", kPopulationFormatVersion},
+                    {"source", p.source},
+                    {"scatter",
+                     {{"memory", p.scatter.memory},
+                      {"remembered", p.scatter.remembered},
+                      {"fresh", p.scatter.fresh},
+                      {"drift_per_root_MJ", p.scatter.drift_per_root_MJ}}},
+                    {"spread",
+                     {{"log_energy_scale", p.spread.log_energy_scale},
+                      {"offset", p.spread.offset},
+                      {"evidence_kept", p.spread.evidence_kept}}},
+                    {"health_limits", {{"gradual", p.limits.gradual}, {"sudden", p.limits.sudden}}},
+                    {"models", models}};
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Population population_from_json(const std::string& name, std::string_view text) {
+    Json json;
+    try {
+        json = Json::parse(text);
+    } catch (const Json::parse_error& e) {
+        throw Error(name, 0, "", fmt::format("no JSON: {}", settings::printable(e.what())));
+    }
+    if (json.is_object() && json.contains("format") && json["format"] == kModelFormat)
+        return population_of(from_json(name, text));
+    Reader root(name, "", json);
+    if (root.text("format") != kPopulationFormat)
+        throw Error(name, 0, "format", fmt::format("must be '{}' or '{}'", kPopulationFormat, kModelFormat));
+    if (const auto version = root.count("format_version"); version != kPopulationFormatVersion)
+        throw Error(name, 0, "format_version",
+                    fmt::format("{} is not the version that this program reads ({})", version,
+                                kPopulationFormatVersion));
+    Population out;
+    out.source = root.text("source");
+    out.scatter = scatter_of(root.object("scatter"), name);
+    out.spread = spread_of(root.object("spread"), name);
+    Reader limits = root.object("health_limits");
+    out.limits.gradual = limits.positive("gradual");
+    out.limits.sudden = limits.positive("sudden");
+    limits.finish();
+    const Json& models = root.get("models");
+    root.finish();
+    if (!models.is_array() || models.empty())
+        throw Error(name, 0, "models", "must be an array of models, not empty");
+    out.models.reserve(models.size());
+    out.members.reserve(models.size());
+    for (std::size_t i = 0; i < models.size(); ++i) {
+        out.models.push_back(from_json(fmt::format("{}: models[{}]", name, i), models[i].dump()));
+        out.members.emplace_back(out.models.back());
+    }
+    return out;
+}
+
+PopulationFile read_population(const std::filesystem::path& json) {
+    const std::string text = settings::read_file(json);
+    const std::string_view bytes = text;
+    return {population_from_json(json.string(), text), settings::hash_bytes({&bytes, 1})};
+}
+
+}  // namespace wear

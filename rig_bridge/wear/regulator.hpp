@@ -1,0 +1,144 @@
+/// Shares the wear of brake and tyre between the two, landing by landing, through the slip reference. Pure: measured landings in, the next
+/// reference out; no plant, clock, file or randomness. The same landings give the same references, so that a regulator is rebuilt by
+/// telling it what was measured so far.
+///
+///     Regulator regulator(plan, rules, range);
+///     for (each landing) {
+///         land_with(regulator.reference());
+///         regulator.after(measured);
+///     }
+///
+/// Of the energy that a landing brings the tyre takes about the slip, the brake the rest (eq. 8 and 9). With B and T left to the brake and
+/// the tyre, both are used up together, whatever landings come, where the tyre's share is T / (T + B); they are so at the planned landing
+/// where those landings bring T + B in all. docs/regulation.md has the proof that the remaining ratio is held, and its conditions.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "rig_bridge/wear/floor.hpp"
+
+namespace regulation {
+
+/// What shall be reached. Energies in J, all above 0 but those taken.
+struct Plan {
+    int landings = 0;  ///< both limits shall be reached with this one, counted from the plan's begin
+    double brake_life_J = 0.0;
+    double brake_taken_J = 0.0;  ///< before the plan's begin; below the life
+    double tyre_life_J = 0.0;
+    double tyre_taken_J = 0.0;
+    double landing_J = 0.0;  ///< kinetic energy of a landing, expected mean and standard deviation
+    double landing_deviation_J = 0.0;
+    double tolerance = 0.02;  ///< of what each may take in the plan: used up within this counts as met
+
+    [[nodiscard]] double brake_budget_J() const { return brake_life_J - brake_taken_J; }
+    [[nodiscard]] double tyre_budget_J() const { return tyre_life_J - tyre_taken_J; }
+};
+
+struct Rules {
+    double default_reference = 0.24;  ///< before anything was measured, and when measurements stay away
+    double step = 0.02;               ///< most change of the reference from one landing to the next
+    int patience = 3;              ///< landings without measurement after which it goes back to the default
+    double books_tolerance = 0.1;  ///< brake + tyre against kinetic energy: further off is implausible
+    double j_mu_floor = 0.85;
+    double adaptation =
+        0.05;  ///< weight of the newest landing in the share that a reference gives, once settled
+};
+
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// What was measured of one landing. NaN: not measured.
+struct Landing {
+    double reference = kUnknown;  ///< in force
+    double kinetic_J = kUnknown;  ///< eq. (8)
+    double brake_J = kUnknown;    ///< eq. (9)
+    double tyre_J = kUnknown;
+    double j_mu = kUnknown;  ///< eq. (16)
+    double brake_wear_J =
+        kUnknown;  ///< c_e, all that the brake has taken since new, this landing included; NaN: added up here
+};
+
+/// How a landing was taken.
+enum class Reading : std::uint8_t {
+    measured,
+    missing,          ///< a figure is absent or no number
+    negative,         ///< an energy is below zero
+    beyond_kinetic,   ///< the tyre or the brake took more than there was
+    energy_mismatch,  ///< brake and tyre together are not what there was
+    counter_back,     ///< the brake's cumulative energy went back
+};
+[[nodiscard]] const char* name(Reading reading);
+
+class Regulator {
+  public:
+    /// `range`: references that the floor allows, see allowed(). Throws std::invalid_argument for a plan or rules that cannot be, and for a
+    /// default outside of `range`.
+    Regulator(const Plan& plan, const Rules& rules, const Range& range);
+
+    /// For the next landing: always within range().
+    [[nodiscard]] double reference() const { return reference_; }
+
+    /// After every landing. One that is not `measured` is counted with the energy and the share that are expected, and moves the reference
+    /// only when `patience` is over: then towards the default, step by step.
+    Reading after(const Landing& landing);
+    /// Energy that was spent without a landing (a maneuver that was aborted); what is no number or negative is left out.
+    void spent(double brake_J, double tyre_J);
+    /// Another forecast of the brake's life, from its measured friction; false, and nothing changes, for one that is no number or not
+    /// positive.
+    bool revise_brake_life(double life_J);
+    /// A further surface narrows the range; never widens it. Throws std::invalid_argument for a range without the default.
+    void narrow(const Range& range);
+
+    [[nodiscard]] const Plan& plan() const { return plan_; }
+    [[nodiscard]] const Rules& rules() const { return rules_; }
+    [[nodiscard]] const Range& range() const { return range_; }
+    [[nodiscard]] int landings() const { return landings_; }
+    [[nodiscard]] int missed() const { return missed_; }  ///< in a row, up to the newest landing
+    [[nodiscard]] Reading last_reading() const { return last_reading_; }
+    [[nodiscard]] double brake_used_J() const { return brake_J_; }  ///< since new
+    [[nodiscard]] double tyre_used_J() const { return tyre_J_; }
+    [[nodiscard]] double brake_left_J() const;  ///< never below 0
+    [[nodiscard]] double tyre_left_J() const;
+    /// T / (T + B), of the energy still to come the tyre's part; the default reference's where nothing is left.
+    [[nodiscard]] double required_share() const;
+    /// Of the newest landing that was measured; NaN before one.
+    [[nodiscard]] double measured_share() const { return measured_share_; }
+    /// Tyre share that a reference gives, as learnt so far.
+    [[nodiscard]] double share_of(double reference) const { return share_per_slip_ * reference; }
+    [[nodiscard]] double share_per_slip() const { return share_per_slip_; }
+    /// Energy of a landing to come: what was expected and what was measured, the former worth kPriorLandings of the latter.
+    [[nodiscard]] double landing_J() const;
+
+    static constexpr double kPriorLandings = 20.0;
+    /// Bounds of share_per_slip(). Eq. (9) gives 1 at constant slip; spin-up energy, build-up and the last metres move it a little.
+    static constexpr double kLeastSharePerSlip = 0.6, kMostSharePerSlip = 1.6;
+
+  private:
+    [[nodiscard]] Reading judge(const Landing& landing) const;
+    void learn(const Landing& landing);
+    void guard(const Landing& landing);
+    void estimate(const Landing& landing);
+    void settle(double brake_wear_J);
+    void move(double target, double from);
+
+    Plan plan_;
+    Rules rules_;
+    Range range_;
+    double reference_;
+    int landings_ = 0;
+    int missed_ = 0;
+    Reading last_reading_ = Reading::missing;
+    double brake_J_;
+    double tyre_J_;
+    double wear_counter_J_;  // newest brake_wear_J
+    double guessed_brake_J_ =
+        0.0;  // for landings that were not measured, since then; part of brake_J_ and tyre_J_
+    double guessed_tyre_J_ = 0.0;
+    double measured_share_ = kUnknown;
+    double share_per_slip_ = 1.0;
+    double learnt_ = 0.0;  // landings that share_per_slip_ has seen
+    double kinetic_J_ = 0.0;
+    double kinetic_landings_ = 0.0;
+};
+
+}  // namespace regulation
