@@ -19,15 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// rig-lab is this program; others lie beside it, or beside its folder in the folder of their own room.
+/// They lie beside each other, built and installed.
 fs::path program_of(const std::string& name) {
-    fs::path self = fs::read_symlink("/proc/self/exe");
-    if (name == "rig-lab") return self;
-    for (const fs::path& place :
-         {self.parent_path() / name, self.parent_path().parent_path() / "rig_bridge" / "replay" / name}) {
-        if (fs::is_regular_file(place)) return place;
-    }
-    return {};
+    fs::path place = fs::read_symlink("/proc/self/exe").parent_path() / name;
+    return fs::is_regular_file(place) ? place : fs::path();
 }
 
 /// A bar on a terminal; a line a section elsewhere.

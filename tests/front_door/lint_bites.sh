@@ -8,7 +8,7 @@ done
 
 tree=$scratch/tree
 mkdir -p "$tree"/{firmware/control,tests/front_door,config,plant_sim,docs,.ci,build}
-cp "$here"/{lint_*,harness.bash,vcan_*.sh,verbs.sh} "$tree/tests/front_door"
+cp "$here"/{lint_*,arrows.py,harness.bash,vcan_*.sh,verbs.sh} "$tree/tests/front_door"
 cp "$rig" "$tree/rig"
 cp "$here"/../../.clang-{format,tidy} "$tree"
 source=$tree/firmware/control/seeded.cpp
@@ -57,6 +57,25 @@ check "shell: clean tree" "$lints/lint_shell.sh"
 # shellcheck disable=SC2016
 printf '#!/bin/bash\nrm $1\n' >"$tree/config/seeded"
 check "shell: unquoted variable" refuses SC2086 "$lints/lint_shell.sh"
+rm "$tree/config/seeded"
+
+mkdir "$tree/rig_bridge"
+arrows_clean() {
+    clean
+    sed -i '1i #include "firmware/control/other.hpp"' "$source"
+    printf 'add_library(bridge STATIC bridge.cpp)\ntarget_link_libraries(bridge PRIVATE seeded)\n' >"$tree/rig_bridge/CMakeLists.txt"
+}
+arrows_clean
+check "arrows: clean tree" "$lints/arrows.py" "$tree"
+echo '#include "rig_bridge/bridge.hpp"' >>"$source"
+check "arrows: an include upwards" refuses "seeded.cpp: includes rig_bridge/bridge.hpp" "$lints/arrows.py" "$tree"
+arrows_clean
+echo 'target_link_libraries(seeded PRIVATE bridge)' >>"$tree/firmware/control/CMakeLists.txt"
+check "arrows: a link upwards" refuses "names bridge of rig_bridge/CMakeLists.txt" "$lints/arrows.py" "$tree"
+arrows_clean
+touch "$tree/config/reader.cpp"
+check "arrows: code in config" refuses "config/reader.cpp: config holds data alone" "$lints/arrows.py" "$tree"
+rm -r "$tree/rig_bridge" "$tree/config/reader.cpp"
 
 clean
 check "tidy: clean tree" "$lints/lint_tidy.py" "$tree/build"

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 
-RIG_LAB, RIG_REPLAY = sys.argv[1:3]
+RIG_LAB = sys.argv[1]
 TRUTH = {"natural_frequency_Hz": 20.0, "damping": 0.8, "delay_s": 6e-3, "dead_zone_mA": 3.0, "hysteresis_mA": 0.0}
 
 
@@ -45,13 +45,13 @@ with tempfile.TemporaryDirectory() as place:
         expect(data.startswith(b"\x89PNG") and len(data) > 5000, picture)
 
     # STUDY-100: stops that were not among the experiments. A heavy landing from 61 m/s at slip 0.13, pressure in feed-forward; limits: three times
-    # what the truth itself leaves. Then the rejected take-off of Fig. 5 by rig-replay.
+    # what the truth itself leaves. Then the rejected take-off of Fig. 5.
     validation = results["validation"]
     expect(validation["run"] == "below_peak" and validation["past_peak"] < 0.05, validation)
     expect(validation["speed_rms_mps"] < 0.03, validation)
     expect(validation["slip_rms"] < 0.003, validation)
     report = place / "replay.json"
-    run(RIG_REPLAY, "plant", place / "rejected_takeoff" / "bus.log", "--scenario", "config/scenarios/rejected_takeoff.toml",
+    run(RIG_LAB, "plant", place / "rejected_takeoff" / "bus.log", "--scenario", "config/scenarios/rejected_takeoff.toml",
         "--config", out / "config", "--json", report)
 
     # STUDY-100: past the peak no feed-forward holds a wheel, so the heavy landing at 0.24 is simulated with its controller and the same noise:

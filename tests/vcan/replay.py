@@ -20,9 +20,9 @@ import landing  # noqa: E402  (reads the build directory from sys.argv)
 from landing import Recorder, check, end, read_log, start_controller  # noqa: E402
 
 
-def replay(*options, status=0):
-    run = subprocess.run([REPLAY, *options], text=True, capture_output=True, timeout=120)
-    check(run.returncode == status, f"rig-replay {' '.join(options)}: {run.returncode} {run.stdout} {run.stderr}")
+def replay(*options, status=0, program=REPLAY):
+    run = subprocess.run([program, *options], text=True, capture_output=True, timeout=120)
+    check(run.returncode == status, f"{program} {' '.join(options)}: {run.returncode} {run.stdout} {run.stderr}")
     return run
 
 
@@ -106,7 +106,7 @@ def controller(folder):
     check(report["clock"] == "sync" and valve["compared"] > 5000, str(report))
     check(valve["different"] == 0 and valve["only_recorded"] == 0, str(report))
     print(f"{valve['different']} of {valve['compared']} differ, {report['times_real_time']:.0f} times real time")
-    plant = json.loads(replay("plant", str(log), "--maneuver", "light", "--json", "-").stdout)
+    plant = json.loads(replay("plant", str(log), "--maneuver", "light", "--json", "-", program=LAB).stdout)
     check(plant["clock"] == "sync" and plant["all"]["speed_mps"]["count"] > 300, str(plant))
 
 
