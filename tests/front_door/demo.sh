@@ -4,7 +4,7 @@ source "$(dirname "$0")/harness.bash"
 
 build=$scratch/build
 out=$scratch/out
-mkdir -p "$build/plant_sim" "$build/firmware/host"
+mkdir -p "$build/bin"
 
 programs() { # CONTROLLER VIRTUAL_RIG: bodies of the stand-ins
     printf '#!/bin/bash\nout=%q\n%s\n' "$scratch" "$1" >"$build/bin/antiskid-controller"

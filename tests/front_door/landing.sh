@@ -5,13 +5,13 @@ source "$(dirname "$0")/harness.bash"
 
 build=$scratch/build
 out=$scratch/out
-mkdir -p "$build/plant_sim" "$build/firmware/host" "$build/rig_bridge/bridge"
+mkdir -p "$build/bin"
 
 programs() { # CONTROLLER VIRTUAL_RIG BRIDGE: bodies of the stand-ins
-    local name body=("$@") paths=(bin/antiskid-controller bin/virtual-rig bin/rig-bridge)
+    local name body=("$@") programs=(antiskid-controller virtual-rig rig-bridge)
     for name in 0 1 2; do
-        printf '#!/bin/bash\nout=%q\n%s\n' "$scratch" "${body[$name]}" >"$build/${paths[$name]}"
-        chmod +x "$build/${paths[$name]}"
+        printf '#!/bin/bash\nout=%q\n%s\n' "$scratch" "${body[$name]}" >"$build/bin/${programs[$name]}"
+        chmod +x "$build/bin/${programs[$name]}"
     done
     rm -rf "$out" "$scratch"/{events,*.seen}
     mkdir "$out"
@@ -31,7 +31,7 @@ landing() {
     dead_serve='echo "no port" >&2; exit 1'
     bridge='until grep -qs rig $out/events; do sleep 0.05; done; echo "bridge $*" >>$out/events; echo table; exit 0'
     failing='until grep -qs rig $out/events; do sleep 0.05; done; echo "bridge ended" >>$out/events; exit 1'
-    killer='until grep -qs rig $out/events; do sleep 0.05; done; pkill -KILL -f host/antiskid-controller; sleep 0.3; exit 1'
+    killer='until grep -qs rig $out/events; do sleep 0.05; done; pkill -KILL -f bin/antiskid-controller; sleep 0.3; exit 1'
     patient='trap "echo bridge safe >>$out/events; exit 130" INT; touch $out/bridge.seen; while :; do sleep 0.1; done'
 }
 
