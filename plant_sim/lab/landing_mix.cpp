@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "firmware/host/settings/near_miss.hpp"
+#include "plant_sim/model/brake.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 
 namespace plant_sim {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plant_sim/model/rig.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 #include "rig_bridge/rig/load_runway.hpp"
 #include "rig_bridge/rig/wet_grip.hpp"

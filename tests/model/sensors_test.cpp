@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "plant_sim/model/rig.hpp"
 #include "tests/catch.hpp"
 #include "tests/model/scenarios.hpp"
 

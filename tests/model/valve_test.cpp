@@ -5,6 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "plant_sim/model/rig.hpp"
 #include "tests/catch.hpp"
 #include "tests/model/scenarios.hpp"
 
