@@ -98,7 +98,8 @@ struct SlipConfig {
     float answer_scale_per_s = 0.0F;
     float answer_filter_radps = 0.0F;
     float rise_per_s = 0.0F;
-    float lock_fall_per_s = 0.0F;  ///< while the wheel slips by more than 0.6
+    float excess_fall_per_s =
+        0.0F;  ///< and falls by this for each 1 of slip that is beyond 0.05 above the reference
 };
 
 /// The search for the slip of most friction, peak_seeker.hpp.

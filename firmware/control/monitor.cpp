@@ -1,6 +1,7 @@
 #include "firmware/control/monitor.hpp"
 
 #include "firmware/control/arithmetic.hpp"
+#include "firmware/control/slip_law.hpp"
 
 namespace antiskid::control {
 
@@ -111,11 +112,13 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
     const bool stands = reading.speed_radps == 0.0F;
 
     // A wheel slows by brake torque alone, k_b P / J_w, and with the aircraft: the road only takes from one that is faster than that. The
-    // pressure that counts as none may drag, and what a pressure has wound up in a carcass swings on.
+    // pressure that counts as none may drag, and what brake or road have wound up in a carcass swings back.
     constexpr float kFierce = 2.0F;  // a brake grips that much harder than its nominal gain, at most
-    const float acts_Pa = larger(e.pressure.pressure_Pa, estimator.uncorrected_pressure_Pa());
-    acted_Pa_ = larger(larger(acts_Pa, released_Pa_), acted_Pa_ * (1.0F - period_s_ / config_.off_command_s));
-    const float fall = kFierce * e.brake_gain * acted_Pa_;
+    const float brakes_Pa =
+        larger(larger(e.pressure.pressure_Pa, estimator.uncorrected_pressure_Pa()), released_Pa_);
+    acted_radps2_ = larger(larger(e.brake_gain * brakes_Pa, e.road_radps2),
+                           acted_radps2_ * (1.0F - period_s_ / config_.off_command_s));
+    const float fall = kFierce * acted_radps2_;
     const float freely = e.v_mps / e.radius_m;
     const float surely = smaller(reading.speed_radps, e.omega_radps) - fall * reading.interval_s;
     wheel_.least = rolls ? smaller(larger(surely, wheel_.least - fall * period_s_), freely) : 0.0F;
@@ -215,12 +218,11 @@ inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, co
 /// neither: on ice a released wheel takes its time.
 inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
                                 const Before& before) {
-    constexpr float kMore = 0.05F;
     constexpr float kMost_s = 0.1F;
     if (!holds_slip(maneuver.law) || !before.braking) {
         excess_slip_s_ = 0.0F;
     } else if (estimator.uncorrected_pressure_Pa() >= 0.2F * released_Pa_) {
-        const float excess = estimator.estimate().slip - before.slip_reference - kMore;
+        const float excess = estimator.estimate().slip - before.slip_reference - kHeldWithin;
         excess_slip_s_ = larger(excess_slip_s_ + excess * period_s_, 0.0F);
         if (excess_slip_s_ > kMost_s) faults.insert(Fault::speeds_disagree);
     }

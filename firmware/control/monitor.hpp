@@ -108,8 +108,8 @@ class Monitor {
     Speed wheel_;
     Persistence wheel_hurries_;  // without a break: a carcass swings
     Speed flywheel_;
-    float most_mps_ = 0.0F;  // that an aircraft on its wheels can have
-    float acted_Pa_ = 0.0F;  // brake pressure, with what is left of it in a carcass
+    float most_mps_ = 0.0F;      // that an aircraft on its wheels can have
+    float acted_radps2_ = 0.0F;  // by brake or road, with what is left of it in a carcass
     Test pressure_reading_, pressure_stays_;
     float last_reading_Pa_ = 0.0F;
     Time last_reading_at_ = kNever;

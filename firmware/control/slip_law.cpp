@@ -21,27 +21,32 @@ void SlipLaw::start(const Estimate& estimate) {
     off_slip_ = 0.0F;
 }
 
+/// What a loop that hunts, or a wheel that locks, shows on any road: slip that stays above the reference.
+void SlipLaw::retreat(const Estimate& e, float rate_per_s) {
+    constexpr float kLeast = 0.0625F;  // of a reference of 0.24: below the peak of friction on ice
+    const float excess = larger(e.slip - reference_ - kHeldWithin, 0.0F);
+    share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, kLeast, 1.0F);
+}
+
 /// Towards the reference while the road restores the slip, back while the wheel runs away.
-void SlipLaw::follow_answer(const Estimate& e) {
-    constexpr float kNearlyLocked = 0.6F;
-    constexpr float kLeast = 0.15F;
+float SlipLaw::answered_rate_per_s(const Estimate& e) {
     answer_per_s_ += (e.answer_per_s - answer_per_s_) * config_.answer_filter_radps * period_s_;
     const float wanted = (answer_per_s_ + config_.runaway_per_s) / config_.answer_scale_per_s;
     off_slip_ += (magnitude(e.slip - reference_) - off_slip_) * config_.answer_filter_radps * period_s_;
     const bool may_fall = wanted > 0.0F || off_slip_ >= config_.restless_slip;
-    const float rate = may_fall ? smaller(wanted, 1.0F) * config_.rise_per_s : 0.0F;
-    const float falls = e.slip > kNearlyLocked ? config_.lock_fall_per_s : 0.0F;
-    share_ = limited(share_ + (rate - falls) * period_s_, kLeast, 1.0F);
+    return may_fall ? smaller(wanted, 1.0F) * config_.rise_per_s : 0.0F;
 }
 
 float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
-    follow_answer(e);
+    retreat(e, answered_rate_per_s(e));
     return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference,
                    ceiling_Pa);
 }
 
 float SlipLaw::follow_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
-    return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), slip_reference, ceiling_Pa);
+    retreat(e, config_.rise_per_s);
+    return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference,
+                   ceiling_Pa);
 }
 
 /// 1 without slip, 0 from the slip on at which a runway's friction may have its peak.

@@ -1,6 +1,6 @@
 /// The wheel-slip law of Section V: PID on slip, predicted over the valve's delay, on top of the pressure that balances the road. Its gain
 /// grows with the road's answer to slip, and its reference retreats towards the peak of friction when the wheel runs away faster than the
-/// valve can follow.
+/// valve can follow, and where the slip stays above it.
 #pragma once
 
 #include "firmware/control/arithmetic.hpp"
@@ -20,6 +20,9 @@ namespace antiskid::control {
     return low + share * (slip_reference - low);
 }
 
+/// A sound loop holds the slip within this of its reference.
+inline constexpr float kHeldWithin = 0.05F;
+
 class SlipLaw {
   public:
     SlipLaw(const SlipConfig& config, float period_s);
@@ -31,7 +34,7 @@ class SlipLaw {
 
     /// Pressure to ask of the valve, 0 to `ceiling_Pa`. The reference retreats.
     [[nodiscard]] float pressure_Pa(const Estimate& estimate, float slip_reference, float ceiling_Pa);
-    /// The same for a reference that somebody else has found: it falls at low speed, but does not retreat.
+    /// The same for a reference that somebody else has found: it retreats from slip above it alone, whatever the road answers.
     [[nodiscard]] float follow_Pa(const Estimate& estimate, float slip_reference, float ceiling_Pa);
 
     /// The reference in force.
@@ -40,7 +43,8 @@ class SlipLaw {
     [[nodiscard]] float asked() const { return asked_; }
 
   private:
-    void follow_answer(const Estimate& estimate);
+    void retreat(const Estimate& estimate, float rate_per_s);
+    float answered_rate_per_s(const Estimate& estimate);
     [[nodiscard]] float earliness(float slip) const;
     float hold_Pa(const Estimate& estimate, float falling, float allowed, float ceiling_Pa);
 

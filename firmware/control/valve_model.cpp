@@ -57,9 +57,8 @@ ValveModel::ValveModel(const ValveConfig& valve, float period_s, const Estimator
         const float q21 = 2.0F * s21 + s21 * s11 + s22 * s21, q22 = 2.0F * s22 + s21 * s12 + s22 * s22;
         s11 = q11, s12 = q12, s21 = q21, s22 = q22;
     }
-    a11_ = 1.0F + s11, a12_ = s12, a21_ = s21, a22_ = 1.0F + s22;
-    b1_ = -s11;  // unit static gain: a constant input u keeps the state (u, 0)
-    b2_ = -s21;
+    a12_ = s12, a22_ = 1.0F + s22;
+    b1_ = -s11, b2_ = -s21;
 
     const float l = estimator.pressure_bandwidth_radps * period_s;
     correct_pressure_ = l / (1.0F + l);

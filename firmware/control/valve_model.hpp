@@ -51,9 +51,10 @@ class ValveModel {
 
   private:
     void propagate(PressureState& state, float input) const {
-        const float p = a11_ * state.pressure_Pa + a12_ * state.rate_Paps + b1_ * input;
-        state.rate_Paps = a21_ * state.pressure_Pa + a22_ * state.rate_Paps + b2_ * input;
-        state.pressure_Pa = p;
+        // Unit static gain: a constant input u keeps the state (u, 0).
+        const float ahead = input - state.pressure_Pa;
+        state.pressure_Pa += a12_ * state.rate_Paps + b1_ * ahead;
+        state.rate_Paps = a22_ * state.rate_Paps + b2_ * ahead;
     }
     /// The static pressure that drives the lag `periods_ahead` periods from the newest command on its way out of the pipe.
     [[nodiscard]] float input(std::size_t periods_ahead) const {
@@ -68,7 +69,7 @@ class ValveModel {
     std::size_t whole_ = 0;  // whole periods of delay
     float part_ = 0.0F;      // and the rest, in periods
     float delay_s_ = 0.0F;
-    float a11_ = 0.0F, a12_ = 0.0F, b1_ = 0.0F, a21_ = 0.0F, a22_ = 0.0F, b2_ = 0.0F;
+    float a12_ = 0.0F, a22_ = 0.0F, b1_ = 0.0F, b2_ = 0.0F;
     float correct_pressure_, correct_rate_, correct_offset_;
     float offset_share_, most_offset_Pa_;
     float offset_Pa_ = 0.0F;

@@ -102,7 +102,9 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     // A bound tells that the wheel is slower. Taken for a reading, it is late on a wheel that gains speed, and explained by a road that
     // answers more and more.
     const float k_a = reading.fresh ? a * per_variance : 0.0F;
-    motion_.omega_radps = larger(motion_.omega_radps + k_w * surprise, 0.0F);
+    // From rest at a constant acceleration the speed at the end is twice the mean: an uncertain road must not make more of a reading.
+    const float at_most = larger(motion_.omega_radps, 2.0F * reading.speed_radps);
+    motion_.omega_radps = limited(motion_.omega_radps + k_w * surprise, 0.0F, at_most);
     motion_.road_radps2 = limited(motion_.road_radps2 + k_t * surprise, -most_radps2_, most_radps2_);
     answer_per_s_ = limited(answer_per_s_ + k_a * surprise, kLeastAnswer_per_s, kMostAnswer_per_s);
     // Rounding must not make a variance negative.

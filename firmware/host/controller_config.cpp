@@ -112,7 +112,7 @@ control::SlipConfig slip(const settings::Table& t) {
                           .answer_scale_per_s = number(t, "answer_scale_per_s", 0.1, 1e4),
                           .answer_filter_radps = number(t, "answer_filter_radps", 0.1, 200.0),
                           .rise_per_s = number(t, "rise_per_s", 0.0, 100.0),
-                          .lock_fall_per_s = number(t, "lock_fall_per_s", 0.0, 100.0)};
+                          .excess_fall_per_s = number(t, "excess_fall_per_s", 0.0, 1000.0)};
     if (low_speed > 0.0F && s.low_speed_floor_mps >= low_speed) {
         t.fail("low_speed_floor_mps", "must be below low_speed_mps");
     }

@@ -285,7 +285,7 @@ TEST_CASE("the peak law's grip is the runway's peak friction force where it is c
             const bool tracks = session.pilot().phase() == study::Phase::braking &&
                                 session.rig().time_s() > session.pilot().brake_on_s() + 1.0 &&
                                 session.rig().wheel().v_mps > 25.0;
-            if (!tracks || view.road.confidence < 0.7F) return;
+            if (!tracks || view.road.confidence < 0.6F) return;
             ++sure;
             // The controller knows torque as k_b P alone: what the brake gives of that is taken out here.
             const double given = static_cast<double>(session.load_cells().brake_torque_Nm) /

@@ -51,7 +51,7 @@ namespace control_test {
               .answer_scale_per_s = 30.0F,
               .answer_filter_radps = 30.0F,
               .rise_per_s = 0.2F,
-              .lock_fall_per_s = 5.0F};
+              .excess_fall_per_s = 10.0F};
     c.deceleration = {.k_p_Pa_per_mps2 = 0.2e6F,
                       .k_i_Pa_per_m_per_s = 4e6F,
                       .filter_radps = 40.0F,

@@ -378,3 +378,30 @@ TEST_CASE("an observer whose wheel fell faster than any can is led back by spars
             REQUIRE(static_cast<double>(observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
     }
 }
+
+TEST_CASE("edges of a wheel that creeps, far apart, do not read as a wheel that turns with the aircraft",
+          "[CTL-300]") {
+    const double creeps_radps = GENERATE(2.0, 3.7, 6.0);
+    const double answer_noise = GENERATE(3.4, 4.2, 8.0);
+    CAPTURE(creeps_radps, answer_noise);
+    control_test::Shaft shaft(60.0);
+    SpeedEstimator encoder(60.0F);
+    ObserverConfig config = fixed_config().observer;
+    config.answer_noise = static_cast<float>(answer_noise);
+    WheelObserver observer(config, fixed_config().wheel.encoder, 1e-3F);
+    SpeedInput input;
+    Time now{};
+    const auto turn = [&](const double radps, const double brake_radps2) {
+        shaft.turn_to(radps, kOnce_s);
+        now += Time{1'000'000};
+        shaft.report(input, now);
+        observer.update(encoder.update(input), drive(brake_radps2));
+    };
+    for (int i = 0; i < 300; ++i) turn(38.0, 0.0);
+    for (int i = 0; i < 8; ++i) turn(std::max(38.0 - 5.0 * i, creeps_radps), 8000.0);
+    const double after_two_edges = 2.0 * (2.0 * 3.14159265 / 60.0) / creeps_radps * 1e3;
+    for (int i = 0; i < 400; ++i) {
+        turn(creeps_radps, 8000.0 * std::exp(-i / 8.0));
+        if (static_cast<double>(i) > after_two_edges) REQUIRE(static_cast<double>(observer.motion().omega_radps) <= 2.2 * creeps_radps);
+    }
+}
