@@ -22,7 +22,6 @@ constexpr std::uint8_t kStandstill = 5;
 constexpr double kWindow_s = 0.01;
 constexpr double kBrakeOnWindow_s = 0.03;
 /// After an abort the brake lets go: what it takes meanwhile is its energy, too. Not before the windows of all speeds lie behind the abort.
-constexpr double kReleased_Pa = 0.2e6;
 constexpr double kLeastRelease_s = 0.06, kMostRelease_s = 0.5;
 /// A sensor that reports speed says zero, or its least count, at standstill.
 constexpr double kStands = 0.02;
@@ -279,7 +278,8 @@ double Meter::kinetic_lost_J(double v_mps, double omega_radps) const {
 
 double Meter::kinetic_energy_J() const {
     const double omega = wheel_.speed();
-    return kinetic_energy_J(flywheel_speed_) + 0.5 * parameters_.wheel_inertia_kgm2 * omega * omega;
+    return 0.5 * parameters_.flywheel_mass_kg * flywheel_speed_ * flywheel_speed_ +
+           0.5 * parameters_.wheel_inertia_kgm2 * omega * omega;
 }
 
 std::vector<std::string> Meter::warnings() const {

@@ -38,6 +38,9 @@ inline constexpr std::string_view kEnergyBySpeeds = "energy_by_speeds";
 /// The warning of a mean friction that is no brake's.
 inline constexpr std::string_view kFrictionImplausible = "friction_implausible";
 
+/// Below it a brake takes nothing.
+inline constexpr double kReleased_Pa = 0.2e6;
+
 /// What is known of the rig apart from the signals.
 struct MeterParameters {
     double wheel_teeth = 60.0;
@@ -109,10 +112,6 @@ class Meter {
     [[nodiscard]] double slip() const;
     /// That flywheel and wheel have now.
     [[nodiscard]] double kinetic_energy_J() const;
-    /// That the flywheel has at a speed of its rim.
-    [[nodiscard]] double kinetic_energy_J(double v_mps) const {
-        return 0.5 * parameters_.flywheel_mass_kg * v_mps * v_mps;
-    }
 
   private:
     /// A shaft by either kind of sensor.

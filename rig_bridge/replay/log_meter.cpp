@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -20,10 +21,18 @@ bool may_go_on_to_brake(sequencer::Phase phase) {
     return phase == Phase::touchdown || phase == Phase::settling || phase == Phase::braking;
 }
 
-/// Of the rim, when the next bridge came; none where that is not known, or so late that anybody may have turned it.
-std::optional<double> found_mps(const fs::path& file, Time left, const antiskid::can::Layout& layout,
-                                const MeterParameters& parameters) {
-    constexpr Time kSoon{60'000'000'000};
+/// What the next bridge found.
+struct FoundRig {
+    double rim_mps = 0.0;
+    double kinetic_J = 0.0;
+    bool coasts = false;  ///< the brake has released, so lately that drag took less than 1 % of a stop
+};
+
+/// None where it is not known, or so late that anybody may have turned it.
+std::optional<FoundRig> found_rig(const fs::path& file, Time left, const antiskid::can::Layout& layout,
+                                  const MeterParameters& parameters) {
+    constexpr Time kSoon{60'000'000'000}, kAtOnce{10'000'000'000};
+    constexpr double kTurns_mps = 0.5;  // a rig that started anew stands
     if (!fs::exists(file)) return std::nullopt;
     LogOptions options;
     options.layout = &layout;
@@ -35,19 +44,33 @@ std::optional<double> found_mps(const fs::path& file, Time left, const antiskid:
     const Time later = frame.frame.received - left;
     if (meter.view().flywheel.received == antiskid::control::kNever || later < Time{} || later > kSoon)
         return std::nullopt;
-    return meter.meter().speed_mps();
+    const double v = meter.meter().speed_mps();
+    const bool released = static_cast<double>(meter.view().pressure.pressure_Pa) < kReleased_Pa;
+    return FoundRig{v, meter.meter().kinetic_energy_J(), released && later <= kAtOnce && v > kTurns_mps};
 }
 
-std::string may_be_missing(const Meter& meter, sequencer::Phase phase, std::optional<double> found) {
-    const double v = meter.speed_mps();
+/// Of what was left when the log ended: the brake's part of what was lost until the rig was found counts, the most of the rest is named.
+void add_what_followed(MeteredLog& out, const Meter& meter, sequencer::Phase phase,
+                       const std::optional<FoundRig>& found) {
+    constexpr double kBrakeShare = 0.88;  // 1 - slip, which is between none and the 0.24 of most friction
     double most_J = meter.kinetic_energy_J();
-    std::string text = fmt::format("ends_in_{}: at {:.1f} m/s", name(phase), v);
-    if (found && *found <= v) {
-        most_J -= meter.kinetic_energy_J(*found);
-        text += fmt::format(", the rim still at {:.1f} m/s when the next bridge came", *found);
+    std::string text = fmt::format("ends_in_{}: at {:.1f} m/s", name(phase), meter.speed_mps());
+    if (found && found->rim_mps <= meter.speed_mps()) {
+        most_J = std::max(most_J - found->kinetic_J, 0.0);
+        text += fmt::format(", the rim still at {:.1f} m/s when the next bridge came", found->rim_mps);
+        // In touchdown it is the wheel's spin-up that slows the rim.
+        if (found->coasts && phase != sequencer::Phase::touchdown) {
+            const double brake_J = kBrakeShare * most_J;
+            out.figures.energy_brake_J += brake_J;
+            out.figures.energy_tyre_J += most_J - brake_J;
+            out.figures.kinetic_energy_J += most_J;
+            most_J -= brake_J;
+            text += fmt::format(", by which {:.3g} MJ count", brake_J * 1e-6);
+        }
     }
-    return text +
-           fmt::format(", and the brake may have taken up to {:.3g} MJ that are in no record", most_J * 1e-6);
+    out.warnings.push_back(
+        text +
+        fmt::format(", and the brake may have taken up to {:.3g} MJ that are in no record", most_J * 1e-6));
 }
 
 }  // namespace
@@ -75,9 +98,8 @@ MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout,
                    .frames = reader.frames(),
                    .lines = reader.lines()};
     if (cut_off)
-        out.warnings.push_back(may_be_missing(
-            meter.meter(), phase,
-            found_mps(log.parent_path() / kFoundLog, frame.frame.received, layout, parameters)));
+        add_what_followed(out, meter.meter(), phase,
+                          found_rig(log.parent_path() / kFoundLog, frame.frame.received, layout, parameters));
     constexpr std::array kDamage{LogTrouble::unfinished_line, LogTrouble::malformed_line,
                                  LogTrouble::not_text, LogTrouble::damaged_file};
     for (const LogTrouble trouble : kDamage)

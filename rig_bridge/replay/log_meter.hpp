@@ -18,7 +18,7 @@ struct MeteredLog {
     Figures figures;
     /// Those of the meter; of a log that is not whole also "log_damaged: unfinished_line 1"; of one that was left with the wheel on the rim, before or
     /// in braking, "ends_in_braking: at 15.8 m/s, and the brake may have taken up to 0.481 MJ that are in no record": all that was left,
-    /// less what kFoundLog says that the rim still had.
+    /// less what kFoundLog says that the rim still had. Of one that was found coasting at once, what the rim lost is in the energies.
     std::vector<std::string> warnings;
     antiskid::control::FaultSet faults;
     std::uint64_t frames = 0;

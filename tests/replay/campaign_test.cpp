@@ -178,29 +178,43 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
     // A bridge whose bus was down at the end has closed its record nevertheless.
     CHECK(cut_at(1.0, rig::LogEnd::closed).warnings.empty());
     CHECK_FALSE(cut_at(1.0, rig::LogEnd::closed).counts);
-    // The next bridge finds the rim at a speed: what it still has no brake took. Not if anybody had time to turn it.
-    for (const double later_s : {3.0, 3600.0, -3600.0}) {
+    // The next bridge finds the rig at a speed: what it still has no brake took. Not if anybody had time to turn it. Of a rig that coasts at
+    // once the rest is brake and tyre.
+    const auto found_after = [&](double later_s, double v_mps, double from_s) {
         record_test::ClosedForm coasting;
-        coasting.v0_mps = 54.0;
+        coasting.v0_mps = v_mps;
         const record_test::Recording found(coasting, true);
+        const std::size_t first = static_cast<std::size_t>(from_s / (coasting.rest_s() + 0.55) *
+                                                           static_cast<double>(found.frames.size()));
         std::string log;
-        for (std::size_t i = 0; i < 3000; ++i) {
+        for (std::size_t i = first; i < first + 3000; ++i) {
             antiskid::can::Frame frame = found.frames[i];
-            frame.received += antiskid::can::Time{static_cast<std::int64_t>((1.0 + later_s) * 1e9)};
+            frame.received += antiskid::can::Time{static_cast<std::int64_t>((1.0 + later_s - from_s) * 1e9)};
             log += replay_test::line(frame);
         }
         (void)dir.write(rig::kFoundLog, log);
-        const std::string said = cut_at(1.0).warnings.at(0);
-        CAPTURE(later_s, said);
-        const double still_MJ = 0.5e-6 * record_test::kRig.flywheel_mass_kg * 54.0 * 54.0;
-        if (later_s == 3.0)
-            CHECK(said ==
-                  fmt::format("ends_in_settling: at 54.9 m/s, the rim still at 54.0 m/s when the next bridge "
-                              "came, and the brake may have taken up to {:.3g} MJ that are in no record",
-                              whole_MJ - still_MJ));
-        else
-            CHECK_THAT(said, ContainsSubstring(fmt::format("up to {:.3g} MJ", whole_MJ)));
+        return cut_at(1.0);
+    };
+    const double lost_MJ = whole_MJ * (1.0 - 54.0 * 54.0 / (form.v0_mps * form.v0_mps));
+    const rig::MeteredLog coasts = found_after(3.0, 54.0, 0.0);
+    CHECK(coasts.figures.energy_brake_J == Approx(0.88e6 * lost_MJ).epsilon(1e-3));
+    CHECK(coasts.figures.energy_tyre_J == Approx(0.12e6 * lost_MJ).epsilon(1e-3));
+    CHECK(coasts.figures.kinetic_energy_J == Approx(1e6 * lost_MJ).epsilon(1e-3));
+    CHECK(coasts.warnings.at(0) ==
+          fmt::format("ends_in_settling: at 54.9 m/s, the rim still at 54.0 m/s when the next bridge "
+                      "came, by which {:.3g} MJ count, and the brake may have taken up to {:.3g} MJ that are "
+                      "in no record",
+                      coasts.figures.energy_brake_J * 1e-6, coasts.figures.energy_tyre_J * 1e-6));
+    const rig::MeteredLog late = found_after(30.0, 54.0, 0.0);
+    const rig::MeteredLog braked = found_after(3.0, 54.0, form.before_s + 0.05);
+    for (const rig::MeteredLog& each : {late, braked}) {
+        CHECK(each.figures.energy_brake_J == 0.0);
+        CHECK_THAT(each.warnings.at(0), ContainsSubstring("m/s when the next bridge came, and the brake"));
     }
+    CHECK_THAT(late.warnings.at(0), ContainsSubstring(fmt::format("up to {:.3g} MJ", lost_MJ)));
+    for (const double later_s : {3600.0, -3600.0})
+        CHECK_THAT(found_after(later_s, 54.0, 0.0).warnings.at(0),
+                   ContainsSubstring(fmt::format("up to {:.3g} MJ", whole_MJ)));
 }
 
 TEST_CASE("a ledger that is rebuilt from the folders is the one that was lost", "[BRG-261]") {

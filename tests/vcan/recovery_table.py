@@ -95,7 +95,7 @@ rig's brake had taken it could not tell: there the rest is compared. docs/recove
 is not run again, so not all are of the newest build.
 
 Torque and load come through PLC and bridge. Where they are silent in braking (a silent PLC, a standing bridge, a cut bus) the brake's energy is that of the speeds, and the warning `energy_by_speeds` says how much of it (docs/recording.md).
-What the brake took after its bridge was dead nobody has: the log ends, a tenth of a second earlier, and `ends_in_braking` or `ends_in_settling` names the most that may be missing until a person amends it. The rest is scatter: load cells are as old as
+What the brake took after its bridge was dead is what flywheel and wheel lost until the next bridge came, where that comes at once to a rig that coasts; `ends_in_braking` or `ends_in_settling` says what counts so, and the most that may be missing besides until a person amends it (docs/recording.md). The rest is scatter: load cells are as old as
 a request takes, which is a share of a short stop that changes where a host stretches time. Attempts that nothing aborted lie between {min(alone, default=0.0) * 100:+.1f} and {max(alone, default=0.0) * 100:+.1f} %.
 
 Waits of `config/bridge.toml` are ten times the shipped ones here, for the host's sake.
