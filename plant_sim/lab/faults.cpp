@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include "config/reader/atomic_file.hpp"
 #include "firmware/linux/stop_signals.hpp"
@@ -15,6 +14,7 @@
 #include "plant_sim/study/faults/report.hpp"
 #include "plant_sim/study/picture.hpp"
 #include "plant_sim/study/trajectory.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 
 namespace plant_sim {
 
@@ -91,7 +91,7 @@ int FaultsCommand::execute() const {
     CampaignProgress progress(static_cast<std::int64_t>(numbers.size()), 0);
     const std::vector<faults::Row> rows = faults::run_campaign(
         campaign, numbers,
-        {.threads = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()),
+        {.threads = threads > 0 ? threads : wear::all_cores(),
          .stop = &signals.stop(),
          .progress = [&progress](std::size_t done) { progress.show(static_cast<std::int64_t>(done)); }});
     progress.finish();

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <memory>
 #include <stdexcept>
 
 #include "config/reader/atomic_file.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/tyre_options.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -68,10 +68,8 @@ struct MarginsCommand {
     }
 
     [[nodiscard]] static margins::Progress progress(std::size_t before, std::size_t tyres) {
-        if (::isatty(STDERR_FILENO) != 1) return {};
-        return [=](std::size_t done, std::size_t all) {
-            const std::size_t ever = before * all + done, of = tyres * all;
-            fmt::print(stderr, "\r{} of {} scenarios{}", ever, of, ever == of ? "\n" : "");
+        return [=, show = step_progress("scenarios")](std::size_t done, std::size_t all) {
+            show(before * all + done, tyres * all);
         };
     }
 };

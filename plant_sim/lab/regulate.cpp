@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include "config/reader/atomic_file.hpp"
@@ -14,6 +13,7 @@
 #include "plant_sim/lab/regulate_report.hpp"
 #include "plant_sim/lab/regulate_stops.hpp"
 #include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 
 namespace plant_sim {
 
@@ -40,7 +40,7 @@ struct RegulateCommand {
     std::string surfaces;  ///< empty: the file's
     bool forecast = true;
     bool floor_check = true;
-    unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+    unsigned threads = wear::all_cores();
 
     [[nodiscard]] int run() const;
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <thread>
 
 #include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
@@ -12,6 +11,7 @@
 #include "plant_sim/study/paper/page.hpp"
 #include "plant_sim/study/paper/run.hpp"
 #include "plant_sim/study/paper/sections.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 
 namespace plant_sim {
 
@@ -48,7 +48,7 @@ struct ReportCommand {
     std::string json_file;  ///< "-": standard output
     std::vector<std::string> only;
     bool quick = false;
-    unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
+    unsigned jobs = wear::all_cores();
 
     /// The wanted sections and those that they come after.
     [[nodiscard]] paper::Contents contents(const fs::path& file) const {

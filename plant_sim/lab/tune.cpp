@@ -7,15 +7,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include "config/reader/atomic_file.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/margins_input.hpp"
-#include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/tune_law.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/law_loop.hpp"
 #include "plant_sim/study/margins/tune.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 
 namespace plant_sim {
 
@@ -120,9 +120,7 @@ void tune_pid(const MarginsInput& input, const margins::StudyOptions& options,
     const auto parameters = margins::pid_parameters(input.settings.pid);
     const auto found = margins::search(
         parameters, [&](const std::vector<double>& x, double) { return judged(x).value; }, search,
-        [](int done, int all) {
-            show_steps(static_cast<std::size_t>(done), static_cast<std::size_t>(all), "gains judged");
-        });
+        step_progress("gains judged"));
     std::vector<double> start;
     std::transform(parameters.begin(), parameters.end(), std::back_inserter(start),
                    [](const margins::Parameter& k) { return k.start.value(); });
@@ -180,7 +178,7 @@ struct TuneCommand {
         options.requirement = input.settings.requirement;
         const unsigned threads = search.threads;
         if (law) search = input.settings.law.options;
-        search.threads = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
+        search.threads = threads > 0 ? threads : wear::all_cores();
         search.seed = seed.value_or(search.seed);
         search.population = population.value_or(search.population);
         search.generations = generations.value_or(search.generations);

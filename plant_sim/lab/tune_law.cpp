@@ -10,8 +10,8 @@
 #include "config/reader/atomic_file.hpp"
 #include "config/reader/settings.hpp"
 #include "firmware/linux/controller_config.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/controller_gains.hpp"
-#include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/law_judge.hpp"
 #include "plant_sim/study/robust/campaign.hpp"
@@ -158,9 +158,7 @@ int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& j
     const auto score = [&](const std::vector<double>& x, double to_beat) {
         return judge.score(margins::with_gains(controller, x), to_beat);
     };
-    const auto progress = [](int done, int all) {
-        show_steps(static_cast<std::size_t>(done), static_cast<std::size_t>(all), "gains judged");
-    };
+    const auto progress = step_progress("gains judged");
     const auto judged = [&](const std::vector<double>& gains) {
         const Config c = margins::with_gains(controller, gains);
         return Judged{gains, judge.margins_of(c),

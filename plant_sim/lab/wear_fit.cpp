@@ -4,13 +4,13 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
-#include <thread>
 
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
 #include "plant_sim/wear/model_io.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 
 namespace plant_sim {
 
@@ -42,16 +42,14 @@ struct FitCommand {
     std::string campaign;
     OutOfTolerance off = OutOfTolerance::left_out;
     wear::FitSettings settings;
-    unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+    unsigned threads = wear::all_cores();
     std::filesystem::path out = "out/wear";
     std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     int run() const {
         const wear::Campaign data = load_campaign(source, campaign, off);
-        const wear::Fit fit = wear::fit(data, settings, {threads, {}, [](std::size_t done, std::size_t all) {
-                                                             show_steps(done, all, "EM runs");
-                                                         }});
+        const wear::Fit fit = wear::fit(data, settings, {threads, {}, step_progress("EM runs")});
         const wear::Model model = wear::model_of(data, fit, settings);
         print_table(json_file, "{}\nBetween {:.3f} and {:.3f} MJ the model has seen data; {}.\n",
                     table_of(fit, model), model.data.first_c_e_J * 1e-6, model.data.last_c_e_J * 1e-6,

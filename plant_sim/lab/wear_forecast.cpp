@@ -11,10 +11,10 @@
 
 #include "config/reader/config_directory.hpp"
 #include "config/reader/hash.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/forecast_pictures.hpp"
 #include "plant_sim/lab/landing_mix.hpp"
-#include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/wear/back_test.hpp"
 #include "plant_sim/wear/population_io.hpp"
@@ -173,16 +173,16 @@ int ForecastCommand::run_back_test(const wear::PopulationFile& file) const {
     std::vector<wear::HeldOut> brakes;
     brakes.reserve(campaigns.size());
     std::size_t without_end = 0;
+    const auto fitted = step_progress("campaigns fitted");
     for (std::size_t i = 0; i < campaigns.size(); ++i) {
         if (const auto life = wear::life_by_fit(campaigns[i], settings.limit, fit))
             brakes.push_back({campaigns[i], *life});
         else
             ++without_end;
-        show_steps(i + 1, campaigns.size(), "campaigns fitted");
+        fitted(i + 1, campaigns.size());
     }
     const wear::BackTest t =
-        wear::back_test(file.population, brakes, settings,
-                        [](std::size_t done, std::size_t all) { show_steps(done, all, "brakes forecast"); });
+        wear::back_test(file.population, brakes, settings, step_progress("brakes forecast"));
     std::string table = fmt::format("{:>14}{:>8}{:>10}{:>12}{:>10}{:>14}{:>16}\n", "part of life", "asked",
                                     "within", "earlier", "later", "mean width", "error of 50 %");
     Json rows = Json::array();

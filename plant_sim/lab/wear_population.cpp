@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <memory>
-#include <thread>
 
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/wear/learn_population.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 #include "plant_sim/wear/population_io.hpp"
 
 namespace plant_sim {
@@ -25,8 +25,7 @@ struct PopulationCommand {
     int run() {
         const std::vector<wear::Campaign> campaigns = load_campaigns(sources, off);
         settings.healthy = load_campaigns(healthy, off);
-        const wear::Population p = wear::learn_population(
-            campaigns, settings, [](std::size_t done, std::size_t all) { show_steps(done, all, "steps"); });
+        const wear::Population p = wear::learn_population(campaigns, settings, step_progress("steps"));
         print_table(
             json_file,
             "{}: scatter {:.5f} of which {:.5f} remembers, by {:.2f} from one maneuver to the next; offset "
@@ -47,7 +46,7 @@ struct PopulationCommand {
 
 LabVerb wear_population_verb(CLI::App& wear) {
     const auto command = std::make_shared<PopulationCommand>();
-    command->settings.threads = std::max(1U, std::thread::hardware_concurrency());
+    command->settings.threads = wear::all_cores();
     CLI::App* verb = wear.add_subcommand(
         "population",
         "What several brakes that were worn out have in common and how they differ: for forecast and watch.");
