@@ -116,8 +116,7 @@ Validated IdentifyCommand::replay(const Source& source, const antiskid::can::Lay
     rig::LogOptions options;
     options.layout = &layout;
     rig::LogReader reader(source.log, options, warnings);
-    const antiskid::can::Time period(std::llround(period_s * 1e6) * 1000);
-    rig::MeasuredSignals signals(reader, layout, period);
+    rig::MeasuredSignals signals(reader, layout, period_s);
     return {.run = source.log.parent_path().filename().string(),
             .result = rig::validate_plant(signals, identified.rig.rig)};
 }

@@ -76,7 +76,7 @@ struct PlantCommand {
         if (!interface.empty()) options.interface = interface;
         options.layout = &loaded.layout;
         LogReader reader(log, options, warnings);
-        MeasuredSignals signals(reader, loaded.layout, loaded.period);
+        MeasuredSignals signals(reader, loaded.layout, std::chrono::duration<double>(loaded.period).count());
         const Validation v = validate_plant(signals, rig.rig);
         if (!v.braked)
             throw std::runtime_error(
