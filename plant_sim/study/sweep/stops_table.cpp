@@ -6,12 +6,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <type_traits>
 
+#include "config/reader/input_file.hpp"
 #include "firmware/can/value_names.hpp"
 
 namespace sweep {
@@ -185,12 +184,9 @@ std::string difference(const Identity& got, const Identity& wanted) {
 }
 
 std::string head(const Identity& identity) {
-    const nlohmann::ordered_json json{{"version", identity.version},
-                                      {"config_hash", identity.config_hash},
-                                      {"seed", identity.seed},
-                                      {"references", identity.references},
-                                      {"landings", identity.landings},
-                                      {"threshold", identity.threshold}};
+    const nlohmann::ordered_json json{{"version", identity.version},   {"config_hash", identity.config_hash},
+                                      {"seed", identity.seed},         {"references", identity.references},
+                                      {"landings", identity.landings}, {"threshold", identity.threshold}};
     return fmt::format("{}{}\n{}", kFormat, json.dump(), column_names());
 }
 
@@ -274,8 +270,9 @@ StopsTable parse_stops(const std::string& name, std::string_view csv) {
         Row row = parse_row(name, number, text);
         const std::size_t reference = row.stop.number / table.identity.landings;
         if (row.stop.number >= seen.size() || seen[row.stop.number])
-            throw Error(name, number, "stop",
-                        fmt::format("{} stands in the table twice, or is not of this sweep", row.stop.number));
+            throw Error(
+                name, number, "stop",
+                fmt::format("{} stands in the table twice, or is not of this sweep", row.stop.number));
         seen[row.stop.number] = true;
         if (row.stop.landing != row.stop.number % table.identity.landings ||
             row.stop.threshold != (reference == table.identity.references.size()) ||
@@ -291,10 +288,8 @@ StopsTable parse_stops(const std::string& name, std::string_view csv) {
 }
 
 StopsTable read_stops(const std::filesystem::path& csv) {
-    std::ifstream file(csv, std::ios::binary);
-    if (!file) throw Error(csv.string(), 0, "", "cannot be read");
-    const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    return parse_stops(csv.string(), text);
+    constexpr std::size_t kMostBytes = std::size_t{4} << 30U;
+    return parse_stops(csv.string(), settings::read_file(csv, kMostBytes));
 }
 
 }  // namespace sweep
