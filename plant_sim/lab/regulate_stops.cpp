@@ -45,20 +45,13 @@ std::uint8_t phase_code(study::Phase phase) {
     return phase_code("retract");
 }
 
-rig::ShaftSample shaft(const antiskid::can::SpeedSample& sample) {
-    return {.edges = true,
-            .edge_count = sample.edge_count,
-            .edge_time = sample.edge_time,
-            .speed_radps = static_cast<double>(sample.speed_radps)};
-}
-
 rig::MeterSample sample_of(const study::RigSession& session) {
     const antiskid::can::RigSample& sensed = session.sample();
     const antiskid::can::LoadCellSample cells = session.load_cells();
     return {.time_s = session.rig().time_s(),
             .phase = phase_code(session.pilot().phase()),
-            .wheel = shaft(sensed.wheel),
-            .flywheel = shaft(sensed.flywheel),
+            .wheel = rig::shaft_sample(sensed.wheel),
+            .flywheel = rig::shaft_sample(sensed.flywheel),
             .pressure_Pa = static_cast<double>(sensed.pressure_Pa),
             .vertical_N = static_cast<double>(cells.vertical_N),
             .longitudinal_N = static_cast<double>(cells.longitudinal_N),
