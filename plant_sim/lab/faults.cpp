@@ -140,12 +140,9 @@ LabVerb faults_verb(CLI::App& lab) {
         "--run", command->run,
         "this run alone, by its number in runs.csv; give seed, surfaces, maneuver and repetitions as then");
     verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
-    verb->add_option("--threads", command->threads, "results do not depend on it (default: all cores)")
-        ->check(CLI::Range(1U, 1024U));
+    settings::add_threads(*verb, command->threads, "results do not depend on it (default: all cores)");
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory of the results")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of the results");
     settings::add_config_directory(*verb, command->plan.config);
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(kFaultsFooter);

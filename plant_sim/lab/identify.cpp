@@ -239,9 +239,7 @@ LabVerb identify_verb(CLI::App& lab) {
             "bus logs with --scenario"))
         ->required();
     settings::add_json(*verb, c->json_file, "results");
-    verb->add_option("--out", c->out, "folder for the results; its `config` must not exist")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, c->out, "folder for the results; its `config` must not exist");
     settings::add_config_directory(*verb, c->config);
     settings::existing_file(verb->add_option("--scenario", c->scenario,
                                              "of all runs, instead of the one that summary.json names"));

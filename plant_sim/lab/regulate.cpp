@@ -187,12 +187,9 @@ LabVerb regulate_verb(CLI::App& lab) {
                      "only measure J_mu over reference and surface, and write the floor table to this file")
         ->type_name("FILE");
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory for results.json, landings.csv, regulate.png")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory for results.json, landings.csv, regulate.png");
     settings::add_config_directory(*verb, command->config);
-    verb->add_option("--threads", command->threads, "of the computation; the results do not depend on it")
-        ->check(CLI::Range(1U, 1024U));
+    settings::add_threads(*verb, command->threads, "of the computation; the results do not depend on it");
     verb->footer(
         "Examples:\n"
         "  rig-lab regulate\n"

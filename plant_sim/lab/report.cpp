@@ -128,10 +128,8 @@ LabVerb report_verb(CLI::App& lab) {
         ->capture_default_str();
     settings::add_config_directory(*verb, command->config);
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out,
-                     "directory of report.html, results.json and a folder for each section")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out,
+                      "directory of report.html, results.json and a folder for each section");
     verb->footer(
         "Examples:\n  rig-lab report\n  rig-lab report --quick --out out/quick\n  rig-lab report --only "
         "fig12\n"

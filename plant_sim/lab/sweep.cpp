@@ -11,7 +11,6 @@
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/in_team.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/study/sweep/pictures.hpp"
 #include "plant_sim/study/sweep/setup.hpp"
 #include "plant_sim/study/sweep/summary.hpp"
 #include "plant_sim/study/sweep/together.hpp"
@@ -143,13 +142,10 @@ LabVerb sweep_verb(CLI::App& lab) {
         ->capture_default_str();
     verb->add_flag("!--no-threshold", command->plan.threshold, "without the threshold law");
     verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
-    verb->add_option("--threads", command->threads,
-                     "results do not depend on it (default: all cores; 1 for each process of mpirun)")
-        ->check(CLI::Range(1U, 1024U));
+    settings::add_threads(*verb, command->threads,
+                          "results do not depend on it (default: all cores; 1 for each process of mpirun)");
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory of the results")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of the results");
     settings::add_config_directory(*verb, command->plan.config);
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(kFooter);

@@ -239,13 +239,10 @@ LabVerb tune_verb(CLI::App& lab) {
         ->check(CLI::Range(0, 10000));
     verb->add_option("--seed", command->seed,
                      "of the search, and of every sensor (default: 1; law: margins.toml's, sensors 1)");
-    verb->add_option("--threads", command->search.threads, "results do not depend on it (default: all cores)")
-        ->check(CLI::Range(1U, 1024U));
+    settings::add_threads(*verb, command->search.threads, "results do not depend on it (default: all cores)");
     settings::add_config_directory(*verb, command->scenario.config);
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory of results.json and, for the law, slip.toml")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of results.json and, for the law, slip.toml");
     verb->footer(
         "Examples:\n"
         "  rig-lab tune\n"

@@ -90,13 +90,9 @@ LabVerb wear_fit_verb(CLI::App& wear) {
                      "least eigenvalue of a covariance matrix on standardised data")
         ->check(CLI::Range(1e-9, 1.0))
         ->capture_default_str();
-    verb->add_option("--threads", fit->threads, "the result does not depend on it")
-        ->check(CLI::Range(1U, 1024U))
-        ->capture_default_str();
+    settings::add_threads(*verb, fit->threads, "the result does not depend on it");
     settings::add_json(*verb, fit->json_file, "results");
-    verb->add_option("--out", fit->out, "directory of model.json, campaign.csv and the pictures")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, fit->out, "directory of model.json, campaign.csv and the pictures");
     verb->add_flag("!--no-pictures", fit->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n  rig-lab wear fit out/endurance\n  rig-lab wear fit measured.csv --components 6 --out "

@@ -260,9 +260,7 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
         "directory of whole campaigns as CSV: forecasts at 20, 40, 60 and 80 % of each brake's life "
         "against its end; status 0 when 70 to 90 % are held"));
     settings::add_json(*verb, f->json_file, "results");
-    verb->add_option("--out", f->out, "directory of forecast.json and forecast.png, or back_test.json")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, f->out, "directory of forecast.json and forecast.png, or back_test.json");
     verb->add_flag("!--no-pictures", f->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"

@@ -66,13 +66,9 @@ LabVerb wear_population_verb(CLI::App& wear) {
     add_out_of_tolerance_flag(*verb, command->off);
     verb->add_option("--seed", command->settings.fit.seed, "seed of every random draw")
         ->capture_default_str();
-    verb->add_option("--threads", command->settings.threads, "the result does not depend on it")
-        ->check(CLI::Range(1U, 1024U))
-        ->capture_default_str();
+    settings::add_threads(*verb, command->settings.threads, "the result does not depend on it");
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory of population.json")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of population.json");
     verb->footer(
         "Example:\n  rig-lab wear population campaigns/ --healthy healthy/ --limit 0.2 --out "
         "out/wear");

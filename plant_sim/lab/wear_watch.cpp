@@ -154,9 +154,7 @@ LabVerb wear_watch_verb(CLI::App& wear) {
         "flagged when they are put into the same campaigns");
     verb->add_option("--seed", watch->seed, "of the trial: where the faults begin")->capture_default_str();
     settings::add_json(*verb, watch->json_file, "results");
-    verb->add_option("--out", watch->out, "directory of health.json and health.png, or watch_trial.json")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, watch->out, "directory of health.json and health.png, or watch_trial.json");
     verb->add_flag("!--no-pictures", watch->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n  rig-lab wear watch runs/brake7\n  rig-lab wear watch measured.csv --model "

@@ -6,7 +6,9 @@
 /// seed given at construction.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -17,7 +19,6 @@
 #include "plant_sim/model/compliant_wheel.hpp"
 #include "plant_sim/model/drag.hpp"
 #include "plant_sim/model/encoder.hpp"
-#include "plant_sim/model/pressure_transducer.hpp"
 #include "plant_sim/model/random.hpp"
 #include "plant_sim/model/runway.hpp"
 #include "plant_sim/model/tyre.hpp"
@@ -25,6 +26,20 @@
 #include "plant_sim/model/wheel.hpp"
 
 namespace plant {
+
+/// Of the brake pressure.
+struct TransducerParameters {
+    double range_Pa = 0.0;       ///< reads 0 to range
+    double noise_Pa = 0.0;       ///< standard deviation
+    double resolution_Pa = 0.0;  ///< of its converter; 0: continuous
+};
+
+inline double reading_Pa(const TransducerParameters& transducer, double pressure_Pa, Random& random) {
+    double reading = pressure_Pa + transducer.noise_Pa * random.noise();
+    if (transducer.resolution_Pa > 0.0)
+        reading = transducer.resolution_Pa * std::nearbyint(reading / transducer.resolution_Pa);
+    return std::clamp(reading, 0.0, transducer.range_Pa);
+}
 
 /// How the vertical load comes about.
 struct LoadParameters {
