@@ -76,7 +76,7 @@ struct Watched {
     double current_mA = 0.0;
     std::string_view controller;  ///< its state, "silent", or "refused": heard, but no frame is good
     std::string senders;          ///< as senders_text()
-    std::vector<std::string_view> faults;
+    std::vector<std::string> faults;
     bool tells_road = false;  ///< the layout has that frame
     std::optional<antiskid::control::RoadEstimate> road;
 };

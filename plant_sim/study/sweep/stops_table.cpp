@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "config/reader/input_file.hpp"
+#include "firmware/can/names.hpp"
 #include "firmware/can/value_names.hpp"
 
 namespace sweep {
@@ -118,15 +119,6 @@ class Fields {
     bool done_ = false;
 };
 
-std::string fault_names(antiskid::control::FaultSet faults) {
-    std::string names;
-    for (std::uint8_t i = 0; i < antiskid::control::kFaultCount; ++i) {
-        if (!faults.contains(static_cast<antiskid::control::Fault>(i))) continue;
-        names.append(names.empty() ? "" : " ").append(antiskid::can::kFaultNames[i]);
-    }
-    return names.empty() ? "none" : names;
-}
-
 antiskid::control::FaultSet faults_of(Fields& fields) {
     antiskid::control::FaultSet faults;
     const std::string_view all = fields.next("faults");
@@ -192,10 +184,12 @@ std::string head(const Identity& identity) {
 
 std::string line(const Row& row) {
     const Stop& s = row.stop;
-    std::string out =
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{}", s.number, s.threshold ? "threshold" : "slip",
-                    s.slip_reference, s.landing, s.surface, s.maneuver, s.c_e_J, s.mean_friction,
-                    s.sensor_seed, row.figures.standstill ? "yes" : "no", fault_names(row.faults));
+    std::string out = fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{}", s.number, s.threshold ? "threshold" : "slip", s.slip_reference,
+        s.landing, s.surface, s.maneuver, s.c_e_J, s.mean_friction, s.sensor_seed,
+        row.figures.standstill ? "yes" : "no",
+        row.faults.empty() ? "none"
+                           : fmt::format("{}", fmt::join(antiskid::can::fault_names(row.faults), " ")));
     for (const Figure& figure : kFigures) out.append(",").append(field(figure.get(row.figures)));
     out.push_back('\n');
     return out;
