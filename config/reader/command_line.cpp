@@ -123,10 +123,10 @@ CLI::Option* add_out(CLI::App& app, std::filesystem::path& directory, const std:
     return directory.empty() ? option : option->capture_default_str();
 }
 
-CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& what) {
+CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& default_is) {
     constexpr unsigned kMost = 1024;
-    CLI::Option* const option = app.add_option("--threads", threads, what)->check(CLI::Range(1U, kMost));
-    return threads == 0 ? option : option->capture_default_str();
+    return app.add_option("--threads", threads, "results do not depend on it (default: " + default_is + ")")
+        ->check(CLI::Range(1U, kMost));
 }
 
 CLI::Option* add_json(CLI::App& app, std::string& where, const std::string& what) {

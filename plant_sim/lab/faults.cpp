@@ -140,7 +140,7 @@ LabVerb faults_verb(CLI::App& lab) {
         "--run", command->run,
         "this run alone, by its number in runs.csv; give seed, surfaces, maneuver and repetitions as then");
     verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
-    settings::add_threads(*verb, command->threads, "results do not depend on it (default: all cores)");
+    settings::add_threads(*verb, command->threads);
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of the results");
     settings::add_config_directory(*verb, command->plan.config);

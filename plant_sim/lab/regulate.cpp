@@ -189,7 +189,7 @@ LabVerb regulate_verb(CLI::App& lab) {
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory for results.json, landings.csv, regulate.png");
     settings::add_config_directory(*verb, command->config);
-    settings::add_threads(*verb, command->threads, "of the computation; the results do not depend on it");
+    settings::add_threads(*verb, command->threads);
     verb->footer(
         "Examples:\n"
         "  rig-lab regulate\n"

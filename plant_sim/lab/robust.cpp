@@ -82,8 +82,7 @@ LabVerb robust_verb(CLI::App& lab) {
     settings::existing_file(verb->add_option("--ranges", command->options.ranges,
                                              "what is drawn (default: CONFIG/uncertainty.toml)"));
     settings::add_config_directory(*verb, command->options.config);
-    settings::add_threads(*verb, command->threads,
-                          "results do not depend on it (default: all cores; 1 for each process of mpirun)");
+    settings::add_threads(*verb, command->threads, "all cores; 1 for each process of mpirun");
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of stops.csv, results.json and robust.png");
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");

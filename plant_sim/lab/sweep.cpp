@@ -142,8 +142,7 @@ LabVerb sweep_verb(CLI::App& lab) {
         ->capture_default_str();
     verb->add_flag("!--no-threshold", command->plan.threshold, "without the threshold law");
     verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
-    settings::add_threads(*verb, command->threads,
-                          "results do not depend on it (default: all cores; 1 for each process of mpirun)");
+    settings::add_threads(*verb, command->threads, "all cores; 1 for each process of mpirun");
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of the results");
     settings::add_config_directory(*verb, command->plan.config);

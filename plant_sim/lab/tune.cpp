@@ -239,7 +239,7 @@ LabVerb tune_verb(CLI::App& lab) {
         ->check(CLI::Range(0, 10000));
     verb->add_option("--seed", command->seed,
                      "of the search, and of every sensor (default: 1; law: margins.toml's, sensors 1)");
-    settings::add_threads(*verb, command->search.threads, "results do not depend on it (default: all cores)");
+    settings::add_threads(*verb, command->search.threads);
     settings::add_config_directory(*verb, command->scenario.config);
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of results.json and, for the law, slip.toml");

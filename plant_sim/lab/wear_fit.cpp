@@ -90,7 +90,7 @@ LabVerb wear_fit_verb(CLI::App& wear) {
                      "least eigenvalue of a covariance matrix on standardised data")
         ->check(CLI::Range(1e-9, 1.0))
         ->capture_default_str();
-    settings::add_threads(*verb, fit->threads, "the result does not depend on it");
+    settings::add_threads(*verb, fit->threads);
     settings::add_json(*verb, fit->json_file, "results");
     settings::add_out(*verb, fit->out, "directory of model.json, campaign.csv and the pictures");
     verb->add_flag("!--no-pictures", fit->pictures, "without gnuplot");

@@ -66,7 +66,7 @@ LabVerb wear_population_verb(CLI::App& wear) {
     add_out_of_tolerance_flag(*verb, command->off);
     verb->add_option("--seed", command->settings.fit.seed, "seed of every random draw")
         ->capture_default_str();
-    settings::add_threads(*verb, command->settings.threads, "the result does not depend on it");
+    settings::add_threads(*verb, command->settings.threads);
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of population.json");
     verb->footer(

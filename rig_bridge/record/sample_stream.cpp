@@ -1,5 +1,7 @@
 #include "rig_bridge/record/sample_stream.hpp"
 
+#include <cmath>
+
 #include "firmware/can/roles.hpp"
 
 namespace rig {
@@ -47,6 +49,7 @@ bool SampleStream::count_sync() {
     last_sync_ = number;
     syncs_ += passed;
     time_s_ = static_cast<double>(syncs_) * period_s_;
+    time_ = antiskid::can::Time{std::llround(period_s_ * 1e9)} * static_cast<std::int64_t>(syncs_);
     return true;
 }
 
@@ -61,6 +64,7 @@ void SampleStream::count_stamp(antiskid::can::Time stamp) {
     }
     newest_us_ = us;
     time_s_ = static_cast<double>(us - first_us_) * 1e-6;
+    time_ = antiskid::can::Time{(us - first_us_) * 1000};
 }
 
 }  // namespace rig

@@ -32,6 +32,8 @@ class SampleStream {
     /// Whether the newest frame ended a sample.
     [[nodiscard]] bool ended() const { return ended_; }
     [[nodiscard]] double time_s() const { return time_s_; }
+    /// The same in whole nanoseconds: times of samples can be subtracted without rounding.
+    [[nodiscard]] antiskid::can::Time time() const { return time_; }
     [[nodiscard]] const antiskid::can::BusView& view() const { return observer_.view(); }
     [[nodiscard]] const antiskid::can::Observer& observer() const { return observer_; }
     /// Times that SYNC numbers began anew.
@@ -49,6 +51,7 @@ class SampleStream {
     antiskid::can::Observer observer_;
     bool ended_ = false;
     double time_s_ = 0.0;
+    antiskid::can::Time time_{};
     bool sync_expected_ = false, sync_ = false;
     std::uint32_t last_sync_ = 0;
     std::optional<std::uint32_t> leapt_to_;  // by the newest number

@@ -27,9 +27,9 @@ bool MeasuredSignals::next() {
     for (LogFrame f; read(f);) {
         samples_.accept(f.frame);
         if (restarted()) return false;
-        if (!samples_.ended() || (started_ && samples_.time_s() <= newest_s_)) continue;
-        newest_s_ = samples_.time_s();
-        if (!started_) first_s_ = newest_s_;
+        if (!samples_.ended() || (started_ && samples_.time() <= newest_)) continue;
+        newest_ = samples_.time();
+        if (!started_) first_ = newest_;
         started_ = true;
         line_ = f.line;
         return true;

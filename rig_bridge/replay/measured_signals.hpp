@@ -18,7 +18,7 @@ class MeasuredSignals {
     /// The next sample; false at the end, and when SYNC numbers start again: another recording begins there.
     [[nodiscard]] bool next();
 
-    [[nodiscard]] double time_s() const { return samples_.time_s() - first_s_; }
+    [[nodiscard]] double time_s() const { return static_cast<double>((newest_ - first_).count()) * 1e-9; }
     [[nodiscard]] const antiskid::can::BusView& view() const { return samples_.view(); }
     [[nodiscard]] std::uint64_t line() const { return line_; }
     [[nodiscard]] bool lockstep() const { return lockstep_; }
@@ -35,7 +35,7 @@ class MeasuredSignals {
     bool lockstep_ = false;
     bool started_ = false;
     std::uint64_t line_ = 0;
-    double first_s_ = 0.0, newest_s_ = 0.0;
+    Time first_{}, newest_{};
 };
 
 }  // namespace rig
