@@ -1,7 +1,9 @@
 /// virtual-rig: the plant behind the rig's CAN frames; runs one maneuver, or with `serve` as many as a rig bridge asks for. See --help.
 
 #include <fmt/core.h>
+#include <algorithm>
 
+#include <unistd.h>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -11,19 +13,67 @@
 
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
+#include "firmware/can/value_names.hpp"
 #include "firmware/host/realtime.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/stop_signals.hpp"
-#include "plant_sim/progress.hpp"
 #include "plant_sim/rig_node.hpp"
 #include "plant_sim/scenario_options.hpp"
 #include "plant_sim/serve_command.hpp"
+#include "plant_sim/study/rig_session.hpp"
 #include "plant_sim/study/trajectory.hpp"
 #include "rig_bridge/pictures/stop_picture.hpp"
 
 namespace {
 
 using antiskid::control::Time;
+
+/// A live line about a maneuver on standard error; plain lines, one a simulated second, where that is no terminal.
+class Progress {
+  public:
+    Progress();
+    void show(const study::RigSession& session, const antiskid::can::ControllerView& controller);
+    /// Ends the live line.
+    void finish();
+
+  private:
+    bool terminal_;
+    double next_s_ = 0.0;
+    study::Phase phase_ = study::Phase::done;
+    bool shown_ = false;
+};
+
+/// Speed lost so far, as a bar.
+std::string bar(double share) {
+    constexpr int kWidth = 24;
+    const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * kWidth);
+    return std::string(static_cast<std::size_t>(full), '#') +
+           std::string(static_cast<std::size_t>(kWidth - full), '.');
+}
+
+Progress::Progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
+
+void Progress::show(const study::RigSession& session, const antiskid::can::ControllerView& controller) {
+    constexpr double kLive_s = 0.05;
+    constexpr double kPlain_s = 1.0;
+    const plant::Rig& rig = session.rig();
+    const study::Phase phase = session.pilot().phase();
+    if (rig.time_s() < next_s_ && phase == phase_) return;
+    phase_ = phase;
+    next_s_ = rig.time_s() + (terminal_ ? kLive_s : kPlain_s);
+    const double share = 1.0 - rig.wheel().v_mps / rig.parameters().brake_on_mps;
+    fmt::print(stderr, "{}[{}] {:6.2f} s {:<10} {:5.1f} m/s  slip {:5.2f}  {:5.1f} MPa  {:7.1f} m  {}{}",
+               terminal_ ? "\r" : "", bar(share), rig.time_s(), study::name(phase), rig.wheel().v_mps,
+               rig.forces().slip, rig.pressure_Pa() * 1e-6, session.distance_m(),
+               antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)],
+               terminal_ ? "\x1b[K" : "\n");
+    std::fflush(stderr);
+    shown_ = true;
+}
+
+void Progress::finish() {
+    if (terminal_ && shown_) fmt::print(stderr, "\n");
+}
 
 struct Options {
     plant_sim::ScenarioOptions scenario;
@@ -50,7 +100,7 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         app.add_option("--clock", o.clock, "sync: lockstep, as fast as both can; timer: real time"),
         {"sync", "timer"})
         ->capture_default_str();
-    app.add_option("--out", o.out, "for trajectory.csv and result.json")->type_name("DIRECTORY");
+    settings::add_out(app, o.out, "for trajectory.csv and result.json");
     settings::add_json(app, o.json, "result");
     app.add_option("--picture", o.picture, "speeds, slip and pressures (PNG)")->type_name("FILE");
     app.add_option("--answer-timeout", o.answer_timeout_ms, "lockstep: longest wait for a valve command")
@@ -99,7 +149,7 @@ int run(const Options& o, const plant_sim::Scenario& s) {
 
     const bool along_runway = !s.plant.rig.runway.patches.empty();
     study::Trajectory trajectory(along_runway);
-    plant_sim::Progress progress;
+    Progress progress;
     const auto observe = [&](const study::RigSession& now, const antiskid::can::ControllerView& view,
                              double current_mA) {
         if (!o.out.empty() || !o.picture.empty()) trajectory.record(now, view, current_mA);

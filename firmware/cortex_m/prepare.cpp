@@ -114,7 +114,7 @@ int run(int argc, char** argv) {
     settings::existing_file(
         app.add_option("--controller", controller, "controller's numbers (default: CONFIG/controller.toml)"));
     settings::add_layout_files(app, dbc, binding);
-    app.add_option("--out", out, "made if it is not there")->required()->type_name("DIRECTORY");
+    settings::add_out(app, out, "made if it is not there")->required();
     settings::existing_file(
         app.add_option("LOG", logs, "candump logs of lockstep runs (rig-lab stop --bus-log)"));
     app.footer("Example:\n  cortex-m-prepare --out out/pil heavy.log");

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <utility>
 
+#include "firmware/can/names.hpp"
 #include "firmware/can/roles.hpp"
-#include "firmware/host/names.hpp"
 
 namespace antiskid::rt {
 
@@ -56,7 +56,7 @@ nlohmann::ordered_json faults_json(const LoopStatistics& loop) {
     for (std::uint8_t number = 0; number < control::kFaultCount; ++number) {
         const auto fault = static_cast<control::Fault>(number);
         if (!loop.faults_seen.contains(fault)) continue;
-        faults.push_back({{"name", name(fault)}, {"first_seen_ns", loop.first_seen[number].count()}});
+        faults.push_back({{"name", can::name(fault)}, {"first_seen_ns", loop.first_seen[number].count()}});
     }
     return faults;
 }
@@ -64,7 +64,7 @@ nlohmann::ordered_json faults_json(const LoopStatistics& loop) {
 nlohmann::ordered_json states_json(const LoopStatistics& loop) {
     auto states = nlohmann::ordered_json::object();
     for (std::uint8_t number = 0; number < control::kStateCount; ++number)
-        states[std::string(name(static_cast<control::State>(number)))] = loop.steps_in_state[number];
+        states[std::string(can::name(static_cast<control::State>(number)))] = loop.steps_in_state[number];
     return states;
 }
 
@@ -91,7 +91,7 @@ std::string json(const RunReport& report) {
                                       {"steps_by_timer", loop.by_timer},
                                       {"records_lost", report.records_lost},
                                       {"safe_commands_sent", loop.safe_commands_sent},
-                                      {"last_state", name(loop.last_state)},
+                                      {"last_state", can::name(loop.last_state)},
                                       {"steps_in_state", states_json(loop)},
                                       {"faults", faults_json(loop)},
                                       {"durations", durations},
@@ -117,7 +117,7 @@ std::string table(const RunReport& report) {
     std::string text;
     const auto out = std::back_inserter(text);
     fmt::format_to(out, "{} steps of {:.0f} us on {} by {}, last state {}\n", loop.steps, us(report.period),
-                   report.interface, report.clock, name(loop.last_state));
+                   report.interface, report.clock, can::name(loop.last_state));
     fmt::format_to(out, "{:<16}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}  us\n", "", "count", "min", "p50", "p99",
                    "p99.9", "max");
     for (const auto& [label, h] : histograms(loop))
@@ -137,7 +137,7 @@ std::string table(const RunReport& report) {
         loop.frames_received, loop.frames_sent, loop.frames_unsent, report.link.receive_dropped,
         report.link.malformed, loop.link_outages);
     fmt::format_to(out, "overruns: {} ({} periods missed)\nfaults:", loop.overruns, loop.missed_periods);
-    for (const std::string_view fault : names(loop.faults_seen)) fmt::format_to(out, " {}", fault);
+    for (const std::string& fault : can::fault_names(loop.faults_seen)) fmt::format_to(out, " {}", fault);
     fmt::format_to(out, "{}\n", loop.faults_seen.empty() ? " none" : "");
     return text;
 }

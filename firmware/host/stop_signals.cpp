@@ -10,15 +10,17 @@ StopSignals::StopSignals() {
     pthread_sigmask(SIG_BLOCK, &set_, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
     waiter_ = std::thread([this] {
-        int number = 0;
-        sigwait(&set_, &number);
-        number_.store(number);
-        stop_.store(true);
+        for (int number = 0; sigwait(&set_, &number) == 0 && !ending_.load();) {
+            if (count_.load() == 0) number_.store(number);
+            ++count_;
+            stop_.store(true);
+        }
     });
 }
 
 StopSignals::~StopSignals() {
-    pthread_kill(waiter_.native_handle(), SIGHUP);  // ends the wait; without effect where it has ended
+    ending_.store(true);
+    pthread_kill(waiter_.native_handle(), SIGHUP);  // ends the wait
     waiter_.join();
 }
 

@@ -1,4 +1,4 @@
-/// SIGINT, SIGTERM and SIGHUP as a flag that the loop reads, rather than something that interrupts it.
+/// SIGINT, SIGTERM and SIGHUP as a flag and a count that the loop reads, rather than something that interrupts it.
 #pragma once
 
 #include <atomic>
@@ -20,13 +20,16 @@ class StopSignals {
 
     /// Set by the first signal; others may set it, too.
     [[nodiscard]] std::atomic<bool>& stop() { return stop_; }
-    /// The signal that came; 0: none has.
+    /// How many have come: the first may ask for a safe end, the second for an end at once.
+    [[nodiscard]] int count() const { return count_.load(); }
+    /// The first that came; 0: none has.
     [[nodiscard]] int number() const { return number_.load(); }
 
   private:
     sigset_t set_{};
     std::atomic<bool> stop_{false};
-    std::atomic<int> number_{0};
+    std::atomic<int> number_{0}, count_{0};
+    std::atomic<bool> ending_{false};
     std::thread waiter_;
 };
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "firmware/host/names.hpp"
+#include "firmware/can/names.hpp"
 
 namespace antiskid::rt {
 
@@ -34,8 +34,8 @@ void Telemetry::drain(CycleRing& ring) {
 
 void Telemetry::on_record(const CycleRecord& record) {
     if ((last_.step == 0 || record.command.state != last_.command.state) &&
-        !often(name(record.command.state)))
-        logger_.info("[{:.3f} s] state {}", seconds(record.now), name(record.command.state));
+        !often(can::name(record.command.state)))
+        logger_.info("[{:.3f} s] state {}", seconds(record.now), can::name(record.command.state));
     report_faults(record);
     report_link(record);
     if (record.synchronised != last_.synchronised && !often("SYNC")) {
@@ -53,11 +53,11 @@ void Telemetry::on_record(const CycleRecord& record) {
 
 void Telemetry::report_faults(const CycleRecord& record) {
     if (record.command.faults == last_.command.faults) return;
-    for (const std::string_view fault : names(without(record.command.faults, last_.command.faults))) {
+    for (const std::string& fault : can::fault_names(without(record.command.faults, last_.command.faults))) {
         if (often(fault)) continue;
         logger_.error("[{:.3f} s] fault {}: valve to its safe current", seconds(record.now), fault);
     }
-    for (const std::string_view fault : names(without(last_.command.faults, record.command.faults))) {
+    for (const std::string& fault : can::fault_names(without(last_.command.faults, record.command.faults))) {
         if (often(fault)) continue;
         logger_.info("[{:.3f} s] fault {} cleared", seconds(record.now), fault);
     }
@@ -107,7 +107,7 @@ void Telemetry::summarise(const CycleRing& ring) {
         "[{:.3f} s] {}: v {:.1f} m/s, slip {:.3f} of {:.3f}, request {:.2f} MPa, valve {:.2f} mA; {} steps, "
         "{} missed, worst latency "
         "{} us",
-        seconds(last_.now), name(c.state), c.speed_mps, c.slip, c.slip_reference,
+        seconds(last_.now), can::name(c.state), c.speed_mps, c.slip, c.slip_reference,
         c.pressure_request_Pa * 1e-6F, c.current_mA, steps_, missed_, worst_latency_.count() / 1000);
     if (const std::uint64_t dropped = ring.dropped(); dropped != dropped_) {
         logger_.warn("{} records were lost on the way to this log", dropped - dropped_);

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/can/names.hpp"
 #include "firmware/can/roles.hpp"
-#include "firmware/host/names.hpp"
 
 namespace antiskid::preflight {
 
@@ -46,7 +46,7 @@ std::vector<Input> sensors() {
 std::vector<std::string_view> present(const Heard& heard, std::span<const Fault> faults) {
     std::vector<std::string_view> found;
     for (const Fault fault : faults)
-        if (heard.faulty(fault)) found.push_back(rt::name(fault));
+        if (heard.faulty(fault)) found.push_back(can::name(fault));
     return found;
 }
 

@@ -252,7 +252,7 @@ double seconds_for(const std::vector<Contestant>& all, const std::string& method
 
 void draw(const std::vector<Contestant>& all, double simulated_s, const std::filesystem::path& png) {
     std::string script =
-        "set logscale xy\nset format xy '10^{%L}'\nset grid lc rgb '#dddddd'\nset key bottom left\n"
+        "set logscale xy\nset format xy '10^{%L}'\nset key bottom left\n"
         "set xlabel 'processor time per simulated millisecond (ns)'\n"
         "set ylabel 'largest error of the wheel speed, of free rolling'\n";
     std::string plots;

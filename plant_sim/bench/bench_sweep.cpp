@@ -10,17 +10,17 @@
 #include <atomic>
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <thread>
 #include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/bench/closed_loop.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/study/in_process.hpp"
-#include "plant_sim/study/side_by_side.hpp"
+#include "plant_sim/study/run_many.hpp"
 #include "plant_sim/study/sweep/run.hpp"
 #include "plant_sim/study/sweep/setup.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 
 namespace {
 
@@ -35,34 +35,26 @@ struct Spent {
     [[nodiscard]] double ns_per_period() const { return processor_s * 1e9 / static_cast<double>(periods); }
 };
 
-/// `work(i)` for every stop on every core; what it returns is counted.
+/// `work` runs the stops, and returns the periods that they took.
 template <typename Work>
-Spent spend(unsigned threads, const Work& work) {
+Spent spend(const Work& work) {
     Spent spent;
-    std::atomic<std::uint64_t> periods{0};
     const auto begun = std::chrono::steady_clock::now();
-    spent.processor_s = bench::processor_s_of([&] {
-        std::vector<std::jthread> others;
-        for (unsigned i = 1; i < threads; ++i) others.emplace_back([&] { periods += work(); });
-        periods += work();
-    });
+    spent.processor_s = bench::processor_s_of([&] { spent.periods = work(); });
     spent.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    spent.periods = periods;
     return spent;
 }
 
 Spent side_by_side(const sweep::Plan& plan, const std::vector<std::size_t>& numbers, unsigned threads) {
-    std::atomic<std::size_t> next{0};
-    return spend(threads, [&] {
+    return spend([&] {
         std::uint64_t periods = 0;
-        study::run_side_by_side(
-            plan.layout,
-            [&]() -> std::optional<study::Maneuver> {
-                const std::size_t i = next.fetch_add(1);
-                if (i >= numbers.size()) return std::nullopt;
+        study::run_many(
+            plan.layout, numbers.size(),
+            [&](std::size_t i) {
                 return study::Maneuver{plan.controller, plan.rig(numbers[i]), plan.session(numbers[i])};
             },
-            [&periods](std::size_t, const study::RunResult& result) { periods += result.steps; });
+            [&](std::size_t, const study::RunResult& result) { periods += result.steps; },
+            {.threads = threads});
         return periods;
     });
 }
@@ -70,12 +62,10 @@ Spent side_by_side(const sweep::Plan& plan, const std::vector<std::size_t>& numb
 /// One stop at a time, `stop(number)` returning its periods.
 template <typename Stop>
 Spent one_by_one(const std::vector<std::size_t>& numbers, unsigned threads, const Stop& stop) {
-    std::atomic<std::size_t> next{0};
-    return spend(threads, [&] {
-        std::uint64_t periods = 0;
-        for (std::size_t i = next.fetch_add(1); i < numbers.size(); i = next.fetch_add(1))
-            periods += stop(numbers[i]);
-        return periods;
+    return spend([&] {
+        std::atomic<std::uint64_t> periods{0};
+        wear::run_jobs(threads, numbers.size(), [&](std::size_t i) { periods += stop(numbers[i]); });
+        return periods.load();
     });
 }
 
@@ -95,7 +85,7 @@ int run() {
     const sweep::Plan plan = sweep::load_plan({});
     const std::vector<std::size_t> order = study::order_of_work(plan.stops());
     const std::vector<std::size_t> numbers(order.begin(), order.begin() + kStops);
-    const unsigned threads = std::max(std::thread::hardware_concurrency(), 1U);
+    const unsigned threads = wear::all_cores();
 
     Engine ours{"ours, side by side", {}, {}, {}};
     Engine alone{"ours, one by one", {}, {}, {}};

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <optional>
 
+#include "firmware/can/names.hpp"
 #include "firmware/can/value_names.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/endurance/test_cell.hpp"
@@ -27,15 +28,6 @@ std::string rig_clock(double seconds) {
     return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", static_cast<int>(date.year()),
                        static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
                        time.hours().count(), time.minutes().count(), time.seconds().count());
-}
-
-std::vector<std::string> names(antiskid::control::FaultSet faults) {
-    std::vector<std::string> list;
-    for (std::size_t i = 0; i < antiskid::can::kFaultNames.size(); ++i) {
-        if (faults.contains(static_cast<antiskid::control::Fault>(i)))
-            list.emplace_back(antiskid::can::kFaultNames[i]);
-    }
-    return list;
 }
 
 /// Files and options: a campaign goes on with both as they were.
@@ -88,7 +80,7 @@ rig::Summary summary_of(const rig::Summary& head, const Outcome& outcome,
     summary.outcome = finished ? "finished" : sequencer::name(outcome.abort);
     summary.figures = outcome.figures;
     summary.cumulative_energy_J += outcome.figures.energy_brake_J;
-    summary.faults = names(outcome.faults);
+    summary.faults = antiskid::can::fault_names(outcome.faults);
     if (finished && !bands.empty()) summary.out_of_tolerance = rig::out_of_tolerance(bands, summary.figures);
     return summary;
 }

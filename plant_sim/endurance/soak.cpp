@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "firmware/can/names.hpp"
 #include "firmware/can/value_names.hpp"
 #include "plant_sim/endurance/test_cell.hpp"
 
@@ -37,10 +38,7 @@ class Running {
 std::string wrong_with(const Outcome& outcome) {
     if (outcome.phase != sequencer::Phase::finished)
         return fmt::format("aborted: {}", sequencer::name(outcome.abort));
-    for (std::size_t i = 0; i < antiskid::can::kFaultNames.size(); ++i) {
-        if (outcome.faults.contains(static_cast<antiskid::control::Fault>(i)))
-            return fmt::format("fault {}", antiskid::can::kFaultNames[i]);
-    }
+    if (!outcome.faults.empty()) return "fault " + antiskid::can::fault_names(outcome.faults).front();
     return {};
 }
 

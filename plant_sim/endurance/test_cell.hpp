@@ -13,10 +13,10 @@
 #include "firmware/can/layout.hpp"
 #include "firmware/can/rounded_link.hpp"
 #include "firmware/control/controller.hpp"
-#include "plant_sim/endurance/direct_plc.hpp"
 #include "plant_sim/plc/served_rig.hpp"
 #include "rig_bridge/bridge/live_speed.hpp"
 #include "rig_bridge/bridge/reset_desk.hpp"
+#include "rig_bridge/bridge/translate.hpp"
 #include "rig_bridge/record/meter.hpp"
 #include "rig_bridge/scenario/scenario.hpp"
 
@@ -60,6 +60,8 @@ class TestCell {
   private:
     void measure(sequencer::Phase phase, const antiskid::can::RigSample& sample, rig::Meter& meter) const;
     [[nodiscard]] sequencer::Inputs look() const;
+    /// As the bridge's client does it: a new commit number where anything differs; the watchdog always moves.
+    void command(const sequencer::Outputs& outputs, bool reset);
     void period(const sequencer::Outputs& outputs, rig::Meter& meter, const PeriodObserver& observe);
     void cool(const sequencer::Plan& plan);
     void await_cold_brake(const sequencer::Plan& plan);
@@ -72,7 +74,9 @@ class TestCell {
     antiskid::control::Controller controller_;
     antiskid::can::RoundedLink link_;
     rig::LiveSpeed wheel_, flywheel_;
-    DirectPlc plc_;
+    rig::CommandedValues commanded_{};
+    std::uint16_t commit_ = 0, watchdog_ = 0;
+    double committed_s_ = 0.0;
     rig::ResetDesk reset_;
     antiskid::control::Time now_{};       // of the controller
     antiskid::control::Command command_;  // its newest

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <string>
 
 namespace plant_sim {
@@ -53,6 +54,18 @@ void CampaignProgress::show(std::int64_t done) {
 
 void CampaignProgress::finish() const {
     if (shown_) fmt::print(stderr, "\n");
+}
+
+std::function<void(std::size_t done, std::size_t all)> step_progress(std::string_view unit) {
+    return [unit, planned = std::size_t{0}, progress = std::shared_ptr<CampaignProgress>()](
+               std::size_t done, std::size_t all) mutable {
+        if (!progress || all != planned)
+            progress = std::make_shared<CampaignProgress>(static_cast<std::int64_t>(all),
+                                                          static_cast<std::int64_t>(done) - 1, unit);
+        planned = all;
+        progress->show(static_cast<std::int64_t>(done));
+        if (done == all) progress->finish();
+    };
 }
 
 }  // namespace plant_sim

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string_view>
 
 namespace plant_sim {
@@ -25,5 +27,8 @@ class CampaignProgress {
     Clock::time_point next_;
     bool shown_ = false;
 };
+
+/// The same of a computation that says after each step how many of how many are done; `unit` must outlive it.
+[[nodiscard]] std::function<void(std::size_t done, std::size_t all)> step_progress(std::string_view unit);
 
 }  // namespace plant_sim

@@ -169,7 +169,7 @@ void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::Dynami
                    const std::filesystem::path& png) {
     constexpr int kPanel = 330;
     std::string script =
-        "set grid lc rgb '#dddddd'\nset border lc rgb '#555555'\nset key top right samplen 2\nset lmargin "
+        "set key top right samplen 2\nset lmargin "
         "10\nset rmargin 3\n"
         "set xrange [0:1.02]\nset ylabel 'friction / mean of the stop'\n";
     for (std::size_t i = 0; i < classes.size(); ++i) script += blocks(classes[i], i, settings);

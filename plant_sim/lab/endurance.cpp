@@ -118,8 +118,7 @@ LabVerb endurance_verb(CLI::App& lab) {
     settings::existing_file(verb->add_option("--scenario", command->scenario,
                                              "scenario file (default: CONFIG/scenarios/endurance.toml)"));
     settings::add_json(*verb, command->json_file, "table");
-    verb->add_option("--out", command->out, "directory of the results (default: out/SCENARIO-SEED)")
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of the results (default: out/SCENARIO-SEED)");
     command->brake.add_to(*verb);
     settings::existing_file(verb->add_option(
         "--wear-model", command->wear_model,

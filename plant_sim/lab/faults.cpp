@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/stop_signals.hpp"
@@ -14,6 +13,7 @@
 #include "plant_sim/study/faults/campaign.hpp"
 #include "plant_sim/study/faults/report.hpp"
 #include "plant_sim/study/trajectory.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 #include "rig_bridge/pictures/stop_picture.hpp"
 
 namespace plant_sim {
@@ -91,7 +91,7 @@ int FaultsCommand::execute() const {
     CampaignProgress progress(static_cast<std::int64_t>(numbers.size()), 0);
     const std::vector<faults::Row> rows = faults::run_campaign(
         campaign, numbers,
-        {.threads = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()),
+        {.threads = threads > 0 ? threads : wear::all_cores(),
          .stop = &signals.stop(),
          .progress = [&progress](std::size_t done) { progress.show(static_cast<std::int64_t>(done)); }});
     progress.finish();
@@ -140,12 +140,9 @@ LabVerb faults_verb(CLI::App& lab) {
         "--run", command->run,
         "this run alone, by its number in runs.csv; give seed, surfaces, maneuver and repetitions as then");
     verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
-    verb->add_option("--threads", command->threads, "results do not depend on it (default: all cores)")
-        ->check(CLI::Range(1U, 1024U));
+    settings::add_threads(*verb, command->threads);
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory of the results")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of the results");
     settings::add_config_directory(*verb, command->plan.config);
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(kFaultsFooter);

@@ -12,11 +12,7 @@ namespace plant_sim {
 
 namespace {
 
-constexpr const char* kStyleOfForecasts = R"(set grid lc rgb '#dddddd'
-set border lc rgb '#555555'
-set lmargin 11
-set rmargin 4
-)";
+constexpr const char* kStyleOfForecasts = "set lmargin 11\nset rmargin 4\n";
 
 std::string landings_text(const wear::Forecast& f) {
     const auto text = [](const std::optional<int>& landings) {

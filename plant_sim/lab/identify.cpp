@@ -116,8 +116,7 @@ Validated IdentifyCommand::replay(const Source& source, const antiskid::can::Lay
     rig::LogOptions options;
     options.layout = &layout;
     rig::LogReader reader(source.log, options, warnings);
-    const antiskid::can::Time period(std::llround(period_s * 1e6) * 1000);
-    rig::MeasuredSignals signals(reader, layout, period);
+    rig::MeasuredSignals signals(reader, layout, period_s);
     return {.run = source.log.parent_path().filename().string(),
             .result = rig::validate_plant(signals, identified.rig.rig)};
 }
@@ -240,9 +239,7 @@ LabVerb identify_verb(CLI::App& lab) {
             "bus logs with --scenario"))
         ->required();
     settings::add_json(*verb, c->json_file, "results");
-    verb->add_option("--out", c->out, "folder for the results; its `config` must not exist")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, c->out, "folder for the results; its `config` must not exist");
     settings::add_config_directory(*verb, c->config);
     settings::existing_file(verb->add_option("--scenario", c->scenario,
                                              "of all runs, instead of the one that summary.json names"));

@@ -22,8 +22,6 @@ set style line 1 lc rgb '#1f4e79' lw 2
 set style line 2 lc rgb '#e07b39' lw 2
 set style line 3 lc rgb '#9ab8d6' pt 7 ps 0.3
 set style line 4 lc rgb '#e9b48f' pt 7 ps 0.3
-set grid lc rgb '#dddddd'
-set border lc rgb '#555555'
 set lmargin 11
 set rmargin 3
 )";

@@ -1,4 +1,5 @@
 #include "plant_sim/lab/in_team.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 
 #include <fmt/core.h>
 
@@ -6,7 +7,6 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
-#include <thread>
 
 namespace plant_sim {
 
@@ -26,7 +26,7 @@ int in_team(const std::function<int(study::Team& team)>& work) {
 unsigned threads_in(const study::Team& team, unsigned asked) {
     if (asked > 0) return asked;
     // mpirun is told how many processes there shall be: one thread each, unless more are asked for.
-    return team.size() > 1 ? 1 : std::max(1U, std::thread::hardware_concurrency());
+    return team.size() > 1 ? 1 : wear::all_cores();
 }
 
 }  // namespace plant_sim

@@ -72,8 +72,7 @@ LabVerb maneuver_verb(CLI::App& lab) {
     settings::add_config_directory(*verb, c->config);
     verb->add_option("--seed", c->seed, "seed of every random draw")->capture_default_str();
     settings::add_json(*verb, c->json_file, "summary");
-    verb->add_option("--out", c->out, "folder for bus.log and summary.json (default: out/SCENARIO)")
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, c->out, "folder for bus.log and summary.json (default: out/SCENARIO)");
     verb->footer(
         "Example:\n  rig-lab maneuver config/scenarios/ramp.toml --out runs/ramp\n"
         "Exit status: 0 finished; 1 aborted; 2 mistake in command line or configuration.");

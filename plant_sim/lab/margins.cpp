@@ -1,22 +1,100 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/command_line.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/margins_input.hpp"
-#include "plant_sim/lab/tyre_options.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/margins_report.hpp"
 #include "plant_sim/study/margins/tyres.hpp"
+#include "rig_bridge/rig/compliance.hpp"
 
 namespace plant_sim {
 
 namespace {
 
 namespace margins = study::margins;
+
+/// A tyre from the command line, in the place of the one that the rig's file has.
+/// The keys of [tyre] in the rig's file. Numbers may be lists: then every combination of them is a tyre.
+struct TyreOptions {
+    std::string model;  ///< empty: as the rig's file has it
+    std::vector<double> belt_share{0.35}, frequency_Hz{80.0}, damping{0.06};
+    std::vector<double> length_m{0.20}, floor_m{0.02};
+
+    void add_to(CLI::App& app);
+
+    /// One at least; `own` where none is named. Throws std::invalid_argument where a number belongs to another model.
+    [[nodiscard]] std::vector<plant::Compliance> tyres(const plant::Compliance& own) const;
+
+  private:
+    std::vector<const CLI::Option*> of_ring_, of_relaxation_;
+};
+
+const CLI::Option* list(CLI::App& app, const std::string& name, std::vector<double>& numbers, double least,
+                        double most, const std::string& what) {
+    return app.add_option(name, numbers, what)
+        ->delimiter(',')
+        ->check([least, most](const std::string& text) {
+            // CLI::Range lets a value pass that is no number.
+            double number = 0.0;
+            const bool good = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
+            return good ? std::string() : fmt::format("{} is not from {:g} to {:g}", text, least, most);
+        })
+        ->capture_default_str();
+}
+
+void refuse(const std::vector<const CLI::Option*>& options, const std::string& model) {
+    for (const CLI::Option* o : options)
+        if (o->count() > 0) throw std::invalid_argument(o->get_name() + " needs --tyre " + model);
+}
+
+void TyreOptions::add_to(CLI::App& app) {
+    settings::one_of(
+        app.add_option("--tyre", model,
+                       "static (the paper's), ring or relaxation, in the place of the rig file's [tyre]"),
+        {"static", "ring", "relaxation"});
+    of_ring_ = {
+        list(app, "--belt-share", belt_share, 0.01, 0.9, "ring: of J_w that is belt; a list makes a table"),
+        list(app, "--frequency", frequency_Hz, 5.0, 1000.0, "ring: rim against belt, Hz; or a list"),
+        list(app, "--damping", damping, 0.0, 1.0, "ring: of that mode, of critical; or a list")};
+    of_relaxation_ = {
+        list(app, "--length", length_m, 0.001, 2.0, "relaxation: length at no slip, m; or a list"),
+        list(app, "--floor", floor_m, 0.001, 2.0, "relaxation: it is nowhere shorter, m; or a list")};
+}
+
+std::vector<plant::Compliance> TyreOptions::tyres(const plant::Compliance& own) const {
+    if (model != "ring") refuse(of_ring_, "ring");
+    if (model != "relaxation") refuse(of_relaxation_, "relaxation");
+    plant::Compliance one = own;
+    if (model.empty()) return {one};
+    one.ring = {};
+    one.relaxation = {};
+    std::vector<plant::Compliance> all;
+    if (model == "static") all.push_back(one);
+    if (model == "ring") {
+        for (const double frequency : frequency_Hz)
+            for (const double zeta : damping)
+                for (const double share : belt_share) {
+                    one.ring = {.belt_share = share, .frequency_Hz = frequency, .damping = zeta};
+                    all.push_back(one);
+                }
+    }
+    if (model == "relaxation") {
+        for (const double length : length_m)
+            for (const double floor : floor_m) {
+                one.relaxation = {.length_m = length, .floor_m = floor};
+                all.push_back(one);
+            }
+    }
+    return all;
+}
 
 struct MarginsCommand {
     ScenarioOptions scenario;
@@ -68,10 +146,8 @@ struct MarginsCommand {
     }
 
     [[nodiscard]] static margins::Progress progress(std::size_t before, std::size_t tyres) {
-        if (::isatty(STDERR_FILENO) != 1) return {};
-        return [=](std::size_t done, std::size_t all) {
-            const std::size_t ever = before * all + done, of = tyres * all;
-            fmt::print(stderr, "\r{} of {} scenarios{}", ever, of, ever == of ? "\n" : "");
+        return [=, show = step_progress("scenarios")](std::size_t done, std::size_t all) {
+            show(before * all + done, tyres * all);
         };
     }
 };
@@ -101,10 +177,8 @@ LabVerb margins_verb(CLI::App& lab) {
     settings::existing_file(verb->add_option("--controller", command->scenario.controller,
                                              "controller configuration (default: CONFIG/controller.toml)"));
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out,
-                     "directory of results.json, margins.png (Fig. 11) and margins_speed.png")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out,
+                      "directory of results.json, margins.png (Fig. 11) and margins_speed.png");
     verb->footer(
         "Two loops: the shipped law with its observer and predictor, and the paper's PID on measured slip "
         "with the gains of "

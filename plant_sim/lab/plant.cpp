@@ -87,7 +87,8 @@ struct PlantCommand {
         if (!interface.empty()) options.interface = interface;
         options.layout = &loaded.layout;
         rig::LogReader reader(log, options, warnings);
-        rig::MeasuredSignals signals(reader, loaded.layout, loaded.period);
+        rig::MeasuredSignals signals(reader, loaded.layout,
+                                     std::chrono::duration<double>(loaded.period).count());
         const rig::Validation v = rig::validate_plant(signals, on_rig.rig);
         if (!v.braked)
             throw std::runtime_error(

@@ -11,9 +11,8 @@
 
 namespace plant_sim {
 
-/// A bus log, plain or gzip, sample by sample. With SYNC in it a sample is what was known at a SYNC, and its time the number of the SYNC times
-/// the period; without, a sample ends with each pressure frame, and its time is that frame's stamp. Throws std::runtime_error for a log that
-/// cannot be read or holds no sample.
+/// A bus log, plain or gzip, sample by sample (rig_bridge/record/sample_stream.hpp). Throws std::runtime_error for a log that cannot be read
+/// or holds no sample.
 [[nodiscard]] identification::Recording read_recording(const std::filesystem::path& log,
                                                        const antiskid::can::Layout& layout, double period_s);
 

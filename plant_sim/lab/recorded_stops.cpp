@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cctype>
 #include <numbers>
-#include <optional>
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/host/settings/input_file.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/summary_file.hpp"
+#include "rig_bridge/replay/log_meter.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
@@ -32,19 +32,12 @@ std::string listed(const std::vector<std::string>& names) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// bus.log or bus.log.gz of a maneuver's folder.
-std::optional<fs::path> log_in(const fs::path& folder) {
-    for (const char* name : {"bus.log", "bus.log.gz"})
-        if (fs::exists(folder / name)) return folder / name;
-    return std::nullopt;
-}
-
 /// Folders with a log in them, at most two levels below a ledger's directory: CAMPAIGN/0001.
 std::vector<fs::path> maneuvers_below(const fs::path& directory, int levels) {
     std::vector<fs::path> found;
     for (const fs::directory_entry& entry : fs::directory_iterator(directory)) {
         if (!entry.is_directory()) continue;
-        if (log_in(entry.path())) {
+        if (!rig::log_in(entry.path()).empty()) {
             found.push_back(entry.path());
         } else if (levels > 1) {
             const std::vector<fs::path> deeper = maneuvers_below(entry.path(), levels - 1);
@@ -134,7 +127,7 @@ class Loader {
         if (path.extension() == ".sqlite") path = path.has_parent_path() ? path.parent_path() : fs::path(".");
         if (!fs::is_directory(path)) {
             add_file(path, source.kind);
-        } else if (log_in(path)) {
+        } else if (!rig::log_in(path).empty()) {
             add_maneuver(path, source.kind);
         } else {
             const std::vector<fs::path> folders = maneuvers_below(path, 2);
@@ -182,7 +175,7 @@ class Loader {
             if (kind.empty()) {
                 const rig::Scenario scenario = rig::load_scenario(
                     files_.config / "scenarios" / (summary.scenario + ".toml"), files_.config);
-                enter(scenario.rig, read_log(*log_in(folder), scenario.rig));
+                enter(scenario.rig, read_log(rig::log_in(folder), scenario.rig));
                 return;
             }
         }
@@ -192,7 +185,7 @@ class Loader {
                 fmt::format("has no summary.json that says which maneuver it was; write e.g. light={}",
                             folder.string()));
         const plant::LoadedRig rig = rig_of(kind, folder);
-        enter(rig, read_log(*log_in(folder), rig));
+        enter(rig, read_log(rig::log_in(folder), rig));
     }
 
     [[nodiscard]] plant::LoadedRig rig_of(const std::string& kind, const fs::path& of) const {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
@@ -14,6 +13,7 @@
 #include "plant_sim/lab/regulate_report.hpp"
 #include "plant_sim/lab/regulate_stops.hpp"
 #include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 
 namespace plant_sim {
 
@@ -40,7 +40,7 @@ struct RegulateCommand {
     std::string surfaces;  ///< empty: the file's
     bool forecast = true;
     bool floor_check = true;
-    unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+    unsigned threads = wear::all_cores();
 
     [[nodiscard]] int run() const;
 
@@ -187,12 +187,9 @@ LabVerb regulate_verb(CLI::App& lab) {
                      "only measure J_mu over reference and surface, and write the floor table to this file")
         ->type_name("FILE");
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory for results.json, landings.csv, regulate.png")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory for results.json, landings.csv, regulate.png");
     settings::add_config_directory(*verb, command->config);
-    verb->add_option("--threads", command->threads, "of the computation; the results do not depend on it")
-        ->check(CLI::Range(1U, 1024U));
+    settings::add_threads(*verb, command->threads);
     verb->footer(
         "Examples:\n"
         "  rig-lab regulate\n"

@@ -224,9 +224,7 @@ void draw(const RegulateReport& r, const std::filesystem::path& png) {
     std::string script = data(r);
     auto out = std::back_inserter(script);
     fmt::format_to(
-        out, R"(set grid lc rgb '#dddddd'
-set border lc rgb '#555555'
-set lmargin 10
+        out, R"(set lmargin 10
 set rmargin 3
 set multiplot layout 3,1 title {title} noenhanced
 set xrange [0:{most}]

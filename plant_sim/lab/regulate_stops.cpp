@@ -5,18 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <exception>
 #include <iterator>
 #include <memory>
 #include <numeric>
-#include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/value_names.hpp"
 #include "firmware/host/controller_config.hpp"
-#include "plant_sim/study/side_by_side.hpp"
+#include "plant_sim/study/run_many.hpp"
 #include "rig_bridge/record/meter.hpp"
 #include "rig_bridge/rig/friction_curve.hpp"
 #include "rig_bridge/scenario/meter_parameters.hpp"
@@ -48,20 +45,13 @@ std::uint8_t phase_code(study::Phase phase) {
     return phase_code("retract");
 }
 
-rig::ShaftSample shaft(const antiskid::can::SpeedSample& sample) {
-    return {.edges = true,
-            .edge_count = sample.edge_count,
-            .edge_time = sample.edge_time,
-            .speed_radps = static_cast<double>(sample.speed_radps)};
-}
-
 rig::MeterSample sample_of(const study::RigSession& session) {
     const antiskid::can::RigSample& sensed = session.sample();
     const antiskid::can::LoadCellSample cells = session.load_cells();
     return {.time_s = session.rig().time_s(),
             .phase = phase_code(session.pilot().phase()),
-            .wheel = shaft(sensed.wheel),
-            .flywheel = shaft(sensed.flywheel),
+            .wheel = rig::shaft_sample(sensed.wheel),
+            .flywheel = rig::shaft_sample(sensed.flywheel),
             .pressure_Pa = static_cast<double>(sensed.pressure_Pa),
             .vertical_N = static_cast<double>(cells.vertical_N),
             .longitudinal_N = static_cast<double>(cells.longitudinal_N),
@@ -107,39 +97,6 @@ regulation::Stop stop_of(const LandingSite& site, const regulation::LandingReque
     stop.measured_friction = plant::mean_of_measured(site.rig.rig.friction_curve, measured.mean_friction,
                                                      site.rig.drop_out_mps / measured.brake_on_mps);
     return stop;
-}
-
-/// Those of `requests` that `own` counts, on this thread.
-void land_alone(const LandingSites& sites, std::span<const regulation::LandingRequest> requests,
-                std::span<const std::size_t> own, std::vector<regulation::Stop>& stops) {
-    std::vector<std::unique_ptr<rig::Meter>> meters(own.size());  // none: not metered, or done
-    std::size_t begun = 0;
-    const auto next = [&]() -> std::optional<study::Maneuver> {
-        if (begun == own.size()) return std::nullopt;
-        const regulation::LandingRequest& request = requests[own[begun]];
-        study::Maneuver m = maneuver_of(sites, request);
-        if (request.metered) {
-            meters[begun] = std::make_unique<rig::Meter>(
-                rig::meter_parameters(sites.sites[request.draw.scenario].rig, m.options.period_s));
-            m.on_step = [meter = meters[begun].get(), &sites](const study::RigSession& session,
-                                                              const antiskid::can::ControllerView&, double) {
-                meter->feed(rig::as_on_bus(sites.layout, sample_of(session)));
-            };
-        }
-        ++begun;
-        return m;
-    };
-    study::run_side_by_side(sites.layout, next, [&](std::size_t i, const study::RunResult& run) {
-        const regulation::LandingRequest& request = requests[own[i]];
-        const LandingSite& site = sites.sites[request.draw.scenario];
-        if (!run.came_to_rest)
-            throw std::runtime_error(
-                fmt::format("the {} landing on {} with slip reference {:.3f}, friction {:.3f}, seed {} "
-                            "did not come to rest",
-                            site.maneuver, site.surface, request.reference, request.mean_friction,
-                            request.draw.sensor_seed));
-        stops[own[i]] = stop_of(site, request, run.figures, meters[i].get());
-    });
 }
 
 }  // namespace
@@ -191,7 +148,7 @@ LandingSites load_sites(const std::filesystem::path& config) {
 
 std::vector<regulation::Stop> land(const LandingSites& sites,
                                    std::span<const regulation::LandingRequest> requests, unsigned threads) {
-    // Long stops first and dealt in turn, so that every thread has as much to do.
+    // Long stops first, so that threads end together.
     std::vector<std::size_t> order(requests.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -199,24 +156,32 @@ std::vector<regulation::Stop> land(const LandingSites& sites,
                expected_s(sites.sites.at(requests[b].draw.scenario));
     });
     std::vector<regulation::Stop> stops(requests.size());
-    std::vector<std::exception_ptr> failures(threads);
-    const auto work = [&](unsigned thread) {
-        try {
-            std::vector<std::size_t> own;
-            for (std::size_t i = thread; i < order.size(); i += threads) own.push_back(order[i]);
-            land_alone(sites, requests, own, stops);
-        } catch (...) {
-            failures[thread] = std::current_exception();
-        }
+    std::vector<std::unique_ptr<rig::Meter>> meters(requests.size());
+    const auto make = [&](std::size_t i) {
+        const regulation::LandingRequest& request = requests[order[i]];
+        study::Maneuver m = maneuver_of(sites, request);
+        if (!request.metered) return m;
+        meters[i] = std::make_unique<rig::Meter>(
+            rig::meter_parameters(sites.sites[request.draw.scenario].rig, m.options.period_s));
+        m.on_step = [meter = meters[i].get(), &sites](const study::RigSession& session,
+                                                      const antiskid::can::ControllerView&, double) {
+            meter->feed(rig::as_on_bus(sites.layout, sample_of(session)));
+        };
+        return m;
     };
-    {
-        std::vector<std::jthread> others;
-        for (unsigned i = 1; i < threads; ++i) others.emplace_back(work, i);
-        work(0);
-    }
-    for (const std::exception_ptr& failure : failures) {
-        if (failure) std::rethrow_exception(failure);
-    }
+    const auto done = [&](std::size_t i, const study::RunResult& run) {
+        const regulation::LandingRequest& request = requests[order[i]];
+        const LandingSite& site = sites.sites[request.draw.scenario];
+        if (!run.came_to_rest)
+            throw std::runtime_error(
+                fmt::format("the {} landing on {} with slip reference {:.3f}, friction {:.3f}, seed {} "
+                            "did not come to rest",
+                            site.maneuver, site.surface, request.reference, request.mean_friction,
+                            request.draw.sensor_seed));
+        stops[order[i]] = stop_of(site, request, run.figures, meters[i].get());
+        meters[i].reset();
+    };
+    study::run_many(sites.layout, order.size(), make, done, {.threads = threads});
     return stops;
 }
 

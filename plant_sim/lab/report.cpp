@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <thread>
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
@@ -12,6 +11,7 @@
 #include "plant_sim/study/paper/page.hpp"
 #include "plant_sim/study/paper/run.hpp"
 #include "plant_sim/study/paper/sections.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 
 namespace plant_sim {
 
@@ -43,7 +43,7 @@ struct ReportCommand {
     std::string json_file;  ///< "-": standard output
     std::vector<std::string> only;
     bool quick = false;
-    unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
+    unsigned jobs = wear::all_cores();
 
     /// The wanted sections and those that they come after.
     [[nodiscard]] paper::Contents contents(const fs::path& file) const {
@@ -123,10 +123,8 @@ LabVerb report_verb(CLI::App& lab) {
         ->capture_default_str();
     settings::add_config_directory(*verb, command->config);
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out,
-                     "directory of report.html, results.json and a folder for each section")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out,
+                      "directory of report.html, results.json and a folder for each section");
     verb->footer(
         "Examples:\n  rig-lab report\n  rig-lab report --quick --out out/quick\n  rig-lab report --only "
         "fig12\n"

@@ -8,7 +8,6 @@
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/in_team.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/study/robust/picture.hpp"
 #include "plant_sim/study/robust/report.hpp"
 
 namespace plant_sim {
@@ -83,13 +82,9 @@ LabVerb robust_verb(CLI::App& lab) {
     settings::existing_file(verb->add_option("--ranges", command->options.ranges,
                                              "what is drawn (default: CONFIG/uncertainty.toml)"));
     settings::add_config_directory(*verb, command->options.config);
-    verb->add_option("--threads", command->threads,
-                     "results do not depend on it (default: all cores; 1 for each process of mpirun)")
-        ->check(CLI::Range(1U, 1024U));
+    settings::add_threads(*verb, command->threads, "all cores; 1 for each process of mpirun");
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory of stops.csv, results.json and robust.png")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of stops.csv, results.json and robust.png");
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"

@@ -74,9 +74,7 @@ LabVerb soak_verb(CLI::App& lab) {
         ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}))
         ->capture_default_str();
     settings::add_json(*verb, command->json_file, "result");
-    verb->add_option("--out", command->out, "directory of the result")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of the result");
     settings::add_config_directory(*verb, command->config);
     verb->footer(
         "Leaves soak.json in OUT.\n"

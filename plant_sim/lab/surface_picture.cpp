@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 
 #include "rig_bridge/pictures/gnuplot.hpp"
@@ -12,10 +11,8 @@ namespace plant_sim {
 
 void draw_surfaces(const std::vector<plant::Surface>& surfaces, const std::vector<std::string>& strong,
                    const std::filesystem::path& png) {
-    constexpr std::array<const char*, 8> kColours{"#1f4e79", "#c55a11", "#548235", "#7f3f98",
-                                                  "#bf9000", "#00808a", "#a61c3c", "#5b5b5b"};
     std::string script =
-        "set grid lc rgb '#dddddd'\nset border lc rgb '#555555'\nset key outside right top samplen 2 "
+        "set key outside right top samplen 2 "
         "noenhanced\n"
         "set xlabel 'slip'\nset ylabel 'friction coefficient'\nset xrange [0:1]\nset yrange [0:*]\nset "
         "samples 1000\nplot ";
@@ -25,7 +22,7 @@ void draw_surfaces(const std::vector<plant::Surface>& surfaces, const std::vecto
         fmt::format_to(std::back_inserter(script),
                        "{}{} * (1 - exp(-{} * x)) - {} * x with lines lw {} lc rgb '{}' title {}",
                        i == 0 ? "" : ", \\\n     ", s.c1, s.c2, s.c3, stands_out ? 5 : 2,
-                       kColours[i % kColours.size()],
+                       study::gnuplot_colour(i),
                        study::gnuplot_quoted(s.name + (stands_out ? " (identified)" : "")));
     }
     study::run_gnuplot(png, 1000, 560, script + "\n");

@@ -65,9 +65,7 @@ LabVerb surfaces_verb(CLI::App& lab) {
         lab.add_subcommand("surfaces", "Fig. 3: friction over slip of every surface, eq. (4), and its peak.");
     settings::add_config_directory(*verb, command->config);
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory of results.json and surfaces.png")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of results.json and surfaces.png");
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer("Example:\n  rig-lab surfaces --out out/surfaces");
     return {verb, [command] { return command->run(); }};

@@ -5,14 +5,12 @@
 #include <csignal>
 #include <memory>
 #include <optional>
-#include <span>
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/in_team.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/study/sweep/pictures.hpp"
 #include "plant_sim/study/sweep/setup.hpp"
 #include "plant_sim/study/sweep/summary.hpp"
 #include "plant_sim/study/sweep/together.hpp"
@@ -22,14 +20,11 @@ namespace plant_sim {
 namespace {
 
 constexpr const char* kFooter =
-    "Leaves stops.csv (every stop), results.json, fig13.png and fig14.png in OUT; a shard leaves "
-    "shard-I-of-N.csv.\n"
-    "Ctrl-C leaves what is finished in a .part file, from which the same command goes on.\n"
+    "Leaves stops.csv (every stop), results.json, fig13.png and fig14.png in OUT.\n"
+    "Ctrl-C leaves what is finished in stops.part, from which the same command goes on.\n"
     "Examples:\n"
     "  rig-lab sweep\n"
     "  rig-lab sweep --references 0.24 --landings 20 --no-pictures\n"
-    "  rig-lab sweep --shard 1/2        on one machine, --shard 2/2 on another, then\n"
-    "  rig-lab sweep merge out/sweep/shard-1-of-2.csv out/sweep/shard-2-of-2.csv\n"
     "  mpirun -n 4 rig-lab sweep        the same bytes\n"
     "Exit status: 0 what Section VI says holds; 1 some of it does not, or a file could not be written; 2 "
     "mistake on the command line "
@@ -75,47 +70,9 @@ std::vector<double> parse_references(const std::string& text) {
     return values;
 }
 
-sweep::Shard parse_shard(const std::string& text) {
-    sweep::Shard shard;
-    const auto refuse = [&text]() -> sweep::Shard {
-        throw std::invalid_argument("--shard '" + text +
-                                    "': expected I/N with I from 1 to N, N at most 10000");
-    };
-    constexpr std::size_t kMost = 10000;
-    const std::size_t slash = text.find('/');
-    if (slash == std::string::npos || text.find_first_not_of("0123456789/") != std::string::npos ||
-        text.size() > 11)
-        return refuse();
-    try {
-        shard = {std::stoul(text.substr(0, slash)), std::stoul(text.substr(slash + 1))};
-    } catch (const std::logic_error&) {
-        return refuse();
-    }
-    if (shard.index < 1 || shard.index > shard.count || shard.count > kMost) return refuse();
-    return shard;
-}
-
-/// Files and table of a whole sweep; the exit status.
-int deliver_sweep(const sweep::Identity& identity, std::span<const sweep::Row> rows,
-                  const std::filesystem::path& out, const std::string& json_file, bool pictures) {
-    const sweep::Summary summary = sweep::summarised(identity, rows);
-    settings::write_file(out / "stops.csv", sweep::to_csv(identity, {}, rows));
-    keep_json(out / "results.json", json_file, sweep::to_json(summary));
-    if (pictures) {
-        sweep::draw_fig13(summary, out / "fig13.png");
-        sweep::draw_fig14(summary, out / "fig14.png");
-    }
-    print_table(json_file,
-                "{}  seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
-                sweep::to_table(summary), identity.seed, identity.config_hash, identity.version, out.string(),
-                pictures ? " fig13.png fig14.png" : "");
-    return summary.passed() ? 0 : 1;
-}
-
 struct SweepCommand {
     sweep::PlanOptions plan;
     std::string references;
-    std::string shard = "1/1";
     unsigned threads = 0;
     std::filesystem::path out = "out/sweep";
     std::string json_file;  ///< "-": standard output
@@ -130,11 +87,8 @@ struct SweepCommand {
 int SweepCommand::run_with(study::Team& team) const {
     antiskid::rt::StopSignals signals;
     const sweep::Plan study = sweep::load_plan(plan);
-    const sweep::Shard part = parse_shard(shard);
-    const bool whole = part.count == 1;
-    const std::string name = whole ? "stops" : fmt::format("shard-{}-of-{}", part.index, part.count);
     std::optional<CampaignProgress> progress;
-    sweep::Work work{.shard = part, .part = out / (name + ".part"), .stop = &signals.stop()};
+    sweep::Work work{.part = out / "stops.part", .stop = &signals.stop()};
     work.threads = threads_in(team, threads);
     work.progress = [&progress](std::size_t done, std::size_t all, std::size_t before) {
         if (!progress) progress.emplace(static_cast<std::int64_t>(all), static_cast<std::int64_t>(before));
@@ -144,25 +98,25 @@ int SweepCommand::run_with(study::Team& team) const {
     if (progress) progress->finish();
     const bool interrupted = signals.stop().load();
     if (team.rank() != 0) return 0;
-    const std::size_t all = sweep::numbers_of(study.stops(), part).size();
-    if (rows.size() < all) {
-        fmt::print(stderr, "rig-lab: {} of {} stops are in {}; the same command goes on\n", rows.size(), all,
-                   work.part.string());
+    if (rows.size() < study.stops()) {
+        fmt::print(stderr, "rig-lab: {} of {} stops are in {}; the same command goes on\n", rows.size(),
+                   study.stops(), work.part.string());
         return interrupted && signals.number() == SIGINT ? 130 : 1;
     }
     const sweep::Identity identity = sweep::identity_of(study);
-    int status = 0;
-    if (whole) {
-        status = deliver_sweep(identity, rows, out, json_file, pictures);
-    } else {
-        const auto file = out / (name + ".csv");
-        settings::write_file(file, sweep::to_csv(identity, part, rows));
-        print_table(json_file,
-                    "{}: {} stops, shard {} of {}; `rig-lab sweep merge` makes the sweep of all shards\n",
-                    file.string(), rows.size(), part.index, part.count);
+    const sweep::Summary summary = sweep::summarised(identity, rows);
+    settings::write_file(out / "stops.csv", sweep::to_csv(identity, rows));
+    keep_json(out / "results.json", json_file, sweep::to_json(summary));
+    if (pictures) {
+        sweep::draw_fig13(summary, out / "fig13.png");
+        sweep::draw_fig14(summary, out / "fig14.png");
     }
+    print_table(json_file,
+                "{}  seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
+                sweep::to_table(summary), identity.seed, identity.config_hash, identity.version, out.string(),
+                pictures ? " fig13.png fig14.png" : "");
     std::filesystem::remove(work.part);
-    return status;
+    return summary.passed() ? 0 : 1;
 }
 
 int SweepCommand::run() {
@@ -170,26 +124,10 @@ int SweepCommand::run() {
     return in_team([this](study::Team& team) { return run_with(team); });
 }
 
-struct MergeCommand {
-    std::vector<std::filesystem::path> shards;
-    std::filesystem::path out = "out/sweep";
-    std::string json_file;  ///< "-": standard output
-    bool pictures = true;
-
-    [[nodiscard]] int run() const {
-        std::vector<sweep::StopsTable> tables;
-        tables.reserve(shards.size());
-        for (const auto& shard : shards) tables.push_back(sweep::read_stops(shard));
-        const sweep::StopsTable all = sweep::merged(tables);
-        return deliver_sweep(all.identity, all.rows, out, json_file, pictures);
-    }
-};
-
 }  // namespace
 
 LabVerb sweep_verb(CLI::App& lab) {
     const auto command = std::make_shared<SweepCommand>();
-    const auto merge = std::make_shared<MergeCommand>();
     CLI::App* verb =
         lab.add_subcommand("sweep",
                            "The set-point study of Section VI: landings drawn at random over surfaces, "
@@ -204,30 +142,13 @@ LabVerb sweep_verb(CLI::App& lab) {
         ->capture_default_str();
     verb->add_flag("!--no-threshold", command->plan.threshold, "without the threshold law");
     verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
-    verb->add_option("--threads", command->threads,
-                     "results do not depend on it (default: all cores; 1 for each process of mpirun)")
-        ->check(CLI::Range(1U, 1024U));
-    verb->add_option("--shard", command->shard, "only part I of N, as I/N")->capture_default_str();
+    settings::add_threads(*verb, command->threads, "all cores; 1 for each process of mpirun");
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory of the results")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of the results");
     settings::add_config_directory(*verb, command->plan.config);
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(kFooter);
-    CLI::App* merging = verb->add_subcommand("merge", "All shards of a sweep as one.");
-    settings::existing_file(merging->add_option("SHARDS", merge->shards, "shard-I-of-N.csv, every I once"))
-        ->required();
-    settings::add_json(*merging, merge->json_file, "results");
-    merging->add_option("--out", merge->out, "directory of the results")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
-    merging->add_flag("!--no-pictures", merge->pictures, "without gnuplot");
-    merging->footer(
-        "Leaves what `rig-lab sweep` leaves, byte for byte.\n"
-        "Example:\n  rig-lab sweep merge out/sweep/shard-*-of-4.csv --out out/sweep\n"
-        "Exit status as of `rig-lab sweep`; 2 for shards that are missing, there twice or not of one sweep.");
-    return {verb, [merging, command, merge] { return merging->parsed() ? merge->run() : command->run(); }};
+    return {verb, [command] { return command->run(); }};
 }
 
 }  // namespace plant_sim

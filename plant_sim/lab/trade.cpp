@@ -67,9 +67,7 @@ LabVerb trade_verb(CLI::App& lab) {
         ->capture_default_str();
     verb->add_option("--seed", trade->options.seed, "of the resamples")->capture_default_str();
     settings::add_json(*verb, trade->json_file, "results");
-    verb->add_option("--out", trade->out, "directory of results.json and trade.png")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, trade->out, "directory of results.json and trade.png");
     verb->add_flag("!--no-pictures", trade->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"

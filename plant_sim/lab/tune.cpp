@@ -7,15 +7,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/margins_input.hpp"
-#include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/tune_law.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/law_loop.hpp"
 #include "plant_sim/study/margins/tune.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 
 namespace plant_sim {
 
@@ -120,9 +120,7 @@ void tune_pid(const MarginsInput& input, const margins::StudyOptions& options,
     const auto parameters = margins::pid_parameters(input.settings.pid);
     const auto found = margins::search(
         parameters, [&](const std::vector<double>& x, double) { return judged(x).value; }, search,
-        [](int done, int all) {
-            show_steps(static_cast<std::size_t>(done), static_cast<std::size_t>(all), "gains judged");
-        });
+        step_progress("gains judged"));
     std::vector<double> start;
     std::transform(parameters.begin(), parameters.end(), std::back_inserter(start),
                    [](const margins::Parameter& k) { return k.start.value(); });
@@ -180,7 +178,7 @@ struct TuneCommand {
         options.requirement = input.settings.requirement;
         const unsigned threads = search.threads;
         if (law) search = input.settings.law.options;
-        search.threads = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
+        search.threads = threads > 0 ? threads : wear::all_cores();
         search.seed = seed.value_or(search.seed);
         search.population = population.value_or(search.population);
         search.generations = generations.value_or(search.generations);
@@ -241,13 +239,10 @@ LabVerb tune_verb(CLI::App& lab) {
         ->check(CLI::Range(0, 10000));
     verb->add_option("--seed", command->seed,
                      "of the search, and of every sensor (default: 1; law: margins.toml's, sensors 1)");
-    verb->add_option("--threads", command->search.threads, "results do not depend on it (default: all cores)")
-        ->check(CLI::Range(1U, 1024U));
+    settings::add_threads(*verb, command->search.threads);
     settings::add_config_directory(*verb, command->scenario.config);
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory of results.json and, for the law, slip.toml")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of results.json and, for the law, slip.toml");
     verb->footer(
         "Examples:\n"
         "  rig-lab tune\n"

@@ -6,12 +6,14 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/settings.hpp"
-#include "plant_sim/lab/controller_gains.hpp"
-#include "plant_sim/lab/step_progress.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/law_judge.hpp"
 #include "plant_sim/study/robust/campaign.hpp"
@@ -23,6 +25,40 @@ namespace {
 namespace margins = study::margins;
 using antiskid::control::Config;
 using nlohmann::ordered_json;
+
+struct Gain {
+    std::string key;  ///< of [slip]
+    double value = 0.0;
+};
+
+/// The shortest text that is this number, with a point: TOML takes "6" for an integer.
+std::string number(double value) {
+    std::string text = fmt::format("{}", value);
+    return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
+}
+
+/// [slip] with one line a gain, in their order; `head` stands above as a comment.
+std::string gains_as_toml(const std::vector<Gain>& gains, const std::string& head) {
+    std::string text = fmt::format("# {}\n[slip]\n", head);
+    for (const Gain& g : gains) text += fmt::format("{} = {}\n", g.key, number(g.value));
+    return text;
+}
+
+/// `toml` with these values in the place of those that it has; comments and everything else stay. Throws std::invalid_argument naming a key
+/// that is not there, on a line of its own below [slip].
+std::string with_gains_written(const std::string& toml, const std::vector<Gain>& gains) {
+    std::string written = toml;
+    const std::size_t table = toml.find("\n[slip]\n");
+    for (const Gain& g : gains) {
+        const std::size_t end = std::min(written.find("\n[", table + 1), written.size());
+        const std::size_t line = written.find("\n" + g.key + " = ", table);
+        if (table == std::string::npos || line >= end)
+            throw std::invalid_argument("no line '" + g.key + " = ...' below [slip]");
+        const std::size_t value = line + g.key.size() + 4;
+        written.replace(value, written.find_first_of(" #\r\n", value) - value, number(g.value));
+    }
+    return written;
+}
 
 /// Plants and runways that differ from what the controller believes.
 void add_drawn(margins::TrialStops& trial, const ScenarioOptions& options, const margins::LawSearch& law) {
@@ -158,9 +194,7 @@ int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& j
     const auto score = [&](const std::vector<double>& x, double to_beat) {
         return judge.score(margins::with_gains(controller, x), to_beat);
     };
-    const auto progress = [](int done, int all) {
-        show_steps(static_cast<std::size_t>(done), static_cast<std::size_t>(all), "gains judged");
-    };
+    const auto progress = step_progress("gains judged");
     const auto judged = [&](const std::vector<double>& gains) {
         const Config c = margins::with_gains(controller, gains);
         return Judged{gains, judge.margins_of(c),

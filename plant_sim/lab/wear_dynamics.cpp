@@ -99,10 +99,8 @@ LabVerb wear_dynamics_verb(CLI::App& wear) {
     settings::add_config_directory(*verb, command->files.config);
     settings::add_layout_files(*verb, command->files.dbc, command->files.binding);
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out,
-                     "directory of dynamics.json, friction_curves.toml and dynamics.png")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out,
+                      "directory of dynamics.json, friction_curves.toml and dynamics.png");
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
-#include <thread>
 
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 
 namespace plant_sim {
@@ -42,16 +42,14 @@ struct FitCommand {
     std::string campaign;
     OutOfTolerance off = OutOfTolerance::left_out;
     wear::FitSettings settings;
-    unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+    unsigned threads = wear::all_cores();
     std::filesystem::path out = "out/wear";
     std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
     int run() const {
         const wear::Campaign data = load_campaign(source, campaign, off);
-        const wear::Fit fit = wear::fit(data, settings, {threads, {}, [](std::size_t done, std::size_t all) {
-                                                             show_steps(done, all, "EM runs");
-                                                         }});
+        const wear::Fit fit = wear::fit(data, settings, {threads, {}, step_progress("EM runs")});
         const wear::Model model = wear::model_of(data, fit, settings);
         print_table(json_file, "{}\nBetween {:.3f} and {:.3f} MJ the model has seen data; {}.\n",
                     table_of(fit, model), model.data.first_c_e_J * 1e-6, model.data.last_c_e_J * 1e-6,
@@ -92,13 +90,9 @@ LabVerb wear_fit_verb(CLI::App& wear) {
                      "least eigenvalue of a covariance matrix on standardised data")
         ->check(CLI::Range(1e-9, 1.0))
         ->capture_default_str();
-    verb->add_option("--threads", fit->threads, "the result does not depend on it")
-        ->check(CLI::Range(1U, 1024U))
-        ->capture_default_str();
+    settings::add_threads(*verb, fit->threads);
     settings::add_json(*verb, fit->json_file, "results");
-    verb->add_option("--out", fit->out, "directory of model.json, campaign.csv and the pictures")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, fit->out, "directory of model.json, campaign.csv and the pictures");
     verb->add_flag("!--no-pictures", fit->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n  rig-lab wear fit out/endurance\n  rig-lab wear fit measured.csv --components 6 --out "

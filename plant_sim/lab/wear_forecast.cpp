@@ -11,10 +11,10 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/forecast_pictures.hpp"
 #include "plant_sim/lab/landing_mix.hpp"
-#include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/wear/back_test.hpp"
 #include "rig_bridge/wear/population_io.hpp"
@@ -173,16 +173,16 @@ int ForecastCommand::run_back_test(const wear::PopulationFile& file) const {
     std::vector<wear::HeldOut> brakes;
     brakes.reserve(campaigns.size());
     std::size_t without_end = 0;
+    const auto fitted = step_progress("campaigns fitted");
     for (std::size_t i = 0; i < campaigns.size(); ++i) {
         if (const auto life = wear::life_by_fit(campaigns[i], settings.limit, fit))
             brakes.push_back({campaigns[i], *life});
         else
             ++without_end;
-        show_steps(i + 1, campaigns.size(), "campaigns fitted");
+        fitted(i + 1, campaigns.size());
     }
     const wear::BackTest t =
-        wear::back_test(file.population, brakes, settings,
-                        [](std::size_t done, std::size_t all) { show_steps(done, all, "brakes forecast"); });
+        wear::back_test(file.population, brakes, settings, step_progress("brakes forecast"));
     std::string table = fmt::format("{:>14}{:>8}{:>10}{:>12}{:>10}{:>14}{:>16}\n", "part of life", "asked",
                                     "within", "earlier", "later", "mean width", "error of 50 %");
     Json rows = Json::array();
@@ -260,9 +260,7 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
         "directory of whole campaigns as CSV: forecasts at 20, 40, 60 and 80 % of each brake's life "
         "against its end; status 0 when 70 to 90 % are held"));
     settings::add_json(*verb, f->json_file, "results");
-    verb->add_option("--out", f->out, "directory of forecast.json and forecast.png, or back_test.json")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, f->out, "directory of forecast.json and forecast.png, or back_test.json");
     verb->add_flag("!--no-pictures", f->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -15,17 +14,7 @@ namespace plant_sim {
 
 namespace {
 
-constexpr std::array<const char*, 15> kColours{"#1f4e79", "#c55a11", "#548235", "#7f3f98", "#bf9000",
-                                               "#00808a", "#a61c3c", "#5b5b5b", "#2e86de", "#e58e26",
-                                               "#78a22f", "#b56bd0", "#806000", "#33b5c1", "#e0647f"};
-
-const char* colour(std::size_t component) {
-    return kColours[component % kColours.size()];
-}
-
-constexpr const char* kCampaignStyle = R"(set grid lc rgb '#dddddd'
-set border lc rgb '#555555'
-set xlabel 'cumulative brake energy (MJ)'
+constexpr const char* kCampaignStyle = R"(set xlabel 'cumulative brake energy (MJ)'
 set ylabel 'mean brake friction'
 )";
 
@@ -37,9 +26,7 @@ std::string members(const wear::Campaign& campaign, const wear::Mixture& mixture
                        p.mean_friction);
     std::string out;
     for (std::size_t j = 0; j < blocks.size(); ++j)
-        // An empty block would be an error of gnuplot's.
-        fmt::format_to(std::back_inserter(out), "$points{} << EOD\n{}EOD\n", j,
-                       blocks[j].empty() ? "NaN NaN\n" : blocks[j]);
+        out += study::gnuplot_block(fmt::format("points{}", j), blocks[j]);
     return out;
 }
 
@@ -47,7 +34,8 @@ std::string member_plots(std::size_t components) {
     std::string out;
     for (std::size_t j = 0; j < components; ++j)
         fmt::format_to(std::back_inserter(out),
-                       ", $points{} using 1:2 with points pt 7 ps 0.5 lc rgb '{}' notitle", j, colour(j));
+                       ", $points{} using 1:2 with points pt 7 ps 0.5 lc rgb '{}' notitle", j,
+                       study::gnuplot_colour(j));
     return out;
 }
 
@@ -101,14 +89,14 @@ void draw_campaign(const wear::Campaign& campaign, const wear::Model& model,
     }
     script += "EOD\n";
     for (std::size_t j = 0; j < components.size(); ++j)
-        fmt::format_to(std::back_inserter(script), "$ellipse{} << EOD\n{}EOD\n", j, ellipse(components[j]));
+        script += study::gnuplot_block(fmt::format("ellipse{}", j), ellipse(components[j]));
     fmt::format_to(std::back_inserter(script), "set title {} noenhanced\nplot NaN notitle{}",
                    study::gnuplot_quoted(
                        fmt::format("{} maneuvers, {} components", model.data.maneuvers, components.size())),
                    member_plots(components.size()));
     for (std::size_t j = 0; j < components.size(); ++j)
         fmt::format_to(std::back_inserter(script), ", $ellipse{} with lines lw 1.5 lc rgb '{}' title '{}'", j,
-                       colour(j), j == 0 ? "two-sigma ellipse of a component" : "");
+                       study::gnuplot_colour(j), j == 0 ? "two-sigma ellipse of a component" : "");
     script += ", $mean with lines lw 2 lc rgb 'black' title 'mean given the energy'\n";
     study::run_gnuplot(png, 1100, 700, script);
 }
@@ -157,10 +145,10 @@ plot $density using 1:2:3 with image notitle, $contours using 1:2 with lines lw 
 void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& simulated,
                        const std::filesystem::path& png) {
     const auto block = [](const char* name, const wear::Campaign& campaign) {
-        std::string out = fmt::format("${} << EOD\n", name);
+        std::string out;
         for (const wear::Point& p : campaign.points)
             fmt::format_to(std::back_inserter(out), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
-        return out + "EOD\n";
+        return study::gnuplot_block(name, out);
     };
     study::run_gnuplot(png, 1100, 700,
                        kCampaignStyle + block("recorded", recorded) + block("simulated", simulated) +
@@ -170,7 +158,7 @@ void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& sim
 
 void draw_bic(const wear::Model& model, const std::filesystem::path& png) {
     std::string script =
-        "set grid lc rgb '#dddddd'\nset border lc rgb '#555555'\nset xtics 1\nset offsets 0.5, 0.5, graph "
+        "set xtics 1\nset offsets 0.5, 0.5, graph "
         "0.05, graph 0.05\n"
         "set xlabel 'components'\nset ylabel 'BIC (less is better)'\n$bic << EOD\n";
     const auto least = std::min_element(

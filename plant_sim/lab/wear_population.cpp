@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <memory>
-#include <thread>
 
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
+#include "plant_sim/wear/on_threads.hpp"
 #include "rig_bridge/wear/learn_population.hpp"
 #include "rig_bridge/wear/population_io.hpp"
 
@@ -25,8 +25,7 @@ struct PopulationCommand {
     int run() {
         const std::vector<wear::Campaign> campaigns = load_campaigns(sources, off);
         settings.healthy = load_campaigns(healthy, off);
-        const wear::Population p = wear::learn_population(
-            campaigns, settings, [](std::size_t done, std::size_t all) { show_steps(done, all, "steps"); });
+        const wear::Population p = wear::learn_population(campaigns, settings, step_progress("steps"));
         print_table(
             json_file,
             "{}: scatter {:.5f} of which {:.5f} remembers, by {:.2f} from one maneuver to the next; offset "
@@ -47,7 +46,7 @@ struct PopulationCommand {
 
 LabVerb wear_population_verb(CLI::App& wear) {
     const auto command = std::make_shared<PopulationCommand>();
-    command->settings.threads = std::max(1U, std::thread::hardware_concurrency());
+    command->settings.threads = wear::all_cores();
     CLI::App* verb = wear.add_subcommand(
         "population",
         "What several brakes that were worn out have in common and how they differ: for forecast and watch.");
@@ -67,13 +66,9 @@ LabVerb wear_population_verb(CLI::App& wear) {
     add_out_of_tolerance_flag(*verb, command->off);
     verb->add_option("--seed", command->settings.fit.seed, "seed of every random draw")
         ->capture_default_str();
-    verb->add_option("--threads", command->settings.threads, "the result does not depend on it")
-        ->check(CLI::Range(1U, 1024U))
-        ->capture_default_str();
+    settings::add_threads(*verb, command->settings.threads);
     settings::add_json(*verb, command->json_file, "results");
-    verb->add_option("--out", command->out, "directory of population.json")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, command->out, "directory of population.json");
     verb->footer(
         "Example:\n  rig-lab wear population campaigns/ --healthy healthy/ --limit 0.2 --out "
         "out/wear");

@@ -169,9 +169,7 @@ LabVerb wear_simulate_verb(CLI::App& wear) {
     add_rule_options(*verb, simulate->rule);
     verb->add_option("--seed", simulate->seed, "seed of every random draw")->capture_default_str();
     settings::add_json(*verb, simulate->json_file, "results");
-    verb->add_option("--out", simulate->out, "directory of the results")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, simulate->out, "directory of the results");
     verb->footer(
         "Examples:\n"
         "  rig-lab wear simulate out/endurance-1 --model out/wear/model.json\n"

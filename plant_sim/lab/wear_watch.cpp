@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/host/settings/config_directory.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/forecast_pictures.hpp"
-#include "plant_sim/lab/step_progress.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/wear/fault_trial.hpp"
 #include "rig_bridge/wear/population_io.hpp"
@@ -89,7 +89,8 @@ int WatchCommand::run_trial(const wear::PopulationFile& file) const {
         Case{Fault::drag, 0.05},    Case{Fault::drag, 0.10},    Case{Fault::drag, 0.20}};
     const std::vector<wear::Campaign> healthy = load_campaigns({source}, off);
     const wear::HealthyTrial h = wear::try_healthy(file.population, healthy);
-    show_steps(1, kCases.size() + 1, "trials");
+    const auto tried = step_progress("trials");
+    tried(1, kCases.size() + 1);
     std::string table = fmt::format(
         "{} healthy brakes, {} maneuvers: {} called abnormal ({:.2f} % of the brakes), {:.2f} % of maneuvers "
         "suspect\n"
@@ -113,7 +114,7 @@ int WatchCommand::run_trial(const wear::PopulationFile& file) const {
                         {"flagged", t.flagged},
                         {"median_maneuvers", t.median},
                         {"ninety_maneuvers", t.ninety}});
-        show_steps(i + 2, kCases.size() + 1, "trials");
+        tried(i + 2, kCases.size() + 1);
     }
     print_table(json_file, "{}", table);
     const Json json{{"version", ANTISKID_VERSION},
@@ -153,9 +154,7 @@ LabVerb wear_watch_verb(CLI::App& wear) {
         "flagged when they are put into the same campaigns");
     verb->add_option("--seed", watch->seed, "of the trial: where the faults begin")->capture_default_str();
     settings::add_json(*verb, watch->json_file, "results");
-    verb->add_option("--out", watch->out, "directory of health.json and health.png, or watch_trial.json")
-        ->capture_default_str()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, watch->out, "directory of health.json and health.png, or watch_trial.json");
     verb->add_flag("!--no-pictures", watch->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n  rig-lab wear watch runs/brake7\n  rig-lab wear watch measured.csv --model "

@@ -6,7 +6,9 @@
 /// seed given at construction.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -17,13 +19,19 @@
 #include "plant_sim/model/compliant_wheel.hpp"
 #include "plant_sim/model/drag.hpp"
 #include "plant_sim/model/encoder.hpp"
-#include "plant_sim/model/pressure_transducer.hpp"
 #include "plant_sim/model/valve.hpp"
 #include "plant_sim/model/wheel.hpp"
 #include "rig_bridge/rig/random.hpp"
 #include "rig_bridge/rig/rig_parameters.hpp"
 
 namespace plant {
+
+inline double reading_Pa(const TransducerParameters& transducer, double pressure_Pa, Random& random) {
+    double reading = pressure_Pa + transducer.noise_Pa * random.noise();
+    if (transducer.resolution_Pa > 0.0)
+        reading = transducer.resolution_Pa * std::nearbyint(reading / transducer.resolution_Pa);
+    return std::clamp(reading, 0.0, transducer.range_Pa);
+}
 
 /// What acts on the rig beside brake and tyre.
 struct OutsideForces {

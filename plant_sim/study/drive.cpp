@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <cmath>
-#include <fstream>
 #include <iterator>
 #include <string_view>
 
 #include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/input_file.hpp"
+#include "rig_bridge/wear/csv_rows.hpp"
 
 namespace study {
 
@@ -16,90 +15,42 @@ namespace {
 
 constexpr double kStep_s = 1e-3;
 constexpr double kLongest_s = 3600.0;  // one row each ms: 3.6 million
+constexpr std::size_t kMostBytes = 512U << 20U;
 // No brake and no valve of an aircraft comes near: beyond stands another unit, or a slip.
 constexpr double kMost_Pa = 100e6;
 constexpr double kMost_mA = 1000.0;
 
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-class Reader {
-  public:
-    explicit Reader(const std::filesystem::path& csv) : name_(csv.string()), in_(csv) {
-        if (!in_) refuse("cannot be read");
-    }
-
-    DriveProfile read() {
-        std::string line;
-        DriveProfile profile;
-        if (!next(line)) refuse("is empty; expected the header time_s,pressure_Pa or time_s,current_mA");
-        profile.input = header(line);
-        while (next(line)) row(line, profile);
-        if (profile.time_s.size() < 2) refuse("needs two rows of numbers at least");
-        if (profile.time_s.back() - profile.time_s.front() > kLongest_s)
-            refuse(fmt::format("time_s: lasts longer than {:.0f} s", kLongest_s));
-        return profile;
-    }
-
-  private:
-    [[noreturn]] void refuse(const std::string& message) const {
-        throw settings::Error(name_, line_, "", message);
-    }
-
-    bool next(std::string& line) {
-        while (std::getline(in_, line)) {
-            ++line_;
-            if (!trimmed(line).empty()) return true;
-        }
-        return false;
-    }
-
-    [[nodiscard]] DriveInput header(std::string_view line) const {
-        constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-        if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
-        const auto comma = line.find(',');
-        const std::string_view first = trimmed(line.substr(0, comma));
-        const std::string_view second =
-            comma == std::string_view::npos ? "" : trimmed(line.substr(comma + 1));
-        if (first == "time_s" && second == "pressure_Pa") return DriveInput::pressure_Pa;
-        if (first == "time_s" && second == "current_mA") return DriveInput::current_mA;
-        refuse("header '" + std::string(trimmed(line)) +
-               "'; expected time_s,pressure_Pa or time_s,current_mA");
-    }
-
-    [[nodiscard]] double number(std::string_view text, const char* column) const {
-        text = trimmed(text);
-        double value = 0.0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
-            refuse(std::string(column) + ": '" + std::string(text) + "' is no finite number");
-        }
-        return value;
-    }
-
-    void row(std::string_view line, DriveProfile& profile) const {
-        const auto comma = line.find(',');
-        if (comma == std::string_view::npos || line.find(',', comma + 1) != std::string_view::npos) {
-            refuse("expected two columns");
-        }
-        const double time = number(line.substr(0, comma), "time_s");
-        const char* column = profile.input == DriveInput::pressure_Pa ? "pressure_Pa" : "current_mA";
-        const double value = number(line.substr(comma + 1), column);
+DriveProfile parse(const std::string& name, std::string_view csv) {
+    const auto refuse = [&name](unsigned line, const std::string& message) {
+        throw settings::Error(name, line, "", message);
+    };
+    wear::CsvRows rows(csv);
+    if (!rows.next()) refuse(0, "is empty; expected the header time_s,pressure_Pa or time_s,current_mA");
+    const std::vector<std::string_view> header = rows.fields();
+    const bool by_pressure = header.back() == "pressure_Pa";
+    if (header.size() != 2 || header.front() != "time_s" || (!by_pressure && header.back() != "current_mA"))
+        refuse(rows.line(), fmt::format("header '{}'; expected time_s,pressure_Pa or time_s,current_mA",
+                                        fmt::join(header, ",")));
+    DriveProfile profile;
+    profile.input = by_pressure ? DriveInput::pressure_Pa : DriveInput::current_mA;
+    const double most = by_pressure ? kMost_Pa : kMost_mA;
+    while (rows.next()) {
+        const unsigned line = rows.line();
+        if (rows.fields().size() != 2) refuse(line, "expected two columns");
+        const double time = wear::csv_number(name, line, "time_s", rows.fields().front());
+        const double value = wear::csv_number(name, line, header.back(), rows.fields().back());
         if (!profile.time_s.empty() && !(time > profile.time_s.back()))
-            refuse("time_s must increase from row to row");
-        const double most = profile.input == DriveInput::pressure_Pa ? kMost_Pa : kMost_mA;
-        if (value < 0.0 || value > most) refuse(fmt::format("{} must be from 0 to {:g}", column, most));
+            refuse(line, "time_s must increase from row to row");
+        if (value < 0.0 || value > most)
+            refuse(line, fmt::format("{} must be from 0 to {:g}", header.back(), most));
         profile.time_s.push_back(time);
         profile.value.push_back(value);
     }
-
-    std::string name_;
-    std::ifstream in_;
-    std::uint32_t line_ = 0;
-};
+    if (profile.time_s.size() < 2) refuse(rows.line(), "needs two rows of numbers at least");
+    if (profile.time_s.back() - profile.time_s.front() > kLongest_s)
+        refuse(rows.line(), fmt::format("time_s: lasts longer than {:.0f} s", kLongest_s));
+    return profile;
+}
 
 /// Walks forward through a profile.
 class Cursor {
@@ -153,7 +104,7 @@ void append_row(std::string& csv, double time_s, const plant::Rig& rig) {
 }  // namespace
 
 DriveProfile read_profile(const std::filesystem::path& csv) {
-    return Reader(csv).read();
+    return parse(csv.string(), settings::read_file(csv, kMostBytes));
 }
 
 std::string drive(const plant::RigParameters& parameters, const DriveProfile& profile) {

@@ -1,23 +1,14 @@
 #include "plant_sim/study/report.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "firmware/can/value_names.hpp"
+#include "firmware/can/names.hpp"
 
 namespace study {
 
 namespace {
-
-std::vector<std::string> names(antiskid::control::FaultSet faults) {
-    std::vector<std::string> list;
-    for (std::uint8_t i = 0; i < antiskid::control::kFaultCount; ++i) {
-        if (faults.contains(static_cast<antiskid::control::Fault>(i)))
-            list.emplace_back(antiskid::can::kFaultNames[i]);
-    }
-    return list;
-}
 
 nlohmann::ordered_json or_null(const std::optional<double>& value) {
     return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
@@ -51,7 +42,7 @@ std::string to_json(const StopReport& r) {
         {"mean_torque_Nm", f.mean_torque_Nm},
         {"mean_load_N", f.mean_load_N},
         {"valve_travel_mAps", or_null(f.valve_travel_mAps)},
-        {"faults", names(r.faults)},
+        {"faults", antiskid::can::fault_names(r.faults)},
         {"frames_sent", r.frames_sent},
         {"frames_received", r.frames_received},
         {"frames_lost", r.frames_lost},
@@ -65,8 +56,6 @@ std::string to_json(const StopReport& r) {
 
 std::string to_table(const StopReport& r) {
     const StopFigures& f = r.figures;
-    std::string faults;
-    for (const std::string& name : names(r.faults)) faults += (faults.empty() ? "" : ", ") + name;
     std::string t = fmt::format("{} landing, {:.0f} kg at {:.1f} m/s on {}, law {}, slip reference {:.2f}\n",
                                 r.maneuver, r.mass_kg, r.speed_mps, r.surface, r.law, r.slip_reference);
     const auto row = [&t](const char* what, const std::string& value, const char* unit) {
@@ -94,7 +83,9 @@ std::string to_table(const StopReport& r) {
     row("frames sent / received / lost",
         fmt::format("{} / {} / {}", r.frames_sent, r.frames_received, r.frames_lost), "");
     row("periods missed by the rig", fmt::format("{}", r.overruns), "");
-    row("faults", faults.empty() ? "none" : faults, "");
+    row("faults",
+        r.faults.empty() ? "none" : fmt::format("{}", fmt::join(antiskid::can::fault_names(r.faults), ", ")),
+        "");
     t += fmt::format("  seed {}, configuration {}, version {}\n", r.seed, r.config_hash, r.version);
     return t;
 }

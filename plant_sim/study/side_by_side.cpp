@@ -3,10 +3,48 @@
 #include <array>
 #include <memory>
 
-#include "plant_sim/study/rounded_loop.hpp"
-#include "plant_sim/study/session_lanes.hpp"
+#include "plant_sim/model/rig_lanes.hpp"
+#include "plant_sim/study/loop.hpp"
 
 namespace study {
+
+/// Up to eight sessions that advance together, their rigs in plant::RigLanes. Bit by bit what each would do alone.
+class SessionLanes {
+  public:
+    static constexpr std::size_t kLanes = plant::RigLanes::kLanes;
+
+    /// What RigSession::advance is given.
+    struct Period {
+        double current_mA = 0.0;
+        antiskid::control::State controller = antiskid::control::State::self_test;
+    };
+
+    /// `session`, of single_steps(), takes part until it is replaced or taken out (nullptr); it must outlive that where it is.
+    void place(std::size_t lane, RigSession* session);
+    /// One period of every session.
+    void advance(const std::array<Period, kLanes>& periods);
+
+  private:
+    std::array<RigSession*, kLanes> sessions_{};
+    plant::RigLanes rigs_;
+};
+
+void SessionLanes::place(std::size_t lane, RigSession* session) {
+    sessions_[lane] = session;
+    rigs_.place(lane, session != nullptr ? &session->rig_ : nullptr);
+}
+
+void SessionLanes::advance(const std::array<Period, kLanes>& periods) {
+    std::array<double, kLanes> current_mA{};
+    for (std::size_t i = 0; i < kLanes; ++i) current_mA[i] = periods[i].current_mA;
+    rigs_.advance_current(current_mA);
+    for (std::size_t i = 0; i < kLanes; ++i) {
+        if (sessions_[i] == nullptr) continue;
+        sessions_[i]->meter_.command(periods[i].current_mA);
+        sessions_[i]->measure();
+        sessions_[i]->close_period(periods[i].controller);
+    }
+}
 
 namespace {
 
@@ -22,14 +60,15 @@ class Runner {
         while (running_ > 0) {
             for (std::size_t i = 0; i < kLanes; ++i) {
                 if (loops_[i] == nullptr) continue;
-                const antiskid::control::State state = loops_[i]->control().state;
-                periods_[i] = {loops_[i]->current_mA(), state};
+                loops_[i]->control();
+                periods_[i] = {loops_[i]->link().current_mA(), loops_[i]->link().state()};
             }
             lanes_.advance(periods_);
             for (std::size_t i = 0; i < kLanes; ++i) {
                 if (loops_[i] == nullptr) continue;
                 if (observers_[i])
-                    observers_[i](loops_[i]->session(), loops_[i]->view(), loops_[i]->current_mA());
+                    observers_[i](loops_[i]->session(), loops_[i]->link().view(),
+                                  loops_[i]->link().current_mA());
                 if (!loops_[i]->session().done()) continue;
                 done_(numbers_[i], loops_[i]->result());
                 loops_[i].reset();
@@ -50,7 +89,8 @@ class Runner {
                 return;
             }
             const std::size_t number = begun_++;
-            auto loop = std::make_unique<RoundedLoop>(m->controller, layout_, m->rig, m->options);
+            auto loop = std::make_unique<Loop<ValueLink>>(m->controller, m->rig, m->options,
+                                                          ValueLink(layout_, period_of(m->controller)));
             if (loop->session().single_steps() && !loop->session().done()) {
                 loops_[lane] = std::move(loop);
                 numbers_[lane] = number;
@@ -66,7 +106,7 @@ class Runner {
 
     SessionLanes lanes_;  // first: it is aligned for vector code
     std::array<SessionLanes::Period, kLanes> periods_{};
-    std::array<std::unique_ptr<RoundedLoop>, kLanes> loops_;
+    std::array<std::unique_ptr<Loop<ValueLink>>, kLanes> loops_;
     std::array<std::size_t, kLanes> numbers_{};
     std::array<StepObserver, kLanes> observers_;
     const antiskid::can::Layout& layout_;

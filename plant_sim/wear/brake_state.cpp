@@ -9,7 +9,6 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "firmware/host/settings/input_file.hpp"
-#include "firmware/host/settings/near_miss.hpp"
 #include "rig_bridge/wear/json_object.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 
@@ -48,19 +47,9 @@ std::string to_json(const BrakeState& state, const BrakeWear& wear) {
 }
 
 BrakeState brake_state_from_json(const std::string& name, std::string_view text, const BrakeWear& wear) {
-    Json json;
-    try {
-        json = Json::parse(text);
-    } catch (const Json::parse_error& e) {
-        throw Error(name, 0, "", fmt::format("no JSON: {}", settings::printable(e.what())));
-    }
+    const Json json = parsed_json(name, text);
     JsonObject root(name, "", json);
-    if (root.text("format") != kBrakeStateFormat)
-        throw Error(name, 0, "format", fmt::format("must be '{}'", kBrakeStateFormat));
-    if (const auto version = root.count("format_version"); version != kBrakeStateFormatVersion)
-        throw Error(name, 0, "format_version",
-                    fmt::format("{} is not the version that this program reads ({})", version,
-                                kBrakeStateFormatVersion));
+    root.check_format(kBrakeStateFormat, kBrakeStateFormatVersion);
     const std::string hash = root.text("wear_hash");
     const BrakeState state{.seed = root.count("seed"),
                            .maneuvers = root.count("maneuvers"),

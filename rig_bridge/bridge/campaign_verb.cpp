@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "firmware/can/names.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
 #include "rig_bridge/bridge/record_found_bus.hpp"
@@ -18,7 +19,6 @@
 #include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/bridge/wear_regulation.hpp"
-#include "rig_bridge/record/fault_names.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_meter.hpp"
@@ -35,9 +35,9 @@ std::string now_text() {
 /// A campaign as one session of the program runs it.
 class CampaignRun {
   public:
-    CampaignRun(const Setup& setup, const CampaignCommand& command, std::string name, StopRequests& stops,
-                Terminal& terminal, Ledger& ledger, const std::optional<WearRegulation>& regulation,
-                HealthWatch* watch)
+    CampaignRun(const Setup& setup, const CampaignCommand& command, std::string name,
+                antiskid::rt::StopSignals& stops, Terminal& terminal, Ledger& ledger,
+                const std::optional<WearRegulation>& regulation, HealthWatch* watch)
         : setup_(setup),
           command_(command),
           name_(std::move(name)),
@@ -63,7 +63,7 @@ class CampaignRun {
     const Setup& setup_;
     const CampaignCommand& command_;
     std::string name_;
-    StopRequests& stops_;
+    antiskid::rt::StopSignals& stops_;
     Terminal& terminal_;
     Ledger& ledger_;
     const std::optional<WearRegulation>& regulation_;
@@ -224,7 +224,7 @@ std::optional<Summary> summary_of_log(const Attempt& left, const Setup& setup) {
     summary.outcome = name(RowState::unfinished);
     summary.figures = metered.figures;
     summary.warnings = metered.warnings;
-    summary.faults = fault_names(metered.faults);
+    summary.faults = antiskid::can::fault_names(metered.faults);
     summary.frames = metered.frames;
     summary.seed = setup.options.seed;
     summary.version = ANTISKID_VERSION;
@@ -274,7 +274,7 @@ int run_campaign(const CampaignCommand& command) {
     const std::string name = command.name.empty() ? setup.scenario.name : command.name;
     const std::filesystem::path file = ledger_file(command.rig.out);
     const RigHold hold(hold_places(setup), holder_text("campaign", command.rig.out));
-    StopRequests stops;
+    antiskid::rt::StopSignals stops;
     Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
     Ledger ledger(file);
     const Resumed resumed =

@@ -49,7 +49,7 @@ int run_maneuver(const ManeuverCommand& command) {
     const std::filesystem::path place = folder(setup);
     const RigHold hold(hold_places(setup), holder_text("maneuver", place));
     check_start(setup, place);
-    StopRequests stops;
+    antiskid::rt::StopSignals stops;
     Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
     sequencer::Plan planned = plan(setup.scenario, setup.options.seed, 1);
     if (!command.cool_down) planned.cool_to_C = kAnyTemperature_C;

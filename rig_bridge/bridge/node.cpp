@@ -72,14 +72,14 @@ void Node::send(std::int64_t number) {
     // Takes note of what became of the link; the frames themselves are the recorder's.
     std::array<Frame, antiskid::can::RigPort::kMostFrames> frames{};
     (void)bus_.receive(frames);
-    const antiskid::can::RigSample sample = telegram(moment_.outputs, moment_.plc, number);
+    const antiskid::can::RigSample sample = telegram(moment_.outputs, moment_.plc.values, number);
     const auto due = std::span(frames).first(port_.due_frames(sample, frames));
     if (command_waits(due)) (void)bus_.send(port_.maneuver(sample.maneuver));
     said_ = moment_.outputs.phase;
     for (const Frame& frame : due) (void)bus_.send(frame);
     if (layout_[Role::load_cells].bound && steps_ % load_cell_steps_ == 0 &&
         load_cells_fresh(moment_.plc, limits_))
-        (void)bus_.send(port_.load_cells(load_cells(moment_.plc)));
+        (void)bus_.send(port_.load_cells(load_cells(moment_.plc.values)));
 }
 
 }  // namespace rig

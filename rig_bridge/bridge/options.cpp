@@ -42,7 +42,7 @@ void add_rig_options(CLI::App& app, RigOptions& o, PlcOptions& plc, const char* 
     auto* const rtu =
         app.add_option("--plc-rtu", plc.rtu, "the serial line of the PLC's Modbus RTU")->type_name("DEVICE");
     tcp->excludes(rtu);
-    app.add_option("--out", o.out, out)->type_name("DIRECTORY");
+    settings::add_out(app, o.out, out);
     app.add_option("--seed", o.seed, "seed of every random draw")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();

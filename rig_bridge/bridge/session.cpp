@@ -7,13 +7,13 @@
 #include <cmath>
 #include <utility>
 
+#include "firmware/can/names.hpp"
 #include "firmware/can/socket_can.hpp"
 #include "firmware/can/value_names.hpp"
 #include "rig_bridge/bridge/abort_hook.hpp"
 #include "rig_bridge/bridge/next_step.hpp"
 #include "rig_bridge/bridge/view_model.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
-#include "rig_bridge/record/fault_names.hpp"
 #include "rig_bridge/scenario/acceptance.hpp"
 
 namespace rig {
@@ -53,7 +53,7 @@ bool rests(Phase phase) {
 
 }  // namespace
 
-Session::Session(const Setup& setup, StopRequests& stops, Terminal& terminal)
+Session::Session(const Setup& setup, antiskid::rt::StopSignals& stops, Terminal& terminal)
     : setup_(setup),
       stops_(stops),
       terminal_(terminal),
@@ -278,7 +278,7 @@ Ran Session::run(const Order& order) {
         ran.outside = what_is_outside(bands, s.figures);
     }
     s.cumulative_energy_J = order.taken_J + counted_energy_J(s);
-    s.faults = fault_names(recording->meter.faults());
+    s.faults = antiskid::can::fault_names(recording->meter.faults());
     s.frames = recording->log.frames() - recording->log.missing();
     s.frames_dropped = recording->dropped;
     s.seed = setup_.options.seed;

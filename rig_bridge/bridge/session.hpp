@@ -12,12 +12,12 @@
 
 #include "firmware/host/clock.hpp"
 #include "firmware/host/periodic_timer.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "firmware/host/supervised_can.hpp"
 #include "rig_bridge/bridge/bus_recorder.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
 #include "rig_bridge/bridge/node.hpp"
 #include "rig_bridge/bridge/setup.hpp"
-#include "rig_bridge/bridge/stop_requests.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
 #include "rig_bridge/bridge/trace.hpp"
 #include "rig_bridge/record/sample_log.hpp"
@@ -52,7 +52,7 @@ struct EndAtOnce {};
 class Session {
   public:
     /// Throws std::runtime_error naming the interface, or std::invalid_argument for a PLC address that is none.
-    Session(const Setup& setup, StopRequests& stops, Terminal& terminal);
+    Session(const Setup& setup, antiskid::rt::StopSignals& stops, Terminal& terminal);
     ~Session();
 
     /// Waits until the brake is cold enough (or nothing is heard of the PLC), then runs the maneuver to its end, safe end included, and
@@ -79,7 +79,7 @@ class Session {
     void write_sample(SampleLog& samples, const Moment& moment);
 
     const Setup& setup_;
-    StopRequests& stops_;
+    antiskid::rt::StopSignals& stops_;
     Terminal& terminal_;
     antiskid::rt::MonotonicClock clock_;
     std::optional<Lockstep> lockstep_;

@@ -28,8 +28,8 @@ bool heard(Time received, Time looked, double limit_s) {
     return received != kNever && age_s(received, looked) <= limit_s;
 }
 
-float brake_temperature_C(const Snapshot& plc) {
-    const double value = plc.value(Measured::brake_temperature_C);
+float brake_temperature_C(const MeasuredValues& plc) {
+    const double value = at(plc, Measured::brake_temperature_C);
     return std::isfinite(value) ? static_cast<float>(value) : 0.0F;
 }
 
@@ -103,7 +103,7 @@ CommandedValues commands(const Outputs& out, bool reset) {
     return values;
 }
 
-RigSample telegram(const Outputs& out, const Snapshot& plc, std::int64_t maneuver_number) {
+RigSample telegram(const Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number) {
     RigSample sample;
     sample.maneuver.law = static_cast<antiskid::control::Law>(out.law);
     sample.maneuver.arm = out.arm;
@@ -119,10 +119,10 @@ RigSample telegram(const Outputs& out, const Snapshot& plc, std::int64_t maneuve
     return sample;
 }
 
-antiskid::can::LoadCellSample load_cells(const Snapshot& plc) {
-    return {.vertical_N = static_cast<float>(plc.value(Measured::vertical_load_N)),
-            .longitudinal_N = static_cast<float>(plc.value(Measured::longitudinal_force_N)),
-            .brake_torque_Nm = static_cast<float>(plc.value(Measured::brake_torque_Nm))};
+antiskid::can::LoadCellSample load_cells(const MeasuredValues& plc) {
+    return {.vertical_N = static_cast<float>(at(plc, Measured::vertical_load_N)),
+            .longitudinal_N = static_cast<float>(at(plc, Measured::longitudinal_force_N)),
+            .brake_torque_Nm = static_cast<float>(at(plc, Measured::brake_torque_Nm))};
 }
 
 bool load_cells_fresh(const Snapshot& plc, const Freshness& limits) {

@@ -30,9 +30,9 @@ struct Freshness {
 [[nodiscard]] CommandedValues commands(const sequencer::Outputs& out, bool reset);
 
 /// What the bridge says on the bus; load cells apart, see load_cells().
-[[nodiscard]] antiskid::can::RigSample telegram(const sequencer::Outputs& out, const Snapshot& plc,
+[[nodiscard]] antiskid::can::RigSample telegram(const sequencer::Outputs& out, const MeasuredValues& plc,
                                                 std::int64_t maneuver_number);
-[[nodiscard]] antiskid::can::LoadCellSample load_cells(const Snapshot& plc);
+[[nodiscard]] antiskid::can::LoadCellSample load_cells(const MeasuredValues& plc);
 [[nodiscard]] bool load_cells_fresh(const Snapshot& plc, const Freshness& limits);
 
 }  // namespace rig

@@ -40,7 +40,7 @@ struct ViewModel {
     std::string_view controller;  ///< its state, "silent", or "refused": heard, but no frame is good
     std::string_view plc;         ///< ready, tripped, silent, ...
     std::string_view bus;         ///< up or down
-    std::vector<std::string_view> faults;
+    std::vector<std::string> faults;
     std::uint64_t frames = 0;
     std::uint64_t dropped = 0;
     std::string note;  ///< what is waited for, what went wrong

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/can/names.hpp"
 #include "firmware/can/value_names.hpp"
 
 namespace rig {
@@ -41,12 +42,7 @@ ViewModel view_of(const Moment& m, const Freshness& limits) {
                                                       : std::string_view("refused");
     v.plc = plc_state(m);
     v.bus = m.inputs.bus_up ? "up" : "down";
-    if (m.inputs.controller_fresh) {
-        for (std::size_t i = 0; i < antiskid::control::kFaultCount; ++i) {
-            if (controller.faults.contains(static_cast<antiskid::control::Fault>(i)))
-                v.faults.push_back(antiskid::can::kFaultNames[i]);
-        }
-    }
+    if (m.inputs.controller_fresh) v.faults = antiskid::can::fault_names(controller.faults);
     v.frames = m.bus.frames;
     v.dropped = m.bus.dropped;
     v.note = note_of(m);

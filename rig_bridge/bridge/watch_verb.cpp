@@ -9,15 +9,16 @@
 #include <thread>
 
 #include "firmware/can/load_layout.hpp"
+#include "firmware/can/names.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/can/value_names.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/command_line.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/bridge/bus_recorder.hpp"
 #include "rig_bridge/bridge/campaign.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/rig_time.hpp"
-#include "rig_bridge/bridge/stop_requests.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/bridge/view_model.hpp"
@@ -176,10 +177,7 @@ class Watch {
         seen_.senders = senders_text(bus, speaks);
         seen_.slip_reference = speaks ? static_cast<double>(c.slip_reference) : 0.0;
         seen_.current_mA = fresh(c.command_received) ? static_cast<double>(c.current_mA) : std::nan("");
-        seen_.faults.clear();
-        for (std::size_t i = 0; speaks && i < antiskid::control::kFaultCount; ++i)
-            if (c.faults.contains(static_cast<antiskid::control::Fault>(i)))
-                seen_.faults.push_back(antiskid::can::kFaultNames[i]);
+        seen_.faults = speaks ? antiskid::can::fault_names(c.faults) : std::vector<std::string>{};
         seen_.tells_road = layout_[Role::road].bound;
         seen_.road = fresh(c.road_received) ? std::optional(c.road) : std::nullopt;
     }
@@ -227,7 +225,7 @@ int watch_rig(const WatchCommand& command) {
         command.dbc.empty() ? command.config / "antiskid.dbc" : command.dbc,
         command.binding.empty() ? command.config / "antiskid_binding.toml" : command.binding);
     const Scenario scenario = load_scenario(scenario_file(command), command.config);
-    StopRequests stops;
+    antiskid::rt::StopSignals stops;
     Watch watch(command, layout,
                 meter_parameters(scenario, antiskid::load_controller_config(scenario.controller)));
     watch.scenario(scenario.name);

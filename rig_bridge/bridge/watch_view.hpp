@@ -2,16 +2,42 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "firmware/control/types.hpp"
-#include "rig_bridge/bridge/strip_chart.hpp"
 #include "rig_bridge/sequencer/sequencer.hpp"
 
 namespace rig {
+
+struct StripSample {
+    double time_s = 0.0;
+    double rim_mps = 0.0;
+    double wheel_mps = 0.0;
+    double slip = 0.0;
+    double slip_reference = 0.0;
+    double pressure_Pa = 0.0;
+};
+
+/// The last ten seconds of speed, slip and pressure as plain text.
+class StripChart {
+  public:
+    static constexpr double kLength_s = 10.0;
+    static constexpr std::size_t kColumns = 60;  ///< of the strip; with its scale a line has kWidth
+    static constexpr std::size_t kWidth = 79;
+    static constexpr std::size_t kRows = 4;  ///< of each strip
+
+    /// Time that does not grow begins anew.
+    void add(const StripSample& sample);
+    /// Three strips and the axis of time; * rim, o wheel, * slip, - its reference, * pressure. Left of what was seen it is empty.
+    [[nodiscard]] std::vector<std::string> lines() const;
+
+  private:
+    std::deque<StripSample> samples_;
+};
 
 /// Who runs the campaign, as bus and ledger say it.
 struct BridgeSigns {
@@ -50,7 +76,7 @@ struct Watched {
     double current_mA = 0.0;
     std::string_view controller;  ///< its state, "silent", or "refused": heard, but no frame is good
     std::string senders;          ///< as senders_text()
-    std::vector<std::string_view> faults;
+    std::vector<std::string> faults;
     bool tells_road = false;  ///< the layout has that frame
     std::optional<antiskid::control::RoadEstimate> road;
 };

@@ -23,8 +23,6 @@ std::string script(const std::filesystem::path& csv, const std::string& title, d
 data = {csv}
 set style line 1 lc rgb '#1f4e79' lw 2
 set style line 2 lc rgb '#c55a11' lw 1.6
-set grid lc rgb '#dddddd'
-set border lc rgb '#555555'
 set key top center
 set lmargin 10
 set rmargin 3

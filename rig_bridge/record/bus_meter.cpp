@@ -1,6 +1,5 @@
 #include "rig_bridge/record/bus_meter.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "firmware/can/roles.hpp"
@@ -27,62 +26,19 @@ ShaftSample shaft(const antiskid::control::SpeedInput& input, const antiskid::ca
 }  // namespace
 
 BusMeter::BusMeter(const antiskid::can::Layout& layout, const MeterParameters& parameters)
-    : layout_(layout), period_s_(parameters.period_s), observer_(layout), meter_(parameters) {}
+    : layout_(layout), samples_(layout, parameters.period_s), meter_(parameters) {}
 
 void BusMeter::accept(const antiskid::can::Frame& frame) {
-    const auto role = observer_.accept(frame);
-    if (!role) return;
-    wheel_reported_ = wheel_reported_ || *role == Role::wheel;
-    flywheel_reported_ = flywheel_reported_ || *role == Role::flywheel;
-    load_cells_reported_ = load_cells_reported_ || *role == Role::load_cells;
+    const auto role = samples_.accept(frame);
+    const antiskid::can::BusView& v = view();
+    wheel_reported_ = wheel_reported_ || role == Role::wheel;
+    flywheel_reported_ = flywheel_reported_ || role == Role::flywheel;
+    load_cells_reported_ = load_cells_reported_ || role == Role::load_cells;
     // Until spin-up ends with arming, the controller still names what an earlier maneuver left.
     constexpr std::uint8_t kSpinUp = 1;
-    if (*role == Role::faults && view().maneuver_state.phase > kSpinUp)
-        faults_.insert(view().controller.faults);
-    if (*role == Role::sync) {
-        count_sync();
-    } else if (*role == Role::pressure && !sync_) {
-        const std::int64_t us = frame.received.count() / 1000;
-        if (!stamped_) first_us_ = newest_us_ = us;
-        stamped_ = true;
-        if (us < newest_us_) {
-            // From here on the stamps run on from where they had been.
-            first_us_ -= newest_us_ - us;
-            ++steps_back_;
-        }
-        newest_us_ = us;
-        sample(static_cast<double>(us - first_us_) * 1e-6);
-    }
-}
-
-/// The number has no CRC: a leap counts once the next number goes on from it.
-void BusMeter::count_sync() {
-    const std::uint32_t number = view().sync_number;
-    const antiskid::can::Signal& counter = layout_.sync_counter;
-    std::uint64_t passed = 1;
-    if (sync_ && counter.bound()) {
-        const std::uint64_t mask = counter.mask();
-        passed = (number - last_sync_) & mask;
-        if (passed == 0) return;  // the same sample said twice
-        constexpr std::uint64_t kLeap = 8;
-        const bool goes_on = leapt_to_ && ((number - *leapt_to_) & mask) == 1;
-        leapt_to_.reset();
-        if (passed > kLeap && !goes_on) {
-            leapt_to_ = number;
-            return;
-        }
-        if (passed > mask / 2) passed = 1;  // the rig counts anew
-    }
-    sync_ = true;
-    last_sync_ = number;
-    syncs_ += passed;
-    sample(static_cast<double>(syncs_) * period_s_);
-}
-
-void BusMeter::sample(double time_s) {
-    const antiskid::can::BusView& v = view();
-    if (v.wheel.received == kNever || v.flywheel.received == kNever || v.pressure.received == kNever) return;
-    meter_.feed({.time_s = time_s,
+    if (role == Role::faults && v.maneuver_state.phase > kSpinUp) faults_.insert(v.controller.faults);
+    if (!samples_.ended()) return;
+    meter_.feed({.time_s = samples_.time_s(),
                  .phase = v.maneuver_state.phase,
                  .wheel = shaft(v.wheel, layout_.wheel, wheel_reported_),
                  .flywheel = shaft(v.flywheel, layout_.flywheel, flywheel_reported_),
@@ -97,7 +53,7 @@ void BusMeter::sample(double time_s) {
 
 std::uint64_t BusMeter::frames_lost() const {
     std::uint64_t lost = 0;
-    for (const Role role : antiskid::can::kEveryRole) lost += observer_.stats(role).lost;
+    for (const Role role : antiskid::can::kEveryRole) lost += samples_.observer().stats(role).lost;
     return lost;
 }
 

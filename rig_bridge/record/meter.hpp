@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "firmware/can/layout.hpp"
+#include "firmware/can/rig_sample.hpp"
 #include "rig_bridge/record/edge_track.hpp"
 #include "rig_bridge/record/summary.hpp"
 #include "rig_bridge/record/work_books.hpp"
@@ -73,6 +74,13 @@ struct ShaftSample {
     RollOver roll_over{};
     bool reported = true;  ///< false: nothing new of this sensor since the sample before
 };
+
+/// Of an encoder as its electronics see it.
+[[nodiscard]] inline ShaftSample shaft_sample(const antiskid::can::SpeedSample& sample) {
+    return {.edge_count = sample.edge_count,
+            .edge_time = sample.edge_time,
+            .speed_radps = static_cast<double>(sample.speed_radps)};
+}
 
 /// What was known at one control period.
 struct MeterSample {

@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/input_file.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 
 namespace rig {
@@ -29,10 +28,7 @@ ordered_json number(double value) {
 class Reader {
   public:
     explicit Reader(const std::filesystem::path& path) : path_(path.string()) {
-        std::ifstream in(path, std::ios::binary);
-        if (!in) throw settings::Error(path_, 0, "", "cannot be read");
-        const std::string text{std::istreambuf_iterator<char>(in), {}};
-        root_ = ordered_json::parse(text, nullptr, false);
+        root_ = ordered_json::parse(settings::read_file(path), nullptr, false);
         if (root_.is_discarded() || !root_.is_object())
             throw settings::Error(path_, 0, "", "is no whole JSON object: expected a maneuver's summary");
     }

@@ -116,7 +116,7 @@ struct CampaignCommand {
         if (rows != csv) settings::write_file(rows, to_csv(table));
         study::run_gnuplot(
             picture, 1000, 600,
-            fmt::format("set datafile separator ','\nset grid lc rgb '#dddddd'\nset key off\n"
+            fmt::format("set datafile separator ','\nset key off\n"
                         "set xlabel 'brake energy of this brake and disc (MJ)'\nset ylabel 'mean friction'\n"
                         "plot {} using (column('disc_energy_J') * 1e-6):'mean_friction' with points pt 7 "
                         "ps 0.6 lc rgb '#1f4e79'\n",

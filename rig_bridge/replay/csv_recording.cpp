@@ -6,34 +6,13 @@
 #include <limits>
 #include <stdexcept>
 
+#include "firmware/host/settings/csv_field.hpp"
 #include "rig_bridge/replay/line_source.hpp"
 #include "rig_bridge/replay/recording.hpp"
 
 namespace rig {
 
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-/// The cells of a row; one in double quotes may hold separators.
-void split(std::string_view line, char separator, std::vector<std::string_view>& cells) {
-    cells.clear();
-    for (std::size_t from = 0; from <= line.size();) {
-        const bool quoted = from < line.size() && line[from] == '"';
-        std::size_t closing = quoted ? line.find('"', from + 1) : std::string_view::npos;
-        if (closing == std::string_view::npos) closing = from;
-        const std::size_t end = std::min(line.find(separator, closing), line.size());
-        std::string_view cell = trimmed(line.substr(from, end - from));
-        if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
-            cell = cell.substr(1, cell.size() - 2);
-        cells.push_back(cell);
-        from = end + 1;
-    }
-}
 
 class CsvRecording final : public Recording {
   public:
@@ -61,11 +40,11 @@ class CsvRecording final : public Recording {
                 return false;
             }
             refuse_long(line);
-        } while (trimmed(line.text).empty());
+        } while (settings::trimmed(line.text).empty());
         row.row = line.number;
         row.unreadable.clear();
         row.values.assign(wanted_.size(), std::numeric_limits<double>::quiet_NaN());
-        split(line.text, map_.separator, cells_);
+        settings::split_csv(line.text, map_.separator, cells_);
         for (std::size_t i = 0; i < wanted_.size(); ++i) {
             const std::string_view cell =
                 places_[i] < cells_.size() ? cells_[places_[i]] : std::string_view();
@@ -90,7 +69,7 @@ class CsvRecording final : public Recording {
     void find_columns(std::string_view line) {
         constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
         if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
-        split(line, map_.separator, cells_);
+        settings::split_csv(line, map_.separator, cells_);
         for (const std::string& column : wanted_) {
             const auto found = std::find(cells_.begin(), cells_.end(), column);
             if (found == cells_.end()) {
@@ -105,7 +84,7 @@ class CsvRecording final : public Recording {
     }
 
     void find_units(std::string_view line) {
-        split(line, map_.separator, cells_);
+        settings::split_csv(line, map_.separator, cells_);
         for (const std::size_t place : places_)
             units_.emplace_back(place < cells_.size() ? cells_[place] : std::string_view());
     }

@@ -103,9 +103,8 @@ ReplayVerb import_verb(CLI::App& app) {
         verb->add_option("--map", c->map,
                          "which column is what, in which unit; where a maneuver begins and ends (TOML)"))
         ->required();
-    verb->add_option("--out", c->out, "folder of the campaign to make: 0001/bus.log, 0001/summary.json, ...")
-        ->required()
-        ->type_name("DIRECTORY");
+    settings::add_out(*verb, c->out, "folder of the campaign to make: 0001/bus.log, 0001/summary.json, ...")
+        ->required();
     settings::add_config_directory(*verb, c->config);
     settings::add_json(*verb, c->json, "maneuvers");
     settings::add_layout_files(*verb, c->dbc, c->binding);

@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <mutex>
 #include <optional>
-#include <thread>
 
+#include "plant_sim/wear/on_threads.hpp"
 #include "rig_bridge/wear/fit_starts.hpp"
 
 namespace wear {
@@ -88,45 +86,6 @@ void check(const Campaign& campaign, const FitSettings& settings, const FitContr
                                           parameters_of(settings.most_components), points / 6));
 }
 
-/// Runs jobs 0 .. count - 1 on all threads; what one throws is thrown here.
-class Workers {
-  public:
-    Workers(const FitControl& control, std::size_t all) : control_(control), all_(all) {}
-
-    void run(std::size_t count, const std::function<void(std::size_t)>& job) {
-        std::atomic<std::size_t> next{0};
-        std::exception_ptr failure;
-        const auto work = [&] {
-            try {
-                for (std::size_t i = next++; i < count; i = next++) {
-                    if (control_.stop.stop_requested()) throw Cancelled();
-                    job(i);
-                    const std::lock_guard lock(mutex_);
-                    ++done_;
-                    if (control_.progress) control_.progress(done_, all_);
-                }
-            } catch (...) {
-                next = count;
-                const std::lock_guard lock(mutex_);
-                if (!failure) failure = std::current_exception();
-            }
-        };
-        {
-            std::vector<std::jthread> helpers;
-            helpers.reserve(control_.threads - 1);
-            for (unsigned t = 1; t < control_.threads; ++t) helpers.emplace_back(work);
-            work();
-        }
-        if (failure) std::rethrow_exception(failure);
-    }
-
-  private:
-    const FitControl& control_;
-    std::size_t all_;
-    std::size_t done_ = 0;
-    std::mutex mutex_;
-};
-
 /// The best run of one M so far; the first of equals.
 struct Search {
     std::optional<EmRun> best;
@@ -155,8 +114,18 @@ Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl&
     std::vector<EmRun> random((most - least + 1) * starts);
     std::size_t splits = 0;
     for (std::size_t m = least; m < most; ++m) splits += 2 * m;
-    Workers workers(control, random.size() + splits);
-    workers.run(random.size(), [&](std::size_t job) {
+    std::mutex mutex;
+    std::size_t done = 0;
+    const auto on_all = [&](std::size_t count, const std::function<void(std::size_t)>& job) {
+        run_jobs(control.threads, count, [&](std::size_t i) {
+            if (control.stop.stop_requested()) throw Cancelled();
+            job(i);
+            const std::scoped_lock lock(mutex);
+            ++done;
+            if (control.progress) control.progress(done, random.size() + splits);
+        });
+    };
+    on_all(random.size(), [&](std::size_t job) {
         const std::size_t m = most - job / starts;  // the long ones first, so that threads end together
         const std::size_t start = job % starts;
         constexpr int kSweeps = 10;
@@ -173,7 +142,7 @@ Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl&
     for (std::size_t m = least + 1; m <= most; ++m) {
         const StandardMixture smaller = found[m - 1].best->mixture;
         std::vector<EmRun> runs(2 * (m - 1));
-        workers.run(runs.size(), [&](std::size_t job) {
+        on_all(runs.size(), [&](std::size_t job) {
             runs[job] = em(points, split(smaller, job / 2, job % 2 == 0), settings.em);
         });
         for (const EmRun& run : runs) found[m].take(run);

@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/near_miss.hpp"
 
 namespace wear {
 
@@ -63,6 +65,15 @@ class JsonObject {
         if (!value.is_string()) throw settings::Error(file_, 0, path_of(key), "must be a string");
         return value.get<std::string>();
     }
+    /// The keys `format` and `format_version` must be these.
+    void check_format(std::string_view format, std::uint64_t version) {
+        if (text("format") != format)
+            throw settings::Error(file_, 0, "format", fmt::format("must be '{}'", format));
+        if (const auto is = count("format_version"); is != version)
+            throw settings::Error(
+                file_, 0, "format_version",
+                fmt::format("{} is not the version that this program reads ({})", is, version));
+    }
     /// To be called when every key was asked for once.
     void finish() const {
         if (asked_ != json_.size())
@@ -79,5 +90,13 @@ class JsonObject {
     const nlohmann::ordered_json& json_;
     std::size_t asked_ = 0;
 };
+
+[[nodiscard]] inline nlohmann::ordered_json parsed_json(const std::string& file, std::string_view text) {
+    try {
+        return nlohmann::ordered_json::parse(text);
+    } catch (const nlohmann::ordered_json::parse_error& e) {
+        throw settings::Error(file, 0, "", fmt::format("no JSON: {}", settings::printable(e.what())));
+    }
+}
 
 }  // namespace wear

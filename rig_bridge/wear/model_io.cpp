@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "firmware/host/settings/input_file.hpp"
-#include "firmware/host/settings/near_miss.hpp"
 #include "rig_bridge/wear/json_object.hpp"
 
 namespace wear {
@@ -97,19 +96,9 @@ std::string to_json(const Model& m) {
 }
 
 Model from_json(const std::string& name, std::string_view text) {
-    Json json;
-    try {
-        json = Json::parse(text);
-    } catch (const Json::parse_error& e) {
-        throw Error(name, 0, "", fmt::format("no JSON: {}", settings::printable(e.what())));
-    }
+    const Json json = parsed_json(name, text);
     Reader root(name, "", json);
-    if (root.text("format") != kModelFormat)
-        throw Error(name, 0, "format", fmt::format("must be '{}'", kModelFormat));
-    if (const auto version = root.count("format_version"); version != kModelFormatVersion)
-        throw Error(
-            name, 0, "format_version",
-            fmt::format("{} is not the version that this program reads ({})", version, kModelFormatVersion));
+    root.check_format(kModelFormat, kModelFormatVersion);
     const Model::Data data = data_of(root.object("data"), name);
     const Model::Search search = search_of(root.object("search"));
     std::vector<Model::Order> orders;

@@ -4,7 +4,6 @@
 
 #include "firmware/host/settings/hash.hpp"
 #include "firmware/host/settings/input_file.hpp"
-#include "firmware/host/settings/near_miss.hpp"
 #include "rig_bridge/wear/json_object.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 
@@ -71,21 +70,11 @@ std::string to_json(const Population& p) {
 }
 
 Population population_from_json(const std::string& name, std::string_view text) {
-    Json json;
-    try {
-        json = Json::parse(text);
-    } catch (const Json::parse_error& e) {
-        throw Error(name, 0, "", fmt::format("no JSON: {}", settings::printable(e.what())));
-    }
+    const Json json = parsed_json(name, text);
     if (json.is_object() && json.contains("format") && json["format"] == kModelFormat)
         return population_of(from_json(name, text));
     Reader root(name, "", json);
-    if (root.text("format") != kPopulationFormat)
-        throw Error(name, 0, "format", fmt::format("must be '{}' or '{}'", kPopulationFormat, kModelFormat));
-    if (const auto version = root.count("format_version"); version != kPopulationFormatVersion)
-        throw Error(name, 0, "format_version",
-                    fmt::format("{} is not the version that this program reads ({})", version,
-                                kPopulationFormatVersion));
+    root.check_format(kPopulationFormat, kPopulationFormatVersion);
     Population out;
     out.source = root.text("source");
     out.scatter = scatter_of(root.object("scatter"), name);

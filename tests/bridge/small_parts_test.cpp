@@ -1,9 +1,10 @@
+#include <unistd.h>
 #include <csignal>
 #include <thread>
 
+#include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/bridge/reset_desk.hpp"
 #include "rig_bridge/bridge/rig_time.hpp"
-#include "rig_bridge/bridge/stop_requests.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "tests/catch.hpp"
 
@@ -44,12 +45,13 @@ TEST_CASE("A reset is asked for by rising edges until it is no longer wanted", "
 }
 
 TEST_CASE("The first signal and the number of all of them are known", "[BRG-410]") {
-    rig::StopRequests stops;
+    antiskid::rt::StopSignals stops;
     CHECK(stops.count() == 0);
     CHECK(stops.number() == 0);
-    REQUIRE(raise(SIGINT) == 0);
-    CHECK(stops.count() == 1);
-    REQUIRE(raise(SIGTERM) == 0);
+    REQUIRE(kill(getpid(), SIGINT) == 0);
+    while (stops.count() == 0) std::this_thread::yield();
+    REQUIRE(kill(getpid(), SIGTERM) == 0);
+    while (stops.count() == 1) std::this_thread::yield();
     CHECK(stops.count() == 2);
     CHECK(stops.number() == SIGINT);
 }

@@ -179,7 +179,7 @@ TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-
     CHECK(rig::at(rig::commands(out, true), rig::Commanded::reset) == 1.0);
     CHECK(rig::commands({}, false) == rig::CommandedValues{});
 
-    const antiskid::can::RigSample s = rig::telegram(out, good_plc(), 17);
+    const antiskid::can::RigSample s = rig::telegram(out, good_plc().values, 17);
     CHECK(s.maneuver.law == antiskid::control::Law::threshold);
     CHECK((s.maneuver.arm && s.maneuver.weight_on_wheels && s.emergency_stop));
     CHECK(s.maneuver.demand_Pa == 20e6F);
@@ -191,7 +191,7 @@ TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-
     CHECK(s.maneuver_state.brake_temperature_C == 20.0F);
     rig::Snapshot unread = good_plc();
     rig::at(unread.values, Measured::brake_temperature_C) = NAN;
-    CHECK(rig::telegram(out, unread, 1).maneuver_state.brake_temperature_C == 0.0F);
+    CHECK(rig::telegram(out, unread.values, 1).maneuver_state.brake_temperature_C == 0.0F);
 }
 
 TEST_CASE("Two senders of what one may send are told to the sequencer and to people", "[BRG-460]") {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <sstream>
 
-#include "firmware/host/names.hpp"
+#include "firmware/can/names.hpp"
 #include "tests/catch.hpp"
 
 using namespace std::chrono_literals;
@@ -158,10 +158,11 @@ TEST_CASE("records that were lost on the way are owned up to", "[RT-073]") {
 TEST_CASE("every state and fault has a name of its own", "[RT-070]") {
     control::FaultSet all;
     for (std::uint8_t i = 0; i < control::kFaultCount; ++i) all.insert(static_cast<Fault>(i));
-    auto names = rt::names(all);
+    auto names = can::fault_names(all);
     REQUIRE(names.size() == control::kFaultCount);
     CHECK(names[static_cast<std::size_t>(Fault::heartbeat_lost)] == "heartbeat_lost");
-    for (std::uint8_t i = 0; i < control::kStateCount; ++i) names.push_back(rt::name(static_cast<State>(i)));
+    for (std::uint8_t i = 0; i < control::kStateCount; ++i)
+        names.emplace_back(can::name(static_cast<State>(i)));
     std::sort(names.begin(), names.end());
     CHECK(std::adjacent_find(names.begin(), names.end()) == names.end());
 }

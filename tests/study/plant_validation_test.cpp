@@ -17,7 +17,7 @@ rig::Validation validate(const std::filesystem::path& log, const plant_sim::Scen
     rig::LogOptions of_log;
     of_log.layout = &s.layout;
     rig::LogReader reader(log, of_log, warnings);
-    rig::MeasuredSignals signals(reader, s.layout, antiskid::can::Time{1'000'000});
+    rig::MeasuredSignals signals(reader, s.layout, 1e-3);
     return rig::validate_plant(signals, s.plant.rig);
 }
 

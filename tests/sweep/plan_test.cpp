@@ -8,6 +8,7 @@
 #include "plant_sim/study/team/shared_work.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 #include "tests/catch.hpp"
+#include "tests/study/team_of_threads.hpp"
 
 TEST_CASE("the paper's sweep: 32 scenarios, 45 references, 100 landings, 4,500 stops and the threshold law's",
           "[STUDY-148]") {
@@ -86,12 +87,14 @@ TEST_CASE("friction is drawn from the brake's wear model at the wear that was dr
     CHECK(high - low > 0.05);  // from a new brake to a worn one
 }
 
-TEST_CASE("the order of work has every stop once, and shards share it out", "[STUDY-148]") {
+TEST_CASE("the order of work has every stop once, and its parts are alike", "[STUDY-148]") {
     const auto all = study::order_of_work(4600);
     CHECK(std::set<std::size_t>(all.begin(), all.end()).size() == 4600);
     std::set<std::size_t> seen;
-    for (std::size_t i = 1; i <= 3; ++i) {
-        const auto part = sweep::numbers_of(4600, {i, 3});
+    for (std::size_t rank = 0; rank < 3; ++rank) {
+        threads::Wire wire;
+        const threads::Member team(wire, rank, 3);
+        const auto part = study::share_of(all, team);
         CHECK(part.size() >= 1533);
         CHECK(part.size() <= 1534);
         std::map<std::size_t, int> landings;

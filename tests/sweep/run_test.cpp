@@ -18,7 +18,7 @@
 namespace {
 
 std::string csv_of(const sweep::Plan& plan, std::span<const sweep::Row> rows) {
-    return sweep::to_csv(sweep::identity_of(plan), {}, rows);
+    return sweep::to_csv(sweep::identity_of(plan), rows);
 }
 
 /// By one thread, from the last stop to the first: what every other way is held against.
@@ -117,7 +117,7 @@ TEST_CASE("a sweep that is stopped or killed goes on: nothing twice, nothing los
     // Killed before the first lines were whole.
     const std::string whole = text_of(part);
     std::ofstream(part, std::ios::trunc | std::ios::binary) << whole.substr(0, 30);
-    CHECK(sweep::PartFile(part, plan, {}).rows().empty());
+    CHECK(sweep::PartFile(part, plan).rows().empty());
     CHECK(whole.starts_with(text_of(part)));
 }
 
@@ -126,28 +126,26 @@ TEST_CASE("what another sweep left is refused, and named; it is not touched", "[
     const auto part = scratch.path / "stops.part";
     const sweep::Plan plan = small::plan();
     {
-        sweep::PartFile file(part, plan, {});
+        sweep::PartFile file(part, plan);
         file.append(sweep::line(sweep::run_one(plan, 0)));
-        CHECK_THROWS_WITH(sweep::PartFile(part, plan, {}),
-                          ContainsSubstring("another sweep is at work on it"));
+        CHECK_THROWS_WITH(sweep::PartFile(part, plan), ContainsSubstring("another sweep is at work on it"));
     }
     const std::string before = text_of(part);
     sweep::Plan other = plan;
     other.seed = 2;
-    CHECK_THROWS_WITH(sweep::PartFile(part, other, {}), ContainsSubstring("seed 1 instead of 2"));
+    CHECK_THROWS_WITH(sweep::PartFile(part, other), ContainsSubstring("seed 1 instead of 2"));
     other = plan;
     other.config_hash = "another";
-    CHECK_THROWS_WITH(sweep::PartFile(part, other, {}), ContainsSubstring("instead of another"));
+    CHECK_THROWS_WITH(sweep::PartFile(part, other), ContainsSubstring("instead of another"));
     other = plan;
     other.version = "9";
-    CHECK_THROWS_WITH(sweep::PartFile(part, other, {}), ContainsSubstring("version"));
-    CHECK_THROWS_WITH(sweep::PartFile(part, plan, {1, 2}), ContainsSubstring("another shard"));
+    CHECK_THROWS_WITH(sweep::PartFile(part, other), ContainsSubstring("version"));
     other = plan;
     other.landings[0].sensor_seed += 1;
-    CHECK_THROWS_WITH(sweep::PartFile(part, other, {}), ContainsSubstring("is another stop"));
+    CHECK_THROWS_WITH(sweep::PartFile(part, other), ContainsSubstring("is another stop"));
     CHECK(text_of(part) == before);
     std::ofstream(part, std::ios::trunc) << "notes of mine";
-    CHECK_THROWS_AS(sweep::PartFile(part, plan, {}), settings::Error);
+    CHECK_THROWS_AS(sweep::PartFile(part, plan), settings::Error);
     CHECK(text_of(part) == "notes of mine");
 }
 
@@ -156,7 +154,7 @@ TEST_CASE("three processes give the bytes of one, and go on where one was stoppe
     const sweep::Plan plan = small::plan();
     const auto part = scratch.path / "stops.part";
     {
-        sweep::PartFile file(part, plan, {});
+        sweep::PartFile file(part, plan);
         file.append(sweep::line(sweep::run_one(plan, 5)));
     }
     threads::Wire wire;
@@ -185,39 +183,4 @@ TEST_CASE("a process with another plan than the leader's refuses to work", "[STU
     threads::Member member(wire, 1, 2);
     CHECK_THROWS_WITH(sweep::run_together(other, {}, member),
                       ContainsSubstring("another sweep than the leading one"));
-}
-
-TEST_CASE("shards give the bytes of the whole", "[STUDY-148]") {
-    const sweep::Plan plan = small::plan();
-    std::vector<sweep::StopsTable> shards;
-    for (std::size_t i = 1; i <= 5; ++i) {
-        const auto numbers = sweep::numbers_of(plan.stops(), {i, 5});
-        const auto rows = sweep::run(plan, numbers, {.threads = 2});
-        shards.push_back(sweep::parse_stops("shard " + std::to_string(i),
-                                            sweep::to_csv(sweep::identity_of(plan), {i, 5}, rows)));
-    }
-    std::swap(shards[0], shards[3]);
-    CHECK(csv_of(plan, sweep::merged(shards).rows) == reference_csv());
-
-    // What does not belong together, by its names.
-    auto wrong = shards;
-    wrong[1] = wrong[2];
-    CHECK_THROWS_WITH(sweep::merged(wrong), ContainsSubstring("shard 3 and shard 3 are both shard 3 of 5"));
-    wrong = shards;
-    wrong.erase(wrong.begin() + 1);
-    CHECK_THROWS_WITH(sweep::merged(wrong), "missing: shard 2/5");
-    wrong = shards;
-    wrong[2].identity.seed = 2;
-    CHECK_THROWS_WITH(sweep::merged(wrong), ContainsSubstring("shard 3: seed 2 instead of 1 as in shard 4"));
-    wrong = shards;
-    wrong[2].identity.config_hash = "another";
-    CHECK_THROWS_WITH(sweep::merged(wrong), ContainsSubstring("shard 3: configuration another instead of"));
-    wrong = shards;
-    wrong[4].shard = {1, 2};
-    CHECK_THROWS_WITH(sweep::merged(wrong),
-                      ContainsSubstring("shard 5 is one of 2 shards, shard 4 one of 5"));
-    wrong = shards;
-    wrong[4].rows.pop_back();
-    CHECK_THROWS_WITH(sweep::merged(wrong), ContainsSubstring("shard 5 has 1 of its 2 stops"));
-    CHECK_THROWS_AS(sweep::merged({}), std::invalid_argument);
 }

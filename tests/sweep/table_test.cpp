@@ -24,7 +24,7 @@ std::string csv() {
     const sweep::Plan plan = small::plan();
     std::vector<sweep::Row> rows;
     for (std::size_t i = 0; i < 3; ++i) rows.push_back(made_up(plan, i));
-    return sweep::to_csv(sweep::identity_of(plan), {}, rows);
+    return sweep::to_csv(sweep::identity_of(plan), rows);
 }
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
@@ -50,7 +50,7 @@ TEST_CASE("a table reads back to the last bit", "[STUDY-148]") {
         CHECK(table.rows[i].figures.standstill == wanted.figures.standstill);
         CHECK(table.rows[i].faults == wanted.faults);
     }
-    CHECK(sweep::to_csv(table.identity, table.shard, table.rows) == csv());
+    CHECK(sweep::to_csv(table.identity, table.rows) == csv());
 }
 
 TEST_CASE("a line without an end is passed over; anything else that is wrong is named by line and column",
@@ -67,7 +67,6 @@ TEST_CASE("a line without an end is passed over; anything else that is wrong is 
     refuses(replaced(good, "# antiskid sweep 1", "# antiskid sweep 2"), "t.csv:1: this is no table");
     refuses(replaced(good, "\"seed\":1,", ""), "t.csv:1: damaged first line");
     refuses(replaced(good, "\"landings\":4", "\"landings\":0"), "t.csv:1: references");
-    refuses(replaced(good, "[1,1]", "[2,1]"), "t.csv:1: shard");
     refuses(replaced(good, "energy_brake_J", "energy_brake_MJ"), "t.csv:2: other columns");
     refuses(replaced(good, "\n0,slip", "\n0,glide"), "t.csv:3: law: 'glide': expected threshold or slip");
     refuses(replaced(good, "\n0,slip", "\nzero,slip"), "t.csv:3: stop: 'zero': expected a number");

@@ -153,9 +153,6 @@ TEST_CASE("tariffs, bounds and sweeps that cannot be are refused", "[STUDY-148]"
     auto table = paper();
     table.rows.pop_back();
     CHECK_THROWS_WITH(trade(table, Prices{1.0, 1.0}), ContainsSubstring("made up has 551 of 552 stops"));
-    table = paper();
-    table.shard = {2, 3};
-    CHECK_THROWS_WITH(trade(table, Prices{1.0, 1.0}), ContainsSubstring("is shard 2 of 3"));
     const auto one = made_up::table({0.24}, 3, made_up::like_the_paper);
     CHECK_THROWS_WITH(trade(one, Prices{1.0, 1.0}), ContainsSubstring("at least two slip references"));
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""rig-lab sweep, sweep merge and trade as their users meet them: files, exit status, Ctrl-C, SIGKILL, shards. [STUDY-148]
+"""rig-lab sweep and trade as their users meet them: files, exit status, Ctrl-C, SIGKILL. [STUDY-148]
 
 usage: verb.py RIG_LAB
 """
@@ -67,22 +67,6 @@ with tempfile.TemporaryDirectory() as scratch:
     run("sweep", *SMALL, "--threads", 3, "--out", three)
     check("three threads, the same bytes", same(one, three))
 
-    parts = scratch / "parts"
-    for i in (1, 2, 3):
-        status, text, err = run("sweep", *SMALL, "--shard", f"{i}/3", "--out", parts)
-        check(f"shard {i}", status == 0, text + err)
-    shards = [parts / f"shard-{i}-of-3.csv" for i in (2, 3, 1)]
-    status, text, err = run("sweep", "merge", *shards, "--no-pictures", "--out", scratch / "merged")
-    check("merged, the same bytes", same(one, scratch / "merged"), text + err)
-    status, text, err = run("sweep", "merge", *shards[:2], "--out", scratch / "gap")
-    check("a gap is refused by its number", status == 2 and "missing: shard 1/3" in err, err)
-    status, text, err = run("sweep", "merge", *shards, shards[0], "--out", scratch / "gap")
-    check("an overlap is refused by its file", status == 2 and "are both shard 2 of 3" in err, err)
-    run("sweep", *SMALL, "--seed", 2, "--shard", "1/3", "--out", scratch / "other")
-    status, text, err = run("sweep", "merge", *shards[:2], scratch / "other" / "shard-1-of-3.csv", "--out", scratch / "gap")
-    check("another seed is refused by name", status == 2 and "seed 2 instead of 1" in err, err)
-    check("nothing was written", not (scratch / "gap").exists())
-
     stopped = scratch / "stopped"
     status, text = interrupt(stopped, signal.SIGINT, 3)
     check("Ctrl-C ends with 130 and says how to go on", status == 130 and "the same command goes on" in text, f"{status} {text}")
@@ -98,7 +82,7 @@ with tempfile.TemporaryDirectory() as scratch:
     check("another seed does not go on from it", status == 2 and "seed 1 instead of 2" in err, err)
 
     for arguments, says in ((["--references", "0.5:0.1:0.01"], "--references"), (["--references", "abc"], "--references"),
-                            (["--references", "0.2,0.7"], "--references"), (["--shard", "4/3"], "--shard"),
+                            (["--references", "0.2,0.7"], "--references"),
                             (["--landings", "0"], "--landings"), (["--config", "/nowhere"], "/nowhere")):
         status, text, err = run("sweep", *arguments, "--out", scratch / "bad")
         check(f"{' '.join(arguments)} is refused", status == 2 and says in err + text, f"{status} {err}")
@@ -118,5 +102,3 @@ with tempfile.TemporaryDirectory() as scratch:
         check(f"trade {' '.join(map(str, arguments))} is refused", status == 2 and says in err, f"{status} {err}")
     status, text, err = run("trade", scratch / "nothing", "--brake-price", 1, "--tyre-price", 1)
     check("a sweep that is not there is refused, with what makes it", status == 2 and "`rig-lab sweep` makes it" in err, err)
-    status, text, err = run("trade", shards[0], "--brake-price", 1, "--tyre-price", 1)
-    check("a shard alone is refused", status == 2 and "sweep merge" in err, err)

@@ -118,6 +118,17 @@ void add_layout_files(CLI::App& app, fs::path& dbc, fs::path& binding) {
                                  "binding of the layout (default: CONFIG/antiskid_binding.toml)"));
 }
 
+CLI::Option* add_out(CLI::App& app, std::filesystem::path& directory, const std::string& what) {
+    CLI::Option* const option = app.add_option("--out", directory, what)->type_name("DIRECTORY");
+    return directory.empty() ? option : option->capture_default_str();
+}
+
+CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& default_is) {
+    constexpr unsigned kMost = 1024;
+    return app.add_option("--threads", threads, "results do not depend on it (default: " + default_is + ")")
+        ->check(CLI::Range(1U, kMost));
+}
+
 CLI::Option* add_json(CLI::App& app, std::string& where, const std::string& what) {
     return app.add_option("--json", where, what + " as JSON; - for standard output instead of the table")
         ->type_name("FILE");

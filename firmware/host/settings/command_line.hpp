@@ -51,6 +51,10 @@ CLI::Option* existing_path(CLI::Option* option);
 
 /// `--config DIRECTORY`.
 CLI::Option* add_config_directory(CLI::App& app, std::filesystem::path& directory);
+/// `--out DIRECTORY`; what `directory` holds, if anything, is the default.
+CLI::Option* add_out(CLI::App& app, std::filesystem::path& directory, const std::string& what);
+/// `--threads N`, on which no result depends.
+CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& default_is = "all cores");
 /// `--dbc FILE` and `--binding FILE`; empty where not given, and then those of the configuration directory.
 void add_layout_files(CLI::App& app, std::filesystem::path& dbc, std::filesystem::path& binding);
 /// `--json FILE`, for deliver().

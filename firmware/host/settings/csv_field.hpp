@@ -1,8 +1,10 @@
-/// Text as a field of a CSV.
+/// Text as a field of a CSV, and the fields of a line.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace settings {
 
@@ -14,6 +16,32 @@ namespace settings {
     std::string quoted = "\"";
     for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
     return quoted + '"';
+}
+
+/// Without blanks at its ends.
+[[nodiscard]] inline std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// The fields of a line, as views into it: trimmed; one in quotes, which are left out, may hold separators, and its doubled quotes stay doubled.
+inline void split_csv(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+    fields.clear();
+    for (std::size_t from = 0; from <= line.size();) {
+        const std::size_t begin = line.find_first_not_of(' ', from);
+        const bool quoted = begin != std::string_view::npos && line[begin] == '"';
+        std::size_t closing = quoted ? line.find('"', begin + 1) : from;
+        while (quoted && closing != std::string_view::npos && line.substr(closing).starts_with("\"\""))
+            closing = line.find('"', closing + 2);
+        if (closing == std::string_view::npos) closing = from;
+        const std::size_t end = std::min(line.find(separator, closing), line.size());
+        std::string_view field = trimmed(line.substr(from, end - from));
+        if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
+            field = field.substr(1, field.size() - 2);
+        fields.push_back(field);
+        from = end + 1;
+    }
 }
 
 }  // namespace settings

@@ -12,8 +12,7 @@
 
 namespace settings {
 
-std::string read_file(const std::filesystem::path& path) {
-    constexpr std::size_t kMaxBytes = 16U << 20U;
+std::string read_file(const std::filesystem::path& path, std::size_t most) {
     const auto refuse = [&path](const std::string& why) { throw Error(path.string(), 0, "", why); };
 
     const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
@@ -32,7 +31,7 @@ std::string read_file(const std::filesystem::path& path) {
             refuse("cannot be read: " + std::string(std::strerror(errno)));
         }
         bytes.append(chunk.data(), static_cast<std::size_t>(count));
-        if (bytes.size() > kMaxBytes) refuse("is larger than 16 MiB, so it is no settings file");
+        if (bytes.size() > most) refuse("is larger than " + std::to_string(most >> 20U) + " MiB");
     }
 }
 

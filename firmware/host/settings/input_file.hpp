@@ -8,8 +8,9 @@
 
 namespace settings {
 
-/// The bytes of a file. Error when it is absent, a directory, unreadable, or above 16 MiB (no settings file
-/// is).
-[[nodiscard]] std::string read_file(const std::filesystem::path& path);
+/// No settings file is larger.
+inline constexpr std::size_t kMostSettings = 16U << 20U;
+/// The bytes of a file. Error when it is absent, a directory, unreadable, or larger than `most`.
+[[nodiscard]] std::string read_file(const std::filesystem::path& path, std::size_t most = kMostSettings);
 
 }  // namespace settings

@@ -1,9 +1,9 @@
 #include "plant_sim/study/faults/campaign.hpp"
 
-#include <exception>
 #include <mutex>
 #include <optional>
-#include <thread>
+
+#include "plant_sim/wear/on_threads.hpp"
 
 namespace faults {
 
@@ -36,34 +36,16 @@ std::vector<Row> run_campaign(const Plan& plan, std::span<const std::size_t> num
                               const CampaignOptions& options) {
     std::vector<std::optional<Row>> rows(numbers.size());
     SoundStops sound(plan);
-    std::mutex mutex;  // of done, failure and progress
+    std::mutex mutex;
     std::size_t done = 0;
-    std::exception_ptr failure;
-    std::atomic<std::size_t> next{0};
-    std::atomic<bool> failed{false};
-    const auto work = [&] {
-        try {
-            while (!failed.load() && !(options.stop != nullptr && options.stop->load())) {
-                const std::size_t i = next.fetch_add(1);
-                if (i >= numbers.size()) return;
-                const Case c = plan.at(numbers[i]);
-                rows[i] = Row{c, run_one(plan, c, sound.of(c))};
-                const std::scoped_lock lock(mutex);
-                ++done;
-                if (options.progress) options.progress(done);
-            }
-        } catch (...) {
-            const std::scoped_lock lock(mutex);
-            if (!failure) failure = std::current_exception();
-            failed.store(true);
-        }
+    const auto job = [&](std::size_t i) {
+        const Case c = plan.at(numbers[i]);
+        rows[i] = Row{c, run_one(plan, c, sound.of(c))};
+        const std::scoped_lock lock(mutex);
+        ++done;
+        if (options.progress) options.progress(done);
     };
-    {
-        std::vector<std::jthread> threads;
-        for (unsigned i = 1; i < options.threads; ++i) threads.emplace_back(work);
-        work();
-    }
-    if (failure) std::rethrow_exception(failure);
+    wear::run_jobs(options.threads, numbers.size(), job, options.stop);
     std::vector<Row> finished;
     finished.reserve(done);
     for (std::optional<Row>& row : rows) {

@@ -1,4 +1,4 @@
-/// The runs of a plan on every core.
+/// One run: the stop in process, with real frames and the real controller, and the fault between them; and the runs of a plan on every core.
 #pragma once
 
 #include <atomic>
@@ -6,10 +6,29 @@
 #include <span>
 #include <vector>
 
+#include "plant_sim/study/faults/judge.hpp"
 #include "plant_sim/study/faults/plan.hpp"
-#include "plant_sim/study/faults/run.hpp"
+#include "plant_sim/study/in_process.hpp"
 
 namespace faults {
+
+/// The same stop without a fault. Throws std::runtime_error where it names faults or does not come to rest: nothing could be said about one
+/// with a fault.
+struct Sound {
+    double distance_m = 0.0;  ///< from brake-on to standstill
+    double lasts_s = 0.0;     ///< from the start of the run to its end
+    antiskid::control::FaultSet named;
+};
+[[nodiscard]] Sound run_sound(const Plan& plan, const Case& c);
+
+struct Result {
+    Verdict verdict;
+    double begun_s = -1.0;  ///< when the fault began; negative: the stop ended before
+    double begun_mps = 0.0;
+};
+/// `sound` is that of `c`. `on_step` may be empty.
+[[nodiscard]] Result run_one(const Plan& plan, const Case& c, const Sound& sound,
+                             const study::StepObserver& on_step = {});
 
 struct Row {
     Case run;

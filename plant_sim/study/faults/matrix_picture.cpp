@@ -54,7 +54,8 @@ void draw_matrix(const Plan& plan, std::span<const Row> rows, const std::filesys
     std::string surfaces;
     for (const Surface& surface : plan.surfaces) surfaces += (surfaces.empty() ? "" : ", ") + surface.name;
     script += fmt::format(
-        R"(set xrange [-0.5:{}]
+        R"(unset grid
+set xrange [-0.5:{}]
 set yrange [{}:-0.5]
 set tics scale 0 out nomirror font ',9'
 set termoption noenhanced

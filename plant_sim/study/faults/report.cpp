@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "firmware/can/names.hpp"
 #include "firmware/can/value_names.hpp"
 
 namespace faults {
@@ -18,17 +19,8 @@ using antiskid::control::FaultSet;
 using antiskid::control::kFaultCount;
 using Counts = std::array<std::size_t, kOutcomeNames.size()>;
 
-std::vector<std::string> names_of(FaultSet set) {
-    std::vector<std::string> names;
-    for (std::uint8_t i = 0; i < kFaultCount; ++i) {
-        if (set.contains(static_cast<antiskid::control::Fault>(i)))
-            names.emplace_back(antiskid::can::kFaultNames[i]);
-    }
-    return names;
-}
-
 std::string text_of(FaultSet set) {
-    return set.empty() ? "none" : fmt::format("{}", fmt::join(names_of(set), " "));
+    return set.empty() ? "none" : fmt::format("{}", fmt::join(antiskid::can::fault_names(set), " "));
 }
 
 std::string duration(double lasts_s) {
@@ -81,7 +73,7 @@ std::string to_json(const Plan& plan, std::span<const Row> rows) {
         PairSummary& pair = pairs[{run.fault.what.signal, run.fault.what.kind}];
         ++all[static_cast<std::size_t>(v.outcome)];
         ++pair.outcomes[static_cast<std::size_t>(v.outcome)];
-        for (const std::string& fault : names_of(v.named)) ++pair.named[fault];
+        for (const std::string& fault : antiskid::can::fault_names(v.named)) ++pair.named[fault];
         pair.latest_name_s = std::max(pair.latest_name_s, v.named_after_s);
         if (v.outcome == Outcome::unsafe) unsafe.push_back({{"run", run.number}, {"hazard", name(v.hazard)}});
     }

@@ -1,5 +1,3 @@
-#include "plant_sim/study/faults/run.hpp"
-
 #include <fmt/format.h>
 
 #include <array>
@@ -10,11 +8,13 @@
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/rig_port.hpp"
 #include "firmware/control/controller.hpp"
+#include "plant_sim/study/faults/campaign.hpp"
 #include "plant_sim/study/faults/frame_fault.hpp"
 #include "plant_sim/study/faults/machine_fault.hpp"
 #include "plant_sim/study/faults/sample_fault.hpp"
 #include "plant_sim/study/faults/valve_driver.hpp"
 #include "plant_sim/study/faults/valve_fault.hpp"
+#include "plant_sim/study/loop.hpp"
 
 namespace faults {
 
@@ -48,10 +48,6 @@ Role role_of(Signal signal) {
     }
 }
 
-Time period_of(const Plan& plan) {
-    return std::chrono::microseconds{std::lround(plan.controller.period_s * 1e6F)};
-}
-
 /// Rig, bus, controller and valve driver, and the fault wherever it sits.
 class Bench {
   public:
@@ -61,7 +57,7 @@ class Bench {
           random_(c.fault_seed),
           session_(plan.surfaces[c.surface].rig, options(plan, c, longest_s)),
           controller_(plan.controller),
-          period_(period_of(plan)),
+          period_(study::period_of(plan.controller)),
           rig_port_(plan.layout, period_),
           port_(plan.layout, period_),
           message_(plan.layout[role_of(c.fault.what.signal)].id),

@@ -3,8 +3,8 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
+#include <boost/math/distributions/normal.hpp>
 #include <cmath>
-#include <numbers>
 
 #include "plant_sim/study/identification/recording.hpp"
 
@@ -110,21 +110,10 @@ Estimate scaled(const Estimate& e, double factor) {
             .high = e.high * factor};
 }
 
-double normal_quantile(double probability) {
-    // Bisection of the distribution function: exact to the last digits, and nobody is in a hurry.
-    double low = -40.0;
-    double high = 40.0;
-    for (int i = 0; i < 200; ++i) {
-        const double middle = 0.5 * (low + high);
-        (0.5 * std::erfc(-middle / std::numbers::sqrt2) < probability ? low : high) = middle;
-    }
-    return 0.5 * (low + high);
-}
-
 Estimate Fit::combination(const VectorXd& gradient, int of) const {
     const double value = gradient.dot(theta);
     const double deviation = std::sqrt(std::max(gradient.dot(covariance * gradient), 0.0));
-    const double half = widen * normal_quantile(1.0 - 0.025 / of) * deviation;
+    const double half = widen * boost::math::quantile(boost::math::normal(), 1.0 - 0.025 / of) * deviation;
     return {.value = value, .deviation = deviation, .low = value - half, .high = value + half};
 }
 

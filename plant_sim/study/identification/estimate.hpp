@@ -29,9 +29,6 @@ struct Estimate {
 /// The same in another unit. `factor`: positive.
 [[nodiscard]] Estimate scaled(const Estimate& e, double factor);
 
-/// Of the normal distribution: 1.96 for 0.975.
-[[nodiscard]] double normal_quantile(double probability);
-
 struct Fit {
     Eigen::VectorXd theta;
     Eigen::MatrixXd covariance;  ///< sandwich

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -13,12 +12,7 @@ namespace study::margins {
 
 namespace {
 
-constexpr std::array<const char*, 8> kColours{"#1f4e79", "#c55a11", "#548235", "#7f3f98",
-                                              "#bf9000", "#00808a", "#a61c3c", "#5b5b5b"};
-
-constexpr const char* kStyle = R"(set grid xtics ytics mxtics lc rgb '#dddddd', lc rgb '#eeeeee'
-set border lc rgb '#555555'
-)";
+constexpr const char* kStyle = "set grid xtics ytics mxtics lc rgb '#dddddd', lc rgb '#eeeeee'\n";
 
 /// Surfaces in the order in which they appear.
 std::vector<std::string> surfaces(const std::vector<Scenario>& scenarios) {
@@ -37,15 +31,14 @@ std::string plot(const std::vector<std::string>& names, const char* columns, boo
     std::string out = "plot ";
     for (std::size_t i = 0; i < names.size(); ++i)
         fmt::format_to(std::back_inserter(out), "{}$s{} using {} with lines lc rgb '{}' lw 1.2 {}",
-                       i == 0 ? "" : ", ", i, columns, kColours[i % kColours.size()],
+                       i == 0 ? "" : ", ", i, columns, gnuplot_colour(i),
                        titled ? "title " + gnuplot_quoted(names[i]) : std::string("notitle"));
     return out + "\n";
 }
 
 std::string blocks(const std::vector<std::string>& bodies) {
     std::string out;
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-        fmt::format_to(std::back_inserter(out), "$s{} << EOD\n{}EOD\n", i, bodies[i]);
+    for (std::size_t i = 0; i < bodies.size(); ++i) out += gnuplot_block(fmt::format("s{}", i), bodies[i]);
     return out;
 }
 

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
 
+#include "plant_sim/wear/on_threads.hpp"
 #include "rig_bridge/rig/random.hpp"
 
 namespace study::margins {
@@ -41,31 +39,15 @@ class Jury {
     Jury(const Score& score, unsigned threads, const SearchProgress& progress)
         : score_(score), threads_(threads), progress_(progress) {}
 
-    [[nodiscard]] std::vector<double> judge(const std::vector<Candidate>& candidates, int all) {
+    [[nodiscard]] std::vector<double> judge(const std::vector<Candidate>& candidates, std::size_t all) {
         std::vector<double> scores(candidates.size());
-        std::exception_ptr failure;
-        std::mutex mutex;  // of failure, judged_ and progress_
-        std::atomic<std::size_t> next{0};
-        const auto work = [&] {
-            try {
-                for (std::size_t i = next.fetch_add(1); i < candidates.size(); i = next.fetch_add(1)) {
-                    scores[i] = score_(candidates[i].values, candidates[i].to_beat);
-                    const std::scoped_lock lock(mutex);
-                    ++judged_;
-                    if (progress_) progress_(judged_, all);
-                }
-            } catch (...) {
-                const std::scoped_lock lock(mutex);
-                if (!failure) failure = std::current_exception();
-                next.store(candidates.size());
-            }
-        };
-        {
-            std::vector<std::jthread> others;
-            for (unsigned i = 1; i < threads_; ++i) others.emplace_back(work);
-            work();
-        }
-        if (failure) std::rethrow_exception(failure);
+        std::mutex mutex;
+        wear::run_jobs(threads_, candidates.size(), [&](std::size_t i) {
+            scores[i] = score_(candidates[i].values, candidates[i].to_beat);
+            const std::scoped_lock lock(mutex);
+            ++judged_;
+            if (progress_) progress_(static_cast<std::size_t>(judged_), all);
+        });
         return scores;
     }
     [[nodiscard]] int judged() const { return judged_; }
@@ -104,7 +86,7 @@ Found search(const std::vector<Parameter>& parameters, const Score& score, const
         for (std::size_t k = 0; k < n; ++k) v[k] = rounded(std::exp(x[k]), options.digits);
         return v;
     };
-    const int all = options.population * (options.generations + 1);
+    const auto all = static_cast<std::size_t>(options.population * (options.generations + 1));
     Jury jury(score, options.threads, progress);
     std::vector<Candidate> candidates(members);
     for (std::size_t i = 0; i < members; ++i) {
@@ -163,7 +145,7 @@ Found climb(const std::vector<Parameter>& parameters, const std::vector<double>&
             }
         }
         const std::vector<double> scores =
-            jury.judge(candidates, jury.judged() + static_cast<int>(candidates.size()));
+            jury.judge(candidates, static_cast<std::size_t>(jury.judged()) + candidates.size());
         found.evaluations = jury.judged();
         const auto best = std::max_element(scores.begin(), scores.end());
         if (best == scores.end() || *best < found.score + least_gain) {

@@ -22,7 +22,7 @@ struct Parameter {
 using Score = std::function<double(const std::vector<double>& values, double to_beat)>;
 
 /// Called with how many points were judged, of how many at the most; one call at a time, from any thread.
-using SearchProgress = std::function<void(int done, int all)>;
+using SearchProgress = std::function<void(std::size_t done, std::size_t all)>;
 
 struct SearchOptions {
     std::uint64_t seed = 1;

@@ -1,20 +1,17 @@
-#include "plant_sim/study/robust/picture.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
+#include "plant_sim/study/robust/report.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace robust {
 
 namespace {
 
-constexpr const char* kStyle = R"(set grid lt 1 lc rgb '#e4e4e4'
-set border lc rgb '#555555'
-set style line 1 lc rgb '#1f4e79' lw 2
+constexpr const char* kStyle = R"(set style line 1 lc rgb '#1f4e79' lw 2
 set style line 2 lc rgb '#c55a11' lw 2
 set style line 3 lc rgb '#538135' lw 2
 set style line 4 lc rgb '#7f6000' lw 2
@@ -47,14 +44,15 @@ std::vector<Row> worst_first(const std::vector<Row>& rows, const Summary& s) {
 std::string data(const std::vector<Row>& own, std::size_t n) {
     const auto point = [](double share, double j_mu) { return fmt::format("{:.4f} {:.6f}\n", share, j_mu); };
     std::string all = point(0.0, own.front().figures.j_mu);
-    std::string safe = "NaN NaN\n";  // an empty block would be an error of gnuplot's
+    std::string safe;
     for (std::size_t i = 0; i < own.size(); ++i) {
         const double share = 100.0 * (static_cast<double>(i) + 0.5) / static_cast<double>(own.size());
         all += point(share, own[i].figures.j_mu);
         if (own[i].tripped()) safe += point(share, own[i].figures.j_mu);
     }
     all += point(100.0, own.back().figures.j_mu);
-    return fmt::format("$all{0} << EOD\n{1}EOD\n$safe{0} << EOD\n{2}EOD\n", n, all, safe);
+    return study::gnuplot_block(fmt::format("all{}", n), all) +
+           study::gnuplot_block(fmt::format("safe{}", n), safe);
 }
 
 }  // namespace

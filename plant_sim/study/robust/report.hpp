@@ -1,6 +1,7 @@
 /// What a campaign on drawn plants came to, per family and law.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,5 +44,10 @@ struct Summary {
 [[nodiscard]] std::string to_json(const Plan& plan, const std::vector<Row>& rows,
                                   const std::vector<Summary>& summaries);
 [[nodiscard]] std::string to_csv(const Plan& plan, const std::vector<Row>& rows);
+
+/// A panel a family, a line a law: J_mu of every stop, worst first, with crosses at those that ended safe. Throws std::runtime_error as
+/// study::run_gnuplot.
+void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries,
+               const std::filesystem::path& png);
 
 }  // namespace robust

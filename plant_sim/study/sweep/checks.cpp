@@ -1,4 +1,4 @@
-#include "plant_sim/study/sweep/checks.hpp"
+#include "plant_sim/study/sweep/summary.hpp"
 
 #include <fmt/format.h>
 

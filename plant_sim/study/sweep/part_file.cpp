@@ -32,13 +32,13 @@ std::string text_of(const std::filesystem::path& path) {
 }
 
 /// What is there must be of this sweep, stop by stop.
-void check(const StopsTable& found, const Plan& plan, const Shard& shard) {
+void check(const StopsTable& found, const Plan& plan) {
     const std::string differs = difference(found.identity, identity_of(plan));
-    if (!differs.empty() || found.shard != shard)
+    if (!differs.empty())
         throw settings::Error(
             found.name, 1, "",
             fmt::format("left by another sweep: {}; remove it to begin anew, or give another --out",
-                        differs.empty() ? "another shard" : differs));
+                        differs));
     for (const Row& row : found.rows) {
         if (row.stop != plan.stop(row.stop.number))
             throw settings::Error(
@@ -50,12 +50,12 @@ void check(const StopsTable& found, const Plan& plan, const Shard& shard) {
 
 }  // namespace
 
-PartFile::PartFile(std::filesystem::path path, const Plan& plan, const Shard& shard)
+PartFile::PartFile(std::filesystem::path path, const Plan& plan)
     : path_(std::move(path)), file_(opened(path_)) {
     if (!file_.is_open()) fail(path_);
     if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0)
         throw std::runtime_error(path_.string() + ": another sweep is at work on it");
-    const std::string first_lines = head(identity_of(plan), shard);
+    const std::string first_lines = head(identity_of(plan));
     const std::string there = text_of(path_);
     // A program killed before its first lines were whole has not begun.
     const bool begun =
@@ -63,7 +63,7 @@ PartFile::PartFile(std::filesystem::path path, const Plan& plan, const Shard& sh
     StopsTable found;
     if (begun) {
         found = parse_stops(path_.string(), there);
-        check(found, plan, shard);
+        check(found, plan);
     }
     if (::ftruncate(file_.get(), static_cast<off_t>(found.whole)) != 0) fail(path_);
     rows_ = std::move(found.rows);

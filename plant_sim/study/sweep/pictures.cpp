@@ -1,19 +1,16 @@
-#include "plant_sim/study/sweep/pictures.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <iterator>
 
+#include "plant_sim/study/sweep/summary.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace sweep {
 
 namespace {
 
-constexpr const char* kStyle = R"(set grid lt 1 lc rgb '#e4e4e4'
-set border lc rgb '#555555'
-set style line 1 lc rgb '#1f4e79' lw 2 pt 7 ps 0.6
+constexpr const char* kStyle = R"(set style line 1 lc rgb '#1f4e79' lw 2 pt 7 ps 0.6
 set style line 2 lc rgb '#c55a11' lw 2 pt 5 ps 0.6
 )";
 
@@ -24,9 +21,7 @@ std::string point(const Means& m) {
 
 /// Blocks $means, $labels (a few references), $paper (0.24) and $threshold: reference, brake MJ, tyre MJ, J_mu, distance.
 std::string data(const Summary& s) {
-    std::string means = "$means << EOD\n";
-    std::string labels = "$labels << EOD\n";
-    std::string paper = "$paper << EOD\n";
+    std::string means, labels, paper;
     for (std::size_t i = 0; i < s.references.size(); ++i) {
         const Means& m = s.references[i];
         means += point(m);
@@ -34,10 +29,9 @@ std::string data(const Summary& s) {
         if (end || std::lround(m.slip_reference * 100.0) % 10 == 0) labels += point(m);
         if (m.slip_reference == kPaperReference) paper += point(m);
     }
-    // An empty block would be an error of gnuplot's.
-    constexpr const char* kNone = "NaN NaN NaN NaN NaN\n";
-    return means + "EOD\n" + labels + "EOD\n" + paper + kNone + "EOD\n$threshold << EOD\n" +
-           (s.threshold ? point(*s.threshold) : kNone) + "EOD\n";
+    return study::gnuplot_block("means", means) + study::gnuplot_block("labels", labels) +
+           study::gnuplot_block("paper", paper) +
+           study::gnuplot_block("threshold", s.threshold ? point(*s.threshold) : "");
 }
 
 /// One panel of Fig. 13: `column` is that of the energy, `label_y` where labels of the references stand.

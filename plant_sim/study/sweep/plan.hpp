@@ -1,7 +1,7 @@
 /// The set-point study of Section VI as a list of stops: scenarios drawn at random, each driven with every slip reference.
 ///
 /// All is drawn before anything runs, each landing from a generator of its own, so that neither the order of the stops nor how they are
-/// spread over threads, shards or machines can change one of them.
+/// spread over threads and machines can change one of them.
 #pragma once
 
 #include <cstdint>

@@ -6,16 +6,13 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
-#include <stdexcept>
 #include <type_traits>
 
+#include "firmware/can/names.hpp"
 #include "firmware/can/value_names.hpp"
-#include "plant_sim/study/team/shared_work.hpp"
+#include "firmware/host/settings/input_file.hpp"
 
 namespace sweep {
 
@@ -122,15 +119,6 @@ class Fields {
     bool done_ = false;
 };
 
-std::string fault_names(antiskid::control::FaultSet faults) {
-    std::string names;
-    for (std::uint8_t i = 0; i < antiskid::control::kFaultCount; ++i) {
-        if (!faults.contains(static_cast<antiskid::control::Fault>(i))) continue;
-        names.append(names.empty() ? "" : " ").append(antiskid::can::kFaultNames[i]);
-    }
-    return names.empty() ? "none" : names;
-}
-
 antiskid::control::FaultSet faults_of(Fields& fields) {
     antiskid::control::FaultSet faults;
     const std::string_view all = fields.next("faults");
@@ -148,14 +136,12 @@ antiskid::control::FaultSet faults_of(Fields& fields) {
     return faults;
 }
 
-void check_provenance(const std::string& name, const Identity& id, const Shard& shard) {
+void check_identity(const std::string& name, const Identity& id) {
     constexpr std::size_t kMost = 100'000'000;
     const bool increasing = std::adjacent_find(id.references.begin(), id.references.end(),
                                                std::greater_equal<>()) == id.references.end();
     if (id.landings == 0 || id.landings > kMost || id.references.size() > kMost / id.landings || !increasing)
         throw Error(name, 1, "references", "no sweep has such references and landings");
-    if (shard.index < 1 || shard.index > shard.count)
-        throw Error(name, 1, "shard", "expected [part, parts] with a part from 1 to parts");
 }
 
 }  // namespace
@@ -189,38 +175,28 @@ std::string difference(const Identity& got, const Identity& wanted) {
     return {};
 }
 
-std::vector<std::size_t> numbers_of(std::size_t stops, const Shard& shard) {
-    const std::vector<std::size_t> all = study::order_of_work(stops);
-    std::vector<std::size_t> ours;
-    ours.reserve(stops / shard.count + 1);
-    for (std::size_t i = shard.index - 1; i < stops; i += shard.count) ours.push_back(all[i]);
-    return ours;
-}
-
-std::string head(const Identity& identity, const Shard& shard) {
-    const nlohmann::ordered_json json{{"version", identity.version},
-                                      {"config_hash", identity.config_hash},
-                                      {"seed", identity.seed},
-                                      {"references", identity.references},
-                                      {"landings", identity.landings},
-                                      {"threshold", identity.threshold},
-                                      {"shard", {shard.index, shard.count}}};
+std::string head(const Identity& identity) {
+    const nlohmann::ordered_json json{{"version", identity.version},   {"config_hash", identity.config_hash},
+                                      {"seed", identity.seed},         {"references", identity.references},
+                                      {"landings", identity.landings}, {"threshold", identity.threshold}};
     return fmt::format("{}{}\n{}", kFormat, json.dump(), column_names());
 }
 
 std::string line(const Row& row) {
     const Stop& s = row.stop;
-    std::string out =
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{}", s.number, s.threshold ? "threshold" : "slip",
-                    s.slip_reference, s.landing, s.surface, s.maneuver, s.c_e_J, s.mean_friction,
-                    s.sensor_seed, row.figures.standstill ? "yes" : "no", fault_names(row.faults));
+    std::string out = fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{}", s.number, s.threshold ? "threshold" : "slip", s.slip_reference,
+        s.landing, s.surface, s.maneuver, s.c_e_J, s.mean_friction, s.sensor_seed,
+        row.figures.standstill ? "yes" : "no",
+        row.faults.empty() ? "none"
+                           : fmt::format("{}", fmt::join(antiskid::can::fault_names(row.faults), " ")));
     for (const Figure& figure : kFigures) out.append(",").append(field(figure.get(row.figures)));
     out.push_back('\n');
     return out;
 }
 
-std::string to_csv(const Identity& identity, const Shard& shard, std::span<const Row> rows) {
-    std::string csv = head(identity, shard);
+std::string to_csv(const Identity& identity, std::span<const Row> rows) {
+    std::string csv = head(identity);
     for (const Row& row : rows) csv += line(row);
     return csv;
 }
@@ -251,7 +227,7 @@ Row parse_row(const std::string& name, std::uint32_t line_number, std::string_vi
 
 StopsTable parse_stops(const std::string& name, std::string_view csv) {
     StopsTable table{.name = name};
-    std::set<std::size_t> expected;
+    std::vector<bool> seen;
     std::uint32_t number = 0;
     while (!csv.empty()) {
         const auto end = csv.find('\n');
@@ -273,14 +249,11 @@ StopsTable parse_stops(const std::string& name, std::string_view csv) {
                                   .references = json.at("references").get<std::vector<double>>(),
                                   .landings = json.at("landings").get<std::size_t>(),
                                   .threshold = json.at("threshold").get<bool>()};
-                table.shard = {json.at("shard").at(0).get<std::size_t>(),
-                               json.at("shard").at(1).get<std::size_t>()};
             } catch (const nlohmann::json::exception& e) {
                 throw Error(name, 1, "", std::string("damaged first line: ") + e.what());
             }
-            check_provenance(name, table.identity, table.shard);
-            const auto numbers = numbers_of(table.identity.stops(), table.shard);
-            expected.insert(numbers.begin(), numbers.end());
+            check_identity(name, table.identity);
+            seen.resize(table.identity.stops());
             continue;
         }
         if (number == 2) {
@@ -290,10 +263,11 @@ StopsTable parse_stops(const std::string& name, std::string_view csv) {
         }
         Row row = parse_row(name, number, text);
         const std::size_t reference = row.stop.number / table.identity.landings;
-        if (expected.erase(row.stop.number) == 0)
+        if (row.stop.number >= seen.size() || seen[row.stop.number])
             throw Error(
                 name, number, "stop",
-                fmt::format("{} stands in the table twice, or is not of this shard", row.stop.number));
+                fmt::format("{} stands in the table twice, or is not of this sweep", row.stop.number));
+        seen[row.stop.number] = true;
         if (row.stop.landing != row.stop.number % table.identity.landings ||
             row.stop.threshold != (reference == table.identity.references.size()) ||
             row.stop.slip_reference != (row.stop.threshold ? 0.0 : table.identity.references[reference]))
@@ -308,46 +282,8 @@ StopsTable parse_stops(const std::string& name, std::string_view csv) {
 }
 
 StopsTable read_stops(const std::filesystem::path& csv) {
-    std::ifstream file(csv, std::ios::binary);
-    if (!file) throw Error(csv.string(), 0, "", "cannot be read");
-    const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    return parse_stops(csv.string(), text);
-}
-
-StopsTable merged(std::span<const StopsTable> shards) {
-    if (shards.empty()) throw std::invalid_argument("there is nothing to merge");
-    const StopsTable& first = shards.front();
-    std::vector<const StopsTable*> have(first.shard.count, nullptr);
-    StopsTable all{.name = "the merged sweep", .identity = first.identity};
-    for (const StopsTable& shard : shards) {
-        const std::string differs = difference(shard.identity, first.identity);
-        if (!differs.empty())
-            throw std::invalid_argument(
-                fmt::format("{}: {} as in {}: not the same sweep", shard.name, differs, first.name));
-        if (shard.shard.count != first.shard.count)
-            throw std::invalid_argument(fmt::format("{} is one of {} shards, {} one of {}", shard.name,
-                                                    shard.shard.count, first.name, first.shard.count));
-        const StopsTable*& place = have[shard.shard.index - 1];
-        if (place != nullptr)
-            throw std::invalid_argument(fmt::format("{} and {} are both shard {} of {}", place->name,
-                                                    shard.name, shard.shard.index, shard.shard.count));
-        place = &shard;
-        const std::size_t wanted = numbers_of(shard.identity.stops(), shard.shard).size();
-        if (shard.rows.size() != wanted)
-            throw std::invalid_argument(
-                fmt::format("{} has {} of its {} stops; the command that made it goes on where it ended",
-                            shard.name, shard.rows.size(), wanted));
-        all.rows.insert(all.rows.end(), shard.rows.begin(), shard.rows.end());
-    }
-    std::string missing;
-    for (std::size_t i = 0; i < have.size(); ++i) {
-        if (have[i] == nullptr)
-            missing += fmt::format("{}{}/{}", missing.empty() ? "" : ", ", i + 1, have.size());
-    }
-    if (!missing.empty()) throw std::invalid_argument("missing: shard " + missing);
-    std::sort(all.rows.begin(), all.rows.end(),
-              [](const Row& a, const Row& b) { return a.stop.number < b.stop.number; });
-    return all;
+    constexpr std::size_t kMostBytes = std::size_t{4} << 30U;
+    return parse_stops(csv.string(), settings::read_file(csv, kMostBytes));
 }
 
 }  // namespace sweep

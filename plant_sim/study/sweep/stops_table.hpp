@@ -1,5 +1,5 @@
-/// Tables of stops as CSV: a first line that says what sweep and what shard of it they belong to, the names of the columns with their
-/// units, one line a stop.
+/// Tables of stops as CSV: a first line that says what sweep they belong to, the names of the columns with their units, one line a
+/// stop.
 ///
 ///     # antiskid sweep 1 {"version":"0.1.0","config_hash":"...","seed":1,"references":[0.06,...],"landings":100,...}
 ///     stop,law,slip_reference,landing,surface,maneuver,c_e_J,mean_friction,sensor_seed,standstill,faults,j_mu,stop_distance_m,...
@@ -19,13 +19,6 @@
 
 namespace sweep {
 
-/// Part `index` (from 1) of `count`.
-struct Shard {
-    std::size_t index = 1;
-    std::size_t count = 1;
-    bool operator==(const Shard&) const = default;
-};
-
 /// What has to be equal for two stops to belong to one sweep.
 struct Identity {
     std::string version;
@@ -43,32 +36,24 @@ struct Identity {
 /// The first difference in words, "seed 2 instead of 1"; empty where there is none.
 [[nodiscard]] std::string difference(const Identity& got, const Identity& wanted);
 
-/// The stops of a shard, in the order of work.
-[[nodiscard]] std::vector<std::size_t> numbers_of(std::size_t stops, const Shard& shard);
-
 struct StopsTable {
     std::string name;  ///< for messages: the file
     Identity identity{};
-    Shard shard{};
     std::vector<Row> rows{};
     std::size_t whole = 0;  ///< bytes up to the end of the last whole line
 };
 
 /// The first two lines.
-[[nodiscard]] std::string head(const Identity& identity, const Shard& shard);
+[[nodiscard]] std::string head(const Identity& identity);
 /// One stop as a line, its end included.
 [[nodiscard]] std::string line(const Row& row);
-[[nodiscard]] std::string to_csv(const Identity& identity, const Shard& shard, std::span<const Row> rows);
+[[nodiscard]] std::string to_csv(const Identity& identity, std::span<const Row> rows);
 
 /// Throws settings::Error with `name` and line for what is no such table, of another version of it, or damaged; a last line without an
-/// end is what a killed program leaves, and passed over. No stop stands in it twice, and each is one of the shard's.
+/// end is what a killed program leaves, and passed over. No stop stands in it twice.
 [[nodiscard]] StopsTable parse_stops(const std::string& name, std::string_view csv);
 [[nodiscard]] StopsTable read_stops(const std::filesystem::path& csv);
 /// One line of line(), without its end.
 [[nodiscard]] Row parse_row(const std::string& name, std::uint32_t line_number, std::string_view text);
-
-/// All shards as one table. Throws std::invalid_argument for tables that are not of one sweep, a shard that is missing, there twice or
-/// incomplete, with the names of the files.
-[[nodiscard]] StopsTable merged(std::span<const StopsTable> shards);
 
 }  // namespace sweep

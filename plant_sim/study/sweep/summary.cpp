@@ -7,8 +7,6 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "plant_sim/study/sweep/checks.hpp"
-
 namespace sweep {
 
 namespace {

@@ -1,6 +1,7 @@
 /// What the sweep says: means over the landings for each reference, and whether they show what Section VI says.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -52,11 +53,19 @@ struct Summary {
     [[nodiscard]] bool passed() const;
 };
 
+/// What Section VI and Fig. 13 and 14 say, as demands on the means: fills `checks` and `unchecked`.
+void check(Summary& summary);
+
 /// `rows`: every stop of the sweep, by number.
 [[nodiscard]] Summary summarised(const Identity& identity, std::span<const Row> rows);
 
 [[nodiscard]] std::string to_json(const Summary& summary);
 /// For the screen: a line for every fifth reference, the best, the paper's and the threshold law; then the checks.
 [[nodiscard]] std::string to_table(const Summary& summary);
+
+/// Fig. 13: mean J_mu and distance over the mean energy of the brake (top) and of the tyre (bottom). Throws std::runtime_error as run_gnuplot.
+void draw_fig13(const Summary& summary, const std::filesystem::path& png);
+/// Fig. 14: the two energies against each other, and both over the reference.
+void draw_fig14(const Summary& summary, const std::filesystem::path& png);
 
 }  // namespace sweep

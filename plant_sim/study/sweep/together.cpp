@@ -1,7 +1,6 @@
 #include "plant_sim/study/sweep/together.hpp"
 
 #include <algorithm>
-#include <set>
 #include <stdexcept>
 
 #include "plant_sim/study/sweep/part_file.hpp"
@@ -11,19 +10,19 @@ namespace sweep {
 
 namespace {
 
-/// Numbers of the shard, in the order of work, that are not in `done`.
-std::vector<std::size_t> pending(const Plan& plan, const Shard& shard, const std::vector<Row>& done) {
-    std::set<std::size_t> finished;
-    for (const Row& row : done) finished.insert(row.stop.number);
-    std::vector<std::size_t> numbers = numbers_of(plan.stops(), shard);
-    std::erase_if(numbers, [&finished](std::size_t number) { return finished.contains(number); });
+/// In the order of work, without those in `done`.
+std::vector<std::size_t> pending(const Plan& plan, const std::vector<Row>& done) {
+    std::vector<bool> finished(plan.stops());
+    for (const Row& row : done) finished[row.stop.number] = true;
+    std::vector<std::size_t> numbers = study::order_of_work(plan.stops());
+    std::erase_if(numbers, [&finished](std::size_t number) { return finished[number]; });
     return numbers;
 }
 
 /// This process's share of what is not in `done`.
 void work_on(const Plan& plan, const Work& work, const std::vector<Row>& done, study::Team& team,
              const std::function<void(std::string_view line)>& take) {
-    const auto ours = study::share_of(pending(plan, work.shard, done), team);
+    const auto ours = study::share_of(pending(plan, done), team);
     study::work_together(
         team,
         [&](const study::HandIn& hand_in) {
@@ -35,15 +34,14 @@ void work_on(const Plan& plan, const Work& work, const std::vector<Row>& done, s
 }
 
 std::vector<Row> lead(const Plan& plan, const Work& work, study::Team& team) {
-    PartFile part(work.part, plan, work.shard);
-    const std::size_t all = numbers_of(plan.stops(), work.shard).size();
+    PartFile part(work.part, plan);
     std::vector<Row> rows = part.rows();
     const std::size_t before = rows.size();
-    (void)team.from_leader(to_csv(identity_of(plan), work.shard, rows));
+    (void)team.from_leader(to_csv(identity_of(plan), rows));
     work_on(plan, work, part.rows(), team, [&](std::string_view text) {
         part.append(text);
         rows.push_back(parse_row("a finished stop", 1, text.substr(0, text.size() - 1)));
-        if (work.progress) work.progress(rows.size(), all, before);
+        if (work.progress) work.progress(rows.size(), plan.stops(), before);
     });
     std::sort(rows.begin(), rows.end(),
               [](const Row& a, const Row& b) { return a.stop.number < b.stop.number; });
@@ -53,7 +51,7 @@ std::vector<Row> lead(const Plan& plan, const Work& work, study::Team& team) {
 void follow(const Plan& plan, const Work& work, study::Team& team) {
     const StopsTable begun = parse_stops("the leading process", team.from_leader({}));
     const std::string differs = difference(identity_of(plan), begun.identity);
-    if (!differs.empty() || begun.shard != work.shard)
+    if (!differs.empty())
         throw std::invalid_argument("this process was given another sweep than the leading one: " + differs);
     work_on(plan, work, begun.rows, team, {});
 }

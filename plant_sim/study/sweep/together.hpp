@@ -1,4 +1,4 @@
-/// A sweep, or a shard of it, by all threads of all processes of a team; what is finished is kept as it comes.
+/// A sweep by all threads of all processes of a team; what is finished is kept as it comes.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,6 @@
 namespace sweep {
 
 struct Work {
-    Shard shard{};
     std::filesystem::path part{};             ///< the leader's PartFile: what it holds is not run again
     unsigned threads = 1;                     ///< of each process
     const std::atomic<bool>* stop = nullptr;  ///< see RunOptions
@@ -20,7 +19,7 @@ struct Work {
     std::function<void(std::size_t done, std::size_t all, std::size_t before)> progress{};
 };
 
-/// For the leader: the stops of the shard that are finished, by number; all of them unless it was stopped. Nothing for the others. Every
+/// For the leader: the stops that are finished, by number; all of them unless it was stopped. Nothing for the others. Every
 /// process must be given the same plan: one that was not throws std::invalid_argument. Otherwise as PartFile and run().
 [[nodiscard]] std::vector<Row> run_together(const Plan& plan, const Work& work, study::Team& team);
 

@@ -37,9 +37,6 @@ void check(const StopsTable& sweep, const TradeOptions& options) {
     if (options.resamples < 1 || options.resamples > 1'000'000) refuse("resamples must be from 1 to 1000000");
     if (sweep.identity.references.size() < 2)
         refuse(fmt::format("{}: a trade needs a sweep of at least two slip references", sweep.name));
-    if (sweep.shard.count != 1)
-        refuse(fmt::format("{} is shard {} of {}: `rig-lab sweep merge` makes the sweep of all", sweep.name,
-                           sweep.shard.index, sweep.shard.count));
     if (sweep.rows.size() != sweep.identity.stops())
         refuse(fmt::format("{} has {} of {} stops; the command that made it goes on where it ended",
                            sweep.name, sweep.rows.size(), sweep.identity.stops()));

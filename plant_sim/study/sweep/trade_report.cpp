@@ -90,8 +90,7 @@ std::string point(const Offer& o) {
 }
 
 std::string block(const char* name, const std::optional<Offer>& o) {
-    // An empty block would be an error of gnuplot's.
-    return fmt::format("${} << EOD\n{}EOD\n", name, o ? point(*o) : std::string("NaN NaN NaN NaN\n"));
+    return study::gnuplot_block(name, o ? point(*o) : "");
 }
 
 std::string panel(int column, const char* label, const std::optional<double>& bound) {
@@ -177,28 +176,24 @@ std::string to_text(const Trade& t, const TradeOptions& options) {
 }
 
 void draw_trade(const Trade& t, const TradeOptions& options, const std::filesystem::path& png) {
-    std::string all = "$all << EOD\n";
-    std::string inside = "$within << EOD\n";
-    std::string labels = "$labels << EOD\n";
+    std::string all, inside, labels;
     double next_label = 0.0;
-    bool any = false;
     for (const Offer& o : t.offers) {
         all += point(o);
         const bool good =
             !(options.bounds.least_j_mu && o.j_mu < *options.bounds.least_j_mu) &&
             !(options.bounds.most_distance_m && o.stop_distance_m > *options.bounds.most_distance_m);
         if (good) inside += point(o);
-        any = any || good;
         if (o.slip_reference < next_label - 1e-9) continue;
         labels += point(o);
         next_label = o.slip_reference + 0.1;
     }
-    if (!any) inside += "NaN NaN NaN NaN\n";
     const char* cost = by_life(options) ? "share of the first worn part''s life that a landing takes"
                                         : "cost of a landing at the given prices";
     const std::string script =
-        "set grid lt 1 lc rgb '#e4e4e4'\nset border lc rgb '#555555'\n" + all + "EOD\n" + inside + "EOD\n" +
-        labels + "EOD\n" + block("best", t.best) + block("paper", t.paper) + block("threshold", t.threshold) +
+        study::gnuplot_block("all", all) + study::gnuplot_block("within", inside) +
+        study::gnuplot_block("labels", labels) + block("best", t.best) + block("paper", t.paper) +
+        block("threshold", t.threshold) +
         "set key outside top center horizontal maxrows 2\n"
         "set offsets graph 0.03, graph 0.08, graph 0.05, graph 0.05\nset multiplot layout 1,2\n" +
         fmt::format("set xlabel '{}'\n", cost) + panel(2, "mean J_{/Symbol m}", options.bounds.least_j_mu) +

@@ -12,7 +12,7 @@
 
 namespace study {
 
-/// Numbers 0 to `pieces` - 1 in the order of work: mixed, so that long ones (stops on ice) and short ones fall evenly to threads, shards and
+/// Numbers 0 to `pieces` - 1 in the order of work: mixed, so that long ones (stops on ice) and short ones fall evenly to threads and
 /// processes, and time left follows from the share done. Always the same.
 [[nodiscard]] std::vector<std::size_t> order_of_work(std::size_t pieces);
 

@@ -15,7 +15,7 @@ constexpr double kRow_s = 0.01;
 constexpr double kStartWindow_s = 0.1;
 constexpr double kGap_s = 0.02;
 
-bool brakes(const antiskid::control::Sensors& s) {
+bool brakes(const antiskid::can::BusView& s) {
     return s.maneuver.arm && s.maneuver.demand_Pa > 0.0F;
 }
 
@@ -26,7 +26,7 @@ struct Shafts {
           flywheel(rig.flywheel_encoder.teeth),
           R_f_m(rig.flywheel_radius_m) {}
 
-    void see(const antiskid::control::Sensors& s, double time_s) {
+    void see(const antiskid::can::BusView& s, double time_s) {
         wheel.see(s.wheel, time_s);
         flywheel.see(s.flywheel, time_s);
     }
@@ -52,7 +52,7 @@ class Validator {
 
   private:
     [[nodiscard]] double pressure_Pa() const {
-        return static_cast<double>(signals_.sensors().pressure.pressure_Pa);
+        return static_cast<double>(signals_.view().pressure.pressure_Pa);
     }
 
     /// Up to brake-on; the speed there is that of the last whole window before it.
@@ -60,8 +60,8 @@ class Validator {
         double window_end_s = 0.0;
         while (signals_.next()) {
             last_s_ = signals_.time_s();
-            shafts_.see(signals_.sensors(), last_s_);
-            if (brakes(signals_.sensors()) && result_.brake_on_mps > 0.0) {
+            shafts_.see(signals_.view(), last_s_);
+            if (brakes(signals_.view()) && result_.brake_on_mps > 0.0) {
                 result_.braked = true;
                 result_.brake_on_s = last_s_;
                 result_.brake_on_line = signals_.line();
@@ -89,9 +89,9 @@ class Validator {
                 result_.longest_gap_s = std::max(result_.longest_gap_s, gap_s);
             }
             last_s_ = now_s;
-            shafts_.see(signals_.sensors(), now_s);
+            shafts_.see(signals_.view(), now_s);
             stop.advance(now_s, pressure_Pa());
-            if (!brakes(signals_.sensors())) return "the demand was taken back";
+            if (!brakes(signals_.view())) return "the demand was taken back";
             if (now_s + 1e-9 >= next_row_s) {
                 row(stop, now_s);
                 next_row_s = now_s + kRow_s;

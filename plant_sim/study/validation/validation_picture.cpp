@@ -16,8 +16,6 @@ set style line 1 lc rgb '#202020' lw 2
 set style line 2 lc rgb '#e07b39' lw 1.6 dt 2
 set style line 3 lc rgb '#1f4e79' lw 2
 set style line 4 lc rgb '#58a5d6' lw 1.6 dt 2
-set grid lc rgb '#dddddd'
-set border lc rgb '#555555'
 set key top right
 set lmargin 11
 set rmargin 3
