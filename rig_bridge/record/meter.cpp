@@ -27,6 +27,8 @@ constexpr double kLeastRelease_s = 0.06, kMostRelease_s = 0.5;
 constexpr double kStands = 0.02;
 /// Half way, as a ratio, to the nearest mistake of unit: bar for MPa is ten. A brake at its wear limit has half of its first friction.
 constexpr double kImplausibleFriction = 3.16;
+/// Torque comes through the PLC, later than pressure: at brake-on their ratio says nothing.
+constexpr double kJudgedFriction_s = 0.2;
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
 EdgeLimits limits(double teeth, double most_radps, double late_s) {
@@ -302,7 +304,7 @@ std::vector<std::string> Meter::warnings() const {
         all.push_back(fmt::format("{}: brake and tyre took {:.4g} MJ of {:.4g} MJ kinetic energy",
                                   kEnergyUnbalanced, used_J * 1e-6, f.kinetic_energy_J * 1e-6));
     const double ratio = f.mean_friction / parameters_.friction;
-    if (parameters_.friction > 0.0 && f.mean_friction > 0.0 &&
+    if (parameters_.friction > 0.0 && f.mean_friction > 0.0 && f.duration_s > kJudgedFriction_s &&
         (ratio > kImplausibleFriction || ratio < 1.0 / kImplausibleFriction))
         all.push_back(fmt::format("{}: mean mu_b {:.4g} by torque over pressure, {:.4g} is the brake's",
                                   kFrictionImplausible, f.mean_friction, parameters_.friction));

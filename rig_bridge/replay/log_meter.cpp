@@ -32,7 +32,6 @@ struct FoundRig {
 std::optional<FoundRig> found_rig(const fs::path& file, Time left, const antiskid::can::Layout& layout,
                                   const MeterParameters& parameters) {
     constexpr Time kSoon{60'000'000'000}, kAtOnce{10'000'000'000};
-    constexpr double kTurns_mps = 0.5;  // a rig that started anew stands
     if (!fs::exists(file)) return std::nullopt;
     LogOptions options;
     options.layout = &layout;
@@ -46,7 +45,9 @@ std::optional<FoundRig> found_rig(const fs::path& file, Time left, const antiski
         return std::nullopt;
     const double v = meter.meter().speed_mps();
     const bool released = static_cast<double>(meter.view().pressure.pressure_Pa) < kReleased_Pa;
-    return FoundRig{v, meter.meter().kinetic_energy_J(), released && later <= kAtOnce && v > kTurns_mps};
+    // Below drop-out a wheel may be held; a rig that started anew stands.
+    return FoundRig{v, meter.meter().kinetic_energy_J(),
+                    released && later <= kAtOnce && v > parameters.drop_out_mps};
 }
 
 /// Of what was left when the log ended: the brake's part of what was lost until the rig was found counts, the most of the rest is named.

@@ -287,4 +287,15 @@ TEST_CASE("torque over pressure that is no brake's friction is named with both n
                ContainsSubstring("friction_implausible: mean mu_b 2.62") &&
                    ContainsSubstring("by torque over pressure, 0.26 is the brake's"));
     CHECK(with_pressure(14.5F).warns("friction_implausible"));
+    // Of a record that ends as the brake comes on: torque comes through the PLC, later than pressure.
+    const auto ends_after = [&](double braking_s) {
+        Recording recording(c, true, 1,
+                            [](double, RigSample& sample) { sample.load_cells.brake_torque_Nm = 20.0F; });
+        const double share = (c.before_s + braking_s) / (c.rest_s() + 0.55);
+        recording.frames.resize(
+            static_cast<std::size_t>(share * static_cast<double>(recording.frames.size())));
+        return measure(recording.frames, p);
+    };
+    CHECK_FALSE(ends_after(0.15).warns("friction_implausible"));
+    CHECK(ends_after(0.5).warns("friction_implausible"));
 }

@@ -1,6 +1,7 @@
 // Campaigns of maneuvers known in closed form: the raw logs must give what summaries and ledger say, bit by bit.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -183,6 +184,7 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
     const auto found_after = [&](double later_s, double v_mps, double from_s) {
         record_test::ClosedForm coasting;
         coasting.v0_mps = v_mps;
+        coasting.change_mps = std::min(coasting.change_mps, 0.5 * v_mps);
         const record_test::Recording found(coasting, true);
         const std::size_t first = static_cast<std::size_t>(from_s / (coasting.rest_s() + 0.55) *
                                                            static_cast<double>(found.frames.size()));
@@ -207,7 +209,8 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
                       coasts.figures.energy_brake_J * 1e-6, coasts.figures.energy_tyre_J * 1e-6));
     const rig::MeteredLog late = found_after(30.0, 54.0, 0.0);
     const rig::MeteredLog braked = found_after(3.0, 54.0, form.before_s + 0.05);
-    for (const rig::MeteredLog& each : {late, braked}) {
+    const rig::MeteredLog slow = found_after(3.0, 4.5, 0.0);
+    for (const rig::MeteredLog& each : {late, braked, slow}) {
         CHECK(each.figures.energy_brake_J == 0.0);
         CHECK_THAT(each.warnings.at(0), ContainsSubstring("m/s when the next bridge came, and the brake"));
     }
