@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 #include "firmware/can/names.hpp"
@@ -34,7 +33,7 @@ void Telemetry::drain(CycleRing& ring) {
 
 void Telemetry::on_record(const CycleRecord& record) {
     if ((last_.step == 0 || record.command.state != last_.command.state) &&
-        !often(can::name(record.command.state)))
+        !often(std::string(can::name(record.command.state))))
         logger_.info("[{:.3f} s] state {}", seconds(record.now), can::name(record.command.state));
     report_faults(record);
     report_link(record);
@@ -63,7 +62,7 @@ void Telemetry::report_faults(const CycleRecord& record) {
     }
 }
 
-bool Telemetry::often(const std::string_view what) {
+bool Telemetry::often(const std::string& what) {
     const bool more = ++changes_[what] > kSaid || flaps_.contains(what);
     if (more) ++unsaid_;
     return more;

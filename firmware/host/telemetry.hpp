@@ -8,7 +8,6 @@
 #include <map>
 #include <set>
 #include <string>
-#include <string_view>
 
 #include "firmware/host/cycle_record.hpp"
 
@@ -36,7 +35,7 @@ class Telemetry {
     void on_record(const CycleRecord& record);
     void report_faults(const CycleRecord& record);
     void report_link(const CycleRecord& record);
-    [[nodiscard]] bool often(std::string_view what);
+    [[nodiscard]] bool often(const std::string& what);
 
     spdlog::logger& logger_;
     std::string interface_;
@@ -45,9 +44,8 @@ class Telemetry {
     std::uint64_t missed_ = 0;
     control::Time worst_latency_{};
     std::uint64_t dropped_ = 0;
-    std::map<std::string_view, std::uint64_t>
-        changes_;                       // since the last summary, by state, fault, link, SYNC
-    std::set<std::string_view> flaps_;  // what did until the last summary
+    std::map<std::string, std::uint64_t> changes_;  // since the last summary, by state, fault, link, SYNC
+    std::set<std::string> flaps_;                   // what did until the last summary
     std::uint64_t unsaid_ = 0;
 };
 
