@@ -20,7 +20,7 @@
 #include "plant_sim/study/sweep/run.hpp"
 #include "plant_sim/study/sweep/setup.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
-#include "plant_sim/wear/on_threads.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 
 namespace {
 

@@ -13,8 +13,8 @@
 #include "plant_sim/study/faults/campaign.hpp"
 #include "plant_sim/study/faults/report.hpp"
 #include "plant_sim/study/trajectory.hpp"
-#include "plant_sim/wear/on_threads.hpp"
 #include "rig_bridge/pictures/stop_picture.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 
 namespace plant_sim {
 

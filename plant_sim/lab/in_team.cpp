@@ -1,5 +1,5 @@
 #include "plant_sim/lab/in_team.hpp"
-#include "plant_sim/wear/on_threads.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 
 #include <fmt/core.h>
 

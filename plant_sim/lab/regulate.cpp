@@ -13,7 +13,7 @@
 #include "plant_sim/lab/regulate_report.hpp"
 #include "plant_sim/lab/regulate_stops.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/wear/on_threads.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 
 namespace plant_sim {
 

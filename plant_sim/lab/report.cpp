@@ -11,7 +11,7 @@
 #include "plant_sim/study/paper/page.hpp"
 #include "plant_sim/study/paper/run.hpp"
 #include "plant_sim/study/paper/sections.hpp"
-#include "plant_sim/wear/on_threads.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 
 namespace plant_sim {
 

@@ -15,7 +15,7 @@
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/law_loop.hpp"
 #include "plant_sim/study/margins/tune.hpp"
-#include "plant_sim/wear/on_threads.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 
 namespace plant_sim {
 

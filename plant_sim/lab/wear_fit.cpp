@@ -9,8 +9,8 @@
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/wear.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
-#include "plant_sim/wear/on_threads.hpp"
 #include "rig_bridge/wear/model_io.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 
 namespace plant_sim {
 

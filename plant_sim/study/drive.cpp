@@ -25,7 +25,8 @@ DriveProfile parse(const std::string& name, std::string_view csv) {
         throw settings::Error(name, line, "", message);
     };
     wear::CsvRows rows(csv);
-    if (!rows.next()) refuse(0, "is empty; expected the header time_s,pressure_Pa or time_s,current_mA");
+    if (!rows.next())
+        refuse(rows.line(), "is empty; expected the header time_s,pressure_Pa or time_s,current_mA");
     const std::vector<std::string_view> header = rows.fields();
     const bool by_pressure = header.back() == "pressure_Pa";
     if (header.size() != 2 || header.front() != "time_s" || (!by_pressure && header.back() != "current_mA"))

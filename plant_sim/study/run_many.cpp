@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "plant_sim/wear/on_threads.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 
 namespace study {
 

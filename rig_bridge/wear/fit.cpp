@@ -8,8 +8,8 @@
 #include <mutex>
 #include <optional>
 
-#include "plant_sim/wear/on_threads.hpp"
 #include "rig_bridge/wear/fit_starts.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 
 namespace wear {
 

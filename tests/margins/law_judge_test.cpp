@@ -107,7 +107,7 @@ TEST_CASE("a score says stops, stability and margins, in this order, whatever is
 
     Config alone = good;  // the closed loop is stable, the law by itself is not
     alone.estimator.valve_offset_radps = 0.0F;
-    alone.slip.k_p_per_s = 187.0F;
+    alone.slip.k_p_per_s = 400.0F;
     alone.slip.k_d = 10.5F;
     alone.slip.k_dd_s = 0.0123F;
     CHECK(judge.margins_of(alone).unstable > 0);

@@ -297,7 +297,7 @@ TEST_CASE("a summary that is none is refused by file and key", "[BRG-210]") {
                           ContainsSubstring("summary.json") && ContainsSubstring(why));
     };
     CHECK_THROWS_WITH(rig::read_summary(path.parent_path() / "none.json"),
-                      ContainsSubstring("none.json: cannot be read"));
+                      ContainsSubstring("none.json: cannot be opened"));
     refused("", "is no whole JSON object");
     refused("[]", "is no whole JSON object");
     write_summary(path, some_summary());

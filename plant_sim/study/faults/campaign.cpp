@@ -3,7 +3,7 @@
 #include <mutex>
 #include <optional>
 
-#include "plant_sim/wear/on_threads.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 
 namespace faults {
 

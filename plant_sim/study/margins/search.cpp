@@ -7,8 +7,8 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "plant_sim/wear/on_threads.hpp"
 #include "rig_bridge/rig/random.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 
 namespace study::margins {
 
