@@ -92,7 +92,7 @@ are started again, as by a service manager.
 In each of these {len(rows)} cases (of {len(names) * len(PHASES)}) the maneuver finished once, and every figure came out again from its logs bit for bit. In {sum(off(row) <= ENERGY_SHARE for row in rows)} of them the ledger's
 energy was that of the plant's brake within 1 % of what it is in an undisturbed campaign; the others have the difference beside them. What a killed
 rig's brake had taken it could not tell: there the rest is compared. docs/recovery.csv has the figures. A case that is in it
-is not run again, so not all are of the newest build.
+is not run again, so not all are of the newest build. A busy host aborts an attempt now and then by itself, and its cause stands in the cell, too.
 
 Torque and load come through PLC and bridge. Where they are silent in braking (a silent PLC, a standing bridge, a cut bus) the brake's energy is that of the speeds, and the warning `energy_by_speeds` says how much of it (docs/recording.md).
 What the brake took after its bridge was dead is what flywheel and wheel lost until the next bridge came, where that comes at once to a rig that coasts; `ends_in_braking` or `ends_in_settling` says what counts so, and the most that may be missing besides until a person amends it (docs/recording.md). The rest is scatter: load cells are as old as
