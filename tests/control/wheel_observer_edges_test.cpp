@@ -1,0 +1,72 @@
+// The wheel's observer behind an encoder whose edges are far apart.
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/control/wheel_observer.hpp"
+#include "tests/catch.hpp"
+#include "tests/control/fixed_config.hpp"
+#include "tests/control/shaft.hpp"
+
+using namespace antiskid::control;
+using control_test::fixed_config;
+
+namespace {
+
+/// A wheel, its encoder and the observer of it.
+struct EncodedWheel {
+    static constexpr double kStep_s = 1e-3;
+
+    explicit EncodedWheel(const ObserverConfig& config)
+        : observer(config, fixed_config().wheel.encoder, 1e-3F) {}
+
+    void turn(double radps, double brake_radps2) {
+        shaft.turn_to(radps, kStep_s);
+        now += Time{1'000'000};
+        shaft.report(input, now);
+        const auto brake = static_cast<float>(brake_radps2);
+        observer.update(encoder.update(input), {.brake_radps2 = brake, .brake_now_radps2 = brake});
+    }
+
+    control_test::Shaft shaft{60.0};
+    SpeedEstimator encoder{60.0F};
+    WheelObserver observer;
+    SpeedInput input;
+    Time now{};
+};
+
+}  // namespace
+
+TEST_CASE("an observer whose wheel fell faster than any can is led back by sparse edges and bounds",
+          "[CTL-300]") {
+    const double gains_radps2 = GENERATE(40.0, 75.0, 150.0);
+    CAPTURE(gains_radps2);
+    EncodedWheel b(fixed_config().observer);
+    for (int i = 0; i < 300; ++i) b.turn(115.0, 0.0);
+    double radps = 6.0;  // within one period
+    for (int i = 0; i < 400; ++i) {
+        radps += gains_radps2 * EncodedWheel::kStep_s;
+        b.turn(radps, 0.0);
+        CAPTURE(i);
+        REQUIRE(b.observer.answer_per_s() < 500.0F);
+        if (i > 200)
+            REQUIRE(static_cast<double>(b.observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
+    }
+}
+
+TEST_CASE("edges of a wheel that creeps, far apart, do not read as a wheel that turns with the aircraft",
+          "[CTL-300]") {
+    const double creeps_radps = GENERATE(2.0, 3.7, 6.0);
+    const double answer_noise = GENERATE(3.4, 4.2, 8.0);
+    CAPTURE(creeps_radps, answer_noise);
+    ObserverConfig config = fixed_config().observer;
+    config.answer_noise = static_cast<float>(answer_noise);
+    EncodedWheel b(config);
+    for (int i = 0; i < 300; ++i) b.turn(38.0, 0.0);
+    for (int i = 0; i < 8; ++i) b.turn(std::max(38.0 - 5.0 * i, creeps_radps), 8000.0);
+    const double after_two_edges = 2.0 * (2.0 * 3.14159265 / 60.0) / creeps_radps * 1e3;
+    for (int i = 0; i < 400; ++i) {
+        b.turn(creeps_radps, 8000.0 * std::exp(-i / 8.0));
+        if (static_cast<double>(i) > after_two_edges)
+            REQUIRE(static_cast<double>(b.observer.motion().omega_radps) <= 2.2 * creeps_radps);
+    }
+}
