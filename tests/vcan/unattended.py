@@ -18,7 +18,7 @@ from strikes import STRIKES, Bench, energies, judge_numbers, replayed_right, sou
 from three_programs import Rig, check, in_guest_memory, quick_rig, words, write_table
 
 PHASES = ("spin_up", "settling", "braking", "retract")
-SOUND = 3            # undisturbed maneuvers to compare with
+SOUND = 5            # undisturbed maneuvers to compare with
 ENERGY_SHARE = 0.01
 RETRIES = 5          # a busy host aborts some by itself
 

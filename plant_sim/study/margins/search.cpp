@@ -86,7 +86,8 @@ Found search(const std::vector<Parameter>& parameters, const Score& score, const
         for (std::size_t k = 0; k < n; ++k) v[k] = rounded(std::exp(x[k]), options.digits);
         return v;
     };
-    const auto all = static_cast<std::size_t>(options.population * (options.generations + 1));
+    const auto all =
+        static_cast<std::size_t>(options.population) * (static_cast<std::size_t>(options.generations) + 1);
     Jury jury(score, options.threads, progress);
     std::vector<Candidate> candidates(members);
     for (std::size_t i = 0; i < members; ++i) {
