@@ -98,8 +98,8 @@ struct SlipConfig {
     float answer_scale_per_s = 0.0F;
     float answer_filter_radps = 0.0F;
     float rise_per_s = 0.0F;
-    float excess_fall_per_s =
-        0.0F;  ///< and falls by this for each 1 of slip that is beyond 0.05 above the reference
+    /// The share falls by this for each 1 of slip that is beyond 0.05 above the reference in force.
+    float excess_fall_per_s = 0.0F;
 };
 
 /// The search for the slip of most friction, peak_seeker.hpp.

@@ -23,7 +23,7 @@ void SlipLaw::start(const Estimate& estimate) {
 
 /// What a loop that hunts, or a wheel that locks, shows on any road: slip that stays above the reference.
 void SlipLaw::retreat(const Estimate& e, float rate_per_s) {
-    constexpr float kLeast = 0.0625F;  // of a reference of 0.24: below the peak of friction on ice
+    constexpr float kLeast = 0.0625F;  // slip 0.015 at a reference of 0.24: below the peak of friction on ice
     const float excess = larger(e.slip - reference_ - kHeldWithin, 0.0F);
     share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, kLeast, 1.0F);
 }
