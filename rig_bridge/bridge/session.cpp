@@ -164,7 +164,7 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
     int resting = 0;
     Phase before = sequencer.phase();
     Phase ended = before;  // by the abort
-    sequencer::Abort told = sequencer::Abort::none;
+    aborted_by_ = sequencer::Abort::none;
     while (!sequencer.over() || resting <= kTail) {
         const Moment& m = step(&sequencer, &order);
         trace_.record(m);
@@ -174,11 +174,11 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
             record_error_ = lost;
             abort_ = true;
         }
-        if (sequencer.phase() == Phase::aborting && sequencer.abort() != told) {
-            if (before != Phase::aborting) ended = before;
-            told = sequencer.abort();
+        if (sequencer.abort() != aborted_by_) {
+            if (aborted_by_ == sequencer::Abort::none) ended = before;
+            aborted_by_ = sequencer.abort();
             note_ = how_it_was(ended, m);
-            advice_ = advice(told, ended, m.bus.view.controller.faults);
+            advice_ = advice(aborted_by_, ended, m.bus.view.controller.faults);
             if (const std::string note = note_of(m); !note.empty()) advice_ += "\n  " + note;
             if (!setup_.options.quiet) terminal_.ring();
             terminal_.say("rig-bridge: " + advice_);
@@ -259,15 +259,13 @@ Ran Session::run(const Order& order) {
     terminal_.leave();
     if (!whole) record_error_ = recording->log.error().empty() ? samples.error() : recording->log.error();
     ran.record_error = record_error_;
-    aborted_by_ = sequencer.abort();
 
     Summary& s = ran.summary;
     s.campaign = order.campaign;
     s.number = order.number;
     s.scenario = setup_.scenario.name;
     s.specimen = order.specimen;
-    s.outcome =
-        std::string(sequencer.phase() == Phase::finished ? name(Phase::finished) : name(sequencer.abort()));
+    s.outcome = std::string(sequencer.phase() == Phase::finished ? name(Phase::finished) : name(aborted_by_));
     if (!record_error_.empty()) s.outcome = kRecordLost;
     s.started = started;
     s.figures = recording->meter.figures();

@@ -195,14 +195,14 @@ Outputs Sequencer::step(const Inputs& in, double now_s) {
     }
     const double passed_s = std::max(now_s - now_s_, 0.0);
     now_s_ = std::max(now_s, now_s_);
+    // The first status frame of a second controller, or the first that is refused, comes before it is told from the other one.
+    if (in.two_senders && (abort_ == Abort::controller_silent || abort_ == Abort::controller_fault))
+        abort_ = Abort::two_senders;
     if (over()) return outputs(in);
     compare_speeds(in, passed_s);
 
     const bool late = elapsed_s() > limit_s();
     if (phase_ == Phase::aborting) {
-        // The first status frame of a second controller, or the first that is refused, comes before it is told from the other one.
-        if (in.two_senders && (abort_ == Abort::controller_silent || abort_ == Abort::controller_fault))
-            abort_ = Abort::two_senders;
         if (done(in) || late) enter(Phase::aborted);
         return outputs(in);
     }

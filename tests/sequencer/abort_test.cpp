@@ -94,6 +94,21 @@ TEST_CASE("what a second controller did to the first is named after it, once it 
     }
 }
 
+TEST_CASE("a second sender that is told only after the safe end is still the cause", "[BRG-460]") {
+    Reached r(Phase::spin_up);
+    Inputs in = r.rig.inputs;
+    in.controller_safe = true;
+    in.controller_armed = in.controller_standby = false;
+    REQUIRE(r.next(in).abort == Abort::controller_fault);
+    check_end(r, Abort::controller_fault);
+    in = r.rig.inputs;
+    in.two_senders = true;
+    const Outputs out = r.next(in);
+    CHECK(out.abort == Abort::two_senders);
+    CHECK(out.phase == Phase::aborted);
+    CHECK(safe(out));
+}
+
 TEST_CASE("every cause in every phase: safe in the same step, and a safe end", "[BRG-110]") {
     for (const Phase phase : kActive) {
         for (const Mishap& mishap : kMishaps) {
