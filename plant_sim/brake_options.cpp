@@ -19,29 +19,22 @@ constexpr double kMost_MJ = 1e9;
 std::optional<double> energy_J(const std::string& text) {
     double value_MJ = 0.0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value_MJ);
-    if (error != std::errc() || end != text.data() + text.size() ||
-        !(value_MJ >= 0.0 && value_MJ <= kMost_MJ))
-        return std::nullopt;
+    if (error != std::errc() || end != text.data() + text.size() || !(value_MJ >= 0.0 && value_MJ <= kMost_MJ)) return std::nullopt;
     return value_MJ * 1e6;
 }
 
 std::string check_brake(const std::string& text) {
     if (text == "new" || text == "worn" || energy_J(text)) return {};
-    return fmt::format("expected new, worn, or the energy taken so far, 0 to {:g} MJ; got '{}'", kMost_MJ,
-                       text);
+    return fmt::format("expected new, worn, or the energy taken so far, 0 to {:g} MJ; got '{}'", kMost_MJ, text);
 }
 
 }  // namespace
 
 void add_rule_options(CLI::App& app, wear::ConditionalRule& rule) {
-    settings::add_choice(
-        app, "--variance", rule.variance,
-        {{"exact", wear::Variance::exact}, {"printed", wear::Variance::printed}},
-        "exact: (1 - rho^2) sigma_b^2; printed: (1 - rho) sigma_b^2 as in the paper's eq. (14)");
-    settings::add_choice(
-        app, "--component", rule.choice,
-        {{"nearest", wear::Choice::nearest}, {"mixture", wear::Choice::mixture}},
-        "nearest: of the component nearest in energy (the paper); mixture: the exact conditional");
+    settings::add_choice(app, "--variance", rule.variance, {{"exact", wear::Variance::exact}, {"printed", wear::Variance::printed}},
+                         "exact: (1 - rho^2) sigma_b^2; printed: (1 - rho) sigma_b^2 as in the paper's eq. (14)");
+    settings::add_choice(app, "--component", rule.choice, {{"nearest", wear::Choice::nearest}, {"mixture", wear::Choice::mixture}},
+                         "nearest: of the component nearest in energy (the paper); mixture: the exact conditional");
 }
 
 void BrakeOptions::add_to(CLI::App& app) {
@@ -83,8 +76,8 @@ std::string extrapolation_notice(const wear::WearingBrake& brake) {
     return fmt::format(
         "the brake has taken {:.1f} MJ, which is beyond the wear model's data ({:.1f} to {:.1f} MJ of this "
         "brake): {}",
-        brake.state().c_e_J * 1e-6, w.model->data.first_c_e_J * w.scale.energy * 1e-6,
-        w.model->data.last_c_e_J * w.scale.energy * 1e-6, wear::kHowItExtrapolates);
+        brake.state().c_e_J * 1e-6, w.model->data.first_c_e_J * w.scale.energy * 1e-6, w.model->data.last_c_e_J * w.scale.energy * 1e-6,
+        wear::kHowItExtrapolates);
 }
 
 }  // namespace plant_sim

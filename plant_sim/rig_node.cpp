@@ -32,8 +32,7 @@ struct RigNode::Cycle {
     std::size_t count = 0;
 };
 
-RigNode::RigNode(study::RigSession& session, const antiskid::can::Layout& layout, antiskid::can::Bus& bus,
-                 antiskid::rt::Clock& clock, Time period)
+RigNode::RigNode(study::RigSession& session, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::rt::Clock& clock, Time period)
     : session_(session), layout_(layout), bus_(bus), clock_(clock), period_(period), port_(layout, period) {}
 
 RigNode::Cycle RigNode::next_cycle(bool with_sync) {
@@ -89,23 +88,18 @@ NodeResult RigNode::finish(Ending ending, std::string reason) {
 }
 
 NodeResult RigNode::finish_link_down() {
-    return finish(
-        Ending::link_down,
-        "the CAN interface went down during the run; the valve driver has fallen back to no current");
+    return finish(Ending::link_down, "the CAN interface went down during the run; the valve driver has fallen back to no current");
 }
 
 NodeResult RigNode::finish_run() {
     if (session_.abandoned()) {
-        return finish(
-            Ending::no_standstill,
-            "the controller is in its safe state: the aircraft is not braked any more; see the faults");
+        return finish(Ending::no_standstill, "the controller is in its safe state: the aircraft is not braked any more; see the faults");
     }
     if (session_.timed_out()) return finish(Ending::no_standstill, "the maneuver did not come to rest");
     return finish(Ending::done, "");
 }
 
-NodeResult RigNode::run_lockstep(Time answer_timeout, Time patience, const std::atomic<bool>& stop,
-                                 const NodeObserver& observe) {
+NodeResult RigNode::run_lockstep(Time answer_timeout, Time patience, const std::atomic<bool>& stop, const NodeObserver& observe) {
     for (std::uint64_t step = 0; !session_.done(); ++step) {
         if (stop) return finish(Ending::stopped, "stopped by the user");
         const Cycle cycle = next_cycle(true);
@@ -117,16 +111,12 @@ NodeResult RigNode::run_lockstep(Time answer_timeout, Time patience, const std::
             if (!send_all(cycle, limit, stop)) break;
             answered = wait_for_answer(step + 1, step == 0 ? kRepeat : answer_timeout, stop);
         } while (step == 0 && !answered && !stop && bus_.status().up && clock_.now() < deadline);
-        result_.frames_sent =
-            sent_before + cycle.count;  // a repeated first cycle counts once: it is the same bytes
+        result_.frames_sent = sent_before + cycle.count;  // a repeated first cycle counts once: it is the same bytes
         if (!answered) {
             if (stop) return finish(Ending::stopped, "stopped by the user");
             if (!bus_.status().up) return finish_link_down();
-            return finish(
-                Ending::silent,
-                fmt::format(
-                    "antiskid-controller did not answer SYNC {} within {:.0f} ms (valve command 0x{:03X})",
-                    step, milliseconds(limit), layout_[Role::valve].id));
+            return finish(Ending::silent, fmt::format("antiskid-controller did not answer SYNC {} within {:.0f} ms (valve command 0x{:03X})", step,
+                                                      milliseconds(limit), layout_[Role::valve].id));
         }
         const auto current_mA = static_cast<double>(port_.controller().current_mA);
         session_.advance(current_mA, port_.controller().state);
@@ -149,12 +139,10 @@ NodeResult RigNode::run_realtime(Time patience, const std::atomic<bool>& stop, c
         if (!ready) {
             ready = view.state == antiskid::control::State::standby;
             if (!ready && tick.woke >= give_up) {
-                return finish(Ending::silent,
-                              fmt::format("no antiskid-controller in standby within {:.0f} ms (valve "
-                                          "commands 0x{:03X}: {}; state: {})",
-                                          milliseconds(patience), layout_[Role::valve].id,
-                                          port_.stats(Role::valve).accepted,
-                                          antiskid::can::kStateNames[static_cast<std::size_t>(view.state)]));
+                return finish(Ending::silent, fmt::format("no antiskid-controller in standby within {:.0f} ms (valve "
+                                                          "commands 0x{:03X}: {}; state: {})",
+                                                          milliseconds(patience), layout_[Role::valve].id, port_.stats(Role::valve).accepted,
+                                                          antiskid::can::kStateNames[static_cast<std::size_t>(view.state)]));
             }
         } else {
             const bool silent = tick.woke - view.command_received > kDriverWatchdog;

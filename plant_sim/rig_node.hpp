@@ -33,23 +33,21 @@ struct NodeResult {
 };
 
 /// After each period: the rig, what it knows of the controller, and the current that acted.
-using NodeObserver =
-    std::function<void(const study::RigSession&, const antiskid::can::ControllerView&, double current_mA)>;
+using NodeObserver = std::function<void(const study::RigSession&, const antiskid::can::ControllerView&, double current_mA)>;
 
 class RigNode {
   public:
     /// All must outlive the node.
-    RigNode(study::RigSession& session, const antiskid::can::Layout& layout, antiskid::can::Bus& bus,
-            antiskid::rt::Clock& clock, antiskid::control::Time period);
+    RigNode(study::RigSession& session, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::rt::Clock& clock,
+            antiskid::control::Time period);
 
     /// One sample, one SYNC, one answer: same seed, same bytes, at any speed of the machine. The first cycle is repeated, with the same
     /// bytes, until the controller is there, at most for `patience`; every later answer must come within `answer_timeout`.
-    NodeResult run_lockstep(antiskid::control::Time answer_timeout, antiskid::control::Time patience,
-                            const std::atomic<bool>& stop, const NodeObserver& observe);
+    NodeResult run_lockstep(antiskid::control::Time answer_timeout, antiskid::control::Time patience, const std::atomic<bool>& stop,
+                            const NodeObserver& observe);
 
     /// By the machine's clock. The valve's driver falls back to no current when no command came for kDriverWatchdog.
-    NodeResult run_realtime(antiskid::control::Time patience, const std::atomic<bool>& stop,
-                            const NodeObserver& observe);
+    NodeResult run_realtime(antiskid::control::Time patience, const std::atomic<bool>& stop, const NodeObserver& observe);
 
     static constexpr antiskid::control::Time kDriverWatchdog{20'000'000};
 
@@ -60,8 +58,7 @@ class RigNode {
     /// All frames of a cycle, waiting for room in the queue where it must; false when the link takes no more.
     bool send_all(const Cycle& cycle, antiskid::control::Time patience, const std::atomic<bool>& stop);
     void receive();
-    bool wait_for_answer(std::uint64_t answers, antiskid::control::Time timeout,
-                         const std::atomic<bool>& stop);
+    bool wait_for_answer(std::uint64_t answers, antiskid::control::Time timeout, const std::atomic<bool>& stop);
     NodeResult finish(Ending ending, std::string reason);
     NodeResult finish_link_down();
     NodeResult finish_run();

@@ -33,10 +33,8 @@ study::ManeuverPlan plan(const ScenarioOptions& o, const plant::LoadedRig& plant
     study::ManeuverPlan plan;
     if (!std::isfinite(o.slip)) throw std::invalid_argument("--slip must be a number from 0 to 0.5");
     constexpr double kMostDeceleration_mps2 = 15.0;
-    if (o.deceleration_mps2 &&
-        !(*o.deceleration_mps2 >= 0.0 && *o.deceleration_mps2 <= kMostDeceleration_mps2)) {
-        throw std::invalid_argument(
-            fmt::format("--deceleration must be from 0 to {} m/s2", kMostDeceleration_mps2));
+    if (o.deceleration_mps2 && !(*o.deceleration_mps2 >= 0.0 && *o.deceleration_mps2 <= kMostDeceleration_mps2)) {
+        throw std::invalid_argument(fmt::format("--deceleration must be from 0 to {} m/s2", kMostDeceleration_mps2));
     }
     plan.law = laws().at(o.law);
     plan.slip_reference = o.slip;
@@ -46,15 +44,12 @@ study::ManeuverPlan plan(const ScenarioOptions& o, const plant::LoadedRig& plant
         throw std::invalid_argument("--law deceleration needs --deceleration A (m/s2) for this maneuver");
     }
     if (plan.law == Law::open_loop) {
-        if (o.profile.empty())
-            throw std::invalid_argument("--law open_loop needs --profile FILE (time_s,current_mA)");
+        if (o.profile.empty()) throw std::invalid_argument("--law open_loop needs --profile FILE (time_s,current_mA)");
         const study::DriveProfile profile = study::read_profile(o.profile);
         if (profile.input != study::DriveInput::current_mA) {
-            throw std::invalid_argument(o.profile.string() +
-                                        ": the open-loop law needs the columns time_s,current_mA");
+            throw std::invalid_argument(o.profile.string() + ": the open-loop law needs the columns time_s,current_mA");
         }
-        for (std::size_t i = 0; i < profile.time_s.size(); ++i)
-            plan.current.push_back({profile.time_s[i], profile.value[i]});
+        for (std::size_t i = 0; i < profile.time_s.size(); ++i) plan.current.push_back({profile.time_s[i], profile.value[i]});
     }
     return plan;
 }
@@ -62,46 +57,34 @@ study::ManeuverPlan plan(const ScenarioOptions& o, const plant::LoadedRig& plant
 }  // namespace
 
 void ScenarioOptions::add_to(CLI::App& app) {
-    app.add_option("--maneuver", choice.maneuver,
-                   "light, medium_a, medium_b, heavy (maneuvers.toml), or endurance")
-        ->capture_default_str();
-    auto* const surface = app.add_option("--surface", choice.surface, "runway, a table of surfaces.toml")
-                              ->capture_default_str();
+    app.add_option("--maneuver", choice.maneuver, "light, medium_a, medium_b, heavy (maneuvers.toml), or endurance")->capture_default_str();
+    auto* const surface = app.add_option("--surface", choice.surface, "runway, a table of surfaces.toml")->capture_default_str();
     settings::existing_file(
-        app.add_option("--runway", choice.runway,
-                       "surfaces over distance, wet friction over speed: a file as config/runways has them"))
+        app.add_option("--runway", choice.runway, "surfaces over distance, wet friction over speed: a file as config/runways has them"))
         ->excludes(surface);
-    settings::one_of(app.add_option("--law", law, "control law"),
-                     {"slip", "peak_slip", "threshold", "pressure_bias", "deceleration", "open_loop"})
+    settings::one_of(app.add_option("--law", law, "control law"), {"slip", "peak_slip", "threshold", "pressure_bias", "deceleration", "open_loop"})
         ->capture_default_str();
     app.add_option("--slip", slip, "slip reference")->check(CLI::Range(0.0, 0.5))->capture_default_str();
     app.add_option("--deceleration", deceleration_mps2, "reference of the deceleration law, m/s2");
-    settings::existing_file(app.add_option(
-        "--profile", profile, "current of the open-loop law: CSV time_s,current_mA from brake-on"));
+    settings::existing_file(app.add_option("--profile", profile, "current of the open-loop law: CSV time_s,current_mA from brake-on"));
     app.add_option("--mass", choice.mass_kg, "mass on the wheel, kg, instead of the maneuver's");
     app.add_option("--speed", choice.speed_mps, "brake-on speed, m/s, instead of the maneuver's");
     app.add_option("--mu-b", choice.friction, "mean brake friction of this maneuver, whatever the brake");
-    settings::existing_file(app.add_option(
-        "--friction-curves", choice.friction_curves,
-        "TOML with [brake.relative_friction] instead of the rig's, as `rig-lab wear dynamics` writes it"));
-    settings::add_choice(app, "--carrier", choice.carrier,
-                         {{"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}},
+    settings::existing_file(app.add_option("--friction-curves", choice.friction_curves,
+                                           "TOML with [brake.relative_friction] instead of the rig's, as `rig-lab wear dynamics` writes it"));
+    settings::add_choice(app, "--carrier", choice.carrier, {{"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}},
                          "flywheel: the loading device lags behind eq. (2)");
-    app.add_option("--seed", seed, "seed of every random draw")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
+    app.add_option("--seed", seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
     settings::add_config_directory(app, config);
-    settings::existing_file(
-        app.add_option("--controller", controller,
-                       "controller configuration (default: CONFIG/controller.toml; endurance: "
-                       "CONFIG/controller_endurance.toml)"));
+    settings::existing_file(app.add_option("--controller", controller,
+                                           "controller configuration (default: CONFIG/controller.toml; endurance: "
+                                           "CONFIG/controller_endurance.toml)"));
     settings::add_layout_files(app, dbc, binding);
 }
 
 Scenario load_scenario(const ScenarioOptions& o) {
     const bool endurance = o.choice.maneuver == plant::kEndurance;
-    const auto controller_file =
-        or_default(o.controller, o.config / (endurance ? "controller_endurance.toml" : "controller.toml"));
+    const auto controller_file = or_default(o.controller, o.config / (endurance ? "controller_endurance.toml" : "controller.toml"));
     const auto dbc_file = or_default(o.dbc, o.config / "antiskid.dbc");
     const auto binding_file = or_default(o.binding, o.config / "antiskid_binding.toml");
     Scenario s{.plant = plant::load_rig(o.config, o.choice),
@@ -113,17 +96,14 @@ Scenario load_scenario(const ScenarioOptions& o) {
     if (o.brake.given()) {
         s.brake = o.brake.brake_of(s.plant.wear, o.seed);
         plant::RigParameters& rig = s.plant.rig;
-        if (!o.choice.friction)
-            rig.mean_friction =
-                std::max(s.brake->next_friction(), plant::least_mean_friction(rig.friction_curve));
+        if (!o.choice.friction) rig.mean_friction = std::max(s.brake->next_friction(), plant::least_mean_friction(rig.friction_curve));
     }
     std::vector<std::filesystem::path> files = s.plant.files;
     files.insert(files.end(), {controller_file, dbc_file, binding_file});
     s.config_hash = settings::hash(files);
     s.session.plan = plan(o, s.plant);
     if (!s.layout.maneuver.has(s.session.plan.law))
-        throw std::invalid_argument(
-            fmt::format("--law {}: the law's field of {} is too narrow for it", o.law, dbc_file.string()));
+        throw std::invalid_argument(fmt::format("--law {}: the law's field of {} is too narrow for it", o.law, dbc_file.string()));
     s.session.period_s = static_cast<double>(s.controller.period_s);
     s.session.drop_out_mps = s.plant.drop_out_mps;
     s.session.seed = o.seed;
@@ -153,9 +133,8 @@ study::StopReport Scenario::report(const ScenarioOptions& o) const {
 }
 
 std::string Scenario::title(const ScenarioOptions& o) const {
-    return fmt::format("{} landing: {:.0f} kg at {:.0f} m/s on {}, law {}, slip reference {:.2f}",
-                       o.choice.maneuver, plant.rig.wheel.mass_kg, plant.rig.brake_on_mps, o.choice.road(),
-                       o.law, o.slip);
+    return fmt::format("{} landing: {:.0f} kg at {:.0f} m/s on {}, law {}, slip reference {:.2f}", o.choice.maneuver, plant.rig.wheel.mass_kg,
+                       plant.rig.brake_on_mps, o.choice.road(), o.law, o.slip);
 }
 
 }  // namespace plant_sim

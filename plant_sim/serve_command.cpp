@@ -74,35 +74,25 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         "stopped.",
         "virtual-rig serve"};
     app.add_option("--can", o.interface, "CAN interface, e.g. vcan0")->required()->type_name("IF");
-    settings::existing_file(app.add_option("--scenario", o.scenario,
-                                           "the same file that rig-bridge gets: it says which rig this is"))
-        ->required();
+    settings::existing_file(app.add_option("--scenario", o.scenario, "the same file that rig-bridge gets: it says which rig this is"))->required();
     auto* const modbus =
-        app.add_option("--modbus", o.modbus, "where Modbus TCP is served; port 0: any free one")
-            ->type_name("IP:PORT")
-            ->capture_default_str();
-    app.add_option(
-           "--modbus-allow", o.modbus_allow,
-           "peers that may connect by Modbus TCP, numeric, with commas between; others are closed and named")
+        app.add_option("--modbus", o.modbus, "where Modbus TCP is served; port 0: any free one")->type_name("IP:PORT")->capture_default_str();
+    app.add_option("--modbus-allow", o.modbus_allow,
+                   "peers that may connect by Modbus TCP, numeric, with commas between; others are closed and named")
         ->delimiter(',')
         ->type_name("IP")
         ->capture_default_str();
     std::string rtu;
-    settings::one_of(
-        app.add_option(
-            "--modbus-rtu", rtu,
-            "Modbus RTU on a pseudo-terminal, whose name is printed; without --modbus instead of TCP"),
-        {"pty"});
-    settings::one_of(
-        app.add_option("--clock", o.clock,
-                       "timer: real time; sync: lockstep with antiskid-controller --clock sync, never faster "
-                       "than real time"),
-        {"timer", "sync"})
+    settings::one_of(app.add_option("--modbus-rtu", rtu, "Modbus RTU on a pseudo-terminal, whose name is printed; without --modbus instead of TCP"),
+                     {"pty"});
+    settings::one_of(app.add_option("--clock", o.clock,
+                                    "timer: real time; sync: lockstep with antiskid-controller --clock sync, never faster "
+                                    "than real time"),
+                     {"timer", "sync"})
         ->capture_default_str();
-    app.add_option(
-           "--answer-timeout", o.answer_timeout_ms,
-           "with --clock sync: the controller is silent when a valve command takes longer, a bridge in "
-           "lockstep when its turn does")
+    app.add_option("--answer-timeout", o.answer_timeout_ms,
+                   "with --clock sync: the controller is silent when a valve command takes longer, a bridge in "
+                   "lockstep when its turn does")
         ->check(CLI::Range(1, 3'600'000))
         ->type_name("MS")
         ->capture_default_str();
@@ -110,18 +100,12 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
                  "with --clock sync: rig time begins when rig-bridge --clock sync has connected and the "
                  "controller answers, so that all three have the same one");
     o.brake.add_to(app);
-    app.add_flag("--spun-up", o.spun_up,
-                 "the flywheel turns at the scenario's speed from the start: the first spin-up is short");
-    app.add_option("--seed", o.seed, "seed of every random draw")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
-    app.add_option(
-           "--port-file", o.port_file,
-           "written when everything is served: the TCP port (0: none), then the pseudo-terminal (or nothing)")
+    app.add_flag("--spun-up", o.spun_up, "the flywheel turns at the scenario's speed from the start: the first spin-up is short");
+    app.add_option("--seed", o.seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
+    app.add_option("--port-file", o.port_file, "written when everything is served: the TCP port (0: none), then the pseudo-terminal (or nothing)")
         ->type_name("FILE");
     settings::add_config_directory(app, o.config);
-    settings::existing_file(
-        app.add_option("--registers", o.registers, "register map (default: CONFIG/registers.toml)"));
+    settings::existing_file(app.add_option("--registers", o.registers, "register map (default: CONFIG/registers.toml)"));
     settings::add_layout_files(app, o.dbc, o.binding);
     app.add_option("--priority", o.priority, "SCHED_FIFO priority with --clock timer; 0: ordinary scheduling")
         ->check(CLI::Range(0, 99))
@@ -148,13 +132,11 @@ rig::ServerOptions server_options(const Options& o) {
     rig::ServerOptions server{.port = std::nullopt, .rtu = o.rtu};
     if (o.modbus.empty()) return server;
     const std::size_t colon = o.modbus.rfind(':');
-    const std::string_view digits =
-        std::string_view(o.modbus).substr(colon == std::string::npos ? o.modbus.size() : colon + 1);
+    const std::string_view digits = std::string_view(o.modbus).substr(colon == std::string::npos ? o.modbus.size() : colon + 1);
     std::uint16_t port = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
     if (colon == 0 || digits.empty() || error != std::errc() || end != digits.data() + digits.size())
-        throw std::invalid_argument("--modbus: expected IP:PORT, e.g. 127.0.0.1:1502, got '" + o.modbus +
-                                    "'");
+        throw std::invalid_argument("--modbus: expected IP:PORT, e.g. 127.0.0.1:1502, got '" + o.modbus + "'");
     server.address = o.modbus.substr(0, colon);
     server.port = port;
     server.allow = o.modbus_allow;
@@ -170,13 +152,12 @@ std::filesystem::path or_default(const std::filesystem::path& given, const std::
 
 Served load(const Options& o) {
     const rig::Scenario scenario = rig::load_scenario(o.scenario, o.config);
-    Served s{.plant = scenario.rig,
-             .rig = plc::load_served_rig(o.config,
-                                         scenario.endurance() ? plc::Bench::endurance : plc::Bench::landing),
-             .layout = antiskid::can::load_layout(or_default(o.dbc, o.config / "antiskid.dbc"),
-                                                  or_default(o.binding, o.config / "antiskid_binding.toml")),
-             .map = rig::load_register_map(or_default(o.registers, o.config / "registers.toml")),
-             .server = server_options(o)};
+    Served s{
+        .plant = scenario.rig,
+        .rig = plc::load_served_rig(o.config, scenario.endurance() ? plc::Bench::endurance : plc::Bench::landing),
+        .layout = antiskid::can::load_layout(or_default(o.dbc, o.config / "antiskid.dbc"), or_default(o.binding, o.config / "antiskid_binding.toml")),
+        .map = rig::load_register_map(or_default(o.registers, o.config / "registers.toml")),
+        .server = server_options(o)};
     if (o.clock == "sync" && !s.layout[antiskid::can::Role::sync].bound)
         throw std::invalid_argument("--clock sync needs a layout with a [sync] message; this one has none");
     if (o.together && (o.clock != "sync" || !s.map.bridge_turn))
@@ -203,8 +184,7 @@ void announce(const Options& o, const rig::ModbusServer& server) {
     if (!server.rtu_path().empty()) fmt::print("Modbus RTU on {}\n", server.rtu_path());
     fmt::print("serving on {}, clock {}\n", o.interface, o.clock);
     (void)std::fflush(stdout);
-    if (!o.port_file.empty())
-        settings::write_file(o.port_file, fmt::format("{}\n{}\n", server.port(), server.rtu_path()));
+    if (!o.port_file.empty()) settings::write_file(o.port_file, fmt::format("{}\n{}\n", server.port(), server.rtu_path()));
 }
 
 void summarise(const ServeState& state, const plc::ServedRig& rig, const rig::ServerCounters& modbus) {
@@ -212,15 +192,14 @@ void summarise(const ServeState& state, const plc::ServedRig& rig, const rig::Se
         "{:.3f} s of rig time, {} periods not sent in time, {} frames not sent; {} Modbus requests, {} of "
         "them refused; {} "
         "touchdowns, {:.3f} MJ taken by the brake\n",
-        rig.time_s(), state.overruns.load(), state.frames_lost.load(), modbus.requests, modbus.exceptions,
-        rig.maneuvers(), rig.cumulative_energy_J() * 1e-6);
+        rig.time_s(), state.overruns.load(), state.frames_lost.load(), modbus.requests, modbus.exceptions, rig.maneuvers(),
+        rig.cumulative_energy_J() * 1e-6);
 }
 
 /// Keeps the brake after each maneuver. Runs in the reporter's thread.
 class BrakeKeeper {
   public:
-    BrakeKeeper(const Options& options, const wear::WearingBrake& brake)
-        : file_(options.brake.state), brake_(brake), said_(brake.extrapolates()) {}
+    BrakeKeeper(const Options& options, const wear::WearingBrake& brake) : file_(options.brake.state), brake_(brake), said_(brake.extrapolates()) {}
 
     /// What there is to say about it.
     std::string keep(const wear::BrakeState& state) {
@@ -250,12 +229,10 @@ class BrakeKeeper {
 
 int run(const Options& o, const Served& s) {
     BrakeKeeper keeper(o, *s.rig.brake);
-    if (const std::string beyond = extrapolation_notice(*s.rig.brake); !beyond.empty())
-        fmt::print(stderr, "virtual-rig: {}\n", beyond);
+    if (const std::string beyond = extrapolation_notice(*s.rig.brake); !beyond.empty()) fmt::print(stderr, "virtual-rig: {}\n", beyond);
     antiskid::rt::StopSignals signals;
     const antiskid::can::IdList wanted = antiskid::can::ids(s.layout, std::array{antiskid::can::Role::valve});
-    antiskid::rt::SupervisedCan bus(
-        [&] { return std::make_unique<antiskid::can::SocketCan>(o.interface, wanted.span()); });
+    antiskid::rt::SupervisedCan bus([&] { return std::make_unique<antiskid::can::SocketCan>(o.interface, wanted.span()); });
     rig::ModbusServer server(s.map, s.server);
     plc::ServedRig rig(s.plant, s.rig, o.seed);
     const auto exchange = [&server](plc::ServedRig& served) {
@@ -268,8 +245,7 @@ int run(const Options& o, const Served& s) {
     announce(o, server);
     {
         const ServeReporter reporter(
-            node, bus, o.interface, s.rig.period_s,
-            [](const std::string& line) { fmt::print(stderr, "virtual-rig: {}\n", line); },
+            node, bus, o.interface, s.rig.period_s, [](const std::string& line) { fmt::print(stderr, "virtual-rig: {}\n", line); },
             [&keeper](const wear::BrakeState& brake) { return keeper.keep(brake); });
         if (o.clock == "sync") {
             node.run_lockstep(signals.stop(), Time(o.answer_timeout_ms * std::int64_t{1'000'000}),

@@ -23,8 +23,7 @@ struct ServeState {
     std::atomic<plc::Trip> trip{plc::Trip::none};  ///< none while the PLC is ready
     std::atomic<std::uint32_t> refused{0};         ///< refused commit * 256 + plc::Refusal
     std::atomic<std::uint64_t> periods{0};
-    std::atomic<std::uint64_t> overruns{
-        0};  ///< periods that were not sent in time; they have passed all the same
+    std::atomic<std::uint64_t> overruns{0};  ///< periods that were not sent in time; they have passed all the same
     std::atomic<std::uint64_t> frames_lost{0};
 };
 
@@ -44,14 +43,13 @@ class ServeNode {
     using Exchange = std::function<void(plc::ServedRig&)>;
 
     /// All must outlive the node. `period` must be that of the rig.
-    ServeNode(plc::ServedRig& rig, const antiskid::can::Layout& layout, antiskid::can::Bus& bus,
-              antiskid::rt::Clock& clock, antiskid::control::Time period, Exchange exchange);
+    ServeNode(plc::ServedRig& rig, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::rt::Clock& clock,
+              antiskid::control::Time period, Exchange exchange);
 
     /// Paced lockstep: one sample, one SYNC, one valve command, never faster than real time; every kBridgeStep a turn of the bridge, where
     /// there is one in lockstep. Who does not answer within `answer_timeout` is silent: then periods go on in real time without waiting, until
     /// it is heard again; a controller then catches up with the SYNCs that it missed.
-    void run_lockstep(const std::atomic<bool>& stop, antiskid::control::Time answer_timeout = kAnswerTimeout,
-                      BridgeTurns bridge = {});
+    void run_lockstep(const std::atomic<bool>& stop, antiskid::control::Time answer_timeout = kAnswerTimeout, BridgeTurns bridge = {});
 
     /// By the machine's clock.
     void run_realtime(const std::atomic<bool>& stop);

@@ -7,8 +7,8 @@
 
 namespace plant_sim {
 
-ServeReporter::ServeReporter(ServeNode& node, antiskid::rt::SupervisedCan& bus, std::string interface,
-                             double period_s, Say say, ManeuverEnded maneuver_ended)
+ServeReporter::ServeReporter(ServeNode& node, antiskid::rt::SupervisedCan& bus, std::string interface, double period_s, Say say,
+                             ManeuverEnded maneuver_ended)
     : state_(node.state()),
       brakes_(node.brake_states()),
       bus_(bus),
@@ -47,24 +47,19 @@ void ServeReporter::look() {
     }
     if (const bool up = state_.link_up; up != link_up_) {
         link_up_ = up;
-        say(up ? interface_ + " is up again"
-               : interface_ + " is down: nothing is sent, the valve driver gives no current; waiting for it");
+        say(up ? interface_ + " is up again" : interface_ + " is down: nothing is sent, the valve driver gives no current; waiting for it");
     }
     if (const bool heard = state_.controller_heard; heard != controller_heard_) {
         controller_heard_ = heard;
-        say(heard ? "antiskid-controller is heard: its valve command acts"
-                  : "antiskid-controller is silent: the valve driver gives no current");
+        say(heard ? "antiskid-controller is heard: its valve command acts" : "antiskid-controller is silent: the valve driver gives no current");
     }
     if (const plc::Trip trip = state_.trip; trip != trip_) {
         trip_ = trip;
-        say(trip == plc::Trip::none
-                ? "PLC reset: ready"
-                : fmt::format("PLC tripped: {}; drive off, sledge back", plc::name(trip)));
+        say(trip == plc::Trip::none ? "PLC reset: ready" : fmt::format("PLC tripped: {}; drive off, sledge back", plc::name(trip)));
     }
     if (const std::uint32_t refused = state_.refused; refused != refused_) {
         refused_ = refused;
-        say(fmt::format("PLC refused commit {}: {}", refused / 256U,
-                        plc::name(static_cast<plc::Refusal>(refused % 256U))));
+        say(fmt::format("PLC refused commit {}: {}", refused / 256U, plc::name(static_cast<plc::Refusal>(refused % 256U))));
     }
 }
 

@@ -22,8 +22,8 @@ class ServeReporter {
     using ManeuverEnded = std::function<std::string(const wear::BrakeState&)>;
 
     /// Node and bus must outlive it. `period_s` is the node's.
-    ServeReporter(ServeNode& node, antiskid::rt::SupervisedCan& bus, std::string interface, double period_s,
-                  Say say, ManeuverEnded maneuver_ended = {});
+    ServeReporter(ServeNode& node, antiskid::rt::SupervisedCan& bus, std::string interface, double period_s, Say say,
+                  ManeuverEnded maneuver_ended = {});
     ~ServeReporter();
     ServeReporter(const ServeReporter&) = delete;
     ServeReporter& operator=(const ServeReporter&) = delete;

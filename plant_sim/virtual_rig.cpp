@@ -47,8 +47,7 @@ class Progress {
 std::string bar(double share) {
     constexpr int kWidth = 24;
     const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * kWidth);
-    return std::string(static_cast<std::size_t>(full), '#') +
-           std::string(static_cast<std::size_t>(kWidth - full), '.');
+    return std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kWidth - full), '.');
 }
 
 Progress::Progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
@@ -62,11 +61,9 @@ void Progress::show(const study::RigSession& session, const antiskid::can::Contr
     phase_ = phase;
     next_s_ = rig.time_s() + (terminal_ ? kLive_s : kPlain_s);
     const double share = 1.0 - rig.wheel().v_mps / rig.parameters().brake_on_mps;
-    fmt::print(stderr, "{}[{}] {:6.2f} s {:<10} {:5.1f} m/s  slip {:5.2f}  {:5.1f} MPa  {:7.1f} m  {}{}",
-               terminal_ ? "\r" : "", bar(share), rig.time_s(), study::name(phase), rig.wheel().v_mps,
-               rig.forces().slip, rig.pressure_Pa() * 1e-6, session.distance_m(),
-               antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)],
-               terminal_ ? "\x1b[K" : "\n");
+    fmt::print(stderr, "{}[{}] {:6.2f} s {:<10} {:5.1f} m/s  slip {:5.2f}  {:5.1f} MPa  {:7.1f} m  {}{}", terminal_ ? "\r" : "", bar(share),
+               rig.time_s(), study::name(phase), rig.wheel().v_mps, rig.forces().slip, rig.pressure_Pa() * 1e-6, session.distance_m(),
+               antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)], terminal_ ? "\x1b[K" : "\n");
     std::fflush(stderr);
     shown_ = true;
 }
@@ -96,9 +93,7 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         "virtual-rig"};
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.add_option("--can", o.interface, "CAN interface, e.g. vcan0")->required()->type_name("IF");
-    settings::one_of(
-        app.add_option("--clock", o.clock, "sync: lockstep, as fast as both can; timer: real time"),
-        {"sync", "timer"})
+    settings::one_of(app.add_option("--clock", o.clock, "sync: lockstep, as fast as both can; timer: real time"), {"sync", "timer"})
         ->capture_default_str();
     settings::add_out(app, o.out, "for trajectory.csv and result.json");
     settings::add_json(app, o.json, "result");
@@ -150,19 +145,16 @@ int run(const Options& o, const plant_sim::Scenario& s) {
     const bool along_runway = !s.plant.rig.runway.patches.empty();
     study::Trajectory trajectory(along_runway);
     Progress progress;
-    const auto observe = [&](const study::RigSession& now, const antiskid::can::ControllerView& view,
-                             double current_mA) {
+    const auto observe = [&](const study::RigSession& now, const antiskid::can::ControllerView& view, double current_mA) {
         if (!o.out.empty() || !o.picture.empty()) trajectory.record(now, view, current_mA);
         progress.show(now, view);
     };
     const Time millisecond{1'000'000};
     plant_sim::NodeResult result;
     if (o.clock == "sync") {
-        result = node.run_lockstep(o.answer_timeout_ms * millisecond, o.patience_ms * millisecond,
-                                   signals.stop(), observe);
+        result = node.run_lockstep(o.answer_timeout_ms * millisecond, o.patience_ms * millisecond, signals.stop(), observe);
     } else {
-        if (const auto refused = antiskid::rt::lock_memory())
-            fmt::print(stderr, "virtual-rig: {}\n", *refused);
+        if (const auto refused = antiskid::rt::lock_memory()) fmt::print(stderr, "virtual-rig: {}\n", *refused);
         for (const std::string& refused : antiskid::rt::enter_realtime({.priority = o.priority, .cpu = {}})) {
             fmt::print(stderr, "virtual-rig: {}\n", refused);
         }
@@ -179,12 +171,10 @@ int run(const Options& o, const plant_sim::Scenario& s) {
     report.overruns = result.overruns;
     if (o.json != "-") fmt::print("{}", study::to_table(report));
     settings::deliver(o.json, study::to_json(report));
-    const std::filesystem::path csv =
-        o.out.empty() ? std::filesystem::path(o.picture).concat(".csv") : o.out / "trajectory.csv";
+    const std::filesystem::path csv = o.out.empty() ? std::filesystem::path(o.picture).concat(".csv") : o.out / "trajectory.csv";
     if (!o.out.empty() || !o.picture.empty()) settings::write_file(csv, trajectory.csv());
     if (!o.out.empty()) settings::write_file(o.out / "result.json", study::to_json(report));
-    if (!o.picture.empty())
-        study::draw_stop(csv, o.picture, s.title(o.scenario), session.pilot().brake_on_s(), along_runway);
+    if (!o.picture.empty()) study::draw_stop(csv, o.picture, s.title(o.scenario), session.pilot().brake_on_s(), along_runway);
     // A maneuver that never reached its brake-on wears nothing and is none.
     const double taken_J = session.rig().wheel().energy_brake_J;
     if (taken_J > 0.0) s.keep_brake(o.scenario, taken_J);
@@ -198,8 +188,7 @@ int load_and_run(const Options& options) {
     try {
         scenario = plant_sim::load_scenario(options.scenario);
         if (options.clock == "sync" && !scenario->layout[antiskid::can::Role::sync].bound) {
-            throw std::invalid_argument(
-                "--clock sync needs a layout with a [sync] message; this one has none");
+            throw std::invalid_argument("--clock sync needs a layout with a [sync] message; this one has none");
         }
     } catch (const std::exception& e) {
         fmt::print(stderr, "virtual-rig: {}\n", e.what());
@@ -212,8 +201,7 @@ int load_and_run(const Options& options) {
 
 int main(int argc, char** argv) {
     try {
-        if (argc > 1 && std::string_view(argv[1]) == "serve")
-            return plant_sim::serve_command(argc - 1, argv + 1);
+        if (argc > 1 && std::string_view(argv[1]) == "serve") return plant_sim::serve_command(argc - 1, argv + 1);
         Options options;
         if (const auto status = parse(argc, argv, options)) return *status;
         return load_and_run(options);

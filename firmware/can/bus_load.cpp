@@ -18,8 +18,7 @@ BusLoad bus_load(const Layout& layout, control::Time step, std::uint32_t bitrate
         double bits = 0.0;
         for (std::size_t i = 0; i < kRoleCount; ++i) {
             const auto role = static_cast<Role>(i);
-            const bool sent =
-                schedule.due(role, index) || (role == Role::sync && with_sync && layout[role].bound);
+            const bool sent = schedule.due(role, index) || (role == Role::sync && with_sync && layout[role].bound);
             if (sent) bits += worst_case_bits(layout[role].length);
         }
         sum += bits;

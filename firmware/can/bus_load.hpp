@@ -21,7 +21,6 @@ struct BusLoad {
 };
 
 /// Every cyclic message of `layout` with rig and controller at `step`, one SYNC a step if `with_sync`.
-[[nodiscard]] BusLoad bus_load(const Layout& layout, control::Time step, std::uint32_t bitrate_bps,
-                               bool with_sync);
+[[nodiscard]] BusLoad bus_load(const Layout& layout, control::Time step, std::uint32_t bitrate_bps, bool with_sync);
 
 }  // namespace antiskid::can

@@ -85,8 +85,7 @@ class LineParser {
             if (digits == 8) return fail("expected an identifier of three or eight hexadecimal digits");
             id = id << 4U | static_cast<std::uint32_t>(hex_digit(here()));
         }
-        if (digits != 3 && digits != 8)
-            return fail("expected an identifier of three or eight hexadecimal digits");
+        if (digits != 3 && digits != 8) return fail("expected an identifier of three or eight hexadecimal digits");
         if (id > 0x3FFFFFFFU) return fail("expected an identifier below 40000000");
         line_.extended = digits == 8;
         line_.error = line_.extended && (id & 0x20000000U) != 0;
@@ -160,14 +159,11 @@ class FixedForm {
     bool read(CandumpLine& line) {
         constexpr std::size_t kTime = 20;  // (1436509053.650713) and a space
         constexpr std::size_t kLeast = kTime + 6;
-        if (text_.size() < kLeast || text_[0] != '(' || text_[11] != '.' || text_[18] != ')' ||
-            text_[19] != ' ')
-            return false;
+        if (text_.size() < kLeast || text_[0] != '(' || text_[11] != '.' || text_[18] != ')' || text_[19] != ' ') return false;
         const std::int64_t seconds = decimal(1, 11);
         const std::int64_t microseconds = decimal(12, 18);
         const std::size_t space = text_.find(' ', kTime);
-        if (not_decimal_ || seconds > kMostSeconds || space == std::string_view::npos || space == kTime)
-            return false;
+        if (not_decimal_ || seconds > kMostSeconds || space == std::string_view::npos || space == kTime) return false;
         const std::size_t data = space + 5;
         if (data > text_.size() || text_[data - 1] != '#') return false;
         const unsigned digits = static_cast<unsigned>(text_.size() - data);
@@ -217,8 +213,7 @@ class LineWriter {
     void decimal(std::int64_t value, int least_digits) {
         std::array<char, 20> digits{};
         int count = 0;
-        for (; value > 0 || count < least_digits; value /= 10)
-            digits[static_cast<std::size_t>(count++)] = static_cast<char>('0' + value % 10);
+        for (; value > 0 || count < least_digits; value /= 10) digits[static_cast<std::size_t>(count++)] = static_cast<char>('0' + value % 10);
         while (count > 0) add(digits[static_cast<std::size_t>(--count)]);
     }
     void hex(std::uint32_t value, unsigned digits) {

@@ -40,7 +40,6 @@ inline constexpr std::size_t kCandumpLineMost = 80;
 /// long identifiers as `candump -l` has them.
 [[nodiscard]] std::size_t format_candump(const CandumpLine& line, std::span<char> out);
 /// The same of a data frame with an 11-bit identifier.
-[[nodiscard]] std::size_t format_candump(Time time, std::string_view interface, const Frame& frame,
-                                         std::span<char> out);
+[[nodiscard]] std::size_t format_candump(Time time, std::string_view interface, const Frame& frame, std::span<char> out);
 
 }  // namespace antiskid::can

@@ -4,8 +4,7 @@
 
 namespace antiskid::can {
 
-ControllerPort::ControllerPort(const Layout& layout, control::Time step)
-    : layout_(layout), schedule_(layout, step), gate_(layout, kToController) {}
+ControllerPort::ControllerPort(const Layout& layout, control::Time step) : layout_(layout), schedule_(layout, step), gate_(layout, kToController) {}
 
 void ControllerPort::accept(const Frame& frame) {
     const Payload payload(frame.data);
@@ -28,13 +27,11 @@ bool ControllerPort::decode(Role role, const Payload& payload, control::Time rec
             wheel_.apply(layout_.wheel, read_raw(layout_.wheel, payload), received, sensors_.wheel);
             return true;
         case Role::flywheel:
-            flywheel_.apply(layout_.flywheel, read_raw(layout_.flywheel, payload), received,
-                            sensors_.flywheel);
+            flywheel_.apply(layout_.flywheel, read_raw(layout_.flywheel, payload), received, sensors_.flywheel);
             return true;
         case Role::pressure:
             sensors_.pressure.received = received;
-            sensors_.pressure.pressure_Pa =
-                static_cast<float>(layout_.pressure_Pa.value(payload.read(layout_.pressure_Pa)));
+            sensors_.pressure.pressure_Pa = static_cast<float>(layout_.pressure_Pa.value(payload.read(layout_.pressure_Pa)));
             return true;
         case Role::maneuver:
             return apply(layout_.maneuver, read_raw(layout_.maneuver, payload), received, sensors_.maneuver);
@@ -42,9 +39,7 @@ bool ControllerPort::decode(Role role, const Payload& payload, control::Time rec
             sensors_.rig_heartbeat_received = received;
             return true;
         case Role::sync:
-            sync_number_ = layout_.sync_counter.bound()
-                               ? static_cast<std::uint32_t>(payload.read(layout_.sync_counter))
-                               : 0U;
+            sync_number_ = layout_.sync_counter.bound() ? static_cast<std::uint32_t>(payload.read(layout_.sync_counter)) : 0U;
             return true;
         case Role::emergency_stop:
         default:  // a message let in that nobody reads would be a mistake in kToController: stop

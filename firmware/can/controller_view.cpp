@@ -2,11 +2,8 @@
 
 namespace antiskid::can {
 
-bool apply(const Layout& layout, Role role, const Payload& payload, control::Time received,
-           ControllerView& view) {
-    const auto value = [&payload](const Signal& signal) {
-        return static_cast<float>(signal.value(payload.read(signal)));
-    };
+bool apply(const Layout& layout, Role role, const Payload& payload, control::Time received, ControllerView& view) {
+    const auto value = [&payload](const Signal& signal) { return static_cast<float>(signal.value(payload.read(signal))); };
     switch (role) {
         case Role::valve:
             view.command_received = received;
@@ -33,9 +30,7 @@ bool apply(const Layout& layout, Role role, const Payload& payload, control::Tim
         }
         case Role::road:
             view.road_received = received;
-            view.road = {.peak_slip = value(layout.road.peak_slip),
-                         .grip_N = value(layout.road.grip_N),
-                         .confidence = value(layout.road.confidence)};
+            view.road = {.peak_slip = value(layout.road.peak_slip), .grip_N = value(layout.road.grip_N), .confidence = value(layout.road.confidence)};
             return true;
         case Role::controller_heartbeat:
             view.heartbeat_received = received;

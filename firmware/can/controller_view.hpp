@@ -24,7 +24,6 @@ struct ControllerView {
 
 /// Takes over a frame of the controller that passed its checks. False, with `view` unchanged, when a value
 /// has no meaning or the role is none of the controller's.
-[[nodiscard]] bool apply(const Layout& layout, Role role, const Payload& payload, control::Time received,
-                         ControllerView& view);
+[[nodiscard]] bool apply(const Layout& layout, Role role, const Payload& payload, control::Time received, ControllerView& view);
 
 }  // namespace antiskid::can

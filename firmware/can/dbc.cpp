@@ -23,8 +23,7 @@ class Parser {
 
   private:
     void statement() {
-        if (std::string_view(":;,\"()[]|@").find(cursor_.peek()) != std::string_view::npos)
-            return cursor_.skip_line();
+        if (std::string_view(":;,\"()[]|@").find(cursor_.peek()) != std::string_view::npos) return cursor_.skip_line();
         const std::string_view keyword = cursor_.word("a keyword");
         if (cursor_.at_line_end()) return;  // an entry of the NS_ list
         if (keyword == "BO_") return message();
@@ -56,8 +55,7 @@ class Parser {
         DbcSignal signal;
         signal.line = cursor_.line();
         signal.name = cursor_.word("the signal's name");
-        if (!cursor_.at_line_end() && cursor_.peek() != ':')
-            signal.multiplexing = cursor_.word("':' or a multiplexer mark (M, m0)");
+        if (!cursor_.at_line_end() && cursor_.peek() != ':') signal.multiplexing = cursor_.word("':' or a multiplexer mark (M, m0)");
         cursor_.expect(':', "after the signal's name");
         signal.start = static_cast<std::uint32_t>(cursor_.natural("the start bit", 0xFFFF));
         cursor_.expect('|', "after the start bit");
@@ -84,8 +82,7 @@ class Parser {
     }
 
     void values() {
-        if (cursor_.peek() < '0' || cursor_.peek() > '9')
-            return cursor_.skip_statement();  // of an environment variable
+        if (cursor_.peek() < '0' || cursor_.peek() > '9') return cursor_.skip_statement();  // of an environment variable
         const std::uint32_t id = identifier();
         const std::string name(cursor_.word("the signal's name"));
         std::map<std::int64_t, std::string> values;
@@ -137,9 +134,7 @@ class Parser {
         cursor_.skip_statement();
     }
 
-    std::uint32_t identifier() {
-        return static_cast<std::uint32_t>(cursor_.natural("a message's identifier", 0xFFFFFFFFU));
-    }
+    std::uint32_t identifier() { return static_cast<std::uint32_t>(cursor_.natural("a message's identifier", 0xFFFFFFFFU)); }
 
     DbcMessage* find(std::uint32_t id) {
         const auto found = messages_.find(id);

@@ -18,10 +18,9 @@ namespace antiskid::can {
 
 struct DbcSignal {
     std::string name;
-    std::uint32_t line = 0;  ///< of its SG_ statement, from 1
-    std::uint32_t start =
-        0;  ///< as written: least significant bit in Intel order, most significant in Motorola
-    std::uint32_t bits = 0;  ///< 1 to 64
+    std::uint32_t line = 0;   ///< of its SG_ statement, from 1
+    std::uint32_t start = 0;  ///< as written: least significant bit in Intel order, most significant in Motorola
+    std::uint32_t bits = 0;   ///< 1 to 64
     bool big_endian = false;
     bool is_signed = false;
     bool floating = false;     ///< IEEE 754 by SIG_VALTYPE_

@@ -85,8 +85,7 @@ std::uint64_t DbcCursor::natural(std::string_view what, std::uint64_t most) {
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
     if (error != std::errc{} || value > most) {
-        fail("expected " + std::string(what) + ", a whole number from 0 to " + std::to_string(most) +
-             ", got " + found());
+        fail("expected " + std::string(what) + ", a whole number from 0 to " + std::to_string(most) + ", got " + found());
     }
     position_ += static_cast<std::size_t>(end - rest.data());
     return value;
@@ -107,14 +106,12 @@ double DbcCursor::number(std::string_view what) {
 
 std::string DbcCursor::quoted(std::string_view what) {
     skip_space();
-    if (at_end() || text_[position_] != '"')
-        fail("expected " + std::string(what) + " in double quotes, got " + found());
+    if (at_end() || text_[position_] != '"') fail("expected " + std::string(what) + " in double quotes, got " + found());
     const std::uint32_t opened = line_;
     advance();
     std::string out;
     while (!at_end() && text_[position_] != '"') {
-        if (text_[position_] == '\\' && position_ + 1 < text_.size() && text_[position_ + 1] == '"')
-            advance();
+        if (text_[position_] == '\\' && position_ + 1 < text_.size() && text_[position_ + 1] == '"') advance();
         out += text_[position_];
         advance();
     }

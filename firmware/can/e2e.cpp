@@ -23,11 +23,9 @@ void E2eSender::protect(const E2e& config, Payload payload, Frame& frame) {
     if (config.protection == Protection::counter_crc) frame.data[config.crc_byte] = e2e_crc(frame, config);
 }
 
-E2eVerdict E2eChecker::check(const E2e& config, const Frame& frame, const Payload& payload,
-                             std::uint32_t& lost) {
+E2eVerdict E2eChecker::check(const E2e& config, const Frame& frame, const Payload& payload, std::uint32_t& lost) {
     if (config.protection == Protection::none) return E2eVerdict::ok;
-    if (config.protection == Protection::counter_crc &&
-        frame.data[config.crc_byte] != e2e_crc(frame, config)) {
+    if (config.protection == Protection::counter_crc && frame.data[config.crc_byte] != e2e_crc(frame, config)) {
         return E2eVerdict::wrong_crc;
     }
     if (!config.ordered) return E2eVerdict::ok;
@@ -39,8 +37,7 @@ E2eVerdict E2eChecker::check(const E2e& config, const Frame& frame, const Payloa
         last_ = counter;
         return E2eVerdict::ok;
     }
-    const std::uint32_t delta =
-        (counter + std::uint32_t{config.counter_modulo} - last_) % config.counter_modulo;
+    const std::uint32_t delta = (counter + std::uint32_t{config.counter_modulo} - last_) % config.counter_modulo;
     if (delta == 0) return E2eVerdict::repeated;
     last_ = counter;
     if (delta > config.max_delta) return E2eVerdict::wrong_sequence;

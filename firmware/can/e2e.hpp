@@ -28,10 +28,8 @@ struct E2e {
     std::uint8_t crc_byte = 0;
     std::uint16_t data_id = 0;
     std::uint16_t counter_modulo = 15;  ///< values 0 to counter_modulo - 1 are valid
-    std::uint8_t max_delta =
-        1;  ///< 1 to counter_modulo / 2, so that a step back is never taken for a step on
-    bool ordered =
-        true;  ///< false: the counter is not checked (a stop that comes late or twice must still stop)
+    std::uint8_t max_delta = 1;         ///< 1 to counter_modulo / 2, so that a step back is never taken for a step on
+    bool ordered = true;                ///< false: the counter is not checked (a stop that comes late or twice must still stop)
 };
 
 /// The CRC that belongs into `config.crc_byte` of this payload.
@@ -59,8 +57,7 @@ class E2eSender {
 class E2eChecker {
   public:
     /// `lost` is increased by the frames that the counter says are missing before an accepted one.
-    [[nodiscard]] E2eVerdict check(const E2e& config, const Frame& frame, const Payload& payload,
-                                   std::uint32_t& lost);
+    [[nodiscard]] E2eVerdict check(const E2e& config, const Frame& frame, const Payload& payload, std::uint32_t& lost);
 
   private:
     std::uint16_t last_ = 0;

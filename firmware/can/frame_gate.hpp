@@ -19,16 +19,13 @@ class FrameGate {
 
     struct Verdict {
         std::optional<Role> role;  ///< none: no identifier of ours
-        bool ok =
-            false;  ///< every check passed; not counted as accepted yet, the value is still to be judged
+        bool ok = false;           ///< every check passed; not counted as accepted yet, the value is still to be judged
     };
     [[nodiscard]] Verdict check(const Frame& frame, const Payload& payload);
 
     void count_accepted(Role role) { ++stats_[static_cast<std::size_t>(role)].accepted; }
     void count_wrong_value(Role role) { ++stats_[static_cast<std::size_t>(role)].wrong_value; }
-    [[nodiscard]] const MessageStats& stats(Role role) const {
-        return stats_[static_cast<std::size_t>(role)];
-    }
+    [[nodiscard]] const MessageStats& stats(Role role) const { return stats_[static_cast<std::size_t>(role)]; }
     [[nodiscard]] std::uint32_t unknown_ids() const { return unknown_ids_; }
 
   private:

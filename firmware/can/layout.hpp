@@ -36,13 +36,9 @@ inline constexpr std::size_t kRoleCount = 14;
 
 /// The name of the role's table in the binding.
 [[nodiscard]] constexpr std::string_view name(Role role) {
-    constexpr std::array<std::string_view, kRoleCount> kNames{"wheel",          "flywheel",
-                                                              "pressure",       "maneuver",
-                                                              "rig_heartbeat",  "emergency_stop",
-                                                              "sync",           "load_cells",
-                                                              "maneuver_state", "valve",
-                                                              "status",         "faults",
-                                                              "road",           "controller_heartbeat"};
+    constexpr std::array<std::string_view, kRoleCount> kNames{
+        "wheel",      "flywheel",       "pressure", "maneuver", "rig_heartbeat", "emergency_stop", "sync",
+        "load_cells", "maneuver_state", "valve",    "status",   "faults",        "road",           "controller_heartbeat"};
     return kNames[static_cast<std::size_t>(role)];
 }
 
@@ -72,9 +68,7 @@ struct ManeuverSignals {
     Signal current_mA;
 
     /// A narrower field would send another law's code.
-    [[nodiscard]] constexpr bool has(control::Law code) const {
-        return static_cast<std::uint64_t>(code) <= law.mask();
-    }
+    [[nodiscard]] constexpr bool has(control::Law code) const { return static_cast<std::uint64_t>(code) <= law.mask(); }
 };
 
 struct LoadCellSignals {
@@ -116,12 +110,8 @@ struct Layout {
     std::array<Signal, control::kFaultCount> faults{};  ///< one bit each, in the order of control::Fault
     RoadSignals road;
 
-    [[nodiscard]] constexpr const Message& operator[](Role role) const {
-        return messages[static_cast<std::size_t>(role)];
-    }
-    [[nodiscard]] constexpr Message& operator[](Role role) {
-        return messages[static_cast<std::size_t>(role)];
-    }
+    [[nodiscard]] constexpr const Message& operator[](Role role) const { return messages[static_cast<std::size_t>(role)]; }
+    [[nodiscard]] constexpr Message& operator[](Role role) { return messages[static_cast<std::size_t>(role)]; }
 };
 
 }  // namespace antiskid::can

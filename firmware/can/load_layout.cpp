@@ -15,8 +15,7 @@ namespace {
 
 class Loader {
   public:
-    Loader(const Dbc& dbc, const settings::Table& root, const Reach& reach)
-        : dbc_(dbc), root_(root), reach_(reach) {}
+    Loader(const Dbc& dbc, const settings::Table& root, const Reach& reach) : dbc_(dbc), root_(root), reach_(reach) {}
 
     Layout run() {
         sensors();
@@ -53,8 +52,7 @@ class Loader {
         static_cast<void>(bind(Role::emergency_stop, {.cyclic = false, .ordered = false}));
         if (root_.has(name(Role::sync))) {
             MessageBinder sync = bind(Role::sync, {.cyclic = false});
-            if (sync.table().has("number"))
-                layout_.sync_counter = sync.whole("number", {.least = 1, .most = 32});
+            if (sync.table().has("number")) layout_.sync_counter = sync.whole("number", {.least = 1, .most = 32});
         }
         if (root_.has(name(Role::load_cells))) {
             MessageBinder cells = bind(Role::load_cells, {});
@@ -66,8 +64,7 @@ class Loader {
             MessageBinder state = bind(Role::maneuver_state, {});
             layout_.maneuver_state.phase = state.code("phase", {.least = 4, .most = 8}, kPhaseNames);
             layout_.maneuver_state.number = state.whole("number", {.least = 16, .most = 32});
-            layout_.maneuver_state.brake_temperature_C =
-                state.physical("brake_temperature", Quantity::temperature);
+            layout_.maneuver_state.brake_temperature_C = state.physical("brake_temperature", Quantity::temperature);
         }
     }
 
@@ -108,14 +105,12 @@ class Loader {
         for (const Role other : roles_) {
             const Message& taken = layout_[other];
             if (taken.id == message.id) {
-                binder.table().fail("message", "has the identifier that [" + std::string(name(other)) +
-                                                   "] uses; every role needs a message of its own");
+                binder.table().fail("message",
+                                    "has the identifier that [" + std::string(name(other)) + "] uses; every role needs a message of its own");
             }
-            if (taken.protection.protection == Protection::counter_crc &&
-                message.protection.protection == Protection::counter_crc &&
+            if (taken.protection.protection == Protection::counter_crc && message.protection.protection == Protection::counter_crc &&
                 taken.protection.data_id == message.protection.data_id) {
-                binder.table().fail("data_id", "is that of [" + std::string(name(other)) +
-                                                   "]; it must tell this message from every other");
+                binder.table().fail("data_id", "is that of [" + std::string(name(other)) + "]; it must tell this message from every other");
             }
         }
         roles_.push_back(role);
@@ -128,8 +123,7 @@ class Loader {
         const bool edges = binder.table().has("edge_count") || binder.table().has("edge_time");
         const bool reported = binder.table().has("speed");
         if (edges == reported) {
-            binder.table().fail(reported ? "speed" : "message",
-                                "give either edge_count and edge_time, or speed");
+            binder.table().fail(reported ? "speed" : "message", "give either edge_count and edge_time, or speed");
         }
         if (reported) {
             signals.source = control::SpeedSource::speed;
@@ -153,8 +147,7 @@ class Loader {
 
 }  // namespace
 
-Layout load_layout(const std::filesystem::path& dbc, const std::filesystem::path& binding,
-                   const Reach& reach) {
+Layout load_layout(const std::filesystem::path& dbc, const std::filesystem::path& binding, const Reach& reach) {
     const Dbc messages = load_dbc(dbc);
     const settings::Document document = settings::Document::load(binding);
     const settings::Table root = document.root();

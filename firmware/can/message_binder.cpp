@@ -17,8 +17,7 @@ constexpr std::string_view kSignalKey = "signal";
 constexpr std::uint32_t kWidestPhysical = 32;
 constexpr std::uint32_t kWidestClock = 48;
 constexpr std::uint16_t kProfileCounterModulo = 15;
-constexpr double kLeastRollOver_ns =
-    200e6;  // twice the 100 ms below which an encoder is taken to stand still
+constexpr double kLeastRollOver_ns = 200e6;  // twice the 100 ms below which an encoder is taken to stand still
 
 template <typename Items>
 std::string suggestion(std::string_view word, const Items& items) {
@@ -75,8 +74,7 @@ MessageBinder::MessageBinder(const Dbc& dbc, settings::Table table) : dbc_(dbc),
     for (const DbcMessage& candidate : dbc_.messages) {
         if (candidate.name != name) continue;
         if (message_ != nullptr) {
-            table_.fail("message", "'" + name + "' is defined twice in " + dbc_.file + ", lines " +
-                                       std::to_string(message_->line) + " and " +
+            table_.fail("message", "'" + name + "' is defined twice in " + dbc_.file + ", lines " + std::to_string(message_->line) + " and " +
                                        std::to_string(candidate.line));
         }
         message_ = &candidate;
@@ -86,12 +84,10 @@ MessageBinder::MessageBinder(const Dbc& dbc, settings::Table table) : dbc_(dbc),
     }
     const std::string where = dbc_.file + ":" + std::to_string(message_->line) + ": ";
     if (message_->extended || message_->id > 0x7FF) {
-        table_.fail("message",
-                    where + "'" + name + "' has a 29-bit identifier; only 11-bit ones (0 to 2047) are used");
+        table_.fail("message", where + "'" + name + "' has a 29-bit identifier; only 11-bit ones (0 to 2047) are used");
     }
     if (message_->length > 8) {
-        table_.fail("message", where + "'" + name + "' has " + std::to_string(message_->length) +
-                                   " bytes; a classic CAN frame has at most 8");
+        table_.fail("message", where + "'" + name + "' has " + std::to_string(message_->length) + " bytes; a classic CAN frame has at most 8");
     }
 }
 
@@ -110,8 +106,7 @@ Message MessageBinder::message(bool cyclic) {
         std::string cycle_time = std::to_string(*message_->cycle_time_ms);
         cycle_time.erase(cycle_time.find_last_not_of('0') + 1);
         if (cycle_time.back() == '.') cycle_time.pop_back();
-        table_.fail("period_ms", "contradicts GenMsgCycleTime of '" + message_->name + "' in " + dbc_.file +
-                                     ", which is " + cycle_time + " ms");
+        table_.fail("period_ms", "contradicts GenMsgCycleTime of '" + message_->name + "' in " + dbc_.file + ", which is " + cycle_time + " ms");
     }
     message.period = control::Time{static_cast<std::int64_t>(std::round(period_ms * 1e6))};
     return message;
@@ -119,9 +114,7 @@ Message MessageBinder::message(bool cyclic) {
 
 E2e MessageBinder::protection(bool crc_required, bool ordered) {
     static constexpr std::array<settings::Choice<Protection>, 3> kChoices{
-        {{"none", Protection::none},
-         {"counter", Protection::counter},
-         {"counter_crc", Protection::counter_crc}}};
+        {{"none", Protection::none}, {"counter", Protection::counter}, {"counter_crc", Protection::counter_crc}}};
     E2e e2e;
     e2e.ordered = ordered;
     e2e.protection = table_.choice<Protection>("protection", kChoices);
@@ -131,10 +124,8 @@ E2e MessageBinder::protection(bool crc_required, bool ordered) {
     if (e2e.protection == Protection::none) return e2e;
 
     const bool with_crc = e2e.protection == Protection::counter_crc;
-    e2e.counter =
-        with_crc ? whole("counter", {.least = 4, .most = 8}) : whole("counter", {.least = 2, .most = 8});
-    e2e.counter_modulo =
-        with_crc ? kProfileCounterModulo : static_cast<std::uint16_t>(std::uint32_t{1} << e2e.counter.bits);
+    e2e.counter = with_crc ? whole("counter", {.least = 4, .most = 8}) : whole("counter", {.least = 2, .most = 8});
+    e2e.counter_modulo = with_crc ? kProfileCounterModulo : static_cast<std::uint16_t>(std::uint32_t{1} << e2e.counter.bits);
     if (ordered) {
         e2e.max_delta = table_.integer<std::uint8_t>("max_delta", {.min = 1, .max = e2e.counter_modulo / 2});
     }
@@ -147,34 +138,27 @@ E2e MessageBinder::protection(bool crc_required, bool ordered) {
     return e2e;
 }
 
-const DbcSignal& MessageBinder::take(const settings::Table& table, std::string_view key,
-                                     const std::string& name) {
+const DbcSignal& MessageBinder::take(const settings::Table& table, std::string_view key, const std::string& name) {
     const DbcSignal* found = nullptr;
     for (const DbcSignal& candidate : message_->signals) {
         if (candidate.name != name) continue;
-        if (found != nullptr)
-            table.fail(key, at(candidate) + " is defined twice in '" + message_->name + "'");
+        if (found != nullptr) table.fail(key, at(candidate) + " is defined twice in '" + message_->name + "'");
         found = &candidate;
     }
     if (found == nullptr) {
-        table.fail(key, "no signal '" + name + "' in message '" + message_->name + "' of " + dbc_.file +
-                            suggestion(name, message_->signals));
+        table.fail(key, "no signal '" + name + "' in message '" + message_->name + "' of " + dbc_.file + suggestion(name, message_->signals));
     }
     if (!found->multiplexing.empty()) {
-        table.fail(key, at(*found) + " is multiplexed (" + found->multiplexing +
-                            "); only plain signals can be used");
+        table.fail(key, at(*found) + " is multiplexed (" + found->multiplexing + "); only plain signals can be used");
     }
-    if (found->floating)
-        table.fail(key, at(*found) + " is a floating-point signal; only integers can be used");
+    if (found->floating) table.fail(key, at(*found) + " is a floating-point signal; only integers can be used");
     if (found->factor == 0.0) table.fail(key, at(*found) + " has the factor 0");
     if (found->bits > kWidestClock) {
-        table.fail(key, at(*found) + " has " + bits(found->bits) + "; at most " + bits(kWidestClock) +
-                            " can be used");
+        table.fail(key, at(*found) + " has " + bits(found->bits) + "; at most " + bits(kWidestClock) + " can be used");
     }
     const std::optional<std::uint32_t> shift = shift_of(*found, message_->length);
     if (!shift) {
-        table.fail(key, at(*found) + " sticks out of the " + std::to_string(message_->length) +
-                            " bytes of '" + message_->name + "'");
+        table.fail(key, at(*found) + " sticks out of the " + std::to_string(message_->length) + " bytes of '" + message_->name + "'");
     }
     const std::uint64_t own = occupied(field(*found, *shift));
     for (const Taken& other : taken_) {
@@ -199,22 +183,20 @@ Signal MessageBinder::whole(const settings::Table& table, std::string_view key, 
     }
     if (signal.is_signed) table.fail(key, at(signal) + " is signed; expected an unsigned one");
     if (signal.factor != 1.0 || signal.offset != 0.0) {
-        table.fail(key,
-                   at(signal) + " has a factor or offset; a count, code or flag has factor 1 and offset 0");
+        table.fail(key, at(signal) + " has a factor or offset; a count, code or flag has factor 1 and offset 0");
     }
     return field(signal, *shift_of(signal, message_->length));
 }
 
-Signal MessageBinder::code(std::string_view key, const Widths& widths,
-                           std::span<const std::string_view> names) {
+Signal MessageBinder::code(std::string_view key, const Widths& widths, std::span<const std::string_view> names) {
     const Signal signal = whole(key, widths);
     const std::string name = table_.text(key);
     const auto dbc = std::ranges::find(message_->signals, name, &DbcSignal::name);
     for (const auto& [value, text] : dbc->values) {
         const auto known = std::ranges::find(names, text);
         if (known != names.end() && known - names.begin() != value) {
-            table_.fail(key, at(*dbc) + " has '" + text + "' as value " + std::to_string(value) + "; it is " +
-                                 std::to_string(known - names.begin()) + " here");
+            table_.fail(key, at(*dbc) + " has '" + text + "' as value " + std::to_string(value) + "; it is " + std::to_string(known - names.begin()) +
+                                 " here");
         }
     }
     return signal;
@@ -227,8 +209,7 @@ MessageBinder::Source MessageBinder::take_physical(std::string_view key) {
     const std::optional<Unit> unit = find_unit(spelling);
     if (!unit) inner.fail("unit", "unknown unit '" + settings::printable(spelling) + "'");
     if (!signal.unit.empty() && find_unit(signal.unit) != unit) {
-        inner.fail("unit", at(signal) + " is in '" + settings::printable(signal.unit) + "' there, '" +
-                               spelling + "' here");
+        inner.fail("unit", at(signal) + " is in '" + settings::printable(signal.unit) + "' there, '" + spelling + "' here");
     }
     return {.table = inner, .key = std::string(key), .signal = &signal, .unit = *unit};
 }
@@ -236,8 +217,7 @@ MessageBinder::Source MessageBinder::take_physical(std::string_view key) {
 Signal MessageBinder::scaled(const Source& source, double size) const {
     const DbcSignal& dbc = *source.signal;
     if (dbc.bits > kWidestPhysical) {
-        source.table.fail(kSignalKey, at(dbc) + " has " + bits(dbc.bits) + "; at most " +
-                                          bits(kWidestPhysical) + " can be used");
+        source.table.fail(kSignalKey, at(dbc) + " has " + bits(dbc.bits) + "; at most " + bits(kWidestPhysical) + " can be used");
     }
     Signal signal = field(dbc, *shift_of(dbc, message_->length));
     if (dbc.min < dbc.max) {
@@ -246,8 +226,7 @@ Signal MessageBinder::scaled(const Source& source, double size) const {
         const double b = (dbc.max - dbc.offset) / dbc.factor;
         const double low = std::ceil(std::min(a, b) - 1e-6);
         const double high = std::floor(std::max(a, b) + 1e-6);
-        if (low > static_cast<double>(signal.raw_max) || high < static_cast<double>(signal.raw_min) ||
-            low > high) {
+        if (low > static_cast<double>(signal.raw_max) || high < static_cast<double>(signal.raw_min) || low > high) {
             source.table.fail(kSignalKey, at(dbc) + " cannot hold any value of its own range");
         }
         if (low > static_cast<double>(signal.raw_min)) signal.raw_min = static_cast<std::int64_t>(low);
@@ -270,8 +249,8 @@ Signal MessageBinder::physical(std::string_view key, Quantity quantity, double r
             static_cast<void>(std::snprintf(number.data(), number.size(), "%g ", value / source.unit.factor));
             return number.data() + source.table.text("unit");
         };
-        source.table.fail(kSignalKey, at(*source.signal) + " ends at " + in_unit(most) +
-                                          ", too narrow for this rig: it must reach " + in_unit(reach));
+        source.table.fail(kSignalKey,
+                          at(*source.signal) + " ends at " + in_unit(most) + ", too narrow for this rig: it must reach " + in_unit(reach));
     }
     return signal;
 }
@@ -280,8 +259,8 @@ Signal MessageBinder::rotation(std::string_view key) {
     const Source source = take_physical(key);
     if (source.unit.quantity == Quantity::angular_speed) return scaled(source, source.unit.factor);
     if (source.unit.quantity != Quantity::speed) {
-        source.table.fail("unit", "expected one of " + units_of(Quantity::angular_speed) + ", or of " +
-                                      units_of(Quantity::speed) + " with radius_m of the rim");
+        source.table.fail(
+            "unit", "expected one of " + units_of(Quantity::angular_speed) + ", or of " + units_of(Quantity::speed) + " with radius_m of the rim");
     }
     const double radius_m = source.table.number("radius_m", {.min = 0.01, .max = 10.0});
     return scaled(source, source.unit.factor / radius_m);
@@ -290,8 +269,7 @@ Signal MessageBinder::rotation(std::string_view key) {
 Signal MessageBinder::clock(std::string_view key) {
     const Source source = take_physical(key);
     const DbcSignal& dbc = *source.signal;
-    if (source.unit.quantity != Quantity::time)
-        source.table.fail("unit", "expected one of " + units_of(Quantity::time));
+    if (source.unit.quantity != Quantity::time) source.table.fail("unit", "expected one of " + units_of(Quantity::time));
     if (dbc.is_signed || dbc.factor < 0.0 || dbc.offset != 0.0) {
         source.table.fail(kSignalKey, at(dbc) + " must be unsigned, with a positive factor and no offset");
     }
@@ -299,8 +277,7 @@ Signal MessageBinder::clock(std::string_view key) {
     signal.scale = dbc.factor * source.unit.factor;
     signal.per_scale = 1.0 / signal.scale;
     if (signal.scale * static_cast<double>(signal.raw_max) < kLeastRollOver_ns) {
-        source.table.fail(kSignalKey,
-                          at(dbc) + " rolls over within 200 ms: too narrow to tell the time of an edge");
+        source.table.fail(kSignalKey, at(dbc) + " rolls over within 200 ms: too narrow to tell the time of an edge");
     }
     return signal;
 }

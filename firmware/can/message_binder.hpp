@@ -38,8 +38,7 @@ class MessageBinder {
     [[nodiscard]] Signal whole(std::string_view key, const Widths& widths);
     [[nodiscard]] Signal whole(const settings::Table& table, std::string_view key, const Widths& widths);
     /// As whole(); where the DBC has a value table it must not give the name of one code to another.
-    [[nodiscard]] Signal code(std::string_view key, const Widths& widths,
-                              std::span<const std::string_view> names);
+    [[nodiscard]] Signal code(std::string_view key, const Widths& widths, std::span<const std::string_view> names);
     /// `key = { signal = "SignalName", unit = "bar" }`.
     /// `reach`: a value that it must be able to say, in the controller's unit.
     [[nodiscard]] Signal physical(std::string_view key, Quantity quantity, double reach = 0.0);

@@ -13,9 +13,7 @@ struct MessageStats {
     std::uint32_t wrong_value = 0;  ///< a code that has no meaning: an unknown law or state
     std::uint32_t lost = 0;         ///< missing before an accepted frame, as its counter says
 
-    [[nodiscard]] constexpr std::uint32_t rejected() const {
-        return wrong_crc + wrong_counter + wrong_length + wrong_value;
-    }
+    [[nodiscard]] constexpr std::uint32_t rejected() const { return wrong_crc + wrong_counter + wrong_length + wrong_value; }
 };
 
 }  // namespace antiskid::can

@@ -20,8 +20,7 @@ namespace antiskid::can {
 [[nodiscard]] inline std::vector<std::string> fault_names(control::FaultSet faults) {
     std::vector<std::string> names;
     for (std::uint8_t i = 0; i < control::kFaultCount; ++i)
-        if (const auto fault = static_cast<control::Fault>(i); faults.contains(fault))
-            names.emplace_back(name(fault));
+        if (const auto fault = static_cast<control::Fault>(i); faults.contains(fault)) names.emplace_back(name(fault));
     return names;
 }
 

@@ -49,8 +49,7 @@ bool Observer::decode(Role role, const Payload& payload, control::Time received)
             return true;
         case Role::sync:
             view_.sync_received = received;
-            if (layout_.sync_counter.bound())
-                view_.sync_number = static_cast<std::uint32_t>(payload.read(layout_.sync_counter));
+            if (layout_.sync_counter.bound()) view_.sync_number = static_cast<std::uint32_t>(payload.read(layout_.sync_counter));
             return true;
         case Role::load_cells:
             view_.load_cells_received = received;
@@ -62,10 +61,9 @@ bool Observer::decode(Role role, const Payload& payload, control::Time received)
             const std::int64_t phase = payload.read(layout_.maneuver_state.phase);
             if (phase >= static_cast<std::int64_t>(kPhaseNames.size())) return false;
             view_.maneuver_state_received = received;
-            view_.maneuver_state = {
-                .phase = static_cast<std::uint8_t>(phase),
-                .number = static_cast<std::uint32_t>(payload.read(layout_.maneuver_state.number)),
-                .brake_temperature_C = read(payload, layout_.maneuver_state.brake_temperature_C)};
+            view_.maneuver_state = {.phase = static_cast<std::uint8_t>(phase),
+                                    .number = static_cast<std::uint32_t>(payload.read(layout_.maneuver_state.number)),
+                                    .brake_temperature_C = read(payload, layout_.maneuver_state.brake_temperature_C)};
             return true;
         }
         default:

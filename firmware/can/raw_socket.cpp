@@ -24,10 +24,8 @@ std::string bring_up(const std::string& interface) {
 }
 
 std::string make(const std::string& interface) {
-    if (is_virtual(interface))
-        return "make it with `ip link add dev " + interface + " type vcan` and " + bring_up(interface);
-    return "plug the adapter in, then " + bring_up(interface) +
-           " (`ip -br link show type can` lists what is there)";
+    if (is_virtual(interface)) return "make it with `ip link add dev " + interface + " type vcan` and " + bring_up(interface);
+    return "plug the adapter in, then " + bring_up(interface) + " (`ip -br link show type can` lists what is there)";
 }
 
 [[noreturn]] void refuse(const std::string& interface, const std::string& why) {
@@ -65,15 +63,13 @@ int index_of(int fd, const std::string& interface) {
         refuse(interface, "is no CAN interface (`ip -br link show type can` and `... type vcan` list them)");
     }
     if (ioctl(fd, SIOCGIFFLAGS, &request) != 0) refuse_system(interface, "has no flags", errno);
-    if ((static_cast<unsigned>(request.ifr_flags) & IFF_UP) == 0)
-        refuse(interface, "is down: " + bring_up(interface));
+    if ((static_cast<unsigned>(request.ifr_flags) & IFF_UP) == 0) refuse(interface, "is down: " + bring_up(interface));
     return index;
 }
 
 }  // namespace
 
-RawSocket::RawSocket(std::string interface, Calls calls)
-    : interface_(std::move(interface)), socket_(open(interface_, calls)) {
+RawSocket::RawSocket(std::string interface, Calls calls) : interface_(std::move(interface)), socket_(open(interface_, calls)) {
     try {
         index_ = index_of(socket_, interface_);
     } catch (...) {
@@ -87,16 +83,14 @@ RawSocket::~RawSocket() {
 }
 
 void RawSocket::set_option(int level, int option, const void* value, socklen_t size, const char* name) const {
-    if (setsockopt(socket_, level, option, value, size) != 0)
-        refuse_system(interface_, std::string("refused ") + name, errno);
+    if (setsockopt(socket_, level, option, value, size) != 0) refuse_system(interface_, std::string("refused ") + name, errno);
 }
 
 void RawSocket::bind() const {
     sockaddr_can address{};
     address.can_family = AF_CAN;
     address.can_ifindex = index_;
-    if (::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-        refuse_system(interface_, "cannot be bound", errno);
+    if (::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) refuse_system(interface_, "cannot be bound", errno);
 }
 
 }  // namespace antiskid::can

@@ -11,8 +11,7 @@ RigPort::RigPort(const Layout& layout, control::Time step, std::span<const Role>
 
 std::size_t RigPort::due_frames(const RigSample& sample, std::span<Frame> out) {
     std::size_t count = 0;
-    if (sample.emergency_stop && sends_[static_cast<std::size_t>(Role::emergency_stop)])
-        out[count++] = emergency_stop();
+    if (sample.emergency_stop && sends_[static_cast<std::size_t>(Role::emergency_stop)]) out[count++] = emergency_stop();
     if (due(Role::wheel)) out[count++] = wheel(sample.wheel);
     if (due(Role::flywheel)) out[count++] = flywheel(sample.flywheel);
     if (due(Role::pressure)) out[count++] = pressure(sample.pressure_Pa);
@@ -28,9 +27,8 @@ std::size_t RigPort::due_frames(const RigSample& sample, std::span<Frame> out) {
 }
 
 bool RigPort::state_is_due(const ManeuverStateSample& sample) const {
-    return sends_[static_cast<std::size_t>(Role::maneuver_state)] &&
-           (step_index_ == 0 || schedule_.due(Role::maneuver_state, step_index_) ||
-            sample.phase != last_state_.phase || sample.number != last_state_.number);
+    return sends_[static_cast<std::size_t>(Role::maneuver_state)] && (step_index_ == 0 || schedule_.due(Role::maneuver_state, step_index_) ||
+                                                                      sample.phase != last_state_.phase || sample.number != last_state_.number);
 }
 
 Frame RigPort::wheel(const SpeedSample& sample) {
@@ -86,8 +84,7 @@ Frame RigPort::load_cells(const LoadCellSample& sample) {
     Payload payload;
     payload.write(cells.vertical_N, cells.vertical_N.raw(static_cast<double>(sample.vertical_N)));
     payload.write(cells.longitudinal_N, cells.longitudinal_N.raw(static_cast<double>(sample.longitudinal_N)));
-    payload.write(cells.brake_torque_Nm,
-                  cells.brake_torque_Nm.raw(static_cast<double>(sample.brake_torque_Nm)));
+    payload.write(cells.brake_torque_Nm, cells.brake_torque_Nm.raw(static_cast<double>(sample.brake_torque_Nm)));
     return protect(Role::load_cells, payload);
 }
 
@@ -96,8 +93,7 @@ Frame RigPort::maneuver_state(const ManeuverStateSample& sample) {
     Payload payload;
     payload.write(state.phase, sample.phase);
     payload.write(state.number, sample.number);
-    payload.write(state.brake_temperature_C,
-                  state.brake_temperature_C.raw(static_cast<double>(sample.brake_temperature_C)));
+    payload.write(state.brake_temperature_C, state.brake_temperature_C.raw(static_cast<double>(sample.brake_temperature_C)));
     return protect(Role::maneuver_state, payload);
 }
 

@@ -53,9 +53,7 @@ class RigPort {
   private:
     [[nodiscard]] Frame speed(Role role, const SpeedSignals& signals, const SpeedSample& sample);
     [[nodiscard]] Frame protect(Role role, const Payload& payload);
-    [[nodiscard]] bool due(Role role) const {
-        return sends_[static_cast<std::size_t>(role)] && schedule_.due(role, step_index_);
-    }
+    [[nodiscard]] bool due(Role role) const { return sends_[static_cast<std::size_t>(role)] && schedule_.due(role, step_index_); }
     [[nodiscard]] bool state_is_due(const ManeuverStateSample& sample) const;
 
     const Layout& layout_;

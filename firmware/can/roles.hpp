@@ -10,20 +10,16 @@
 namespace antiskid::can {
 
 /// Roles that the controller receives; load cells and maneuver state are not among them.
-inline constexpr std::array kToController{Role::wheel,    Role::flywheel,      Role::pressure,
-                                          Role::maneuver, Role::rig_heartbeat, Role::emergency_stop,
-                                          Role::sync};
-inline constexpr std::array kToRig{Role::valve, Role::status, Role::faults, Role::road,
-                                   Role::controller_heartbeat};
+inline constexpr std::array kToController{Role::wheel,         Role::flywheel,       Role::pressure, Role::maneuver,
+                                          Role::rig_heartbeat, Role::emergency_stop, Role::sync};
+inline constexpr std::array kToRig{Role::valve, Role::status, Role::faults, Role::road, Role::controller_heartbeat};
 
 /// What a rig without a bridge sends; SYNC is sent apart.
-inline constexpr std::array kFromRig{Role::wheel,     Role::flywheel,      Role::pressure,
-                                     Role::maneuver,  Role::rig_heartbeat, Role::emergency_stop,
-                                     Role::load_cells};
+inline constexpr std::array kFromRig{Role::wheel,         Role::flywheel,       Role::pressure,  Role::maneuver,
+                                     Role::rig_heartbeat, Role::emergency_stop, Role::load_cells};
 /// The same shared between the rig's sensors and the rig bridge.
 inline constexpr std::array kFromRigSensors{Role::wheel, Role::flywheel, Role::pressure};
-inline constexpr std::array kFromBridge{Role::maneuver, Role::rig_heartbeat, Role::emergency_stop,
-                                        Role::load_cells, Role::maneuver_state};
+inline constexpr std::array kFromBridge{Role::maneuver, Role::rig_heartbeat, Role::emergency_stop, Role::load_cells, Role::maneuver_state};
 
 inline constexpr std::array<Role, kRoleCount> kEveryRole = [] {
     std::array<Role, kRoleCount> roles{};

@@ -2,8 +2,7 @@
 
 namespace antiskid::can {
 
-RoundedLink::RoundedLink(const Layout& layout, control::Time step)
-    : layout_(layout), schedule_(layout, step) {}
+RoundedLink::RoundedLink(const Layout& layout, control::Time step) : layout_(layout), schedule_(layout, step) {}
 
 const control::Sensors& RoundedLink::sense(const RigSample& sample, control::Time now) {
     sensors_.emergency_stop = sample.emergency_stop;
@@ -15,11 +14,9 @@ const control::Sensors& RoundedLink::sense(const RigSample& sample, control::Tim
     }
     if (schedule_.due(Role::pressure, step_index_)) {
         sensors_.pressure.received = now;
-        sensors_.pressure.pressure_Pa =
-            static_cast<float>(layout_.pressure_Pa.rounded(static_cast<double>(sample.pressure_Pa)));
+        sensors_.pressure.pressure_Pa = static_cast<float>(layout_.pressure_Pa.rounded(static_cast<double>(sample.pressure_Pa)));
     }
-    if (schedule_.due(Role::maneuver, step_index_) &&
-        !apply(layout_.maneuver, to_raw(layout_.maneuver, sample.maneuver), now, sensors_.maneuver)) {
+    if (schedule_.due(Role::maneuver, step_index_) && !apply(layout_.maneuver, to_raw(layout_.maneuver, sample.maneuver), now, sensors_.maneuver)) {
         ++sensors_.maneuver.rejected;
     }
     if (schedule_.due(Role::rig_heartbeat, step_index_)) sensors_.rig_heartbeat_received = now;

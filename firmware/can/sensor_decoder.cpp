@@ -8,8 +8,7 @@ namespace {
 std::uint64_t ticks(const Signal& signal, control::Time time) {
     const double exact = static_cast<double>(time.count()) / signal.scale;
     const auto toward_zero = static_cast<std::int64_t>(exact);
-    return static_cast<std::uint64_t>(static_cast<double>(toward_zero) > exact ? toward_zero - 1
-                                                                               : toward_zero);
+    return static_cast<std::uint64_t>(static_cast<double>(toward_zero) > exact ? toward_zero - 1 : toward_zero);
 }
 
 }  // namespace
@@ -20,9 +19,7 @@ RawSpeed to_raw(const SpeedSignals& signals, const SpeedSample& sample) {
                 .edge_time = ticks(signals.edge_time, sample.edge_time) & signals.edge_time.mask(),
                 .speed = 0};
     }
-    return {.edge_count = 0,
-            .edge_time = 0,
-            .speed = signals.speed_radps.raw(static_cast<double>(sample.speed_radps))};
+    return {.edge_count = 0, .edge_time = 0, .speed = signals.speed_radps.raw(static_cast<double>(sample.speed_radps))};
 }
 
 RawManeuver to_raw(const ManeuverSignals& signals, const ManeuverSample& sample) {
@@ -54,25 +51,21 @@ RawManeuver read_raw(const ManeuverSignals& signals, const Payload& payload) {
             .current = payload.read(signals.current_mA)};
 }
 
-void SpeedDecoder::apply(const SpeedSignals& signals, const RawSpeed& raw, control::Time received,
-                         control::SpeedInput& input) {
+void SpeedDecoder::apply(const SpeedSignals& signals, const RawSpeed& raw, control::Time received, control::SpeedInput& input) {
     input.received = received;
     input.source = signals.source;
     if (signals.source == control::SpeedSource::speed) {
         input.speed_radps = static_cast<float>(signals.speed_radps.value(raw.speed));
         return;
     }
-    input.edge_count +=
-        static_cast<std::uint32_t>((raw.edge_count - last_count_) & signals.edge_count.mask());
+    input.edge_count += static_cast<std::uint32_t>((raw.edge_count - last_count_) & signals.edge_count.mask());
     ticks_ += (raw.edge_time - last_time_) & signals.edge_time.mask();
     last_count_ = raw.edge_count;
     last_time_ = raw.edge_time;
-    input.edge_time =
-        control::Time{static_cast<std::int64_t>(static_cast<double>(ticks_) * signals.edge_time.scale)};
+    input.edge_time = control::Time{static_cast<std::int64_t>(static_cast<double>(ticks_) * signals.edge_time.scale)};
 }
 
-bool apply(const ManeuverSignals& signals, const RawManeuver& raw, control::Time received,
-           control::ManeuverInput& input) {
+bool apply(const ManeuverSignals& signals, const RawManeuver& raw, control::Time received, control::ManeuverInput& input) {
     if (raw.law >= control::kLawCount) return false;
     input.received = received;
     input.law = static_cast<control::Law>(raw.law);

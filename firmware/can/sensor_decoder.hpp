@@ -42,8 +42,7 @@ struct RawManeuver {
 /// first interval is short by whole roll-overs. Both start from the first raw value.
 class SpeedDecoder {
   public:
-    void apply(const SpeedSignals& signals, const RawSpeed& raw, control::Time received,
-               control::SpeedInput& input);
+    void apply(const SpeedSignals& signals, const RawSpeed& raw, control::Time received, control::SpeedInput& input);
 
   private:
     std::uint64_t last_count_ = 0;
@@ -52,7 +51,6 @@ class SpeedDecoder {
 };
 
 /// False, with `input` unchanged, when the law is none that exists.
-[[nodiscard]] bool apply(const ManeuverSignals& signals, const RawManeuver& raw, control::Time received,
-                         control::ManeuverInput& input);
+[[nodiscard]] bool apply(const ManeuverSignals& signals, const RawManeuver& raw, control::Time received, control::ManeuverInput& input);
 
 }  // namespace antiskid::can

@@ -17,8 +17,7 @@ struct Signal {
     std::uint8_t bits = 0;    ///< 1 to 48; 0: the layout has no such signal
     bool big_endian = false;  ///< Motorola order
     bool is_signed = false;
-    std::int64_t raw_min =
-        0;  ///< what the encoder limits to: the DBC's range, or the field's where that is tighter
+    std::int64_t raw_min = 0;  ///< what the encoder limits to: the DBC's range, or the field's where that is tighter
     std::int64_t raw_max = 0;
     double scale = 1.0;      ///< never 0
     double per_scale = 1.0;  ///< 1 / scale
@@ -35,9 +34,7 @@ struct Signal {
         if (!(scaled < static_cast<double>(raw_max))) return raw_max;
         return static_cast<std::int64_t>(scaled < 0.0 ? scaled - 0.5 : scaled + 0.5);
     }
-    [[nodiscard]] constexpr double value(std::int64_t raw_value) const {
-        return static_cast<double>(raw_value) * scale + offset;
-    }
+    [[nodiscard]] constexpr double value(std::int64_t raw_value) const { return static_cast<double>(raw_value) * scale + offset; }
     /// The value as the far end will read it.
     [[nodiscard]] constexpr double rounded(double unrounded) const { return value(raw(unrounded)); }
 };
@@ -53,8 +50,7 @@ class Payload {
     }
 
     [[nodiscard]] constexpr std::int64_t read(const Signal& signal) const {
-        const std::uint64_t field =
-            ((signal.big_endian ? motorola_ : intel_) >> signal.shift) & signal.mask();
+        const std::uint64_t field = ((signal.big_endian ? motorola_ : intel_) >> signal.shift) & signal.mask();
         const std::uint64_t sign = signal.is_signed ? std::uint64_t{1} << (signal.bits - 1U) : 0U;
         return static_cast<std::int64_t>((field ^ sign) - sign);
     }

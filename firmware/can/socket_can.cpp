@@ -47,8 +47,7 @@ int edge_triggered(const int bell, const std::string& interface) {
     if (epoll >= 0 && epoll_ctl(epoll, EPOLL_CTL_ADD, bell, &arrival) == 0) return epoll;
     const int error = errno;
     if (epoll >= 0) close(epoll);
-    throw std::system_error(error, std::generic_category(),
-                            "CAN interface '" + interface + "' cannot be waited for");
+    throw std::system_error(error, std::generic_category(), "CAN interface '" + interface + "' cannot be waited for");
 }
 
 }  // namespace
@@ -84,17 +83,14 @@ struct SocketCan::Batch {
     std::array<mmsghdr, kMostSent> sent_headers{};
 };
 
-SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t> ids,
-                     const SocketCanOptions& options)
+SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t> ids, const SocketCanOptions& options)
     : newest_only_(options.newest_only), batch_(std::make_unique<Batch>()) {
     RawSocket socket(interface, RawSocket::Calls::may_wait);
 
     // Remote frames of a wanted identifier pass, to be counted.
     std::vector<can_filter> filters;
-    for (const std::uint16_t id : ids)
-        filters.push_back({.can_id = id, .can_mask = CAN_EFF_FLAG | CAN_SFF_MASK});
-    socket.set_option(SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
-                      static_cast<socklen_t>(filters.size() * sizeof(can_filter)), "the filters");
+    for (const std::uint16_t id : ids) filters.push_back({.can_id = id, .can_mask = CAN_EFF_FLAG | CAN_SFF_MASK});
+    socket.set_option(SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), static_cast<socklen_t>(filters.size() * sizeof(can_filter)), "the filters");
     const can_err_mask_t every_error = CAN_ERR_MASK;
     socket.set_option(SOL_CAN_RAW, CAN_RAW_ERR_FILTER, every_error, "error frames");
     const int on = 1;
@@ -111,8 +107,7 @@ SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t
     if (options.wakes) {
         // A filter for one identifier alone is the kernel's last to be served: when the bell rings, the frame is in the other socket.
         RawSocket bell(interface);
-        const can_filter one{.can_id = *options.wakes,
-                             .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK};
+        const can_filter one{.can_id = *options.wakes, .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK};
         bell.set_option(SOL_CAN_RAW, CAN_RAW_FILTER, one, "the filters");
         bell.bind();
         bell_rings_ = edge_triggered(bell.get(), interface);
@@ -142,8 +137,7 @@ std::size_t SocketCan::receive(std::span<Frame> frames, int flags) {
     for (std::size_t i = 0; i < wanted; ++i) {
         batch_->headers[i].msg_hdr.msg_controllen = Batch::kControl;
     }
-    const int received =
-        recvmmsg(socket_, batch_->headers.data(), static_cast<unsigned>(wanted), flags, nullptr);
+    const int received = recvmmsg(socket_, batch_->headers.data(), static_cast<unsigned>(wanted), flags, nullptr);
     if (received < 0) {
         note_error(errno);
         return 0;
@@ -171,8 +165,7 @@ std::size_t SocketCan::receive(std::span<Frame> frames, int flags) {
         }
         status_.bus_off = false;
         status_.up = true;
-        if (batch_->headers[i].msg_len != sizeof raw || (raw.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) != 0 ||
-            raw.can_dlc > CAN_MAX_DLEN) {
+        if (batch_->headers[i].msg_len != sizeof raw || (raw.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) != 0 || raw.can_dlc > CAN_MAX_DLEN) {
             ++status_.malformed;
             continue;
         }
@@ -199,12 +192,10 @@ bool SocketCan::send(const Frame& frame) {
 std::size_t SocketCan::send_all(std::span<const Frame> frames) {
     if (frames.empty()) return 0;
     const std::size_t wanted = std::min(frames.size(), kMostSent);
-    std::transform(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(wanted),
-                   batch_->sent_frames.begin(), raw);
+    std::transform(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(wanted), batch_->sent_frames.begin(), raw);
     std::size_t taken = 0;
     if (!newest_only_ || !earlier_frames_wait()) {
-        const int sent =
-            sendmmsg(socket_, batch_->sent_headers.data(), static_cast<unsigned>(wanted), MSG_DONTWAIT);
+        const int sent = sendmmsg(socket_, batch_->sent_headers.data(), static_cast<unsigned>(wanted), MSG_DONTWAIT);
         if (sent < 0) {
             note_error(errno);
         } else {
@@ -220,8 +211,7 @@ std::size_t SocketCan::send_all(std::span<const Frame> frames) {
 bool SocketCan::earlier_frames_wait() const {
     std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
     socklen_t size = sizeof memory;
-    return getsockopt(socket_, SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0 &&
-           memory[SK_MEMINFO_WMEM_ALLOC] > 0;
+    return getsockopt(socket_, SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0 && memory[SK_MEMINFO_WMEM_ALLOC] > 0;
 }
 
 void SocketCan::note_sent() {

@@ -52,8 +52,7 @@ class SocketCan final : public Bus {
     /// `ids`: the identifiers to receive; none: error frames only. Throws std::runtime_error naming the
     /// interface and the command that mends it when the interface is absent, down or no CAN, or the kernel
     /// has no CAN.
-    SocketCan(const std::string& interface, std::span<const std::uint16_t> ids,
-              const SocketCanOptions& options = {});
+    SocketCan(const std::string& interface, std::span<const std::uint16_t> ids, const SocketCanOptions& options = {});
     ~SocketCan() override;
     SocketCan(const SocketCan&) = delete;
     SocketCan& operator=(const SocketCan&) = delete;

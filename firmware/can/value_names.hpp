@@ -9,16 +9,15 @@
 
 namespace antiskid::can {
 
-inline constexpr std::array<std::string_view, control::kLawCount> kLawNames{
-    "wheel_slip", "deceleration", "open_loop", "threshold", "pressure_bias", "peak_slip"};
+inline constexpr std::array<std::string_view, control::kLawCount> kLawNames{"wheel_slip", "deceleration",  "open_loop",
+                                                                            "threshold",  "pressure_bias", "peak_slip"};
 
 /// Phases of a maneuver as the rig bridge steps through them.
-inline constexpr std::array<std::string_view, 11> kPhaseNames{
-    "idle",    "spin_up",   "touchdown", "settling", "braking", "standstill",
-    "retract", "cool_down", "finished",  "aborting", "aborted"};
+inline constexpr std::array<std::string_view, 11> kPhaseNames{"idle",    "spin_up",   "touchdown", "settling", "braking", "standstill",
+                                                              "retract", "cool_down", "finished",  "aborting", "aborted"};
 
-inline constexpr std::array<std::string_view, control::kStateCount> kStateNames{
-    "self_test", "standby", "armed", "touchdown_protection", "braking", "locked_wheel", "drop_out", "safe"};
+inline constexpr std::array<std::string_view, control::kStateCount> kStateNames{"self_test", "standby",      "armed",    "touchdown_protection",
+                                                                                "braking",   "locked_wheel", "drop_out", "safe"};
 
 inline constexpr std::array<std::string_view, control::kFaultCount> kFaultNames{
     "wheel_lost",      "wheel_corrupt",        "wheel_range",    "wheel_rate",       "wheel_stuck",

@@ -21,8 +21,7 @@ class WallClockOffset {
     static constexpr std::uint32_t kBatches = 1024;
     static constexpr Time kLeap{2'000'000};
 
-    explicit WallClockOffset(Clock clock)
-        : clock_(std::move(clock)), offset_(clock_().wall_minus_monotonic) {}
+    explicit WallClockOffset(Clock clock) : clock_(std::move(clock)), offset_(clock_().wall_minus_monotonic) {}
 
     /// Once per batch of frames, before its stamps.
     void next_batch() {

@@ -14,8 +14,7 @@ struct EncoderConfig {
     float teeth = 0.0F;
     float max_speed_radps = 0.0F;
     float max_acceleration_radps2 = 0.0F;  ///< above this between two frames the reading is implausible
-    float pitch_error =
-        0.0F;  ///< of a sound ring's teeth, of their pitch: what a reading may be off by it is not implausible
+    float pitch_error = 0.0F;              ///< of a sound ring's teeth, of their pitch: what a reading may be off by it is not implausible
 };
 
 /// Rolling radius r(F_z) = r_0 - F_z / k_r with eq. (2): a free-rolling wheel before brake-on calibrates it,
@@ -57,17 +56,13 @@ struct EstimatorConfig {
 
 /// The wheel's observer, wheel_observer.hpp.
 struct ObserverConfig {
-    float reading_noise =
-        0.0F;  ///< standard deviation of a reading, of the encoder's pitch over the time that it took
-    float road_noise_radps2 =
-        0.0F;  ///< random walk of the road's torque as wheel acceleration, in the root of a second
-    float answer_noise =
-        0.0F;  ///< random walk of the road's answer, of itself and the floor, in the root of a second; 0: the
-               ///< answer is not learnt
-    float answer_floor_per_s =
-        0.0F;               ///< as uncertain as this is an answer of zero; the filter starts at half of it
-    float surprise = 0.0F;  ///< standard deviations by which readings are off to one side on another road
-    float outlook_share = 0.0F;  ///< of a restoring answer that is believed over the valve's delay, 0 to 1
+    float reading_noise = 0.0F;       ///< standard deviation of a reading, of the encoder's pitch over the time that it took
+    float road_noise_radps2 = 0.0F;   ///< random walk of the road's torque as wheel acceleration, in the root of a second
+    float answer_noise = 0.0F;        ///< random walk of the road's answer, of itself and the floor, in the root of a second; 0: the
+                                      ///< answer is not learnt
+    float answer_floor_per_s = 0.0F;  ///< as uncertain as this is an answer of zero; the filter starts at half of it
+    float surprise = 0.0F;            ///< standard deviations by which readings are off to one side on another road
+    float outlook_share = 0.0F;       ///< of a restoring answer that is believed over the valve's delay, 0 to 1
 };
 
 /// PID on predicted slip. Gains act on slip rate (1/s): the law multiplies by J v / (r k_b), which is the
@@ -75,26 +70,21 @@ struct ObserverConfig {
 struct SlipConfig {
     float k_p_per_s = 0.0F;
     float k_i_per_s2 = 0.0F;
-    float k_d = 0.0F;  ///< on the slip rate
-    float k_dd_s =
-        0.0F;  ///< on the rate of the slip rate, which the valve model gives without differentiation
-    float k_answer = 0.0F;  ///< added to k_p: this share of a restoring answer
-    float max_slip_rate_per_s =
-        0.0F;  ///< asked for at most: the pressure above balance that a slippery runway meets
-    float earliest_peak_slip =
-        0.0F;  ///< no runway's friction has its peak before: up to here the road restores the slip
-    float early_slip_rate_per_s =
-        0.0F;  ///< asked for at most without slip; falls to max_slip_rate_per_s there
-    float reference_rate_per_s = 0.0F;  ///< the reference in force follows a change at this rate
-    float low_speed_mps = 0.0F;         ///< below it the reference falls with speed; 0: the paper's exact law
-    float low_speed_floor_mps = 0.0F;   ///< at and below it the reference is `low_speed_slip` at the most
+    float k_d = 0.0F;                    ///< on the slip rate
+    float k_dd_s = 0.0F;                 ///< on the rate of the slip rate, which the valve model gives without differentiation
+    float k_answer = 0.0F;               ///< added to k_p: this share of a restoring answer
+    float max_slip_rate_per_s = 0.0F;    ///< asked for at most: the pressure above balance that a slippery runway meets
+    float earliest_peak_slip = 0.0F;     ///< no runway's friction has its peak before: up to here the road restores the slip
+    float early_slip_rate_per_s = 0.0F;  ///< asked for at most without slip; falls to max_slip_rate_per_s there
+    float reference_rate_per_s = 0.0F;   ///< the reference in force follows a change at this rate
+    float low_speed_mps = 0.0F;          ///< below it the reference falls with speed; 0: the paper's exact law
+    float low_speed_floor_mps = 0.0F;    ///< at and below it the reference is `low_speed_slip` at the most
     float low_speed_slip = 0.0F;
 
     // The share of the reference that is in force is the integral of rise_per_s (answer + runaway_per_s) / answer_scale_per_s, which
     // exceeds rise_per_s at no time.
     float runaway_per_s = 0.0F;  ///< a wheel that runs away as fast as this is still held
-    float restless_slip =
-        0.0F;  ///< no fall while the slip stays so near the reference: it is held, whatever the answer seems to be
+    float restless_slip = 0.0F;  ///< no fall while the slip stays so near the reference: it is held, whatever the answer seems to be
     float answer_scale_per_s = 0.0F;
     float answer_filter_radps = 0.0F;
     float rise_per_s = 0.0F;
@@ -135,11 +125,9 @@ struct ThresholdConfig {
     float fall_Paps = 0.0F;               ///< DECREASE
     float slip_high = 0.0F;               ///< above: DECREASE
     float deceleration_high_mps2 = 0.0F;  ///< wheel rim deceleration beyond which a skid begins: DECREASE
-    float acceleration_high_mps2 =
-        0.0F;               ///< wheel rim acceleration at which the wheel recovers: DECREASE ends in HOLD
-    float slip_low = 0.0F;  ///< below: HOLD ends in INCREASE
-    float restore_share =
-        0.0F;  ///< INCREASE starts at this share of the pressure at which the last skid began
+    float acceleration_high_mps2 = 0.0F;  ///< wheel rim acceleration at which the wheel recovers: DECREASE ends in HOLD
+    float slip_low = 0.0F;                ///< below: HOLD ends in INCREASE
+    float restore_share = 0.0F;           ///< INCREASE starts at this share of the pressure at which the last skid began
 };
 
 /// Pressure-bias modulation: what is taken off the demand for velocity error, its integral and the wheel's deceleration.
@@ -164,10 +152,9 @@ struct SupervisorConfig {
     float demand_threshold_Pa = 0.0F;   ///< a smaller demand is none
     float lock_share = 0.0F;            ///< rim speed below this share of the aircraft's: locked, dump
     float unlock_share = 0.0F;          ///< above it: restore
-    float least_spin_up_mps2 =
-        0.0F;                   ///< of a released wheel's rim on the slipperiest runway, mu F_z r^2 / J_w
-    float release_s = 0.0F;     ///< until the valve has let go and an edge can show it
-    float drop_out_mps = 0.0F;  ///< below it the demand passes through
+    float least_spin_up_mps2 = 0.0F;    ///< of a released wheel's rim on the slipperiest runway, mu F_z r^2 / J_w
+    float release_s = 0.0F;             ///< until the valve has let go and an edge can show it
+    float drop_out_mps = 0.0F;          ///< below it the demand passes through
     float drop_out_hysteresis_mps = 0.0F;
     float pass_through_rate_Paps = 0.0F;  ///< at most
 };
@@ -177,15 +164,13 @@ struct MonitorConfig {
     float sensor_max_age_s = 0.0F;
     float maneuver_max_age_s = 0.0F;
     float heartbeat_max_age_s = 0.0F;
-    float implausible_s =
-        0.0F;  ///< range, rate and plausibility conditions last this long before they are a fault
+    float implausible_s = 0.0F;  ///< range, rate and plausibility conditions last this long before they are a fault
     float stuck_s = 0.0F;
     float pressure_range_Pa = 0.0F;
     float pressure_rate_Paps = 0.0F;
     float pressure_moves_Pa = 0.0F;  ///< a modelled change by this much must show in the reading
-    float overspeed_share =
-        0.0F;  ///< rim speed of the wheel above the aircraft's by this share; leap of the aircraft's own speed
-    float free_slip = 0.0F;  ///< steady slip of a wheel that is hardly braked
+    float overspeed_share = 0.0F;    ///< rim speed of the wheel above the aircraft's by this share; leap of the aircraft's own speed
+    float free_slip = 0.0F;          ///< steady slip of a wheel that is hardly braked
     float off_command_Pa = 0.0F;
     float off_command_s = 0.0F;
     float plausible_above_mps = 0.0F;     ///< speeds are compared above it

@@ -77,8 +77,7 @@ Command Controller::step(const Sensors& sensors, Time now) {
     if (!sensors.command_unsent) held_Pa_ = commanded_Pa_;
     const Estimate& estimate = estimator_.update(sensors, held_Pa_);
     const State before = supervisor_.state();
-    const FaultSet present = monitor_.check(
-        sensors, estimator_, {supervisor_.rolling(), before == State::braking, slip_law_.asked()}, now);
+    const FaultSet present = monitor_.check(sensors, estimator_, {supervisor_.rolling(), before == State::braking, slip_law_.asked()}, now);
     const State state = supervisor_.update(sensors, estimate, present, now);
     if (state == State::standby || !sensors.maneuver.weight_on_wheels) {
         slip_law_.forget_runway();
@@ -97,13 +96,10 @@ Command Controller::step(const Sensors& sensors, Time now) {
     const bool permitted = state == State::braking || state == State::drop_out;
     if (permitted) {
         const float ceiling_Pa = smaller(sensors.maneuver.demand_Pa, valve_.full_pressure_Pa);
-        command.pressure_request_Pa = state == State::braking
-                                          ? braking_pressure_Pa(sensors.maneuver, estimate, before)
-                                          : pass_through_Pa(ceiling_Pa, estimate, before);
-        if (state == State::braking && holds_slip(sensors.maneuver.law))
-            command.slip_reference = slip_law_.reference();
-        if (state == State::braking && sensors.maneuver.law == Law::peak_slip)
-            command.road = peak_seeker_.found();
+        command.pressure_request_Pa =
+            state == State::braking ? braking_pressure_Pa(sensors.maneuver, estimate, before) : pass_through_Pa(ceiling_Pa, estimate, before);
+        if (state == State::braking && holds_slip(sensors.maneuver.law)) command.slip_reference = slip_law_.reference();
+        if (state == State::braking && sensors.maneuver.law == Law::peak_slip) command.road = peak_seeker_.found();
     }
     requested_Pa_ = command.pressure_request_Pa;
     const float asked_Pa = permitted ? asked_of_map_Pa(command, sensors.maneuver.law) : 0.0F;

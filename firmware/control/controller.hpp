@@ -42,8 +42,7 @@ class Controller {
     [[nodiscard]] const Estimate& estimate() const { return estimator_.estimate(); }
 
   private:
-    [[nodiscard]] float braking_pressure_Pa(const ManeuverInput& maneuver, const Estimate& estimate,
-                                            State before);
+    [[nodiscard]] float braking_pressure_Pa(const ManeuverInput& maneuver, const Estimate& estimate, State before);
     [[nodiscard]] float pass_through_Pa(float ceiling_Pa, const Estimate& estimate, State before);
     [[nodiscard]] float asked_of_map_Pa(const Command& command, Law law) const;
     void start_law(Law law, const Estimate& estimate, State before);

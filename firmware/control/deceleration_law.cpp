@@ -28,8 +28,7 @@ void DecelerationLaw::start(const Estimate& estimate) {
 /// Far from the limit the guard rests: its integral would wind up there, and at low speed it would cut the pressure for
 /// the noise of the road torque.
 float DecelerationLaw::guarded_Pa(const Estimate& e, float ceiling_Pa) {
-    if (e.late_slip > kGuardShare * config_.slip_limit)
-        return guard_.pressure_Pa(e, config_.slip_limit, ceiling_Pa);
+    if (e.late_slip > kGuardShare * config_.slip_limit) return guard_.pressure_Pa(e, config_.slip_limit, ceiling_Pa);
     guard_.start(e);
     return ceiling_Pa;
 }

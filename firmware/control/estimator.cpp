@@ -32,8 +32,7 @@ Estimator::Estimator(const Config& config)
 /// acceleration: both are waited out. In the air it turns at any speed.
 inline void Estimator::calibrate_radius(bool on_wheels) {
     const Estimate& e = estimate_;
-    const bool free = on_wheels && e.pressure.pressure_Pa < kFreePressure_Pa &&
-                      e.v_mps > kCalibrationSpeed_mps && wheel_reading_.fresh &&
+    const bool free = on_wheels && e.pressure.pressure_Pa < kFreePressure_Pa && e.v_mps > kCalibrationSpeed_mps && wheel_reading_.fresh &&
                       magnitude(wheel_observer_.motion().road_radps2) < kFreeAcceleration_radps2;
     if (!free) return;
     const float measured = e.v_mps / e.omega_radps - lift_per_stiffness_ * e.v_mps * e.v_mps;
@@ -56,14 +55,12 @@ inline void Estimator::look_ahead(float v_mps) {
     float excess_radps2 = 0.0F;
     for (std::size_t period = 1; period <= valve_model_.delay_periods(); ++period) {
         const PressureState next = valve_model_.after(pressure, period);
-        const float excess =
-            late.road_radps2 - half_gain * (pressure.pressure_Pa + next.pressure_Pa) - steady_radps2_;
+        const float excess = late.road_radps2 - half_gain * (pressure.pressure_Pa + next.pressure_Pa) - steady_radps2_;
         late.road_radps2 -= follows * excess;
         excess_radps2 += excess;
         pressure = next;
     }
-    late.omega_radps = larger(
-        late.omega_radps + step.acting_s() * excess_radps2 + steady_radps2_ * valve_model_.delay_s(), 0.0F);
+    late.omega_radps = larger(late.omega_radps + step.acting_s() * excess_radps2 + steady_radps2_ * valve_model_.delay_s(), 0.0F);
     e.late_pressure = pressure;
     e.late_v_mps = larger(v_mps + e.v_dot_mps2 * valve_model_.delay_s(), kSlowest_mps);
     e.late_balance_Pa = larger(late.road_radps2 - steady_radps2_, 0.0F) / brake_gain_;
@@ -73,8 +70,7 @@ inline void Estimator::look_ahead(float v_mps) {
 const Estimate& Estimator::update(const Sensors& sensors, float held_Pa) {
     const float before_Pa = valve_model_.now().pressure_Pa;
     const float measured_Pa = sensors.pressure.pressure_Pa;
-    const bool fresh =
-        sensors.pressure.received != pressure_received_ && magnitude(measured_Pa) <= most_reading_Pa_;
+    const bool fresh = sensors.pressure.received != pressure_received_ && magnitude(measured_Pa) <= most_reading_Pa_;
     valve_model_.update(held_Pa, measured_Pa, fresh);
     pressure_received_ = sensors.pressure.received;
     const PressureState pressure = valve_model_.now();
@@ -82,10 +78,9 @@ const Estimate& Estimator::update(const Sensors& sensors, float held_Pa) {
     flywheel_reading_ = flywheel_speed_.update(sensors.flywheel);
     wheel_reading_ = wheel_speed_.update(sensors.wheel);
     flywheel_tracker_.update(flywheel_reading_, period_s_);
-    wheel_observer_.update(wheel_reading_,
-                           {.brake_radps2 = brake_gain_ * 0.5F * (before_Pa + pressure.pressure_Pa),
-                            .brake_now_radps2 = brake_gain_ * pressure.pressure_Pa,
-                            .steady_radps2 = steady_radps2_});
+    wheel_observer_.update(wheel_reading_, {.brake_radps2 = brake_gain_ * 0.5F * (before_Pa + pressure.pressure_Pa),
+                                            .brake_now_radps2 = brake_gain_ * pressure.pressure_Pa,
+                                            .steady_radps2 = steady_radps2_});
 
     Estimate& e = estimate_;
     e.speeds_known = wheel_reading_.valid && flywheel_reading_.valid;

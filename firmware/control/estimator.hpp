@@ -23,9 +23,7 @@ class Estimator {
     [[nodiscard]] float uncorrected_pressure_Pa() const { return valve_model_.uncorrected_Pa(); }
     [[nodiscard]] float valve_offset_Pa() const { return valve_model_.offset_Pa(); }
     /// What to ask of the map for a pressure on the valve as it is.
-    [[nodiscard]] float made_up_for_Pa(float pressure_Pa) const {
-        return valve_model_.made_up_for_Pa(pressure_Pa);
-    }
+    [[nodiscard]] float made_up_for_Pa(float pressure_Pa) const { return valve_model_.made_up_for_Pa(pressure_Pa); }
 
   private:
     void calibrate_radius(bool on_wheels);

@@ -27,8 +27,7 @@ void take_reading(Test& test, FaultSet wrong, Fault lost) {
 }
 }  // namespace
 
-Monitor::Arrival::Arrival(float max_age_s, float frame_period_s)
-    : max_age(nanoseconds(max_age_s)), most_refused(max_age_s / frame_period_s + 0.5F) {}
+Monitor::Arrival::Arrival(float max_age_s, float frame_period_s) : max_age(nanoseconds(max_age_s)), most_refused(max_age_s / frame_period_s + 0.5F) {}
 
 Monitor::Monitor(const Config& config)
     : config_(config.monitor),
@@ -72,20 +71,15 @@ inline void Monitor::check_arrivals(FaultSet& faults, const Sensors& sensors, Ti
         if (verdict == Arrival::Verdict::lost) faults.insert(lost);
         if (verdict == Arrival::Verdict::corrupt) faults.insert(corrupt);
     };
-    name(wheel_arrival_.judge(sensors.wheel.received, sensors.wheel.rejected, now), Fault::wheel_lost,
-         Fault::wheel_corrupt);
-    name(flywheel_arrival_.judge(sensors.flywheel.received, sensors.flywheel.rejected, now),
-         Fault::flywheel_lost, Fault::flywheel_corrupt);
-    name(pressure_arrival_.judge(sensors.pressure.received, sensors.pressure.rejected, now),
-         Fault::pressure_lost, Fault::pressure_corrupt);
-    name(maneuver_arrival_.judge(sensors.maneuver.received, sensors.maneuver.rejected, now),
-         Fault::maneuver_lost, Fault::maneuver_corrupt);
+    name(wheel_arrival_.judge(sensors.wheel.received, sensors.wheel.rejected, now), Fault::wheel_lost, Fault::wheel_corrupt);
+    name(flywheel_arrival_.judge(sensors.flywheel.received, sensors.flywheel.rejected, now), Fault::flywheel_lost, Fault::flywheel_corrupt);
+    name(pressure_arrival_.judge(sensors.pressure.received, sensors.pressure.rejected, now), Fault::pressure_lost, Fault::pressure_corrupt);
+    name(maneuver_arrival_.judge(sensors.maneuver.received, sensors.maneuver.rejected, now), Fault::maneuver_lost, Fault::maneuver_corrupt);
     const Time heartbeat = sensors.rig_heartbeat_received;
     if (heartbeat == kNever || now - heartbeat > heartbeat_max_age_) faults.insert(Fault::heartbeat_lost);
 }
 
-inline FaultSet Monitor::wrong_by_itself(Speed& speed, const SpeedReading& reading,
-                                         const EncoderConfig& encoder, const SpeedNames& names) const {
+inline FaultSet Monitor::wrong_by_itself(Speed& speed, const SpeedReading& reading, const EncoderConfig& encoder, const SpeedNames& names) const {
     const bool had = speed.known;
     speed.known = reading.valid;
     if (!reading.fresh) return {};
@@ -95,18 +89,15 @@ inline FaultSet Monitor::wrong_by_itself(Speed& speed, const SpeedReading& readi
     // two misplaced teeth at the most; all four at their worst do not come together.
     constexpr float kThreePitches = 3.0F * 6.28318531F;
     const float span = larger(reading.interval_s, period_s_);
-    const float beyond =
-        magnitude(reading.speed_radps - speed.last_radps) - encoder.max_acceleration_radps2 * span;
+    const float beyond = magnitude(reading.speed_radps - speed.last_radps) - encoder.max_acceleration_radps2 * span;
     speed.last_radps = reading.speed_radps;
-    return only(names.rate,
-                had && beyond > 0.0F && beyond * span * encoder.teeth > kThreePitches * encoder.pitch_error);
+    return only(names.rate, had && beyond > 0.0F && beyond * span * encoder.teeth > kThreePitches * encoder.pitch_error);
 }
 
 inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, const Before& before) {
     const Estimate& e = estimator.estimate();
     const SpeedReading& reading = estimator.wheel_reading();
-    FaultSet wrong = wrong_by_itself(wheel_, reading, wheel_encoder_,
-                                     {Fault::wheel_lost, Fault::wheel_range, Fault::wheel_rate});
+    FaultSet wrong = wrong_by_itself(wheel_, reading, wheel_encoder_, {Fault::wheel_lost, Fault::wheel_range, Fault::wheel_rate});
     const bool moving = e.v_mps > config_.plausible_above_mps;
     const bool rolls = before.rolling && moving;
     const bool stands = reading.speed_radps == 0.0F;
@@ -114,31 +105,26 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
     // A wheel slows by brake torque alone, k_b P / J_w, and with the aircraft: the road only takes from one that is faster than that. The
     // pressure that counts as none may drag, and what brake or road have wound up in a carcass swings back.
     constexpr float kFierce = 2.0F;  // a brake grips that much harder than its nominal gain, at most
-    const float brakes_Pa =
-        larger(larger(e.pressure.pressure_Pa, estimator.uncorrected_pressure_Pa()), released_Pa_);
-    acted_radps2_ = larger(larger(e.brake_gain * brakes_Pa, e.road_radps2),
-                           acted_radps2_ * (1.0F - period_s_ / config_.off_command_s));
+    const float brakes_Pa = larger(larger(e.pressure.pressure_Pa, estimator.uncorrected_pressure_Pa()), released_Pa_);
+    acted_radps2_ = larger(larger(e.brake_gain * brakes_Pa, e.road_radps2), acted_radps2_ * (1.0F - period_s_ / config_.off_command_s));
     const float fall = kFierce * acted_radps2_;
     const float freely = e.v_mps / e.radius_m;
     const float surely = smaller(reading.speed_radps, e.omega_radps) - fall * reading.interval_s;
     wheel_.least = rolls ? smaller(larger(surely, wheel_.least - fall * period_s_), freely) : 0.0F;
-    constexpr float kSlow =
-        3.0F;  // times as fast as speeds are compared: a slower wheel swings by as much as it turns
-    const bool falls = reading.speed_radps < (1.0F - config_.overspeed_share) * wheel_.least &&
-                       wheel_.least * e.radius_m > kSlow * config_.plausible_above_mps;
-    if (wrong.empty())
-        wrong = only(reading.fresh && !stands ? Fault::speeds_disagree : Fault::wheel_stuck, falls);
+    constexpr float kSlow = 3.0F;  // times as fast as speeds are compared: a slower wheel swings by as much as it turns
+    const bool falls =
+        reading.speed_radps < (1.0F - config_.overspeed_share) * wheel_.least && wheel_.least * e.radius_m > kSlow * config_.plausible_above_mps;
+    if (wrong.empty()) wrong = only(reading.fresh && !stands ? Fault::speeds_disagree : Fault::wheel_stuck, falls);
     if (reading.fresh || (reading.bounded && falls)) take_reading(wheel_.reading, wrong, Fault::wheel_lost);
 
     // By the command, not by the reading: on ice the braking pressure itself is within the transducer's error.
     const float model_Pa = estimator.uncorrected_pressure_Pa();
     const float rim = e.omega_radps * e.radius_m;
-    const bool hurries =
-        rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
+    const bool hurries = rim > e.v_mps * (1.0F + config_.overspeed_share) && rim > config_.plausible_above_mps;
     // Whatever the runway, a wheel that slips steadily would need more torque than this; one that spins up again slips legitimately.
     const bool hardly_braked = model_Pa < 0.2F * released_Pa_;
-    const bool slips = rolls && hardly_braked && e.slip > config_.free_slip &&
-                       magnitude(e.omega_dot_radps2) * e.radius_m < config_.most_deceleration_mps2;
+    const bool slips =
+        rolls && hardly_braked && e.slip > config_.free_slip && magnitude(e.omega_dot_radps2) * e.radius_m < config_.most_deceleration_mps2;
     const bool released = model_Pa < 0.04F * released_Pa_;
     const bool stuck = rolls && released && stands;
     wheel_.stays.take(stuck ? only(Fault::wheel_stuck) : only(Fault::speeds_disagree, slips));
@@ -152,8 +138,7 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
 inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator, bool lands) {
     const Estimate& e = estimator.estimate();
     const SpeedReading& reading = estimator.flywheel_reading();
-    FaultSet wrong = wrong_by_itself(flywheel_, reading, flywheel_encoder_,
-                                     {Fault::flywheel_lost, Fault::flywheel_range, Fault::flywheel_rate});
+    FaultSet wrong = wrong_by_itself(flywheel_, reading, flywheel_encoder_, {Fault::flywheel_lost, Fault::flywheel_range, Fault::flywheel_rate});
     const float reads_mps = reading.speed_radps * flywheel_radius_m_;
     const float sensible_mps = flywheel_encoder_.max_speed_radps * flywheel_radius_m_;
     const float step_mps = config_.most_deceleration_mps2 * period_s_;
@@ -162,34 +147,27 @@ inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator
     const float fastest_mps = larger(reads_mps, e.v_mps);
     const bool held = lands && !flywheel_.reading.found().contains(Fault::flywheel_rate);
     most_mps_ = held ? smaller(fastest_mps, most_mps_ + step_mps) : fastest_mps;
-    const bool falls = reads_mps < (1.0F - config_.overspeed_share) * flywheel_.least && reading.valid &&
-                       flywheel_.least > config_.plausible_above_mps;
-    const bool leaps =
-        reads_mps > (1.0F + config_.overspeed_share) * most_mps_ && reads_mps > config_.plausible_above_mps;
-    if (!wrong.contains(Fault::flywheel_range))
-        wrong.insert(falls ? only(Fault::flywheel_stuck) : only(Fault::flywheel_rate, leaps));
+    const bool falls =
+        reads_mps < (1.0F - config_.overspeed_share) * flywheel_.least && reading.valid && flywheel_.least > config_.plausible_above_mps;
+    const bool leaps = reads_mps > (1.0F + config_.overspeed_share) * most_mps_ && reads_mps > config_.plausible_above_mps;
+    if (!wrong.contains(Fault::flywheel_range)) wrong.insert(falls ? only(Fault::flywheel_stuck) : only(Fault::flywheel_rate, leaps));
     // A reading that stays for periods is one reading: noise must not count for more than it is.
-    if (reading.fresh || (reading.bounded && falls))
-        take_reading(flywheel_.reading, wrong, Fault::flywheel_lost);
+    if (reading.fresh || (reading.bounded && falls)) take_reading(flywheel_.reading, wrong, Fault::flywheel_lost);
 
-    const bool stands =
-        reading.speed_radps == 0.0F && e.omega_radps * e.radius_m > config_.plausible_above_mps;
+    const bool stands = reading.speed_radps == 0.0F && e.omega_radps * e.radius_m > config_.plausible_above_mps;
     flywheel_.stays.take(only(Fault::flywheel_stuck, stands));
     faults.insert(flywheel_.reading.found());
     faults.insert(flywheel_.stays.found());
 }
 
-inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
-                                    const Before& before) {
+inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator, const Before& before) {
     const float reading = sensors.pressure.pressure_Pa;
     const float model = estimator.uncorrected_pressure_Pa();
     const Time at = sensors.pressure.received;
     if (at != last_reading_at_ && at != kNever) {
         const bool sensible = reading >= -released_Pa_ && reading <= config_.pressure_range_Pa;
-        const float span =
-            last_reading_at_ == kNever ? 0.0F : larger(seconds(at - last_reading_at_), period_s_);
-        const bool jumps =
-            span > 0.0F && magnitude(reading - last_reading_Pa_) > config_.pressure_rate_Paps * span;
+        const float span = last_reading_at_ == kNever ? 0.0F : larger(seconds(at - last_reading_at_), period_s_);
+        const bool jumps = span > 0.0F && magnitude(reading - last_reading_Pa_) > config_.pressure_rate_Paps * span;
         pressure_reading_.take(sensible ? only(Fault::pressure_rate, jumps) : only(Fault::pressure_range));
         last_reading_at_ = at;
         if (reading != last_reading_Pa_) model_at_change_Pa_ = model;
@@ -205,19 +183,16 @@ inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, co
     const bool remains = matters && model < 0.04F * released_Pa_ && reading > released_Pa_;
     // What the laws that mean a pressure make up for.
     const bool means_pressure = holds_slip(maneuver.law) || maneuver.law == Law::deceleration;
-    const bool shifted =
-        before.braking && means_pressure && model > 2.0F * released_Pa_ &&
-        magnitude(estimator.valve_offset_Pa()) > larger(made_up_for_share_ * model, released_Pa_);
-    pressure_stays_.take(frozen ? only(Fault::pressure_stuck)
-                                : only(Fault::pressure_off_command, off || remains || shifted));
+    const bool shifted = before.braking && means_pressure && model > 2.0F * released_Pa_ &&
+                         magnitude(estimator.valve_offset_Pa()) > larger(made_up_for_share_ * model, released_Pa_);
+    pressure_stays_.take(frozen ? only(Fault::pressure_stuck) : only(Fault::pressure_off_command, off || remains || shifted));
     faults.insert(pressure_reading_.found());
     faults.insert(pressure_stays_.found());
 }
 
 /// Slip above what is asked for adds up, slip below it pays back: no sound loop is above it for long, on any surface. Without pressure it does
 /// neither: on ice a released wheel takes its time.
-inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
-                                const Before& before) {
+inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator, const Before& before) {
     constexpr float kMost_s = 0.1F;
     if (!holds_slip(maneuver.law) || !before.braking) {
         excess_slip_s_ = 0.0F;
@@ -230,10 +205,8 @@ inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver,
 
 void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
     if (m.received == kNever) return;
-    const bool sensible = m.demand_Pa >= 0.0F && m.demand_Pa <= config_.pressure_range_Pa &&
-                          m.slip_reference >= 0.0F && m.slip_reference <= 0.5F &&
-                          m.deceleration_mps2 >= 0.0F &&
-                          m.deceleration_mps2 <= config_.most_deceleration_mps2 && m.current_mA >= 0.0F &&
+    const bool sensible = m.demand_Pa >= 0.0F && m.demand_Pa <= config_.pressure_range_Pa && m.slip_reference >= 0.0F && m.slip_reference <= 0.5F &&
+                          m.deceleration_mps2 >= 0.0F && m.deceleration_mps2 <= config_.most_deceleration_mps2 && m.current_mA >= 0.0F &&
                           m.current_mA <= 100.0F && static_cast<std::uint8_t>(m.law) < kLawCount;
     if (!sensible) faults.insert(Fault::maneuver_range);
 }

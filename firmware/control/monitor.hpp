@@ -51,8 +51,7 @@ class Monitor {
     explicit Monitor(const Config& config);
 
     /// Faults present in this period. `estimator` has already seen the same inputs.
-    [[nodiscard]] FaultSet check(const Sensors& sensors, const Estimator& estimator, const Before& before,
-                                 Time now);
+    [[nodiscard]] FaultSet check(const Sensors& sensors, const Estimator& estimator, const Before& before, Time now);
 
   private:
     /// Age and refusals of one input.
@@ -69,8 +68,7 @@ class Monitor {
     };
     /// One speed.
     struct Speed {
-        Speed(const MonitorConfig& config, float period_s)
-            : reading(config.implausible_s, period_s), stays(config.stuck_s, period_s) {}
+        Speed(const MonitorConfig& config, float period_s) : reading(config.implausible_s, period_s), stays(config.stuck_s, period_s) {}
         Test reading;
         Test stays;
         float least = 0.0F;  // that it must still have: the wheel in rad/s, the aircraft in m/s
@@ -85,15 +83,12 @@ class Monitor {
     void check_arrivals(FaultSet& faults, const Sensors& sensors, Time now);
     void check_wheel(FaultSet& faults, const Estimator& estimator, const Before& before);
     void check_flywheel(FaultSet& faults, const Estimator& estimator, bool lands);
-    void check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator,
-                        const Before& before);
-    void check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator,
-                    const Before& before);
+    void check_pressure(FaultSet& faults, const Sensors& sensors, const Estimator& estimator, const Before& before);
+    void check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator, const Before& before);
     void check_maneuver(FaultSet& faults, const ManeuverInput& maneuver) const;
     void check_overrun(FaultSet& faults, std::uint32_t missed_periods);
     /// What is wrong with a fresh reading by itself, and against the one before.
-    [[nodiscard]] FaultSet wrong_by_itself(Speed& speed, const SpeedReading& reading,
-                                           const EncoderConfig& encoder, const SpeedNames& names) const;
+    [[nodiscard]] FaultSet wrong_by_itself(Speed& speed, const SpeedReading& reading, const EncoderConfig& encoder, const SpeedNames& names) const;
 
     MonitorConfig config_;
     EncoderConfig wheel_encoder_;

@@ -4,8 +4,7 @@
 
 namespace antiskid::control {
 
-PressureBiasLaw::PressureBiasLaw(const PressureBiasConfig& config, float period_s)
-    : config_(config), period_s_(period_s) {}
+PressureBiasLaw::PressureBiasLaw(const PressureBiasConfig& config, float period_s) : config_(config), period_s_(period_s) {}
 
 void PressureBiasLaw::start(const Estimate& estimate) {
     skidded_ = false;

@@ -39,14 +39,12 @@ float SlipLaw::answered_rate_per_s(const Estimate& e) {
 
 float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
     retreat(e, answered_rate_per_s(e));
-    return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference,
-                   ceiling_Pa);
+    return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference, ceiling_Pa);
 }
 
 float SlipLaw::follow_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
     retreat(e, config_.rise_per_s);
-    return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference,
-                   ceiling_Pa);
+    return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference, ceiling_Pa);
 }
 
 /// 1 without slip, 0 from the slip on at which a runway's friction may have its peak.
@@ -65,11 +63,8 @@ float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ce
     const float rate_rate = rate_per_Pa * e.late_pressure.rate_Paps;
     const float early = earliness(e.slip);
     const float answer = larger(config_.k_answer * larger(e.answer_per_s, 0.0F), early * chord_per_s(e));
-    const float max_rate =
-        config_.max_slip_rate_per_s + early * (config_.early_slip_rate_per_s - config_.max_slip_rate_per_s);
-    const float wanted_rate = smaller(
-        (config_.k_p_per_s + answer) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate,
-        max_rate);
+    const float max_rate = config_.max_slip_rate_per_s + early * (config_.early_slip_rate_per_s - config_.max_slip_rate_per_s);
+    const float wanted_rate = smaller((config_.k_p_per_s + answer) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate, max_rate);
     const float wanted_Pa = e.late_balance_Pa + wanted_rate / rate_per_Pa;
     const float given_Pa = limited(wanted_Pa, 0.0F, ceiling_Pa);
     // The integral rests while the valve is at a limit and the error would drive it further in.

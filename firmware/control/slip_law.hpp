@@ -10,13 +10,10 @@
 namespace antiskid::control {
 
 /// `slip_reference`, below SlipConfig::low_speed_mps less.
-[[nodiscard]] constexpr float falling_reference(const SlipConfig& config, float slip_reference,
-                                                float speed_mps) {
+[[nodiscard]] constexpr float falling_reference(const SlipConfig& config, float slip_reference, float speed_mps) {
     if (speed_mps >= config.low_speed_mps) return slip_reference;
     const float low = smaller(slip_reference, config.low_speed_slip);
-    const float share = limited(
-        (speed_mps - config.low_speed_floor_mps) / (config.low_speed_mps - config.low_speed_floor_mps), 0.0F,
-        1.0F);
+    const float share = limited((speed_mps - config.low_speed_floor_mps) / (config.low_speed_mps - config.low_speed_floor_mps), 0.0F, 1.0F);
     return low + share * (slip_reference - low);
 }
 

@@ -79,8 +79,7 @@ SpeedReading SpeedEstimator::update(const SpeedInput& input) {
             measured_ = true;
             speed_radps_ = 0.0F;
             reading.fresh = true;
-        } else if (running_ && edges == 0 && idle.count() > 0 &&
-                   radians_per_edge_ / seconds(idle) < speed_radps_) {
+        } else if (running_ && edges == 0 && idle.count() > 0 && radians_per_edge_ / seconds(idle) < speed_radps_) {
             speed_radps_ = radians_per_edge_ / seconds(idle);
             reading.bounded = true;
         }

@@ -12,10 +12,9 @@ struct SpeedReading {
     float speed_radps = 0.0F;  ///< mean speed over the interval, or an upper bound where no edge came
     float interval_s = 0.0F;   ///< time the edges took; the reading belongs to its middle
     bool fresh = false;        ///< edges came (or a speed frame): a measurement
-    bool bounded =
-        false;  ///< no edge came for longer than the last speed explains: `speed_radps` is an upper bound
-    float late_s = 0.0F;  ///< so much later did its frame come after its newest edge than the quickest ones
-    bool valid = false;   ///< false until two edges, or no edge for 100 ms, have been seen
+    bool bounded = false;      ///< no edge came for longer than the last speed explains: `speed_radps` is an upper bound
+    float late_s = 0.0F;       ///< so much later did its frame come after its newest edge than the quickest ones
+    bool valid = false;        ///< false until two edges, or no edge for 100 ms, have been seen
 };
 
 /// One that cannot be, or is no number, must not reach a filter, where it would stay. The monitor names it.

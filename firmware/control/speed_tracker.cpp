@@ -5,9 +5,7 @@
 namespace antiskid::control {
 
 SpeedTracker::SpeedTracker(float bandwidth_radps, const EncoderConfig& encoder)
-    : bandwidth_radps_(bandwidth_radps),
-      most_speed_(encoder.max_speed_radps),
-      most_acceleration_(encoder.max_acceleration_radps2) {}
+    : bandwidth_radps_(bandwidth_radps), most_speed_(encoder.max_speed_radps), most_acceleration_(encoder.max_acceleration_radps2) {}
 
 void SpeedTracker::reset(float speed, float acceleration) {
     speed_ = speed;
@@ -51,8 +49,7 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s) {
     unheard_s_ = 0.0F;
     const float memory = 1.0F / (1.0F + bandwidth_radps_ * since);
     speed_ = larger(speed_ + (1.0F - memory * memory) * innovation, 0.0F);
-    acceleration_ = limited(acceleration_ + (1.0F - memory) * (1.0F - memory) * innovation / since,
-                            -most_acceleration_, most_acceleration_);
+    acceleration_ = limited(acceleration_ + (1.0F - memory) * (1.0F - memory) * innovation / since, -most_acceleration_, most_acceleration_);
 }
 
 }  // namespace antiskid::control

@@ -9,8 +9,8 @@ namespace antiskid::control {
 
 class SpeedTracker {
   public:
-    /// The encoder's largest acceleration, either way: readings that are off the prediction by more than twice what it explains are not believed for 10 ms,
-    /// and no reading, however wrong, may leave a state from which the next ones do not lead back.
+    /// The encoder's largest acceleration, either way: readings that are off the prediction by more than twice what it explains are not believed for
+    /// 10 ms, and no reading, however wrong, may leave a state from which the next ones do not lead back.
     SpeedTracker(float bandwidth_radps, const EncoderConfig& encoder);
 
     /// One period of `period_s` has passed. Acceleration is taken to change slowly.

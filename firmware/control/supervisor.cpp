@@ -47,13 +47,11 @@ State Supervisor::braking_state(const Sensors& sensors, const Estimate& e) {
     if (sensors.maneuver.demand_Pa < config_.demand_threshold_Pa) return State::armed;
     const float rim = e.omega_radps * e.radius_m;
     const bool locked = state_ == State::locked_wheel && e.v_mps >= config_.drop_out_mps;
-    if (locked && rim < config_.unlock_share * e.v_mps)
-        return State::locked_wheel;  // whatever law is asked for now
+    if (locked && rim < config_.unlock_share * e.v_mps) return State::locked_wheel;  // whatever law is asked for now
     if (sensors.maneuver.law == Law::open_loop) return State::braking;
 
     const bool slip_needed = sensors.maneuver.law != Law::deceleration;
-    const float drop_out =
-        config_.drop_out_mps + (state_ == State::drop_out ? config_.drop_out_hysteresis_mps : 0.0F);
+    const float drop_out = config_.drop_out_mps + (state_ == State::drop_out ? config_.drop_out_hysteresis_mps : 0.0F);
     if (slip_needed && e.v_mps < drop_out) return State::drop_out;
     if (e.v_mps < config_.drop_out_mps) return State::braking;
 
@@ -71,8 +69,7 @@ State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet prese
                 latched_.insert(Fault::self_test_failed);
                 return State::safe;
             }
-            return self_test_.holds(present.empty() && at_rest && released) ? State::standby
-                                                                            : State::self_test;
+            return self_test_.holds(present.empty() && at_rest && released) ? State::standby : State::self_test;
         }
         case State::standby:
             if (arms) latched_ = FaultSet{};
@@ -82,9 +79,7 @@ State Supervisor::next(const Sensors& sensors, const Estimate& e, FaultSet prese
                 --stop_periods_left_;
                 return State::safe;
             }
-            return !arm && present.empty() && (released || !latched_.contains(Fault::self_test_failed))
-                       ? State::standby
-                       : State::safe;
+            return !arm && present.empty() && (released || !latched_.contains(Fault::self_test_failed)) ? State::standby : State::safe;
         default:
             return arm ? braking_state(sensors, e) : State::standby;
     }
@@ -99,8 +94,7 @@ State Supervisor::update(const Sensors& sensors, const Estimate& e, FaultSet pre
     // Before the self-test has passed nothing may be there yet: absence is no fault then, and there is no
     // permission either. Somebody who presses the emergency stop means it all the same.
     if (present.contains(Fault::emergency_stop) || (wanted != State::self_test && !present.empty())) {
-        if (present.contains(Fault::emergency_stop))
-            stop_periods_left_ = whole_periods(kStopLasts_s, period_s_) - 1U;
+        if (present.contains(Fault::emergency_stop)) stop_periods_left_ = whole_periods(kStopLasts_s, period_s_) - 1U;
         latched_.insert(present);
         wanted = State::safe;
     }

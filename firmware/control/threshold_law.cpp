@@ -4,8 +4,7 @@
 
 namespace antiskid::control {
 
-ThresholdLaw::ThresholdLaw(const ThresholdConfig& config, float period_s)
-    : config_(config), period_s_(period_s) {}
+ThresholdLaw::ThresholdLaw(const ThresholdConfig& config, float period_s) : config_(config), period_s_(period_s) {}
 
 void ThresholdLaw::start(const Estimate& estimate) {
     action_ = Action::increase;
@@ -15,8 +14,7 @@ void ThresholdLaw::start(const Estimate& estimate) {
 
 float ThresholdLaw::pressure_Pa(const Estimate& e, float ceiling_Pa) {
     const float rim_acceleration = e.omega_dot_radps2 * e.radius_m;
-    const bool skids = e.slip > config_.slip_high ||
-                       (rim_acceleration < -config_.deceleration_high_mps2 && e.slip > config_.slip_low);
+    const bool skids = e.slip > config_.slip_high || (rim_acceleration < -config_.deceleration_high_mps2 && e.slip > config_.slip_low);
     const bool recovers = rim_acceleration > config_.acceleration_high_mps2;
     const bool recovered = e.slip < config_.slip_low;
 
@@ -32,8 +30,7 @@ float ThresholdLaw::pressure_Pa(const Estimate& e, float ceiling_Pa) {
         pressure_ = larger(pressure_, config_.restore_share * skid_Pa_);
     }
 
-    if (action_ == Action::increase)
-        pressure_ += (skidded_ ? config_.rise_Paps : config_.first_rise_Paps) * period_s_;
+    if (action_ == Action::increase) pressure_ += (skidded_ ? config_.rise_Paps : config_.first_rise_Paps) * period_s_;
     if (action_ == Action::decrease) pressure_ -= config_.fall_Paps * period_s_;
     pressure_ = limited(pressure_, 0.0F, ceiling_Pa);
     return pressure_;

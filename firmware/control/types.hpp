@@ -25,14 +25,12 @@ enum class SpeedSource : std::uint8_t {
 
 /// One rotational speed sensor.
 struct SpeedInput {
-    Time received = kNever;  ///< when the newest accepted frame arrived
-    std::uint32_t rejected =
-        0;  ///< frames refused since start (check value, alive counter, length); rolls over
+    Time received = kNever;      ///< when the newest accepted frame arrived
+    std::uint32_t rejected = 0;  ///< frames refused since start (check value, alive counter, length); rolls over
     SpeedSource source = SpeedSource::edges;
-    std::uint32_t edge_count =
-        0;             ///< edges since an arbitrary start; rolls over at 2^32; only differences count
-    Time edge_time{};  ///< time of the last counted edge in the sensor's own clock; only differences count
-    float speed_radps = 0.0F;  ///< used when source is `speed`
+    std::uint32_t edge_count = 0;  ///< edges since an arbitrary start; rolls over at 2^32; only differences count
+    Time edge_time{};              ///< time of the last counted edge in the sensor's own clock; only differences count
+    float speed_radps = 0.0F;      ///< used when source is `speed`
 };
 
 struct PressureInput {
@@ -43,13 +41,12 @@ struct PressureInput {
 
 /// How the valve current is found while braking.
 enum class Law : std::uint8_t {
-    wheel_slip = 0,    ///< PID on slip, Section V
-    deceleration = 1,  ///< prescribed wheel deceleration, the endurance campaign's law, Section IV.B
-    open_loop = 2,     ///< the commanded current, limited by the demand
-    threshold = 3,     ///< HOLD, DECREASE, INCREASE on wheel deceleration and slip, Section I: a baseline
-    pressure_bias =
-        4,          ///< velocity error, its integral as a bias, lead: the other baseline, of fielded systems
-    peak_slip = 5,  ///< PID on slip at the slip of most friction, which it finds by itself
+    wheel_slip = 0,     ///< PID on slip, Section V
+    deceleration = 1,   ///< prescribed wheel deceleration, the endurance campaign's law, Section IV.B
+    open_loop = 2,      ///< the commanded current, limited by the demand
+    threshold = 3,      ///< HOLD, DECREASE, INCREASE on wheel deceleration and slip, Section I: a baseline
+    pressure_bias = 4,  ///< velocity error, its integral as a bias, lead: the other baseline, of fielded systems
+    peak_slip = 5,      ///< PID on slip at the slip of most friction, which it finds by itself
 };
 inline constexpr std::uint8_t kLawCount = 6;
 
@@ -62,7 +59,7 @@ struct ManeuverInput {
     Time received = kNever;
     std::uint32_t rejected = 0;
     Law law = Law::wheel_slip;
-    bool arm = false;  ///< false to true earns permission (and re-arms after a latched fault); false ends it
+    bool arm = false;                ///< false to true earns permission (and re-arms after a latched fault); false ends it
     bool weight_on_wheels = false;   ///< squat switch, or the sledge holding the wheel on the flywheel
     float demand_Pa = 0.0F;          ///< the pilot's demand: the ceiling of brake pressure, always
     float slip_reference = 0.0F;     ///< lambda bar of `wheel_slip`, 0 to 0.5
@@ -81,7 +78,7 @@ struct Sensors {
     bool emergency_stop = false;       ///< an emergency stop frame was accepted since the last step
     bool bus_off = false;              ///< the interface is bus-off or down
     std::uint32_t missed_periods = 0;  ///< periods without a step since the last step
-    bool command_unsent = false;  ///< the last step's command did not leave: the valve holds the one before
+    bool command_unsent = false;       ///< the last step's command did not leave: the valve holds the one before
 };
 
 enum class State : std::uint8_t {
@@ -145,18 +142,15 @@ class FaultSet {
     }
 
   private:
-    [[nodiscard]] static constexpr std::uint32_t bit(Fault fault) {
-        return 1U << static_cast<std::uint8_t>(fault);
-    }
+    [[nodiscard]] static constexpr std::uint32_t bit(Fault fault) { return 1U << static_cast<std::uint8_t>(fault); }
     std::uint32_t bits_ = 0;
 };
 
 /// What the search for the slip of most friction has found; all zero under any other law and while not braking.
 struct RoadEstimate {
-    float peak_slip = 0.0F;  ///< slip of most friction, without the swing of the reference
-    float grip_N = 0.0F;     ///< friction force F_x there, as true as WheelConfig::brake_gain_m3
-    float confidence =
-        0.0F;  ///< 0 nothing is known to 1: the slip is at the peak, and the slope there is known
+    float peak_slip = 0.0F;   ///< slip of most friction, without the swing of the reference
+    float grip_N = 0.0F;      ///< friction force F_x there, as true as WheelConfig::brake_gain_m3
+    float confidence = 0.0F;  ///< 0 nothing is known to 1: the slip is at the peak, and the slope there is known
 };
 
 /// What one step decides.

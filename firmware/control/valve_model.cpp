@@ -7,8 +7,8 @@ namespace antiskid::control {
 namespace {
 
 /// y at x on the polyline (xs, ys), held beyond its ends.
-float interpolate(const std::array<float, ValveConfig::kMostPoints>& xs,
-                  const std::array<float, ValveConfig::kMostPoints>& ys, std::size_t points, float x) {
+float interpolate(const std::array<float, ValveConfig::kMostPoints>& xs, const std::array<float, ValveConfig::kMostPoints>& ys, std::size_t points,
+                  float x) {
     if (!(x > xs[0])) return ys[0];
     for (std::size_t i = 1; i < points; ++i) {
         if (x <= xs[i]) return ys[i - 1] + (ys[i] - ys[i - 1]) * (x - xs[i - 1]) / (xs[i] - xs[i - 1]);

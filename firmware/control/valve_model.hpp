@@ -57,13 +57,10 @@ class ValveModel {
         state.rate_Paps = a22_ * state.rate_Paps + b2_ * ahead;
     }
     /// The static pressure that drives the lag `periods_ahead` periods from the newest command on its way out of the pipe.
-    [[nodiscard]] float input(std::size_t periods_ahead) const {
-        return inputs_[(newest_ + periods_ahead - whole_) % kKept];
-    }
+    [[nodiscard]] float input(std::size_t periods_ahead) const { return inputs_[(newest_ + periods_ahead - whole_) % kKept]; }
 
     static constexpr std::size_t kKept = 32;  // a power of two above kMostDelay + 1
-    std::array<float, kKept>
-        inputs_{};  // a ring; of commands a part of a period apart, where the delay is no whole one
+    std::array<float, kKept> inputs_{};       // a ring; of commands a part of a period apart, where the delay is no whole one
     float newest_command_Pa_ = 0.0F;
     std::size_t newest_ = 0;
     std::size_t whole_ = 0;  // whole periods of delay

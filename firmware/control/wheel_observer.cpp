@@ -4,9 +4,8 @@ namespace antiskid::control {
 
 namespace {
 constexpr float kFullTurn = 6.28318531F;
-constexpr float kLeastNoise_radps = 0.02F;  // of a reading: the clock's resolution
-constexpr float kLeastAnswer_per_s =
-    -60.0F;  // faster than this no valve can follow, and a wild reading must not lead there
+constexpr float kLeastNoise_radps = 0.02F;    // of a reading: the clock's resolution
+constexpr float kLeastAnswer_per_s = -60.0F;  // faster than this no valve can follow, and a wild reading must not lead there
 constexpr float kMostAnswer_per_s = 6000.0F;
 }  // namespace
 
@@ -94,8 +93,7 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
 
     const float noise = config_.reading_noise * pitch_rad_ / since;
     const float variance = noise * noise + kLeastNoise_radps * kLeastNoise_radps;
-    if (is_another_road(surprise, since, ww_ - 2.0F * age * wt_ + age * age * tt_ + variance))
-        forget_road(variance);
+    if (is_another_road(surprise, since, ww_ - 2.0F * age * wt_ + age * age * tt_ + variance)) forget_road(variance);
     const float w = ww_ - age * wt_, t = wt_ - age * tt_, a = wa_ - age * ta_;
     const float per_variance = 1.0F / (w - age * t + variance);
     const float k_w = w * per_variance, k_t = t * per_variance;
@@ -136,8 +134,7 @@ void WheelObserver::update(const SpeedReading& reading, const Drive& drive) {
     }
     predict(drive);
     unheard_s_ += period_s_;
-    if (possible && (reading.fresh || (reading.bounded && reading.speed_radps < motion_.omega_radps)))
-        correct(reading, drive);
+    if (possible && (reading.fresh || (reading.bounded && reading.speed_radps < motion_.omega_radps))) correct(reading, drive);
 }
 
 }  // namespace antiskid::control

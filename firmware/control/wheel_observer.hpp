@@ -27,14 +27,11 @@ struct WheelMotion {
 class WheelStep {
   public:
     WheelStep(float answer_per_s, float step_s)
-        : answer_per_s_(answer_per_s),
-          step_s_(step_s),
-          acting_s_(answer_per_s > 0.0F ? step_s / (1.0F + answer_per_s * step_s) : step_s) {}
+        : answer_per_s_(answer_per_s), step_s_(step_s), acting_s_(answer_per_s > 0.0F ? step_s / (1.0F + answer_per_s * step_s) : step_s) {}
 
     [[nodiscard]] WheelMotion from(const WheelMotion& at, float brake_radps2, float steady_radps2) const {
         const float change = acting_s_ * (at.road_radps2 - brake_radps2 - steady_radps2);
-        return {larger(at.omega_radps + change + steady_radps2 * step_s_, 0.0F),
-                at.road_radps2 - answer_per_s_ * change};
+        return {larger(at.omega_radps + change + steady_radps2 * step_s_, 0.0F), at.road_radps2 - answer_per_s_ * change};
     }
     /// The share of the step over which an excess of torque acts.
     [[nodiscard]] float acting_s() const { return acting_s_; }

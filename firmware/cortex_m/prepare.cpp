@@ -38,11 +38,8 @@ std::string constant(const char* type, const char* name, const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
     std::array<unsigned char, sizeof(T)> bytes{};
     std::copy_n(reinterpret_cast<const unsigned char*>(&value), sizeof(T), bytes.begin());
-    std::string text =
-        fmt::format("inline constexpr {} {} = std::bit_cast<{}>(std::array<unsigned char, {}>{{", type, name,
-                    type, sizeof(T));
-    for (std::size_t i = 0; i < bytes.size(); ++i)
-        fmt::format_to(std::back_inserter(text), "{}{},", i % 32 == 0 ? "\n    " : "", bytes[i]);
+    std::string text = fmt::format("inline constexpr {} {} = std::bit_cast<{}>(std::array<unsigned char, {}>{{", type, name, type, sizeof(T));
+    for (std::size_t i = 0; i < bytes.size(); ++i) fmt::format_to(std::back_inserter(text), "{}{},", i % 32 == 0 ? "\n    " : "", bytes[i]);
     fmt::format_to(std::back_inserter(text), "\n}});\nstatic_assert(sizeof({}) == {});\n", type, sizeof(T));
     return text;
 }
@@ -51,8 +48,7 @@ std::string tables(const antiskid::control::Config& control, const Layout& layou
     return "// Made by cortex-m-prepare from configuration, DBC and binding.\n#pragma once\n\n#include "
            "<array>\n#include <bit>\n\n"
            "#include \"firmware/can/layout.hpp\"\n#include \"firmware/control/config.hpp\"\n\n" +
-           constant("antiskid::control::Config", "kControl", control) +
-           constant("antiskid::can::Layout", "kLayout", layout);
+           constant("antiskid::control::Config", "kControl", control) + constant("antiskid::can::Layout", "kLayout", layout);
 }
 
 template <class T>
@@ -77,16 +73,14 @@ Streams streams_of(const std::filesystem::path& log, const Layout& layout, std::
         ++line;
         const auto parsed = antiskid::can::parse_candump(text);
         if (const auto* bad = std::get_if<antiskid::can::CandumpFailure>(&parsed)) {
-            throw settings::Error(log.string(), line, "",
-                                  fmt::format("column {}: {}", bad->column, bad->what));
+            throw settings::Error(log.string(), line, "", fmt::format("column {}: {}", bad->column, bad->what));
         }
         const antiskid::can::CandumpLine& entry = std::get<antiskid::can::CandumpLine>(parsed);
         if (entry.extended || entry.remote || entry.error) continue;
         Record record{.id = static_cast<std::uint16_t>(entry.frame.id), .length = entry.frame.length};
         std::copy_n(entry.frame.data.begin(), entry.frame.length, record.data.begin());
         const auto is = [&](Role role) { return layout[role].bound && layout[role].id == entry.frame.id; };
-        if (is(Role::valve) || is(Role::status) || is(Role::faults) || is(Role::road) ||
-            is(Role::controller_heartbeat)) {
+        if (is(Role::valve) || is(Role::status) || is(Role::faults) || is(Role::road) || is(Role::controller_heartbeat)) {
             append(out.expected, record);
             continue;
         }
@@ -111,12 +105,10 @@ int run(int argc, char** argv) {
     std::filesystem::path out;
     std::vector<std::filesystem::path> logs;
     settings::add_config_directory(app, config);
-    settings::existing_file(
-        app.add_option("--controller", controller, "controller's numbers (default: CONFIG/controller.toml)"));
+    settings::existing_file(app.add_option("--controller", controller, "controller's numbers (default: CONFIG/controller.toml)"));
     settings::add_layout_files(app, dbc, binding);
     settings::add_out(app, out, "made if it is not there")->required();
-    settings::existing_file(
-        app.add_option("LOG", logs, "candump logs of lockstep runs (rig-lab stop --bus-log)"));
+    settings::existing_file(app.add_option("LOG", logs, "candump logs of lockstep runs (rig-lab stop --bus-log)"));
     app.footer("Example:\n  cortex-m-prepare --out out/pil heavy.log");
     if (const auto status = settings::parse(app, argc, argv)) return *status;
     if (controller.empty()) controller = config / "controller.toml";
@@ -126,15 +118,13 @@ int run(int argc, char** argv) {
     const Layout layout = antiskid::can::load_layout(dbc, binding);
     std::filesystem::create_directories(out);
     settings::write_file(out / "tables.hpp", tables(control, layout));
-    const auto period_ns =
-        static_cast<std::int64_t>(std::llround(static_cast<double>(control.period_s) * 1e6)) * 1000;
+    const auto period_ns = static_cast<std::int64_t>(std::llround(static_cast<double>(control.period_s) * 1e6)) * 1000;
     for (const std::filesystem::path& log : logs) {
         const Streams streams = streams_of(log, layout, period_ns);
         settings::write_file(out / log.stem().concat(".in"), streams.in);
         settings::write_file(out / log.stem().concat(".expected"), streams.expected);
     }
-    fmt::print("{{\"version\": \"{}\", \"config_hash\": \"{}\"}}\n", ANTISKID_VERSION,
-               settings::hash(std::array{controller, dbc, binding}));
+    fmt::print("{{\"version\": \"{}\", \"config_hash\": \"{}\"}}\n", ANTISKID_VERSION, settings::hash(std::array{controller, dbc, binding}));
     return 0;
 }
 

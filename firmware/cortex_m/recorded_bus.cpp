@@ -80,11 +80,8 @@ class Output {
     explicit Output(std::intptr_t handle) : handle_(handle) {}
 
     void add(const Frame& frame) {
-        records_[count_++] = {.id = static_cast<std::uint16_t>(frame.id),
-                              .length = frame.length,
-                              .kind = Record::Kind::frame,
-                              .unused = 0,
-                              .data = frame.data};
+        records_[count_++] = {
+            .id = static_cast<std::uint16_t>(frame.id), .length = frame.length, .kind = Record::Kind::frame, .unused = 0, .data = frame.data};
         if (count_ == records_.size()) flush();
     }
     void flush() {
@@ -112,8 +109,7 @@ void paint_stack() {
 [[nodiscard]] std::uint32_t stack_used() {
     const std::uint32_t* word = &__stack_bottom;
     while (word < &__stack_top && *word == kUntouched) ++word;
-    return static_cast<std::uint32_t>((&__stack_top - word) *
-                                      static_cast<std::ptrdiff_t>(sizeof(std::uint32_t)));
+    return static_cast<std::uint32_t>((&__stack_top - word) * static_cast<std::ptrdiff_t>(sizeof(std::uint32_t)));
 }
 
 /// `"name": value` and a comma, to the console: all that this program needs of a formatter.

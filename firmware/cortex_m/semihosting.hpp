@@ -22,22 +22,19 @@ enum class Mode : std::uint32_t { read_binary = 1, write_binary = 5 };
 
 /// A handle, or -1.
 inline std::intptr_t open(const char* name, std::size_t length, Mode mode) {
-    const std::array<std::uintptr_t, 3> p{reinterpret_cast<std::uintptr_t>(name),
-                                          static_cast<std::uintptr_t>(mode), length};
+    const std::array<std::uintptr_t, 3> p{reinterpret_cast<std::uintptr_t>(name), static_cast<std::uintptr_t>(mode), length};
     return detail::call(0x01, p.data());
 }
 
 /// Bytes not written; 0 is success.
 inline std::size_t write(std::intptr_t handle, const void* data, std::size_t size) {
-    const std::array<std::uintptr_t, 3> p{static_cast<std::uintptr_t>(handle),
-                                          reinterpret_cast<std::uintptr_t>(data), size};
+    const std::array<std::uintptr_t, 3> p{static_cast<std::uintptr_t>(handle), reinterpret_cast<std::uintptr_t>(data), size};
     return static_cast<std::size_t>(detail::call(0x05, p.data()));
 }
 
 /// Bytes read; 0 at the end of the file.
 inline std::size_t read(std::intptr_t handle, void* data, std::size_t size) {
-    const std::array<std::uintptr_t, 3> p{static_cast<std::uintptr_t>(handle),
-                                          reinterpret_cast<std::uintptr_t>(data), size};
+    const std::array<std::uintptr_t, 3> p{static_cast<std::uintptr_t>(handle), reinterpret_cast<std::uintptr_t>(data), size};
     return size - static_cast<std::size_t>(detail::call(0x06, p.data()));
 }
 

@@ -20,8 +20,7 @@ extern Initialiser __init_begin, __init_end;
     const std::uint32_t* from = &__data_from;
     for (std::uint32_t* to = &__data_begin; to != &__data_end;) *to++ = *from++;
     for (std::uint32_t* to = &__bss_begin; to != &__bss_end;) *to++ = 0;
-    for (const Initialiser* initialise = &__init_begin; initialise != &__init_end; ++initialise)
-        (*initialise)();
+    for (const Initialiser* initialise = &__init_begin; initialise != &__init_end; ++initialise) (*initialise)();
     semihosting::exit(recorded_bus());
 }
 
@@ -40,8 +39,6 @@ struct Vectors {
 };
 
 [[gnu::section(".vectors"), gnu::used]] const Vectors kVectors{
-    &__stack_top,
-    {reset, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault,
-     fault}};
+    &__stack_top, {reset, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault}};
 
 }  // namespace

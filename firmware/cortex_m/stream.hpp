@@ -24,7 +24,6 @@ struct Record {
 };
 
 static_assert(sizeof(Head) == 16 && sizeof(Record) == 16);
-static_assert(std::has_unique_object_representations_v<Head> &&
-              std::has_unique_object_representations_v<Record>);
+static_assert(std::has_unique_object_representations_v<Head> && std::has_unique_object_representations_v<Record>);
 
 }  // namespace antiskid::cortex_m

@@ -28,8 +28,8 @@ using namespace antiskid;
 using namespace std::chrono_literals;
 
 /// Until `stop`: log, tell the service manager that the loop goes on, and bring a vanished interface back.
-void attend(const std::atomic<bool>& stop, rt::Clock& clock, rt::CycleRing& ring, rt::Telemetry& telemetry,
-            rt::ServiceManager& service, rt::SupervisedCan& bus) {
+void attend(const std::atomic<bool>& stop, rt::Clock& clock, rt::CycleRing& ring, rt::Telemetry& telemetry, rt::ServiceManager& service,
+            rt::SupervisedCan& bus) {
     constexpr int kTurnsPerSecond = 50;
     constexpr int kTurnsPerRetry = 10;
     std::string last_reason;
@@ -49,8 +49,8 @@ int finish(const rt::Options& options, const rt::RunReport& report) {
     if (options.json != "-") fmt::print("{}", rt::table(report));
     settings::deliver(options.json, rt::json(report));
     if (report.loop.safe_commands_sent >= rt::ControlLoop::kSafeCommands) return 0;
-    spdlog::error("the valve's safe current was delivered {} of {} times: {} does not take frames",
-                  report.loop.safe_commands_sent, rt::ControlLoop::kSafeCommands, options.interface);
+    spdlog::error("the valve's safe current was delivered {} of {} times: {} does not take frames", report.loop.safe_commands_sent,
+                  rt::ControlLoop::kSafeCommands, options.interface);
     return 1;
 }
 
@@ -68,16 +68,14 @@ int run(const rt::Options& options, const rt::Setup& setup) {
     if (const auto refused = rt::lock_memory()) spdlog::warn(*refused);
     const can::IdList wanted = can::ids(setup.layout, can::kToController);
     const can::SocketCanOptions socket = socket_options(options.clock, setup);
-    rt::SupervisedCan bus([&options, &wanted, &socket] {
-        return std::make_unique<can::SocketCan>(options.interface, wanted.span(), socket);
-    });
+    rt::SupervisedCan bus([&options, &wanted, &socket] { return std::make_unique<can::SocketCan>(options.interface, wanted.span(), socket); });
     rt::MonotonicClock clock;
     const auto session = std::make_unique<rt::Session>(setup, options, bus, clock);
     rt::ServiceManager service = rt::ServiceManager::of_this_process();
     rt::Telemetry telemetry(*spdlog::default_logger(), options.interface);
     const std::string clock_name(rt::name(options.clock));
-    spdlog::info("antiskid-controller {} on {}, {} us by {}, configuration {}", ANTISKID_VERSION,
-                 options.interface, setup.period / 1us, clock_name, setup.config_hash);
+    spdlog::info("antiskid-controller {} on {}, {} us by {}, configuration {}", ANTISKID_VERSION, options.interface, setup.period / 1us, clock_name,
+                 setup.config_hash);
     {
         const rt::LoopThread loop(session->loop(), options.realtime, signals.stop());
         attend(signals.stop(), clock, session->ring(), telemetry, service, bus);

@@ -16,8 +16,7 @@ Time MonotonicClock::now() {
 }
 
 void MonotonicClock::sleep_until(const Time deadline) {
-    const timespec t{.tv_sec = deadline.count() / kNanosecondsPerSecond,
-                     .tv_nsec = deadline.count() % kNanosecondsPerSecond};
+    const timespec t{.tv_sec = deadline.count() / kNanosecondsPerSecond, .tv_nsec = deadline.count() % kNanosecondsPerSecond};
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) {
     }
 }

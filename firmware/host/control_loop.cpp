@@ -57,10 +57,8 @@ std::uint32_t ControlLoop::send_due(const control::Command& command) {
 
 void ControlLoop::send_safe_current() {
     Time next = doors_.clock.now();
-    for (std::uint32_t attempt = 0; attempt < kSafeAttempts && statistics_.safe_commands_sent < kSafeCommands;
-         ++attempt) {
-        if (doors_.bus.send(doors_.port.valve_command(settings_.safe_current_mA)))
-            ++statistics_.safe_commands_sent;
+    for (std::uint32_t attempt = 0; attempt < kSafeAttempts && statistics_.safe_commands_sent < kSafeCommands; ++attempt) {
+        if (doors_.bus.send(doors_.port.valve_command(settings_.safe_current_mA))) ++statistics_.safe_commands_sent;
         next += settings_.period;
         doors_.clock.sleep_until(next);
     }

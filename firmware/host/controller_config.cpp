@@ -53,24 +53,20 @@ control::ValveConfig valve(const settings::Table& t, float period_s) {
     using control::ValveConfig;
     ValveConfig v;
     const settings::Count count{.min = 2, .max = ValveConfig::kMostPoints};
-    const auto current = t.numbers(
-        "current_mA", {.range = {.min = 0.0, .max = 1000.0}, .count = count, .strictly_increasing = true});
-    const auto pressure = t.numbers(
-        "pressure_Pa", {.range = {.min = 0.0, .max = 1e8}, .count = count, .strictly_increasing = true});
+    const auto current = t.numbers("current_mA", {.range = {.min = 0.0, .max = 1000.0}, .count = count, .strictly_increasing = true});
+    const auto pressure = t.numbers("pressure_Pa", {.range = {.min = 0.0, .max = 1e8}, .count = count, .strictly_increasing = true});
     if (current.size() != pressure.size()) {
-        t.fail("pressure_Pa", "has " + std::to_string(pressure.size()) + " points, current_mA has " +
-                                  std::to_string(current.size()) + "; both need the same number");
+        t.fail("pressure_Pa", "has " + std::to_string(pressure.size()) + " points, current_mA has " + std::to_string(current.size()) +
+                                  "; both need the same number");
     }
     v.points = static_cast<std::uint8_t>(current.size());
     for (std::size_t i = 0; i < current.size(); ++i) {
         v.current_mA[i] = static_cast<float>(current[i]);
         v.pressure_Pa[i] = static_cast<float>(pressure[i]);
     }
-    v.natural_frequency_radps = static_cast<float>(
-        2.0 * std::numbers::pi * t.number("natural_frequency_Hz", {.min = 1.0, .max = 200.0}));
+    v.natural_frequency_radps = static_cast<float>(2.0 * std::numbers::pi * t.number("natural_frequency_Hz", {.min = 1.0, .max = 200.0}));
     v.damping = number(t, "damping", 0.1, 2.0);
-    const double most_delay =
-        static_cast<double>(period_s) * static_cast<double>(control::ValveModel::kMostDelay);
+    const double most_delay = static_cast<double>(period_s) * static_cast<double>(control::ValveModel::kMostDelay);
     v.delay_s = milliseconds(t, "delay_ms", 0.0, most_delay * 1e3);
     v.safe_current_mA = number(t, "safe_current_mA", 0.0, current.front());
     v.full_pressure_Pa = number(t, "full_pressure_Pa", 1e5, pressure.back());
@@ -171,11 +167,10 @@ control::PressureBiasConfig pressure_bias(const settings::Table& t) {
 
 /// What a key of the file decides further, as a share of it. docs/controller.md has the reasons.
 namespace derived {
-constexpr float kSelfTest = 0.2F;    // of stuck_ms
-constexpr float kDemand = 0.4F;      // of residual_pressure_Pa: less is no demand
-constexpr float kHysteresis = 0.2F;  // of drop_out_mps
-constexpr float kPlausible =
-    0.9F;  // of drop_out_mps: a reference that died above it would look like drop-out
+constexpr float kSelfTest = 0.2F;      // of stuck_ms
+constexpr float kDemand = 0.4F;        // of residual_pressure_Pa: less is no demand
+constexpr float kHysteresis = 0.2F;    // of drop_out_mps
+constexpr float kPlausible = 0.9F;     // of drop_out_mps: a reference that died above it would look like drop-out
 constexpr float kStandstill_s = 0.1F;  // frames without an edge that make a standstill, SpeedEstimator
 constexpr float kSettled = 3.0F;       // time constants of the valve
 constexpr float kImplausible = 0.25F;  // of sensor_max_age_ms
@@ -184,8 +179,7 @@ constexpr float kOffCommand = 0.4F;    // of stuck_ms
 constexpr float kMoves = 1.0F / 3.0F;  // of off_command_Pa
 constexpr float kPressureRate = 2.0F;  // of a full step's rate by eq. (6); the rest is noise of one reading
 constexpr float kOverspeed = 3.0F;     // of radius_tolerance
-constexpr float kFreeSlip =
-    1.6F;  // of radius_tolerance: a wheel whose radius is not learnt seems to slip by so much
+constexpr float kFreeSlip = 1.6F;      // of radius_tolerance: a wheel whose radius is not learnt seems to slip by so much
 }  // namespace derived
 
 control::SupervisorConfig supervisor(const settings::Table& t, const control::ValveConfig& v, float stuck_s) {
@@ -217,8 +211,7 @@ control::MonitorConfig monitor(const settings::Table& t, const Config& c, float 
             .implausible_s = derived::kImplausible * max_age_s,
             .stuck_s = stuck_s,
             .pressure_range_Pa = number(t, "pressure_range_Pa", 1e5, 1e9),
-            .pressure_rate_Paps =
-                derived::kPressureRate * c.valve.natural_frequency_radps * c.valve.full_pressure_Pa,
+            .pressure_rate_Paps = derived::kPressureRate * c.valve.natural_frequency_radps * c.valve.full_pressure_Pa,
             .pressure_moves_Pa = derived::kMoves * off_command_Pa,
             .overspeed_share = derived::kOverspeed * c.wheel.radius_tolerance,
             .free_slip = derived::kFreeSlip * c.wheel.radius_tolerance,
@@ -238,8 +231,7 @@ control::Config load_controller_config(const std::filesystem::path& path) {
     c.period_s = milliseconds(root, "period_ms", 1.0, 5.0);
     c.wheel = wheel(root.table("wheel"));
     const settings::Table flywheel = root.table("flywheel");
-    c.flywheel = {.encoder = encoder(flywheel.table("encoder")),
-                  .radius_m = number(flywheel, "radius_m", 0.05, 10.0)};
+    c.flywheel = {.encoder = encoder(flywheel.table("encoder")), .radius_m = number(flywheel, "radius_m", 0.05, 10.0)};
     c.valve = valve(root.table("valve"), c.period_s);
     c.estimator = estimator(root.table("estimator"));
     c.observer = observer(root.table("observer"));

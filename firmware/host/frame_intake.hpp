@@ -25,8 +25,8 @@ class FrameIntake {
     /// Both must outlive the intake.
     FrameIntake(can::Bus& bus, can::ControllerPort& port) : bus_(bus), port_(port) {}
 
-    /// All that has arrived, by one call to the bus unless there is more than a batch. A reception later than `now` (a frame that came while this call ran) becomes
-    /// `now`.
+    /// All that has arrived, by one call to the bus unless there is more than a batch. A reception later than `now` (a frame that came while this
+    /// call ran) becomes `now`.
     Taken drain(control::Time now);
 
     /// Up to and including the next SYNC, waiting up to `longest` where nothing is there; all of them count as

@@ -22,13 +22,11 @@ void LoopStatistics::add(const CycleRecord& record) {
     link_was_good_ = link_good;
 
     last_state = record.command.state;
-    if (const auto state = static_cast<std::size_t>(last_state); state < steps_in_state.size())
-        ++steps_in_state[state];
+    if (const auto state = static_cast<std::size_t>(last_state); state < steps_in_state.size()) ++steps_in_state[state];
     if ((record.command.faults.bits() & ~faults_seen.bits()) == 0) return;
     for (std::uint8_t number = 0; number < control::kFaultCount; ++number) {
         const auto fault = static_cast<control::Fault>(number);
-        if (record.command.faults.contains(fault) && !faults_seen.contains(fault))
-            first_seen[number] = record.now;
+        if (record.command.faults.contains(fault) && !faults_seen.contains(fault)) first_seen[number] = record.now;
     }
     faults_seen.insert(record.command.faults);
 }

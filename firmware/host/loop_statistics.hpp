@@ -15,8 +15,7 @@ struct LoopStatistics {
     Histogram latency;  ///< CycleRecord::latency
     Histogram work;     ///< CycleRecord::work
     Histogram edge_to_command;
-    Histogram
-        overrun;  ///< of steps that came after missed periods: how late, counted from the first one missed
+    Histogram overrun;  ///< of steps that came after missed periods: how late, counted from the first one missed
 
     std::uint64_t steps = 0;
     std::uint64_t overruns = 0;  ///< steps that came after missed periods

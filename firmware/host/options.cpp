@@ -32,19 +32,16 @@ void add_check_options(CLI::App& app, bool& wanted, CheckRequest& check) {
         ->check(CLI::Range(1, 3600))
         ->type_name("S")
         ->capture_default_str();
-    app.add_flag(
-           "--valve-step", check.valve_step,
-           "--check: also step the valve to twice the residual pressure for 0.5 s; refused unless wheel "
-           "and flywheel stand, there is no pressure and nothing else is wrong with the sensors")
+    app.add_flag("--valve-step", check.valve_step,
+                 "--check: also step the valve to twice the residual pressure for 0.5 s; refused unless wheel "
+                 "and flywheel stand, there is no pressure and nothing else is wrong with the sensors")
         ->needs(asked);
     app.add_option("--bitrate", check.bitrate, "--check: of the rig's CAN")
         ->needs(asked)
         ->check(CLI::Range(10'000, 1'000'000))
         ->type_name("BIT/S")
         ->capture_default_str();
-    app.add_option("--expect-hash", check.expect_hash, "--check: the configuration must have this hash")
-        ->needs(asked)
-        ->type_name("HASH");
+    app.add_option("--expect-hash", check.expect_hash, "--check: the configuration must have this hash")->needs(asked)->type_name("HASH");
 }
 
 }  // namespace
@@ -56,50 +53,39 @@ std::string_view name(const ClockSource clock) {
 
 std::variant<Options, int> parse_options(const int argc, const char* const* argv) {
     Options options;
-    CLI::App app{
-        "Anti-skid controller: reads the rig's sensors from a CAN interface and commands the brake valve.",
-        "antiskid-controller"};
+    CLI::App app{"Anti-skid controller: reads the rig's sensors from a CAN interface and commands the brake valve.", "antiskid-controller"};
     app.footer(kFooter);
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.add_option("--can", options.interface, "CAN interface, e.g. can0")->required()->type_name("IF");
-    settings::add_choice(
-        app, "--clock", options.clock,
-        {{"sensors", ClockSource::sensors}, {"timer", ClockSource::timer}, {"sync", ClockSource::sync}},
-        "what a step waits for: the sensors' frame, with the machine's clock where it fails to come; "
-        "the machine's clock alone; or SYNC, for lockstep");
-    app.add_option("--sync-timeout", options.sync_timeout_ms,
-                   "--clock sync: a rig silent for so long is a fault")
+    settings::add_choice(app, "--clock", options.clock,
+                         {{"sensors", ClockSource::sensors}, {"timer", ClockSource::timer}, {"sync", ClockSource::sync}},
+                         "what a step waits for: the sensors' frame, with the machine's clock where it fails to come; "
+                         "the machine's clock alone; or SYNC, for lockstep");
+    app.add_option("--sync-timeout", options.sync_timeout_ms, "--clock sync: a rig silent for so long is a fault")
         ->check(CLI::Range(1, 3'600'000))
         ->type_name("MS")
         ->capture_default_str();
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path controller, dbc, binding;
     settings::add_config_directory(app, config);
-    settings::existing_file(app.add_option("--controller", controller,
-                                           "the controller's numbers (default: CONFIG/controller.toml)"));
+    settings::existing_file(app.add_option("--controller", controller, "the controller's numbers (default: CONFIG/controller.toml)"));
     settings::add_layout_files(app, dbc, binding);
     settings::add_json(app, options.json, "statistics at exit, or with --check what was found,");
-    app.add_option("--cpu", options.realtime.cpu, "pin the loop to this processor")
-        ->check(CLI::Range(0, 4095))
-        ->type_name("N");
-    app.add_option("--priority", options.realtime.priority,
-                   "SCHED_FIFO priority of the loop, 1 to 99; 0: ordinary scheduling")
+    app.add_option("--cpu", options.realtime.cpu, "pin the loop to this processor")->check(CLI::Range(0, 4095))->type_name("N");
+    app.add_option("--priority", options.realtime.priority, "SCHED_FIFO priority of the loop, 1 to 99; 0: ordinary scheduling")
         ->check(CLI::Range(0, 99))
         ->type_name("N")
         ->capture_default_str();
-    settings::add_choice(app, "--log-level", options.log_level,
-                         {{"debug", spdlog::level::debug},
-                          {"info", spdlog::level::info},
-                          {"warning", spdlog::level::warn},
-                          {"error", spdlog::level::err}},
-                         "least severe messages to show");
+    settings::add_choice(
+        app, "--log-level", options.log_level,
+        {{"debug", spdlog::level::debug}, {"info", spdlog::level::info}, {"warning", spdlog::level::warn}, {"error", spdlog::level::err}},
+        "least severe messages to show");
     bool check = false;
     CheckRequest request;
     add_check_options(app, check, request);
     if (const auto status = settings::parse(app, argc, argv)) return *status;
     if (check && options.clock == ClockSource::sync) {
-        std::fputs("antiskid-controller: --check listens by the machine's clock: leave --clock sync out\n",
-                   stderr);
+        std::fputs("antiskid-controller: --check listens by the machine's clock: leave --clock sync out\n", stderr);
         return 2;
     }
     options.controller = controller.empty() ? config / "controller.toml" : controller;

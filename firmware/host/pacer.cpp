@@ -9,11 +9,7 @@ std::optional<Wake> TimerPacer::next(const std::atomic<bool>& stop) {
     if (stop.load(std::memory_order_relaxed)) return std::nullopt;
     if (!timer_) timer_.emplace(clock_, period_);
     const PeriodicTimer::Tick tick = timer_->wait();
-    return Wake{.now = tick.woke,
-                .woke = tick.woke,
-                .latency = tick.latency,
-                .skipped = tick.skipped,
-                .taken = intake_.drain(tick.woke)};
+    return Wake{.now = tick.woke, .woke = tick.woke, .latency = tick.latency, .skipped = tick.skipped, .taken = intake_.drain(tick.woke)};
 }
 
 std::optional<can::Role> SensorPacer::message(const can::Layout& layout, const Time period) {
@@ -23,8 +19,8 @@ std::optional<can::Role> SensorPacer::message(const can::Layout& layout, const T
     return last;
 }
 
-SensorPacer::SensorPacer(Clock& clock, const Time period, const can::Role message, can::Bus& bus,
-                         const can::ControllerPort& port, FrameIntake& intake)
+SensorPacer::SensorPacer(Clock& clock, const Time period, const can::Role message, can::Bus& bus, const can::ControllerPort& port,
+                         FrameIntake& intake)
     : clock_(clock), period_(period), message_(message), bus_(bus), port_(port), intake_(intake) {}
 
 std::optional<Wake> SensorPacer::next(const std::atomic<bool>& stop) {
@@ -65,21 +61,14 @@ Wake SensorPacer::on_frame() {
     const Time came = received > last_ ? received : woke_;  // of a damaged one nobody knows
     last_ = std::max(came, woke_ - period_);
     by_frame_ = true;
-    return Wake{.now = woke_,
-                .woke = woke_,
-                .latency = woke_ - (skipped > 0 ? first_missed : came),
-                .skipped = static_cast<std::uint64_t>(skipped)};
+    return Wake{.now = woke_, .woke = woke_, .latency = woke_ - (skipped > 0 ? first_missed : came), .skipped = static_cast<std::uint64_t>(skipped)};
 }
 
 Wake SensorPacer::on_silence(const Time deadline) {
     const std::int64_t skipped = (woke_ - deadline) / period_;
     last_ = deadline + skipped * period_;
     by_frame_ = false;
-    return Wake{.now = woke_,
-                .woke = woke_,
-                .latency = woke_ - deadline,
-                .skipped = static_cast<std::uint64_t>(skipped),
-                .by_timer = true};
+    return Wake{.now = woke_, .woke = woke_, .latency = woke_ - deadline, .skipped = static_cast<std::uint64_t>(skipped), .by_timer = true};
 }
 
 /// Of the newest accepted frame of the message.
@@ -89,14 +78,9 @@ Time SensorPacer::reception() const {
     return message_ == can::Role::flywheel ? sensors.flywheel.received : sensors.pressure.received;
 }
 
-SyncPacer::SyncPacer(Clock& clock, const Time period, const Time timeout, const can::ControllerPort& port,
-                     const std::uint64_t sync_modulo, FrameIntake& intake)
-    : clock_(clock),
-      period_(period),
-      timeout_(timeout),
-      port_(port),
-      sync_modulo_(sync_modulo),
-      intake_(intake) {}
+SyncPacer::SyncPacer(Clock& clock, const Time period, const Time timeout, const can::ControllerPort& port, const std::uint64_t sync_modulo,
+                     FrameIntake& intake)
+    : clock_(clock), period_(period), timeout_(timeout), port_(port), sync_modulo_(sync_modulo), intake_(intake) {}
 
 std::optional<Wake> SyncPacer::next(const std::atomic<bool>& stop) {
     const Time patience = synchronised_ ? timeout_ : period_;
@@ -104,8 +88,7 @@ std::optional<Wake> SyncPacer::next(const std::atomic<bool>& stop) {
     std::size_t frames = 0;
     constexpr int kTurnsPerReading = 16;
     for (int turn = 1; !stop.load(std::memory_order_relaxed); ++turn) {
-        FrameIntake::Taken taken =
-            intake_.take_until_sync(next_now_, std::clamp(left, Time{1}, kLongestWait));
+        FrameIntake::Taken taken = intake_.take_until_sync(next_now_, std::clamp(left, Time{1}, kLongestWait));
         const bool more = taken.frames > 0;
         frames += taken.frames;
         taken.frames = frames;
@@ -118,11 +101,7 @@ std::optional<Wake> SyncPacer::next(const std::atomic<bool>& stop) {
         if (left > Time{0}) continue;
         synchronised_ = false;
         last_ = reading;
-        return Wake{.now = std::exchange(next_now_, next_now_ + period_),
-                    .woke = reading,
-                    .latency = -left,
-                    .synchronised = false,
-                    .taken = taken};
+        return Wake{.now = std::exchange(next_now_, next_now_ + period_), .woke = reading, .latency = -left, .synchronised = false, .taken = taken};
     }
     return std::nullopt;
 }
@@ -132,10 +111,7 @@ Wake SyncPacer::on_sync(const FrameIntake::Taken& taken) {
     last_.reset();
     started_ = true;
     synchronised_ = true;
-    return Wake{.now = std::exchange(next_now_, next_now_ + period_),
-                .woke = taken.sync_received,
-                .skipped = follows ? 0U : 1U,
-                .taken = taken};
+    return Wake{.now = std::exchange(next_now_, next_now_ + period_), .woke = taken.sync_received, .skipped = follows ? 0U : 1U, .taken = taken};
 }
 
 bool SyncPacer::repeats_last() const {

@@ -33,8 +33,7 @@ class Pacer {
 /// Absolute deadlines of CLOCK_MONOTONIC; the controller's time is that clock.
 class TimerPacer final : public Pacer {
   public:
-    TimerPacer(Clock& clock, Time period, FrameIntake& intake)
-        : clock_(clock), period_(period), intake_(intake) {}
+    TimerPacer(Clock& clock, Time period, FrameIntake& intake) : clock_(clock), period_(period), intake_(intake) {}
     /// The first call starts the timer.
     [[nodiscard]] std::optional<Wake> next(const std::atomic<bool>& stop) override;
 
@@ -57,8 +56,7 @@ class SensorPacer final : public Pacer {
     /// identifier, since the bus lets it through last. None: they all have other periods.
     [[nodiscard]] static std::optional<can::Role> message(const can::Layout& layout, Time period);
 
-    SensorPacer(Clock& clock, Time period, can::Role message, can::Bus& bus, const can::ControllerPort& port,
-                FrameIntake& intake);
+    SensorPacer(Clock& clock, Time period, can::Role message, can::Bus& bus, const can::ControllerPort& port, FrameIntake& intake);
     [[nodiscard]] std::optional<Wake> next(const std::atomic<bool>& stop) override;
 
   private:
@@ -90,8 +88,7 @@ class SyncPacer final : public Pacer {
   public:
     static constexpr Time kLongestWait = can::Bus::kLongestWait;
 
-    SyncPacer(Clock& clock, Time period, Time timeout, const can::ControllerPort& port,
-              std::uint64_t sync_modulo, FrameIntake& intake);
+    SyncPacer(Clock& clock, Time period, Time timeout, const can::ControllerPort& port, std::uint64_t sync_modulo, FrameIntake& intake);
     [[nodiscard]] std::optional<Wake> next(const std::atomic<bool>& stop) override;
 
   private:

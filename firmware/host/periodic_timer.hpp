@@ -10,12 +10,10 @@ namespace antiskid::rt {
 class PeriodicTimer {
   public:
     struct Tick {
-        Time deadline{};  ///< newest grid point that has passed
-        Time woke{};      ///< clock when the wait ended
-        Time
-            latency{};  ///< of `woke` behind the grid point that was waited for, the first one if points were skipped
-        std::uint64_t skipped =
-            0;  ///< grid points before `deadline` that got no tick of their own: missed periods
+        Time deadline{};            ///< newest grid point that has passed
+        Time woke{};                ///< clock when the wait ended
+        Time latency{};             ///< of `woke` behind the grid point that was waited for, the first one if points were skipped
+        std::uint64_t skipped = 0;  ///< grid points before `deadline` that got no tick of their own: missed periods
     };
 
     /// The first deadline is one `period` from now. `clock` must outlive the timer.

@@ -28,8 +28,7 @@ std::string reason(const int error) {
 
 std::optional<std::string> pin(const int cpu) {
     if (cpu < 0 || cpu >= CPU_SETSIZE)
-        return "processor " + std::to_string(cpu) +
-               " does not exist: the loop is not pinned; give --cpu 0 to " +
+        return "processor " + std::to_string(cpu) + " does not exist: the loop is not pinned; give --cpu 0 to " +
                std::to_string(sysconf(_SC_NPROCESSORS_ONLN) - 1);
     cpu_set_t set;
     CPU_ZERO(&set);
@@ -37,8 +36,8 @@ std::optional<std::string> pin(const int cpu) {
     const int error = pthread_setaffinity_np(pthread_self(), sizeof set, &set);
     if (error == 0) return std::nullopt;
     return "cannot pin the loop to processor " + std::to_string(cpu) + " (" + reason(error) +
-           "): it may move between processors; this process may use those of `taskset -cp " +
-           std::to_string(getpid()) + "`, give one of them with --cpu";
+           "): it may move between processors; this process may use those of `taskset -cp " + std::to_string(getpid()) +
+           "`, give one of them with --cpu";
 }
 
 std::optional<std::string> raise_priority(const int priority) {

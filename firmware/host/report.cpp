@@ -73,12 +73,10 @@ nlohmann::ordered_json states_json(const LoopStatistics& loop) {
 std::string json(const RunReport& report) {
     const LoopStatistics& loop = report.loop;
     auto durations = nlohmann::ordered_json::object();
-    for (const auto& [label, histogram] : histograms(loop))
-        durations[std::string(label)] = as_json(histogram);
+    for (const auto& [label, histogram] : histograms(loop)) durations[std::string(label)] = as_json(histogram);
     auto messages = nlohmann::ordered_json::object();
     for (const can::Role role : can::kToController)
-        if (report.layout[role].bound)
-            messages[std::string(can::name(role))] = as_json(report.port.stats(role));
+        if (report.layout[role].bound) messages[std::string(can::name(role))] = as_json(report.port.stats(role));
     const nlohmann::ordered_json root{{"version", ANTISKID_VERSION},
                                       {"config_hash", report.config_hash},
                                       {"interface", report.interface},
@@ -116,26 +114,20 @@ std::string table(const RunReport& report) {
     const LoopStatistics& loop = report.loop;
     std::string text;
     const auto out = std::back_inserter(text);
-    fmt::format_to(out, "{} steps of {:.0f} us on {} by {}, last state {}\n", loop.steps, us(report.period),
-                   report.interface, report.clock, can::name(loop.last_state));
-    fmt::format_to(out, "{:<16}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}  us\n", "", "count", "min", "p50", "p99",
-                   "p99.9", "max");
+    fmt::format_to(out, "{} steps of {:.0f} us on {} by {}, last state {}\n", loop.steps, us(report.period), report.interface, report.clock,
+                   can::name(loop.last_state));
+    fmt::format_to(out, "{:<16}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}  us\n", "", "count", "min", "p50", "p99", "p99.9", "max");
     for (const auto& [label, h] : histograms(loop))
-        fmt::format_to(out, "{:<16}{:>10}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}\n", label, h.count(),
-                       us(h.minimum()), us(h.percentile(0.5)), us(h.percentile(0.99)),
-                       us(h.percentile(0.999)), us(h.maximum()));
+        fmt::format_to(out, "{:<16}{:>10}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}\n", label, h.count(), us(h.minimum()), us(h.percentile(0.5)),
+                       us(h.percentile(0.99)), us(h.percentile(0.999)), us(h.maximum()));
     fmt::format_to(out, "{:<18}{:>10}{:>10}{:>10}\n", "message", "accepted", "rejected", "lost");
     for (const can::Role role : can::kToController) {
         if (!report.layout[role].bound) continue;
         const can::MessageStats& stats = report.port.stats(role);
-        fmt::format_to(out, "{:<18}{:>10}{:>10}{:>10}\n", can::name(role), stats.accepted, stats.rejected(),
-                       stats.lost);
+        fmt::format_to(out, "{:<18}{:>10}{:>10}{:>10}\n", can::name(role), stats.accepted, stats.rejected(), stats.lost);
     }
-    fmt::format_to(
-        out,
-        "frames: {} received, {} sent, {} unsent, {} dropped by the kernel, {} malformed; link outages: {}\n",
-        loop.frames_received, loop.frames_sent, loop.frames_unsent, report.link.receive_dropped,
-        report.link.malformed, loop.link_outages);
+    fmt::format_to(out, "frames: {} received, {} sent, {} unsent, {} dropped by the kernel, {} malformed; link outages: {}\n", loop.frames_received,
+                   loop.frames_sent, loop.frames_unsent, report.link.receive_dropped, report.link.malformed, loop.link_outages);
     fmt::format_to(out, "overruns: {} ({} periods missed)\nfaults:", loop.overruns, loop.missed_periods);
     for (const std::string& fault : can::fault_names(loop.faults_seen)) fmt::format_to(out, " {}", fault);
     fmt::format_to(out, "{}\n", loop.faults_seen.empty() ? " none" : "");

@@ -7,8 +7,7 @@
 
 namespace antiskid::rt {
 
-ServiceManager::ServiceManager(std::function<void(const char*)> send, const Time watchdog)
-    : send_(std::move(send)), every_(watchdog / 4) {}
+ServiceManager::ServiceManager(std::function<void(const char*)> send, const Time watchdog) : send_(std::move(send)), every_(watchdog / 4) {}
 
 ServiceManager ServiceManager::of_this_process() {
     std::uint64_t watchdog_us = 0;

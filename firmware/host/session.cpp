@@ -8,15 +8,13 @@ namespace antiskid::rt {
 
 namespace {
 
-std::unique_ptr<Pacer> make_pacer(const Setup& setup, const Options& options, can::Bus& bus, Clock& clock,
-                                  const can::ControllerPort& port, FrameIntake& intake) {
+std::unique_ptr<Pacer> make_pacer(const Setup& setup, const Options& options, can::Bus& bus, Clock& clock, const can::ControllerPort& port,
+                                  FrameIntake& intake) {
     const auto message = SensorPacer::message(setup.layout, setup.period);
-    if (options.clock == ClockSource::sensors && message)
-        return std::make_unique<SensorPacer>(clock, setup.period, *message, bus, port, intake);
+    if (options.clock == ClockSource::sensors && message) return std::make_unique<SensorPacer>(clock, setup.period, *message, bus, port, intake);
     if (options.clock != ClockSource::sync) return std::make_unique<TimerPacer>(clock, setup.period, intake);
     const can::Signal& number = setup.layout.sync_counter;
-    return std::make_unique<SyncPacer>(clock, setup.period,
-                                       std::chrono::milliseconds{options.sync_timeout_ms}, port,
+    return std::make_unique<SyncPacer>(clock, setup.period, std::chrono::milliseconds{options.sync_timeout_ms}, port,
                                        number.bound() ? number.mask() + 1 : 0, intake);
 }
 
@@ -27,15 +25,8 @@ Session::Session(const Setup& setup, const Options& options, can::Bus& bus, Cloc
       controller_(setup.control),
       intake_(bus, port_),
       pacer_(make_pacer(setup, options, bus, clock, port_, intake_)),
-      loop_({.period = setup.period,
-             .safe_current_mA = setup.control.valve.safe_current_mA,
-             .valve_last = options.clock == ClockSource::sync},
-            {.clock = clock,
-             .pacer = *pacer_,
-             .bus = bus,
-             .port = port_,
-             .controller = controller_,
-             .ring = ring_}) {}
+      loop_({.period = setup.period, .safe_current_mA = setup.control.valve.safe_current_mA, .valve_last = options.clock == ClockSource::sync},
+            {.clock = clock, .pacer = *pacer_, .bus = bus, .port = port_, .controller = controller_, .ring = ring_}) {}
 
 LoopThread::LoopThread(ControlLoop& loop, const RealtimeRequest& request, std::atomic<bool>& stop)
     : stop_(stop), thread_([&loop, request, &stop] {

@@ -19,19 +19,15 @@ std::string milliseconds(const control::Time time) {
 
 }  // namespace
 
-void check_layout(const can::Layout& layout, const ClockSource clock, const control::Time period,
-                  const std::string& binding) {
+void check_layout(const can::Layout& layout, const ClockSource clock, const control::Time period, const std::string& binding) {
     if (clock == ClockSource::timer) return;
     if (!layout[can::Role::sync].bound)
-        throw settings::Error(
-            binding, 0, "sync",
-            "no such message, and --clock sync steps on it: bind one, or use --clock timer");
+        throw settings::Error(binding, 0, "sync", "no such message, and --clock sync steps on it: bind one, or use --clock timer");
     const control::Time valve = layout[can::Role::valve].period;
     if (valve >= 2 * period)
         throw settings::Error(binding, 0, "valve",
-                              "sent every " + milliseconds(valve) +
-                                  ", but --clock sync answers each SYNC with it, every " +
-                                  milliseconds(period) + ": shorten its period, or use --clock timer");
+                              "sent every " + milliseconds(valve) + ", but --clock sync answers each SYNC with it, every " + milliseconds(period) +
+                                  ": shorten its period, or use --clock timer");
 }
 
 Setup load_setup(const Options& options) {

@@ -21,7 +21,6 @@ struct Setup {
 [[nodiscard]] Setup load_setup(const Options& options);
 
 /// The second half of the above: what load_setup() demands of a layout.
-void check_layout(const can::Layout& layout, ClockSource clock, control::Time period,
-                  const std::string& binding);
+void check_layout(const can::Layout& layout, ClockSource clock, control::Time period, const std::string& binding);
 
 }  // namespace antiskid::rt

@@ -17,9 +17,7 @@ void SupervisedCan::take_fresh() {
     lost_.store(!now.up && !now.bus_off, std::memory_order_relaxed);
     // The last one given up must be gone first: its place is the only one, and freeing is not this thread's
     // work.
-    if (fresh_.load(std::memory_order_relaxed) == nullptr ||
-        retired_.load(std::memory_order_relaxed) != nullptr)
-        return;
+    if (fresh_.load(std::memory_order_relaxed) == nullptr || retired_.load(std::memory_order_relaxed) != nullptr) return;
     before_ = status();
     retired_.store(active_.release(), std::memory_order_release);
     active_.reset(fresh_.exchange(nullptr, std::memory_order_acquire));

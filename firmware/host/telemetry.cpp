@@ -24,16 +24,14 @@ control::FaultSet without(const control::FaultSet set, const control::FaultSet t
 
 }  // namespace
 
-Telemetry::Telemetry(spdlog::logger& logger, std::string interface)
-    : logger_(logger), interface_(std::move(interface)) {}
+Telemetry::Telemetry(spdlog::logger& logger, std::string interface) : logger_(logger), interface_(std::move(interface)) {}
 
 void Telemetry::drain(CycleRing& ring) {
     for (CycleRecord record; ring.pop(record);) on_record(record);
 }
 
 void Telemetry::on_record(const CycleRecord& record) {
-    if ((last_.step == 0 || record.command.state != last_.command.state) &&
-        !often(std::string(can::name(record.command.state))))
+    if ((last_.step == 0 || record.command.state != last_.command.state) && !often(std::string(can::name(record.command.state))))
         logger_.info("[{:.3f} s] state {}", seconds(record.now), can::name(record.command.state));
     report_faults(record);
     report_link(record);
@@ -41,8 +39,7 @@ void Telemetry::on_record(const CycleRecord& record) {
         if (record.synchronised)
             logger_.info("[{:.3f} s] SYNC is back on {}", seconds(record.now), interface_);
         else
-            logger_.error("[{:.3f} s] no SYNC on {}: the rig is silent; going on by the timer",
-                          seconds(record.now), interface_);
+            logger_.error("[{:.3f} s] no SYNC on {}: the rig is silent; going on by the timer", seconds(record.now), interface_);
     }
     ++steps_;
     missed_ += record.skipped;
@@ -97,8 +94,7 @@ void Telemetry::summarise(const CycleRing& ring) {
         if (times > kSaid) flaps_.insert(what);
     changes_.clear();
     if (steps_ == 0) {
-        logger_.warn("no step in the last second: {}",
-                     last_.step == 0 ? "nothing has come on " + interface_ + " yet" : "the loop stands");
+        logger_.warn("no step in the last second: {}", last_.step == 0 ? "nothing has come on " + interface_ + " yet" : "the loop stands");
         return;
     }
     const control::Command& c = last_.command;
@@ -106,8 +102,8 @@ void Telemetry::summarise(const CycleRing& ring) {
         "[{:.3f} s] {}: v {:.1f} m/s, slip {:.3f} of {:.3f}, request {:.2f} MPa, valve {:.2f} mA; {} steps, "
         "{} missed, worst latency "
         "{} us",
-        seconds(last_.now), can::name(c.state), c.speed_mps, c.slip, c.slip_reference,
-        c.pressure_request_Pa * 1e-6F, c.current_mA, steps_, missed_, worst_latency_.count() / 1000);
+        seconds(last_.now), can::name(c.state), c.speed_mps, c.slip, c.slip_reference, c.pressure_request_Pa * 1e-6F, c.current_mA, steps_, missed_,
+        worst_latency_.count() / 1000);
     if (const std::uint64_t dropped = ring.dropped(); dropped != dropped_) {
         logger_.warn("{} records were lost on the way to this log", dropped - dropped_);
         dropped_ = dropped;

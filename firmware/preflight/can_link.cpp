@@ -35,8 +35,7 @@ T as(Bytes bytes) {
 std::string as_text(Bytes bytes) {
     const auto end = std::find(bytes.begin(), bytes.end(), std::byte{0});
     std::string text;
-    std::transform(bytes.begin(), end, std::back_inserter(text),
-                   [](std::byte b) { return static_cast<char>(b); });
+    std::transform(bytes.begin(), end, std::back_inserter(text), [](std::byte b) { return static_cast<char>(b); });
     return text;
 }
 
@@ -85,8 +84,7 @@ void read_info(Bytes bytes, CanLink& link) {
     each_attribute(bytes, [&link](int type, Bytes content) {
         if (type == IFLA_INFO_KIND) link.kind = as_text(content);
         if (type == IFLA_INFO_DATA && link.chip()) read_chip(content, link);
-        if (type == IFLA_INFO_XSTATS && link.chip())
-            link.bus_off_events = as<can_device_stats>(content).bus_off;
+        if (type == IFLA_INFO_XSTATS && link.chip()) link.bus_off_events = as<can_device_stats>(content).bus_off;
     });
 }
 
@@ -116,8 +114,7 @@ CanLink parse_link(Bytes message) {
     CanLink link;
     const auto header = as<nlmsghdr>(message);
     constexpr std::size_t kHead = NLMSG_HDRLEN + sizeof(ifinfomsg);
-    if (header.nlmsg_type != RTM_NEWLINK || header.nlmsg_len < kHead || header.nlmsg_len > message.size())
-        return link;
+    if (header.nlmsg_type != RTM_NEWLINK || header.nlmsg_len < kHead || header.nlmsg_len > message.size()) return link;
     const auto about = as<ifinfomsg>(message.subspan(NLMSG_HDRLEN));
     link.there = true;
     link.is_can = about.ifi_type == ARPHRD_CAN;

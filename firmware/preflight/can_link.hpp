@@ -18,11 +18,10 @@ struct CanLink {
     bool up = false;
     std::string kind;  ///< "can": a controller chip; "vcan", "vxcan": none
     std::uint32_t queue_length = 0;
-    std::uint32_t bitrate = 0;  ///< 0: not told, as the rest below, where there is no controller chip
-    std::optional<std::uint32_t>
-        state;  ///< enum can_state: 0 error-active, 1 -warning, 2 -passive, 3 bus-off, 4 stopped, 5 sleeping
-    std::uint32_t modes = 0;       ///< CAN_CTRLMODE_...
-    std::uint32_t restart_ms = 0;  ///< 0: stays bus-off
+    std::uint32_t bitrate = 0;           ///< 0: not told, as the rest below, where there is no controller chip
+    std::optional<std::uint32_t> state;  ///< enum can_state: 0 error-active, 1 -warning, 2 -passive, 3 bus-off, 4 stopped, 5 sleeping
+    std::uint32_t modes = 0;             ///< CAN_CTRLMODE_...
+    std::uint32_t restart_ms = 0;        ///< 0: stays bus-off
     struct ErrorCounters {
         std::uint32_t transmit = 0;
         std::uint32_t receive = 0;
@@ -40,7 +39,6 @@ struct CanLink {
 [[nodiscard]] CanLink can_link(const std::string& interface);
 
 /// Up, queue; and of a controller chip bit rate, state, error counters, restart, mode. `bitrate`: that of the rig.
-[[nodiscard]] Checks can_link_checks(const CanLink& link, const std::string& interface,
-                                     std::uint32_t bitrate);
+[[nodiscard]] Checks can_link_checks(const CanLink& link, const std::string& interface, std::uint32_t bitrate);
 
 }  // namespace antiskid::preflight

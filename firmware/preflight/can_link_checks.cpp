@@ -26,12 +26,10 @@ Check interface_check(const CanLink& link, const std::string& interface, std::ui
                                  : !link.up            ? interface + " is down"
                                                        : "up";
     const bool vcan = interface.starts_with("v");
-    return judged(
-        "CAN interface", measured == "up",
-        {.measured = measured,
-         .required = "up",
-         .remedy = vcan ? fmt::format("ip link add dev {0} type vcan; ip link set {0} up", interface)
-                        : set_up(interface, bitrate)});
+    return judged("CAN interface", measured == "up",
+                  {.measured = measured,
+                   .required = "up",
+                   .remedy = vcan ? fmt::format("ip link add dev {0} type vcan; ip link set {0} up", interface) : set_up(interface, bitrate)});
 }
 
 Check queue_check(const CanLink& link, const std::string& interface) {
@@ -45,18 +43,16 @@ Check queue_check(const CanLink& link, const std::string& interface) {
 }
 
 Check state_check(const CanLink& link, const std::string& interface) {
-    constexpr std::array<std::string_view, 6> kStates{"error-active", "error-warning", "error-passive",
-                                                      "bus-off",      "stopped",       "sleeping"};
+    constexpr std::array<std::string_view, 6> kStates{"error-active", "error-warning", "error-passive", "bus-off", "stopped", "sleeping"};
     const std::uint32_t state = link.state.value_or(CAN_STATE_MAX);
     const std::string_view said = state < kStates.size() ? kStates.at(state) : "not told";
-    return judged(
-        "CAN state", state == CAN_STATE_ERROR_ACTIVE,
-        {.measured = fmt::format("{}, {} times bus-off so far", said, link.bus_off_events),
-         .required = "error-active",
-         .remedy = fmt::format("look for 60 ohm between the wires with the power off, and for equal "
-                               "bit rates: ip -details -statistics link show {}",
-                               interface)},
-        state == CAN_STATE_ERROR_WARNING ? Verdict::warn : Verdict::fail);
+    return judged("CAN state", state == CAN_STATE_ERROR_ACTIVE,
+                  {.measured = fmt::format("{}, {} times bus-off so far", said, link.bus_off_events),
+                   .required = "error-active",
+                   .remedy = fmt::format("look for 60 ohm between the wires with the power off, and for equal "
+                                         "bit rates: ip -details -statistics link show {}",
+                                         interface)},
+                  state == CAN_STATE_ERROR_WARNING ? Verdict::warn : Verdict::fail);
 }
 
 Check counters_check(const CanLink& link, const std::string& interface) {
@@ -67,16 +63,14 @@ Check counters_check(const CanLink& link, const std::string& interface) {
     return judged("CAN error counters", transmit == 0 && receive == 0,
                   {.measured = fmt::format("transmit {}, receive {}", transmit, receive),
                    .required = required,
-                   .remedy = "termination, wiring, a second node with another bit rate: candump -e " +
-                             interface + ",0:0,#FFFFFFFF"},
+                   .remedy = "termination, wiring, a second node with another bit rate: candump -e " + interface + ",0:0,#FFFFFFFF"},
                   suspect ? Verdict::fail : Verdict::warn);
 }
 
 Check restart_check(const CanLink& link, const std::string& interface) {
     constexpr std::uint32_t kMost_ms = 1000;
     return judged("CAN restart", link.restart_ms > 0 && link.restart_ms <= kMost_ms,
-                  {.measured = link.restart_ms == 0 ? std::string("never: bus-off is for good")
-                                                    : fmt::format("after {} ms", link.restart_ms),
+                  {.measured = link.restart_ms == 0 ? std::string("never: bus-off is for good") : fmt::format("after {} ms", link.restart_ms),
                    .required = fmt::format("1 to {} ms after bus-off", kMost_ms),
                    .remedy = fmt::format("ip link set {0} down; ip link set {0} type can restart-ms 100; ip "
                                          "link set {0} up",
@@ -84,8 +78,7 @@ Check restart_check(const CanLink& link, const std::string& interface) {
 }
 
 Check mode_check(const CanLink& link, const std::string& interface) {
-    constexpr std::uint32_t kDeaf =
-        CAN_CTRLMODE_LISTENONLY | CAN_CTRLMODE_LOOPBACK | CAN_CTRLMODE_ONE_SHOT | CAN_CTRLMODE_PRESUME_ACK;
+    constexpr std::uint32_t kDeaf = CAN_CTRLMODE_LISTENONLY | CAN_CTRLMODE_LOOPBACK | CAN_CTRLMODE_ONE_SHOT | CAN_CTRLMODE_PRESUME_ACK;
     const std::uint32_t wrong = link.modes & kDeaf;
     return judged("CAN mode", wrong == 0,
                   {.measured = wrong == 0 ? std::string("sends, acknowledges, repeats")
@@ -114,9 +107,7 @@ Checks can_link_checks(const CanLink& link, const std::string& interface, std::u
         return checks;
     }
     checks.push_back(judged("CAN bit rate", link.bitrate == bitrate,
-                            {.measured = fmt::format("{} bit/s", link.bitrate),
-                             .required = wanted_rate,
-                             .remedy = set_up(interface, bitrate)}));
+                            {.measured = fmt::format("{} bit/s", link.bitrate), .required = wanted_rate, .remedy = set_up(interface, bitrate)}));
     checks.push_back(state_check(link, interface));
     checks.push_back(counters_check(link, interface));
     checks.push_back(restart_check(link, interface));

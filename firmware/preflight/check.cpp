@@ -16,8 +16,7 @@ namespace {
 constexpr std::array kVerdicts{Verdict::fail, Verdict::warn, Verdict::skipped, Verdict::pass};
 
 std::ptrdiff_t count(const Checks& checks, Verdict verdict) {
-    return std::count_if(checks.begin(), checks.end(),
-                         [verdict](const Check& check) { return check.verdict == verdict; });
+    return std::count_if(checks.begin(), checks.end(), [verdict](const Check& check) { return check.verdict == verdict; });
 }
 
 std::size_t widest(const Checks& checks, std::string Check::*text, std::size_t least) {
@@ -71,12 +70,10 @@ std::string table(const Report& report) {
     const auto out = std::back_inserter(text);
     fmt::format_to(out, "{:<9}{:<{}}  {:<{}}  {}\n", "", "check", names, "measured", measured, "required");
     for (const Check& check : report.checks) {
-        fmt::format_to(out, "{:<9}{:<{}}  {:<{}}  {}\n", shown(check.verdict), check.name, names,
-                       check.measured, measured, check.required);
+        fmt::format_to(out, "{:<9}{:<{}}  {:<{}}  {}\n", shown(check.verdict), check.name, names, check.measured, measured, check.required);
         if (!check.remedy.empty()) fmt::format_to(out, "{:<9}{:<{}}  -> {}\n", "", "", names, check.remedy);
     }
-    for (const Verdict verdict : kVerdicts)
-        fmt::format_to(out, "{} {}, ", count(report.checks, verdict), shown(verdict));
+    for (const Verdict verdict : kVerdicts) fmt::format_to(out, "{} {}, ", count(report.checks, verdict), shown(verdict));
     fmt::format_to(out, "configuration {}: {}\n", report.config_hash.empty() ? "unread" : report.config_hash,
                    passed(report) ? "no check failed" : "not fit, mend what failed");
     return text;
@@ -93,9 +90,8 @@ std::string json(const Report& report) {
         for (const auto& [figure, value] : check.figures) entry["figures"][figure] = value;
         checks.push_back(std::move(entry));
     }
-    const nlohmann::ordered_json root{{"program", report.program},     {"version", ANTISKID_VERSION},
-                                      {"interface", report.interface}, {"config_hash", report.config_hash},
-                                      {"passed", passed(report)},      {"checks", checks}};
+    const nlohmann::ordered_json root{{"program", report.program},         {"version", ANTISKID_VERSION}, {"interface", report.interface},
+                                      {"config_hash", report.config_hash}, {"passed", passed(report)},    {"checks", checks}};
     // A name or an error message out of a file need not be UTF-8.
     return root.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }

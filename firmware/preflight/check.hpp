@@ -23,7 +23,7 @@ struct Check {
     Verdict verdict = Verdict::skipped;
     std::string measured;
     std::string required;
-    std::string remedy;  ///< the command, or the deed, that mends it; empty where nothing is to be mended
+    std::string remedy;                                   ///< the command, or the deed, that mends it; empty where nothing is to be mended
     std::vector<std::pair<std::string, double>> figures;  ///< for JSON: a name with its unit, a number
 };
 using Checks = std::vector<Check>;

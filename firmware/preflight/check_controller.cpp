@@ -21,13 +21,11 @@ void show_progress(control::Time passed, control::Time expected) {
     constexpr int kWidth = 30;
     const double share = std::min(1.0, std::chrono::duration<double>(passed) / expected);
     const int full = static_cast<int>(share * kWidth);
-    fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:.0f} of {:.0f} s", "", full, "", kWidth - full,
-               std::chrono::duration<double>(passed).count(),
+    fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:.0f} of {:.0f} s", "", full, "", kWidth - full, std::chrono::duration<double>(passed).count(),
                std::chrono::duration<double>(expected).count());
 }
 
-void on_loop_thread(const rt::RealtimeRequest& request, control::Time expected,
-                    const std::function<void()>& work) {
+void on_loop_thread(const rt::RealtimeRequest& request, control::Time expected, const std::function<void()>& work) {
     const bool terminal = ::isatty(STDERR_FILENO) == 1;
     const auto began = std::chrono::steady_clock::now();
     auto done = std::async(std::launch::async, [&] {
@@ -47,15 +45,10 @@ int check_controller(const rt::Options& options) {
     rt::MonotonicClock clock;
     const Doors doors{.machine = [](const MachineNeeds& needs) { return machine_facts(needs); },
                       .link = [](const std::string& interface) { return can_link(interface); },
-                      .open =
-                          [&options](std::span<const std::uint16_t> ids) {
-                              return std::make_unique<can::SocketCan>(options.interface, ids);
-                          },
+                      .open = [&options](std::span<const std::uint16_t> ids) { return std::make_unique<can::SocketCan>(options.interface, ids); },
                       .clock = clock,
-                      .on_loop_thread =
-                          [&options](control::Time expected, const std::function<void()>& work) {
-                              on_loop_thread(options.realtime, expected, work);
-                          }};
+                      .on_loop_thread = [&options](control::Time expected,
+                                                   const std::function<void()>& work) { on_loop_thread(options.realtime, expected, work); }};
     const Report report = controller_report(options, doors, signals.stop());
     const int status = deliver(report, options.json);
     if (signals.number() == 0) return status;

@@ -39,13 +39,10 @@ MachineNeeds needs_of(const rt::Options& options) {
     return needs;
 }
 
-Check config_check(const rt::Options& options, const std::optional<rt::Setup>& setup,
-                   const std::string& refusal) {
+Check config_check(const rt::Options& options, const std::optional<rt::Setup>& setup, const std::string& refusal) {
     const std::string& wanted = options.check->expect_hash;
     if (!setup)
-        return judged(
-            "configuration", false,
-            {.measured = refusal, .required = "read, every value in its range", .remedy = "mend that line"});
+        return judged("configuration", false, {.measured = refusal, .required = "read, every value in its range", .remedy = "mend that line"});
     return judged("configuration", wanted.empty() || wanted == setup->config_hash,
                   {.measured = setup->config_hash,
                    .required = wanted.empty() ? "read, every value in its range" : wanted,
@@ -83,16 +80,14 @@ Check valve_step(const rt::Setup& setup, can::Bus& bus, rt::Clock& clock, const 
         port.clear_one_shots();
     }
     std::uint32_t sent = 0;
-    for (std::uint32_t i = 0; i < rt::ControlLoop::kSafeAttempts && sent < rt::ControlLoop::kSafeCommands;
-         ++i) {
+    for (std::uint32_t i = 0; i < rt::ControlLoop::kSafeAttempts && sent < rt::ControlLoop::kSafeCommands; ++i) {
         if (bus.send(port.valve_command(setup.control.valve.safe_current_mA))) ++sent;
         clock.sleep_until(clock.now() + setup.period);
     }
     return step.result();
 }
 
-Checks loop_checks(const rt::Options& options, const rt::Setup& setup, const Doors& doors,
-                   const std::atomic<bool>& stop) {
+Checks loop_checks(const rt::Options& options, const rt::Setup& setup, const Doors& doors, const std::atomic<bool>& stop) {
     const rt::CheckRequest& request = *options.check;
     std::string refusal;
     const std::unique_ptr<can::Bus> bus = open_bus(setup, doors, refusal);
@@ -101,10 +96,8 @@ Checks loop_checks(const rt::Options& options, const rt::Setup& setup, const Doo
     const control::Time duration = std::chrono::seconds{request.timing_s};
     Heard heard;
     doors.on_loop_thread(duration, [&] { heard = listen(setup, heard_on, doors.clock, duration, stop); });
-    Checks checks{judged("CAN socket", bus != nullptr,
-                         {.measured = bus ? "open" : refusal, .required = "open", .remedy = "as it says"})};
-    append(checks, bus ? frame_checks(heard, setup, options.interface)
-                       : frame_checks_skipped(setup, "nothing is heard"));
+    Checks checks{judged("CAN socket", bus != nullptr, {.measured = bus ? "open" : refusal, .required = "open", .remedy = "as it says"})};
+    append(checks, bus ? frame_checks(heard, setup, options.interface) : frame_checks_skipped(setup, "nothing is heard"));
     append(checks, timing_checks(heard, setup.period));
 
     const std::string required = "pressure follows a small step";
@@ -114,15 +107,12 @@ Checks loop_checks(const rt::Options& options, const rt::Setup& setup, const Doo
     }
     const std::string why = bus ? why_not_to_move_the_valve(heard, setup.control) : "no bus";
     if (!why.empty()) {
-        checks.push_back(judged("valve step", false,
-                                {.measured = "refused, valve untouched: " + why,
-                                 .required = required,
-                                 .remedy = "mend that first"}));
+        checks.push_back(
+            judged("valve step", false, {.measured = "refused, valve untouched: " + why, .required = required, .remedy = "mend that first"}));
         return checks;
     }
     Check step;
-    doors.on_loop_thread(ValveStep::kHold + ValveStep::kRelease,
-                         [&] { step = valve_step(setup, *bus, doors.clock, stop); });
+    doors.on_loop_thread(ValveStep::kHold + ValveStep::kRelease, [&] { step = valve_step(setup, *bus, doors.clock, stop); });
     checks.push_back(std::move(step));
     return checks;
 }
@@ -146,8 +136,7 @@ Report controller_report(const rt::Options& options, const Doors& doors, const s
     append(report.checks, real_time_checks(facts, needs));
     append(report.checks, clock_checks(facts));
     report.checks.push_back(record_check(facts, needs));
-    append(report.checks,
-           can_link_checks(doors.link(options.interface), options.interface, options.check->bitrate));
+    append(report.checks, can_link_checks(doors.link(options.interface), options.interface, options.check->bitrate));
     if (setup)
         append(report.checks, loop_checks(options, *setup, doors, stop));
     else

@@ -28,8 +28,7 @@ struct Doors {
 };
 
 /// Without a valve step it sends nothing. A configuration that cannot be read is a check that failed. `stop` ends it early.
-[[nodiscard]] Report controller_report(const rt::Options& options, const Doors& doors,
-                                       const std::atomic<bool>& stop);
+[[nodiscard]] Report controller_report(const rt::Options& options, const Doors& doors, const std::atomic<bool>& stop);
 
 /// On this machine; returns the exit status. `options.check` is set.
 [[nodiscard]] int check_controller(const rt::Options& options);

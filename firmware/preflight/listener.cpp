@@ -17,9 +17,7 @@ namespace {
 class Senses {
   public:
     explicit Senses(const control::Config& config)
-        : estimator_(config),
-          monitor_(config),
-          safe_Pa_(control::valve_pressure_Pa(config.valve, config.valve.safe_current_mA)) {}
+        : estimator_(config), monitor_(config), safe_Pa_(control::valve_pressure_Pa(config.valve, config.valve.safe_current_mA)) {}
 
     [[nodiscard]] control::FaultSet step(const control::Sensors& sensors, control::Time now) {
         (void)estimator_.update(sensors, safe_Pa_);
@@ -53,8 +51,7 @@ std::size_t OverheardBus::receive(std::span<can::Frame> frames) {
     return count;
 }
 
-Heard listen(const rt::Setup& setup, can::Bus& bus, rt::Clock& clock, const control::Time duration,
-             const std::atomic<bool>& stop) {
+Heard listen(const rt::Setup& setup, can::Bus& bus, rt::Clock& clock, const control::Time duration, const std::atomic<bool>& stop) {
     OverheardBus overheard(bus, setup.layout);
     can::ControllerPort port(setup.layout, setup.period);
     rt::FrameIntake intake(overheard, port);
@@ -74,8 +71,7 @@ Heard listen(const rt::Setup& setup, can::Bus& bus, rt::Clock& clock, const cont
         if (wake->now - began >= Heard::kSettle) note(heard, faults, senses);
         if (wake->now - began >= duration) break;
     }
-    for (const can::Role role : can::kToController)
-        heard.stats[static_cast<std::size_t>(role)] = port.stats(role);
+    for (const can::Role role : can::kToController) heard.stats[static_cast<std::size_t>(role)] = port.stats(role);
     heard.controller_frames = overheard.controller_frames();
     heard.link = overheard.status();
     return heard;

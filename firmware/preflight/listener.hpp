@@ -35,12 +35,8 @@ struct Heard {
 
     static constexpr control::Time kSettle{500'000'000};  ///< beyond every age limit
 
-    [[nodiscard]] const can::MessageStats& of(can::Role role) const {
-        return stats[static_cast<std::size_t>(role)];
-    }
-    [[nodiscard]] bool faulty(control::Fault fault) const {
-        return fault_periods[static_cast<std::size_t>(fault)] > 0;
-    }
+    [[nodiscard]] const can::MessageStats& of(can::Role role) const { return stats[static_cast<std::size_t>(role)]; }
+    [[nodiscard]] bool faulty(control::Fault fault) const { return fault_periods[static_cast<std::size_t>(fault)] > 0; }
 };
 
 /// A bus that takes note of the controller's own frames when somebody else sends them.
@@ -61,7 +57,6 @@ class OverheardBus final : public can::Bus {
 };
 
 /// For the loop's own thread, with its rights. `duration`: of listening, from one period to all that `stop` allows.
-[[nodiscard]] Heard listen(const rt::Setup& setup, can::Bus& bus, rt::Clock& clock, control::Time duration,
-                           const std::atomic<bool>& stop);
+[[nodiscard]] Heard listen(const rt::Setup& setup, can::Bus& bus, rt::Clock& clock, control::Time duration, const std::atomic<bool>& stop);
 
 }  // namespace antiskid::preflight

@@ -31,16 +31,11 @@ struct Input {
 };
 
 std::vector<Input> sensors() {
-    return {
-        {Role::wheel,
-         {Fault::wheel_lost, Fault::wheel_corrupt},
-         {Fault::wheel_range, Fault::wheel_rate, Fault::wheel_stuck}},
-        {Role::flywheel,
-         {Fault::flywheel_lost, Fault::flywheel_corrupt},
-         {Fault::flywheel_range, Fault::flywheel_rate, Fault::flywheel_stuck}},
-        {Role::pressure,
-         {Fault::pressure_lost, Fault::pressure_corrupt},
-         {Fault::pressure_range, Fault::pressure_rate, Fault::pressure_stuck, Fault::pressure_off_command}}};
+    return {{Role::wheel, {Fault::wheel_lost, Fault::wheel_corrupt}, {Fault::wheel_range, Fault::wheel_rate, Fault::wheel_stuck}},
+            {Role::flywheel, {Fault::flywheel_lost, Fault::flywheel_corrupt}, {Fault::flywheel_range, Fault::flywheel_rate, Fault::flywheel_stuck}},
+            {Role::pressure,
+             {Fault::pressure_lost, Fault::pressure_corrupt},
+             {Fault::pressure_range, Fault::pressure_rate, Fault::pressure_stuck, Fault::pressure_off_command}}};
 }
 
 std::vector<std::string_view> present(const Heard& heard, std::span<const Fault> faults) {
@@ -51,8 +46,7 @@ std::vector<std::string_view> present(const Heard& heard, std::span<const Fault>
 }
 
 std::string frames_required(const can::Message& message) {
-    return fmt::format("one every {:g} ms, none late, refused or lost",
-                       std::chrono::duration<double, std::milli>(message.period).count());
+    return fmt::format("one every {:g} ms, none late, refused or lost", std::chrono::duration<double, std::milli>(message.period).count());
 }
 
 std::string frames_name(Role role) {
@@ -65,80 +59,68 @@ double expected(const Heard& heard, const rt::Setup& setup, const can::Message& 
     return periods * std::chrono::duration<double>(setup.period) / message.period;
 }
 
-Check frames_check(const Heard& heard, const rt::Setup& setup, Role role, std::span<const Fault> arrival,
-                   const std::string& interface, Verdict absent) {
+Check frames_check(const Heard& heard, const rt::Setup& setup, Role role, std::span<const Fault> arrival, const std::string& interface,
+                   Verdict absent) {
     const can::Message& message = setup.layout[role];
     const can::MessageStats& stats = heard.of(role);
     const auto wrong = present(heard, arrival);
-    std::string measured =
-        stats.accepted + stats.rejected() == 0
-            ? std::string("none")
-            : fmt::format("{} good, {} refused, {} lost", stats.accepted, stats.rejected(), stats.lost);
+    std::string measured = stats.accepted + stats.rejected() == 0
+                               ? std::string("none")
+                               : fmt::format("{} good, {} refused, {} lost", stats.accepted, stats.rejected(), stats.lost);
     if (!wrong.empty() && stats.accepted > 0) measured += fmt::format(": {}", fmt::join(wrong, ", "));
     const bool silent = stats.accepted + stats.rejected() == 0;
     const bool undamaged = wrong.empty() && stats.accepted > 0 && stats.rejected() == 0 && stats.lost == 0;
     constexpr double kMost = 0.9;
     const bool enough = stats.accepted >= kMost * expected(heard, setup, message);
-    Check check =
-        judged(frames_name(role), undamaged && enough,
-               {.measured = std::move(measured),
-                .required = frames_required(message),
-                .remedy = silent && absent == Verdict::warn
-                              ? std::string("start rig-bridge: without it nothing is armed")
-                              : fmt::format("candump {},{:03X}:7FF; then cable, node, DBC and binding",
-                                            interface, message.id)},
-               silent      ? absent
-               : undamaged ? Verdict::warn
-                           : Verdict::fail);
+    Check check = judged(frames_name(role), undamaged && enough,
+                         {.measured = std::move(measured),
+                          .required = frames_required(message),
+                          .remedy = silent && absent == Verdict::warn
+                                        ? std::string("start rig-bridge: without it nothing is armed")
+                                        : fmt::format("candump {},{:03X}:7FF; then cable, node, DBC and binding", interface, message.id)},
+                         silent      ? absent
+                         : undamaged ? Verdict::warn
+                                     : Verdict::fail);
     check.figures = {{"accepted", stats.accepted}, {"refused", stats.rejected()}, {"lost", stats.lost}};
     return check;
 }
 
-Check value_check(const Heard& heard, const Input& input, bool at_rest, std::string measured,
-                  std::string required, std::string remedy) {
+Check value_check(const Heard& heard, const Input& input, bool at_rest, std::string measured, std::string required, std::string remedy) {
     const std::string name = fmt::format("{} at rest", can::name(input.role));
     if (heard.of(input.role).accepted == 0) return skipped(name, "no frame", std::move(required));
     const auto wrong = present(heard, input.value);
     if (!wrong.empty()) measured += fmt::format(": {}", fmt::join(wrong, ", "));
-    return judged(
-        name, at_rest && wrong.empty(),
-        {.measured = std::move(measured), .required = std::move(required), .remedy = std::move(remedy)});
+    return judged(name, at_rest && wrong.empty(), {.measured = std::move(measured), .required = std::move(required), .remedy = std::move(remedy)});
 }
 
 Check shaft_check(const Heard& heard, const Input& input, float speed_radps) {
-    return value_check(heard, input, speed_radps < kAtRest_radps, fmt::format("{:.2f} rad/s", speed_radps),
-                       "0, plausible", "wait until it stands; else docs/faults.md has the fault");
+    return value_check(heard, input, speed_radps < kAtRest_radps, fmt::format("{:.2f} rad/s", speed_radps), "0, plausible",
+                       "wait until it stands; else docs/faults.md has the fault");
 }
 
 Check pressure_check(const Heard& heard, const Input& input, const control::Config& config) {
     const float most = config.supervisor.residual_pressure_Pa;
-    return value_check(heard, input, std::abs(heard.pressure_Pa) < most,
-                       fmt::format("{:.3f} MPa", heard.pressure_Pa * 1e-6F),
-                       fmt::format("below {:.3f} MPa, plausible", most * 1e-6F),
-                       "release the brake; else gauge, leak or a spool that sticks");
+    return value_check(heard, input, std::abs(heard.pressure_Pa) < most, fmt::format("{:.3f} MPa", heard.pressure_Pa * 1e-6F),
+                       fmt::format("below {:.3f} MPa, plausible", most * 1e-6F), "release the brake; else gauge, leak or a spool that sticks");
 }
 
 Check stop_check(const Heard& heard) {
     const bool stopped = heard.faulty(Fault::emergency_stop) || heard.of(Role::emergency_stop).accepted > 0;
     return judged("emergency stop", !stopped,
-                  {.measured = stopped ? "pressed" : "not pressed",
-                   .required = "not pressed",
-                   .remedy = "find out who pressed it, then release it"});
+                  {.measured = stopped ? "pressed" : "not pressed", .required = "not pressed", .remedy = "find out who pressed it, then release it"});
 }
 
 Check link_check(const Heard& heard) {
     const can::LinkStatus& link = heard.link;
-    const bool good = link.up && !link.bus_off && link.error_frames == 0 && link.receive_dropped == 0 &&
-                      !heard.faulty(Fault::bus_off);
-    Check check =
-        judged("CAN while listening", good,
-               {.measured = fmt::format("{}, {} error frames, {} dropped",
-                                        link.bus_off ? "bus-off"
-                                        : link.up    ? "up"
-                                                     : "down",
-                                        link.error_frames, link.receive_dropped),
-                .required = "up, no error frame, none dropped",
-                .remedy = "termination and bit rate; dropped: sysctl -w net.core.rmem_max=1048576"});
+    const bool good = link.up && !link.bus_off && link.error_frames == 0 && link.receive_dropped == 0 && !heard.faulty(Fault::bus_off);
+    Check check = judged("CAN while listening", good,
+                         {.measured = fmt::format("{}, {} error frames, {} dropped",
+                                                  link.bus_off ? "bus-off"
+                                                  : link.up    ? "up"
+                                                               : "down",
+                                                  link.error_frames, link.receive_dropped),
+                          .required = "up, no error frame, none dropped",
+                          .remedy = "termination and bit rate; dropped: sysctl -w net.core.rmem_max=1048576"});
     check.figures = {{"error_frames", link.error_frames}, {"dropped", link.receive_dropped}};
     return check;
 }
@@ -146,9 +128,7 @@ Check link_check(const Heard& heard) {
 Check alone_check(const Heard& heard, const std::string& interface) {
     return judged(
         "only controller", heard.controller_frames == 0,
-        {.measured = heard.controller_frames == 0
-                         ? std::string("no other")
-                         : fmt::format("another one sent {} frames", heard.controller_frames),
+        {.measured = heard.controller_frames == 0 ? std::string("no other") : fmt::format("another one sent {} frames", heard.controller_frames),
          .required = "no other",
          .remedy = fmt::format("systemctl stop antiskid-controller@{}, or end it by Ctrl-C", interface)});
 }
@@ -157,15 +137,12 @@ double us(control::Time time) {
     return std::chrono::duration<double, std::micro>(time).count();
 }
 
-Check duration_check(const std::string& name, const rt::Histogram& histogram, control::Time judged_one,
-                     std::string_view which, control::Time most) {
-    Check check =
-        judged(name, judged_one <= most,
-               {.measured = fmt::format("p50 {:.1f}, p99 {:.1f}, p99.9 {:.1f}, max {:.1f} us",
-                                        us(histogram.percentile(0.5)), us(histogram.percentile(0.99)),
-                                        us(histogram.percentile(0.999)), us(histogram.maximum())),
-                .required = fmt::format("{} at most {:.0f} us", which, us(most)),
-                .remedy = "docs/real_time.md, step by step"});
+Check duration_check(const std::string& name, const rt::Histogram& histogram, control::Time judged_one, std::string_view which, control::Time most) {
+    Check check = judged(name, judged_one <= most,
+                         {.measured = fmt::format("p50 {:.1f}, p99 {:.1f}, p99.9 {:.1f}, max {:.1f} us", us(histogram.percentile(0.5)),
+                                                  us(histogram.percentile(0.99)), us(histogram.percentile(0.999)), us(histogram.maximum())),
+                          .required = fmt::format("{} at most {:.0f} us", which, us(most)),
+                          .remedy = "docs/real_time.md, step by step"});
     check.figures = {{"p50_us", us(histogram.percentile(0.5))},
                      {"p99_us", us(histogram.percentile(0.99))},
                      {"p99_9_us", us(histogram.percentile(0.999))},
@@ -177,8 +154,7 @@ Check duration_check(const std::string& name, const rt::Histogram& histogram, co
 
 Checks frame_checks(const Heard& heard, const rt::Setup& setup, const std::string& interface) {
     Checks checks;
-    for (const Input& input : sensors())
-        checks.push_back(frames_check(heard, setup, input.role, input.arrival, interface, Verdict::fail));
+    for (const Input& input : sensors()) checks.push_back(frames_check(heard, setup, input.role, input.arrival, interface, Verdict::fail));
     const auto inputs = sensors();
     checks.push_back(shaft_check(heard, inputs[0], heard.wheel_radps));
     checks.push_back(shaft_check(heard, inputs[1], heard.flywheel_radps));
@@ -201,14 +177,12 @@ Checks frame_checks_skipped(const rt::Setup& setup, const std::string& why) {
 }
 
 Checks timing_checks(const Heard& heard, const control::Time period) {
-    Checks checks{
-        duration_check("loop latency", heard.latency, heard.latency.percentile(0.999), "p99.9", period / 5),
-        duration_check("loop work", heard.work, heard.work.maximum(), "max", period / 2)};
-    checks.push_back(judged(
-        "missed periods", heard.missed_periods == 0 && heard.periods > 0,
-        {.measured = fmt::format("{} of {}", heard.missed_periods, heard.missed_periods + heard.periods),
-         .required = "none",
-         .remedy = "docs/real_time.md, step by step"}));
+    Checks checks{duration_check("loop latency", heard.latency, heard.latency.percentile(0.999), "p99.9", period / 5),
+                  duration_check("loop work", heard.work, heard.work.maximum(), "max", period / 2)};
+    checks.push_back(judged("missed periods", heard.missed_periods == 0 && heard.periods > 0,
+                            {.measured = fmt::format("{} of {}", heard.missed_periods, heard.missed_periods + heard.periods),
+                             .required = "none",
+                             .remedy = "docs/real_time.md, step by step"}));
     return checks;
 }
 

@@ -31,10 +31,9 @@ struct MachineFacts {
         int cpu = 0;
         std::string name;
     };
-    std::vector<Governor>
-        governors;             ///< of the loop's processor, or of all; empty: the kernel scales no frequency
-    std::string isolated;      ///< as isolcpus= has them: "2-3,5"
-    std::string clock_source;  ///< "tsc", "hpet", ...
+    std::vector<Governor> governors;  ///< of the loop's processor, or of all; empty: the kernel scales no frequency
+    std::string isolated;             ///< as isolcpus= has them: "2-3,5"
+    std::string clock_source;         ///< "tsc", "hpet", ...
     double clock_resolution_s = 0.0;  ///< CLOCK_MONOTONIC
     bool clock_synchronised = false;  ///< the wall clock, as adjtimex(2) has it
     double record_free_bytes = 0.0;

@@ -27,8 +27,7 @@ bool lists(std::string_view list, int number) {
 }
 
 std::string rights_command(const std::string& program) {
-    return fmt::format("setcap cap_sys_nice,cap_ipc_lock+ep $(command -v {0}), or run it as the service {0}@",
-                       program);
+    return fmt::format("setcap cap_sys_nice,cap_ipc_lock+ep $(command -v {0}), or run it as the service {0}@", program);
 }
 
 std::string size_text(double bytes) {
@@ -63,11 +62,11 @@ Check processor_check(const MachineFacts& facts, const MachineNeeds& needs) {
                 .required = "--cpu N, one that does nothing else",
                 .remedy = "give --cpu, e.g. --cpu 1",
                 .figures = {}};
-    return judged("processor of the loop", facts.pinned,
-                  {.measured = facts.pinned ? fmt::format("pinned to {}", *needs.cpu)
-                                            : fmt::format("{} does not exist or is not allowed", *needs.cpu),
-                   .required = fmt::format("processor {}", *needs.cpu),
-                   .remedy = "give --cpu one of `taskset -cp $$`"});
+    return judged(
+        "processor of the loop", facts.pinned,
+        {.measured = facts.pinned ? fmt::format("pinned to {}", *needs.cpu) : fmt::format("{} does not exist or is not allowed", *needs.cpu),
+         .required = fmt::format("processor {}", *needs.cpu),
+         .remedy = "give --cpu one of `taskset -cp $$`"});
 }
 
 Check isolation_check(const MachineFacts& facts, const MachineNeeds& needs) {
@@ -85,10 +84,8 @@ Check isolation_check(const MachineFacts& facts, const MachineNeeds& needs) {
 
 Check governor_check(const MachineFacts& facts) {
     const std::string required = "performance";
-    if (facts.governors.empty())
-        return skipped("frequency governor", "this kernel scales no frequency here", required);
-    const auto slow = std::find_if(facts.governors.begin(), facts.governors.end(),
-                                   [&](const auto& governor) { return governor.name != required; });
+    if (facts.governors.empty()) return skipped("frequency governor", "this kernel scales no frequency here", required);
+    const auto slow = std::find_if(facts.governors.begin(), facts.governors.end(), [&](const auto& governor) { return governor.name != required; });
     const bool good = slow == facts.governors.end();
     return judged("frequency governor", good,
                   {.measured = good ? required : fmt::format("{} on processor {}", slow->name, slow->cpu),
@@ -107,12 +104,10 @@ Check scheduler_check(const MachineFacts& facts, const MachineNeeds& needs) {
                 .required = "SCHED_FIFO",
                 .remedy = "give --priority 1 to 99",
                 .figures = {}};
-    return judged(
-        "scheduler rights", facts.fifo_granted,
-        {.measured =
-             facts.fifo_granted ? "granted" : fmt::format("refused; RLIMIT_RTPRIO {}", facts.rtprio_limit),
-         .required = required,
-         .remedy = rights_command(needs.program)});
+    return judged("scheduler rights", facts.fifo_granted,
+                  {.measured = facts.fifo_granted ? "granted" : fmt::format("refused; RLIMIT_RTPRIO {}", facts.rtprio_limit),
+                   .required = required,
+                   .remedy = rights_command(needs.program)});
 }
 
 Checks real_time_checks(const MachineFacts& facts, const MachineNeeds& needs) {
@@ -123,28 +118,24 @@ Checks real_time_checks(const MachineFacts& facts, const MachineNeeds& needs) {
 Checks clock_checks(const MachineFacts& facts) {
     constexpr double kFine_s = 1e-6;
     // Read through the chipset they cost microseconds each, and the loop reads one in every period.
-    const bool slow = facts.clock_source == "hpet" || facts.clock_source == "acpi_pm" ||
-                      facts.clock_source.find("jiffies") != std::string::npos;
-    return {
-        judged("monotonic clock", !slow && facts.clock_resolution_s <= kFine_s,
-               {.measured = fmt::format("{}, {:.3g} ns", facts.clock_source, facts.clock_resolution_s * 1e9),
-                .required = "a processor's counter, 1000 ns or finer",
-                .remedy = "boot with clocksource=tsc tsc=reliable"}),
-        judged("wall clock", facts.clock_synchronised,
-               {.measured = facts.clock_synchronised ? "synchronised" : "not synchronised",
-                .required = "synchronised: records carry its time",
-                .remedy = "timedatectl set-ntp true"},
-               Verdict::warn)};
+    const bool slow = facts.clock_source == "hpet" || facts.clock_source == "acpi_pm" || facts.clock_source.find("jiffies") != std::string::npos;
+    return {judged("monotonic clock", !slow && facts.clock_resolution_s <= kFine_s,
+                   {.measured = fmt::format("{}, {:.3g} ns", facts.clock_source, facts.clock_resolution_s * 1e9),
+                    .required = "a processor's counter, 1000 ns or finer",
+                    .remedy = "boot with clocksource=tsc tsc=reliable"}),
+            judged("wall clock", facts.clock_synchronised,
+                   {.measured = facts.clock_synchronised ? "synchronised" : "not synchronised",
+                    .required = "synchronised: records carry its time",
+                    .remedy = "timedatectl set-ntp true"},
+                   Verdict::warn)};
 }
 
 Check record_check(const MachineFacts& facts, const MachineNeeds& needs) {
-    const std::string required =
-        fmt::format("{} free in {}", size_text(needs.record_bytes), needs.record.string());
+    const std::string required = fmt::format("{} free in {}", size_text(needs.record_bytes), needs.record.string());
     if (!facts.record_refusal.empty())
-        return judged("disk of the record", false,
-                      {.measured = facts.record_refusal,
-                       .required = required,
-                       .remedy = "give a folder that is yours to write, or `chown` this one"});
+        return judged(
+            "disk of the record", false,
+            {.measured = facts.record_refusal, .required = required, .remedy = "give a folder that is yours to write, or `chown` this one"});
     Check check = judged("disk of the record", facts.record_free_bytes >= needs.record_bytes,
                          {.measured = size_text(facts.record_free_bytes) + " free",
                           .required = required,

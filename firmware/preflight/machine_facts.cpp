@@ -27,8 +27,7 @@ std::string first_line(const std::filesystem::path& file) {
     return line;
 }
 
-std::vector<MachineFacts::Governor> governors(const std::filesystem::path& processors,
-                                              std::optional<int> only) {
+std::vector<MachineFacts::Governor> governors(const std::filesystem::path& processors, std::optional<int> only) {
     constexpr std::string_view kPrefix = "cpu";
     std::vector<MachineFacts::Governor> found;
     std::error_code none;
@@ -58,8 +57,7 @@ void look_at_clock(MachineFacts& facts, const std::filesystem::path& root) {
     facts.clock_source = first_line(root / "sys/devices/system/clocksource/clocksource0/current_clocksource");
     timespec resolution{};
     clock_getres(CLOCK_MONOTONIC, &resolution);
-    facts.clock_resolution_s =
-        static_cast<double>(resolution.tv_sec) + 1e-9 * static_cast<double>(resolution.tv_nsec);
+    facts.clock_resolution_s = static_cast<double>(resolution.tv_sec) + 1e-9 * static_cast<double>(resolution.tv_nsec);
     timex wall{};
     facts.clock_synchronised = adjtimex(&wall) != TIME_ERROR && (wall.status & STA_UNSYNC) == 0;
 }

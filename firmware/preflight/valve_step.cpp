@@ -33,15 +33,13 @@ ValveStep::ValveStep(const control::Config& config)
       target_Pa_(2.0F * config.supervisor.residual_pressure_Pa),
       current_mA_(control::valve_current_mA(config.valve, target_Pa_)),
       // A second-order lag passes half after 1.7 / omega_n, behind the delay: a valve four times slower has its spool stuck in varnish.
-      answer_(seconds(static_cast<double>(config.valve.delay_s) +
-                      7.0 / static_cast<double>(config.valve.natural_frequency_radps))),
+      answer_(seconds(static_cast<double>(config.valve.delay_s) + 7.0 / static_cast<double>(config.valve.natural_frequency_radps))),
       most_age_(seconds(static_cast<double>(config.monitor.sensor_max_age_s))) {}
 
 std::string ValveStep::alarm(const control::Sensors& sensors, control::Time now) const {
     if (sensors.emergency_stop) return "emergency stop";
     if (sensors.bus_off) return "the link is down";
-    for (const control::Time received :
-         {sensors.wheel.received, sensors.flywheel.received, sensors.pressure.received})
+    for (const control::Time received : {sensors.wheel.received, sensors.flywheel.received, sensors.pressure.received})
         if (received == control::kNever || now - received > most_age_) return "a sensor fell silent";
     if (moved(sensors.wheel, at_begin_.wheel)) return "the wheel turns";
     if (moved(sensors.flywheel, at_begin_.flywheel)) return "the flywheel turns";
@@ -89,23 +87,17 @@ void ValveStep::release(const float pressure_Pa, const control::Time since) {
 Check ValveStep::result() const {
     const double target_MPa = 1e-6 * static_cast<double>(target_Pa_);
     const std::string required =
-        fmt::format("{:.2f} MPa +- {:.0f} %, half of it within {:.0f} ms, up and down", target_MPa,
-                    100.0 * kTolerance, ms(answer_));
-    const std::string remedy =
-        "hydraulics on? else docs/faults.md, pressure_off_command; [valve] of controller.toml";
+        fmt::format("{:.2f} MPa +- {:.0f} %, half of it within {:.0f} ms, up and down", target_MPa, 100.0 * kTolerance, ms(answer_));
+    const std::string remedy = "hydraulics on? else docs/faults.md, pressure_off_command; [valve] of controller.toml";
     if (!aborted_.empty())
-        return judged(
-            "valve step", false,
-            {.measured = "ended at the safe current: " + aborted_, .required = required, .remedy = remedy});
+        return judged("valve step", false, {.measured = "ended at the safe current: " + aborted_, .required = required, .remedy = remedy});
     const double plateau_MPa = plateau_count_ > 0 ? 1e-6 * plateau_sum_Pa_ / plateau_count_ : 0.0;
-    const bool good = std::abs(plateau_MPa - target_MPa) <= kTolerance * target_MPa && rise_ &&
-                      *rise_ <= answer_ && fall_ && *fall_ <= answer_;
-    Check check =
-        judged("valve step", good,
-               {.measured = fmt::format("{:.2f} mA: {:.3f} MPa, up after {:.0f} ms, down after {:.0f} ms",
-                                        current_mA_, plateau_MPa, ms(rise_), ms(fall_)),
-                .required = required,
-                .remedy = remedy});
+    const bool good = std::abs(plateau_MPa - target_MPa) <= kTolerance * target_MPa && rise_ && *rise_ <= answer_ && fall_ && *fall_ <= answer_;
+    Check check = judged(
+        "valve step", good,
+        {.measured = fmt::format("{:.2f} mA: {:.3f} MPa, up after {:.0f} ms, down after {:.0f} ms", current_mA_, plateau_MPa, ms(rise_), ms(fall_)),
+         .required = required,
+         .remedy = remedy});
     check.figures = {{"current_mA", static_cast<double>(current_mA_)}, {"pressure_MPa", plateau_MPa}};
     if (rise_) check.figures.emplace_back("rise_ms", ms(rise_));
     if (fall_) check.figures.emplace_back("fall_ms", ms(fall_));

@@ -30,13 +30,11 @@ std::string recorded_stop() {
     const plant_sim::ScenarioOptions usual;
     const plant_sim::Scenario s = plant_sim::load_scenario(usual);
     std::string log;
-    (void)study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames, {},
-                                [&](const antiskid::can::Frame& frame) {
-                                    std::array<char, antiskid::can::kCandumpLineMost> line{};
-                                    const std::size_t size =
-                                        antiskid::can::format_candump(frame.received, "vcan0", frame, line);
-                                    log.append(line.data(), size).push_back('\n');
-                                });
+    (void)study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames, {}, [&](const antiskid::can::Frame& frame) {
+        std::array<char, antiskid::can::kCandumpLineMost> line{};
+        const std::size_t size = antiskid::can::format_candump(frame.received, "vcan0", frame, line);
+        log.append(line.data(), size).push_back('\n');
+    });
     return log;
 }
 
@@ -53,17 +51,14 @@ double read_s(const fs::path& file, std::uint64_t& frames) {
 double children_s() {
     rusage used{};
     getrusage(RUSAGE_CHILDREN, &used);
-    const auto seconds = [](const timeval& t) {
-        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    };
+    const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
     return seconds(used.ru_utime) + seconds(used.ru_stime);
 }
 
 double log2asc_s(const fs::path& file) {
     const double before = children_s();
     const std::string command = "log2asc -I '" + file.string() + "' -O /dev/null vcan0";
-    if (std::system(command.c_str()) != 0)
-        throw std::runtime_error(command + ": failed");  // NOLINT(concurrency-mt-unsafe)
+    if (std::system(command.c_str()) != 0) throw std::runtime_error(command + ": failed");  // NOLINT(concurrency-mt-unsafe)
     return children_s() - before;
 }
 
@@ -101,17 +96,13 @@ int run(const fs::path& folder) {
         commands = report.count(antiskid::can::Role::valve).compared;
         different = report.count(antiskid::can::Role::valve).different;
     }
-    const auto rate = [&](const std::vector<double>& seconds) {
-        return static_cast<double>(frames) / bench::median(seconds) * 1e-6;
-    };
-    fmt::print("{} frames, {:.0f} MB, median of {} rounds\n", frames,
-               static_cast<double>(fs::file_size(plain)) * 1e-6, kRounds);
+    const auto rate = [&](const std::vector<double>& seconds) { return static_cast<double>(frames) / bench::median(seconds) * 1e-6; };
+    fmt::print("{} frames, {:.0f} MB, median of {} rounds\n", frames, static_cast<double>(fs::file_size(plain)) * 1e-6, kRounds);
     fmt::print("{:<42}{:>8.2f} million frames a second\n", "rig-replay's reader, plain", rate(ours));
     fmt::print("{:<42}{:>8.2f}\n", "rig-replay's reader, gzip", rate(gzip));
     fmt::print("{:<42}{:>8.2f}\n", "log2asc, plain, to /dev/null", rate(theirs));
     fmt::print("{:<42}{:>8.2f}\n", "ratio to log2asc, plain", rate(ours) / rate(theirs));
-    fmt::print("controller replay of one stop: {:.0f} times real time, {} of {} command frames differ\n",
-               bench::median(factor), different, commands);
+    fmt::print("controller replay of one stop: {:.0f} times real time, {} of {} command frames differ\n", bench::median(factor), different, commands);
     const nlohmann::ordered_json json{{"frames", frames},
                                       {"plain_frames_per_s", rate(ours) * 1e6},
                                       {"gzip_frames_per_s", rate(gzip) * 1e6},

@@ -68,14 +68,11 @@ std::vector<Case> cases(double longest_s) {
             choice.maneuver = maneuver;
             const plant::RigParameters rig = plant::load_rig("config", choice).rig;
             const auto shapes = profiles(rig);
-            for (const Profile& profile :
-                 {shapes.at(0).pressure_Pa, shapes.at(1).pressure_Pa, stairs(least_peak_pressure_Pa(rig))}) {
+            for (const Profile& profile : {shapes.at(0).pressure_Pa, shapes.at(1).pressure_Pa, stairs(least_peak_pressure_Pa(rig))}) {
                 reference::Options options;
                 options.longest_s = longest_s;
                 options.output_s = 1.0;
-                const double end_s =
-                    reference::integrate(rig, reference::Input::valve, profile, options, [](const auto&) {
-                    }).time_s;
+                const double end_s = reference::integrate(rig, reference::Input::valve, profile, options, [](const auto&) {}).time_s;
                 all.push_back({rig, profile, std::floor(end_s * 100.0) * 0.01});
             }
         }
@@ -85,10 +82,7 @@ std::vector<Case> cases(double longest_s) {
 
 /// Valve and wheel of plant_sim/model on a fixed step, without sensors.
 void run_fixed(const Case& c, double output_s, double step_s, Trajectory& out) {
-    plant::Wheel wheel(
-        c.rig.wheel,
-        plant::BrakeTorque(c.rig.brake, c.rig.friction_curve, c.rig.mean_friction, c.rig.brake_on_mps),
-        c.rig.surface);
+    plant::Wheel wheel(c.rig.wheel, plant::BrakeTorque(c.rig.brake, c.rig.friction_curve, c.rig.mean_friction, c.rig.brake_on_mps), c.rig.surface);
     plant::Valve valve(c.rig.valve, step_s);
     const plant::LoadArc load{c.rig.load.base_N, 0.0, c.rig.load.lift_Ns2pm2};
     plant::WheelState state;
@@ -101,9 +95,7 @@ void run_fixed(const Case& c, double output_s, double step_s, Trajectory& out) {
     const auto& p = c.static_Pa;
     // The value right after `t`, or right before it where the profile jumps there.
     const auto value = [&](double t, bool after) {
-        while (knot + 1 < p.size() &&
-               (after ? p[knot + 1].time_s <= t + 1e-9 : p[knot + 1].time_s < t - 1e-9))
-            ++knot;
+        while (knot + 1 < p.size() && (after ? p[knot + 1].time_s <= t + 1e-9 : p[knot + 1].time_s < t - 1e-9)) ++knot;
         if (knot + 1 == p.size()) return p[knot].value;
         const double span = p[knot + 1].time_s - p[knot].time_s;
         return p[knot].value + (p[knot + 1].value - p[knot].value) * (t - p[knot].time_s) / span;
@@ -140,10 +132,9 @@ void run_cvode(const Case& c, double step_s, double tolerance, bool integrals_de
     options.longest_s = c.end_s + 0.5 * step_s;
     options.output_s = step_s;
     options.integrals_decide = integrals_decide;
-    reference::integrate(c.rig, reference::Input::valve, c.static_Pa, options,
-                         [&](const reference::Motion& m) {
-                             out.push_back({m.v_mps, m.omega_radps});
-                         });
+    reference::integrate(c.rig, reference::Input::valve, c.static_Pa, options, [&](const reference::Motion& m) {
+        out.push_back({m.v_mps, m.omega_radps});
+    });
 }
 
 void run_odeint(const Case& c, double step_s, double tolerance, Trajectory& out) {
@@ -164,14 +155,11 @@ void run_odeint(const Case& c, double step_s, double tolerance, Trajectory& out)
         if (to_s <= from_s) continue;
         equations.start_s = from_s;
         equations.start_Pa = acting[k].value;
-        equations.slope_Paps = k + 1 < acting.size()
-                                   ? (acting[k + 1].value - acting[k].value) / (acting[k + 1].time_s - from_s)
-                                   : 0.0;
+        equations.slope_Paps = k + 1 < acting.size() ? (acting[k + 1].value - acting[k].value) / (acting[k + 1].time_s - from_s) : 0.0;
         stepper.initialize(x, from_s, 1e-5);
         while (stepper.current_time() < to_s) {
             const double left_s = to_s - stepper.current_time();
-            if (stepper.current_time_step() > left_s)
-                stepper.initialize(bench::OdeState(stepper.current_state()), stepper.current_time(), left_s);
+            if (stepper.current_time_step() > left_s) stepper.initialize(bench::OdeState(stepper.current_state()), stepper.current_time(), left_s);
             stepper.do_step(std::cref(equations));
             for (; static_cast<double>(next) * step_s <= stepper.current_time() + 1e-12; ++next) {
                 stepper.calc_state(static_cast<double>(next) * step_s, at);
@@ -197,23 +185,16 @@ std::vector<Contestant> contestants() {
     std::vector<Contestant> all;
     for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9})
         all.push_back({kOurs, fmt::format("tolerance {:.0e}", tolerance),
-                       [=](const Case& c, double output_s, Trajectory& out) {
-                           run_open_loop(c, output_s, tolerance, out);
-                       }});
+                       [=](const Case& c, double output_s, Trajectory& out) { run_open_loop(c, output_s, tolerance, out); }});
     for (const double step_s : {5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4})
-        all.push_back(
-            {kFixed, fmt::format("{:g} ms", step_s * 1e3),
-             [=](const Case& c, double output_s, Trajectory& out) { run_fixed(c, output_s, step_s, out); }});
+        all.push_back({kFixed, fmt::format("{:g} ms", step_s * 1e3),
+                       [=](const Case& c, double output_s, Trajectory& out) { run_fixed(c, output_s, step_s, out); }});
     for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10})
         all.push_back({kOdeint, fmt::format("tolerance {:.0e}", tolerance),
-                       [=](const Case& c, double output_s, Trajectory& out) {
-                           run_odeint(c, output_s, tolerance, out);
-                       }});
+                       [=](const Case& c, double output_s, Trajectory& out) { run_odeint(c, output_s, tolerance, out); }});
     for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8})
         all.push_back({kCvode, fmt::format("tolerance {:.0e}", tolerance),
-                       [=](const Case& c, double output_s, Trajectory& out) {
-                           run_cvode(c, output_s, tolerance, false, out);
-                       }});
+                       [=](const Case& c, double output_s, Trajectory& out) { run_cvode(c, output_s, tolerance, false, out); }});
     return all;
 }
 
@@ -223,8 +204,7 @@ void judge(Contestant& one, const Case& c, double output_s, const Trajectory& tr
     const bench::Equations equations(c.rig);
     for (std::size_t i = 0; i < std::min(mine.size(), truth.size()); ++i) {
         one.error_v = std::max(one.error_v, std::abs(mine[i].v / truth[i].v - 1.0));
-        one.error_omega = std::max(
-            one.error_omega, std::abs(mine[i].omega - truth[i].omega) / equations.rolling_radps(truth[i].v));
+        one.error_omega = std::max(one.error_omega, std::abs(mine[i].omega - truth[i].omega) / equations.rolling_radps(truth[i].v));
     }
     if (mine.size() + 1 < truth.size()) one.error_v = one.error_omega = 1.0;
 }
@@ -260,17 +240,14 @@ void draw(const std::vector<Contestant>& all, double simulated_s, const std::fil
         const std::size_t number = script.size();
         script += fmt::format("$m{} << EOD\n", number);
         for (const Contestant& one : all)
-            if (one.method == method)
-                script += fmt::format("{:.6g} {:.6g}\n", one.median_s() / simulated_s * 1e6, one.error_omega);
+            if (one.method == method) script += fmt::format("{:.6g} {:.6g}\n", one.median_s() / simulated_s * 1e6, one.error_omega);
         script += "EOD\n";
-        plots += fmt::format("{}$m{} with linespoints pt 7 lw 1.5 title {}", plots.empty() ? "plot " : ", ",
-                             number, study::gnuplot_quoted(method));
+        plots += fmt::format("{}$m{} with linespoints pt 7 lw 1.5 title {}", plots.empty() ? "plot " : ", ", number, study::gnuplot_quoted(method));
     }
     study::run_gnuplot(png, 900, 650, script + plots + "\n");
 }
 
-nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int rounds,
-                            const std::filesystem::path& png) {
+nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int rounds, const std::filesystem::path& png) {
     std::vector<Contestant> them = contestants();
     double simulated_s = 0.0, reference_error = 0.0;
     for (const Case& c : all) {
@@ -278,8 +255,7 @@ nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int r
         Trajectory truth;
         run_cvode(c, output_s, 1e-12, true, truth);
         for (Contestant& one : them) judge(one, c, output_s, truth);
-        Contestant other{"", "",
-                         [](const Case& k, double h, Trajectory& out) { run_odeint(k, h, 1e-12, out); }};
+        Contestant other{"", "", [](const Case& k, double h, Trajectory& out) { run_odeint(k, h, 1e-12, out); }};
         judge(other, c, output_s, truth);
         reference_error = std::max(reference_error, other.error_omega);
     }
@@ -300,8 +276,7 @@ nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int r
         "{:.0e} of the "
         "reference\n",
         all.size(), simulated_s, output_s * 1e3, rounds, reference_error);
-    fmt::print("  {:<26} {:>16} {:>12} {:>10} {:>12} {:>24}\n", "", "", "ns per sim. ms", "error v",
-               "error omega", "odeint, at equal error");
+    fmt::print("  {:<26} {:>16} {:>12} {:>10} {:>12} {:>24}\n", "", "", "ns per sim. ms", "error v", "error omega", "odeint, at equal error");
     nlohmann::ordered_json json{{"output_s", output_s},
                                 {"runs", all.size()},
                                 {"simulated_s", simulated_s},
@@ -311,17 +286,14 @@ nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int r
         const double ns_per_ms = one.median_s() / simulated_s * 1e6;
         const double ratio = seconds_for(them, kOdeint, one.error_omega) / one.median_s();
         const bool compared = one.method != kOdeint && std::isfinite(ratio);
-        fmt::print("  {:<26} {:>16} {:>12.1f} {:>10.1e} {:>12.1e} {:>24}\n", one.method, one.setting,
-                   ns_per_ms, one.error_v, one.error_omega,
+        fmt::print("  {:<26} {:>16} {:>12.1f} {:>10.1e} {:>12.1e} {:>24}\n", one.method, one.setting, ns_per_ms, one.error_v, one.error_omega,
                    compared ? fmt::format("takes {:.2f} times", ratio) : "");
-        json["integrators"].push_back(
-            {{"method", one.method},
-             {"setting", one.setting},
-             {"ns_per_simulated_ms", ns_per_ms},
-             {"error_v", one.error_v},
-             {"error_omega", one.error_omega},
-             {"odeint_over_this_at_equal_error",
-              compared ? nlohmann::ordered_json(ratio) : nlohmann::ordered_json()}});
+        json["integrators"].push_back({{"method", one.method},
+                                       {"setting", one.setting},
+                                       {"ns_per_simulated_ms", ns_per_ms},
+                                       {"error_v", one.error_v},
+                                       {"error_omega", one.error_omega},
+                                       {"odeint_over_this_at_equal_error", compared ? nlohmann::ordered_json(ratio) : nlohmann::ordered_json()}});
     }
     draw(them, simulated_s, png);
     return json;
@@ -345,9 +317,7 @@ int run(int argc, char** argv) {
     double longest_s = 10.0;
     std::string json = "out/bench/plant.json";
     app.add_option("--rounds", rounds, "of all, in turns")->check(CLI::Range(1, 1000))->capture_default_str();
-    app.add_option("--longest", longest_s, "of a run, simulated seconds")
-        ->check(CLI::Range(1.0, 200.0))
-        ->capture_default_str();
+    app.add_option("--longest", longest_s, "of a run, simulated seconds")->check(CLI::Range(1.0, 200.0))->capture_default_str();
     app.add_option("--json", json, "where the figures go, the picture beside them")->capture_default_str();
     try {
         app.parse(argc, argv);

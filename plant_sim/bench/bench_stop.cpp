@@ -91,20 +91,16 @@ nlohmann::ordered_json step_cost(const plant_sim::Scenario& s) {
             sum += controller.step(seen[i], kPeriod * static_cast<std::int64_t>(i)).current_mA;
         }
     });
-    if (instructions)
-        out["instructions_per_step"] = static_cast<double>(*instructions) / static_cast<double>(seen.size());
+    if (instructions) out["instructions_per_step"] = static_cast<double>(*instructions) / static_cast<double>(seen.size());
     return out;
 }
 
 int run() {
-    constexpr const char* kScenarios[][2] = {{"heavy", "dry_asphalt"},
-                                             {"light", "dry_cobblestone"},
-                                             {"medium_a", "wet_asphalt"},
-                                             {"medium_b", "wet_cobblestone"},
-                                             {"light", "snow"}};
+    constexpr const char* kScenarios[][2] = {
+        {"heavy", "dry_asphalt"}, {"light", "dry_cobblestone"}, {"medium_a", "wet_asphalt"}, {"medium_b", "wet_cobblestone"}, {"light", "snow"}};
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-    fmt::print("{:<10}{:<18}{:>12}{:>14}{:>14}{:>9}{:>14}\n", "maneuver", "surface", "steps", "ours (x real)",
-               "odeint (x real)", "ratio", "distances (m)");
+    fmt::print("{:<10}{:<18}{:>12}{:>14}{:>14}{:>9}{:>14}\n", "maneuver", "surface", "steps", "ours (x real)", "odeint (x real)", "ratio",
+               "distances (m)");
     std::vector<double> all;
     for (const auto& [maneuver, surface] : kScenarios) {
         const plant_sim::Scenario s = scenario(maneuver, surface);
@@ -126,28 +122,23 @@ int run() {
             all.push_back(ratios.back());
         }
         const double simulated_s = static_cast<double>(a.steps) * 1e-3;
-        fmt::print("{:<10}{:<18}{:>12}{:>14.0f}{:>14.0f}{:>9.2f}{:>9.1f} {:.1f}\n", maneuver, surface,
-                   a.steps, simulated_s / bench::median(ours),
-                   static_cast<double>(b.steps) * 1e-3 / bench::median(theirs), bench::median(ratios),
-                   a.distance_m, b.distance_m);
-        rows.push_back(
-            {{"maneuver", maneuver},
-             {"surface", surface},
-             {"steps", a.steps},
-             {"ours_times_real_time", simulated_s / bench::median(ours)},
-             {"odeint_times_real_time", static_cast<double>(b.steps) * 1e-3 / bench::median(theirs)},
-             {"ratio", bench::median(ratios)},
-             {"ours_distance_m", a.distance_m},
-             {"odeint_distance_m", b.distance_m}});
+        fmt::print("{:<10}{:<18}{:>12}{:>14.0f}{:>14.0f}{:>9.2f}{:>9.1f} {:.1f}\n", maneuver, surface, a.steps, simulated_s / bench::median(ours),
+                   static_cast<double>(b.steps) * 1e-3 / bench::median(theirs), bench::median(ratios), a.distance_m, b.distance_m);
+        rows.push_back({{"maneuver", maneuver},
+                        {"surface", surface},
+                        {"steps", a.steps},
+                        {"ours_times_real_time", simulated_s / bench::median(ours)},
+                        {"odeint_times_real_time", static_cast<double>(b.steps) * 1e-3 / bench::median(theirs)},
+                        {"ratio", bench::median(ratios)},
+                        {"ours_distance_m", a.distance_m},
+                        {"odeint_distance_m", b.distance_m}});
     }
     const nlohmann::ordered_json step = step_cost(scenario("heavy", "dry_asphalt"));
-    fmt::print("median ratio {:.2f}\ncontroller.step: median {:.0f} ns, p99.9 {:.0f} ns, {}\n",
-               bench::median(all), step["median_ns"].get<double>(), step["p99_9_ns"].get<double>(),
-               step.contains("instructions_per_step")
-                   ? fmt::format("{:.0f} instructions", step["instructions_per_step"].get<double>())
-                   : std::string("instructions not countable on this machine"));
-    const nlohmann::ordered_json json{
-        {"stops", rows}, {"median_ratio", bench::median(all)}, {"controller_step", step}};
+    fmt::print("median ratio {:.2f}\ncontroller.step: median {:.0f} ns, p99.9 {:.0f} ns, {}\n", bench::median(all), step["median_ns"].get<double>(),
+               step["p99_9_ns"].get<double>(),
+               step.contains("instructions_per_step") ? fmt::format("{:.0f} instructions", step["instructions_per_step"].get<double>())
+                                                      : std::string("instructions not countable on this machine"));
+    const nlohmann::ordered_json json{{"stops", rows}, {"median_ratio", bench::median(all)}, {"controller_step", step}};
     settings::write_file("out/bench/stop.json", json.dump(2) + "\n");
     return 0;
 }

@@ -53,8 +53,7 @@ Spent side_by_side(const sweep::Plan& plan, const std::vector<std::size_t>& numb
             [&](std::size_t i) {
                 return study::Maneuver{plan.controller, plan.rig(numbers[i]), plan.session(numbers[i])};
             },
-            [&](std::size_t, const study::RunResult& result) { periods += result.steps; },
-            {.threads = threads});
+            [&](std::size_t, const study::RunResult& result) { periods += result.steps; }, {.threads = threads});
         return periods;
     });
 }
@@ -96,40 +95,28 @@ int run() {
         odeint.add(one_by_one(numbers, threads, [&](std::size_t number) {
             const study::SessionOptions session = plan.session(number);
             bench::OdeintRig rig(plan.rig(number), kOdeTolerance, session.seed);
-            return static_cast<std::uint64_t>(
-                bench::stop(rig, {plan.controller, plan.layout, session.plan, plan.drop_out_mps}).steps);
+            return static_cast<std::uint64_t>(bench::stop(rig, {plan.controller, plan.layout, session.plan, plan.drop_out_mps}).steps);
         }));
         alone.add(one_by_one(numbers, threads, [&](std::size_t number) {
-            return study::run_in_process(plan.controller, plan.layout, plan.rig(number), plan.session(number),
-                                         study::Link::rounded)
-                .steps;
+            return study::run_in_process(plan.controller, plan.layout, plan.rig(number), plan.session(number), study::Link::rounded).steps;
         }));
         ratios.push_back(odeint.ns.back() / ours.ns.back());
     }
 
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-    fmt::print("{} of the sweep's {} stops, {} threads\n{:<28}{:>12}{:>16}{:>10}\n", kStops, plan.stops(),
-               threads, "", "periods", "ns per period", "wall (s)");
+    fmt::print("{} of the sweep's {} stops, {} threads\n{:<28}{:>12}{:>16}{:>10}\n", kStops, plan.stops(), threads, "", "periods", "ns per period",
+               "wall (s)");
     for (const Engine* engine : {&ours, &alone, &odeint}) {
         const double ns = bench::median(engine->ns);
         const double wall_s = bench::median(engine->wall_s);
         fmt::print("{:<28}{:>12}{:>16.0f}{:>10.2f}\n", engine->name, engine->last.periods, ns, wall_s);
-        rows.push_back({{"engine", engine->name},
-                        {"periods", engine->last.periods},
-                        {"processor_ns_per_period", ns},
-                        {"wall_s", wall_s}});
+        rows.push_back({{"engine", engine->name}, {"periods", engine->last.periods}, {"processor_ns_per_period", ns}, {"wall_s", wall_s}});
     }
     const double stops_4500_s = bench::median(ours.wall_s) * 4500.0 / static_cast<double>(kStops);
-    fmt::print("ratio to odeint {:.2f}; 4,500 stops at this pace {:.1f} s\n", bench::median(ratios),
-               stops_4500_s);
-    const nlohmann::ordered_json json{{"stops", kStops},
-                                      {"threads", threads},
-                                      {"config_hash", plan.config_hash},
-                                      {"seed", plan.seed},
-                                      {"version", plan.version},
-                                      {"engines", rows},
-                                      {"ratio", bench::median(ratios)},
-                                      {"stops_4500_s", stops_4500_s}};
+    fmt::print("ratio to odeint {:.2f}; 4,500 stops at this pace {:.1f} s\n", bench::median(ratios), stops_4500_s);
+    const nlohmann::ordered_json json{
+        {"stops", kStops},         {"threads", threads}, {"config_hash", plan.config_hash}, {"seed", plan.seed},
+        {"version", plan.version}, {"engines", rows},    {"ratio", bench::median(ratios)},  {"stops_4500_s", stops_4500_s}};
     settings::write_file("out/bench/sweep.json", json.dump(2) + "\n");
     return 0;
 }

@@ -27,24 +27,14 @@ int last_processor() {
 }
 
 void add_options(CLI::App& app, bench::Settings& s) {
-    app.add_option("--can", s.interface, "CAN interface that nothing else uses")
-        ->type_name("IF")
-        ->capture_default_str();
-    app.add_option("--rounds", s.rounds, "of each measurement")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    app.add_option("--seconds", s.seconds, "of each wake-up measurement in a round")
-        ->check(CLI::Range(1, 6))
-        ->capture_default_str();
+    app.add_option("--can", s.interface, "CAN interface that nothing else uses")->type_name("IF")->capture_default_str();
+    app.add_option("--rounds", s.rounds, "of each measurement")->check(CLI::Range(1, 1000))->capture_default_str();
+    app.add_option("--seconds", s.seconds, "of each wake-up measurement in a round")->check(CLI::Range(1, 6))->capture_default_str();
     app.add_option("--priority", s.priority, "SCHED_FIFO, of what is measured; 0: ordinary scheduling")
         ->check(CLI::Range(0, 99))
         ->capture_default_str();
-    app.add_option("--cpu", s.cpu, "processor of what is measured")
-        ->check(CLI::Range(0, 4095))
-        ->capture_default_str();
-    app.add_option("--json", s.json, "where the figures go; what the programs print goes beside it, .log")
-        ->type_name("FILE")
-        ->capture_default_str();
+    app.add_option("--cpu", s.cpu, "processor of what is measured")->check(CLI::Range(0, 4095))->capture_default_str();
+    app.add_option("--json", s.json, "where the figures go; what the programs print goes beside it, .log")->type_name("FILE")->capture_default_str();
     app.footer(
         "Reads config/ in the working directory. On a machine without CAN: ./rig vcan -- bench_vcan_latency\n"
         "Exit status: 0 all measured; 1 something could not be, the table says what and why; 2 command "
@@ -67,22 +57,18 @@ bench::Results measure(const bench::Settings& s) {
     const plant_sim::Scenario scenario = plant_sim::load_scenario(usual);
     bench::Results results;
     attempt(results, "wake-up latency", [&] {
-        results.wake_up =
-            bench::measure_wake_up(s, scenario.layout, [&](int number, const bench::WakeUpRound& round) {
-                fmt::print(stderr,
-                           "wake-up, round {} of {}: controller p50 {:.0f} us, cyclictest {:.0f} us\n",
-                           number, s.rounds, round.controller.p50_us, round.cyclictest.p50_us);
-                for (const std::string& fault : round.faults)
-                    fmt::print(stderr, "  the controller reported {}\n", fault);
-                if (round.cut_short) fmt::print(stderr, "  virtual-rig gave up; measured until then\n");
-            });
+        results.wake_up = bench::measure_wake_up(s, scenario.layout, [&](int number, const bench::WakeUpRound& round) {
+            fmt::print(stderr, "wake-up, round {} of {}: controller p50 {:.0f} us, cyclictest {:.0f} us\n", number, s.rounds, round.controller.p50_us,
+                       round.cyclictest.p50_us);
+            for (const std::string& fault : round.faults) fmt::print(stderr, "  the controller reported {}\n", fault);
+            if (round.cut_short) fmt::print(stderr, "  virtual-rig gave up; measured until then\n");
+        });
     });
     attempt(results, "command latency", [&] {
-        results.command = bench::measure_command(
-            s, bench::record_stop(scenario), [&](int number, const bench::CommandRound& round) {
-                fmt::print(stderr, "command, round {} of {}: controller p50 {:.0f} us, ping-pong {:.0f} us\n",
-                           number, s.rounds, round.controller.p50_us, round.ping_pong.p50_us);
-            });
+        results.command = bench::measure_command(s, bench::record_stop(scenario), [&](int number, const bench::CommandRound& round) {
+            fmt::print(stderr, "command, round {} of {}: controller p50 {:.0f} us, ping-pong {:.0f} us\n", number, s.rounds, round.controller.p50_us,
+                       round.ping_pong.p50_us);
+        });
     });
     return results;
 }

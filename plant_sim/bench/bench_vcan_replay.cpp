@@ -43,14 +43,13 @@ std::vector<Frame> recorded_stop() {
     std::vector<Frame> frames;
     Time cycle{};
     Time next{};
-    (void)study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames, {},
-                                [&](Frame frame) {
-                                    if (frame.received >= kMost) return;
-                                    if (frame.received != cycle) next = cycle = frame.received;
-                                    frame.received = next;
-                                    next += kOnBus;
-                                    frames.push_back(frame);
-                                });
+    (void)study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames, {}, [&](Frame frame) {
+        if (frame.received >= kMost) return;
+        if (frame.received != cycle) next = cycle = frame.received;
+        frame.received = next;
+        next += kOnBus;
+        frames.push_back(frame);
+    });
     return frames;
 }
 
@@ -65,8 +64,7 @@ std::string as_log(const std::vector<Frame>& frames) {
 }
 
 /// candump takes what is on the bus; it must have written all when it is ended.
-std::vector<Frame> heard(const std::vector<std::string>& player, const fs::path& folder,
-                         std::size_t expected) {
+std::vector<Frame> heard(const std::vector<std::string>& player, const fs::path& folder, std::size_t expected) {
     const fs::path log = folder / "heard.log";
     fs::remove(log);
     Child recorder({"candump", "-L", "-r", "33554432", kInterface}, log);
@@ -83,8 +81,7 @@ std::vector<Frame> heard(const std::vector<std::string>& player, const fs::path&
         for (rig::LogFrame f; reader.next(f);) frames.push_back(f.frame);
     }
     if (frames.size() != expected)
-        throw std::runtime_error(
-            fmt::format("{}: {} frames on the bus, {} in the log", player[0], frames.size(), expected));
+        throw std::runtime_error(fmt::format("{}: {} frames on the bus, {} in the log", player[0], frames.size(), expected));
     return frames;
 }
 
@@ -92,8 +89,7 @@ std::vector<std::int64_t> lateness(const std::vector<Frame>& log, const std::vec
     std::vector<std::int64_t> late;
     late.reserve(log.size());
     for (std::size_t i = 0; i < log.size(); ++i) {
-        if (log[i].id != bus[i].id || log[i].data != bus[i].data)
-            throw std::runtime_error("frames in another order than in the log");
+        if (log[i].id != bus[i].id || log[i].data != bus[i].data) throw std::runtime_error("frames in another order than in the log");
         late.push_back((bus[i].received - log[i].received).count());
     }
     const std::int64_t earliest = *std::min_element(late.begin(), late.end());
@@ -102,11 +98,7 @@ std::vector<std::int64_t> lateness(const std::vector<Frame>& log, const std::vec
 }
 
 nlohmann::ordered_json as_json(const Percentiles& p) {
-    return {{"count", p.count},
-            {"p50_us", p.p50_us},
-            {"p99_us", p.p99_us},
-            {"p99_9_us", p.p99_9_us},
-            {"max_us", p.max_us}};
+    return {{"count", p.count}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"p99_9_us", p.p99_9_us}, {"max_us", p.max_us}};
 }
 
 void run(const fs::path& folder) {
@@ -127,13 +119,11 @@ void run(const fs::path& folder) {
             player.late.insert(player.late.end(), late.begin(), late.end());
         }
     }
-    fmt::print("{:<36}{:>9}{:>9}{:>9}{:>10}{:>10}\n", "late against the log, us", "p50", "p99", "p99.9",
-               "max", "count");
+    fmt::print("{:<36}{:>9}{:>9}{:>9}{:>10}{:>10}\n", "late against the log, us", "p50", "p99", "p99.9", "max", "count");
     nlohmann::ordered_json json{{"rounds", kRounds}};
     for (Player& player : players) {
         const Percentiles p = antiskid::bench::exact(player.late);
-        fmt::print("{:<36}{:>9.1f}{:>9.1f}{:>9.1f}{:>10.1f}{:>10}\n", player.name, p.p50_us, p.p99_us,
-                   p.p99_9_us, p.max_us, p.count);
+        fmt::print("{:<36}{:>9.1f}{:>9.1f}{:>9.1f}{:>10.1f}{:>10}\n", player.name, p.p50_us, p.p99_us, p.p99_9_us, p.max_us, p.count);
         json[player.name] = as_json(p);
     }
     settings::write_file("out/bench/replay.json", json.dump(2) + "\n");

@@ -54,13 +54,10 @@ std::string output_of(const std::string& command) {
     if (pipe == nullptr) throw std::runtime_error("cannot start " + command);
     std::string out;
     std::array<char, 4096> chunk{};
-    while (const std::size_t got = std::fread(chunk.data(), 1, chunk.size(), pipe))
-        out.append(chunk.data(), got);
+    while (const std::size_t got = std::fread(chunk.data(), 1, chunk.size(), pipe)) out.append(chunk.data(), got);
     const int status = ::pclose(pipe);
-    if (WIFSIGNALED(status) || WEXITSTATUS(status) > 128)
-        throw std::runtime_error(command + " was ended by a signal");
-    if (status != 0)
-        throw std::runtime_error(command + " failed; is python3-sklearn installed (./rig bench does that)?");
+    if (WIFSIGNALED(status) || WEXITSTATUS(status) > 128) throw std::runtime_error(command + " was ended by a signal");
+    if (status != 0) throw std::runtime_error(command + " failed; is python3-sklearn installed (./rig bench does that)?");
     return out;
 }
 
@@ -71,8 +68,7 @@ int run() {
     const Moments mu = moments(campaign.points, [](const wear::Point& p) { return p.mean_friction; });
     std::string csv;
     for (const wear::Point& p : campaign.points)
-        fmt::format_to(std::back_inserter(csv), "{},{}\n", (p.c_e_J - c.mean) / c.deviation,
-                       (p.mean_friction - mu.mean) / mu.deviation);
+        fmt::format_to(std::back_inserter(csv), "{},{}\n", (p.c_e_J - c.mean) / c.deviation, (p.mean_friction - mu.mean) / mu.deviation);
     settings::write_file(kPoints, csv);
 
     const wear::FitSettings settings;
@@ -86,16 +82,15 @@ int run() {
     }
     const double per_point = std::log(c.deviation * mu.deviation);
     // Ours is relative to the log-likelihood of all points, scikit-learn's absolute to their mean: the same where it is 1 a point.
-    const nlohmann::json other = nlohmann::json::parse(output_of(fmt::format(
-        "/usr/bin/python3 plant_sim/bench/sklearn_mixture.py {} {} {} {} {}", kPoints, settings.starts,
-        settings.em.covariance_floor, settings.em.tolerance, settings.most_components)));
+    const nlohmann::json other =
+        nlohmann::json::parse(output_of(fmt::format("/usr/bin/python3 plant_sim/bench/sklearn_mixture.py {} {} {} {} {}", kPoints, settings.starts,
+                                                    settings.em.covariance_floor, settings.em.tolerance, settings.most_components)));
 
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     double other_processor_s = 0.0;
     double other_wall_s = 0.0;
     double least_lead = 1e300;
-    fmt::print("{:>10}{:>16}{:>16}{:>12}{:>20}\n", "components", "ours", "scikit-learn", "lead",
-               "scikit-learn (s)");
+    fmt::print("{:>10}{:>16}{:>16}{:>12}{:>20}\n", "components", "ours", "scikit-learn", "lead", "scikit-learn (s)");
     for (std::size_t i = 0; i < fit.orders.size(); ++i) {
         const double ours = fit.orders[i].log_likelihood + n * per_point;
         const nlohmann::json& o = other.at("orders").at(i);
@@ -103,8 +98,8 @@ int run() {
         other_processor_s += o.at("processor_s").get<double>();
         other_wall_s += o.at("seconds").get<double>();
         least_lead = std::min(least_lead, ours - theirs);
-        fmt::print("{:>10}{:>16.4f}{:>16.4f}{:>12.4f}{:>20.2f}\n", fit.orders[i].components, ours, theirs,
-                   ours - theirs, o.at("processor_s").get<double>());
+        fmt::print("{:>10}{:>16.4f}{:>16.4f}{:>12.4f}{:>20.2f}\n", fit.orders[i].components, ours, theirs, ours - theirs,
+                   o.at("processor_s").get<double>());
         rows.push_back({{"components", fit.orders[i].components},
                         {"ours_log_likelihood", ours},
                         {"sklearn_log_likelihood", theirs},
@@ -113,10 +108,9 @@ int run() {
     const double processor_s = bench::median(processor);
     const double ours_wall_s = bench::median(wall);
     fmt::print("least lead in log-likelihood {:.4f}\n", least_lead);
-    fmt::print("processor time: ours {:.2f} s, scikit-learn {} {:.1f} s, ratio {:.1f}\n", processor_s,
-               other.at("version").get<std::string>(), other_processor_s, other_processor_s / processor_s);
-    fmt::print("wall: ours {:.2f} s, scikit-learn {:.1f} s, ratio {:.1f}\n", ours_wall_s, other_wall_s,
-               other_wall_s / ours_wall_s);
+    fmt::print("processor time: ours {:.2f} s, scikit-learn {} {:.1f} s, ratio {:.1f}\n", processor_s, other.at("version").get<std::string>(),
+               other_processor_s, other_processor_s / processor_s);
+    fmt::print("wall: ours {:.2f} s, scikit-learn {:.1f} s, ratio {:.1f}\n", ours_wall_s, other_wall_s, other_wall_s / ours_wall_s);
     const nlohmann::ordered_json json{{"orders", rows},
                                       {"least_lead", least_lead},
                                       {"ours_processor_s", processor_s},

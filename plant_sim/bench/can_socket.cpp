@@ -11,22 +11,19 @@
 
 namespace antiskid::bench {
 
-CanSocket::CanSocket(const std::string& interface, const canid_t wanted)
-    : descriptor_(socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW)) {
+CanSocket::CanSocket(const std::string& interface, const canid_t wanted) : descriptor_(socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW)) {
     if (descriptor_ >= 0) {
         const can_filter filter{.can_id = wanted, .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK};
         sockaddr_can address{};
         address.can_family = AF_CAN;
         address.can_ifindex = static_cast<int>(if_nametoindex(interface.c_str()));
-        if (address.can_ifindex > 0 &&
-            setsockopt(descriptor_, SOL_CAN_RAW, CAN_RAW_FILTER, &filter, sizeof filter) == 0 &&
+        if (address.can_ifindex > 0 && setsockopt(descriptor_, SOL_CAN_RAW, CAN_RAW_FILTER, &filter, sizeof filter) == 0 &&
             bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0)
             return;
     }
     const std::string reason = std::generic_category().message(errno);
     if (descriptor_ >= 0) close(descriptor_);
-    throw std::runtime_error("CAN interface '" + interface + "': " + reason +
-                             "; `./rig vcan -- COMMAND` gives a command a vcan0");
+    throw std::runtime_error("CAN interface '" + interface + "': " + reason + "; `./rig vcan -- COMMAND` gives a command a vcan0");
 }
 
 CanSocket::~CanSocket() {

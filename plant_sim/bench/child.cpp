@@ -20,8 +20,7 @@ constexpr std::chrono::seconds kPatience{30};
 
 }  // namespace
 
-Child::Child(const std::vector<std::string>& words, const std::filesystem::path& log)
-    : program_(words.at(0)), log_(log) {
+Child::Child(const std::vector<std::string>& words, const std::filesystem::path& log) : program_(words.at(0)), log_(log) {
     std::vector<char*> arguments;
     arguments.reserve(words.size() + 1);
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -65,14 +64,11 @@ bool Child::ends_within(const std::chrono::milliseconds time) {
 void Child::stop() {
     if (!ended_) kill(pid_, SIGTERM);
     if (!ends_within(kPatience))
-        throw std::runtime_error(name() + " did not end within " + std::to_string(kPatience.count()) +
-                                 " s of SIGTERM; see " + log_.string());
+        throw std::runtime_error(name() + " did not end within " + std::to_string(kPatience.count()) + " s of SIGTERM; see " + log_.string());
 }
 
 void Child::expect_success() const {
-    if (status_ != 0)
-        throw std::runtime_error(name() + " ended with status " + std::to_string(status_) + "; see " +
-                                 log_.string());
+    if (status_ != 0) throw std::runtime_error(name() + " ended with status " + std::to_string(status_) + "; see " + log_.string());
 }
 
 }  // namespace antiskid::bench

@@ -35,8 +35,7 @@ std::int64_t exchange(CanSocket& socket, const can_frame& question, can_frame& a
     rt::MonotonicClock clock;
     const rt::Time before = clock.now();
     socket.send(question);
-    if (!socket.receive(answer))
-        throw std::runtime_error("no answer within " + std::to_string(kPatience.count()) + " s");
+    if (!socket.receive(answer)) throw std::runtime_error("no answer within " + std::to_string(kPatience.count()) + " s");
     return (clock.now() - before).count();
 }
 
@@ -68,16 +67,14 @@ void first_cycle(CanSocket& socket, const RecordedStop::Cycle& cycle, can_frame&
         socket.set_patience(kPatience);
         return;
     }
-    throw std::runtime_error("antiskid-controller did not answer within " +
-                             std::to_string(kPatience.count()) + " s");
+    throw std::runtime_error("antiskid-controller did not answer within " + std::to_string(kPatience.count()) + " s");
 }
 
 Samples replay(const Settings& s, const RecordedStop& stop, std::uint64_t& unlike_recorded) {
     CanSocket socket(s.interface, stop.valve_id);
-    Child controller(
-        {s.controller, "--can", s.interface, "--clock", "sync", "--sync-timeout", "60000", "--priority",
-         std::to_string(s.priority), "--cpu", std::to_string(s.cpu), "--log-level", "warning"},
-        s.log());
+    Child controller({s.controller, "--can", s.interface, "--clock", "sync", "--sync-timeout", "60000", "--priority", std::to_string(s.priority),
+                      "--cpu", std::to_string(s.cpu), "--log-level", "warning"},
+                     s.log());
     Samples latencies = at_rig_priority(s, [&] {
         Samples durations;
         durations.reserve(stop.cycles.size());
@@ -108,8 +105,7 @@ double clock_reading_us() {
 
 }  // namespace
 
-CommandLatency measure_command(const Settings& settings, const RecordedStop& stop,
-                               const std::function<void(int, const CommandRound&)>& on_round) {
+CommandLatency measure_command(const Settings& settings, const RecordedStop& stop, const std::function<void(int, const CommandRound&)>& on_round) {
     CommandLatency all;
     Samples controller;
     Samples bare;

@@ -58,8 +58,7 @@ void OdeintRig::advance_current(double current_mA) {
     ++steps_;
     const double per_radius = 1.0 / parameters_.flywheel_radius_m;
     wheel_encoder_.advance(x_[kAngle], wheel_before, x_[kOmega], time_s(), kStep_s, random_);
-    flywheel_encoder_.advance(x_[kDistance] * per_radius, flywheel_before * per_radius,
-                              x_[kSpeed] * per_radius, time_s(), kStep_s, random_);
+    flywheel_encoder_.advance(x_[kDistance] * per_radius, flywheel_before * per_radius, x_[kSpeed] * per_radius, time_s(), kStep_s, random_);
     measured_Pa_ = plant::reading_Pa(parameters_.transducer, std::max(x_[kPressure], 0.0), random_);
 }
 

@@ -10,18 +10,7 @@
 
 namespace bench {
 
-enum : std::size_t {
-    kSpeed,
-    kOmega,
-    kPressure,
-    kPressureRate,
-    kDistance,
-    kAngle,
-    kBrake,
-    kTyre,
-    kFriction,
-    kStates
-};
+enum : std::size_t { kSpeed, kOmega, kPressure, kPressureRate, kDistance, kAngle, kBrake, kTyre, kFriction, kStates };
 using OdeState = std::array<double, kStates>;
 
 /// Right-hand side of eq. (1) to (6) and (9), the static pressure linear in time.
@@ -51,9 +40,7 @@ class Equations {
         dx[kFriction] = mu * v;
     }
 
-    [[nodiscard]] double rolling_radps(double v) const {
-        return v / (free_radius_ - (base_N_ - lift_ * v * v) * per_stiffness_);
-    }
+    [[nodiscard]] double rolling_radps(double v) const { return v / (free_radius_ - (base_N_ - lift_ * v * v) * per_stiffness_); }
 
     bool loaded = true;
     double start_s = 0.0, start_Pa = 0.0, slope_Paps = 0.0;
@@ -61,8 +48,7 @@ class Equations {
   private:
     /// Eq. (4) by libm's exp: for one evaluation at a time it is faster than the plant's own, which is made for vectors.
     [[nodiscard]] double friction(double slip) const {
-        const double magnitude =
-            tyre_.c1 * (1.0 - std::exp(-tyre_.c2 * std::abs(slip))) - tyre_.c3 * std::abs(slip);
+        const double magnitude = tyre_.c1 * (1.0 - std::exp(-tyre_.c2 * std::abs(slip))) - tyre_.c3 * std::abs(slip);
         return std::copysign(magnitude, slip);
     }
 

@@ -26,9 +26,7 @@ double middle(std::vector<double> values) {
 Percentiles exact(std::vector<std::int64_t>& latencies_ns) {
     std::sort(latencies_ns.begin(), latencies_ns.end());
     const std::uint64_t count = latencies_ns.size();
-    const auto at = [&](double share) {
-        return static_cast<double>(latencies_ns[rank(share, count) - 1]) * 1e-3;
-    };
+    const auto at = [&](double share) { return static_cast<double>(latencies_ns[rank(share, count) - 1]) * 1e-3; };
     return {.count = count, .p50_us = at(0.5), .p99_us = at(0.99), .p99_9_us = at(0.999), .max_us = at(1.0)};
 }
 
@@ -45,8 +43,7 @@ Percentiles from_report(const nlohmann::json& report, const std::string& duratio
 Percentiles from_cyclictest(const nlohmann::json& result) {
     const nlohmann::json& thread = result.at("thread").at("0");
     std::map<std::uint64_t, std::uint64_t> counts;
-    for (const auto& [bucket, number] : thread.at("histogram").items())
-        counts[std::stoull(bucket)] = number.get<std::uint64_t>();
+    for (const auto& [bucket, number] : thread.at("histogram").items()) counts[std::stoull(bucket)] = number.get<std::uint64_t>();
     const auto count = thread.at("cycles").get<std::uint64_t>();
     const double most = thread.at("max").get<double>() + 1.0;
     const auto at = [&](double share) {

@@ -37,8 +37,7 @@ RecordedStop record_stop(const plant_sim::Scenario& scenario) {
             cycle.sensors.push_back(raw(frame));
         }
     };
-    (void)study::run_in_process(scenario.controller, scenario.layout, scenario.plant.rig, scenario.session,
-                                study::Link::frames, {}, on_frame);
+    (void)study::run_in_process(scenario.controller, scenario.layout, scenario.plant.rig, scenario.session, study::Link::frames, {}, on_frame);
     return stop;
 }
 

@@ -13,17 +13,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json as_json(const Percentiles& p) {
-    return {{"count", p.count},
-            {"p50_us", p.p50_us},
-            {"p99_us", p.p99_us},
-            {"p99_9_us", p.p99_9_us},
-            {"max_us", p.max_us}};
+    return {{"count", p.count}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"p99_9_us", p.p99_9_us}, {"max_us", p.max_us}};
 }
 
 Json ratio(const Percentiles& ours, const Percentiles& theirs) {
-    return {{"p50", ours.p50_us / theirs.p50_us},
-            {"p99", ours.p99_us / theirs.p99_us},
-            {"p99_9", ours.p99_9_us / theirs.p99_9_us}};
+    return {{"p50", ours.p50_us / theirs.p50_us}, {"p99", ours.p99_us / theirs.p99_us}, {"p99_9", ours.p99_9_us / theirs.p99_9_us}};
 }
 
 template <typename Round>
@@ -58,9 +52,8 @@ Json wake_up_json(const std::vector<WakeUpRound>& rounds) {
 Json command_json(const CommandLatency& command) {
     Json each = Json::array();
     for (const CommandRound& round : command.rounds)
-        each.push_back({{"controller", as_json(round.controller)},
-                        {"ping_pong", as_json(round.ping_pong)},
-                        {"unlike_recorded", round.unlike_recorded}});
+        each.push_back(
+            {{"controller", as_json(round.controller)}, {"ping_pong", as_json(round.ping_pong)}, {"unlike_recorded", round.unlike_recorded}});
     return {{"all",
              {{"controller", as_json(command.controller)},
               {"ping_pong", as_json(command.ping_pong)},
@@ -69,15 +62,14 @@ Json command_json(const CommandLatency& command) {
             {"rounds", each}};
 }
 
-void add_rows(std::string& text, std::string_view title, std::string_view our_name, const Percentiles& ours,
-              std::string_view their_name, const Percentiles& theirs) {
+void add_rows(std::string& text, std::string_view title, std::string_view our_name, const Percentiles& ours, std::string_view their_name,
+              const Percentiles& theirs) {
     const auto out = std::back_inserter(text);
     fmt::format_to(out, "{:<44}{:>9}{:>9}{:>9}{:>9}{:>10}\n", title, "p50", "p99", "p99.9", "max", "count");
     for (const auto& [name, p] : {std::pair{our_name, ours}, std::pair{their_name, theirs}})
-        fmt::format_to(out, "  {:<42}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>10}\n", name, p.p50_us, p.p99_us,
-                       p.p99_9_us, p.max_us, p.count);
-    fmt::format_to(out, "  {:<42}{:>9.2f}{:>9.2f}{:>9.2f}\n", "ratio", ours.p50_us / theirs.p50_us,
-                   ours.p99_us / theirs.p99_us, ours.p99_9_us / theirs.p99_9_us);
+        fmt::format_to(out, "  {:<42}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>10}\n", name, p.p50_us, p.p99_us, p.p99_9_us, p.max_us, p.count);
+    fmt::format_to(out, "  {:<42}{:>9.2f}{:>9.2f}{:>9.2f}\n", "ratio", ours.p50_us / theirs.p50_us, ours.p99_us / theirs.p99_us,
+                   ours.p99_9_us / theirs.p99_9_us);
 }
 
 }  // namespace
@@ -85,23 +77,19 @@ void add_rows(std::string& text, std::string_view title, std::string_view our_na
 std::string table(const Results& results) {
     std::string text;
     if (!results.wake_up.empty()) {
-        add_rows(text, fmt::format("wake-up latency, us, median of {} rounds", results.wake_up.size()),
-                 "antiskid-controller by its timer", middle(results.wake_up, &WakeUpRound::controller),
-                 "cyclictest", middle(results.wake_up, &WakeUpRound::cyclictest));
-        add_rows(text, fmt::format("edge to command, us, median of {} rounds", results.wake_up.size()),
-                 "steps by the sensors' frame", middle(results.wake_up, &WakeUpRound::edge_by_sensors),
-                 "steps by the timer", middle(results.wake_up, &WakeUpRound::edge_by_timer));
+        add_rows(text, fmt::format("wake-up latency, us, median of {} rounds", results.wake_up.size()), "antiskid-controller by its timer",
+                 middle(results.wake_up, &WakeUpRound::controller), "cyclictest", middle(results.wake_up, &WakeUpRound::cyclictest));
+        add_rows(text, fmt::format("edge to command, us, median of {} rounds", results.wake_up.size()), "steps by the sensors' frame",
+                 middle(results.wake_up, &WakeUpRound::edge_by_sensors), "steps by the timer", middle(results.wake_up, &WakeUpRound::edge_by_timer));
     }
     if (results.command) {
         const CommandLatency& c = *results.command;
-        add_rows(text, fmt::format("command latency, us, all of {} rounds", c.rounds.size()),
-                 "SYNC to valve command", c.controller, "bare SocketCAN ping-pong", c.ping_pong);
+        add_rows(text, fmt::format("command latency, us, all of {} rounds", c.rounds.size()), "SYNC to valve command", c.controller,
+                 "bare SocketCAN ping-pong", c.ping_pong);
         std::uint64_t unlike = 0;
         for (const CommandRound& round : c.rounds) unlike += round.unlike_recorded;
-        fmt::format_to(
-            std::back_inserter(text),
-            "  each contains one clock reading of {:.1f} us; answers unlike the recorded stop: {}\n",
-            c.clock_reading_us, unlike);
+        fmt::format_to(std::back_inserter(text), "  each contains one clock reading of {:.1f} us; answers unlike the recorded stop: {}\n",
+                       c.clock_reading_us, unlike);
     }
     for (const std::string& failure : results.failures) text += "NOT MEASURED: " + failure + "\n";
     return text;

@@ -19,9 +19,7 @@ struct Settings {
     /// Of the other side of the bus: below what is measured.
     [[nodiscard]] int rig_priority() const { return priority > 10 ? priority - 10 : 0; }
     /// What the started programs print.
-    [[nodiscard]] std::filesystem::path log() const {
-        return std::filesystem::path(json).replace_extension(".log");
-    }
+    [[nodiscard]] std::filesystem::path log() const { return std::filesystem::path(json).replace_extension(".log"); }
 };
 
 }  // namespace antiskid::bench

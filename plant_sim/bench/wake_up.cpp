@@ -30,11 +30,9 @@ class Traffic {
   public:
     Traffic(const Settings& s, const can::IdList& ids)
         : socket_(std::make_unique<can::SocketCan>(s.interface, ids.span())),
-          rig_({s.virtual_rig, "--can", s.interface, "--clock", "timer", "--priority",
-                std::to_string(s.rig_priority()), "--patience", "3600000"},
+          rig_({s.virtual_rig, "--can", s.interface, "--clock", "timer", "--priority", std::to_string(s.rig_priority()), "--patience", "3600000"},
                s.log()) {
-        if (!socket_->wait(kPatience))
-            throw std::runtime_error("virtual-rig sent nothing; see " + s.log().string());
+        if (!socket_->wait(kPatience)) throw std::runtime_error("virtual-rig sent nothing; see " + s.log().string());
     }
 
     void close_socket() { socket_.reset(); }
@@ -47,26 +45,22 @@ class Traffic {
 };
 
 /// The controller's report.
-nlohmann::json run_controller(const Settings& s, const can::IdList& ids, const std::string& clock,
-                              WakeUpRound& round) {
+nlohmann::json run_controller(const Settings& s, const can::IdList& ids, const std::string& clock, WakeUpRound& round) {
     Traffic traffic(s, ids);
     traffic.close_socket();
     const auto report_path = std::filesystem::path(s.json).replace_extension(".controller.json");
-    Child controller(
-        {s.controller, "--can", s.interface, "--clock", clock, "--priority", std::to_string(s.priority),
-         "--cpu", std::to_string(s.cpu), "--log-level", "warning", "--json", report_path},
-        s.log());
+    Child controller({s.controller, "--can", s.interface, "--clock", clock, "--priority", std::to_string(s.priority), "--cpu", std::to_string(s.cpu),
+                      "--log-level", "warning", "--json", report_path},
+                     s.log());
     if (traffic.ends_within(std::chrono::seconds{s.seconds})) round.cut_short = true;
     if (controller.ends_within(0ms))
-        throw std::runtime_error("antiskid-controller ended with status " +
-                                 std::to_string(controller.status()) + "; see " + s.log().string());
+        throw std::runtime_error("antiskid-controller ended with status " + std::to_string(controller.status()) + "; see " + s.log().string());
     controller.stop();
     controller.expect_success();
     traffic.stop();
     nlohmann::json report = read_json(report_path);
     std::filesystem::remove(report_path);
-    for (const nlohmann::json& fault : report.at("faults"))
-        round.faults.push_back(fault.at("name").get<std::string>());
+    for (const nlohmann::json& fault : report.at("faults")) round.faults.push_back(fault.at("name").get<std::string>());
     return report;
 }
 
@@ -106,8 +100,7 @@ void measure_cyclictest(const Settings& s, const can::IdList& ids, WakeUpRound& 
     if (!cyclictest->ends_within(std::chrono::seconds{s.seconds} + kPatience))
         throw std::runtime_error("cyclictest did not end in time; see " + s.log().string());
     cyclictest->expect_success();
-    if (traffic.ends_within(0ms))
-        throw std::runtime_error("virtual-rig ended before cyclictest; see " + s.log().string());
+    if (traffic.ends_within(0ms)) throw std::runtime_error("virtual-rig ended before cyclictest; see " + s.log().string());
     traffic.stop();
     round.cyclictest = from_cyclictest(read_json(result_path));
     std::filesystem::remove(result_path);

@@ -29,8 +29,7 @@ struct WakeUpRound {
 };
 
 /// `on_round` after each. Throws std::runtime_error when a program is missing or fails.
-[[nodiscard]] std::vector<WakeUpRound> measure_wake_up(
-    const Settings& settings, const can::Layout& layout,
-    const std::function<void(int, const WakeUpRound&)>& on_round);
+[[nodiscard]] std::vector<WakeUpRound> measure_wake_up(const Settings& settings, const can::Layout& layout,
+                                                       const std::function<void(int, const WakeUpRound&)>& on_round);
 
 }  // namespace antiskid::bench

@@ -25,42 +25,36 @@ std::string rig_clock(double seconds) {
     const auto day = chrono::floor<chrono::days>(t);
     const chrono::year_month_day date{day};
     const chrono::hh_mm_ss time{t - day};
-    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", static_cast<int>(date.year()),
-                       static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-                       time.hours().count(), time.minutes().count(), time.seconds().count());
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", static_cast<int>(date.year()), static_cast<unsigned>(date.month()),
+                       static_cast<unsigned>(date.day()), time.hours().count(), time.minutes().count(), time.seconds().count());
 }
 
 /// Files and options: a campaign goes on with both as they were.
 std::string configuration(const Setup& setup, const CampaignOptions& o) {
     if (o.rule == wear::ConditionalRule{} && o.taken_J == 0.0) return setup.config_hash;
-    const std::string brake = fmt::format("{} {} {}", static_cast<int>(o.rule.variance),
-                                          static_cast<int>(o.rule.choice), o.taken_J);
+    const std::string brake = fmt::format("{} {} {}", static_cast<int>(o.rule.variance), static_cast<int>(o.rule.choice), o.taken_J);
     const std::array<std::string_view, 2> parts{setup.config_hash, brake};
     return settings::hash_bytes(parts);
 }
 
 /// The brake before the next maneuver. Its energy is what the ledger says; the state file may be a maneuver behind, where the program was
 /// killed between the two.
-wear::BrakeState brake_before(const CampaignOptions& o, const wear::BrakeWear& wear,
-                              const rig::Ledger& ledger, const std::string& campaign) {
+wear::BrakeState brake_before(const CampaignOptions& o, const wear::BrakeWear& wear, const rig::Ledger& ledger, const std::string& campaign) {
     std::optional<wear::BrakeState> kept;
     if (!o.brake_state.empty()) kept = wear::find_brake_state(o.brake_state, wear);
     std::vector<double> energies_J;
     for (const rig::LedgerRow& row : rig::read_ledger(o.ledger, campaign)) {
-        if (row.state == rig::RowState::finished || row.state == rig::RowState::aborted)
-            energies_J.push_back(row.summary.cumulative_energy_J);
+        if (row.state == rig::RowState::finished || row.state == rig::RowState::aborted) energies_J.push_back(row.summary.cumulative_energy_J);
     }
     if (energies_J.empty()) return kept.value_or(wear::BrakeState{o.seed, 0, o.taken_J});
     const double now_J = ledger.cumulative_energy_J();
     if (!kept) return {o.seed, energies_J.size(), now_J};
     if (kept->c_e_J == now_J) return *kept;
-    if (energies_J.size() > 1 && kept->c_e_J == energies_J[energies_J.size() - 2])
-        return {kept->seed, kept->maneuvers + 1, now_J};
-    throw settings::Error(
-        o.brake_state.string(), 0, "cumulative_energy_J",
-        fmt::format("{} J is not where the campaign in {} stands ({} J); the brake has been "
-                    "used elsewhere since, or never was this one",
-                    kept->c_e_J, o.ledger.string(), now_J));
+    if (energies_J.size() > 1 && kept->c_e_J == energies_J[energies_J.size() - 2]) return {kept->seed, kept->maneuvers + 1, now_J};
+    throw settings::Error(o.brake_state.string(), 0, "cumulative_energy_J",
+                          fmt::format("{} J is not where the campaign in {} stands ({} J); the brake has been "
+                                      "used elsewhere since, or never was this one",
+                                      kept->c_e_J, o.ledger.string(), now_J));
 }
 
 rig::Summary head(const Setup& setup, const CampaignOptions& options) {
@@ -73,8 +67,7 @@ rig::Summary head(const Setup& setup, const CampaignOptions& options) {
     return summary;
 }
 
-rig::Summary summary_of(const rig::Summary& head, const Outcome& outcome,
-                        const std::vector<rig::Band>& bands) {
+rig::Summary summary_of(const rig::Summary& head, const Outcome& outcome, const std::vector<rig::Band>& bands) {
     rig::Summary summary = head;
     const bool finished = outcome.phase == sequencer::Phase::finished;
     summary.outcome = finished ? "finished" : sequencer::name(outcome.abort);
@@ -87,8 +80,7 @@ rig::Summary summary_of(const rig::Summary& head, const Outcome& outcome,
 
 }  // namespace
 
-CampaignResult run_campaign(const Setup& setup, const CampaignOptions& options,
-                            const CampaignObserver& observe) {
+CampaignResult run_campaign(const Setup& setup, const CampaignOptions& options, const CampaignObserver& observe) {
     rig::Ledger ledger(options.ledger, {.durable = false});
     rig::Summary next = head(setup, options);
     ledger.open_campaign({.name = next.campaign,
@@ -124,8 +116,7 @@ CampaignResult run_campaign(const Setup& setup, const CampaignOptions& options,
         const sequencer::Plan plan = rig::plan(setup.scenario, options.seed, *number);
         result.last = summary_of(next, cell.run(plan), rig::acceptance(setup.scenario, plan));
         ledger.finish(result.last);
-        if (watch && result.last.outcome == "finished" && !rig::off_conditions(result.last))
-            ledger.judge(*number, watch->after(result.last));
+        if (watch && result.last.outcome == "finished" && !rig::off_conditions(result.last)) ledger.judge(*number, watch->after(result.last));
         next.cumulative_energy_J = result.last.cumulative_energy_J;
         brake = {brake.seed, brake.maneuvers + 1, next.cumulative_energy_J};
         if (!options.brake_state.empty()) wear::keep_brake_state(options.brake_state, brake, wear);

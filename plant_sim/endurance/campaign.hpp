@@ -21,8 +21,7 @@ struct CampaignOptions {
     std::int64_t maneuvers = 500;
     std::uint64_t seed = 1;  ///< below 2^63
     std::filesystem::path ledger;
-    std::filesystem::path
-        wear_model{};  ///< that judges the brake's health after each maneuver; empty: nobody does
+    std::filesystem::path wear_model{};       ///< that judges the brake's health after each maneuver; empty: nobody does
     const std::atomic<bool>* stop = nullptr;  ///< looked at between two maneuvers
     double taken_J = 0.0;                     ///< by the brake before the campaign
     wear::ConditionalRule rule{};             ///< of the brake's wear
@@ -32,11 +31,10 @@ struct CampaignOptions {
 };
 
 struct CampaignResult {
-    std::vector<rig::Summary>
-        finished;              ///< every finished maneuver of the ledger, also those of earlier runs
-    std::int64_t already = 0;  ///< of them
-    bool aborted = false;      ///< a maneuver was: the campaign stopped there
-    rig::Summary last;         ///< the newest maneuver, e.g. the aborted one
+    std::vector<rig::Summary> finished;       ///< every finished maneuver of the ledger, also those of earlier runs
+    std::int64_t already = 0;                 ///< of them
+    bool aborted = false;                     ///< a maneuver was: the campaign stopped there
+    rig::Summary last;                        ///< the newest maneuver, e.g. the aborted one
     std::optional<wear::WearingBrake> brake;  ///< as it is at the end
     rig::Health health;                       ///< of the brake; unknown without a model
 };
@@ -46,7 +44,6 @@ using CampaignObserver = std::function<void(const rig::Summary&, std::int64_t pl
 
 /// Throws rig::LedgerError, and settings::Error where the ledger holds this campaign with another seed, configuration, rule or brake, and for a
 /// brake state that is not of this brake or not of this campaign.
-[[nodiscard]] CampaignResult run_campaign(const Setup& setup, const CampaignOptions& options,
-                                          const CampaignObserver& observe = {});
+[[nodiscard]] CampaignResult run_campaign(const Setup& setup, const CampaignOptions& options, const CampaignObserver& observe = {});
 
 }  // namespace endurance

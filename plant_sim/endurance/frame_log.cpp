@@ -18,8 +18,7 @@ constexpr std::array kSaid{Role::wheel,         Role::flywheel,       Role::pres
 
 }  // namespace
 
-FrameLog::FrameLog(const antiskid::can::Layout& layout, antiskid::control::Time period,
-                   const std::filesystem::path& file)
+FrameLog::FrameLog(const antiskid::can::Layout& layout, antiskid::control::Time period, const std::filesystem::path& file)
     : rig_(layout, period, kSaid), controller_(layout, period), log_(file, "vcan0"), period_(period) {}
 
 void FrameLog::write(Frame frame) {

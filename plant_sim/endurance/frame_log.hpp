@@ -15,8 +15,7 @@ namespace endurance {
 class FrameLog {
   public:
     /// A new file. `layout` must outlive the log.
-    FrameLog(const antiskid::can::Layout& layout, antiskid::control::Time period,
-             const std::filesystem::path& file);
+    FrameLog(const antiskid::can::Layout& layout, antiskid::control::Time period, const std::filesystem::path& file);
 
     void add(const Period& period);
     /// Throws std::runtime_error when frames are missing.

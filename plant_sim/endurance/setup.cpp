@@ -14,8 +14,7 @@ Setup load_setup(const std::filesystem::path& scenario, const std::filesystem::p
     const auto dbc = config / "antiskid.dbc";
     const auto binding = config / "antiskid_binding.toml";
     std::vector<std::filesystem::path> files = loaded.files;
-    plc::ServedRigOptions machinery =
-        plc::load_served_rig(config, loaded.endurance() ? plc::Bench::endurance : plc::Bench::landing);
+    plc::ServedRigOptions machinery = plc::load_served_rig(config, loaded.endurance() ? plc::Bench::endurance : plc::Bench::landing);
     machinery.brake.emplace(loaded.rig.wear, wear::ConditionalRule{}, wear::BrakeState{});
     files.insert(files.end(), {loaded.controller, plc::machinery_file(config), dbc, binding});
     return {.scenario = loaded,

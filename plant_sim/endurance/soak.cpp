@@ -25,9 +25,7 @@ class Running {
     }
     [[nodiscard]] std::int64_t count() const { return count_; }
     [[nodiscard]] double mean() const { return mean_; }
-    [[nodiscard]] double deviation() const {
-        return count_ > 1 ? std::sqrt(squares_ / static_cast<double>(count_ - 1)) : 0.0;
-    }
+    [[nodiscard]] double deviation() const { return count_ > 1 ? std::sqrt(squares_ / static_cast<double>(count_ - 1)) : 0.0; }
 
   private:
     std::int64_t count_ = 0;
@@ -36,8 +34,7 @@ class Running {
 };
 
 std::string wrong_with(const Outcome& outcome) {
-    if (outcome.phase != sequencer::Phase::finished)
-        return fmt::format("aborted: {}", sequencer::name(outcome.abort));
+    if (outcome.phase != sequencer::Phase::finished) return fmt::format("aborted: {}", sequencer::name(outcome.abort));
     if (!outcome.faults.empty()) return "fault " + antiskid::can::fault_names(outcome.faults).front();
     return {};
 }
@@ -65,8 +62,8 @@ Third third(const SoakResult& result, std::size_t first) {
 
 }  // namespace
 
-SoakResult soak(const Setup& setup, const SoakOptions& options,
-                const std::function<std::size_t()>& heap_bytes, const std::function<void(double)>& observe) {
+SoakResult soak(const Setup& setup, const SoakOptions& options, const std::function<std::size_t()>& heap_bytes,
+                const std::function<void(double)>& observe) {
     SoakResult result;
     std::array<Running, SoakResult::kSpans> lengths_m;
     plc::ServedRigOptions machinery = setup.machinery;
@@ -75,8 +72,7 @@ SoakResult soak(const Setup& setup, const SoakOptions& options,
     TestCell cell(setup.scenario, setup.controller, setup.layout, machinery, options.seed);
     while (result.seconds < options.seconds && result.ended_by.empty()) {
         if (options.stop != nullptr && options.stop->load()) break;
-        const auto span = static_cast<std::size_t>(static_cast<double>(SoakResult::kSpans) * result.seconds /
-                                                   options.seconds);
+        const auto span = static_cast<std::size_t>(static_cast<double>(SoakResult::kSpans) * result.seconds / options.seconds);
         cell.rig().take_up({options.seed, static_cast<std::uint64_t>(result.landings), 0.0});
         const Outcome outcome = cell.run(rig::plan(setup.scenario, options.seed, result.landings + 1));
         result.ended_by = wrong_with(outcome);
@@ -97,29 +93,25 @@ SoakResult soak(const Setup& setup, const SoakOptions& options,
 
 std::vector<std::string> complaints(const SoakResult& result) {
     std::vector<std::string> list;
-    if (!result.ended_by.empty())
-        list.push_back(fmt::format("landing {}: {}", result.landings, result.ended_by));
+    if (!result.ended_by.empty()) list.push_back(fmt::format("landing {}: {}", result.landings, result.ended_by));
     for (std::size_t i = 2; i < SoakResult::kSpans; ++i) {
         if (result.spans[i].most_heap_bytes > result.spans[1].most_heap_bytes)
-            list.push_back(fmt::format("{} bytes of heap in use in span {}, {} in span 2",
-                                       result.spans[i].most_heap_bytes, i + 1,
+            list.push_back(fmt::format("{} bytes of heap in use in span {}, {} in span 2", result.spans[i].most_heap_bytes, i + 1,
                                        result.spans[1].most_heap_bytes));
     }
     const Third first = third(result, 0);
     const Third last = third(result, SoakResult::kSpans - SoakResult::kSpans / 3);
     const double error_m = std::sqrt(first.variance_of_mean_m2 + last.variance_of_mean_m2);
     if (last.mean_m > 0.0 && std::abs(last.mean_m - first.mean_m) > 4.0 * error_m)
-        list.push_back(fmt::format(
-            "mean length {:.3f} m in the first third, {:.3f} m in the last, standard error {:.3f} m",
-            first.mean_m, last.mean_m, error_m));
+        list.push_back(fmt::format("mean length {:.3f} m in the first third, {:.3f} m in the last, standard error {:.3f} m", first.mean_m,
+                                   last.mean_m, error_m));
     return list;
 }
 
 std::string to_json(const SoakResult& result, const Setup& setup, std::uint64_t seed) {
-    nlohmann::ordered_json json{{"scenario", setup.scenario.name}, {"config_hash", setup.config_hash},
-                                {"version", ANTISKID_VERSION},     {"seed", seed},
-                                {"seconds", result.seconds},       {"landings", result.landings},
-                                {"complaints", complaints(result)}};
+    nlohmann::ordered_json json{
+        {"scenario", setup.scenario.name}, {"config_hash", setup.config_hash}, {"version", ANTISKID_VERSION},     {"seed", seed},
+        {"seconds", result.seconds},       {"landings", result.landings},      {"complaints", complaints(result)}};
     for (const SoakSpan& span : result.spans) {
         json["spans"].push_back({{"landings", span.landings},
                                  {"length_m_mean", span.length_m_mean},

@@ -3,7 +3,8 @@
 ///     const endurance::SoakResult r = endurance::soak(setup, {.seconds = 86'400.0, .seed = 1}, heap_in_use);
 ///     if (!endurance::complaints(r).empty()) ...
 ///
-/// The brake is a new one for each landing: what a brake does in its life is no creep. Time is the controller's own: while the brake cools it sleeps, and that does not count. No wall clock, no memory of its own that grows.
+/// The brake is a new one for each landing: what a brake does in its life is no creep. Time is the controller's own: while the brake cools it sleeps,
+/// and that does not count. No wall clock, no memory of its own that grows.
 #pragma once
 
 #include <array>
@@ -42,8 +43,7 @@ struct SoakResult {
 
 /// `heap_bytes` tells what the process has allocated. `observe` gets the share of the time that is over. Ends at the first landing that is
 /// aborted or has a fault.
-[[nodiscard]] SoakResult soak(const Setup& setup, const SoakOptions& options,
-                              const std::function<std::size_t()>& heap_bytes,
+[[nodiscard]] SoakResult soak(const Setup& setup, const SoakOptions& options, const std::function<std::size_t()>& heap_bytes,
                               const std::function<void(double share)>& observe = {});
 
 /// What must not be: a landing that went wrong; more heap in use in any span than in the second (the first is for warming up); a mean length

@@ -14,8 +14,7 @@ TableThree printed_table(const std::filesystem::path& config) {
     const settings::Table t = doc.root().table("endurance");
     TableThree table;
     for (std::size_t i = 0; i < kQuantities; ++i) {
-        table[i] = {.mean = t.number(kTableThree[i].mean_key, {.min = 1e-3}),
-                    .deviation = t.number(kTableThree[i].deviation_key, {.min = 1e-6})};
+        table[i] = {.mean = t.number(kTableThree[i].mean_key, {.min = 1e-3}), .deviation = t.number(kTableThree[i].deviation_key, {.min = 1e-6})};
     }
     return table;
 }
@@ -41,17 +40,15 @@ TableThree measured_table(std::span<const rig::Summary> maneuvers) {
 
 std::string to_text(const TableThree& measured, const std::optional<TableThree>& printed) {
     std::string text =
-        printed ? "                    Table III            measured             mean off by      std. dev.\n"
-                : "                    measured\n";
+        printed ? "                    Table III            measured             mean off by      std. dev.\n" : "                    measured\n";
     for (std::size_t i = 0; i < kQuantities; ++i) {
         const Quantity& q = kTableThree[i];
         const Distribution& m = measured[i];
         text += fmt::format("  {:<9} {:<5}", q.name, q.unit);
         if (printed) {
             const Distribution& p = (*printed)[i];
-            text += fmt::format("{:>9.2f} +- {:<7.2f}{:>9.2f} +- {:<7.2f}{:>+6.2f} std. dev. {:>8.2f} x\n",
-                                p.mean, p.deviation, m.mean, m.deviation, (m.mean - p.mean) / p.deviation,
-                                m.deviation / p.deviation);
+            text += fmt::format("{:>9.2f} +- {:<7.2f}{:>9.2f} +- {:<7.2f}{:>+6.2f} std. dev. {:>8.2f} x\n", p.mean, p.deviation, m.mean, m.deviation,
+                                (m.mean - p.mean) / p.deviation, m.deviation / p.deviation);
         } else {
             text += fmt::format("{:>9.2f} +- {:<7.2f}\n", m.mean, m.deviation);
         }
@@ -59,8 +56,7 @@ std::string to_text(const TableThree& measured, const std::optional<TableThree>&
     return text;
 }
 
-std::string to_json(const CampaignFacts& facts, std::span<const rig::Summary> maneuvers,
-                    const std::optional<TableThree>& printed) {
+std::string to_json(const CampaignFacts& facts, std::span<const rig::Summary> maneuvers, const std::optional<TableThree>& printed) {
     const TableThree measured = measured_table(maneuvers);
     nlohmann::ordered_json quantities;
     for (std::size_t i = 0; i < kQuantities; ++i) {

@@ -49,7 +49,6 @@ struct CampaignFacts {
     std::string scenario, config_hash, version;
     std::uint64_t seed = 0;
 };
-[[nodiscard]] std::string to_json(const CampaignFacts& facts, std::span<const rig::Summary> maneuvers,
-                                  const std::optional<TableThree>& printed);
+[[nodiscard]] std::string to_json(const CampaignFacts& facts, std::span<const rig::Summary> maneuvers, const std::optional<TableThree>& printed);
 
 }  // namespace endurance

@@ -26,14 +26,13 @@ plc::ServedRigOptions with_period(plc::ServedRigOptions options, Time period) {
 
 /// The meter needs some 50 ms before brake-on and nothing after the brake.
 bool metered(Phase phase) {
-    return phase == Phase::settling || phase == Phase::braking || phase == Phase::standstill ||
-           phase == Phase::retract || phase == Phase::aborting;
+    return phase == Phase::settling || phase == Phase::braking || phase == Phase::standstill || phase == Phase::retract || phase == Phase::aborting;
 }
 
 }  // namespace
 
-TestCell::TestCell(const rig::Scenario& scenario, const antiskid::control::Config& controller,
-                   const antiskid::can::Layout& layout, plc::ServedRigOptions options, std::uint64_t seed)
+TestCell::TestCell(const rig::Scenario& scenario, const antiskid::control::Config& controller, const antiskid::can::Layout& layout,
+                   plc::ServedRigOptions options, std::uint64_t seed)
     : scenario_(scenario),
       layout_(layout),
       period_(study::period_of(controller)),
@@ -50,21 +49,18 @@ sequencer::Inputs TestCell::look() const {
     plc.values = measured;
     plc.link = rig::LinkState::connected;
     plc.quality.fill(rig::ValueQuality::good);
-    if (commit_ != 0 && rig::at(measured, Measured::refused_commit) == commit_)
-        plc.command = rig::CommandState::refused;
+    if (commit_ != 0 && rig::at(measured, Measured::refused_commit) == commit_) plc.command = rig::CommandState::refused;
     if (rig::at(measured, Measured::applied_commit) != commit_) plc.pending_s = rig_.time_s() - committed_s_;
     rig::BusNow bus;
     bus.up = true;
     bus.looked = now_;
-    for (auto* received : {&bus.view.wheel.received, &bus.view.flywheel.received, &bus.view.pressure.received,
-                           &bus.view.controller.status_received})
+    for (auto* received : {&bus.view.wheel.received, &bus.view.flywheel.received, &bus.view.pressure.received, &bus.view.controller.status_received})
         *received = now_;
     bus.view.pressure.pressure_Pa = rig_.sample().pressure_Pa;
     bus.view.controller.state = command_.state;
     bus.rim_mps = flywheel_.radps() * scenario_.rig.rig.flywheel_radius_m;
     bus.wheel_radps = wheel_.radps();
-    bus.wheel_rim_mps =
-        bus.wheel_radps * scenario_.rolling_radius_m(rig::at(measured, Measured::vertical_load_N));
+    bus.wheel_rim_mps = bus.wheel_radps * scenario_.rolling_radius_m(rig::at(measured, Measured::vertical_load_N));
     constexpr double kConfirm_s = 0.1;
     return rig::look(plc, bus, now_, {.commit_s = kConfirm_s});
 }
@@ -140,18 +136,14 @@ Outcome TestCell::run(const sequencer::Plan& plan, const PeriodObserver& observe
     while (!sequencer.over()) {
         const sequencer::Inputs seen = look();
         const sequencer::Outputs outputs = sequencer.step(seen, rig_.time_s());
-        const bool reset =
-            reset_.step(outputs.phase == Phase::idle && !seen.plc_ready && seen.emergency_stop_clear &&
-                            seen.guard_closed && seen.hydraulics_ready && seen.drive_healthy,
-                        rig_.time_s());
+        const bool reset = reset_.step(outputs.phase == Phase::idle && !seen.plc_ready && seen.emergency_stop_clear && seen.guard_closed &&
+                                           seen.hydraulics_ready && seen.drive_healthy,
+                                       rig_.time_s());
         command(outputs, reset);
         if (outputs.phase == Phase::cool_down && rig_.idle()) cool(plan);
         for (std::int64_t i = 0; i < periods_per_step_; ++i) period(outputs, meter, observe);
     }
-    return {.phase = sequencer.phase(),
-            .abort = sequencer.abort(),
-            .figures = meter.figures(),
-            .faults = faults_};
+    return {.phase = sequencer.phase(), .abort = sequencer.abort(), .figures = meter.figures(), .faults = faults_};
 }
 
 }  // namespace endurance

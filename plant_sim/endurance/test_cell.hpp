@@ -44,8 +44,8 @@ class TestCell {
 
     /// `layout` must outlive the cell. The rig's period becomes the controller's. Throws std::invalid_argument where that is none of whole
     /// milliseconds.
-    TestCell(const rig::Scenario& scenario, const antiskid::control::Config& controller,
-             const antiskid::can::Layout& layout, plc::ServedRigOptions options, std::uint64_t seed);
+    TestCell(const rig::Scenario& scenario, const antiskid::control::Config& controller, const antiskid::can::Layout& layout,
+             plc::ServedRigOptions options, std::uint64_t seed);
 
     /// One maneuver from idle to its end, as the bridge runs it: a brake that the one before left hot cools first, and a tripped PLC is
     /// reset where every interlock is good. `observe` sees every period from then on that is not slept through.

@@ -19,8 +19,7 @@ constexpr std::int64_t kWidth = 40;
 
 std::string clock_text(double seconds) {
     const std::int64_t s = std::llround(seconds);
-    return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
-                    : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+    return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60) : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
 }  // namespace
@@ -57,11 +56,9 @@ void CampaignProgress::finish() const {
 }
 
 std::function<void(std::size_t done, std::size_t all)> step_progress(std::string_view unit) {
-    return [unit, planned = std::size_t{0}, progress = std::shared_ptr<CampaignProgress>()](
-               std::size_t done, std::size_t all) mutable {
+    return [unit, planned = std::size_t{0}, progress = std::shared_ptr<CampaignProgress>()](std::size_t done, std::size_t all) mutable {
         if (!progress || all != planned)
-            progress = std::make_shared<CampaignProgress>(static_cast<std::int64_t>(all),
-                                                          static_cast<std::int64_t>(done) - 1, unit);
+            progress = std::make_shared<CampaignProgress>(static_cast<std::int64_t>(all), static_cast<std::int64_t>(done) - 1, unit);
         planned = all;
         progress->show(static_cast<std::int64_t>(done));
         if (done == all) progress->finish();

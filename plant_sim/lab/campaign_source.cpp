@@ -30,14 +30,12 @@ std::string chosen_campaign(const std::filesystem::path& ledger, const std::stri
         names += names.empty() ? "" : ", ";
         names += c.name;
     }
-    throw settings::Error(
-        ledger.string(), 0, "",
-        all.empty() ? std::string("no campaign in this ledger")
-                    : fmt::format("holds {} campaigns; choose one with --campaign: {}", all.size(), names));
+    throw settings::Error(ledger.string(), 0, "",
+                          all.empty() ? std::string("no campaign in this ledger")
+                                      : fmt::format("holds {} campaigns; choose one with --campaign: {}", all.size(), names));
 }
 
-wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::string& wanted,
-                           OutOfTolerance off) {
+wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::string& wanted, OutOfTolerance off) {
     const std::string name = chosen_campaign(ledger, wanted);
     wear::Campaign out;
     out.source = fmt::format("{}, campaign {}", ledger.string(), name);
@@ -66,11 +64,8 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
         out.points.push_back({disc_J, f.mean_friction});
         out.brakings.push_back({f.brake_on_mps, f.mean_torque_Nm, f.mean_load_N});
     }
-    if (left_out > 0)
-        out.source += fmt::format(" ({} out of tolerance left out, --out-of-tolerance takes them)", left_out);
-    if (of_others > 0)
-        out.source += fmt::format(" (brake '{}', disc '{}'; {} maneuvers of others left out)", out.brake,
-                                  out.disc, of_others);
+    if (left_out > 0) out.source += fmt::format(" ({} out of tolerance left out, --out-of-tolerance takes them)", left_out);
+    if (of_others > 0) out.source += fmt::format(" (brake '{}', disc '{}'; {} maneuvers of others left out)", out.brake, out.disc, of_others);
     wear::check(out);
     return out;
 }
@@ -83,17 +78,14 @@ std::filesystem::path ledger_in(const std::filesystem::path& directory) {
 
 }  // namespace
 
-wear::Campaign load_campaign(const std::filesystem::path& where, const std::string& campaign,
-                             OutOfTolerance off) {
+wear::Campaign load_campaign(const std::filesystem::path& where, const std::string& campaign, OutOfTolerance off) {
     const std::filesystem::path file = std::filesystem::is_directory(where) ? ledger_in(where) : where;
     if (is_sqlite(file)) return from_ledger(file, campaign, off);
-    if (!campaign.empty())
-        throw settings::Error(file.string(), 0, "", "--campaign is for ledgers; this file is none");
+    if (!campaign.empty()) throw settings::Error(file.string(), 0, "", "--campaign is for ledgers; this file is none");
     return wear::read_campaign(file);
 }
 
-std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::path>& sources,
-                                           OutOfTolerance off) {
+std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::path>& sources, OutOfTolerance off) {
     std::vector<std::filesystem::path> files;
     for (const std::filesystem::path& source : sources) {
         if (!std::filesystem::is_directory(source) || std::filesystem::exists(ledger_in(source))) {
@@ -103,8 +95,7 @@ std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::pa
         const std::size_t before = files.size();
         for (const auto& entry : std::filesystem::directory_iterator(source))
             if (entry.path().extension() == ".csv") files.push_back(entry.path());
-        if (files.size() == before)
-            throw settings::Error(source.string(), 0, "", "neither a ledger nor a *.csv in this directory");
+        if (files.size() == before) throw settings::Error(source.string(), 0, "", "neither a ledger nor a *.csv in this directory");
         std::sort(files.begin() + static_cast<std::ptrdiff_t>(before), files.end());
     }
     std::vector<wear::Campaign> campaigns;
@@ -115,8 +106,7 @@ std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::pa
 
 void add_out_of_tolerance_flag(CLI::App& verb, OutOfTolerance& off) {
     verb.add_flag_callback(
-        "--out-of-tolerance", [&off] { off = OutOfTolerance::taken; },
-        "take a ledger's maneuvers that were out of tolerance, too");
+        "--out-of-tolerance", [&off] { off = OutOfTolerance::taken; }, "take a ledger's maneuvers that were out of tolerance, too");
 }
 
 }  // namespace plant_sim

@@ -15,9 +15,9 @@ namespace plant_sim {
 enum class OutOfTolerance : std::uint8_t { left_out, taken };
 
 /// `where`: an SQLite ledger or a directory with ledger.sqlite in it (of `campaign`, which may be empty when the ledger holds one only), else
-/// a CSV as wear::read_campaign() takes it. From a ledger every maneuver that finished, within tolerance, is a point; what the aborted ones took is in the
-/// cumulative energy. Where brake or disc were changed, of the newest alone, with
-/// the energy that those took. Row i in messages is then the i-th finished one. Throws settings::Error as wear::read_campaign() and rig::read_ledger() do.
+/// a CSV as wear::read_campaign() takes it. From a ledger every maneuver that finished, within tolerance, is a point; what the aborted ones took is
+/// in the cumulative energy. Where brake or disc were changed, of the newest alone, with the energy that those took. Row i in messages is then the
+/// i-th finished one. Throws settings::Error as wear::read_campaign() and rig::read_ledger() do.
 [[nodiscard]] wear::Campaign load_campaign(const std::filesystem::path& where, const std::string& campaign,
                                            OutOfTolerance off = OutOfTolerance::left_out);
 

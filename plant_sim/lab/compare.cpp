@@ -36,8 +36,7 @@ struct CompareCommand {
         options.choice = choice;
         options.law = law;
         const Scenario s = load_scenario(options);
-        const study::RunResult result =
-            study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
+        const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
         study::StopReport report = s.report(options);
         report.figures = result.figures;
         report.faults = result.faults;
@@ -52,8 +51,7 @@ struct CompareCommand {
         std::string table = "| surface | maneuver |", line = "|---|---|";
         for (const std::string& law : laws) {
             const bool first = &law == &laws.front();
-            table +=
-                fmt::format(" {} law: J_mu | distance (m) |{}", law, first ? " longest lock (ms) |" : "");
+            table += fmt::format(" {} law: J_mu | distance (m) |{}", law, first ? " longest lock (ms) |" : "");
             line += first ? "---|---|---|" : "---|---|";
         }
         table += "\n" + line + "\n";
@@ -74,13 +72,11 @@ struct CompareCommand {
                 }
                 table += "\n";
                 ++done;
-                if (::isatty(STDERR_FILENO) == 1)
-                    fmt::print(stderr, "\r{} of {} scenarios{}", done, all, done == all ? "\n" : "");
+                if (::isatty(STDERR_FILENO) == 1) fmt::print(stderr, "\r{} of {} scenarios{}", done, all, done == all ? "\n" : "");
             }
         }
         table += "| mean | |";
-        for (std::size_t i = 0; i < laws.size(); ++i)
-            table += fmt::format(" {:.4f} | |{}", sums[i], i == 0 ? " |" : "");
+        for (std::size_t i = 0; i < laws.size(); ++i) table += fmt::format(" {:.4f} | |{}", sums[i], i == 0 ? " |" : "");
         table += "\n";
         if (json != "-") fmt::print("{}", table);
         if (!json.empty()) settings::deliver(json, rows.dump(2) + "\n");
@@ -92,22 +88,16 @@ struct CompareCommand {
 
 LabVerb compare_verb(CLI::App& lab) {
     const auto compare = std::make_shared<CompareCommand>();
-    CLI::App* verb = lab.add_subcommand(
-        "compare", "The slip law against the threshold law on all surfaces and maneuvers.");
-    settings::one_of(
-        verb->add_option("--laws", compare->laws, "to compare; the first is the one whose locks are shown"),
-        {"slip", "peak_slip", "threshold", "pressure_bias"})
+    CLI::App* verb = lab.add_subcommand("compare", "The slip law against the threshold law on all surfaces and maneuvers.");
+    settings::one_of(verb->add_option("--laws", compare->laws, "to compare; the first is the one whose locks are shown"),
+                     {"slip", "peak_slip", "threshold", "pressure_bias"})
         ->delimiter(',')
         ->capture_default_str();
-    verb->add_option("--slip", compare->scenario.slip, "slip reference")
-        ->check(CLI::Range(0.0, 0.5))
-        ->capture_default_str();
+    verb->add_option("--slip", compare->scenario.slip, "slip reference")->check(CLI::Range(0.0, 0.5))->capture_default_str();
     verb->add_option("--seed", compare->scenario.seed, "seed of every random draw")->capture_default_str();
     settings::add_config_directory(*verb, compare->scenario.config);
-    verb->add_option("--mu-b", compare->scenario.choice.friction,
-                     "mean brake friction instead of a new brake's");
-    settings::existing_file(verb->add_option("--runway", compare->runways,
-                                             "runways instead of the surfaces, files as in config/runways"));
+    verb->add_option("--mu-b", compare->scenario.choice.friction, "mean brake friction instead of a new brake's");
+    settings::existing_file(verb->add_option("--runway", compare->runways, "runways instead of the surfaces, files as in config/runways"));
     settings::add_json(*verb, compare->json, "every stop");
     verb->footer(
         "Examples:\n  rig-lab compare --slip 0.24 --json compare.json\n"

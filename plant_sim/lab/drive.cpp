@@ -26,19 +26,13 @@ struct DriveCommand {
 
 LabVerb drive_verb(CLI::App& lab) {
     const auto drive = std::make_shared<DriveCommand>();
-    CLI::App* verb =
-        lab.add_subcommand("drive", "Open loop: the plant alone under a pressure or current profile.");
+    CLI::App* verb = lab.add_subcommand("drive", "Open loop: the plant alone under a pressure or current profile.");
     verb->add_option("--maneuver", drive->choice.maneuver, "mass and speed")->capture_default_str();
-    auto* const surface =
-        verb->add_option("--surface", drive->choice.surface, "runway")->capture_default_str();
+    auto* const surface = verb->add_option("--surface", drive->choice.surface, "runway")->capture_default_str();
     settings::existing_file(
-        verb->add_option(
-            "--runway", drive->choice.runway,
-            "surfaces over distance from the profile's start: a file as config/runways has them"))
+        verb->add_option("--runway", drive->choice.runway, "surfaces over distance from the profile's start: a file as config/runways has them"))
         ->excludes(surface);
-    settings::existing_file(
-        verb->add_option("--input", drive->input,
-                         "CSV: time_s,pressure_Pa or time_s,current_mA, linear between rows"))
+    settings::existing_file(verb->add_option("--input", drive->input, "CSV: time_s,pressure_Pa or time_s,current_mA, linear between rows"))
         ->required();
     verb->add_option("--csv", drive->csv, "the motion; - for standard output")->type_name("FILE")->required();
     verb->add_option("--mass", drive->choice.mass_kg, "kg, instead of the maneuver's");

@@ -31,19 +31,14 @@ double greatest_difference(const ClassDynamics& c) {
 }
 
 std::string groups_of(const wear::FrictionDynamics& f) {
-    return f.by_stops
-               ? fmt::format("{} groups of whole stops left out in turn", f.groups)
-               : fmt::format(
-                     "{} groups of bands of speed left out in turn: too few stops to leave out whole ones",
-                     f.groups);
+    return f.by_stops ? fmt::format("{} groups of whole stops left out in turn", f.groups)
+                      : fmt::format("{} groups of bands of speed left out in turn: too few stops to leave out whole ones", f.groups);
 }
 
 Json json_of(const ClassDynamics& c) {
     const wear::FrictionDynamics& f = c.found;
     Json orders = Json::array();
-    for (const wear::OrderLoss& o : f.orders)
-        orders.push_back(
-            {{"order", o.order}, {"loss", o.loss}, {"standard_error_above_best", o.excess_error}});
+    for (const wear::OrderLoss& o : f.orders) orders.push_back({{"order", o.order}, {"loss", o.loss}, {"standard_error_above_best", o.excess_error}});
     Json stops = Json::array();
     for (const wear::StopShape& s : f.stops)
         stops.push_back({{"source", s.source},
@@ -79,8 +74,7 @@ std::string blocks(const ClassDynamics& c, std::size_t panel, const wear::Dynami
         const wear::StopShape& shape = c.found.stops[i];
         const std::vector<wear::FrictionSample> samples = wear::friction_samples(stop, settings);
         for (std::size_t k = i % every; k < samples.size(); k += every)
-            fmt::format_to(std::back_inserter(out), "{:.4f} {:.6f}\n", samples[k].x,
-                           samples[k].mu_b / shape.mean_friction);
+            fmt::format_to(std::back_inserter(out), "{:.4f} {:.6f}\n", samples[k].x, samples[k].mu_b / shape.mean_friction);
     }
     fmt::format_to(std::back_inserter(out), "EOD\n$curve{} << EOD\n", panel);
     constexpr int kParts = 120;
@@ -88,8 +82,7 @@ std::string blocks(const ClassDynamics& c, std::size_t panel, const wear::Dynami
         const double x = static_cast<double>(i) / kParts;
         const double f = c.found.at(x);
         const double half = c.found.half_width_at(x);
-        fmt::format_to(std::back_inserter(out), "{:.4f} {:.6f} {:.6f} {:.6f} {:.6f}\n", x, f, f - half,
-                       f + half, at(c.in_force, x));
+        fmt::format_to(std::back_inserter(out), "{:.4f} {:.6f} {:.6f} {:.6f} {:.6f}\n", x, f, f - half, f + half, at(c.in_force, x));
     }
     return out + "EOD\n";
 }
@@ -97,40 +90,29 @@ std::string blocks(const ClassDynamics& c, std::size_t panel, const wear::Dynami
 }  // namespace
 
 std::string to_text(const std::vector<ClassDynamics>& classes) {
-    std::string out = fmt::format("{:<8}{:>6}{:>9}{:>7}{:>18}{:>18}{:>18}{:>18}\n", "class", "stops",
-                                  "samples", "order", "c0", "c1", "c2", "c3");
+    std::string out = fmt::format("{:<8}{:>6}{:>9}{:>7}{:>18}{:>18}{:>18}{:>18}\n", "class", "stops", "samples", "order", "c0", "c1", "c2", "c3");
     for (const ClassDynamics& c : classes) {
         const wear::FrictionDynamics& f = c.found;
         std::size_t samples = 0;
         for (const wear::StopShape& s : f.stops) samples += s.used ? s.samples : 0;
         const auto used = std::count_if(f.stops.begin(), f.stops.end(), [](const auto& s) { return s.used; });
-        fmt::format_to(std::back_inserter(out), "{:<8}{:>6}{:>9}{:>7}", c.data.friction_class, used, samples,
-                       f.order);
+        fmt::format_to(std::back_inserter(out), "{:<8}{:>6}{:>9}{:>7}", c.data.friction_class, used, samples, f.order);
         for (std::size_t k = 0; k < f.curve.size(); ++k)
-            out += k <= f.order
-                       ? fmt::format("{:>18}", fmt::format("{:.4f} +- {:.4f}", f.curve[k], f.half_width[k]))
-                       : fmt::format("{:>18}", "-");
+            out += k <= f.order ? fmt::format("{:>18}", fmt::format("{:.4f} +- {:.4f}", f.curve[k], f.half_width[k])) : fmt::format("{:>18}", "-");
         out += "\n";
     }
     out += "\n";
     for (const ClassDynamics& c : classes) {
         const wear::FrictionDynamics& f = c.found;
-        fmt::format_to(std::back_inserter(out), "{}: scatter {:.3f} %, {}; loss by order",
-                       c.data.friction_class, f.scale * 100.0, groups_of(f));
-        for (const wear::OrderLoss& o : f.orders)
-            fmt::format_to(std::back_inserter(out), "{} {:.4f}", o.order == 0 ? "" : ",", o.loss);
-        fmt::format_to(std::back_inserter(out), "; at most {:.4f} off the curve in force\n",
-                       greatest_difference(c));
+        fmt::format_to(std::back_inserter(out), "{}: scatter {:.3f} %, {}; loss by order", c.data.friction_class, f.scale * 100.0, groups_of(f));
+        for (const wear::OrderLoss& o : f.orders) fmt::format_to(std::back_inserter(out), "{} {:.4f}", o.order == 0 ? "" : ",", o.loss);
+        fmt::format_to(std::back_inserter(out), "; at most {:.4f} off the curve in force\n", greatest_difference(c));
         for (const wear::StopShape& s : f.stops) {
             constexpr double kNoteworthy = 0.1;
             if (!s.used)
-                fmt::format_to(std::back_inserter(out),
-                               "  {}: not used, {:.0f} % of its samples lie far off\n", s.source,
-                               s.rejected * 100.0);
+                fmt::format_to(std::back_inserter(out), "  {}: not used, {:.0f} % of its samples lie far off\n", s.source, s.rejected * 100.0);
             else if (s.rejected > kNoteworthy)
-                fmt::format_to(std::back_inserter(out),
-                               "  {}: {:.0f} % of its samples lie far off and have no say\n", s.source,
-                               s.rejected * 100.0);
+                fmt::format_to(std::back_inserter(out), "  {}: {:.0f} % of its samples lie far off and have no say\n", s.source, s.rejected * 100.0);
         }
     }
     return out;
@@ -156,17 +138,14 @@ std::string to_toml(const std::vector<ClassDynamics>& classes, const DynamicsHea
         ANTISKID_VERSION, head.config_hash, head.data_hash);
     for (const ClassDynamics& c : classes) {
         const wear::FrictionDynamics& f = c.found;
-        fmt::format_to(std::back_inserter(out), "# {} stops, order {}, 95 %: +- [{:.4f}]\n", f.stops.size(),
-                       f.order, fmt::join(f.half_width, ", "));
+        fmt::format_to(std::back_inserter(out), "# {} stops, order {}, 95 %: +- [{:.4f}]\n", f.stops.size(), f.order, fmt::join(f.half_width, ", "));
         // TOML's numbers have a point: 0.0, not 0.
-        fmt::format_to(std::back_inserter(out), "{} = [{:.6f}]\n", c.data.friction_class,
-                       fmt::join(f.curve, ", "));
+        fmt::format_to(std::back_inserter(out), "{} = [{:.6f}]\n", c.data.friction_class, fmt::join(f.curve, ", "));
     }
     return out;
 }
 
-void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::DynamicsSettings& settings,
-                   const std::filesystem::path& png) {
+void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::DynamicsSettings& settings, const std::filesystem::path& png) {
     constexpr int kPanel = 330;
     std::string script =
         "set key top right samplen 2\nset lmargin "
@@ -185,19 +164,18 @@ void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::Dynami
             greatest = std::max(greatest, f);
         }
         const double room = std::max(0.12 * (greatest - least), 6.0 * c.found.scale);
-        fmt::format_to(
-            std::back_inserter(script),
-            "set title {} noenhanced\nset xlabel '{}'\nset yrange [{}:{}]\n"
-            "plot $samples{panel} using 1:2 with dots lc rgb '#7a7a7a' notitle, \\\n"
-            "     NaN with points pt 7 ps 0.4 lc rgb '#7a7a7a' title 'recorded', \\\n"
-            "     $curve{panel} using 1:3:4 with filledcurves fs solid 0.35 noborder lc rgb '#c55a11' title "
-            "'95 % interval', \\\n"
-            "     $curve{panel} using 1:2 with lines lw 2 lc rgb '#c55a11' title 'learnt, order {order}', "
-            "\\\n"
-            "     $curve{panel} using 1:5 with lines lw 1.5 dt 2 lc rgb '#1f4e79' title 'in force'\n",
-            study::gnuplot_quoted(fmt::format("{}: {} stops", c.data.friction_class, c.data.stops.size())),
-            i + 1 == classes.size() ? "speed / brake-on speed" : "", least - room, greatest + room,
-            fmt::arg("panel", i), fmt::arg("order", c.found.order));
+        fmt::format_to(std::back_inserter(script),
+                       "set title {} noenhanced\nset xlabel '{}'\nset yrange [{}:{}]\n"
+                       "plot $samples{panel} using 1:2 with dots lc rgb '#7a7a7a' notitle, \\\n"
+                       "     NaN with points pt 7 ps 0.4 lc rgb '#7a7a7a' title 'recorded', \\\n"
+                       "     $curve{panel} using 1:3:4 with filledcurves fs solid 0.35 noborder lc rgb '#c55a11' title "
+                       "'95 % interval', \\\n"
+                       "     $curve{panel} using 1:2 with lines lw 2 lc rgb '#c55a11' title 'learnt, order {order}', "
+                       "\\\n"
+                       "     $curve{panel} using 1:5 with lines lw 1.5 dt 2 lc rgb '#1f4e79' title 'in force'\n",
+                       study::gnuplot_quoted(fmt::format("{}: {} stops", c.data.friction_class, c.data.stops.size())),
+                       i + 1 == classes.size() ? "speed / brake-on speed" : "", least - room, greatest + room, fmt::arg("panel", i),
+                       fmt::arg("order", c.found.order));
     }
     script += "unset multiplot\n";
     study::run_gnuplot(png, 1000, 60 + kPanel * static_cast<int>(classes.size()), script);

@@ -28,7 +28,6 @@ struct DynamicsHead {
 [[nodiscard]] std::string to_toml(const std::vector<ClassDynamics>& classes, const DynamicsHead& head);
 /// Fig. 6: samples of the stops, relative to each stop's mean, and the curve, over speed; a panel for each class. Throws std::runtime_error
 /// when gnuplot is not installed or fails.
-void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::DynamicsSettings& settings,
-                   const std::filesystem::path& png);
+void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::DynamicsSettings& settings, const std::filesystem::path& png);
 
 }  // namespace plant_sim

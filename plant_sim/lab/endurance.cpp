@@ -29,45 +29,35 @@ struct EnduranceCommand {
     [[nodiscard]] int run() const;
 
   private:
-    void report(const endurance::Setup& setup, const endurance::CampaignResult& result,
-                const std::filesystem::path& directory) const;
+    void report(const endurance::Setup& setup, const endurance::CampaignResult& result, const std::filesystem::path& directory) const;
 };
 
-void EnduranceCommand::report(const endurance::Setup& setup, const endurance::CampaignResult& result,
-                              const std::filesystem::path& directory) const {
+void EnduranceCommand::report(const endurance::Setup& setup, const endurance::CampaignResult& result, const std::filesystem::path& directory) const {
     std::optional<endurance::TableThree> printed;
     if (setup.scenario.endurance()) printed = endurance::printed_table(config);
     const auto& done = result.finished;
     print_table(json_file, "{}: {} maneuvers finished, seed {}\n", setup.scenario.title, done.size(), seed);
     if (!done.empty()) {
         print_table(json_file, "{}", endurance::to_text(endurance::measured_table(done), printed));
-        print_table(json_file,
-                    "  brake energy {:.1f} MJ, mean friction {:.4f} in the first, {:.4f} in the last\n",
-                    done.back().cumulative_energy_J * 1e-6, done.front().figures.mean_friction,
-                    done.back().figures.mean_friction);
+        print_table(json_file, "  brake energy {:.1f} MJ, mean friction {:.4f} in the first, {:.4f} in the last\n",
+                    done.back().cumulative_energy_J * 1e-6, done.front().figures.mean_friction, done.back().figures.mean_friction);
     }
     if (!wear_model.empty())
-        print_table(json_file, "  brake {}{}{}\n", rig::name(result.health.state),
-                    result.health.reason.empty() ? "" : ": ", result.health.reason);
+        print_table(json_file, "  brake {}{}{}\n", rig::name(result.health.state), result.health.reason.empty() ? "" : ": ", result.health.reason);
     const auto json = directory / "table.json";
     keep_json(json, json_file,
-              endurance::to_json({.scenario = setup.scenario.name,
-                                  .config_hash = setup.config_hash,
-                                  .version = ANTISKID_VERSION,
-                                  .seed = seed},
-                                 done, printed));
+              endurance::to_json({.scenario = setup.scenario.name, .config_hash = setup.config_hash, .version = ANTISKID_VERSION, .seed = seed}, done,
+                                 printed));
     print_table(json_file, "  {}, {}\n", (directory / "ledger.sqlite").string(), json.string());
 }
 
 int EnduranceCommand::run() const {
     const auto file = scenario.empty() ? config / "scenarios" / "endurance.toml" : scenario;
     const endurance::Setup setup = endurance::load_setup(file, config);
-    const auto directory =
-        out.empty() ? std::filesystem::path("out") / fmt::format("{}-{}", setup.scenario.name, seed) : out;
+    const auto directory = out.empty() ? std::filesystem::path("out") / fmt::format("{}-{}", setup.scenario.name, seed) : out;
     settings::create_directories(directory);
     const double taken_J = brake.taken_J(setup.scenario.rig.wear);
-    if (!std::filesystem::exists(directory / "ledger.sqlite"))
-        (void)brake.brake_of(setup.scenario.rig.wear, seed);  // refuses what contradicts
+    if (!std::filesystem::exists(directory / "ledger.sqlite")) (void)brake.brake_of(setup.scenario.rig.wear, seed);  // refuses what contradicts
     antiskid::rt::StopSignals signals;
     std::optional<CampaignProgress> progress;
     const auto observe = [&progress](const rig::Summary& summary, std::int64_t planned) {
@@ -86,11 +76,9 @@ int EnduranceCommand::run() const {
                                                                      observe);
     if (progress) progress->finish();
     if (result.already > 0)
-        print_table(json_file, "{} maneuvers were in the ledger already; remove {} to begin anew\n",
-                    result.already, directory.string());
+        print_table(json_file, "{} maneuvers were in the ledger already; remove {} to begin anew\n", result.already, directory.string());
     report(setup, result, directory);
-    if (const std::string beyond = extrapolation_notice(*result.brake); !beyond.empty())
-        fmt::print(stderr, "rig-lab: {}\n", beyond);
+    if (const std::string beyond = extrapolation_notice(*result.brake); !beyond.empty()) fmt::print(stderr, "rig-lab: {}\n", beyond);
     if (result.aborted) {
         fmt::print(stderr, "rig-lab: maneuver {} was aborted: {}\n", result.last.number, result.last.outcome);
         return 1;
@@ -103,26 +91,21 @@ int EnduranceCommand::run() const {
 
 LabVerb endurance_verb(CLI::App& lab) {
     const auto command = std::make_shared<EnduranceCommand>();
-    CLI::App* verb = lab.add_subcommand(
-        "endurance",
-        "A campaign of identical maneuvers until the brake is worn: sequencer, controller, PLC, plant and "
-        "wear in one "
-        "process. Leaves ledger.sqlite and table.json; a campaign that was stopped goes on.");
+    CLI::App* verb = lab.add_subcommand("endurance",
+                                        "A campaign of identical maneuvers until the brake is worn: sequencer, controller, PLC, plant and "
+                                        "wear in one "
+                                        "process. Leaves ledger.sqlite and table.json; a campaign that was stopped goes on.");
     constexpr std::int64_t kMost = 1'000'000;
-    verb->add_option("--maneuvers", command->maneuvers, "how many in all")
-        ->check(CLI::Range(std::int64_t{1}, kMost))
-        ->capture_default_str();
+    verb->add_option("--maneuvers", command->maneuvers, "how many in all")->check(CLI::Range(std::int64_t{1}, kMost))->capture_default_str();
     verb->add_option("--seed", command->seed, "seed of every random draw")
         ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}))
         ->capture_default_str();
-    settings::existing_file(verb->add_option("--scenario", command->scenario,
-                                             "scenario file (default: CONFIG/scenarios/endurance.toml)"));
+    settings::existing_file(verb->add_option("--scenario", command->scenario, "scenario file (default: CONFIG/scenarios/endurance.toml)"));
     settings::add_json(*verb, command->json_file, "table");
     settings::add_out(*verb, command->out, "directory of the results (default: out/SCENARIO-SEED)");
     command->brake.add_to(*verb);
-    settings::existing_file(verb->add_option(
-        "--wear-model", command->wear_model,
-        "judge the brake after each maneuver by this population.json or model.json of `wear`"));
+    settings::existing_file(
+        verb->add_option("--wear-model", command->wear_model, "judge the brake after each maneuver by this population.json or model.json of `wear`"));
     settings::add_config_directory(*verb, command->config);
     verb->footer(
         "Examples:\n"

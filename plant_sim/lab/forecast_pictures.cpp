@@ -15,18 +15,15 @@ namespace {
 constexpr const char* kStyleOfForecasts = "set lmargin 11\nset rmargin 4\n";
 
 std::string landings_text(const wear::Forecast& f) {
-    const auto text = [](const std::optional<int>& landings) {
-        return landings ? fmt::format("{}", *landings) : std::string("beyond the horizon");
-    };
+    const auto text = [](const std::optional<int>& landings) { return landings ? fmt::format("{}", *landings) : std::string("beyond the horizon"); };
     if (f.already_crossed()) return "below the limit already";
-    return fmt::format("landings left: {} (10 %), {} (50 %), {} (90 %)", text(f.landings_left[0]),
-                       text(f.landings_left[1]), text(f.landings_left[2]));
+    return fmt::format("landings left: {} (10 %), {} (50 %), {} (90 %)", text(f.landings_left[0]), text(f.landings_left[1]),
+                       text(f.landings_left[2]));
 }
 
 }  // namespace
 
-void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, double limit,
-                   const std::filesystem::path& png) {
+void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, double limit, const std::filesystem::path& png) {
     std::string script = kStyleOfForecasts;
     script += "set xlabel 'cumulative brake energy (MJ)'\nset ylabel 'mean brake friction'\n$points << EOD\n";
     double least = limit;
@@ -38,19 +35,16 @@ void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, doub
     }
     script += "EOD\n$fan << EOD\n";
     for (const wear::FanPoint& p : f.fan)
-        fmt::format_to(std::back_inserter(script), "{:.6f} {:.7f} {:.7f} {:.7f}\n", p.c_e_J * 1e-6,
-                       p.friction[0], p.friction[1], p.friction[2]);
+        fmt::format_to(std::back_inserter(script), "{:.6f} {:.7f} {:.7f} {:.7f}\n", p.c_e_J * 1e-6, p.friction[0], p.friction[1], p.friction[2]);
     const double last_MJ = f.fan.empty() ? f.c_e_J * 1e-6 : f.fan.back().c_e_J * 1e-6;
     const double room = most - least;
-    script += fmt::format("EOD\nset xrange [0:{}]\nset yrange [{}:{}]\n", last_MJ, least - 0.45 * room,
-                          most + 0.08 * room);
+    script += fmt::format("EOD\nset xrange [0:{}]\nset yrange [{}:{}]\n", last_MJ, least - 0.45 * room, most + 0.08 * room);
     int arrow = 1;
     for (std::size_t q = 0; q < f.crossing_J.size(); ++q) {
         const std::optional<double> at_J = f.crossing_J.at(q);
         if (!at_J || f.already_crossed()) continue;
-        fmt::format_to(std::back_inserter(script),
-                       "set arrow {} from {}, graph 0 to {}, first {} nohead dt {} lw 1.5 lc rgb '#a61c3c'\n",
-                       arrow++, *at_J * 1e-6, *at_J * 1e-6, limit, q == 1 ? 1 : 2);
+        fmt::format_to(std::back_inserter(script), "set arrow {} from {}, graph 0 to {}, first {} nohead dt {} lw 1.5 lc rgb '#a61c3c'\n", arrow++,
+                       *at_J * 1e-6, *at_J * 1e-6, limit, q == 1 ? 1 : 2);
     }
     script += fmt::format(
         "set title {} noenhanced\nset key top right\n"
@@ -63,25 +57,22 @@ void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, doub
     study::run_gnuplot(png, 1100, 700, script);
 }
 
-void draw_health(const wear::Campaign& recorded, const std::vector<wear::Verdict>& verdicts,
-                 const std::filesystem::path& png) {
+void draw_health(const wear::Campaign& recorded, const std::vector<wear::Verdict>& verdicts, const std::filesystem::path& png) {
     std::string script = kStyleOfForecasts;
     script += "$health << EOD\n";
     double most = 1.2;
     for (std::size_t i = 0; i < verdicts.size(); ++i) {
         const wear::Verdict& v = verdicts[i];
         most = std::max(most, v.statistic * 1.1);
-        fmt::format_to(std::back_inserter(script), "{} {:.7f} {:.7f} {:.7f} {:.5f} {}\n", i + 1,
-                       recorded.points[i].mean_friction, v.expected - 2.0 * v.deviation,
-                       v.expected + 2.0 * v.deviation, v.statistic, static_cast<int>(v.condition));
+        fmt::format_to(std::back_inserter(script), "{} {:.7f} {:.7f} {:.7f} {:.5f} {}\n", i + 1, recorded.points[i].mean_friction,
+                       v.expected - 2.0 * v.deviation, v.expected + 2.0 * v.deviation, v.statistic, static_cast<int>(v.condition));
     }
-    const auto flagged = std::find_if(verdicts.begin(), verdicts.end(), [](const wear::Verdict& v) {
-        return v.condition == wear::Condition::abnormal;
-    });
+    const auto flagged =
+        std::find_if(verdicts.begin(), verdicts.end(), [](const wear::Verdict& v) { return v.condition == wear::Condition::abnormal; });
     script += "EOD\n";
     if (flagged != verdicts.end())
-        script += fmt::format("set arrow 1 from {}, graph 0 to {}, graph 1 nohead dt 2 lc rgb '#a61c3c'\n",
-                              flagged - verdicts.begin() + 1, flagged - verdicts.begin() + 1);
+        script += fmt::format("set arrow 1 from {}, graph 0 to {}, graph 1 nohead dt 2 lc rgb '#a61c3c'\n", flagged - verdicts.begin() + 1,
+                              flagged - verdicts.begin() + 1);
     script += fmt::format(
         R"(set xrange [0:{}]
 set multiplot layout 2,1 title {} noenhanced
@@ -103,8 +94,7 @@ unset multiplot
         verdicts.size() + 1,
         study::gnuplot_quoted(flagged == verdicts.end()
                                   ? fmt::format("{} maneuvers, not abnormal", verdicts.size())
-                                  : fmt::format("abnormal at maneuver {}: {}", flagged - verdicts.begin() + 1,
-                                                flagged->reason)),
+                                  : fmt::format("abnormal at maneuver {}: {}", flagged - verdicts.begin() + 1, flagged->reason)),
         std::min(most, 5.0), wear::HealthMonitor::kSuspectFrom);
     study::run_gnuplot(png, 1100, 900, script);
 }

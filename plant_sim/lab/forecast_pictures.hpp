@@ -12,11 +12,9 @@
 namespace plant_sim {
 
 /// Recorded points, the fan of the brake's mean friction, the limit, and where it is crossed.
-void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& forecast, double limit,
-                   const std::filesystem::path& png);
+void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& forecast, double limit, const std::filesystem::path& png);
 
 /// Recorded friction with what was expected of each maneuver, and below it the statistic with its limits.
-void draw_health(const wear::Campaign& recorded, const std::vector<wear::Verdict>& verdicts,
-                 const std::filesystem::path& png);
+void draw_health(const wear::Campaign& recorded, const std::vector<wear::Verdict>& verdicts, const std::filesystem::path& png);
 
 }  // namespace plant_sim

@@ -51,11 +51,8 @@ struct IdentifyCommand {
 
     [[nodiscard]] Source source(const fs::path& run) const {
         const bool folder = fs::is_directory(run);
-        const fs::path file =
-            scenario.empty() ? scenario_of(folder ? run : run.parent_path(), config) : scenario;
-        return {.log = folder ? run / "bus.log" : run,
-                .scenario_file = file,
-                .scenario = rig::load_scenario(file, config)};
+        const fs::path file = scenario.empty() ? scenario_of(folder ? run : run.parent_path(), config) : scenario;
+        return {.log = folder ? run / "bus.log" : run, .scenario_file = file, .scenario = rig::load_scenario(file, config)};
     }
 
     static void say(const std::string& stage) {
@@ -63,11 +60,8 @@ struct IdentifyCommand {
     }
 
     [[nodiscard]] Identified identify(const std::vector<Run>& recorded) const;
-    [[nodiscard]] Validated replay(const Source& source, const antiskid::can::Layout& layout,
-                                   double period_s) const;
-    [[nodiscard]] std::optional<Validated> validated(const std::vector<Source>& sources,
-                                                     const antiskid::can::Layout& layout,
-                                                     double period_s) const;
+    [[nodiscard]] Validated replay(const Source& source, const antiskid::can::Layout& layout, double period_s) const;
+    [[nodiscard]] std::optional<Validated> validated(const std::vector<Source>& sources, const antiskid::can::Layout& layout, double period_s) const;
     void draw(const Identified& found, const std::optional<Validated>& validation) const;
     [[nodiscard]] int run() const;
 };
@@ -92,8 +86,7 @@ Identified IdentifyCommand::identify(const std::vector<Run>& recorded) const {
     recordings.reserve(recorded.size());
     for (const Run& run : recorded) recordings.push_back(run.recording);
     say("valve");
-    Identified found{
-        .valve = identification::fit_valve(recordings, recorded.front().rig), .wheel = {}, .surfaces = {}};
+    Identified found{.valve = identification::fit_valve(recordings, recorded.front().rig), .wheel = {}, .surfaces = {}};
     say("wheel and brake");
     found.wheel = identification::fit_wheel(recorded, fastest_class(recorded));
     say("friction");
@@ -103,13 +96,11 @@ Identified IdentifyCommand::identify(const std::vector<Run>& recorded) const {
         const auto motion = identification::Motion::of(run, age_s);
         if (motion && motion->brake_on_mps() > kLanding_mps) surfaces.insert(run.surface);
     }
-    for (const std::string& surface : surfaces)
-        found.surfaces.push_back(identification::fit_friction(recorded, surface));
+    for (const std::string& surface : surfaces) found.surfaces.push_back(identification::fit_friction(recorded, surface));
     return found;
 }
 
-Validated IdentifyCommand::replay(const Source& source, const antiskid::can::Layout& layout,
-                                  double period_s) const {
+Validated IdentifyCommand::replay(const Source& source, const antiskid::can::Layout& layout, double period_s) const {
     const rig::Scenario identified = rig::load_scenario(source.scenario_file, out / "config");
     rig::LogWarnings warnings(
         source.log.string(), [](const std::string&) {}, 0);
@@ -117,15 +108,12 @@ Validated IdentifyCommand::replay(const Source& source, const antiskid::can::Lay
     options.layout = &layout;
     rig::LogReader reader(source.log, options, warnings);
     rig::MeasuredSignals signals(reader, layout, period_s);
-    return {.run = source.log.parent_path().filename().string(),
-            .result = rig::validate_plant(signals, identified.rig.rig)};
+    return {.run = source.log.parent_path().filename().string(), .result = rig::validate_plant(signals, identified.rig.rig)};
 }
 
 /// The stop that was asked for; else that of the fastest half whose slip lies beyond the peak least: there feed-forward of pressure holds no
 /// wheel, whatever the model is worth.
-std::optional<Validated> IdentifyCommand::validated(const std::vector<Source>& sources,
-                                                    const antiskid::can::Layout& layout,
-                                                    double period_s) const {
+std::optional<Validated> IdentifyCommand::validated(const std::vector<Source>& sources, const antiskid::can::Layout& layout, double period_s) const {
     if (!validate.empty()) return replay(source(validate), layout, period_s);
     constexpr double kLanding_mps = 15.0;
     std::optional<Validated> best;
@@ -154,14 +142,11 @@ void IdentifyCommand::draw(const Identified& found, const std::optional<Validate
     settings::write_file(out / "validation.csv", rig::to_csv(validation->result));
     rig::draw_validation(
         out / "validation.csv", out / "validation.png",
-        fmt::format("{}: recorded against simulated with what was identified, from {:.1f} m/s",
-                    validation->run, validation->result.brake_on_mps));
+        fmt::format("{}: recorded against simulated with what was identified, from {:.1f} m/s", validation->run, validation->result.brake_on_mps));
 }
 
 int IdentifyCommand::run() const {
-    if (fs::exists(out / "config"))
-        throw std::runtime_error((out / "config").string() +
-                                 " exists already; expected --out with a folder of its own");
+    if (fs::exists(out / "config")) throw std::runtime_error((out / "config").string() + " exists already; expected --out with a folder of its own");
     std::vector<Source> sources;
     sources.reserve(runs.size());
     for (const fs::path& run : runs) sources.push_back(source(run));
@@ -169,11 +154,10 @@ int IdentifyCommand::run() const {
     const bool endurance = sources.front().scenario.endurance();
     for (const Source& s : sources) {
         if (s.scenario.controller != controller_file || s.scenario.endurance() != endurance)
-            throw std::runtime_error(s.log.string() + ": was made on another rig than " +
-                                     sources.front().log.string() + "; expected recordings of one rig");
+            throw std::runtime_error(s.log.string() + ": was made on another rig than " + sources.front().log.string() +
+                                     "; expected recordings of one rig");
     }
-    const antiskid::can::Layout layout =
-        antiskid::can::load_layout(config / "antiskid.dbc", config / "antiskid_binding.toml");
+    const antiskid::can::Layout layout = antiskid::can::load_layout(config / "antiskid.dbc", config / "antiskid_binding.toml");
     const auto period_s = static_cast<double>(antiskid::load_controller_config(controller_file).period_s);
     std::vector<Run> recorded;
     std::vector<fs::path> files{controller_file, config / "antiskid.dbc", config / "antiskid_binding.toml"};
@@ -191,15 +175,12 @@ int IdentifyCommand::run() const {
         return 1;
     }
     identification::write_config(found,
-                                 {.rig = endurance ? "flywheel_rig.toml" : "landing_gear.toml",
-                                  .controller = fs::relative(controller_file, config)},
+                                 {.rig = endurance ? "flywheel_rig.toml" : "landing_gear.toml", .controller = fs::relative(controller_file, config)},
                                  config, out / "config");
     say("validation");
     const std::optional<Validated> validation = validated(sources, layout, period_s);
-    nlohmann::ordered_json head{{"runs", nlohmann::ordered_json::array()},
-                                {"version", ANTISKID_VERSION},
-                                {"config_hash", settings::hash(files)},
-                                {"seed", nullptr}};
+    nlohmann::ordered_json head{
+        {"runs", nlohmann::ordered_json::array()}, {"version", ANTISKID_VERSION}, {"config_hash", settings::hash(files)}, {"seed", nullptr}};
     for (const fs::path& run : runs) head["runs"].push_back(run.string());
     print_table(json_file, "{}", identification::to_table(found));
     if (validation && validation->result.braked) {
@@ -209,18 +190,15 @@ int IdentifyCommand::run() const {
                               {"wheel_rms_mps", v.all.wheel_rim_mps.rms()},
                               {"slip_rms", v.all.slip.rms()},
                               {"past_peak", v.past_peak}};
-        print_table(
-            json_file,
-            "{} replayed with these numbers (Fig. 5): aircraft {:.4f} m/s, wheel {:.4f} m/s, slip {:.5f} "
-            "RMS; {:.0f} % of it beyond the "
-            "friction's peak\n",
-            validation->run, v.all.speed_mps.rms(), v.all.wheel_rim_mps.rms(), v.all.slip.rms(),
-            v.past_peak * 100.0);
+        print_table(json_file,
+                    "{} replayed with these numbers (Fig. 5): aircraft {:.4f} m/s, wheel {:.4f} m/s, slip {:.5f} "
+                    "RMS; {:.0f} % of it beyond the "
+                    "friction's peak\n",
+                    validation->run, v.all.speed_mps.rms(), v.all.wheel_rim_mps.rms(), v.all.slip.rms(), v.past_peak * 100.0);
     }
     keep_json(out / "results.json", json_file, identification::to_json(found, head.dump()));
     if (pictures) draw(found, validation);
-    print_table(json_file, "Written to {}: config (for --config), results.json{}\n", out.string(),
-                pictures ? ", pictures" : "");
+    print_table(json_file, "Written to {}: config (for --config), results.json{}\n", out.string(), pictures ? ", pictures" : "");
     return 0;
 }
 
@@ -231,24 +209,19 @@ LabVerb identify_verb(CLI::App& lab) {
     CLI::App* verb = lab.add_subcommand("identify",
                                         "A rig's valve, brake, wheel and road from its recordings, as "
                                         "configuration that every program loads.");
-    settings::existing_path(
-        verb->add_option(
-            "RUN", c->runs,
-            "folders of rig-bridge maneuver or rig-lab maneuver: ramp, step, sweep, slow_braking, "
-            "heavy (config/scenarios), or "
-            "bus logs with --scenario"))
+    settings::existing_path(verb->add_option("RUN", c->runs,
+                                             "folders of rig-bridge maneuver or rig-lab maneuver: ramp, step, sweep, slow_braking, "
+                                             "heavy (config/scenarios), or "
+                                             "bus logs with --scenario"))
         ->required();
     settings::add_json(*verb, c->json_file, "results");
     settings::add_out(*verb, c->out, "folder for the results; its `config` must not exist");
     settings::add_config_directory(*verb, c->config);
-    settings::existing_file(verb->add_option("--scenario", c->scenario,
-                                             "of all runs, instead of the one that summary.json names"));
-    settings::existing_path(verb->add_option(
-        "--validate", c->validate,
-        "a stop to replay with what was identified (default: the one of the runs that is least "
-        "beyond the peak)"));
-    verb->add_option("--currents", c->currents,
-                     "mA: points of the static map, rising (default: those of the configured map)")
+    settings::existing_file(verb->add_option("--scenario", c->scenario, "of all runs, instead of the one that summary.json names"));
+    settings::existing_path(verb->add_option("--validate", c->validate,
+                                             "a stop to replay with what was identified (default: the one of the runs that is least "
+                                             "beyond the peak)"));
+    verb->add_option("--currents", c->currents, "mA: points of the static map, rising (default: those of the configured map)")
         ->delimiter(',')
         ->check(CLI::Range(0.0, 1000.0));
     verb->add_flag("!--no-pictures", c->pictures, "leave out the pictures");

@@ -27,8 +27,8 @@ set rmargin 3
 )";
 
 std::string script(const fs::path& csv, const std::string& title, const std::string& plots, int rows) {
-    return fmt::format("{}data = {}\nset multiplot layout {},1 title {} noenhanced\n{}unset multiplot\n",
-                       kStyle, gnuplot_quoted(csv.string()), rows, gnuplot_quoted(title), plots);
+    return fmt::format("{}data = {}\nset multiplot layout {},1 title {} noenhanced\n{}unset multiplot\n", kStyle, gnuplot_quoted(csv.string()), rows,
+                       gnuplot_quoted(title), plots);
 }
 
 constexpr std::size_t kSettled = 300;  // samples of a slow ramp after which the pressure is that of the map
@@ -59,23 +59,19 @@ std::string draw_map(const identification::ValveFit& v, const fs::path& director
             if (r.used[k] == 0 || !ramps(r.current_mA, k)) continue;
             const std::string reading = fmt::format("{:.5f}", r.measured_Pa[k] * 1e-6);
             const std::string error = fmt::format("{:.3f}", (r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3);
-            fmt::format_to(std::back_inserter(text),
-                           fmt::runtime(change > 0.0 ? "{0:.4f},{1},,{2},,\n" : "{0:.4f},,{1},,{2},\n"),
-                           r.current_mA[k], reading, error);
+            fmt::format_to(std::back_inserter(text), fmt::runtime(change > 0.0 ? "{0:.4f},{1},,{2},,\n" : "{0:.4f},,{1},,{2},\n"), r.current_mA[k],
+                           reading, error);
         }
     }
     const plant::PressureMap map = v.map();
     for (const auto& point : map.points())
-        fmt::format_to(std::back_inserter(text), "{:.5f},,,,,{:.5f}\n", point.current_mA,
-                       point.pressure_Pa * 1e-6);
+        fmt::format_to(std::back_inserter(text), "{:.5f},,,,,{:.5f}\n", point.current_mA, point.pressure_Pa * 1e-6);
     settings::write_file(csv, text);
-    study::run_gnuplot(
-        directory / "static_map.png", 1100, 900,
-        script(csv,
-               fmt::format("static map: dead zone {:.3f} mA, hysteresis {:.2f} uA (95 %: {:.2f} to {:.2f})",
-                           v.dead_zone_mA.value, v.hysteresis_mA.value * 1e3, v.hysteresis_mA.low * 1e3,
-                           v.hysteresis_mA.high * 1e3),
-               R"(set key top left
+    study::run_gnuplot(directory / "static_map.png", 1100, 900,
+                       script(csv,
+                              fmt::format("static map: dead zone {:.3f} mA, hysteresis {:.2f} uA (95 %: {:.2f} to {:.2f})", v.dead_zone_mA.value,
+                                          v.hysteresis_mA.value * 1e3, v.hysteresis_mA.low * 1e3, v.hysteresis_mA.high * 1e3),
+                              R"(set key top left
 set xrange [0:*]
 set ylabel 'pressure (MPa)'
 plot data using 'current_mA':'rising_MPa' with points ls 3 notitle, \
@@ -88,7 +84,7 @@ set ylabel 'measured - modelled (kPa)'
 plot data using 'current_mA':'rising_error_kPa' with points ls 3 notitle, \
      data using 'current_mA':'falling_error_kPa' with points ls 4 notitle
 )",
-               2));
+                              2));
     return "static_map.png";
 }
 
@@ -99,17 +95,15 @@ std::string draw_valve(const identification::ValveResiduals& r, const fs::path& 
     // As many points as the picture has columns twice over show everything; steps need theirs.
     const std::size_t every = std::max<std::size_t>(1, r.time_s.size() / 12000);
     for (std::size_t k = 0; k < r.time_s.size(); k += every) {
-        fmt::format_to(std::back_inserter(text), "{:.3f},{:.3f},{:.5f},{:.5f},", r.time_s[k], r.current_mA[k],
-                       r.measured_Pa[k] * 1e-6, r.modelled_Pa[k] * 1e-6);
-        if (r.used[k] != 0)
-            fmt::format_to(std::back_inserter(text), "{:.3f}", (r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3);
+        fmt::format_to(std::back_inserter(text), "{:.3f},{:.3f},{:.5f},{:.5f},", r.time_s[k], r.current_mA[k], r.measured_Pa[k] * 1e-6,
+                       r.modelled_Pa[k] * 1e-6);
+        if (r.used[k] != 0) fmt::format_to(std::back_inserter(text), "{:.3f}", (r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3);
         text += '\n';
     }
     settings::write_file(csv, text);
-    study::run_gnuplot(
-        directory / (name + ".png"), 1100, 900,
-        script(csv, fmt::format("{}: residuals of {:.1f} kPa RMS", r.recording, r.rms_Pa * 1e-3),
-               R"(set key top right
+    study::run_gnuplot(directory / (name + ".png"), 1100, 900,
+                       script(csv, fmt::format("{}: residuals of {:.1f} kPa RMS", r.recording, r.rms_Pa * 1e-3),
+                              R"(set key top right
 stats data using 'time_s' nooutput
 set xrange [0:STATS_max]
 set offsets graph 0, graph 0, graph 0.15, graph 0
@@ -121,7 +115,7 @@ set xlabel 'time since brake-on (s)'
 set ylabel 'measured - modelled (kPa)'
 plot data using 'time_s':'error_kPa' with points ls 3 notitle
 )",
-               2));
+                              2));
     return name + ".png";
 }
 
@@ -130,16 +124,13 @@ std::string draw_wheel(const identification::WheelFit& w, const fs::path& direct
     std::string text = "time_s,stop_mmps,touchdown_mmps\n";
     for (const auto& r : w.residuals) {
         for (std::size_t k = 0; k < r.time_s.size(); ++k)
-            fmt::format_to(std::back_inserter(text),
-                           fmt::runtime(r.braking ? "{:.3f},{:.4f},\n" : "{:.3f},,{:.4f}\n"), r.time_s[k],
+            fmt::format_to(std::back_inserter(text), fmt::runtime(r.braking ? "{:.3f},{:.4f},\n" : "{:.3f},,{:.4f}\n"), r.time_s[k],
                            r.error_mps[k] * 1e3);
     }
     settings::write_file(csv, text);
     study::run_gnuplot(
         directory / "wheel.png", 1100, 560,
-        script(csv,
-               fmt::format("momentum of wheel and flywheel: J_w = {:.4f} kg m2, k_b = {:.5g} m3",
-                           w.inertia_kgm2.value, w.gain_m3.value),
+        script(csv, fmt::format("momentum of wheel and flywheel: J_w = {:.4f} kg m2, k_b = {:.5g} m3", w.inertia_kgm2.value, w.gain_m3.value),
                R"(set key top right
 set xlabel 'time since brake-on (s)'
 set ylabel 'measured - modelled rim speed (mm/s)'
@@ -156,8 +147,8 @@ std::string draw_friction(const identification::FrictionFit& f, const fs::path& 
     std::string text = "slip,mu,error,deviation\n";
     const plant::Surface curve = f.curve();
     for (std::size_t k = 0; k < f.slip.size(); ++k)
-        fmt::format_to(std::back_inserter(text), "{:.6f},{:.6f},{:.6f},{:.6f}\n", f.slip[k], f.mu[k],
-                       f.mu[k] - plant::friction(curve, f.slip[k]).mu, f.deviation[k]);
+        fmt::format_to(std::back_inserter(text), "{:.6f},{:.6f},{:.6f},{:.6f}\n", f.slip[k], f.mu[k], f.mu[k] - plant::friction(curve, f.slip[k]).mu,
+                       f.deviation[k]);
     settings::write_file(csv, text);
     const std::string plots = fmt::format(R"(c1 = {}
 c2 = {}
@@ -175,11 +166,9 @@ set ylabel '(measured - fitted) / expected deviation'
 plot data using 'slip':(column('error') / column('deviation')) with points ls 3 notitle
 )",
                                           f.c1.value, f.c2.value, f.c3.value);
-    study::run_gnuplot(directory / (name + ".png"), 1100, 900,
-                       script(csv,
-                              fmt::format("{}: c1 = {:.4f}, c2 = {:.3f}, c3 = {:.4f}", f.surface, f.c1.value,
-                                          f.c2.value, f.c3.value),
-                              plots, 2));
+    study::run_gnuplot(
+        directory / (name + ".png"), 1100, 900,
+        script(csv, fmt::format("{}: c1 = {:.4f}, c2 = {:.3f}, c3 = {:.4f}", f.surface, f.c1.value, f.c2.value, f.c3.value), plots, 2));
     return name + ".png";
 }
 

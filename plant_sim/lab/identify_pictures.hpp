@@ -11,7 +11,6 @@ namespace plant_sim {
 
 /// Into `directory`, each beside the CSV that it is drawn from: static_map.png, valve_NAME.png for every valve recording, wheel.png and
 /// friction_SURFACE.png where there are those fits. Returns their names.
-std::vector<std::string> draw_identified(const identification::Identified& found,
-                                         const std::filesystem::path& directory);
+std::vector<std::string> draw_identified(const identification::Identified& found, const std::filesystem::path& directory);
 
 }  // namespace plant_sim

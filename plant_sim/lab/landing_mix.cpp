@@ -19,9 +19,7 @@ double share_of(std::string_view text) {
     double share = 0.0;
     const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), share);
     if (failure != std::errc() || end != text.data() + text.size() || !(share > 0.0 && share <= 1e6))
-        throw std::invalid_argument(
-            fmt::format("--mix: '{}' is no share; expected e.g. light=0.5,medium=0.3,heavy=0.2",
-                        settings::printable(text)));
+        throw std::invalid_argument(fmt::format("--mix: '{}' is no share; expected e.g. light=0.5,medium=0.3,heavy=0.2", settings::printable(text)));
     return share;
 }
 
@@ -29,12 +27,11 @@ double share_of(std::string_view text) {
 std::vector<std::string> maneuvers_named(std::string_view wanted, const std::vector<std::string>& known) {
     std::vector<std::string> out;
     for (const std::string& name : known) {
-        if (name == wanted || (name.starts_with(wanted) && name.substr(wanted.size()).starts_with('_')))
-            out.push_back(name);
+        if (name == wanted || (name.starts_with(wanted) && name.substr(wanted.size()).starts_with('_'))) out.push_back(name);
     }
     if (out.empty())
-        throw std::invalid_argument(fmt::format("--mix: no maneuver '{}' in maneuvers.toml; there are {}",
-                                                settings::printable(wanted), fmt::join(known, ", ")));
+        throw std::invalid_argument(
+            fmt::format("--mix: no maneuver '{}' in maneuvers.toml; there are {}", settings::printable(wanted), fmt::join(known, ", ")));
     return out;
 }
 
@@ -49,23 +46,19 @@ ConfiguredMix configured_mix(const std::filesystem::path& config, const std::str
         const std::string_view entry = rest.substr(0, comma);
         rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
         const auto equals = entry.find('=');
-        const double share =
-            share_of(equals == std::string_view::npos ? std::string_view() : entry.substr(equals + 1));
+        const double share = share_of(equals == std::string_view::npos ? std::string_view() : entry.substr(equals + 1));
         const std::vector<std::string> named = maneuvers_named(entry.substr(0, equals), known);
         for (const std::string& name : named) {
             plant::ManeuverChoice choice;
             choice.maneuver = name;
             const plant::LoadedRig rig = plant::load_rig(config, choice);
-            const double energy_J =
-                0.5 * rig.rig.wheel.mass_kg * rig.rig.brake_on_mps * rig.rig.brake_on_mps * (1.0 - slip);
-            out.mix.push_back(
-                {name, share / static_cast<double>(named.size()), energy_J / rig.wear.scale.energy, 0.0});
+            const double energy_J = 0.5 * rig.rig.wheel.mass_kg * rig.rig.brake_on_mps * rig.rig.brake_on_mps * (1.0 - slip);
+            out.mix.push_back({name, share / static_cast<double>(named.size()), energy_J / rig.wear.scale.energy, 0.0});
             out.files = rig.files;
         }
         sum += share;
     }
-    if (out.mix.empty())
-        throw std::invalid_argument("--mix: is empty; expected e.g. light=0.5,medium=0.3,heavy=0.2");
+    if (out.mix.empty()) throw std::invalid_argument("--mix: is empty; expected e.g. light=0.5,medium=0.3,heavy=0.2");
     for (wear::LandingKind& kind : out.mix) kind.share /= sum;
     return out;
 }

@@ -20,8 +20,7 @@ struct ConfiguredMix {
 /// equal parts; shares are normalised. A landing's brake energy is (1 - slip) m v^2 / 2: at a held slip the tyre takes `slip` of eq. (9).
 /// It is divided by [brake.wear] energy_scale: counted on the axis of the brake that the model was learnt on. Throws settings::Error or
 /// std::invalid_argument with what would be right.
-[[nodiscard]] ConfiguredMix configured_mix(const std::filesystem::path& config, const std::string& text,
-                                           double slip);
+[[nodiscard]] ConfiguredMix configured_mix(const std::filesystem::path& config, const std::string& text, double slip);
 
 /// The mean mu_b below which a brake at full pressure cannot give the torque that the tyre could take from a dry runway at some speed of a
 /// heavy stop (mu_max F_z r(F_z), with F_z of eq. (2)), down to drop-out: its torque reserve is gone. On the model's brake, by [brake.wear]

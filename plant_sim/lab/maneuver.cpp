@@ -30,15 +30,13 @@ struct ManeuverCommand {
         std::filesystem::create_directories(folder);
         for (const char* const file : {"bus.log", "summary.json"}) {
             if (std::filesystem::exists(folder / file)) {
-                throw std::runtime_error(folder.string() + " has a " + file +
-                                         " already; a maneuver gets a folder of its own (--out)");
+                throw std::runtime_error(folder.string() + " has a " + file + " already; a maneuver gets a folder of its own (--out)");
             }
         }
         endurance::TestCell cell(setup.scenario, setup.controller, setup.layout, setup.machinery, seed);
         const auto period_us = std::llround(static_cast<double>(setup.controller.period_s) * 1e6);
         endurance::FrameLog log(setup.layout, antiskid::control::Time(period_us * 1000), folder / "bus.log");
-        const endurance::Outcome outcome = cell.run(
-            rig::plan(setup.scenario, seed, 1), [&log](const endurance::Period& period) { log.add(period); });
+        const endurance::Outcome outcome = cell.run(rig::plan(setup.scenario, seed, 1), [&log](const endurance::Period& period) { log.add(period); });
         log.finish();
         rig::Summary summary;
         summary.number = 1;
@@ -54,8 +52,7 @@ struct ManeuverCommand {
         summary.config_hash = setup.config_hash;
         rig::write_summary(folder / "summary.json", summary);
         settings::deliver(json_file, settings::read_file(folder / "summary.json"));
-        print_table(json_file, "{}Written to {}: bus.log, summary.json\n", rig::summary_table(summary),
-                    folder.string());
+        print_table(json_file, "{}Written to {}: bus.log, summary.json\n", rig::summary_table(summary), folder.string());
         return finished ? 0 : 1;
     }
 };
@@ -67,8 +64,7 @@ LabVerb maneuver_verb(CLI::App& lab) {
     CLI::App* verb = lab.add_subcommand("maneuver",
                                         "A scenario on the virtual rig in process, recorded as rig-bridge "
                                         "maneuver records it. The brake has its nominal friction.");
-    settings::existing_file(verb->add_option("SCENARIO", c->scenario, "a file of config/scenarios"))
-        ->required();
+    settings::existing_file(verb->add_option("SCENARIO", c->scenario, "a file of config/scenarios"))->required();
     settings::add_config_directory(*verb, c->config);
     verb->add_option("--seed", c->seed, "seed of every random draw")->capture_default_str();
     settings::add_json(*verb, c->json_file, "summary");

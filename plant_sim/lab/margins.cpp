@@ -37,8 +37,7 @@ struct TyreOptions {
     std::vector<const CLI::Option*> of_ring_, of_relaxation_;
 };
 
-const CLI::Option* list(CLI::App& app, const std::string& name, std::vector<double>& numbers, double least,
-                        double most, const std::string& what) {
+const CLI::Option* list(CLI::App& app, const std::string& name, std::vector<double>& numbers, double least, double most, const std::string& what) {
     return app.add_option(name, numbers, what)
         ->delimiter(',')
         ->check([least, most](const std::string& text) {
@@ -56,17 +55,13 @@ void refuse(const std::vector<const CLI::Option*>& options, const std::string& m
 }
 
 void TyreOptions::add_to(CLI::App& app) {
-    settings::one_of(
-        app.add_option("--tyre", model,
-                       "static (the paper's), ring or relaxation, in the place of the rig file's [tyre]"),
-        {"static", "ring", "relaxation"});
-    of_ring_ = {
-        list(app, "--belt-share", belt_share, 0.01, 0.9, "ring: of J_w that is belt; a list makes a table"),
-        list(app, "--frequency", frequency_Hz, 5.0, 1000.0, "ring: rim against belt, Hz; or a list"),
-        list(app, "--damping", damping, 0.0, 1.0, "ring: of that mode, of critical; or a list")};
-    of_relaxation_ = {
-        list(app, "--length", length_m, 0.001, 2.0, "relaxation: length at no slip, m; or a list"),
-        list(app, "--floor", floor_m, 0.001, 2.0, "relaxation: it is nowhere shorter, m; or a list")};
+    settings::one_of(app.add_option("--tyre", model, "static (the paper's), ring or relaxation, in the place of the rig file's [tyre]"),
+                     {"static", "ring", "relaxation"});
+    of_ring_ = {list(app, "--belt-share", belt_share, 0.01, 0.9, "ring: of J_w that is belt; a list makes a table"),
+                list(app, "--frequency", frequency_Hz, 5.0, 1000.0, "ring: rim against belt, Hz; or a list"),
+                list(app, "--damping", damping, 0.0, 1.0, "ring: of that mode, of critical; or a list")};
+    of_relaxation_ = {list(app, "--length", length_m, 0.001, 2.0, "relaxation: length at no slip, m; or a list"),
+                      list(app, "--floor", floor_m, 0.001, 2.0, "relaxation: it is nowhere shorter, m; or a list")};
 }
 
 std::vector<plant::Compliance> TyreOptions::tyres(const plant::Compliance& own) const {
@@ -107,8 +102,7 @@ struct MarginsCommand {
 
     int run() {
         // CLI::Range lets a value pass that is no number.
-        if (!std::isfinite(picture_mps))
-            throw std::invalid_argument("--picture-speed must be a number from 5 to 49");
+        if (!std::isfinite(picture_mps)) throw std::invalid_argument("--picture-speed must be a number from 5 to 49");
         MarginsInput input = load_margins_input(scenario);
         const auto tyres = tyre.tyres(input.cases.front().rig.wheel.compliance);
         settings::create_directories(out);  // refused now, not when the study is over
@@ -117,14 +111,11 @@ struct MarginsCommand {
         options.requirement = input.settings.requirement;
 
         std::vector<margins::TyreRow> rows;
-        margins::ReportHead head{.config_hash = input.config_hash,
-                                 .version = ANTISKID_VERSION,
-                                 .options = options,
-                                 .pid = input.settings.pid};
+        margins::ReportHead head{.config_hash = input.config_hash, .version = ANTISKID_VERSION, .options = options, .pid = input.settings.pid};
         for (std::size_t i = 0; i < tyres.size(); ++i) {
             for (margins::Scenario& s : input.cases) s.rig.wheel.compliance = tyres[i];
-            const auto cells = margins::study_cells(input.cases, input.scenarios.front().controller,
-                                                    input.settings.pid, options, progress(i, tyres.size()));
+            const auto cells =
+                margins::study_cells(input.cases, input.scenarios.front().controller, input.settings.pid, options, progress(i, tyres.size()));
             if (tyres.size() > 1) {
                 rows.push_back(margins::tyre_row(tyres[i], cells, options.requirement));
                 continue;
@@ -133,22 +124,17 @@ struct MarginsCommand {
             keep_json(out / "results.json", json_file, margins::to_json(input.cases, cells, head));
             margins::draw_plant(input.cases, options.slip_reference, picture_mps, out / "margins.png");
             margins::draw_margins(input.cases, cells, head, out / "margins_speed.png");
-            print_table(json_file, "{}{}", margins::to_table(input.cases, cells, head),
-                        margins::excited_table(input.cases, cells));
-            print_table(json_file, "Written to {}: results.json margins.png margins_speed.png\n",
-                        out.string());
+            print_table(json_file, "{}{}", margins::to_table(input.cases, cells, head), margins::excited_table(input.cases, cells));
+            print_table(json_file, "Written to {}: results.json margins.png margins_speed.png\n", out.string());
         }
         if (rows.empty()) return 0;
         keep_json(out / "results.json", json_file, margins::to_json(rows, head));
-        print_table(json_file, "{}Written to {}: results.json\n", margins::to_table(rows, head),
-                    out.string());
+        print_table(json_file, "{}Written to {}: results.json\n", margins::to_table(rows, head), out.string());
         return 0;
     }
 
     [[nodiscard]] static margins::Progress progress(std::size_t before, std::size_t tyres) {
-        return [=, show = step_progress("scenarios")](std::size_t done, std::size_t all) {
-            show(before * all + done, tyres * all);
-        };
+        return [=, show = step_progress("scenarios")](std::size_t done, std::size_t all) { show(before * all + done, tyres * all); };
     }
 };
 
@@ -156,29 +142,18 @@ struct MarginsCommand {
 
 LabVerb margins_verb(CLI::App& lab) {
     const auto command = std::make_shared<MarginsCommand>();
-    CLI::App* verb = lab.add_subcommand(
-        "margins",
-        "Phase and gain margins of the slip loop, all surfaces and maneuvers over the speed range.");
-    verb->add_option("--slip", command->scenario.slip, "slip reference")
-        ->check(CLI::Range(0.01, 0.5))
-        ->capture_default_str();
-    verb->add_option("--speeds", command->options.speeds, "speeds from brake-on to drop-out")
-        ->check(CLI::Range(2, 200))
-        ->capture_default_str();
-    verb->add_flag("--constant-slip", command->constant_slip,
-                   "the reference does not fall at low speed: the paper's exact law");
+    CLI::App* verb = lab.add_subcommand("margins", "Phase and gain margins of the slip loop, all surfaces and maneuvers over the speed range.");
+    verb->add_option("--slip", command->scenario.slip, "slip reference")->check(CLI::Range(0.01, 0.5))->capture_default_str();
+    verb->add_option("--speeds", command->options.speeds, "speeds from brake-on to drop-out")->check(CLI::Range(2, 200))->capture_default_str();
+    verb->add_flag("--constant-slip", command->constant_slip, "the reference does not fall at low speed: the paper's exact law");
     command->tyre.add_to(*verb);
-    verb->add_option("--mu-b", command->scenario.choice.friction,
-                     "mean brake friction instead of a new brake's");
-    verb->add_option("--picture-speed", command->picture_mps, "speed of margins.png, m/s")
-        ->check(CLI::Range(5.0, 49.0))
-        ->capture_default_str();
+    verb->add_option("--mu-b", command->scenario.choice.friction, "mean brake friction instead of a new brake's");
+    verb->add_option("--picture-speed", command->picture_mps, "speed of margins.png, m/s")->check(CLI::Range(5.0, 49.0))->capture_default_str();
     settings::add_config_directory(*verb, command->scenario.config);
-    settings::existing_file(verb->add_option("--controller", command->scenario.controller,
-                                             "controller configuration (default: CONFIG/controller.toml)"));
+    settings::existing_file(
+        verb->add_option("--controller", command->scenario.controller, "controller configuration (default: CONFIG/controller.toml)"));
     settings::add_json(*verb, command->json_file, "results");
-    settings::add_out(*verb, command->out,
-                      "directory of results.json, margins.png (Fig. 11) and margins_speed.png");
+    settings::add_out(*verb, command->out, "directory of results.json, margins.png (Fig. 11) and margins_speed.png");
     verb->footer(
         "Two loops: the shipped law with its observer and predictor, and the paper's PID on measured slip "
         "with the gains of "

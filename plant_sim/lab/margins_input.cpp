@@ -6,10 +6,7 @@ namespace plant_sim {
 
 MarginsInput load_margins_input(const ScenarioOptions& options) {
     const std::filesystem::path file = options.config / "margins.toml";
-    MarginsInput input{.settings = study::margins::load_margins_settings(file),
-                       .scenarios = {},
-                       .cases = {},
-                       .config_hash = {}};
+    MarginsInput input{.settings = study::margins::load_margins_settings(file), .scenarios = {}, .cases = {}, .config_hash = {}};
     for (const std::string& surface : plant::surface_names(options.config)) {
         for (const std::string& maneuver : plant::maneuver_names(options.config)) {
             ScenarioOptions one = options;

@@ -46,8 +46,7 @@ struct PlantCommand {
         if (!scenario.empty()) {
             const rig::Scenario s = rig::load_scenario(scenario, config);
             if (!s.choice.runway.empty())
-                throw settings::Error(scenario.string(), 0, "maneuver.runway",
-                                      "a log does not tell where on a runway it was; expected one surface");
+                throw settings::Error(scenario.string(), 0, "maneuver.runway", "a log does not tell where on a runway it was; expected one surface");
             Known k{.rig = s.rig.rig, .controller = s.controller, .files = s.files, .title = s.name};
             if (choice.friction) k.rig.mean_friction = *choice.friction;
             return k;
@@ -81,18 +80,14 @@ struct PlantCommand {
     }
 
     void compare(const Known& on_rig, const antiskid::rt::Setup& loaded) const {
-        rig::LogWarnings warnings(
-            log, [](const std::string& text) { fmt::print(stderr, "rig-lab: warning: {}\n", text); });
+        rig::LogWarnings warnings(log, [](const std::string& text) { fmt::print(stderr, "rig-lab: warning: {}\n", text); });
         rig::LogOptions options;
         if (!interface.empty()) options.interface = interface;
         options.layout = &loaded.layout;
         rig::LogReader reader(log, options, warnings);
-        rig::MeasuredSignals signals(reader, loaded.layout,
-                                     std::chrono::duration<double>(loaded.period).count());
+        rig::MeasuredSignals signals(reader, loaded.layout, std::chrono::duration<double>(loaded.period).count());
         const rig::Validation v = rig::validate_plant(signals, on_rig.rig);
-        if (!v.braked)
-            throw std::runtime_error(
-                log + ": no brake-on in it: no maneuver command that is armed and demands pressure");
+        if (!v.braked) throw std::runtime_error(log + ": no brake-on in it: no maneuver command that is armed and demands pressure");
         if (json != "-") {
             fmt::print("{}", rig::to_text(v));
             if (warnings.any()) fmt::print("warnings of the log: {}\n", warnings.summary());
@@ -102,8 +97,7 @@ struct PlantCommand {
                                           {"version", ANTISKID_VERSION},
                                           {"config_hash", settings::hash(on_rig.files)},
                                           {"warnings", warnings.summary()}};
-        settings::deliver(json,
-                          to_json(v, head.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
+        settings::deliver(json, to_json(v, head.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
         if (!csv.empty()) settings::deliver(csv, to_csv(v));
         if (!picture.empty()) draw(v, on_rig.title);
     }
@@ -111,10 +105,8 @@ struct PlantCommand {
     void draw(const rig::Validation& v, const std::string& title) const {
         const std::string rows = csv.empty() || csv == "-" ? picture + ".csv" : csv;
         if (rows != csv) settings::write_file(rows, to_csv(v));
-        rig::draw_validation(
-            rows, picture,
-            fmt::format("{}: recorded against simulated, pressure in feed-forward from {:.1f} m/s", title,
-                        v.brake_on_mps));
+        rig::draw_validation(rows, picture,
+                             fmt::format("{}: recorded against simulated, pressure in feed-forward from {:.1f} m/s", title, v.brake_on_mps));
     }
 };
 
@@ -122,33 +114,21 @@ struct PlantCommand {
 
 LabVerb plant_verb(CLI::App& lab) {
     const auto c = std::make_shared<PlantCommand>();
-    CLI::App* verb = lab.add_subcommand(
-        "plant", "The plant under the recorded brake pressure, held against the recorded motion (Fig. 5).");
-    settings::existing_file(
-        verb->add_option("LOG", c->log,
-                         "bus log, candump format, plain or gzip; its first braking is compared"))
-        ->required();
-    CLI::Option* const by_scenario = settings::existing_file(
-        verb->add_option("--scenario", c->scenario, "rig and maneuver: a file of config/scenarios"));
-    verb->add_option("--maneuver", c->choice.maneuver,
-                     "mass and friction class: a table of maneuvers.toml, or endurance")
+    CLI::App* verb = lab.add_subcommand("plant", "The plant under the recorded brake pressure, held against the recorded motion (Fig. 5).");
+    settings::existing_file(verb->add_option("LOG", c->log, "bus log, candump format, plain or gzip; its first braking is compared"))->required();
+    CLI::Option* const by_scenario =
+        settings::existing_file(verb->add_option("--scenario", c->scenario, "rig and maneuver: a file of config/scenarios"));
+    verb->add_option("--maneuver", c->choice.maneuver, "mass and friction class: a table of maneuvers.toml, or endurance")
         ->excludes(by_scenario)
         ->capture_default_str();
-    verb->add_option("--surface", c->choice.surface, "runway, a table of surfaces.toml")
-        ->excludes(by_scenario)
-        ->capture_default_str();
+    verb->add_option("--surface", c->choice.surface, "runway, a table of surfaces.toml")->excludes(by_scenario)->capture_default_str();
     verb->add_option("--mass", c->choice.mass_kg, "kg, instead of the maneuver's")->excludes(by_scenario);
     verb->add_option("--mu-b", c->choice.friction, "mean brake friction instead of a new brake's");
-    verb->add_option(
-        "--speed", c->choice.speed_mps,
-        "m/s, of the brake's friction curve instead of the maneuver's; the start is as recorded");
-    settings::add_choice(*verb, "--carrier", c->choice.carrier,
-                         {{"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}},
+    verb->add_option("--speed", c->choice.speed_mps, "m/s, of the brake's friction curve instead of the maneuver's; the start is as recorded");
+    settings::add_choice(*verb, "--carrier", c->choice.carrier, {{"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}},
                          "flywheel: the loading device lags behind eq. (2)");
     settings::add_config_directory(*verb, c->config);
-    settings::existing_file(
-        verb->add_option("--controller", c->controller,
-                         "its period is that of SYNC (default: that of the maneuver in CONFIG)"));
+    settings::existing_file(verb->add_option("--controller", c->controller, "its period is that of SYNC (default: that of the maneuver in CONFIG)"));
     settings::add_layout_files(*verb, c->dbc, c->binding);
     verb->add_option("--interface", c->interface, "lines of this interface (default: the first in the log)");
     settings::add_json(*verb, c->json, "errors");

@@ -23,28 +23,21 @@ identification::Edges edges(const antiskid::control::SpeedInput& input) {
 
 }  // namespace
 
-identification::Recording read_recording(const fs::path& log, const antiskid::can::Layout& layout,
-                                         double period_s) {
+identification::Recording read_recording(const fs::path& log, const antiskid::can::Layout& layout, double period_s) {
     rig::LogWarnings warnings(
-        log.string(), [](const std::string& text) { std::fprintf(stderr, "rig-lab: %s\n", text.c_str()); },
-        1);
+        log.string(), [](const std::string& text) { std::fprintf(stderr, "rig-lab: %s\n", text.c_str()); }, 1);
     rig::LogOptions options;
     options.layout = &layout;
     rig::LogReader reader(log, options, warnings);
     rig::MeasuredSignals signals(reader, layout, period_s);
-    identification::Recording out{
-        .name = log.parent_path().filename().string(), .period_s = period_s, .samples = {}};
+    identification::Recording out{.name = log.parent_path().filename().string(), .period_s = period_s, .samples = {}};
     auto cells_received = antiskid::control::kNever;
     while (signals.next()) {
         const antiskid::can::BusView& view = signals.view();
         // The command of a sample comes after it.
-        if (!out.samples.empty())
-            out.samples.back().current_mA = static_cast<double>(view.controller.current_mA);
-        if (view.wheel.source != antiskid::control::SpeedSource::edges ||
-            view.flywheel.source != antiskid::control::SpeedSource::edges) {
-            throw std::runtime_error(
-                log.string() +
-                ": its encoders report speeds; the identification needs edges with their times");
+        if (!out.samples.empty()) out.samples.back().current_mA = static_cast<double>(view.controller.current_mA);
+        if (view.wheel.source != antiskid::control::SpeedSource::edges || view.flywheel.source != antiskid::control::SpeedSource::edges) {
+            throw std::runtime_error(log.string() + ": its encoders report speeds; the identification needs edges with their times");
         }
         out.samples.push_back({.time_s = signals.time_s(),
                                .phase = view.maneuver_state.phase,
@@ -58,9 +51,7 @@ identification::Recording read_recording(const fs::path& log, const antiskid::ca
         cells_received = view.load_cells_received;
     }
     if (out.samples.empty())
-        throw std::runtime_error(
-            log.string() +
-            ": no sample of both encoders and pressure in it; expected a bus log of this layout");
+        throw std::runtime_error(log.string() + ": no sample of both encoders and pressure in it; expected a bus log of this layout");
     return out;
 }
 
@@ -69,8 +60,8 @@ fs::path scenario_of(const fs::path& folder, const fs::path& config) {
     return config / "scenarios" / (name + ".toml");
 }
 
-identification::Run run_of(const rig::Scenario& scenario, const fs::path& config,
-                           std::vector<double> map_currents, identification::Recording recording) {
+identification::Run run_of(const rig::Scenario& scenario, const fs::path& config, std::vector<double> map_currents,
+                           identification::Recording recording) {
     const plant::RigParameters& rig = scenario.rig.rig;
     if (!scenario.choice.runway.empty())
         throw settings::Error(scenario.files.front().string(), 0, "maneuver.runway",
@@ -79,16 +70,8 @@ identification::Run run_of(const rig::Scenario& scenario, const fs::path& config
         for (const auto& point : rig.pressure_map.points()) map_currents.push_back(point.current_mA);
     }
     const auto classes = [&] {
-        if (scenario.endurance())
-            return settings::Document::load(config / "flywheel_rig.toml")
-                .root()
-                .table("endurance")
-                .text("friction_class");
-        return settings::Document::load(config / "maneuvers.toml")
-            .root()
-            .table("maneuvers")
-            .table(scenario.choice.maneuver)
-            .text("friction_class");
+        if (scenario.endurance()) return settings::Document::load(config / "flywheel_rig.toml").root().table("endurance").text("friction_class");
+        return settings::Document::load(config / "maneuvers.toml").root().table("maneuvers").table(scenario.choice.maneuver).text("friction_class");
     };
     return {.recording = std::move(recording),
             .rig = {.wheel_teeth = rig.wheel_encoder.teeth,

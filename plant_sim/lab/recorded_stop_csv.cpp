@@ -34,8 +34,7 @@ double brake_on_mps(const wear::RecordedStop& stop) {
     constexpr double kShare = 0.02;
     double greatest_Pa = 0.0;
     for (const wear::BrakeSample& s : stop.samples) greatest_Pa = std::max(greatest_Pa, s.pressure_Pa);
-    if (!(greatest_Pa > 0.0))
-        throw Error(stop.source, 0, "pressure_Pa", "no pressure in any row: no stop is in it");
+    if (!(greatest_Pa > 0.0)) throw Error(stop.source, 0, "pressure_Pa", "no pressure in any row: no stop is in it");
     double before = stop.samples.front().speed_mps;
     for (const wear::BrakeSample& s : stop.samples) {
         if (s.pressure_Pa > kShare * greatest_Pa) break;
@@ -58,12 +57,9 @@ wear::RecordedStop parse_stop(const std::string& name, std::string_view csv, dou
             places = places_of(header, name, line);
             continue;
         }
-        if (fields.size() != header.size())
-            throw Error(name, line, "",
-                        fmt::format("has {} fields, the header {}", fields.size(), header.size()));
+        if (fields.size() != header.size()) throw Error(name, line, "", fmt::format("has {} fields, the header {}", fields.size(), header.size()));
         std::array<double, kColumns.size()> values{};
-        for (std::size_t i = 0; i < values.size(); ++i)
-            values[i] = wear::csv_number(name, line, kColumns[i], fields[places[i]]);
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] = wear::csv_number(name, line, kColumns[i], fields[places[i]]);
         if (!stop.samples.empty() && values[0] < stop.samples.back().time_s)
             throw Error(name, line, "time_s", fmt::format("{} is before the row ahead of it", values[0]));
         stop.samples.push_back({values[0], values[1], values[2], values[3]});

@@ -50,8 +50,7 @@ std::vector<fs::path> maneuvers_below(const fs::path& directory, int levels) {
 
 bool is_csv(const fs::path& file) {
     std::string ending = file.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return ending == ".csv";
 }
 
@@ -66,8 +65,7 @@ double seconds(Time time) {
 class RoadWay {
   public:
     explicit RoadWay(const plant::RigParameters& r)
-        : radius_m_(r.flywheel_radius_m),
-          track_(2.0 * std::numbers::pi / r.flywheel_encoder.teeth * r.flywheel_radius_m) {}
+        : radius_m_(r.flywheel_radius_m), track_(2.0 * std::numbers::pi / r.flywheel_encoder.teeth * r.flywheel_radius_m) {}
 
     void update(const antiskid::control::SpeedInput& input, Time now) {
         if (input.received == antiskid::control::kNever) return;
@@ -103,10 +101,8 @@ std::vector<wear::BrakeSample> samples_of(const std::vector<Raw>& rows) {
     for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
         const double passed_s = rows[i + 1].time_s - rows[i - 1].time_s;
         // The recorder's clock was set: no speed can be had across that.
-        if (rows[i].stands || !(passed_s > 0.0) || (!out.empty() && rows[i].time_s < out.back().time_s))
-            continue;
-        out.push_back({rows[i].time_s, (rows[i + 1].way_m - rows[i - 1].way_m) / passed_s,
-                       rows[i].pressure_Pa, rows[i].torque_Nm});
+        if (rows[i].stands || !(passed_s > 0.0) || (!out.empty() && rows[i].time_s < out.back().time_s)) continue;
+        out.push_back({rows[i].time_s, (rows[i + 1].way_m - rows[i - 1].way_m) / passed_s, rows[i].pressure_Pa, rows[i].torque_Nm});
     }
     return out;
 }
@@ -115,9 +111,8 @@ class Loader {
   public:
     explicit Loader(const StopFiles& files)
         : files_(files),
-          layout_(antiskid::can::load_layout(
-              files.dbc.empty() ? files.config / "antiskid.dbc" : files.dbc,
-              files.binding.empty() ? files.config / "antiskid_binding.toml" : files.binding)) {
+          layout_(antiskid::can::load_layout(files.dbc.empty() ? files.config / "antiskid.dbc" : files.dbc,
+                                             files.binding.empty() ? files.config / "antiskid_binding.toml" : files.binding)) {
         for (const std::string& name : plant::friction_class_names()) classes_.push_back({name, {}});
     }
 
@@ -147,16 +142,12 @@ class Loader {
 
   private:
     void enter(const plant::LoadedRig& rig, wear::RecordedStop stop) {
-        const auto at = std::find_if(classes_.begin(), classes_.end(), [&](const ClassStops& c) {
-            return c.friction_class == rig.friction_class;
-        });
+        const auto at = std::find_if(classes_.begin(), classes_.end(), [&](const ClassStops& c) { return c.friction_class == rig.friction_class; });
         at->stops.push_back(std::move(stop));
     }
 
     void add_file(const fs::path& file, const std::string& kind) {
-        if (kind.empty())
-            throw Error(file.string(), 0, "",
-                        fmt::format("which maneuver was it? Write e.g. light={}", file.string()));
+        if (kind.empty()) throw Error(file.string(), 0, "", fmt::format("which maneuver was it? Write e.g. light={}", file.string()));
         const plant::LoadedRig rig = rig_of(kind, file);
         if (is_csv(file))
             enter(rig, parse_stop(file.string(), settings::read_file(file), rig.rig.brake.gain_m3()));
@@ -173,17 +164,14 @@ class Loader {
                 return;
             }
             if (kind.empty()) {
-                const rig::Scenario scenario = rig::load_scenario(
-                    files_.config / "scenarios" / (summary.scenario + ".toml"), files_.config);
+                const rig::Scenario scenario = rig::load_scenario(files_.config / "scenarios" / (summary.scenario + ".toml"), files_.config);
                 enter(scenario.rig, read_log(rig::log_in(folder), scenario.rig));
                 return;
             }
         }
         if (kind.empty())
-            throw Error(
-                folder.string(), 0, "",
-                fmt::format("has no summary.json that says which maneuver it was; write e.g. light={}",
-                            folder.string()));
+            throw Error(folder.string(), 0, "",
+                        fmt::format("has no summary.json that says which maneuver it was; write e.g. light={}", folder.string()));
         const plant::LoadedRig rig = rig_of(kind, folder);
         enter(rig, read_log(rig::log_in(folder), rig));
     }
@@ -197,16 +185,15 @@ class Loader {
         if (!contains(classes, kind)) {
             if (contains(maneuvers, kind)) return plant::load_rig(files_.config, choice);
             throw Error(of.string(), 0, "",
-                        fmt::format("'{}' is neither a friction class ({}) nor a maneuver ({}, {})", kind,
-                                    listed(classes), listed(maneuvers), plant::kEndurance));
+                        fmt::format("'{}' is neither a friction class ({}) nor a maneuver ({}, {})", kind, listed(classes), listed(maneuvers),
+                                    plant::kEndurance));
         }
         for (const std::string& maneuver : maneuvers) {
             choice.maneuver = maneuver;
             plant::LoadedRig rig = plant::load_rig(files_.config, choice);
             if (rig.friction_class == kind) return rig;
         }
-        throw Error(of.string(), 0, "",
-                    fmt::format("no maneuver of maneuvers.toml is of the class {}", kind));
+        throw Error(of.string(), 0, "", fmt::format("no maneuver of maneuvers.toml is of the class {}", kind));
     }
 
     /// The first braking of the log, sampled with every frame of the load cells.

@@ -35,13 +35,11 @@ struct StopFiles {
 };
 
 /// Classes in the order light, medium, heavy; those without a stop are left out. Throws settings::Error naming file and line.
-[[nodiscard]] std::vector<ClassStops> load_stops(const std::vector<StopSource>& sources,
-                                                 const StopFiles& files);
+[[nodiscard]] std::vector<ClassStops> load_stops(const std::vector<StopSource>& sources, const StopFiles& files);
 
 /// CSV with the columns time_s, speed_mps, pressure_Pa, brake_torque_Nm, in any order among others. Empty lines and lines that begin with #
 /// are passed over. Brake-on is the sample ahead of the first with more than 2 % of the greatest pressure. Throws settings::Error with `name`
 /// and line.
-[[nodiscard]] wear::RecordedStop parse_stop(const std::string& name, std::string_view csv,
-                                            double brake_gain_m3);
+[[nodiscard]] wear::RecordedStop parse_stop(const std::string& name, std::string_view csv, double brake_gain_m3);
 
 }  // namespace plant_sim

@@ -46,8 +46,7 @@ struct RegulateCommand {
 
   private:
     [[nodiscard]] int characterise() const;
-    [[nodiscard]] std::vector<regulation::Policy> policies(const regulation::RegulationConfig& asked,
-                                                           const regulation::Plan& plan,
+    [[nodiscard]] std::vector<regulation::Policy> policies(const regulation::RegulationConfig& asked, const regulation::Plan& plan,
                                                            const regulation::Range& range) const;
 };
 
@@ -63,22 +62,17 @@ int RegulateCommand::characterise() const {
     const regulation::Characterisation c = plant_sim::characterise(sites, options);
     progress.finish();
     if (c.floor.rows.empty()) return kStopped;
-    settings::write_file(
-        characterised,
-        regulation::to_toml(c, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
-    print_table(json_file, "{}: J_mu of {} references on {} surfaces\n", characterised.string(),
-                c.floor.reference.size(), c.floor.rows.size());
+    settings::write_file(characterised, regulation::to_toml(c, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
+    print_table(json_file, "{}: J_mu of {} references on {} surfaces\n", characterised.string(), c.floor.reference.size(), c.floor.rows.size());
     return 0;
 }
 
-std::vector<regulation::Policy> RegulateCommand::policies(const regulation::RegulationConfig& asked,
-                                                          const regulation::Plan& plan,
+std::vector<regulation::Policy> RegulateCommand::policies(const regulation::RegulationConfig& asked, const regulation::Plan& plan,
                                                           const regulation::Range& range) const {
     const double best = regulation::best_fixed(plan, asked.floor.reference, asked.tyre_share, range);
     std::vector<regulation::Policy> all{{"regulated", std::nullopt}};
     for (const double reference : fixed) {
-        if (std::abs(reference - best) > 1e-6)
-            all.push_back({fmt::format("fixed {:.2f}", reference), reference});
+        if (std::abs(reference - best) > 1e-6) all.push_back({fmt::format("fixed {:.2f}", reference), reference});
     }
     all.push_back({fmt::format("best fixed {:.2f}", best), best});
     return all;
@@ -86,8 +80,7 @@ std::vector<regulation::Policy> RegulateCommand::policies(const regulation::Regu
 
 int RegulateCommand::run() const {
     if (!characterised.empty()) return characterise();
-    regulation::RegulationConfig asked = regulation::load_regulation_config(
-        regulation_file.empty() ? config / "regulation.toml" : regulation_file);
+    regulation::RegulationConfig asked = regulation::load_regulation_config(regulation_file.empty() ? config / "regulation.toml" : regulation_file);
     if (!surfaces.empty()) asked.surfaces = regulation::surfaces_of(asked.floor, surfaces);
     const LandingSites sites = load_sites(config);
     const wear::BrakeWear& brake = sites.sites.front().rig.wear;
@@ -96,13 +89,10 @@ int RegulateCommand::run() const {
     if (landings > 0) report.plan.landings = landings;
     report.rules = asked.rules;
     report.range = asked.range();
-    report.limits =
-        regulation::limit_forecast(regulation::Regulator(report.plan, report.rules, report.range));
-    for (const LandingSite& site : sites.sites)
-        report.options.allowed_on.push_back(asked.range_on(site.surface));
+    report.limits = regulation::limit_forecast(regulation::Regulator(report.plan, report.rules, report.range));
+    for (const LandingSite& site : sites.sites) report.options.allowed_on.push_back(asked.range_on(site.surface));
     if (forecast && asked.forecast_widest > 0.0)
-        report.options.life_forecast.emplace(regulation::forecast_model(brake), brake,
-                                             asked.forecast_widest * report.plan.brake_budget_J());
+        report.options.life_forecast.emplace(regulation::forecast_model(brake), brake, asked.forecast_widest * report.plan.brake_budget_J());
     antiskid::rt::StopSignals signals;
     const std::vector<regulation::Policy> all = policies(asked, report.plan, report.range);
     const int stops_a_life = static_cast<int>(all.size()) + (floor_check ? 2 : 0);
@@ -120,9 +110,8 @@ int RegulateCommand::run() const {
     report.options.on_stops = [&](std::size_t done) {  // lives that bring less than planned go on beyond it
         progress.show(std::min(static_cast<std::int64_t>(done), planned));
     };
-    report.policies = regulation::run_fleet(
-        report.plan, report.rules, report.range, all, brake, report.options,
-        [&](std::span<const regulation::LandingRequest> requests) { return land(sites, requests, threads); });
+    report.policies = regulation::run_fleet(report.plan, report.rules, report.range, all, brake, report.options,
+                                            [&](std::span<const regulation::LandingRequest> requests) { return land(sites, requests, threads); });
     progress.finish();
     if (report.policies.empty()) return kStopped;
     std::vector<std::filesystem::path> files = sites.files;
@@ -132,8 +121,7 @@ int RegulateCommand::run() const {
     keep_json(out / "results.json", json_file, to_json(report));
     settings::write_file(out / "landings.csv", to_csv(report));
     draw(report, out / "regulate.png");
-    print_table(json_file, "  {}, {}, {}\n", (out / "results.json").string(), (out / "landings.csv").string(),
-                (out / "regulate.png").string());
+    print_table(json_file, "  {}, {}, {}\n", (out / "results.json").string(), (out / "landings.csv").string(), (out / "regulate.png").string());
     return report.all_met() ? 0 : 1;
 }
 
@@ -141,50 +129,34 @@ int RegulateCommand::run() const {
 
 LabVerb regulate_verb(CLI::App& lab) {
     const auto command = std::make_shared<RegulateCommand>();
-    CLI::App* verb = lab.add_subcommand(
-        "regulate",
-        "Regulation of wear: landing by landing the next slip reference from measured brake and tyre energy, "
-        "so that both reach "
-        "their limits together; seeded lives of random landings against fixed references.");
-    verb->add_option("--lives", command->lives, "how many")
-        ->check(CLI::Range(1, 10'000))
-        ->capture_default_str();
-    verb->add_option("--fixed", command->fixed,
-                     "references to compare with, beside the one that the characterised shares call best")
+    CLI::App* verb = lab.add_subcommand("regulate",
+                                        "Regulation of wear: landing by landing the next slip reference from measured brake and tyre energy, "
+                                        "so that both reach "
+                                        "their limits together; seeded lives of random landings against fixed references.");
+    verb->add_option("--lives", command->lives, "how many")->check(CLI::Range(1, 10'000))->capture_default_str();
+    verb->add_option("--fixed", command->fixed, "references to compare with, beside the one that the characterised shares call best")
         ->check(CLI::Range(0.01, 0.5))
         ->capture_default_str();
-    verb->add_option("--landings", command->landings, "planned landing, instead of the plan's")
-        ->check(CLI::Range(2, 1'000'000));
-    verb->add_option("--seed", command->seed, "seed of every random draw")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
-    settings::add_choice(
-        *verb, "--mix", command->mix, {{"random", Mix::random}, {"balanced", Mix::balanced}},
-        "random: each landing any surface and maneuver; balanced: all equally often, in random order");
+    verb->add_option("--landings", command->landings, "planned landing, instead of the plan's")->check(CLI::Range(2, 1'000'000));
+    verb->add_option("--seed", command->seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
+    settings::add_choice(*verb, "--mix", command->mix, {{"random", Mix::random}, {"balanced", Mix::balanced}},
+                         "random: each landing any surface and maneuver; balanced: all equally often, in random order");
     verb->add_option("--missing", command->missing, "share of landings whose measurements are lost")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
-    verb->add_option("--brake-deviation", command->brake_deviation,
-                     "brakes differ in what they can still take by this share, standard deviation")
+    verb->add_option("--brake-deviation", command->brake_deviation, "brakes differ in what they can still take by this share, standard deviation")
         ->check(CLI::Range(0.0, 0.5))
         ->capture_default_str();
-    verb->add_option("--inspection", command->inspection,
-                     "landings between two inspections that tell a brake's true wear and life; 0: none")
+    verb->add_option("--inspection", command->inspection, "landings between two inspections that tell a brake's true wear and life; 0: none")
         ->check(CLI::Range(0, 1'000'000))
         ->capture_default_str();
-    verb->add_option(
-        "--surfaces", command->surfaces,
-        "seen before the plan's begin, with commas between, or all: others bound the references from "
-        "their first landing on (default: the regulation file's)");
-    verb->add_flag(
-        "!--no-forecast", command->forecast,
-        "where nobody inspects: take the brake's life from the configuration, not from its friction");
-    verb->add_flag("!--no-floor-check", command->floor_check,
-                   "do not make every regulated landing again at both ends of the range");
-    settings::existing_file(verb->add_option("--regulation", command->regulation_file,
-                                             "plan and rules (default: CONFIG/regulation.toml)"));
-    verb->add_option("--characterise", command->characterised,
-                     "only measure J_mu over reference and surface, and write the floor table to this file")
+    verb->add_option("--surfaces", command->surfaces,
+                     "seen before the plan's begin, with commas between, or all: others bound the references from "
+                     "their first landing on (default: the regulation file's)");
+    verb->add_flag("!--no-forecast", command->forecast, "where nobody inspects: take the brake's life from the configuration, not from its friction");
+    verb->add_flag("!--no-floor-check", command->floor_check, "do not make every regulated landing again at both ends of the range");
+    settings::existing_file(verb->add_option("--regulation", command->regulation_file, "plan and rules (default: CONFIG/regulation.toml)"));
+    verb->add_option("--characterise", command->characterised, "only measure J_mu over reference and surface, and write the floor table to this file")
         ->type_name("FILE");
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory for results.json, landings.csv, regulate.png");

@@ -26,17 +26,14 @@ const char* first_limit(const Life& life) {
 }
 
 std::string life_text(const Life& life, int number, const regulation::Plan& plan) {
-    const std::string what =
-        life.feasible
-            ? (life.met ? "feasible, met" : "feasible, MISSED")
-            : fmt::format("not feasible at landing {}: the landings bring {:.1f} % of what is left{}",
-                          plan.landings, life.brought * 100.0,
-                          life.other_left <= plan.tolerance ? "; both limits together" : "");
+    const std::string what = life.feasible ? (life.met ? "feasible, met" : "feasible, MISSED")
+                                           : fmt::format("not feasible at landing {}: the landings bring {:.1f} % of what is left{}", plan.landings,
+                                                         life.brought * 100.0, life.other_left <= plan.tolerance ? "; both limits together" : "");
     return fmt::format(
         "  life {:>2}: brake {:6.2f} %, tyre {:6.2f} % used at landing {}; first limit: {}, at {:.1f}, then "
         "{:.2f} % of the other left; {}\n",
-        number, life.brake_at_plan * 100.0, life.tyre_at_plan * 100.0, plan.landings, first_limit(life),
-        life.first_landing, life.other_left * 100.0, what);
+        number, life.brake_at_plan * 100.0, life.tyre_at_plan * 100.0, plan.landings, first_limit(life), life.first_landing, life.other_left * 100.0,
+        what);
 }
 
 nlohmann::ordered_json life_json(const Life& life) {
@@ -63,15 +60,13 @@ std::string data(const RegulateReport& r) {
             const Life& life = r.policies[p].lives[i];
             fmt::format_to(to, "$life{}_{} << EOD\n0 NaN 0 0\n", p, i);
             for (std::size_t k = 0; k < life.rows.size(); ++k)
-                fmt::format_to(to, "{} {:.5f} {:.4f} {:.4f}\n", k + 1, life.rows[k].reference,
-                               life.rows[k].brake_J / life.brake_budget_J * 100.0,
+                fmt::format_to(to, "{} {:.5f} {:.4f} {:.4f}\n", k + 1, life.rows[k].reference, life.rows[k].brake_J / life.brake_budget_J * 100.0,
                                life.rows[k].tyre_J / life.tyre_budget_J * 100.0);
             fmt::format_to(to, "EOD\n");
         }
         fmt::format_to(to, "$policy{} << EOD\n", p);
         for (const Life& life : r.policies[p].lives)
-            fmt::format_to(to, "{:.3f} {:.4f} {:.4f}\n", static_cast<double>(p), life.brake_at_plan * 100.0,
-                           life.tyre_at_plan * 100.0);
+            fmt::format_to(to, "{:.3f} {:.4f} {:.4f}\n", static_cast<double>(p), life.brake_at_plan * 100.0, life.tyre_at_plan * 100.0);
         fmt::format_to(to, "EOD\n");
     }
     return out;
@@ -96,8 +91,7 @@ std::vector<bool> RegulateReport::feasible() const {
 
 bool RegulateReport::all_met() const {
     const auto& lives = policies.front().lives;
-    return std::all_of(lives.begin(), lives.end(),
-                       [](const Life& life) { return life.floor_held && (life.met || !life.feasible); });
+    return std::all_of(lives.begin(), lives.end(), [](const Life& life) { return life.floor_held && (life.met || !life.feasible); });
 }
 
 std::string to_text(const RegulateReport& r) {
@@ -105,73 +99,66 @@ std::string to_text(const RegulateReport& r) {
         "plan: {:.1f} MJ of brake and {:.1f} MJ of tyre used up together at landing {}; a landing brings "
         "{:.3f} +- {:.3f} MJ\n"
         "references {:.3f} to {:.3f} keep J_mu at {:.2f} or above\n{}\n",
-        r.plan.brake_budget_J() * 1e-6, r.plan.tyre_budget_J() * 1e-6, r.plan.landings,
-        r.plan.landing_J * 1e-6, r.plan.landing_deviation_J * 1e-6, r.range.lowest, r.range.highest,
-        r.rules.j_mu_floor, regulation::sentence(r.limits, r.plan));
+        r.plan.brake_budget_J() * 1e-6, r.plan.tyre_budget_J() * 1e-6, r.plan.landings, r.plan.landing_J * 1e-6, r.plan.landing_deviation_J * 1e-6,
+        r.range.lowest, r.range.highest, r.rules.j_mu_floor, regulation::sentence(r.limits, r.plan));
     auto out = std::back_inserter(text);
     const PolicyLives& regulated = r.policies.front();
-    for (std::size_t i = 0; i < regulated.lives.size(); ++i)
-        text += life_text(regulated.lives[i], static_cast<int>(i) + 1, r.plan);
-    fmt::format_to(
-        out,
-        "\n| policy | met, of feasible lives | together, of all lives | first limit at landing | left of the "
-        "other: mean | worst | brake used at plan | tyre used at plan | mean J_mu | least J_mu | mean "
-        "distance (m) |\n"
-        "|---|---|---|---|---|---|---|---|---|---|---|\n");
+    for (std::size_t i = 0; i < regulated.lives.size(); ++i) text += life_text(regulated.lives[i], static_cast<int>(i) + 1, r.plan);
+    fmt::format_to(out,
+                   "\n| policy | met, of feasible lives | together, of all lives | first limit at landing | left of the "
+                   "other: mean | worst | brake used at plan | tyre used at plan | mean J_mu | least J_mu | mean "
+                   "distance (m) |\n"
+                   "|---|---|---|---|---|---|---|---|---|---|---|\n");
     const std::vector<bool> possible = r.feasible();
     for (const PolicyLives& p : r.policies) {
         const Summary s = regulation::summary(p, possible, r.plan.tolerance);
         fmt::format_to(out,
                        "| {} | {} of {} | {} of {} | {:.1f} | {:.2f} % | {:.2f} % | {:.1f} % | {:.1f} % | "
                        "{:.4f} | {:.3f} | {:.1f} |\n",
-                       p.policy.name, s.met, s.feasible, s.together, p.lives.size(), s.first_landing,
-                       s.other_left * 100.0, s.worst_other_left * 100.0, s.brake_at_plan * 100.0,
-                       s.tyre_at_plan * 100.0, s.j_mu, s.least_j_mu, s.distance_m);
+                       p.policy.name, s.met, s.feasible, s.together, p.lives.size(), s.first_landing, s.other_left * 100.0,
+                       s.worst_other_left * 100.0, s.brake_at_plan * 100.0, s.tyre_at_plan * 100.0, s.j_mu, s.least_j_mu, s.distance_m);
     }
     const Summary s = regulation::summary(regulated, possible, r.plan.tolerance);
     fmt::format_to(out, "\n{}\n",
                    !r.options.worst_stops ? "stop distances were not checked against the floor"
-                   : s.floor_held
-                       ? "no regulated stop was longer than at the worst reference that the floor allows"
-                       : "A REGULATED STOP WAS LONGER than at the worst reference that the floor allows");
+                   : s.floor_held         ? "no regulated stop was longer than at the worst reference that the floor allows"
+                                          : "A REGULATED STOP WAS LONGER than at the worst reference that the floor allows");
     return text;
 }
 
 std::string to_json(const RegulateReport& r) {
-    nlohmann::ordered_json json{
-        {"study", "regulate"},
-        {"version", ANTISKID_VERSION},
-        {"config_hash", r.config_hash},
-        {"seed", r.options.seed},
-        {"plan",
-         {{"landings", r.plan.landings},
-          {"brake_life_J", r.plan.brake_life_J},
-          {"brake_taken_J", r.plan.brake_taken_J},
-          {"tyre_life_J", r.plan.tyre_life_J},
-          {"tyre_taken_J", r.plan.tyre_taken_J},
-          {"landing_J", r.plan.landing_J},
-          {"landing_deviation_J", r.plan.landing_deviation_J},
-          {"tolerance", r.plan.tolerance}}},
-        {"range",
-         {{"lowest", r.range.lowest}, {"highest", r.range.highest}, {"j_mu_floor", r.rules.j_mu_floor}}},
-        {"outlook",
-         {{"verdict", regulation::name(r.limits.verdict)},
-          {"sentence", regulation::sentence(r.limits, r.plan)},
-          {"required_share", r.limits.required_share},
-          {"least_share", r.limits.least_share},
-          {"most_share", r.limits.most_share},
-          {"brake_limit_landing", r.limits.brake.landing},
-          {"brake_limit_deviation", r.limits.brake.deviation},
-          {"tyre_limit_landing", r.limits.tyre.landing},
-          {"tyre_limit_deviation", r.limits.tyre.deviation},
-          {"probability", r.limits.probability}}},
-        {"mix", r.options.mix == regulation::Mix::random ? "random" : "balanced"},
-        {"missing", r.options.missing},
-        {"brake_deviation", r.options.brake_deviation},
-        {"inspection_landings", r.options.inspection},
-        {"forecast", r.options.life_forecast.has_value() && r.options.inspection == 0},
-        {"floor_checked", r.options.worst_stops},
-        {"all_met", r.all_met()}};
+    nlohmann::ordered_json json{{"study", "regulate"},
+                                {"version", ANTISKID_VERSION},
+                                {"config_hash", r.config_hash},
+                                {"seed", r.options.seed},
+                                {"plan",
+                                 {{"landings", r.plan.landings},
+                                  {"brake_life_J", r.plan.brake_life_J},
+                                  {"brake_taken_J", r.plan.brake_taken_J},
+                                  {"tyre_life_J", r.plan.tyre_life_J},
+                                  {"tyre_taken_J", r.plan.tyre_taken_J},
+                                  {"landing_J", r.plan.landing_J},
+                                  {"landing_deviation_J", r.plan.landing_deviation_J},
+                                  {"tolerance", r.plan.tolerance}}},
+                                {"range", {{"lowest", r.range.lowest}, {"highest", r.range.highest}, {"j_mu_floor", r.rules.j_mu_floor}}},
+                                {"outlook",
+                                 {{"verdict", regulation::name(r.limits.verdict)},
+                                  {"sentence", regulation::sentence(r.limits, r.plan)},
+                                  {"required_share", r.limits.required_share},
+                                  {"least_share", r.limits.least_share},
+                                  {"most_share", r.limits.most_share},
+                                  {"brake_limit_landing", r.limits.brake.landing},
+                                  {"brake_limit_deviation", r.limits.brake.deviation},
+                                  {"tyre_limit_landing", r.limits.tyre.landing},
+                                  {"tyre_limit_deviation", r.limits.tyre.deviation},
+                                  {"probability", r.limits.probability}}},
+                                {"mix", r.options.mix == regulation::Mix::random ? "random" : "balanced"},
+                                {"missing", r.options.missing},
+                                {"brake_deviation", r.options.brake_deviation},
+                                {"inspection_landings", r.options.inspection},
+                                {"forecast", r.options.life_forecast.has_value() && r.options.inspection == 0},
+                                {"floor_checked", r.options.worst_stops},
+                                {"all_met", r.all_met()}};
     auto policies = nlohmann::ordered_json::array();
     const std::vector<bool> possible = r.feasible();
     for (const PolicyLives& p : r.policies) {
@@ -208,9 +195,8 @@ std::string to_csv(const RegulateReport& r) {
         for (std::size_t i = 0; i < p.lives.size(); ++i) {
             for (std::size_t k = 0; k < p.lives[i].rows.size(); ++k) {
                 const LifeRow& row = p.lives[i].rows[k];
-                fmt::format_to(out, "{},{},{},{:.6f},{:.6f},{:.6f},{:.1f},{:.1f},{:.3f},{:.3f},{:.5f},{}\n",
-                               p.policy.name, i + 1, k + 1, row.reference, row.required_share, row.share,
-                               row.brake_J, row.tyre_J, row.distance_m, row.worst_distance_m, row.j_mu,
+                fmt::format_to(out, "{},{},{},{:.6f},{:.6f},{:.6f},{:.1f},{:.1f},{:.3f},{:.3f},{:.5f},{}\n", p.policy.name, i + 1, k + 1,
+                               row.reference, row.required_share, row.share, row.brake_J, row.tyre_J, row.distance_m, row.worst_distance_m, row.j_mu,
                                regulation::name(row.reading));
             }
         }
@@ -223,8 +209,7 @@ void draw(const RegulateReport& r, const std::filesystem::path& png) {
     const std::size_t lives = r.policies.front().lives.size();
     std::string script = data(r);
     auto out = std::back_inserter(script);
-    fmt::format_to(
-        out, R"(set lmargin 10
+    fmt::format_to(out, R"(set lmargin 10
 set rmargin 3
 set multiplot layout 3,1 title {title} noenhanced
 set xrange [0:{most}]
@@ -243,17 +228,14 @@ set yrange [{low}:{high}]
 set key bottom right
 plot {lowest} with lines lc rgb '#555555' dt 2 title 'allowed by the floor on J_{{/Symbol m}}', \
      {highest} with lines lc rgb '#555555' dt 2 notitle)",
-        fmt::arg("title",
-                 study::gnuplot_quoted(fmt::format("Brake and tyre used up together: {} {}, seed {}", lives,
-                                                   lives == 1 ? "life" : "lives", r.options.seed))),
-        fmt::arg("most", static_cast<double>(r.plan.landings) * 1.08), fmt::arg("planned", r.plan.landings),
-        fmt::arg("fixed", fixed), fmt::arg("fixed_name", r.policies[fixed].policy.name),
-        fmt::arg("low", r.range.lowest - 0.10), fmt::arg("high", r.range.highest + 0.03),
-        fmt::arg("lowest", r.range.lowest), fmt::arg("highest", r.range.highest));
+                   fmt::arg("title", study::gnuplot_quoted(fmt::format("Brake and tyre used up together: {} {}, seed {}", lives,
+                                                                       lives == 1 ? "life" : "lives", r.options.seed))),
+                   fmt::arg("most", static_cast<double>(r.plan.landings) * 1.08), fmt::arg("planned", r.plan.landings), fmt::arg("fixed", fixed),
+                   fmt::arg("fixed_name", r.policies[fixed].policy.name), fmt::arg("low", r.range.lowest - 0.10),
+                   fmt::arg("high", r.range.highest + 0.03), fmt::arg("lowest", r.range.lowest), fmt::arg("highest", r.range.highest));
     for (std::size_t i = lives; i-- > 0;)
-        fmt::format_to(out, ", \\\n     $life0_{} using 1:2 with lines lw {} lc rgb '{}' title '{}'", i,
-                       i == 0 ? 2.5 : 0.8, i == 0 ? "#548235" : "#a9c98f",
-                       i == 0 ? "life 1, as above" : (i == 1 ? "other lives" : ""));
+        fmt::format_to(out, ", \\\n     $life0_{} using 1:2 with lines lw {} lc rgb '{}' title '{}'", i, i == 0 ? 2.5 : 0.8,
+                       i == 0 ? "#548235" : "#a9c98f", i == 0 ? "life 1, as above" : (i == 1 ? "other lives" : ""));
     fmt::format_to(out, R"(
 unset arrow 1
 set xlabel ''
@@ -273,16 +255,13 @@ plot {above} with lines lc rgb '#555555' dt 3 title 'plan, within {tolerance} %'
                                                    study::gnuplot_quoted(r.policies[p].policy.name), p);
                                 return tics;
                             }()),
-                   fmt::arg("above", 100.0 * (1.0 + r.plan.tolerance)),
-                   fmt::arg("below", 100.0 * (1.0 - r.plan.tolerance)),
+                   fmt::arg("above", 100.0 * (1.0 + r.plan.tolerance)), fmt::arg("below", 100.0 * (1.0 - r.plan.tolerance)),
                    fmt::arg("tolerance", 100.0 * r.plan.tolerance));
     for (std::size_t p = 0; p < r.policies.size(); ++p)
-        fmt::format_to(
-            out,
-            ", \\\n     $policy{0} using ($1-0.08):2 with points pt 7 ps 0.9 lc rgb '#1f4e79' {1}, \\\n"
-            "     $policy{0} using ($1+0.08):3 with points pt 9 ps 0.9 lc rgb '#c55a11' {2}",
-            p, p == 0 ? "title 'brake, each life'" : "notitle",
-            p == 0 ? "title 'tyre, each life'" : "notitle");
+        fmt::format_to(out,
+                       ", \\\n     $policy{0} using ($1-0.08):2 with points pt 7 ps 0.9 lc rgb '#1f4e79' {1}, \\\n"
+                       "     $policy{0} using ($1+0.08):3 with points pt 9 ps 0.9 lc rgb '#c55a11' {2}",
+                       p, p == 0 ? "title 'brake, each life'" : "notitle", p == 0 ? "title 'tyre, each life'" : "notitle");
     script += "\nunset multiplot\n";
     study::run_gnuplot(png, 1100, 1200, script);
 }

@@ -24,8 +24,7 @@ namespace {
 
 std::uint8_t phase_code(std::string_view name) {
     const auto& names = antiskid::can::kPhaseNames;
-    return static_cast<std::uint8_t>(
-        std::distance(names.begin(), std::find(names.begin(), names.end(), name)));
+    return static_cast<std::uint8_t>(std::distance(names.begin(), std::find(names.begin(), names.end(), name)));
 }
 
 /// The rig's phases stand in the telemetry that the meter reads; the pilot's landing has those of them that matter.
@@ -80,13 +79,9 @@ study::Maneuver maneuver_of(const LandingSites& sites, const regulation::Landing
     return m;
 }
 
-regulation::Stop stop_of(const LandingSite& site, const regulation::LandingRequest& request,
-                         const study::StopFigures& run, const rig::Meter* meter) {
-    regulation::Stop stop{.measured = {},
-                          .brake_J = run.energy_brake_J,
-                          .tyre_J = run.energy_tyre_J,
-                          .distance_m = run.stop_distance_m,
-                          .j_mu = run.j_mu};
+regulation::Stop stop_of(const LandingSite& site, const regulation::LandingRequest& request, const study::StopFigures& run, const rig::Meter* meter) {
+    regulation::Stop stop{
+        .measured = {}, .brake_J = run.energy_brake_J, .tyre_J = run.energy_tyre_J, .distance_m = run.stop_distance_m, .j_mu = run.j_mu};
     if (meter == nullptr) return stop;
     const rig::Figures measured = meter->figures();
     stop.measured = {.reference = request.reference,
@@ -94,8 +89,8 @@ regulation::Stop stop_of(const LandingSite& site, const regulation::LandingReque
                      .brake_J = measured.energy_brake_J,
                      .tyre_J = measured.energy_tyre_J,
                      .j_mu = measured.j_mu};
-    stop.measured_friction = plant::mean_of_measured(site.rig.rig.friction_curve, measured.mean_friction,
-                                                     site.rig.drop_out_mps / measured.brake_on_mps);
+    stop.measured_friction =
+        plant::mean_of_measured(site.rig.rig.friction_curve, measured.mean_friction, site.rig.drop_out_mps / measured.brake_on_mps);
     return stop;
 }
 
@@ -146,14 +141,12 @@ LandingSites load_sites(const std::filesystem::path& config) {
     return s;
 }
 
-std::vector<regulation::Stop> land(const LandingSites& sites,
-                                   std::span<const regulation::LandingRequest> requests, unsigned threads) {
+std::vector<regulation::Stop> land(const LandingSites& sites, std::span<const regulation::LandingRequest> requests, unsigned threads) {
     // Long stops first, so that threads end together.
     std::vector<std::size_t> order(requests.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return expected_s(sites.sites.at(requests[a].draw.scenario)) >
-               expected_s(sites.sites.at(requests[b].draw.scenario));
+        return expected_s(sites.sites.at(requests[a].draw.scenario)) > expected_s(sites.sites.at(requests[b].draw.scenario));
     });
     std::vector<regulation::Stop> stops(requests.size());
     std::vector<std::unique_ptr<rig::Meter>> meters(requests.size());
@@ -161,10 +154,8 @@ std::vector<regulation::Stop> land(const LandingSites& sites,
         const regulation::LandingRequest& request = requests[order[i]];
         study::Maneuver m = maneuver_of(sites, request);
         if (!request.metered) return m;
-        meters[i] = std::make_unique<rig::Meter>(
-            rig::meter_parameters(sites.sites[request.draw.scenario].rig, m.options.period_s));
-        m.on_step = [meter = meters[i].get(), &sites](const study::RigSession& session,
-                                                      const antiskid::can::ControllerView&, double) {
+        meters[i] = std::make_unique<rig::Meter>(rig::meter_parameters(sites.sites[request.draw.scenario].rig, m.options.period_s));
+        m.on_step = [meter = meters[i].get(), &sites](const study::RigSession& session, const antiskid::can::ControllerView&, double) {
             meter->feed(rig::as_on_bus(sites.layout, sample_of(session)));
         };
         return m;
@@ -176,8 +167,7 @@ std::vector<regulation::Stop> land(const LandingSites& sites,
             throw std::runtime_error(
                 fmt::format("the {} landing on {} with slip reference {:.3f}, friction {:.3f}, seed {} "
                             "did not come to rest",
-                            site.maneuver, site.surface, request.reference, request.mean_friction,
-                            request.draw.sensor_seed));
+                            site.maneuver, site.surface, request.reference, request.mean_friction, request.draw.sensor_seed));
         stops[order[i]] = stop_of(site, request, run.figures, meters[i].get());
         meters[i].reset();
     };
@@ -208,11 +198,8 @@ regulation::Characterisation characterise(const LandingSites& sites, const Chara
         if (options.on_stops) options.on_stops((i + 1) * requests.size());
         for (std::size_t k = 0; k < requests.size(); ++k) {
             const std::string& surface = sites.sites[requests[k].draw.scenario].surface;
-            auto row = std::find_if(c.floor.rows.begin(), c.floor.rows.end(),
-                                    [&](const auto& r) { return r.surface == surface; });
-            if (row == c.floor.rows.end())
-                row =
-                    c.floor.rows.insert(row, {surface, std::vector<double>(options.references.size(), 1.0)});
+            auto row = std::find_if(c.floor.rows.begin(), c.floor.rows.end(), [&](const auto& r) { return r.surface == surface; });
+            if (row == c.floor.rows.end()) row = c.floor.rows.insert(row, {surface, std::vector<double>(options.references.size(), 1.0)});
             row->j_mu[i] = std::min(row->j_mu[i], stops[k].j_mu);
             tyre_J[i] += stops[k].tyre_J;
             all_J[i] += stops[k].tyre_J + stops[k].brake_J;

@@ -23,8 +23,7 @@ struct LandingSite {
     std::string maneuver;
     plant::LoadedRig rig;
 
-    [[nodiscard]] double kinetic_J()
-        const;  ///< at brake-on, after what the wheel's spin-up has cost the aircraft
+    [[nodiscard]] double kinetic_J() const;  ///< at brake-on, after what the wheel's spin-up has cost the aircraft
 };
 
 struct LandingSites {
@@ -43,9 +42,7 @@ struct LandingSites {
 
 /// All these landings, side by side on `threads`; Draw::scenario counts the sites. The stops, in the same order, do not depend on `threads`. Throws
 /// std::runtime_error, naming the landing, when an aircraft did not come to rest.
-[[nodiscard]] std::vector<regulation::Stop> land(const LandingSites& sites,
-                                                 std::span<const regulation::LandingRequest> requests,
-                                                 unsigned threads);
+[[nodiscard]] std::vector<regulation::Stop> land(const LandingSites& sites, std::span<const regulation::LandingRequest> requests, unsigned threads);
 
 struct CharacteriseOptions {
     std::vector<double> references;  ///< rising
@@ -55,8 +52,7 @@ struct CharacteriseOptions {
     std::function<void(std::size_t stops)> on_stops{};
 };
 /// All sites with every reference, the brake new and worn out. Empty when it was stopped.
-[[nodiscard]] regulation::Characterisation characterise(const LandingSites& sites,
-                                                        const CharacteriseOptions& options);
+[[nodiscard]] regulation::Characterisation characterise(const LandingSites& sites, const CharacteriseOptions& options);
 /// How many stops that takes.
 [[nodiscard]] std::size_t characterising_stops(const LandingSites& sites, const CharacteriseOptions& options);
 

@@ -31,9 +31,8 @@ void show_progress(const paper::SectionResult& result, std::size_t done, std::si
     const char* state = result.failed() ? "failed" : result.answered_yes() ? "done" : "answers no";
     const std::size_t full = done * kBarWidth / all;
     const bool terminal = ::isatty(STDERR_FILENO) == 1;
-    fmt::print(stderr, "{}[{}{}] {} of {} sections; {}: {}{}", terminal ? "\r\x1b[K" : "",
-               std::string(full, '#'), std::string(kBarWidth - full, '.'), done, all, result.section->id,
-               state, terminal && done < all ? "" : "\n");
+    fmt::print(stderr, "{}[{}{}] {} of {} sections; {}: {}{}", terminal ? "\r\x1b[K" : "", std::string(full, '#'), std::string(kBarWidth - full, '.'),
+               done, all, result.section->id, state, terminal && done < all ? "" : "\n");
 }
 
 struct ReportCommand {
@@ -51,41 +50,30 @@ struct ReportCommand {
         if (only.empty()) return all;
         std::vector<std::string> wanted = only;
         for (const std::string& id : only)
-            if (std::none_of(all.sections.begin(), all.sections.end(),
-                             [&](const auto& s) { return s.id == id; }))
+            if (std::none_of(all.sections.begin(), all.sections.end(), [&](const auto& s) { return s.id == id; }))
                 throw settings::Error(file.string(), 0, "section", "there is no section '" + id + "'");
         for (std::size_t i = all.sections.size(); i-- > 0;) {
             const paper::Section& s = all.sections[i];
-            if (std::find(wanted.begin(), wanted.end(), s.id) != wanted.end() && !s.after.empty())
-                wanted.push_back(s.after);
+            if (std::find(wanted.begin(), wanted.end(), s.id) != wanted.end() && !s.after.empty()) wanted.push_back(s.after);
         }
-        std::erase_if(all.sections, [&](const auto& s) {
-            return std::find(wanted.begin(), wanted.end(), s.id) == wanted.end();
-        });
+        std::erase_if(all.sections, [&](const auto& s) { return std::find(wanted.begin(), wanted.end(), s.id) == wanted.end(); });
         return all;
     }
 
     [[nodiscard]] int run() const {
         const fs::path file = sections.empty() ? config / "report.toml" : sections;
         const paper::Contents found = contents(file);
-        const std::vector<paper::SectionResult> results =
-            paper::run_sections(found, {.out = out,
-                                        .config = config,
-                                        .quick = quick,
-                                        .jobs = jobs,
-                                        .program = program_of,
-                                        .progress = show_progress});
+        const std::vector<paper::SectionResult> results = paper::run_sections(
+            found, {.out = out, .config = config, .quick = quick, .jobs = jobs, .program = program_of, .progress = show_progress});
         const std::vector<paper::Compared> rows = paper::compared(results);
         std::vector<fs::path> files{file};
-        for (const char* name :
-             {"landing_gear.toml", "flywheel_rig.toml", "maneuvers.toml", "surfaces.toml", "controller.toml",
-              "controller_endurance.toml", "antiskid.dbc", "antiskid_binding.toml"})
+        for (const char* name : {"landing_gear.toml", "flywheel_rig.toml", "maneuvers.toml", "surfaces.toml", "controller.toml",
+                                 "controller_endurance.toml", "antiskid.dbc", "antiskid_binding.toml"})
             files.push_back(config / name);
-        const paper::PageHead head{
-            .version = ANTISKID_VERSION,
-            .config_hash = settings::hash(files),
-            .command = fmt::format("rig-lab report{} --out {}", quick ? " --quick" : "", out.string()),
-            .quick = quick};
+        const paper::PageHead head{.version = ANTISKID_VERSION,
+                                   .config_hash = settings::hash(files),
+                                   .command = fmt::format("rig-lab report{} --out {}", quick ? " --quick" : "", out.string()),
+                                   .quick = quick};
         settings::deliver((out / "report.html").string(), paper::to_html(found, results, rows, head));
         keep_json(out / "results.json", json_file, paper::to_json(results, rows, head));
         bool all_well = true;
@@ -93,9 +81,7 @@ struct ReportCommand {
             if (r.answered_yes()) continue;
             all_well = false;
             for (const paper::CommandResult& c : r.commands)
-                if (c.status != 0)
-                    print_table(json_file, "{}: exit status {}: {}\n{}", r.section->id, c.status, c.line,
-                                c.errors);
+                if (c.status != 0) print_table(json_file, "{}: exit status {}: {}\n{}", r.section->id, c.status, c.line, c.errors);
         }
         for (const paper::Compared& row : rows) {
             if (row.ours) continue;
@@ -111,20 +97,16 @@ struct ReportCommand {
 
 LabVerb report_verb(CLI::App& lab) {
     const auto command = std::make_shared<ReportCommand>();
-    CLI::App* verb = lab.add_subcommand(
-        "report",
-        "Every figure and table of the paper that this project reproduces, as one HTML page, made afresh.");
+    CLI::App* verb = lab.add_subcommand("report", "Every figure and table of the paper that this project reproduces, as one HTML page, made afresh.");
     verb->add_flag("--quick", command->quick, "fewer stops, starts and maneuvers; the page says so");
     verb->add_option("--only", command->only, "only these sections, and those that they build on");
-    settings::existing_file(verb->add_option("--sections", command->sections,
-                                             "what the report consists of (default: CONFIG/report.toml)"));
+    settings::existing_file(verb->add_option("--sections", command->sections, "what the report consists of (default: CONFIG/report.toml)"));
     verb->add_option("--jobs", command->jobs, "sections at a time; the page does not depend on it")
         ->check(CLI::Range(1U, 64U))
         ->capture_default_str();
     settings::add_config_directory(*verb, command->config);
     settings::add_json(*verb, command->json_file, "results");
-    settings::add_out(*verb, command->out,
-                      "directory of report.html, results.json and a folder for each section");
+    settings::add_out(*verb, command->out, "directory of report.html, results.json and a folder for each section");
     verb->footer(
         "Examples:\n  rig-lab report\n  rig-lab report --quick --out out/quick\n  rig-lab report --only "
         "fig12\n"

@@ -25,30 +25,26 @@ struct RobustCommand {
         const robust::Plan plan = robust::load_plan(options);
         antiskid::rt::StopSignals signals;
         CampaignProgress progress(static_cast<std::int64_t>(plan.stops()), 0, "stops");
-        const std::vector<robust::Row> rows = robust::run(
-            plan,
-            {.threads = threads_in(team, threads),
-             .stop = &signals.stop(),
-             .progress = [&](std::size_t done) { progress.show(static_cast<std::int64_t>(done)); }},
-            team);
+        const std::vector<robust::Row> rows = robust::run(plan,
+                                                          {.threads = threads_in(team, threads),
+                                                           .stop = &signals.stop(),
+                                                           .progress = [&](std::size_t done) { progress.show(static_cast<std::int64_t>(done)); }},
+                                                          team);
         progress.finish();
         if (team.rank() != 0) return 0;
         if (rows.size() < plan.stops()) {
-            fmt::print(stderr, "rig-lab: stopped after {} of {} stops; nothing is written\n", rows.size(),
-                       plan.stops());
+            fmt::print(stderr, "rig-lab: stopped after {} of {} stops; nothing is written\n", rows.size(), plan.stops());
             return signals.number() == SIGINT ? 130 : 1;
         }
         const std::vector<robust::Summary> summaries = robust::summarise(plan, rows);
         settings::write_file(out / "stops.csv", robust::to_csv(plan, rows));
         keep_json(out / "results.json", json_file, robust::to_json(plan, rows, summaries));
         if (pictures) robust::draw_j_mu(plan, rows, summaries, out / "robust.png");
-        print_table(json_file,
-                    "{}seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
-                    robust::to_table(plan, rows, summaries), plan.seed, plan.config_hash, ANTISKID_VERSION,
-                    out.string(), pictures ? " robust.png" : "");
+        print_table(json_file, "{}seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
+                    robust::to_table(plan, rows, summaries), plan.seed, plan.config_hash, ANTISKID_VERSION, out.string(),
+                    pictures ? " robust.png" : "");
         bool sound = true;
-        for (const robust::Summary& s : summaries)
-            sound = sound && (plan.laws[s.law].law != antiskid::control::Law::wheel_slip || s.tripped == 0);
+        for (const robust::Summary& s : summaries) sound = sound && (plan.laws[s.law].law != antiskid::control::Law::wheel_slip || s.tripped == 0);
         return sound ? 0 : 1;
     }
 };
@@ -57,30 +53,23 @@ struct RobustCommand {
 
 LabVerb robust_verb(CLI::App& lab) {
     const auto command = std::make_shared<RobustCommand>();
-    CLI::App* verb = lab.add_subcommand(
-        "robust",
-        "Stops on plants and runways drawn from config/uncertainty.toml, every law on the same draws.");
-    verb->add_option("--families", command->options.families,
-                     "which ranges are drawn from; changes and brake_on, grids of stops: see below")
+    CLI::App* verb = lab.add_subcommand("robust", "Stops on plants and runways drawn from config/uncertainty.toml, every law on the same draws.");
+    verb->add_option("--families", command->options.families, "which ranges are drawn from; changes and brake_on, grids of stops: see below")
         ->delimiter(',')
         ->capture_default_str();
-    settings::one_of(
-        verb->add_option("--laws", command->options.laws,
-                         "told_peak: the slip law told the peak of the "
-                         "surface under the wheel, with whose distances the others' are compared"),
-        {"slip", "peak_slip", "threshold", "pressure_bias", "told_peak"})
+    settings::one_of(verb->add_option("--laws", command->options.laws,
+                                      "told_peak: the slip law told the peak of the "
+                                      "surface under the wheel, with whose distances the others' are compared"),
+                     {"slip", "peak_slip", "threshold", "pressure_bias", "told_peak"})
         ->delimiter(',')
         ->capture_default_str();
-    verb->add_option("--draws", command->options.draws,
-                     "of each family that is drawn; a multiple of 14 has all landings equally often")
+    verb->add_option("--draws", command->options.draws, "of each family that is drawn; a multiple of 14 has all landings equally often")
         ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000}))
         ->capture_default_str();
-    verb->add_option("--seed", command->options.seed, "of the draws: 1 to tune with, others to report")
-        ->capture_default_str();
-    settings::existing_file(verb->add_option("--controller", command->options.controller,
-                                             "controller configuration (default: CONFIG/controller.toml)"));
-    settings::existing_file(verb->add_option("--ranges", command->options.ranges,
-                                             "what is drawn (default: CONFIG/uncertainty.toml)"));
+    verb->add_option("--seed", command->options.seed, "of the draws: 1 to tune with, others to report")->capture_default_str();
+    settings::existing_file(
+        verb->add_option("--controller", command->options.controller, "controller configuration (default: CONFIG/controller.toml)"));
+    settings::existing_file(verb->add_option("--ranges", command->options.ranges, "what is drawn (default: CONFIG/uncertainty.toml)"));
     settings::add_config_directory(*verb, command->options.config);
     settings::add_threads(*verb, command->threads, "all cores; 1 for each process of mpirun");
     settings::add_json(*verb, command->json_file, "results");

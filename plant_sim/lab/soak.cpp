@@ -36,17 +36,16 @@ int SoakCommand::run() const {
     antiskid::rt::StopSignals signals;
     constexpr std::int64_t kParts = 1000;
     CampaignProgress progress(kParts, 0, "thousandths");
-    const endurance::SoakResult result = endurance::soak(
-        setup, {.seconds = hours * 3600.0, .seed = seed, .stop = &signals.stop()}, heap_in_use,
-        [&progress](double share) { progress.show(static_cast<std::int64_t>(share * kParts)); });
+    const endurance::SoakResult result = endurance::soak(setup, {.seconds = hours * 3600.0, .seed = seed, .stop = &signals.stop()}, heap_in_use,
+                                                         [&progress](double share) { progress.show(static_cast<std::int64_t>(share * kParts)); });
     progress.finish();
-    print_table(json_file, "{}: {} landings in {:.2f} h of the controller's time, seed {}\n",
-                setup.scenario.title, result.landings, result.seconds / 3600.0, seed);
+    print_table(json_file, "{}: {} landings in {:.2f} h of the controller's time, seed {}\n", setup.scenario.title, result.landings,
+                result.seconds / 3600.0, seed);
     print_table(json_file, "  span  landings   length (m)            most heap in use (bytes)\n");
     for (std::size_t i = 0; i < result.spans.size(); ++i) {
         const endurance::SoakSpan& span = result.spans[i];
-        print_table(json_file, "  {:4}  {:8}   {:8.3f} +- {:6.3f}    {}\n", i + 1, span.landings,
-                    span.length_m_mean, span.length_m_deviation, span.most_heap_bytes);
+        print_table(json_file, "  {:4}  {:8}   {:8.3f} +- {:6.3f}    {}\n", i + 1, span.landings, span.length_m_mean, span.length_m_deviation,
+                    span.most_heap_bytes);
     }
     const auto complaints = endurance::complaints(result);
     for (const std::string& complaint : complaints) print_table(json_file, "  WRONG: {}\n", complaint);
@@ -68,8 +67,7 @@ LabVerb soak_verb(CLI::App& lab) {
     verb->add_option("--hours", command->hours, "of the controller's time, cooling left out")
         ->check(CLI::Range(0.01, 10'000.0))
         ->capture_default_str();
-    settings::existing_file(verb->add_option("--scenario", command->scenario,
-                                             "scenario file (default: CONFIG/scenarios/heavy.toml)"));
+    settings::existing_file(verb->add_option("--scenario", command->scenario, "scenario file (default: CONFIG/scenarios/heavy.toml)"));
     verb->add_option("--seed", command->seed, "seed of every random draw")
         ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}))
         ->capture_default_str();

@@ -31,8 +31,7 @@ struct StopCommand {
         const bool along_runway = !s.plant.rig.runway.patches.empty();
         study::Trajectory rows(along_runway);
         std::string log;
-        const auto on_step = [&](const study::RigSession& session, const antiskid::can::ControllerView& view,
-                                 double current_mA) {
+        const auto on_step = [&](const study::RigSession& session, const antiskid::can::ControllerView& view, double current_mA) {
             if (!trajectory.empty() || !picture.empty()) rows.record(session, view, current_mA);
         };
         const auto on_frame = [&](const antiskid::can::Frame& frame) {
@@ -41,8 +40,7 @@ struct StopCommand {
             const std::size_t length = antiskid::can::format_candump(frame.received, "vcan0", frame, line);
             log.append(line.data(), length).push_back('\n');
         };
-        const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session,
-                                                              study::Link::frames, on_step, on_frame);
+        const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames, on_step, on_frame);
         study::StopReport report = s.report(scenario);
         report.figures = result.figures;
         report.faults = result.faults;
@@ -55,8 +53,7 @@ struct StopCommand {
         if (!picture.empty()) {
             const std::string csv = trajectory.empty() || trajectory == "-" ? picture + ".csv" : trajectory;
             if (csv != trajectory) settings::write_file(csv, rows.csv());
-            study::draw_stop(csv, picture, s.title(scenario),
-                             s.session.plan.touchdown_s + s.session.plan.settle_s, along_runway);
+            study::draw_stop(csv, picture, s.title(scenario), s.session.plan.touchdown_s + s.session.plan.settle_s, along_runway);
         }
         s.keep_brake(scenario, result.figures.energy_brake_J);
         return result.came_to_rest ? 0 : 1;
@@ -67,13 +64,11 @@ struct StopCommand {
 
 LabVerb stop_verb(CLI::App& lab) {
     const auto stop = std::make_shared<StopCommand>();
-    CLI::App* verb = lab.add_subcommand(
-        "stop", "One braking maneuver in closed loop: the real controller against the plant.");
+    CLI::App* verb = lab.add_subcommand("stop", "One braking maneuver in closed loop: the real controller against the plant.");
     stop->scenario.add_to(*verb);
     stop->scenario.brake.add_to(*verb);
     settings::add_json(*verb, stop->json, "result");
-    verb->add_option("--trajectory", stop->trajectory, "every period as CSV; - for standard output")
-        ->type_name("FILE");
+    verb->add_option("--trajectory", stop->trajectory, "every period as CSV; - for standard output")->type_name("FILE");
     verb->add_option("--picture", stop->picture, "speeds, slip and pressures (PNG)")->type_name("FILE");
     verb->add_option("--bus-log", stop->bus_log, "every frame, as candump writes them")->type_name("FILE");
     verb->footer(

@@ -9,8 +9,7 @@
 
 namespace plant_sim {
 
-void draw_surfaces(const std::vector<plant::Surface>& surfaces, const std::vector<std::string>& strong,
-                   const std::filesystem::path& png) {
+void draw_surfaces(const std::vector<plant::Surface>& surfaces, const std::vector<std::string>& strong, const std::filesystem::path& png) {
     std::string script =
         "set key outside right top samplen 2 "
         "noenhanced\n"
@@ -19,10 +18,8 @@ void draw_surfaces(const std::vector<plant::Surface>& surfaces, const std::vecto
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
         const plant::Surface& s = surfaces[i];
         const bool stands_out = std::find(strong.begin(), strong.end(), s.name) != strong.end();
-        fmt::format_to(std::back_inserter(script),
-                       "{}{} * (1 - exp(-{} * x)) - {} * x with lines lw {} lc rgb '{}' title {}",
-                       i == 0 ? "" : ", \\\n     ", s.c1, s.c2, s.c3, stands_out ? 5 : 2,
-                       study::gnuplot_colour(i),
+        fmt::format_to(std::back_inserter(script), "{}{} * (1 - exp(-{} * x)) - {} * x with lines lw {} lc rgb '{}' title {}",
+                       i == 0 ? "" : ", \\\n     ", s.c1, s.c2, s.c3, stands_out ? 5 : 2, study::gnuplot_colour(i),
                        study::gnuplot_quoted(s.name + (stands_out ? " (identified)" : "")));
     }
     study::run_gnuplot(png, 1000, 560, script + "\n");

@@ -10,7 +10,6 @@
 namespace plant_sim {
 
 /// The curve of every surface; those whose names are `strong`, drawn so and called identified.
-void draw_surfaces(const std::vector<plant::Surface>& surfaces, const std::vector<std::string>& strong,
-                   const std::filesystem::path& png);
+void draw_surfaces(const std::vector<plant::Surface>& surfaces, const std::vector<std::string>& strong, const std::filesystem::path& png);
 
 }  // namespace plant_sim

@@ -29,13 +29,12 @@ struct SurfacesCommand {
             surfaces.push_back(plant::load_rig(config, choice).rig.surface);
         }
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-        print_table(json_file, "{:<18}{:>9}{:>10}{:>9}{:>12}{:>10}{:>14}\n", "surface", "c1", "c2", "c3",
-                    "peak_slip", "peak_mu", "mu_locked");
+        print_table(json_file, "{:<18}{:>9}{:>10}{:>9}{:>12}{:>10}{:>14}\n", "surface", "c1", "c2", "c3", "peak_slip", "peak_mu", "mu_locked");
         for (const plant::Surface& s : surfaces) {
             const plant::Peak peak = plant::peak(s);
             const double locked = plant::friction(s, 1.0).mu;
-            print_table(json_file, "{:<18}{:>9.4f}{:>10.3f}{:>9.4f}{:>12.3f}{:>10.3f}{:>14.3f}\n", s.name,
-                        s.c1, s.c2, s.c3, peak.slip, peak.mu, locked);
+            print_table(json_file, "{:<18}{:>9.4f}{:>10.3f}{:>9.4f}{:>12.3f}{:>10.3f}{:>14.3f}\n", s.name, s.c1, s.c2, s.c3, peak.slip, peak.mu,
+                        locked);
             rows.push_back({{"surface", s.name},
                             {"c1", s.c1},
                             {"c2", s.c2},
@@ -45,14 +44,11 @@ struct SurfacesCommand {
                             {"locked_mu", locked}});
         }
         const std::array<std::filesystem::path, 1> files{config / "surfaces.toml"};
-        const nlohmann::ordered_json json{{"study", "surfaces"},
-                                          {"version", ANTISKID_VERSION},
-                                          {"config_hash", settings::hash(files)},
-                                          {"surfaces", rows}};
+        const nlohmann::ordered_json json{
+            {"study", "surfaces"}, {"version", ANTISKID_VERSION}, {"config_hash", settings::hash(files)}, {"surfaces", rows}};
         keep_json(out / "results.json", json_file, json.dump(2) + "\n");
         if (pictures) draw_surfaces(surfaces, {}, out / "surfaces.png");
-        print_table(json_file, "Written to {}: results.json{}\n", out.string(),
-                    pictures ? " surfaces.png" : "");
+        print_table(json_file, "Written to {}: results.json{}\n", out.string(), pictures ? " surfaces.png" : "");
         return 0;
     }
 };
@@ -61,8 +57,7 @@ struct SurfacesCommand {
 
 LabVerb surfaces_verb(CLI::App& lab) {
     const auto command = std::make_shared<SurfacesCommand>();
-    CLI::App* verb =
-        lab.add_subcommand("surfaces", "Fig. 3: friction over slip of every surface, eq. (4), and its peak.");
+    CLI::App* verb = lab.add_subcommand("surfaces", "Fig. 3: friction over slip of every surface, eq. (4), and its peak.");
     settings::add_config_directory(*verb, command->config);
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of results.json and surfaces.png");

@@ -33,10 +33,9 @@ constexpr const char* kFooter =
 /// "0.06:0.50:0.01", or values with commas between.
 std::vector<double> parse_references(const std::string& text) {
     const auto refuse = [&text]() -> std::vector<double> {
-        throw std::invalid_argument(
-            "--references '" + text +
-            "': expected FIRST:LAST:STEP or values with commas between, increasing, from "
-            "0.01 to 0.5");
+        throw std::invalid_argument("--references '" + text +
+                                    "': expected FIRST:LAST:STEP or values with commas between, increasing, from "
+                                    "0.01 to 0.5");
     };
     const char separator = text.find(':') == std::string::npos ? ',' : ':';
     std::vector<double> values;
@@ -99,8 +98,7 @@ int SweepCommand::run_with(study::Team& team) const {
     const bool interrupted = signals.stop().load();
     if (team.rank() != 0) return 0;
     if (rows.size() < study.stops()) {
-        fmt::print(stderr, "rig-lab: {} of {} stops are in {}; the same command goes on\n", rows.size(),
-                   study.stops(), work.part.string());
+        fmt::print(stderr, "rig-lab: {} of {} stops are in {}; the same command goes on\n", rows.size(), study.stops(), work.part.string());
         return interrupted && signals.number() == SIGINT ? 130 : 1;
     }
     const sweep::Identity identity = sweep::identity_of(study);
@@ -111,10 +109,8 @@ int SweepCommand::run_with(study::Team& team) const {
         sweep::draw_fig13(summary, out / "fig13.png");
         sweep::draw_fig14(summary, out / "fig14.png");
     }
-    print_table(json_file,
-                "{}  seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n",
-                sweep::to_table(summary), identity.seed, identity.config_hash, identity.version, out.string(),
-                pictures ? " fig13.png fig14.png" : "");
+    print_table(json_file, "{}  seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n", sweep::to_table(summary),
+                identity.seed, identity.config_hash, identity.version, out.string(), pictures ? " fig13.png fig14.png" : "");
     std::filesystem::remove(work.part);
     return summary.passed() ? 0 : 1;
 }
@@ -128,15 +124,12 @@ int SweepCommand::run() {
 
 LabVerb sweep_verb(CLI::App& lab) {
     const auto command = std::make_shared<SweepCommand>();
-    CLI::App* verb =
-        lab.add_subcommand("sweep",
-                           "The set-point study of Section VI: landings drawn at random over surfaces, "
-                           "maneuvers and wear of the "
-                           "brake, each with every slip reference and by the threshold law. Fig. 13 and 14.");
+    CLI::App* verb = lab.add_subcommand("sweep",
+                                        "The set-point study of Section VI: landings drawn at random over surfaces, "
+                                        "maneuvers and wear of the "
+                                        "brake, each with every slip reference and by the threshold law. Fig. 13 and 14.");
     constexpr std::size_t kMostLandings = 100'000;
-    verb->add_option(
-        "--references", command->references,
-        "slip references, FIRST:LAST:STEP or values with commas between (default: 0.06:0.50:0.01)");
+    verb->add_option("--references", command->references, "slip references, FIRST:LAST:STEP or values with commas between (default: 0.06:0.50:0.01)");
     verb->add_option("--landings", command->plan.landings, "how many are drawn; each reference has the same")
         ->check(CLI::Range(std::size_t{1}, kMostLandings))
         ->capture_default_str();

@@ -32,14 +32,12 @@ struct TradeCommand {
                 "give both --brake-price and --tyre-price (of a MJ), or both --brake-life and --tyre-life "
                 "(in MJ)");
         const auto file = std::filesystem::is_directory(source) ? source / "stops.csv" : source;
-        if (!std::filesystem::exists(file))
-            throw std::invalid_argument(file.string() + " is not there; `rig-lab sweep` makes it");
+        if (!std::filesystem::exists(file)) throw std::invalid_argument(file.string() + " is not there; `rig-lab sweep` makes it");
         const sweep::StopsTable table = sweep::read_stops(file);
         const sweep::Trade trade = sweep::traded(table, options);
         keep_json(out / "results.json", json_file, sweep::to_json(trade, table, options));
         if (pictures) sweep::draw_trade(trade, options, out / "trade.png");
-        print_table(json_file, "{}Written to {}: results.json{}\n", sweep::to_text(trade, options),
-                    out.string(), pictures ? " trade.png" : "");
+        print_table(json_file, "{}Written to {}: results.json{}\n", sweep::to_text(trade, options), out.string(), pictures ? " trade.png" : "");
         return trade.best ? 0 : 1;
     }
 };
@@ -48,20 +46,14 @@ struct TradeCommand {
 
 LabVerb trade_verb(CLI::App& lab) {
     const auto trade = std::make_shared<TradeCommand>();
-    CLI::App* verb = lab.add_subcommand(
-        "trade",
-        "The fixed slip reference that costs least at brake and tyre, from a sweep, and what it saves.");
+    CLI::App* verb = lab.add_subcommand("trade", "The fixed slip reference that costs least at brake and tyre, from a sweep, and what it saves.");
     verb->add_option("SWEEP", trade->source, "directory of a sweep, or its stops.csv")->capture_default_str();
     verb->add_option("--brake-price", trade->brake_price, "of a MJ at the brake, in any currency");
     verb->add_option("--tyre-price", trade->tyre_price, "of a MJ at the tyre, in the same");
-    verb->add_option("--brake-life", trade->brake_life,
-                     "MJ that a set of brakes takes; the most landings before either is worn out");
+    verb->add_option("--brake-life", trade->brake_life, "MJ that a set of brakes takes; the most landings before either is worn out");
     verb->add_option("--tyre-life", trade->tyre_life, "MJ that a tyre takes");
-    verb->add_option("--least-j-mu", trade->options.bounds.least_j_mu, "floor on the mean J_mu")
-        ->check(CLI::Range(0.0, 1.0));
-    verb->add_option("--most-distance", trade->options.bounds.most_distance_m,
-                     "ceiling on the mean stop distance, m")
-        ->check(CLI::PositiveNumber);
+    verb->add_option("--least-j-mu", trade->options.bounds.least_j_mu, "floor on the mean J_mu")->check(CLI::Range(0.0, 1.0));
+    verb->add_option("--most-distance", trade->options.bounds.most_distance_m, "ceiling on the mean stop distance, m")->check(CLI::PositiveNumber);
     verb->add_option("--resamples", trade->options.resamples, "of the landings, for the 95 % intervals")
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();

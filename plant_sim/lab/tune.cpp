@@ -29,8 +29,7 @@ ordered_json to_json(const margins::WorstScore& w) {
 }
 
 /// Where the reference, held at every speed, leaves no controller enough margin: a row for each scenario that has such cells.
-std::string infeasible_table(const MarginsInput& input, const margins::StudyOptions& options,
-                             ordered_json& rows) {
+std::string infeasible_table(const MarginsInput& input, const margins::StudyOptions& options, ordered_json& rows) {
     constexpr int kSpeeds = 200;
     std::string t = fmt::format(
         "Slip {:.2f} held at every speed: where no controller can have {:.0f} deg and {:.0f} dB up and "
@@ -44,19 +43,15 @@ std::string infeasible_table(const MarginsInput& input, const margins::StudyOpti
     for (const margins::Scenario& s : input.cases) {
         const auto speeds = margins::speed_grid(s.rig.brake_on_mps, s.drop_out_mps, kSpeeds);
         const auto pole = [&](double v) {
-            return margins::operating_point(s.rig, v, options.slip_reference)
-                .wheel_pole_radps(margins::Linearisation::full);
+            return margins::operating_point(s.rig, v, options.slip_reference).wheel_pole_radps(margins::Linearisation::full);
         };
-        const auto at = std::find_if(speeds.begin(), speeds.end(), [&](double v) {
-            return !margins::limits(pole(v), s.rig.valve.delay_s, period_s).allow(options.requirement);
-        });
+        const auto at = std::find_if(speeds.begin(), speeds.end(),
+                                     [&](double v) { return !margins::limits(pole(v), s.rig.valve.delay_s, period_s).allow(options.requirement); });
         if (at == speeds.end()) continue;
         const auto there = margins::limits(pole(*at), s.rig.valve.delay_s, period_s);
         const auto last = margins::limits(pole(speeds.back()), s.rig.valve.delay_s, period_s);
-        fmt::format_to(std::back_inserter(t),
-                       "| {} | {} | {:.1f} | {:.0f} | {:.1f} | {:.1f} | {:.0f} | {:.1f} | {:.1f} |\n",
-                       s.surface, s.maneuver, *at, -pole(*at), there.phase_deg, there.gain_range_dB,
-                       -pole(speeds.back()), last.phase_deg, last.gain_range_dB);
+        fmt::format_to(std::back_inserter(t), "| {} | {} | {:.1f} | {:.0f} | {:.1f} | {:.1f} | {:.0f} | {:.1f} | {:.1f} |\n", s.surface, s.maneuver,
+                       *at, -pole(*at), there.phase_deg, there.gain_range_dB, -pole(speeds.back()), last.phase_deg, last.gain_range_dB);
         rows.push_back({{"surface", s.surface},
                         {"maneuver", s.maneuver},
                         {"infeasible_below_mps", *at},
@@ -82,21 +77,18 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
     rows = ordered_json::array();
     for (const margins::Scenario& s : input.cases) {
         const auto pole = [&](double v) {
-            const double slip = options.low_speed_fall
-                                    ? margins::scheduled_slip(law, options.slip_reference, v)
-                                    : options.slip_reference;
+            const double slip = options.low_speed_fall ? margins::scheduled_slip(law, options.slip_reference, v) : options.slip_reference;
             return margins::operating_point(s.rig, v, slip).wheel_pole_radps(margins::Linearisation::full);
         };
         const auto speeds = margins::speed_grid(s.rig.brake_on_mps, s.drop_out_mps, kSpeeds);
-        const auto at = std::find_if(speeds.begin(), speeds.end(), [&](double v) {
-            return margins::creep_margin_dB(pole(v), k_answer, k_p) < options.requirement.gain_dB;
-        });
+        const auto at = std::find_if(speeds.begin(), speeds.end(),
+                                     [&](double v) { return margins::creep_margin_dB(pole(v), k_answer, k_p) < options.requirement.gain_dB; });
         if (at == speeds.end()) continue;
         const double last = pole(speeds.back());
         const double margin_dB = margins::creep_margin_dB(last, k_answer, k_p);
         const double enough = 1.0 - std::pow(10.0, -options.requirement.gain_dB / 20.0) - k_p / last;
-        fmt::format_to(std::back_inserter(t), "| {} | {} | {:.1f} | {:.0f} | {:.1f} | {:.2f} |\n", s.surface,
-                       s.maneuver, *at, last, margin_dB, enough);
+        fmt::format_to(std::back_inserter(t), "| {} | {} | {:.1f} | {:.0f} | {:.1f} | {:.2f} |\n", s.surface, s.maneuver, *at, last, margin_dB,
+                       enough);
         rows.push_back({{"surface", s.surface},
                         {"maneuver", s.maneuver},
                         {"below_mps", *at},
@@ -109,38 +101,33 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
 }
 
 /// The paper's PID, by its margins in all cells that are feasible at all.
-void tune_pid(const MarginsInput& input, const margins::StudyOptions& options,
-              const margins::SearchOptions& search, const std::string& json_file, ordered_json& json) {
+void tune_pid(const MarginsInput& input, const margins::StudyOptions& options, const margins::SearchOptions& search, const std::string& json_file,
+              ordered_json& json) {
     const antiskid::control::Config& controller = input.scenarios.front().controller;
     const auto cells = margins::tuning_cells(input.cases, controller, options);
     const auto judged = [&](const std::vector<double>& x) {
-        return margins::pid_score(margins::with(input.settings.pid, x), input.cases, cells,
-                                  options.requirement);
+        return margins::pid_score(margins::with(input.settings.pid, x), input.cases, cells, options.requirement);
     };
     const auto parameters = margins::pid_parameters(input.settings.pid);
     const auto found = margins::search(
-        parameters, [&](const std::vector<double>& x, double) { return judged(x).value; }, search,
-        step_progress("gains judged"));
+        parameters, [&](const std::vector<double>& x, double) { return judged(x).value; }, search, step_progress("gains judged"));
     std::vector<double> start;
-    std::transform(parameters.begin(), parameters.end(), std::back_inserter(start),
-                   [](const margins::Parameter& k) { return k.start.value(); });
-    print_table(
-        json_file,
-        "PID on measured slip: least of margins over required, worst of {} cells that are feasible at all\n\n"
-        "| | shipped | tuned |\n|---|---|---|\n",
-        cells.size());
+    std::transform(parameters.begin(), parameters.end(), std::back_inserter(start), [](const margins::Parameter& k) { return k.start.value(); });
+    print_table(json_file,
+                "PID on measured slip: least of margins over required, worst of {} cells that are feasible at all\n\n"
+                "| | shipped | tuned |\n|---|---|---|\n",
+                cells.size());
     for (std::size_t i = 0; i < parameters.size(); ++i) {
         print_table(json_file, "| {} | {:.4g} | {:.4g} |\n", parameters[i].name, start[i], found.values[i]);
         json["shipped"][parameters[i].name] = start[i];
         json["tuned"][parameters[i].name] = found.values[i];
     }
     const auto before = judged(start), after = judged(found.values);
-    print_table(
-        json_file,
-        "| score | {:.3f} | {:.3f} |\n| cells that meet {:.0f} deg and {:.0f} dB | {} | {} |\n| unstable "
-        "cells | {} | {} |\n",
-        before.value, after.value, options.requirement.phase_deg, options.requirement.gain_dB, before.met,
-        after.met, before.unstable, after.unstable);
+    print_table(json_file,
+                "| score | {:.3f} | {:.3f} |\n| cells that meet {:.0f} deg and {:.0f} dB | {} | {} |\n| unstable "
+                "cells | {} | {} |\n",
+                before.value, after.value, options.requirement.phase_deg, options.requirement.gain_dB, before.met, after.met, before.unstable,
+                after.unstable);
     json["evaluations"] = found.evaluations;
     json["shipped"]["margins"] = to_json(before);
     json["tuned"]["margins"] = to_json(after);
@@ -162,11 +149,9 @@ struct TuneCommand {
 
     int run() {
         // CLI::Range lets a value pass that is no number.
-        if (floor && !std::isfinite(*floor))
-            throw std::invalid_argument("--floor must be a number from 0 to 1");
+        if (floor && !std::isfinite(*floor)) throw std::invalid_argument("--floor must be a number from 0 to 1");
         const bool law = loop == "law";
-        if (!law && (check || !write.empty()))
-            throw std::invalid_argument("--check and --write need --loop law");
+        if (!law && (check || !write.empty())) throw std::invalid_argument("--check and --write need --loop law");
         if (check && !write.empty()) throw std::invalid_argument("--check finds nothing to --write");
         scenario.seed = seed.value_or(1);
         MarginsInput input = load_margins_input(scenario);
@@ -200,8 +185,7 @@ struct TuneCommand {
         json["infeasible_at_constant_slip"] = infeasible;
         json["creeping"] = creeping;
         keep_json(out / "results.json", json_file, json.dump(2) + "\n");
-        print_table(json_file, "Written to {}: results.json{}\n", out.string(),
-                    law && !check ? " slip.toml" : "");
+        print_table(json_file, "Written to {}: results.json{}\n", out.string(), law && !check ? " slip.toml" : "");
         return status;
     }
 };
@@ -213,32 +197,18 @@ LabVerb tune_verb(CLI::App& lab) {
     CLI::App* verb = lab.add_subcommand("tune",
                                         "Gains with the largest worst margin over all surfaces, maneuvers "
                                         "and speeds; what no controller can have.");
-    settings::one_of(
-        verb->add_option("--loop", command->loop,
-                         "pid: the paper's, by its margins; law: the shipped one, by margins and stops"),
-        {"pid", "law"})
+    settings::one_of(verb->add_option("--loop", command->loop, "pid: the paper's, by its margins; law: the shipped one, by margins and stops"),
+                     {"pid", "law"})
         ->capture_default_str();
-    verb->add_option("--slip", command->scenario.slip, "slip reference")
-        ->check(CLI::Range(0.01, 0.5))
-        ->capture_default_str();
-    verb->add_option("--speeds", command->speeds, "speeds from brake-on to drop-out (default: pid 4, law 8)")
-        ->check(CLI::Range(2, 50));
+    verb->add_option("--slip", command->scenario.slip, "slip reference")->check(CLI::Range(0.01, 0.5))->capture_default_str();
+    verb->add_option("--speeds", command->speeds, "speeds from brake-on to drop-out (default: pid 4, law 8)")->check(CLI::Range(2, 50));
     verb->add_flag("--constant-slip", command->constant_slip, "the reference does not fall at low speed");
-    verb->add_flag("--check", command->check,
-                   "law: no search; exit status 1 unless the stops of the shipped gains are what is asked");
-    settings::existing_file(verb->add_option("--write", command->write,
-                                             "law: controller files that get the gains in place of theirs"));
-    verb->add_option("--floor", command->floor,
-                     "law: least mean J_mu over all stops (default: margins.toml's)")
-        ->check(CLI::Range(0.0, 1.0));
-    verb->add_option("--population", command->population,
-                     "of the search (default: pid 16, law margins.toml's)")
-        ->check(CLI::Range(4, 1000));
-    verb->add_option("--generations", command->generations,
-                     "of the search (default: pid 25, law margins.toml's)")
-        ->check(CLI::Range(0, 10000));
-    verb->add_option("--seed", command->seed,
-                     "of the search, and of every sensor (default: 1; law: margins.toml's, sensors 1)");
+    verb->add_flag("--check", command->check, "law: no search; exit status 1 unless the stops of the shipped gains are what is asked");
+    settings::existing_file(verb->add_option("--write", command->write, "law: controller files that get the gains in place of theirs"));
+    verb->add_option("--floor", command->floor, "law: least mean J_mu over all stops (default: margins.toml's)")->check(CLI::Range(0.0, 1.0));
+    verb->add_option("--population", command->population, "of the search (default: pid 16, law margins.toml's)")->check(CLI::Range(4, 1000));
+    verb->add_option("--generations", command->generations, "of the search (default: pid 25, law margins.toml's)")->check(CLI::Range(0, 10000));
+    verb->add_option("--seed", command->seed, "of the search, and of every sensor (default: 1; law: margins.toml's, sensors 1)");
     settings::add_threads(*verb, command->search.threads);
     settings::add_config_directory(*verb, command->scenario.config);
     settings::add_json(*verb, command->json_file, "results");

@@ -52,8 +52,7 @@ std::string with_gains_written(const std::string& toml, const std::vector<Gain>&
     for (const Gain& g : gains) {
         const std::size_t end = std::min(written.find("\n[", table + 1), written.size());
         const std::size_t line = written.find("\n" + g.key + " = ", table);
-        if (table == std::string::npos || line >= end)
-            throw std::invalid_argument("no line '" + g.key + " = ...' below [slip]");
+        if (table == std::string::npos || line >= end) throw std::invalid_argument("no line '" + g.key + " = ...' below [slip]");
         const std::size_t value = line + g.key.size() + 4;
         written.replace(value, written.find_first_of(" #\r\n", value) - value, number(g.value));
     }
@@ -70,8 +69,8 @@ void add_drawn(margins::TrialStops& trial, const ScenarioOptions& options, const
     const robust::Plan plan = robust::load_plan(drawn);
     for (const auto& [family, least_j_mu] : law.least_drawn_j_mu) {
         for (std::size_t n = 0; n < law.draws; ++n)
-            trial.stops.push_back({trial.groups.size(), robust::draw(plan.basis, family, plan.seed, n).rig,
-                                   robust::session(plan, plan.laws.front(), n)});
+            trial.stops.push_back(
+                {trial.groups.size(), robust::draw(plan.basis, family, plan.seed, n).rig, robust::session(plan, plan.laws.front(), n)});
         trial.groups.emplace_back(robust::name(family));
         trial.least_j_mu.push_back(least_j_mu);
     }
@@ -96,9 +95,7 @@ margins::TrialStops trial_stops(const ScenarioOptions& options, const MarginsInp
     trial.surfaces = baseline.surfaces = trial.groups.size();
     baseline.groups = trial.groups;
     baseline.least_j_mu.assign(trial.surfaces, 0.0);
-    trial.least_j_mu = margins::make_stops(baseline, input.scenarios.front().controller,
-                                           std::numeric_limits<double>::infinity())
-                           .group_j_mu;
+    trial.least_j_mu = margins::make_stops(baseline, input.scenarios.front().controller, std::numeric_limits<double>::infinity()).group_j_mu;
     for (double& least : trial.least_j_mu) least -= input.settings.law.surface_loss;
     trial.requirement = input.settings.law.stops;
     // A law may hold the slip with the brake that it knows and lose it with a worn one.
@@ -113,19 +110,16 @@ margins::TrialStops trial_stops(const ScenarioOptions& options, const MarginsInp
             const auto at = margins::operating_point(c.rig, c.rig.brake_on_mps, reference);
             if (at.pressure_Pa > c.full_pressure_Pa) continue;  // nobody can hold that
             const auto s = std::find(trial.groups.begin(), trial.groups.end(), c.surface);
-            trial.stops.push_back({static_cast<std::size_t>(s - trial.groups.begin()), c.rig,
-                                   stops.scenarios[i].session, false});
+            trial.stops.push_back({static_cast<std::size_t>(s - trial.groups.begin()), c.rig, stops.scenarios[i].session, false});
         }
     }
     add_drawn(trial, options, input.settings.law);
     // The slipperiest surface's stops take more time than all the others.
     const auto grip = [](const margins::TrialStop& t) { return plant::peak(t.rig.surface).mu; };
-    std::stable_sort(
-        trial.stops.begin(), trial.stops.end(),
-        [&](const margins::TrialStop& a, const margins::TrialStop& b) { return grip(a) > grip(b); });
+    std::stable_sort(trial.stops.begin(), trial.stops.end(),
+                     [&](const margins::TrialStop& a, const margins::TrialStop& b) { return grip(a) > grip(b); });
     trial.first = static_cast<std::size_t>(
-        std::find_if(trial.stops.begin(), trial.stops.end(),
-                     [&](const margins::TrialStop& t) { return t.group == trial.stops.back().group; }) -
+        std::find_if(trial.stops.begin(), trial.stops.end(), [&](const margins::TrialStop& t) { return t.group == trial.stops.back().group; }) -
         trial.stops.begin());
     return trial;
 }
@@ -139,49 +133,37 @@ struct Judged {
 ordered_json to_json(const Judged& j, const margins::TrialStops& trial) {
     ordered_json json;
     for (std::size_t i = 0; i < j.gains.size(); ++i) json[margins::gain_names()[i]] = j.gains[i];
-    json["margins"] = {{"score", j.margins.value},
-                       {"cells", j.margins.counted},
-                       {"unstable", j.margins.unstable},
-                       {"met", j.margins.met}};
-    json["closed_loop"] = {{"mean_j_mu", j.stops.mean_j_mu},
-                           {"longest_lock_s", j.stops.longest_lock_s},
-                           {"least_tracked_share", nullptr},
-                           {"faults", j.stops.faults}};
+    json["margins"] = {{"score", j.margins.value}, {"cells", j.margins.counted}, {"unstable", j.margins.unstable}, {"met", j.margins.met}};
+    json["closed_loop"] = {
+        {"mean_j_mu", j.stops.mean_j_mu}, {"longest_lock_s", j.stops.longest_lock_s}, {"least_tracked_share", nullptr}, {"faults", j.stops.faults}};
     if (j.stops.least_tracked) json["closed_loop"]["least_tracked_share"] = *j.stops.least_tracked;
     for (std::size_t g = 0; g < trial.groups.size(); ++g)
-        json["closed_loop"][g < trial.surfaces ? "j_mu" : "drawn_j_mu"][trial.groups[g]] =
-            j.stops.group_j_mu[g];
+        json["closed_loop"][g < trial.surfaces ? "j_mu" : "drawn_j_mu"][trial.groups[g]] = j.stops.group_j_mu[g];
     return json;
 }
 
 /// A column for each of `judged`: the shipped gains, and those that were found.
-void print(const std::vector<Judged>& judged, const margins::TrialStops& trial,
-           const margins::Requirement& asked, const std::string& json_file) {
+void print(const std::vector<Judged>& judged, const margins::TrialStops& trial, const margins::Requirement& asked, const std::string& json_file) {
     const auto row = [&](const std::string& label, const auto& value) {
         std::string line = "| " + label + " |";
         for (const Judged& j : judged) line += fmt::format(" {} |", value(j));
         print_table(json_file, "{}\n", line);
     };
-    print_table(json_file, "Slip law: least of margins over required, worst of {} cells\n\n",
-                judged.front().margins.counted);
-    print_table(json_file, "{}",
-                judged.size() > 1 ? "| | shipped | tuned |\n|---|---|---|\n" : "| | shipped |\n|---|---|\n");
+    print_table(json_file, "Slip law: least of margins over required, worst of {} cells\n\n", judged.front().margins.counted);
+    print_table(json_file, "{}", judged.size() > 1 ? "| | shipped | tuned |\n|---|---|---|\n" : "| | shipped |\n|---|---|\n");
     for (std::size_t i = 0; i < margins::gain_names().size(); ++i)
         row(margins::gain_names()[i], [&](const Judged& j) { return fmt::format("{:.4g}", j.gains[i]); });
     row("score", [](const Judged& j) { return fmt::format("{:.3f}", j.margins.value); });
-    row(fmt::format("cells that meet {:.0f} deg and {:.0f} dB", asked.phase_deg, asked.gain_dB),
-        [](const Judged& j) { return j.margins.met; });
+    row(fmt::format("cells that meet {:.0f} deg and {:.0f} dB", asked.phase_deg, asked.gain_dB), [](const Judged& j) { return j.margins.met; });
     row("unstable cells", [](const Judged& j) { return j.margins.unstable; });
     row(fmt::format("mean J_mu (at least {:.4f})", trial.requirement.mean_j_mu),
         [](const Judged& j) { return fmt::format("{:.4f}", j.stops.mean_j_mu); });
     for (std::size_t g = 0; g < trial.groups.size(); ++g)
         row(fmt::format("J_mu, {} (at least {:.4f})", trial.groups[g], trial.least_j_mu[g]),
             [&](const Judged& j) { return fmt::format("{:.4f}", j.stops.group_j_mu[g]); });
-    row("longest lock (ms)",
-        [](const Judged& j) { return fmt::format("{:.0f}", j.stops.longest_lock_s * 1e3); });
-    row("least tracked share", [](const Judged& j) {
-        return j.stops.least_tracked ? fmt::format("{:.4f}", *j.stops.least_tracked) : "not measured";
-    });
+    row("longest lock (ms)", [](const Judged& j) { return fmt::format("{:.0f}", j.stops.longest_lock_s * 1e3); });
+    row("least tracked share",
+        [](const Judged& j) { return j.stops.least_tracked ? fmt::format("{:.4f}", *j.stops.least_tracked) : "not measured"; });
 }
 
 }  // namespace
@@ -191,14 +173,11 @@ int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& j
     const margins::LawSearch& law = input.settings.law;
     const margins::TrialStops trial = trial_stops(tuning.scenario, input);
     const margins::LawJudge judge(input.cases, trial, tuning.options);
-    const auto score = [&](const std::vector<double>& x, double to_beat) {
-        return judge.score(margins::with_gains(controller, x), to_beat);
-    };
+    const auto score = [&](const std::vector<double>& x, double to_beat) { return judge.score(margins::with_gains(controller, x), to_beat); };
     const auto progress = step_progress("gains judged");
     const auto judged = [&](const std::vector<double>& gains) {
         const Config c = margins::with_gains(controller, gains);
-        return Judged{gains, judge.margins_of(c),
-                      margins::make_stops(trial, c, std::numeric_limits<double>::infinity())};
+        return Judged{gains, judge.margins_of(c), margins::make_stops(trial, c, std::numeric_limits<double>::infinity())};
     };
 
     std::vector<double> shipped = margins::gains_of(controller);
@@ -208,13 +187,11 @@ int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& j
     if (tuning.check) {
         print({before}, trial, tuning.options.requirement, tuning.json_file);
         const bool shows = before.stops.violation <= 0.0;
-        print_table(tuning.json_file, "\nThe shipped gains {} what stops must show.\n",
-                    shows ? "show" : "do not show");
+        print_table(tuning.json_file, "\nThe shipped gains {} what stops must show.\n", shows ? "show" : "do not show");
         return shows ? 0 : 1;
     }
     const margins::Found found = margins::search(law.parameters, score, tuning.search, progress);
-    const margins::Found top =
-        margins::climb(law.parameters, found.values, score, law.least_gain, tuning.search, progress);
+    const margins::Found top = margins::climb(law.parameters, found.values, score, law.least_gain, tuning.search, progress);
 
     const Judged after = judged(top.values);
     print({before, after}, trial, tuning.options.requirement, tuning.json_file);
@@ -222,14 +199,10 @@ int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& j
     json["tuned"] = to_json(after, trial);
 
     std::vector<Gain> gains;
-    for (std::size_t i = 0; i < top.values.size(); ++i)
-        gains.push_back({margins::gain_names()[i], top.values[i]});
-    settings::write_file(
-        tuning.out / "slip.toml",
-        gains_as_toml(gains, fmt::format("rig-lab tune --loop law, seed {}, version {}, configuration {}",
-                                         tuning.search.seed, ANTISKID_VERSION, input.config_hash)));
-    for (const auto& file : tuning.write)
-        settings::write_file(file, with_gains_written(settings::Document::load(file).bytes(), gains));
+    for (std::size_t i = 0; i < top.values.size(); ++i) gains.push_back({margins::gain_names()[i], top.values[i]});
+    settings::write_file(tuning.out / "slip.toml", gains_as_toml(gains, fmt::format("rig-lab tune --loop law, seed {}, version {}, configuration {}",
+                                                                                    tuning.search.seed, ANTISKID_VERSION, input.config_hash)));
+    for (const auto& file : tuning.write) settings::write_file(file, with_gains_written(settings::Document::load(file).bytes(), gains));
     return 0;
 }
 

@@ -16,8 +16,8 @@ struct LawTuning {
     ScenarioOptions scenario;
     study::margins::StudyOptions options;
     study::margins::SearchOptions search;
-    bool check = false;         ///< no search: the shipped gains are judged, nothing is written
-    std::filesystem::path out;  ///< gets slip.toml
+    bool check = false;                        ///< no search: the shipped gains are judged, nothing is written
+    std::filesystem::path out;                 ///< gets slip.toml
     std::vector<std::filesystem::path> write;  ///< controller files that get the gains
     std::string json_file;                     ///< "-": standard output is not for tables
 };

@@ -32,8 +32,7 @@ std::string hash_of(const std::vector<ClassDynamics>& classes) {
         bytes += c.data.friction_class;
         for (const wear::RecordedStop& stop : c.data.stops)
             for (const wear::BrakeSample& s : stop.samples)
-                bytes.append(
-                    fmt::format("\n{},{},{},{}", s.time_s, s.speed_mps, s.pressure_Pa, s.brake_torque_Nm));
+                bytes.append(fmt::format("\n{},{},{},{}", s.time_s, s.speed_mps, s.pressure_Pa, s.brake_torque_Nm));
     }
     const std::array<std::string_view, 1> whole{bytes};
     return settings::hash_bytes(whole);
@@ -62,9 +61,8 @@ struct DynamicsCommand {
             fmt::print(stderr, "rig-lab: no finished maneuver in what was given\n");
             return 2;
         }
-        const DynamicsHead head{settings::hash(std::vector<std::filesystem::path>{
-                                    files.config / "maneuvers.toml", files.config / "landing_gear.toml",
-                                    files.config / "flywheel_rig.toml"}),
+        const DynamicsHead head{settings::hash(std::vector<std::filesystem::path>{files.config / "maneuvers.toml", files.config / "landing_gear.toml",
+                                                                                  files.config / "flywheel_rig.toml"}),
                                 hash_of(classes)};
         print_table(json_file, "{}", to_text(classes));
         keep_json(out / "dynamics.json", json_file, to_json(classes, head));
@@ -83,9 +81,7 @@ struct DynamicsCommand {
 
 LabVerb wear_dynamics_verb(CLI::App& wear) {
     const auto command = std::make_shared<DynamicsCommand>();
-    CLI::App* verb = wear.add_subcommand(
-        "dynamics",
-        "Fig. 6: how friction moves within a stop, learnt from recorded stops by class of maneuver.");
+    CLI::App* verb = wear.add_subcommand("dynamics", "Fig. 6: how friction moves within a stop, learnt from recorded stops by class of maneuver.");
     verb->add_option("SOURCE", command->sources,
                      "[CLASS=]PATH: a bus log, a maneuver's folder, a campaign's folder or ledger, or a CSV "
                      "with time_s, speed_mps, "
@@ -99,8 +95,7 @@ LabVerb wear_dynamics_verb(CLI::App& wear) {
     settings::add_config_directory(*verb, command->files.config);
     settings::add_layout_files(*verb, command->files.dbc, command->files.binding);
     settings::add_json(*verb, command->json_file, "results");
-    settings::add_out(*verb, command->out,
-                      "directory of dynamics.json, friction_curves.toml and dynamics.png");
+    settings::add_out(*verb, command->out, "directory of dynamics.json, friction_curves.toml and dynamics.png");
     verb->add_flag("!--no-pictures", command->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"

@@ -20,19 +20,16 @@ std::string table_of(const wear::Fit& fit, const wear::Model& model) {
     std::string out = fmt::format("{:>10}{:>20}{:>16}{:>8}\n", "components", "log_likelihood", "BIC", "runs");
     for (std::size_t i = 0; i < fit.orders.size(); ++i) {
         const wear::OrderFit& o = fit.orders[i];
-        fmt::format_to(std::back_inserter(out), "{:>10}{:>20.4f}{:>16.2f}{:>8}{}{}\n", o.components,
-                       o.log_likelihood, o.bic, o.runs, i == fit.chosen ? "  chosen" : "",
-                       o.not_converged > 0 ? fmt::format("  {} runs did not converge", o.not_converged) : "");
+        fmt::format_to(std::back_inserter(out), "{:>10}{:>20.4f}{:>16.2f}{:>8}{}{}\n", o.components, o.log_likelihood, o.bic, o.runs,
+                       i == fit.chosen ? "  chosen" : "", o.not_converged > 0 ? fmt::format("  {} runs did not converge", o.not_converged) : "");
     }
-    fmt::format_to(std::back_inserter(out), "\n{:>10}{:>10}{:>16}{:>16}{:>16}{:>18}{:>14}\n", "component",
-                   "weight", "energy_MJ", "deviation_MJ", "mean_friction", "deviation", "correlation");
+    fmt::format_to(std::back_inserter(out), "\n{:>10}{:>10}{:>16}{:>16}{:>16}{:>18}{:>14}\n", "component", "weight", "energy_MJ", "deviation_MJ",
+                   "mean_friction", "deviation", "correlation");
     const std::vector<wear::Component>& components = model.mixture.components();
     for (std::size_t j = 0; j < components.size(); ++j) {
         const wear::Component& c = components[j];
-        fmt::format_to(std::back_inserter(out),
-                       "{:>10}{:>10.4f}{:>16.3f}{:>16.3f}{:>16.5f}{:>18.5f}{:>14.4f}\n", j + 1, c.weight,
-                       c.mean_c_e_J * 1e-6, std::sqrt(c.variance_c_e_J2) * 1e-6, c.mean_friction,
-                       std::sqrt(c.variance_friction), c.correlation());
+        fmt::format_to(std::back_inserter(out), "{:>10}{:>10.4f}{:>16.3f}{:>16.3f}{:>16.5f}{:>18.5f}{:>14.4f}\n", j + 1, c.weight,
+                       c.mean_c_e_J * 1e-6, std::sqrt(c.variance_c_e_J2) * 1e-6, c.mean_friction, std::sqrt(c.variance_friction), c.correlation());
     }
     return out;
 }
@@ -51,12 +48,10 @@ struct FitCommand {
         const wear::Campaign data = load_campaign(source, campaign, off);
         const wear::Fit fit = wear::fit(data, settings, {threads, {}, step_progress("EM runs")});
         const wear::Model model = wear::model_of(data, fit, settings);
-        print_table(json_file, "{}\nBetween {:.3f} and {:.3f} MJ the model has seen data; {}.\n",
-                    table_of(fit, model), model.data.first_c_e_J * 1e-6, model.data.last_c_e_J * 1e-6,
-                    wear::kHowItExtrapolates);
+        print_table(json_file, "{}\nBetween {:.3f} and {:.3f} MJ the model has seen data; {}.\n", table_of(fit, model), model.data.first_c_e_J * 1e-6,
+                    model.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);
         if (fit.best().components == settings.most_components && settings.most_components > 1)
-            print_table(json_file,
-                        "The least BIC is at the most components allowed: the best order may lie beyond.\n");
+            print_table(json_file, "The least BIC is at the most components allowed: the best order may lie beyond.\n");
         keep_json(out / "model.json", json_file, wear::to_json(model));
         settings::deliver((out / "campaign.csv").string(), wear::to_csv(data));
         if (pictures) {
@@ -64,8 +59,7 @@ struct FitCommand {
             draw_density(data, model, out / "density.png");
             draw_bic(model, out / "bic.png");
         }
-        print_table(json_file, "Written to {}: model.json campaign.csv{}\n", out.string(),
-                    pictures ? " campaign.png density.png bic.png" : "");
+        print_table(json_file, "Written to {}: model.json campaign.csv{}\n", out.string(), pictures ? " campaign.png density.png bic.png" : "");
         return 0;
     }
 };
@@ -74,8 +68,7 @@ struct FitCommand {
 
 LabVerb wear_fit_verb(CLI::App& wear) {
     const auto fit = std::make_shared<FitCommand>();
-    CLI::App* verb = wear.add_subcommand(
-        "fit", "Gaussian mixtures of eq. (10) to (13) on a campaign; BIC chooses the number of components.");
+    CLI::App* verb = wear.add_subcommand("fit", "Gaussian mixtures of eq. (10) to (13) on a campaign; BIC chooses the number of components.");
     settings::existing_path(verb->add_option("SOURCE", fit->source, "as for `wear table`"))->required();
     verb->add_option("--campaign", fit->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, fit->off);
@@ -86,8 +79,7 @@ LabVerb wear_fit_verb(CLI::App& wear) {
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
     verb->add_option("--seed", fit->settings.seed, "seed of every random draw")->capture_default_str();
-    verb->add_option("--floor", fit->settings.em.covariance_floor,
-                     "least eigenvalue of a covariance matrix on standardised data")
+    verb->add_option("--floor", fit->settings.em.covariance_floor, "least eigenvalue of a covariance matrix on standardised data")
         ->check(CLI::Range(1e-9, 1.0))
         ->capture_default_str();
     settings::add_threads(*verb, fit->threads);

@@ -53,8 +53,7 @@ struct ForecastCommand {
     bool pictures = true;
 
     int run() {
-        if (limit.has_value() == reserve)
-            throw std::invalid_argument("say which limit: --limit MU or --reserve");
+        if (limit.has_value() == reserve) throw std::invalid_argument("say which limit: --limit MU or --reserve");
         const wear::PopulationFile file = wear::read_population(model);
         settings.limit = reserve ? reserve_friction() : *limit;
         if (!back_test.empty()) return run_back_test(file);
@@ -66,12 +65,11 @@ struct ForecastCommand {
     double reserve_friction() {
         const ReserveLimit r = reserve_limit(config);
         files_.insert(files_.end(), r.files.begin(), r.files.end());
-        print_table(
-            json_file,
-            "Torque reserve: below mean friction {:.4f} full pressure does not give the {:.0f} N m that a "
-            "heavy stop on "
-            "dry asphalt can use at {:.0f} m/s.\n",
-            r.friction, r.torque_Nm, r.speed_mps);
+        print_table(json_file,
+                    "Torque reserve: below mean friction {:.4f} full pressure does not give the {:.0f} N m that a "
+                    "heavy stop on "
+                    "dry asphalt can use at {:.0f} m/s.\n",
+                    r.friction, r.torque_Nm, r.speed_mps);
         return r.friction;
     }
 
@@ -87,10 +85,7 @@ struct ForecastCommand {
     int run_forecast(const wear::PopulationFile& file);
     int run_back_test(const wear::PopulationFile& file) const;
     [[nodiscard]] Json head(const wear::PopulationFile& file) const {
-        Json json{{"version", ANTISKID_VERSION},
-                  {"seed", settings.seed},
-                  {"model_hash", file.hash},
-                  {"limit", settings.limit}};
+        Json json{{"version", ANTISKID_VERSION}, {"seed", settings.seed}, {"model_hash", file.hash}, {"limit", settings.limit}};
         if (!files_.empty()) json["config_hash"] = settings::hash(files_);
         return json;
     }
@@ -98,8 +93,7 @@ struct ForecastCommand {
     std::vector<std::filesystem::path> files_;  // of the configuration that went in
 };
 
-std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& settings,
-                    const wear::LandingMix& mix) {
+std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& settings, const wear::LandingMix& mix) {
     double energy_J = 0.0;
     for (const wear::LandingKind& kind : mix) energy_J += kind.share * kind.energy_J;
     std::string text = fmt::format(
@@ -107,24 +101,19 @@ std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& setti
         "maneuvers. Limit {:.4f}.\n",
         f.c_e_J * 1e-6, f.friction_now[1], f.friction_now[0], f.friction_now[2], settings.limit);
     if (f.already_crossed())
-        return text +
-               fmt::format("Already below the limit, with a probability of {:.0f} %: no landing left.\n",
-                           100.0 * f.crossed_now);
-    fmt::format_to(std::back_inserter(text), "Landings left, {:.3f} MJ each on average:\n{:>8}{:>24}{:>16}\n",
-                   energy_J * 1e-6, "", "landings", "at MJ");
+        return text + fmt::format("Already below the limit, with a probability of {:.0f} %: no landing left.\n", 100.0 * f.crossed_now);
+    fmt::format_to(std::back_inserter(text), "Landings left, {:.3f} MJ each on average:\n{:>8}{:>24}{:>16}\n", energy_J * 1e-6, "", "landings",
+                   "at MJ");
     constexpr std::array kNames{"10 %", "50 %", "90 %"};
     for (std::size_t q = 0; q < kNames.size(); ++q)
-        fmt::format_to(std::back_inserter(text), "{:>8}{:>24}{:>16}\n", kNames.at(q),
-                       landings(f.landings_left.at(q)),
+        fmt::format_to(std::back_inserter(text), "{:>8}{:>24}{:>16}\n", kNames.at(q), landings(f.landings_left.at(q)),
                        f.crossing_J.at(q) ? fmt::format("{:.1f}", *f.crossing_J.at(q) * 1e-6) : "-");
     if (f.crossed_ever < 1.0)
-        fmt::format_to(std::back_inserter(text),
-                       "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
+        fmt::format_to(std::back_inserter(text), "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
                        f.never_crosses() ? "Not crossed" : "Crossed", settings.horizon,
                        100.0 * (f.never_crosses() ? 1.0 - f.crossed_ever : f.crossed_ever));
     if (f.extrapolated > 0.0)
-        fmt::format_to(std::back_inserter(text),
-                       "{:.0f} % of the draws go beyond the data that the model was learnt from: {}.\n",
+        fmt::format_to(std::back_inserter(text), "{:.0f} % of the draws go beyond the data that the model was learnt from: {}.\n",
                        std::ceil(100.0 * f.extrapolated), wear::kHowItExtrapolates);
     return text;
 }
@@ -143,10 +132,7 @@ int ForecastCommand::run_forecast(const wear::PopulationFile& file) {
     json["cumulative_energy_J"] = f.c_e_J;
     Json mix_json = Json::array();
     for (const wear::LandingKind& kind : to_come)
-        mix_json.push_back({{"name", kind.name},
-                            {"share", kind.share},
-                            {"energy_J", kind.energy_J},
-                            {"deviation_J", kind.deviation_J}});
+        mix_json.push_back({{"name", kind.name}, {"share", kind.share}, {"energy_J", kind.energy_J}, {"deviation_J", kind.deviation_J}});
     json["landings_to_come"] = std::move(mix_json);
     json["horizon"] = settings.horizon;
     json["draws"] = settings.draws;
@@ -181,14 +167,13 @@ int ForecastCommand::run_back_test(const wear::PopulationFile& file) const {
             ++without_end;
         fitted(i + 1, campaigns.size());
     }
-    const wear::BackTest t =
-        wear::back_test(file.population, brakes, settings, step_progress("brakes forecast"));
-    std::string table = fmt::format("{:>14}{:>8}{:>10}{:>12}{:>10}{:>14}{:>16}\n", "part of life", "asked",
-                                    "within", "earlier", "later", "mean width", "error of 50 %");
+    const wear::BackTest t = wear::back_test(file.population, brakes, settings, step_progress("brakes forecast"));
+    std::string table = fmt::format("{:>14}{:>8}{:>10}{:>12}{:>10}{:>14}{:>16}\n", "part of life", "asked", "within", "earlier", "later",
+                                    "mean width", "error of 50 %");
     Json rows = Json::array();
     const auto add = [&](const wear::BackTestRow& r, const std::string& part) {
-        fmt::format_to(std::back_inserter(table), "{:>14}{:>8}{:>10.3f}{:>12}{:>10}{:>14.1f}{:>16.1f}\n",
-                       part, r.asked, r.coverage(), r.earlier, r.later, r.mean_width, r.mean_error);
+        fmt::format_to(std::back_inserter(table), "{:>14}{:>8}{:>10.3f}{:>12}{:>10}{:>14.1f}{:>16.1f}\n", part, r.asked, r.coverage(), r.earlier,
+                       r.later, r.mean_width, r.mean_error);
         rows.push_back({{"part_of_life", part},
                         {"asked", r.asked},
                         {"held", r.held},
@@ -200,11 +185,8 @@ int ForecastCommand::run_back_test(const wear::PopulationFile& file) const {
     };
     for (const wear::BackTestRow& r : t.rows) add(r, fmt::format("{:.0f} %", 100.0 * r.share_of_life));
     add(t.pooled, "all");
-    print_table(json_file, "{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}",
-                brakes.size(), table);
-    if (without_end > 0)
-        print_table(json_file, "{} campaigns never come below {:.4f} and are left out.\n", without_end,
-                    settings.limit);
+    print_table(json_file, "{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}", brakes.size(), table);
+    if (without_end > 0) print_table(json_file, "{} campaigns never come below {:.4f} and are left out.\n", without_end, settings.limit);
     Json json = head(file);
     json["brakes"] = brakes.size();
     json["rows"] = std::move(rows);
@@ -221,44 +203,32 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
     CLI::App* verb = wear.add_subcommand("forecast",
                                          "Landings left until the brake's mean friction, without the scatter "
                                          "of single maneuvers, is below a limit.");
-    settings::existing_path(
-        verb->add_option("SOURCE", f->source, "the brake's campaign so far, as for `wear table`"));
+    settings::existing_path(verb->add_option("SOURCE", f->source, "the brake's campaign so far, as for `wear table`"));
     verb->add_option("--campaign", f->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, f->off);
-    settings::existing_file(
-        verb->add_option("--model", f->model,
-                         "population.json of `wear population`, or model.json of `wear fit`"))
+    settings::existing_file(verb->add_option("--model", f->model, "population.json of `wear population`, or model.json of `wear fit`"))
         ->capture_default_str();
     auto* const limit = verb->add_option("--limit", f->limit, "mean friction")->check(CLI::Range(0.001, 1.5));
     verb->add_flag("--reserve", f->reserve,
                    "the limit is where full pressure no longer gives the torque that a heavy stop on dry "
                    "asphalt can use")
         ->excludes(limit);
-    auto* const mix =
-        verb->add_option("--mix", f->mix,
-                         "landings to come, by maneuvers of config/, e.g. light=0.5,medium=0.3,heavy=0.2; "
-                         "their brake energy over "
-                         "[brake.wear] energy_scale (default: as the newest 100 of the campaign)");
+    auto* const mix = verb->add_option("--mix", f->mix,
+                                       "landings to come, by maneuvers of config/, e.g. light=0.5,medium=0.3,heavy=0.2; "
+                                       "their brake energy over "
+                                       "[brake.wear] energy_scale (default: as the newest 100 of the campaign)");
     verb->add_option("--slip", f->slip, "that those landings are held at: the tyre's share of the energy")
         ->check(CLI::Range(0.0, 0.99))
         ->capture_default_str();
-    verb->add_option("--energy", f->energy_MJ, "MJ of each landing to come, instead")
-        ->check(CLI::Range(1e-4, 1e3))
-        ->excludes(mix);
-    verb->add_option("--last", f->last, "learn from the newest N maneuvers only; 0: all")
-        ->capture_default_str();
-    verb->add_option("--horizon", f->settings.horizon, "landings")
-        ->check(CLI::Range(1, 1'000'000))
-        ->capture_default_str();
-    verb->add_option("--draws", f->settings.draws, "possible futures")
-        ->check(CLI::Range(100, 1'000'000))
-        ->capture_default_str();
+    verb->add_option("--energy", f->energy_MJ, "MJ of each landing to come, instead")->check(CLI::Range(1e-4, 1e3))->excludes(mix);
+    verb->add_option("--last", f->last, "learn from the newest N maneuvers only; 0: all")->capture_default_str();
+    verb->add_option("--horizon", f->settings.horizon, "landings")->check(CLI::Range(1, 1'000'000))->capture_default_str();
+    verb->add_option("--draws", f->settings.draws, "possible futures")->check(CLI::Range(100, 1'000'000))->capture_default_str();
     verb->add_option("--seed", f->settings.seed, "seed of every random draw")->capture_default_str();
     settings::add_config_directory(*verb, f->config);
-    settings::existing_directory(verb->add_option(
-        "--back-test", f->back_test,
-        "directory of whole campaigns as CSV: forecasts at 20, 40, 60 and 80 % of each brake's life "
-        "against its end; status 0 when 70 to 90 % are held"));
+    settings::existing_directory(verb->add_option("--back-test", f->back_test,
+                                                  "directory of whole campaigns as CSV: forecasts at 20, 40, 60 and 80 % of each brake's life "
+                                                  "against its end; status 0 when 70 to 90 % are held"));
     settings::add_json(*verb, f->json_file, "results");
     settings::add_out(*verb, f->out, "directory of forecast.json and forecast.png, or back_test.json");
     verb->add_flag("!--no-pictures", f->pictures, "without gnuplot");

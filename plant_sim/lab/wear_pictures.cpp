@@ -22,20 +22,16 @@ set ylabel 'mean brake friction'
 std::string members(const wear::Campaign& campaign, const wear::Mixture& mixture) {
     std::vector<std::string> blocks(mixture.components().size());
     for (const wear::Point& p : campaign.points)
-        fmt::format_to(std::back_inserter(blocks[mixture.member(p)]), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6,
-                       p.mean_friction);
+        fmt::format_to(std::back_inserter(blocks[mixture.member(p)]), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
     std::string out;
-    for (std::size_t j = 0; j < blocks.size(); ++j)
-        out += study::gnuplot_block(fmt::format("points{}", j), blocks[j]);
+    for (std::size_t j = 0; j < blocks.size(); ++j) out += study::gnuplot_block(fmt::format("points{}", j), blocks[j]);
     return out;
 }
 
 std::string member_plots(std::size_t components) {
     std::string out;
     for (std::size_t j = 0; j < components; ++j)
-        fmt::format_to(std::back_inserter(out),
-                       ", $points{} using 1:2 with points pt 7 ps 0.5 lc rgb '{}' notitle", j,
-                       study::gnuplot_colour(j));
+        fmt::format_to(std::back_inserter(out), ", $points{} using 1:2 with points pt 7 ps 0.5 lc rgb '{}' notitle", j, study::gnuplot_colour(j));
     return out;
 }
 
@@ -50,8 +46,7 @@ std::string ellipse(const wear::Component& c) {
         const double angle = 2.0 * std::numbers::pi * i / kSteps;
         const double u = 2.0 * std::cos(angle);
         const double v = 2.0 * std::sin(angle);
-        fmt::format_to(std::back_inserter(out), "{:.6f} {:.7f}\n", (c.mean_c_e_J + l11 * u) * 1e-6,
-                       c.mean_friction + l21 * u + l22 * v);
+        fmt::format_to(std::back_inserter(out), "{:.6f} {:.7f}\n", (c.mean_c_e_J + l11 * u) * 1e-6, c.mean_friction + l21 * u + l22 * v);
     }
     return out;
 }
@@ -63,46 +58,37 @@ struct Frame {
 Frame frame_of(const wear::Model::Data& d) {
     const double c = 0.03 * (d.last_c_e_J - d.first_c_e_J) * 1e-6;
     const double mu = 0.12 * (d.greatest_friction - d.least_friction);
-    return {d.first_c_e_J * 1e-6 - c, d.last_c_e_J * 1e-6 + c, d.least_friction - mu,
-            d.greatest_friction + mu};
+    return {d.first_c_e_J * 1e-6 - c, d.last_c_e_J * 1e-6 + c, d.least_friction - mu, d.greatest_friction + mu};
 }
 
 std::string ranges(const Frame& f) {
-    return fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", f.c_least_MJ, f.c_greatest_MJ, f.mu_least,
-                       f.mu_greatest);
+    return fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", f.c_least_MJ, f.c_greatest_MJ, f.mu_least, f.mu_greatest);
 }
 
 }  // namespace
 
-void draw_campaign(const wear::Campaign& campaign, const wear::Model& model,
-                   const std::filesystem::path& png) {
+void draw_campaign(const wear::Campaign& campaign, const wear::Model& model, const std::filesystem::path& png) {
     constexpr int kSteps = 400;
     const std::vector<wear::Component>& components = model.mixture.components();
-    std::string script =
-        kCampaignStyle + members(campaign, model.mixture) + ranges(frame_of(model.data)) + "$mean << EOD\n";
+    std::string script = kCampaignStyle + members(campaign, model.mixture) + ranges(frame_of(model.data)) + "$mean << EOD\n";
     for (int i = 0; i <= kSteps; ++i) {
-        const double a_J =
-            model.data.first_c_e_J + (model.data.last_c_e_J - model.data.first_c_e_J) * i / kSteps;
-        const wear::Conditional c =
-            wear::friction_given_energy(model, a_J, {wear::Variance::exact, wear::Choice::mixture});
+        const double a_J = model.data.first_c_e_J + (model.data.last_c_e_J - model.data.first_c_e_J) * i / kSteps;
+        const wear::Conditional c = wear::friction_given_energy(model, a_J, {wear::Variance::exact, wear::Choice::mixture});
         fmt::format_to(std::back_inserter(script), "{:.6f} {:.7f}\n", a_J * 1e-6, c.mean());
     }
     script += "EOD\n";
-    for (std::size_t j = 0; j < components.size(); ++j)
-        script += study::gnuplot_block(fmt::format("ellipse{}", j), ellipse(components[j]));
+    for (std::size_t j = 0; j < components.size(); ++j) script += study::gnuplot_block(fmt::format("ellipse{}", j), ellipse(components[j]));
     fmt::format_to(std::back_inserter(script), "set title {} noenhanced\nplot NaN notitle{}",
-                   study::gnuplot_quoted(
-                       fmt::format("{} maneuvers, {} components", model.data.maneuvers, components.size())),
+                   study::gnuplot_quoted(fmt::format("{} maneuvers, {} components", model.data.maneuvers, components.size())),
                    member_plots(components.size()));
     for (std::size_t j = 0; j < components.size(); ++j)
-        fmt::format_to(std::back_inserter(script), ", $ellipse{} with lines lw 1.5 lc rgb '{}' title '{}'", j,
-                       study::gnuplot_colour(j), j == 0 ? "two-sigma ellipse of a component" : "");
+        fmt::format_to(std::back_inserter(script), ", $ellipse{} with lines lw 1.5 lc rgb '{}' title '{}'", j, study::gnuplot_colour(j),
+                       j == 0 ? "two-sigma ellipse of a component" : "");
     script += ", $mean with lines lw 2 lc rgb 'black' title 'mean given the energy'\n";
     study::run_gnuplot(png, 1100, 700, script);
 }
 
-void draw_density(const wear::Campaign& campaign, const wear::Model& model,
-                  const std::filesystem::path& png) {
+void draw_density(const wear::Campaign& campaign, const wear::Model& model, const std::filesystem::path& png) {
     constexpr int kGridColumns = 240;
     constexpr int kGridRows = 180;
     const Frame f = frame_of(model.data);
@@ -112,16 +98,14 @@ void draw_density(const wear::Campaign& campaign, const wear::Model& model,
         for (int column = 0; column <= kGridColumns; ++column) {
             const double c_MJ = f.c_least_MJ + (f.c_greatest_MJ - f.c_least_MJ) * column / kGridColumns;
             const double mu = f.mu_least + (f.mu_greatest - f.mu_least) * row / kGridRows;
-            const double density =
-                std::log10(1e6) + model.mixture.log_density({c_MJ * 1e6, mu}) / std::log(10.0);
+            const double density = std::log10(1e6) + model.mixture.log_density({c_MJ * 1e6, mu}) / std::log(10.0);
             greatest = std::max(greatest, density);
             fmt::format_to(std::back_inserter(script), "{:.5f} {:.7f} {:.4f}\n", c_MJ, mu, density);
         }
         script += "\n";
     }
     constexpr double kDecades = 4.0;
-    fmt::format_to(
-        std::back_inserter(script), R"(EOD
+    fmt::format_to(std::back_inserter(script), R"(EOD
 set contour base
 set cntrparam levels incremental {least},0.5,{greatest}
 unset surface
@@ -134,20 +118,17 @@ set cblabel 'log_{{10}} density (per MJ)'
 set title {title} noenhanced
 plot $density using 1:2:3 with image notitle, $contours using 1:2 with lines lw 1 lc rgb '#444444' notitle{points}
 )",
-        fmt::arg("least", greatest - kDecades), fmt::arg("greatest", greatest),
-        fmt::arg("title", study::gnuplot_quoted(fmt::format(
-                              "density of {} components, and the points by their most likely component",
-                              model.mixture.components().size()))),
-        fmt::arg("points", member_plots(model.mixture.components().size())));
+                   fmt::arg("least", greatest - kDecades), fmt::arg("greatest", greatest),
+                   fmt::arg("title", study::gnuplot_quoted(fmt::format("density of {} components, and the points by their most likely component",
+                                                                       model.mixture.components().size()))),
+                   fmt::arg("points", member_plots(model.mixture.components().size())));
     study::run_gnuplot(png, 1100, 700, script);
 }
 
-void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& simulated,
-                       const std::filesystem::path& png) {
+void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& simulated, const std::filesystem::path& png) {
     const auto block = [](const char* name, const wear::Campaign& campaign) {
         std::string out;
-        for (const wear::Point& p : campaign.points)
-            fmt::format_to(std::back_inserter(out), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
+        for (const wear::Point& p : campaign.points) fmt::format_to(std::back_inserter(out), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
         return study::gnuplot_block(name, out);
     };
     study::run_gnuplot(png, 1100, 700,
@@ -161,11 +142,9 @@ void draw_bic(const wear::Model& model, const std::filesystem::path& png) {
         "set xtics 1\nset offsets 0.5, 0.5, graph "
         "0.05, graph 0.05\n"
         "set xlabel 'components'\nset ylabel 'BIC (less is better)'\n$bic << EOD\n";
-    const auto least = std::min_element(
-        model.orders.begin(), model.orders.end(),
-        [](const wear::Model::Order& a, const wear::Model::Order& b) { return a.bic < b.bic; });
-    for (const wear::Model::Order& o : model.orders)
-        fmt::format_to(std::back_inserter(script), "{} {:.6f}\n", o.components, o.bic);
+    const auto least = std::min_element(model.orders.begin(), model.orders.end(),
+                                        [](const wear::Model::Order& a, const wear::Model::Order& b) { return a.bic < b.bic; });
+    for (const wear::Model::Order& o : model.orders) fmt::format_to(std::back_inserter(script), "{} {:.6f}\n", o.components, o.bic);
     fmt::format_to(std::back_inserter(script),
                    "EOD\n$least << EOD\n{} {:.6f}\nEOD\n"
                    "plot $bic with linespoints pt 7 ps 0.8 lw 1.5 lc rgb '#1f4e79' notitle, \\\n"

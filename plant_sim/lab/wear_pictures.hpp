@@ -10,15 +10,13 @@
 namespace plant_sim {
 
 /// The paper's Fig. 7: friction over energy, with each component's two-sigma ellipse and the mean of eq. (14).
-void draw_campaign(const wear::Campaign& campaign, const wear::Model& model,
-                   const std::filesystem::path& png);
+void draw_campaign(const wear::Campaign& campaign, const wear::Model& model, const std::filesystem::path& png);
 
 /// The paper's Fig. 8: contours of the density; each point in the colour of its most likely component.
 void draw_density(const wear::Campaign& campaign, const wear::Model& model, const std::filesystem::path& png);
 
 /// The paper's Fig. 9: recorded and simulated friction over energy.
-void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& simulated,
-                       const std::filesystem::path& png);
+void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& simulated, const std::filesystem::path& png);
 
 /// BIC over the number of components, least one marked.
 void draw_bic(const wear::Model& model, const std::filesystem::path& png);

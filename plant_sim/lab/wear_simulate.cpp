@@ -22,19 +22,15 @@ namespace plant_sim {
 namespace {
 
 void show_progress(std::size_t done, std::size_t all) {
-    if (::isatty(STDERR_FILENO) == 1)
-        fmt::print(stderr, "\r{} of {} maneuvers{}", done, all, done == all ? "\n" : "");
+    if (::isatty(STDERR_FILENO) == 1) fmt::print(stderr, "\r{} of {} maneuvers{}", done, all, done == all ? "\n" : "");
 }
 
 std::string table_of(const wear::Comparison& c) {
-    std::string table =
-        fmt::format("{:>10}{:>10}{:>11}{:>14}{:>16}{:>16}{:>14}\n", "from_MJ", "to_MJ", "maneuvers",
-                    "mean_error", "dev._recorded", "dev._simulated", "within_90%");
+    std::string table = fmt::format("{:>10}{:>10}{:>11}{:>14}{:>16}{:>16}{:>14}\n", "from_MJ", "to_MJ", "maneuvers", "mean_error", "dev._recorded",
+                                    "dev._simulated", "within_90%");
     for (const wear::EnergyBand& b : c.bands)
-        fmt::format_to(std::back_inserter(table),
-                       "{:>10.2f}{:>10.2f}{:>11}{:>14.5f}{:>16.5f}{:>16.5f}{:>14.3f}\n", b.from_J * 1e-6,
-                       b.to_J * 1e-6, b.maneuvers, b.mean_error, b.deviation_recorded, b.deviation_simulated,
-                       b.coverage_90);
+        fmt::format_to(std::back_inserter(table), "{:>10.2f}{:>10.2f}{:>11}{:>14.5f}{:>16.5f}{:>16.5f}{:>14.3f}\n", b.from_J * 1e-6, b.to_J * 1e-6,
+                       b.maneuvers, b.mean_error, b.deviation_recorded, b.deviation_simulated, b.coverage_90);
     fmt::format_to(std::back_inserter(table),
                    "recorded points within the model's central 90 %: {:.3f}\ntwo-sample Kolmogorov-Smirnov "
                    "distance {:.4f}, probability {:.3f}\n",
@@ -52,10 +48,7 @@ nlohmann::ordered_json json_of(const wear::Comparison& c) {
                          {"deviation_recorded", b.deviation_recorded},
                          {"deviation_simulated", b.deviation_simulated},
                          {"coverage_90", b.coverage_90}});
-    return {{"bands", bands},
-            {"coverage_90", c.coverage_90},
-            {"ks_distance", c.ks_distance},
-            {"ks_probability", c.ks_probability}};
+    return {{"bands", bands}, {"coverage_90", c.coverage_90}, {"ks_distance", c.ks_distance}, {"ks_probability", c.ks_probability}};
 }
 
 struct SimulateCommand {
@@ -84,16 +77,14 @@ struct SimulateCommand {
                                     {"maneuvers", recorded.points.size()},
                                     {"replay", by_torque ? "torque" : "energy"}};
         std::vector<std::filesystem::path> files{model};
-        const wear::Campaign simulated = by_torque ? through_plant(recorded, learnt, files, json)
-                                                   : wear::resimulated(recorded, learnt, rule, seed);
+        const wear::Campaign simulated = by_torque ? through_plant(recorded, learnt, files, json) : wear::resimulated(recorded, learnt, rule, seed);
         const wear::Comparison c = wear::compare(recorded, simulated, learnt, rule);
         print_table(json_file, "{}", table_of(c));
-        const auto beyond = std::count_if(simulated.points.begin(), simulated.points.end(),
-                                          [&](const wear::Point& p) { return learnt.extrapolates(p.c_e_J); });
+        const auto beyond =
+            std::count_if(simulated.points.begin(), simulated.points.end(), [&](const wear::Point& p) { return learnt.extrapolates(p.c_e_J); });
         if (beyond > 0)
-            print_table(json_file, "{} maneuvers are beyond the model's data ({:.3f} to {:.3f} MJ): {}.\n",
-                        beyond, learnt.data.first_c_e_J * 1e-6, learnt.data.last_c_e_J * 1e-6,
-                        wear::kHowItExtrapolates);
+            print_table(json_file, "{} maneuvers are beyond the model's data ({:.3f} to {:.3f} MJ): {}.\n", beyond, learnt.data.first_c_e_J * 1e-6,
+                        learnt.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);
         json["extrapolated"] = beyond;
         json.update(json_of(c));
         json["seed"] = seed;
@@ -108,31 +99,25 @@ struct SimulateCommand {
 
   private:
     /// Adds what it read to `files`, and what it found to `json`.
-    [[nodiscard]] wear::Campaign through_plant(const wear::Campaign& recorded, const wear::Model& learnt,
-                                               std::vector<std::filesystem::path>& files,
+    [[nodiscard]] wear::Campaign through_plant(const wear::Campaign& recorded, const wear::Model& learnt, std::vector<std::filesystem::path>& files,
                                                nlohmann::ordered_json& json) const {
         plant::ManeuverChoice choice;
         choice.maneuver = maneuver;
         const plant::LoadedRig rig = plant::load_rig(config, choice);
         files.insert(files.end(), rig.files.begin(), rig.files.end());
         // The model is of this very brake; its life is of no interest here.
-        const wear::BrakeWear wear{.model = std::make_shared<const wear::Model>(learnt),
-                                   .scale = {},
-                                   .life_J = learnt.data.last_c_e_J,
-                                   .file = model};
+        const wear::BrakeWear wear{
+            .model = std::make_shared<const wear::Model>(learnt), .scale = {}, .life_J = learnt.data.last_c_e_J, .file = model};
         const std::size_t all = recorded.points.size();
-        const study::TorqueReplay replayed = study::replay_torques(
-            recorded, rig,
-            // Draws of its own: with the campaign's seed, a campaign of the virtual rig would only be repeated.
-            {wear, rule, {.seed = ~seed, .maneuvers = 0, .c_e_J = wear::taken_before_J(recorded)}},
-            [all](std::size_t done) { show_progress(done, all); });
-        print_table(
-            json_file,
-            "{} maneuvers through the plant by their recorded torque: energy {:+.2f} % of the recorded", all,
-            replayed.energy_error * 100.0);
+        const study::TorqueReplay replayed =
+            study::replay_torques(recorded, rig,
+                                  // Draws of its own: with the campaign's seed, a campaign of the virtual rig would only be repeated.
+                                  {wear, rule, {.seed = ~seed, .maneuvers = 0, .c_e_J = wear::taken_before_J(recorded)}},
+                                  [all](std::size_t done) { show_progress(done, all); });
+        print_table(json_file, "{} maneuvers through the plant by their recorded torque: energy {:+.2f} % of the recorded", all,
+                    replayed.energy_error * 100.0);
         if (replayed.short_of_pressure > 0)
-            print_table(json_file, "; in {} full pressure did not give the torque everywhere",
-                        replayed.short_of_pressure);
+            print_table(json_file, "; in {} full pressure did not give the torque everywhere", replayed.short_of_pressure);
         print_table(json_file, "\n");
         json["maneuver"] = maneuver;
         json["energy_error"] = replayed.energy_error;
@@ -145,26 +130,19 @@ struct SimulateCommand {
 
 LabVerb wear_simulate_verb(CLI::App& wear) {
     const auto simulate = std::make_shared<SimulateCommand>();
-    CLI::App* verb = wear.add_subcommand(
-        "simulate",
-        "Fig. 9: the maneuvers of a campaign again with friction drawn from eq. (14), compared with the "
-        "recorded. Leaves simulated.csv, simulated.json and simulated.png.");
+    CLI::App* verb = wear.add_subcommand("simulate",
+                                         "Fig. 9: the maneuvers of a campaign again with friction drawn from eq. (14), compared with the "
+                                         "recorded. Leaves simulated.csv, simulated.json and simulated.png.");
     settings::existing_path(verb->add_option("SOURCE", simulate->source, "as for `wear table`"))->required();
-    verb->add_option("--campaign", simulate->campaign,
-                     "which of a ledger's campaigns; may be left out for one");
+    verb->add_option("--campaign", simulate->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, simulate->off);
-    settings::existing_file(verb->add_option("--model", simulate->model, "model.json of `wear fit`"))
-        ->required();
-    settings::one_of(
-        verb->add_option(
-            "--replay", simulate->replay,
-            "torque: through the plant, the recorded braking torque fed in (default where SOURCE has "
-            "brake_on_mps, mean_torque_Nm and mean_load_N; a ledger has); energy: no plant, each "
-            "maneuver takes the recorded brake energy"),
-        {"torque", "energy"});
-    verb->add_option("--maneuver", simulate->maneuver,
-                     "whose rig makes the stops: endurance, or one of maneuvers.toml")
-        ->capture_default_str();
+    settings::existing_file(verb->add_option("--model", simulate->model, "model.json of `wear fit`"))->required();
+    settings::one_of(verb->add_option("--replay", simulate->replay,
+                                      "torque: through the plant, the recorded braking torque fed in (default where SOURCE has "
+                                      "brake_on_mps, mean_torque_Nm and mean_load_N; a ledger has); energy: no plant, each "
+                                      "maneuver takes the recorded brake energy"),
+                     {"torque", "energy"});
+    verb->add_option("--maneuver", simulate->maneuver, "whose rig makes the stops: endurance, or one of maneuvers.toml")->capture_default_str();
     settings::add_config_directory(*verb, simulate->config);
     add_rule_options(*verb, simulate->rule);
     verb->add_option("--seed", simulate->seed, "seed of every random draw")->capture_default_str();

@@ -19,10 +19,8 @@ std::string as_json(const wear::Campaign& data) {
         rows.push_back({{"mean_friction", data.points[i].mean_friction},
                         {"brake_energy_J", wear::brake_energy_J(data, i)},  // null where it is unknown
                         {"cumulative_energy_J", data.points[i].c_e_J}});
-    const nlohmann::ordered_json table{{"source", data.source},
-                                       {"data_hash", wear::data_hash(data)},
-                                       {"version", ANTISKID_VERSION},
-                                       {"maneuvers", std::move(rows)}};
+    const nlohmann::ordered_json table{
+        {"source", data.source}, {"data_hash", wear::data_hash(data)}, {"version", ANTISKID_VERSION}, {"maneuvers", std::move(rows)}};
     return table.dump(2) + "\n";
 }
 
@@ -35,17 +33,13 @@ struct TableCommand {
     int run() const {
         const wear::Campaign data = load_campaign(source, campaign, off);
         if (csv != "-" && json_file != "-") {
-            std::string table = fmt::format("{:>8}{:>15}{:>18}{:>24}\n", "maneuver", "mean_friction",
-                                            "brake_energy_MJ", "cumulative_energy_MJ");
+            std::string table = fmt::format("{:>8}{:>15}{:>18}{:>24}\n", "maneuver", "mean_friction", "brake_energy_MJ", "cumulative_energy_MJ");
             for (std::size_t i = 0; i < data.points.size(); ++i) {
                 const double energy_J = wear::brake_energy_J(data, i);
-                fmt::format_to(std::back_inserter(table), "{:>8}{:>15.5f}{:>18}{:>24.4f}\n", i + 1,
-                               data.points[i].mean_friction,
-                               std::isnan(energy_J) ? "unknown" : fmt::format("{:.4f}", energy_J * 1e-6),
-                               data.points[i].c_e_J * 1e-6);
+                fmt::format_to(std::back_inserter(table), "{:>8}{:>15.5f}{:>18}{:>24.4f}\n", i + 1, data.points[i].mean_friction,
+                               std::isnan(energy_J) ? "unknown" : fmt::format("{:.4f}", energy_J * 1e-6), data.points[i].c_e_J * 1e-6);
             }
-            fmt::print("{}{} maneuvers of {}, data hash {}\n", table, data.points.size(), data.source,
-                       wear::data_hash(data));
+            fmt::print("{}{} maneuvers of {}, data hash {}\n", table, data.points.size(), data.source, wear::data_hash(data));
         }
         settings::deliver(csv, wear::to_csv(data));
         settings::deliver(json_file, as_json(data));
@@ -60,16 +54,13 @@ LabVerb wear_table_verb(CLI::App& wear) {
     CLI::App* verb = wear.add_subcommand("table",
                                          "Mean friction by eq. (7), brake energy by eq. (9) and cumulative "
                                          "energy of every maneuver of a campaign.");
-    settings::existing_path(
-        verb->add_option(
-            "SOURCE", table->source,
-            "ledger, directory with ledger.sqlite, or CSV with the columns cumulative_energy_MJ (or "
-            "cumulative_energy_J) and mean_friction"))
+    settings::existing_path(verb->add_option("SOURCE", table->source,
+                                             "ledger, directory with ledger.sqlite, or CSV with the columns cumulative_energy_MJ (or "
+                                             "cumulative_energy_J) and mean_friction"))
         ->required();
     verb->add_option("--campaign", table->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, table->off);
-    verb->add_option("--csv", table->csv, "the table, exact; - for standard output instead")
-        ->type_name("FILE");
+    verb->add_option("--csv", table->csv, "the table, exact; - for standard output instead")->type_name("FILE");
     settings::add_json(*verb, table->json_file, "the table");
     verb->footer("Examples:\n  rig-lab wear table out/endurance\n  rig-lab wear table measured.csv --csv -");
     return {verb, [table] { return table->run(); }};

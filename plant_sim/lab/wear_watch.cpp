@@ -52,8 +52,8 @@ int WatchCommand::watch(const wear::PopulationFile& file) const {
         const wear::Point& p = recorded.points[i];
         const wear::Verdict& v = verdicts.emplace_back(monitor.after(p));
         if (v.condition != before)
-            print_table(json_file, "maneuver {:>5}, {:9.3f} MJ: {}{}{}\n", i + 1, p.c_e_J * 1e-6,
-                        wear::name(v.condition), v.reason.empty() ? "" : ": ", v.reason);
+            print_table(json_file, "maneuver {:>5}, {:9.3f} MJ: {}{}{}\n", i + 1, p.c_e_J * 1e-6, wear::name(v.condition),
+                        v.reason.empty() ? "" : ": ", v.reason);
         before = v.condition;
         list.push_back({{"maneuver", i + 1},
                         {"health", wear::name(v.condition)},
@@ -64,8 +64,7 @@ int WatchCommand::watch(const wear::PopulationFile& file) const {
                         {"deviation", v.deviation},
                         {"reason", v.reason}});
     }
-    print_table(json_file, "{} after {} maneuvers, statistic {:.2f} of its limit\n", wear::name(before),
-                verdicts.size(), verdicts.back().statistic);
+    print_table(json_file, "{} after {} maneuvers, statistic {:.2f} of its limit\n", wear::name(before), verdicts.size(), verdicts.back().statistic);
     const Json json{{"version", ANTISKID_VERSION},
                     {"model_hash", file.hash},
                     {"data_hash", wear::data_hash(recorded)},
@@ -83,10 +82,9 @@ int WatchCommand::run_trial(const wear::PopulationFile& file) const {
         Fault fault;
         double size;
     };
-    constexpr std::array kCases{
-        Case{Fault::glazing, 0.05}, Case{Fault::glazing, 0.10}, Case{Fault::glazing, 0.20},
-        Case{Fault::drop, 0.05},    Case{Fault::drop, 0.10},    Case{Fault::drop, 0.20},
-        Case{Fault::drag, 0.05},    Case{Fault::drag, 0.10},    Case{Fault::drag, 0.20}};
+    constexpr std::array kCases{Case{Fault::glazing, 0.05}, Case{Fault::glazing, 0.10}, Case{Fault::glazing, 0.20},
+                                Case{Fault::drop, 0.05},    Case{Fault::drop, 0.10},    Case{Fault::drop, 0.20},
+                                Case{Fault::drag, 0.05},    Case{Fault::drag, 0.10},    Case{Fault::drag, 0.20}};
     const std::vector<wear::Campaign> healthy = load_campaigns({source}, off);
     const wear::HealthyTrial h = wear::try_healthy(file.population, healthy);
     const auto tried = step_progress("trials");
@@ -95,19 +93,15 @@ int WatchCommand::run_trial(const wear::PopulationFile& file) const {
         "{} healthy brakes, {} maneuvers: {} called abnormal ({:.2f} % of the brakes), {:.2f} % of maneuvers "
         "suspect\n"
         "{:<14}{:>8}{:>10}{:>10}{:>12}{:>12}\n",
-        h.campaigns, h.maneuvers, h.flagged,
-        100.0 * static_cast<double>(h.flagged) / static_cast<double>(h.campaigns),
-        100.0 * static_cast<double>(h.suspected_maneuvers) / static_cast<double>(h.maneuvers), "fault",
-        "size", "brakes", "flagged", "50 % after", "90 % after");
+        h.campaigns, h.maneuvers, h.flagged, 100.0 * static_cast<double>(h.flagged) / static_cast<double>(h.campaigns),
+        100.0 * static_cast<double>(h.suspected_maneuvers) / static_cast<double>(h.maneuvers), "fault", "size", "brakes", "flagged", "50 % after",
+        "90 % after");
     Json rows = Json::array();
     for (std::size_t i = 0; i < kCases.size(); ++i) {
-        const wear::FaultTrial t =
-            wear::try_fault(file.population, healthy, kCases.at(i).fault, kCases.at(i).size, seed);
-        fmt::format_to(std::back_inserter(table), "{:<14}{:>6.0f} %{:>10}{:>8.1f} %{:>12}{:>12}\n",
-                       wear::name(t.fault), 100.0 * t.size, t.campaigns,
-                       100.0 * static_cast<double>(t.flagged) /
-                           static_cast<double>(std::max<std::size_t>(1, t.campaigns)),
-                       t.median, t.ninety == 0 ? std::string("-") : fmt::format("{}", t.ninety));
+        const wear::FaultTrial t = wear::try_fault(file.population, healthy, kCases.at(i).fault, kCases.at(i).size, seed);
+        fmt::format_to(std::back_inserter(table), "{:<14}{:>6.0f} %{:>10}{:>8.1f} %{:>12}{:>12}\n", wear::name(t.fault), 100.0 * t.size, t.campaigns,
+                       100.0 * static_cast<double>(t.flagged) / static_cast<double>(std::max<std::size_t>(1, t.campaigns)), t.median,
+                       t.ninety == 0 ? std::string("-") : fmt::format("{}", t.ninety));
         rows.push_back({{"fault", wear::name(t.fault)},
                         {"size", t.size},
                         {"brakes", t.campaigns},
@@ -117,15 +111,12 @@ int WatchCommand::run_trial(const wear::PopulationFile& file) const {
         tried(i + 2, kCases.size() + 1);
     }
     print_table(json_file, "{}", table);
-    const Json json{{"version", ANTISKID_VERSION},
-                    {"seed", seed},
-                    {"model_hash", file.hash},
-                    {"healthy",
-                     {{"brakes", h.campaigns},
-                      {"maneuvers", h.maneuvers},
-                      {"flagged", h.flagged},
-                      {"suspected_maneuvers", h.suspected_maneuvers}}},
-                    {"faults", std::move(rows)}};
+    const Json json{
+        {"version", ANTISKID_VERSION},
+        {"seed", seed},
+        {"model_hash", file.hash},
+        {"healthy", {{"brakes", h.campaigns}, {"maneuvers", h.maneuvers}, {"flagged", h.flagged}, {"suspected_maneuvers", h.suspected_maneuvers}}},
+        {"faults", std::move(rows)}};
     keep_json(out / "watch_trial.json", json_file, json.dump(2) + "\n");
     print_table(json_file, "Written to {}: watch_trial.json\n", out.string());
     return 0;
@@ -139,19 +130,15 @@ LabVerb wear_watch_verb(CLI::App& wear) {
                                          "Health of a brake after each maneuver: does its friction go on as "
                                          "that of brakes like those the model knows?");
     settings::existing_path(
-        verb->add_option("SOURCE", watch->source,
-                         "as for `wear table`; with --trial a directory of healthy brakes' campaigns as CSV"))
+        verb->add_option("SOURCE", watch->source, "as for `wear table`; with --trial a directory of healthy brakes' campaigns as CSV"))
         ->required();
     verb->add_option("--campaign", watch->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, watch->off);
-    settings::existing_file(
-        verb->add_option("--model", watch->model,
-                         "population.json of `wear population`, or model.json of `wear fit`"))
+    settings::existing_file(verb->add_option("--model", watch->model, "population.json of `wear population`, or model.json of `wear fit`"))
         ->capture_default_str();
-    verb->add_flag(
-        "--trial", watch->trial,
-        "false alarms on healthy brakes, and how soon glazing, a sudden drop and a dragging piston are "
-        "flagged when they are put into the same campaigns");
+    verb->add_flag("--trial", watch->trial,
+                   "false alarms on healthy brakes, and how soon glazing, a sudden drop and a dragging piston are "
+                   "flagged when they are put into the same campaigns");
     verb->add_option("--seed", watch->seed, "of the trial: where the faults begin")->capture_default_str();
     settings::add_json(*verb, watch->json_file, "results");
     settings::add_out(*verb, watch->out, "directory of health.json and health.png, or watch_trial.json");

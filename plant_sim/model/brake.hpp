@@ -12,8 +12,7 @@ namespace plant {
 class BrakeTorque {
   public:
     BrakeTorque() = default;  ///< none
-    BrakeTorque(const BrakeGeometry& geometry, const FrictionCurve& curve, double mean_friction,
-                double brake_on_mps);
+    BrakeTorque(const BrakeGeometry& geometry, const FrictionCurve& curve, double mean_friction, double brake_on_mps);
 
     struct Gain {
         double k_b;   ///< m^3

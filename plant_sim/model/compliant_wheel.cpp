@@ -28,8 +28,8 @@ double value_of(const Eigen::AutoDiffScalar<Derivatives>& number) {
     return number.value();
 }
 template <typename Derivatives>
-void friction_at(const FrictionLaw& law, const Eigen::AutoDiffScalar<Derivatives>& slip,
-                 Eigen::AutoDiffScalar<Derivatives>& mu, Eigen::AutoDiffScalar<Derivatives>& mu_1) {
+void friction_at(const FrictionLaw& law, const Eigen::AutoDiffScalar<Derivatives>& slip, Eigen::AutoDiffScalar<Derivatives>& mu,
+                 Eigen::AutoDiffScalar<Derivatives>& mu_1) {
     const Friction f = friction(law, slip.value());
     // mu_1 = c1 c2 exp(-c2 |lambda|) - c3: its own slope is -c2 (mu_1 + c3), odd in lambda.
     const double mu_2 = std::copysign(law.c2 * (f.mu_1 + law.c3), -slip.value());
@@ -131,13 +131,12 @@ class Equations {
         const double belt = y[law_.ring ? kBelt : kRim];
         const double twisting = y[kRim] - y[kBelt];
         const double bending = y[kAxle] - y[kSpeed];
-        return {
-            .distance_m = y[kSpeed],
-            .angle_rad = y[kRim],
-            .brake_J = held ? 0.0 : law_.brake.gain(y[kSpeed]).k_b * pressure_.at(x) * y[kRim],
-            .tyre_J = c.F_x * (axle - belt * c.r) + (law_.ring ? law_.twist_Nms * twisting * twisting : 0.0),
-            .friction_m = c.mu * y[kSpeed],
-            .leg_J = law_.leg ? law_.leg_Nspm * bending * bending : 0.0};
+        return {.distance_m = y[kSpeed],
+                .angle_rad = y[kRim],
+                .brake_J = held ? 0.0 : law_.brake.gain(y[kSpeed]).k_b * pressure_.at(x) * y[kRim],
+                .tyre_J = c.F_x * (axle - belt * c.r) + (law_.ring ? law_.twist_Nms * twisting * twisting : 0.0),
+                .friction_m = c.mu * y[kSpeed],
+                .leg_J = law_.leg ? law_.leg_Nspm * bending * bending : 0.0};
     }
 
     double holding_margin_Nm(const Motion& y, double x) const {
@@ -150,21 +149,18 @@ class Equations {
         constexpr int kStages = 6;
         constexpr double kAt[kStages] = {0.0, 0.386, 0.21, 0.63, 1.0, 1.0};
         constexpr double kDrift[kStages] = {0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0};
-        constexpr double kA[kStages][kStages] = {
-            {},
-            {1.544},
-            {0.9466785280815826, 0.2557011698983284},
-            {3.314825187068521, 2.896124015972201, 0.9986419139977817},
-            {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950},
-            {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0}};
-        constexpr double kC[kStages][kStages] = {
-            {},
-            {-5.6688},
-            {-2.430093356833875, -0.2063599157091915},
-            {-0.1073529058151375, -9.594562251023355, -20.47028614809616},
-            {7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160},
-            {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
-             -6.058818238834054}};
+        constexpr double kA[kStages][kStages] = {{},
+                                                 {1.544},
+                                                 {0.9466785280815826, 0.2557011698983284},
+                                                 {3.314825187068521, 2.896124015972201, 0.9986419139977817},
+                                                 {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950},
+                                                 {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0}};
+        constexpr double kC[kStages][kStages] = {{},
+                                                 {-5.6688},
+                                                 {-2.430093356833875, -0.2063599157091915},
+                                                 {-0.1073529058151375, -9.594562251023355, -20.47028614809616},
+                                                 {7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160},
+                                                 {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054}};
 
         // Derivatives by the state, and by x: pressure and load are explicit in time.
         using Dual = Eigen::AutoDiffScalar<Eigen::Matrix<double, kParts + 1, 1>>;
@@ -226,8 +222,7 @@ class Equations {
 
 }  // namespace
 
-CompliantWheel::CompliantWheel(const WheelParameters& parameters, const BrakeTorque& brake,
-                               const FrictionLaw& tyre, double tolerance)
+CompliantWheel::CompliantWheel(const WheelParameters& parameters, const BrakeTorque& brake, const FrictionLaw& tyre, double tolerance)
     : law_{.ring = parameters.compliance.ring.belt_share > 0.0,
            .relaxes = parameters.compliance.relaxation.length_m > 0.0,
            .leg = parameters.compliance.leg.mass_kg > 0.0,
@@ -243,13 +238,10 @@ CompliantWheel::CompliantWheel(const WheelParameters& parameters, const BrakeTor
            .brake = brake},
       tolerance_(tolerance) {
     const auto& [ring, relaxation, leg] = parameters.compliance;
-    const bool ring_can_be = ring.belt_share >= 0.0 && ring.belt_share < 1.0 && ring.damping >= 0.0 &&
-                             (!law_.ring || ring.frequency_Hz > 0.0);
+    const bool ring_can_be = ring.belt_share >= 0.0 && ring.belt_share < 1.0 && ring.damping >= 0.0 && (!law_.ring || ring.frequency_Hz > 0.0);
     const bool tread_can_be = relaxation.length_m >= 0.0 && (!law_.relaxes || relaxation.floor_m > 0.0);
-    const bool leg_can_be = leg.mass_kg >= 0.0 && leg.mass_kg < parameters.mass_kg && leg.damping >= 0.0 &&
-                            (!law_.leg || leg.frequency_Hz > 0.0);
-    if (!ring_can_be || !tread_can_be || !leg_can_be)
-        throw std::invalid_argument("compliance of tyre or leg is out of range: see compliance.hpp");
+    const bool leg_can_be = leg.mass_kg >= 0.0 && leg.mass_kg < parameters.mass_kg && leg.damping >= 0.0 && (!law_.leg || leg.frequency_Hz > 0.0);
+    if (!ring_can_be || !tread_can_be || !leg_can_be) throw std::invalid_argument("compliance of tyre or leg is out of range: see compliance.hpp");
     if (law_.ring) {
         const double w = 2.0 * std::numbers::pi * ring.frequency_Hz;
         const double reduced = law_.rim_kgm2 * law_.belt_kgm2 / parameters.inertia_kgm2;
@@ -350,9 +342,8 @@ Forces CompliantWheel::forces(const WheelState& state, double pressure_Pa, const
 double CompliantWheel::energy_J(const WheelState& state) const {
     const auto half = [](double stiffness, double of) { return 0.5 * stiffness * of * of; };
     return half(law_.aircraft_kg, state.v_mps) + half(law_.rim_kgm2, state.omega_radps) +
-           half(law_.belt_kgm2, y_[kBelt] + state.omega_radps - y_[kRim]) +
-           half(law_.axle_kg, y_[kAxle] + state.v_mps - y_[kSpeed]) + half(law_.twist_Nmprad, y_[kTwist]) +
-           half(law_.leg_Npm, y_[kLeg]);
+           half(law_.belt_kgm2, y_[kBelt] + state.omega_radps - y_[kRim]) + half(law_.axle_kg, y_[kAxle] + state.v_mps - y_[kSpeed]) +
+           half(law_.twist_Nmprad, y_[kTwist]) + half(law_.leg_Npm, y_[kLeg]);
 }
 
 }  // namespace plant

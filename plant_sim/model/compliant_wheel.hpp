@@ -36,8 +36,7 @@ class CompliantWheel {
     static constexpr double kTolerance = 1e-8;
 
     /// Throws std::invalid_argument where compliance is negative, a belt has all the inertia, or a leg all the mass.
-    CompliantWheel(const WheelParameters& parameters, const BrakeTorque& brake, const FrictionLaw& tyre,
-                   double tolerance = kTolerance);
+    CompliantWheel(const WheelParameters& parameters, const BrakeTorque& brake, const FrictionLaw& tyre, double tolerance = kTolerance);
 
     /// Advances `state` by `h` seconds; belt, slip of the tread and leg stand in here. Speeds that were changed from outside since the
     /// last call (a drive, drag) are belt's and axle's change, too.

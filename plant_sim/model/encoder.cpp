@@ -7,10 +7,7 @@
 namespace plant {
 
 Encoder::Encoder(const EncoderParameters& parameters)
-    : parameters_(parameters),
-      edges_per_rad_(parameters.teeth / (2.0 * std::numbers::pi)),
-      rad_per_edge_(1.0 / edges_per_rad_),
-      next_edge_(1.0) {
+    : parameters_(parameters), edges_per_rad_(parameters.teeth / (2.0 * std::numbers::pi)), rad_per_edge_(1.0 / edges_per_rad_), next_edge_(1.0) {
     if (parameters.pitch_error == 0.0 && parameters.eccentricity == 0.0) return;
     constexpr std::uint64_t kTheseTeeth = 1;
     Random places(kTheseTeeth);
@@ -18,20 +15,17 @@ Encoder::Encoder(const EncoderParameters& parameters)
     for (std::size_t tooth = 0; tooth < misplaced_rad_.size(); ++tooth) {
         const double evenly = static_cast<double>(places.bits() >> 11U) * 0x1.0p-52 - 1.0;
         misplaced_rad_[tooth] =
-            parameters.pitch_error * rad_per_edge_ * evenly +
-            parameters.eccentricity * std::sin(rad_per_edge_ * static_cast<double>(tooth));
+            parameters.pitch_error * rad_per_edge_ * evenly + parameters.eccentricity * std::sin(rad_per_edge_ * static_cast<double>(tooth));
     }
 }
 
-void Encoder::advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s,
-                      Random& random) {
+void Encoder::advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s, Random& random) {
     const double edges = angle_rad * edges_per_rad_;
     if (edges < next_edge_) return;
     const auto last = static_cast<double>(static_cast<std::int64_t>(edges));
     const auto passed = static_cast<std::uint32_t>(last - next_edge_ + 1.0);
     next_edge_ = last + 1.0;
-    if (after_radps * edges_per_rad_ < parameters_.slowest_edges_hz)
-        return;  // too slow for the pick-up: these edges are lost
+    if (after_radps * edges_per_rad_ < parameters_.slowest_edges_hz) return;  // too slow for the pick-up: these edges are lost
 
     // Time since the edge at constant acceleration over the step: solve omega t - a t^2 / 2 = angle, the
     // stable way.
@@ -45,8 +39,7 @@ void Encoder::advance(double angle_rad, double before_radps, double after_radps,
     const double since = std::min(2.0 * angle / (after_radps + root), step_s);
     count_ += passed;
     // No stamp comes before the last one, nor from the future.
-    const double stamp =
-        std::min(std::max(now_s - since + parameters_.jitter_s * random.noise(), edge_time_s_), now_s);
+    const double stamp = std::min(std::max(now_s - since + parameters_.jitter_s * random.noise(), edge_time_s_), now_s);
     if (stamp > edge_time_s_) speed_radps_ = passed * rad_per_edge_ / (stamp - edge_time_s_);
     edge_time_s_ = stamp;
 }

@@ -15,18 +15,13 @@ class Encoder {
 
     /// The shaft has turned to `angle_rad` at time `now_s`, at speed `before_radps` a `step_s` ago and
     /// `after_radps` now. Angles must not fall.
-    void advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s,
-                 Random& random);
+    void advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s, Random& random);
 
     [[nodiscard]] std::uint32_t edge_count() const { return count_; }  ///< rolls over
-    [[nodiscard]] double edge_time_s() const {
-        return edge_time_s_;
-    }  ///< stamp of the last edge, jitter included
+    [[nodiscard]] double edge_time_s() const { return edge_time_s_; }  ///< stamp of the last edge, jitter included
     /// What electronics that report speed instead would say: edges over the time they took, and zero 100 ms
     /// after the last one.
-    [[nodiscard]] double speed_radps(double now_s) const {
-        return now_s - edge_time_s_ < 0.1 ? speed_radps_ : 0.0;
-    }
+    [[nodiscard]] double speed_radps(double now_s) const { return now_s - edge_time_s_ < 0.1 ? speed_radps_ : 0.0; }
 
   private:
     EncoderParameters parameters_;

@@ -15,16 +15,12 @@ constexpr double kArcError_Pa = 100.0;
 
 }  // namespace
 
-OpenLoop::OpenLoop(const RigParameters& parameters, Input input, std::span<const Point> profile,
-                   double tolerance)
+OpenLoop::OpenLoop(const RigParameters& parameters, Input input, std::span<const Point> profile, double tolerance)
     : parameters_(parameters),
       input_(input),
-      wheel_(parameters.wheel,
-             BrakeTorque(parameters.brake, parameters.friction_curve, parameters.mean_friction,
-                         parameters.brake_on_mps),
+      wheel_(parameters.wheel, BrakeTorque(parameters.brake, parameters.friction_curve, parameters.mean_friction, parameters.brake_on_mps),
              parameters.surface, tolerance) {
-    if (parameters.wheel.compliance.any() || parameters.valve.line_s > 0.0 ||
-        !parameters.runway.patches.empty())
+    if (parameters.wheel.compliance.any() || parameters.valve.line_s > 0.0 || !parameters.runway.patches.empty())
         throw std::invalid_argument(
             "open loop: a tyre or leg that gives way, a valve's line and a runway of patches need fixed "
             "steps");
@@ -35,14 +31,12 @@ OpenLoop::OpenLoop(const RigParameters& parameters, Input input, std::span<const
     profile_.push_back({0.0, input == Input::valve ? 0.0 : profile.front().value_Pa});
     profile_.push_back({delay_s + std::max(profile.front().time_s, 0.0), profile_.back().value_Pa});
     for (const Point& point : profile) {
-        if (!(point.time_s + delay_s >= profile_.back().time_s))
-            throw std::invalid_argument("open loop: time falls");
+        if (!(point.time_s + delay_s >= profile_.back().time_s)) throw std::invalid_argument("open loop: time falls");
         profile_.push_back({point.time_s + delay_s, point.value_Pa});
     }
     if (input == Input::valve) {
         for (std::size_t i = 0; i < kSizes; ++i)
-            transitions_[i] =
-                ValveDynamics::transition(parameters.valve, std::ldexp(kShortest_s, static_cast<int>(i)));
+            transitions_[i] = ValveDynamics::transition(parameters.valve, std::ldexp(kShortest_s, static_cast<int>(i)));
     }
     load_ = {parameters.load.base_N, 0.0, parameters.load.lift_Ns2pm2};
     state_.v_mps = parameters.brake_on_mps;
@@ -74,9 +68,8 @@ bool OpenLoop::arc_holds(double h) const {
     // What is left of the valve's transient, beyond its answer to the ramp.
     const ValveParameters& valve = parameters_.valve;
     const double lag_s = 2.0 * valve.damping / valve.natural_frequency_radps;
-    const double amplitude_Pa =
-        std::abs(dynamics_.law_Pa() - input_Pa(time_s_) + lag_s * piece_slope_Paps_) +
-        std::abs(dynamics_.rate_Paps() - piece_slope_Paps_) / valve.natural_frequency_radps;
+    const double amplitude_Pa = std::abs(dynamics_.law_Pa() - input_Pa(time_s_) + lag_s * piece_slope_Paps_) +
+                                std::abs(dynamics_.rate_Paps() - piece_slope_Paps_) / valve.natural_frequency_radps;
     const double phase = valve.natural_frequency_radps * h;
     return amplitude_Pa * phase * phase * phase * phase <= kCubic * kArcError_Pa;
 }
@@ -85,8 +78,7 @@ PressureArc OpenLoop::arc(ValveDynamics& dynamics, double h, bool listed) const 
     const double from_Pa = input_Pa(time_s_);
     const double to_Pa = from_Pa + piece_slope_Paps_ * h;
     if (input_ == Input::pressure) return PressureArc::linear(from_Pa, to_Pa);
-    return dynamics.advance(listed ? transitions_[size_] : ValveDynamics::transition(parameters_.valve, h),
-                            from_Pa, to_Pa, h);
+    return dynamics.advance(listed ? transitions_[size_] : ValveDynamics::transition(parameters_.valve, h), from_Pa, to_Pa, h);
 }
 
 OpenLoop::End OpenLoop::end() const {

@@ -8,9 +8,7 @@ namespace plant {
 
 Rig::Rig(const RigParameters& parameters, double step_s, std::uint64_t seed)
     : parameters_(parameters),
-      dynamics_(parameters.wheel,
-                BrakeTorque(parameters.brake, parameters.friction_curve, parameters.mean_friction,
-                            parameters.brake_on_mps),
+      dynamics_(parameters.wheel, BrakeTorque(parameters.brake, parameters.friction_curve, parameters.mean_friction, parameters.brake_on_mps),
                 parameters.surface),
       play_(parameters.valve.hysteresis_mA),
       valve_(parameters.valve, step_s),
@@ -67,8 +65,7 @@ void Rig::set_load(double base_N, double lift_Ns2pm2) {
 
 void Rig::set_brake(double mean_friction, double brake_on_mps) {
     if (!(least_friction(parameters_.friction_curve, mean_friction) > 0.0) || !(brake_on_mps > 0.0))
-        throw std::invalid_argument(
-            "mean friction takes the friction curve below zero, or no brake-on speed");
+        throw std::invalid_argument("mean friction takes the friction curve below zero, or no brake-on speed");
     parameters_.mean_friction = mean_friction;
     parameters_.brake_on_mps = brake_on_mps;
     const BrakeTorque brake(parameters_.brake, parameters_.friction_curve, mean_friction, brake_on_mps);
@@ -79,8 +76,7 @@ void Rig::set_brake(double mean_friction, double brake_on_mps) {
 bool Rig::idle() const {
     constexpr double kNoPressure_Pa = 1.0;
     constexpr double kNoLoad_N = 1e-3;
-    return !contact_ && state_.omega_radps == 0.0 && pressure_Pa_ < kNoPressure_Pa &&
-           device_load_N_ < kNoLoad_N && outside_.drive_N == 0.0;
+    return !contact_ && state_.omega_radps == 0.0 && pressure_Pa_ < kNoPressure_Pa && device_load_N_ < kNoLoad_N && outside_.drive_N == 0.0;
 }
 
 void Rig::pass_idle(double seconds, const Drag& drag) {
@@ -105,8 +101,7 @@ void Rig::push() {
     const double omega0 = state_.omega_radps;
     const double energy = kinetic_energy_J();
     const double h = step_s_;
-    const double v1 =
-        std::max(v0 + (outside_.drive_N - outside_.drag_N) * h / parameters_.wheel.mass_kg, 0.0);
+    const double v1 = std::max(v0 + (outside_.drive_N - outside_.drag_N) * h / parameters_.wheel.mass_kg, 0.0);
     const double omega1 = std::max(omega0 - outside_.wheel_drag_Nm * h / parameters_.wheel.inertia_kgm2, 0.0);
     const double drive_J = outside_.drive_N * 0.5 * (v0 + v1) * h;
     state_.v_mps = v1;
@@ -141,11 +136,8 @@ LoadArc Rig::load_arc(double h) {
 
 Forces Rig::forces() const {
     const LoadParameters& law = parameters_.load;
-    const LoadArc now = law.lag_s > 0.0 ? LoadArc{device_load_N_, 0.0, 0.0}
-                        : contact_      ? LoadArc{law.base_N, 0.0, law.lift_Ns2pm2}
-                                        : LoadArc{};
-    return compliant_ ? compliant_->forces(state_, pressure_Pa_, now)
-                      : dynamics_.forces(state_, pressure_Pa_, now);
+    const LoadArc now = law.lag_s > 0.0 ? LoadArc{device_load_N_, 0.0, 0.0} : contact_ ? LoadArc{law.base_N, 0.0, law.lift_Ns2pm2} : LoadArc{};
+    return compliant_ ? compliant_->forces(state_, pressure_Pa_, now) : dynamics_.forces(state_, pressure_Pa_, now);
 }
 
 void Rig::move(const PressureArc& pressure, const LoadArc& load, double h) {
@@ -160,8 +152,7 @@ void Rig::sense(double wheel_before, double flywheel_before, double since_s) {
     const double now = time_s();
     const double per_radius = 1.0 / parameters_.flywheel_radius_m;
     wheel_encoder_.advance(state_.angle_rad, wheel_before, state_.omega_radps, now, since_s, random_);
-    flywheel_encoder_.advance(state_.distance_m * per_radius, flywheel_before * per_radius,
-                              state_.v_mps * per_radius, now, since_s, random_);
+    flywheel_encoder_.advance(state_.distance_m * per_radius, flywheel_before * per_radius, state_.v_mps * per_radius, now, since_s, random_);
     measured_pressure_Pa_ = reading_Pa(parameters_.transducer, pressure_Pa_, random_);
 }
 
@@ -171,8 +162,7 @@ Rig::Step Rig::begin(double start_mA, double end_mA) {
     if (pushed_) push();
     look_at_runway();
     const double start_Pa = parameters_.pressure_map.pressure_Pa(play_.follow(start_mA));
-    const double end_Pa =
-        end_mA == start_mA ? start_Pa : parameters_.pressure_map.pressure_Pa(play_.follow(end_mA));
+    const double end_Pa = end_mA == start_mA ? start_Pa : parameters_.pressure_map.pressure_Pa(play_.follow(end_mA));
     const Valve::Arcs arcs = valve_.advance(start_Pa, end_Pa);
     if (valve_.first_s() > 0.0) move(arcs.first, load_arc(valve_.first_s()), valve_.first_s());
     return {wheel_before, flywheel_before, arcs.second, load_arc(valve_.second_s()), valve_.second_s()};

@@ -28,8 +28,7 @@ namespace plant {
 
 inline double reading_Pa(const TransducerParameters& transducer, double pressure_Pa, Random& random) {
     double reading = pressure_Pa + transducer.noise_Pa * random.noise();
-    if (transducer.resolution_Pa > 0.0)
-        reading = transducer.resolution_Pa * std::nearbyint(reading / transducer.resolution_Pa);
+    if (transducer.resolution_Pa > 0.0) reading = transducer.resolution_Pa * std::nearbyint(reading / transducer.resolution_Pa);
     return std::clamp(reading, 0.0, transducer.range_Pa);
 }
 
@@ -97,17 +96,13 @@ class Rig {
     [[nodiscard]] Forces forces() const;
     [[nodiscard]] bool standstill() const { return state_.v_mps <= Wheel::kSlowest_mps; }
     /// Of aircraft or flywheel and of the wheel, and what the springs of tyre and leg hold.
-    [[nodiscard]] double kinetic_energy_J() const {
-        return compliant_ ? compliant_->energy_J(state_) : dynamics_.kinetic_energy_J(state_);
-    }
+    [[nodiscard]] double kinetic_energy_J() const { return compliant_ ? compliant_->energy_J(state_) : dynamics_.kinetic_energy_J(state_); }
     /// What the gear leg's damper has taken since the start.
     [[nodiscard]] double energy_leg_J() const { return compliant_ ? compliant_->energy_leg_J() : 0.0; }
     /// Along the runway, from where its patches count.
     [[nodiscard]] double runway_m() const { return state_.distance_m - runway_began_m_; }
     /// Under the wheel now.
-    [[nodiscard]] const Surface& surface() const {
-        return patch_ == 0 ? parameters_.surface : parameters_.runway.patches[patch_ - 1].surface;
-    }
+    [[nodiscard]] const Surface& surface() const { return patch_ == 0 ? parameters_.surface : parameters_.runway.patches[patch_ - 1].surface; }
     /// What drive and drag have done since the start; kinetic energy + brake + tyre + leg + drag - drive stays what it was.
     [[nodiscard]] double energy_drive_J() const { return energy_drive_J_; }
     [[nodiscard]] double energy_drag_J() const { return energy_drag_J_; }

@@ -19,8 +19,7 @@ void RigLanes::advance_current(const std::array<double, kLanes>& current_mA) {
         if (rigs_[i] == nullptr) continue;
         Rig& rig = *rigs_[i];
         const Rig::Step& step = under_way_[i];
-        if (!rig.plain() || !rig.dynamics_.take(rig.state_, wheels_.steps[i]))
-            rig.move(step.pressure, step.load, step.h);
+        if (!rig.plain() || !rig.dynamics_.take(rig.state_, wheels_.steps[i])) rig.move(step.pressure, step.load, step.h);
         rig.end(step);
     }
 }

@@ -55,8 +55,7 @@ ValveDynamics::Transition ValveDynamics::transition(const ValveParameters& param
 }
 
 Valve::Valve(const ValveParameters& parameters, double step_s) : step_s_(step_s) {
-    if (!(parameters.damping > 0.0 && parameters.damping < 1.0))
-        throw std::invalid_argument("valve damping must lie between 0 and 1");
+    if (!(parameters.damping > 0.0 && parameters.damping < 1.0)) throw std::invalid_argument("valve damping must lie between 0 and 1");
     if (!(parameters.line_s >= 0.0)) throw std::invalid_argument("a valve's line has no lag below zero");
     // The delay in whole steps and a rest: a command given at a step's start acts `first_s_` into a later
     // step.
@@ -75,12 +74,9 @@ Valve::Valve(const ValveParameters& parameters, double step_s) : step_s_(step_s)
 PressureArc ValveDynamics::advance(const Transition& t, double u0, double u1, double h) {
     const double p = t.pp * pressure_ + t.pr * rate_ + t.pu0 * u0 + t.pu1 * u1;
     const double r = t.rp * pressure_ + t.rr * rate_ + t.ru0 * u0 + t.ru1 * u1;
-    const double b =
-        t.per_line == 0.0 ? p : t.bb * brake_ + t.bp * pressure_ + t.br * rate_ + t.bu0 * u0 + t.bu1 * u1;
-    const PressureArc arc =
-        t.per_line == 0.0
-            ? PressureArc::hermite(pressure_, rate_, p, r, h)
-            : PressureArc::hermite(brake_, (pressure_ - brake_) * t.per_line, b, (p - b) * t.per_line, h);
+    const double b = t.per_line == 0.0 ? p : t.bb * brake_ + t.bp * pressure_ + t.br * rate_ + t.bu0 * u0 + t.bu1 * u1;
+    const PressureArc arc = t.per_line == 0.0 ? PressureArc::hermite(pressure_, rate_, p, r, h)
+                                              : PressureArc::hermite(brake_, (pressure_ - brake_) * t.per_line, b, (p - b) * t.per_line, h);
     pressure_ = p;
     rate_ = r;
     brake_ = b;

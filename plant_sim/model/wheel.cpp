@@ -7,12 +7,10 @@ namespace plant {
 
 PressureArc PressureArc::part(double x0, double x1) const {
     const double w = x1 - x0;
-    return {c0 + x0 * (c1 + x0 * (c2 + x0 * c3)), w * (c1 + x0 * (2.0 * c2 + x0 * 3.0 * c3)),
-            w * w * (c2 + x0 * 3.0 * c3), w * w * w * c3};
+    return {c0 + x0 * (c1 + x0 * (c2 + x0 * c3)), w * (c1 + x0 * (2.0 * c2 + x0 * 3.0 * c3)), w * w * (c2 + x0 * 3.0 * c3), w * w * w * c3};
 }
 
-Wheel::Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface,
-             double tolerance)
+Wheel::Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface, double tolerance)
     : parameters_(parameters),
       law_{.mass_kg = parameters.mass_kg,
            .per_mass = 1.0 / parameters.mass_kg,
@@ -23,24 +21,20 @@ Wheel::Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const 
            .brake = brake},
       tolerance_(tolerance) {}
 
-inline bool Wheel::same(const Instant& at, const WheelState& state, double base_N, double load_slope,
-                        double lift) {
-    return state.v_mps == at.v && state.omega_radps == at.omega && base_N == at.base_N &&
-           load_slope == at.load_slope && lift == at.lift;
+inline bool Wheel::same(const Instant& at, const WheelState& state, double base_N, double load_slope, double lift) {
+    return state.v_mps == at.v && state.omega_radps == at.omega && base_N == at.base_N && load_slope == at.load_slope && lift == at.lift;
 }
 
 const Wheel::Instant& Wheel::start_of(const WheelState& state, const LoadArc& load, double x, double h) {
     const double base_N = load.base_at(x);
     const double load_slope = load.change_N / h;
     if (!same(last_, state, base_N, load_slope, load.lift_Ns2pm2)) {
-        last_ =
-            wheel_step::instant(law_, state.v_mps, state.omega_radps, base_N, load_slope, load.lift_Ns2pm2);
+        last_ = wheel_step::instant(law_, state.v_mps, state.omega_radps, base_N, load_slope, load.lift_Ns2pm2);
     }
     return last_;
 }
 
-Wheel::Step Wheel::turn(const Instant& start, const PressureArc& pressure, const LoadArc& load,
-                        double h) const {
+Wheel::Step Wheel::turn(const Instant& start, const PressureArc& pressure, const LoadArc& load, double h) const {
     return wheel_step::turn(law_, start, pressure, load, h);
 }
 
@@ -60,8 +54,7 @@ inline bool Wheel::comes_to_rest(const WheelState& state, const Instant& reached
     return reached.omega < 0.0 || (reached.omega == 0.0 && state.omega_radps > 0.0);
 }
 
-double Wheel::holding_margin_Nm(const WheelState& state, double pressure, const LoadArc& load,
-                                double x) const {
+double Wheel::holding_margin_Nm(const WheelState& state, double pressure, const LoadArc& load, double x) const {
     const Instant at = wheel_step::instant(law_, state.v_mps, 0.0, load.base_at(x), 0.0, load.lift_Ns2pm2);
     return at.k_b * pressure - at.r * at.F_x;
 }
@@ -84,8 +77,7 @@ void Wheel::slide(WheelState& state, const LoadArc& load, double h) const {
     state.energy_tyre_J += 0.5 * parameters_.mass_kg * (v0 * v0 - v1 * v1);
 }
 
-double Wheel::lock(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h, double x0,
-                   double x1) {
+double Wheel::lock(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h, double x0, double x1) {
     constexpr int kMostTries = 60;
     constexpr double kAtRest_radps = 1e-9;
     const Instant start = last_;
@@ -108,8 +100,7 @@ double Wheel::lock(WheelState& state, const PressureArc& pressure, const LoadArc
     return hi;
 }
 
-double Wheel::release(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h,
-                      double x0) const {
+double Wheel::release(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h, double x0) const {
     double lo = x0;
     double hi = 1.0;
     WheelState at = state;
@@ -176,8 +167,7 @@ void Wheel::advance(WheelState& state, const PressureArc& pressure, const LoadAr
         const double end = std::min(x + part, 1.0);
         const bool whole = x == 0.0 && end == 1.0;
         const Instant& start = start_of(state, load, x, h);
-        const Step step = whole ? turn(start, pressure, load, h)
-                                : turn(start, pressure.part(x, end), load.part(x, end), (end - x) * h);
+        const Step step = whole ? turn(start, pressure, load, h) : turn(start, pressure.part(x, end), load.part(x, end), (end - x) * h);
         if (!(step.error <= tolerance_) && part > kSmallest) {
             part *= 0.5;
             continue;
@@ -199,13 +189,11 @@ Forces Wheel::forces(const WheelState& state, double pressure_Pa, const LoadArc&
         return Forces{at.slip, at.mu, at.F_x, at.F_z, at.r, state.held ? std::min(T_b, at.r * at.F_x) : T_b};
     };
     if (same(last_, state, load.base_N, load.change_N, load.lift_Ns2pm2)) return forces_at(last_);
-    return forces_at(wheel_step::instant(law_, state.v_mps, state.omega_radps, load.base_N, load.change_N,
-                                         load.lift_Ns2pm2));
+    return forces_at(wheel_step::instant(law_, state.v_mps, state.omega_radps, load.base_N, load.change_N, load.lift_Ns2pm2));
 }
 
 double Wheel::kinetic_energy_J(const WheelState& state) const {
-    return 0.5 * parameters_.mass_kg * state.v_mps * state.v_mps +
-           0.5 * parameters_.inertia_kgm2 * state.omega_radps * state.omega_radps;
+    return 0.5 * parameters_.mass_kg * state.v_mps * state.v_mps + 0.5 * parameters_.inertia_kgm2 * state.omega_radps * state.omega_radps;
 }
 
 }  // namespace plant

@@ -48,8 +48,7 @@ class Wheel {
     /// Of the wheel speed relative to free rolling, and of the wheel's energy, in one step or part of it.
     static constexpr double kTolerance = 1e-7;
 
-    Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface,
-          double tolerance = kTolerance);
+    Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface, double tolerance = kTolerance);
 
     /// Advances `state` by `h` seconds.
     void advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h);
@@ -82,31 +81,25 @@ class Wheel {
     using Instant = wheel_step::Instant;
     using Step = wheel_step::Step;
 
-    [[nodiscard]] static bool same(const Instant& at, const WheelState& state, double base_N,
-                                   double load_slope, double lift);
+    [[nodiscard]] static bool same(const Instant& at, const WheelState& state, double base_N, double load_slope, double lift);
     /// The instant at x, remembered or evaluated now.
     const Instant& start_of(const WheelState& state, const LoadArc& load, double x, double h);
     /// One step of length h with a turning wheel.
-    [[nodiscard]] Step turn(const Instant& start, const PressureArc& pressure, const LoadArc& load,
-                            double h) const;
+    [[nodiscard]] Step turn(const Instant& start, const PressureArc& pressure, const LoadArc& load, double h) const;
     /// To the end of a step that was taken.
     void move(WheelState& state, const Step& step);
     /// Whether the wheel, turning before, would rest or turn backwards at `reached`.
     [[nodiscard]] static bool comes_to_rest(const WheelState& state, const Instant& reached);
     /// Whether the wheel turns from `x` on: it does already, or the tyre overcomes the brake.
-    [[nodiscard]] bool turns(const WheelState& state, const PressureArc& pressure, const LoadArc& load,
-                             double x) const;
+    [[nodiscard]] bool turns(const WheelState& state, const PressureArc& pressure, const LoadArc& load, double x) const;
     /// One step with a held wheel.
     void slide(WheelState& state, const LoadArc& load, double h) const;
     /// The wheel comes to rest inside [x0, x1] of the step: moves `state` there and returns the place.
-    double lock(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h, double x0,
-                double x1);
+    double lock(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h, double x0, double x1);
     /// The tyre begins to turn a held wheel inside [x0, 1]: moves `state` there and returns the place.
-    double release(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h,
-                   double x0) const;
+    double release(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h, double x0) const;
     /// Torque by which the brake exceeds what the tyre can turn: above zero a wheel at rest stays at rest.
-    [[nodiscard]] double holding_margin_Nm(const WheelState& state, double pressure, const LoadArc& load,
-                                           double x) const;
+    [[nodiscard]] double holding_margin_Nm(const WheelState& state, double pressure, const LoadArc& load, double x) const;
 
     WheelParameters parameters_;
     wheel_step::Law law_;

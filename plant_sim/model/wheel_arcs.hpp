@@ -21,9 +21,7 @@ struct PressureArc {
         return p > 0.0 ? p : 0.0;
     }
     /// dp/dx; nothing where the pressure is held at zero.
-    [[nodiscard]] double slope(double x) const {
-        return c0 + x * (c1 + x * (c2 + x * c3)) < 0.0 ? 0.0 : c1 + x * (2.0 * c2 + x * 3.0 * c3);
-    }
+    [[nodiscard]] double slope(double x) const { return c0 + x * (c1 + x * (c2 + x * c3)) < 0.0 ? 0.0 : c1 + x * (2.0 * c2 + x * 3.0 * c3); }
     /// The part of the arc between x0 and x1, again over [0, 1].
     [[nodiscard]] PressureArc part(double x0, double x1) const;
 };
@@ -35,12 +33,8 @@ struct LoadArc {
     double lift_Ns2pm2 = 0.0;  ///< rho S C_l / 2 of eq. (2); 0 where the load does not depend on speed
 
     [[nodiscard]] double base_at(double x) const { return base_N + x * change_N; }
-    [[nodiscard]] double force_N(double x, double v_mps) const {
-        return base_at(x) - lift_Ns2pm2 * v_mps * v_mps;
-    }
-    [[nodiscard]] LoadArc part(double x0, double x1) const {
-        return {base_at(x0), (x1 - x0) * change_N, lift_Ns2pm2};
-    }
+    [[nodiscard]] double force_N(double x, double v_mps) const { return base_at(x) - lift_Ns2pm2 * v_mps * v_mps; }
+    [[nodiscard]] LoadArc part(double x0, double x1) const { return {base_at(x0), (x1 - x0) * change_N, lift_Ns2pm2}; }
 };
 
 }  // namespace plant

@@ -9,8 +9,7 @@ namespace {
         const wheel_step::Law law = lanes.laws[i];
         const WheelLanes::Input at = lanes.inputs[i];
         const wheel_step::Instant start =
-            wheel_step::instant(law, at.v_mps, at.omega_radps, at.load.base_at(0.0), at.load.change_N / at.h,
-                                at.load.lift_Ns2pm2);
+            wheel_step::instant(law, at.v_mps, at.omega_radps, at.load.base_at(0.0), at.load.change_N / at.h, at.load.lift_Ns2pm2);
         lanes.steps.set(i, wheel_step::turn(law, start, at.pressure, at.load, at.h));
     }
 }
@@ -30,8 +29,7 @@ bool WheelLanes::has(Instructions instructions) {
     if (instructions == Instructions::baseline) return true;
 #if defined(__x86_64__)
     if (instructions == Instructions::avx2) return __builtin_cpu_supports("avx2") != 0;
-    return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
-           __builtin_cpu_supports("avx512vl") != 0;
+    return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0;
 #else
     return false;
 #endif

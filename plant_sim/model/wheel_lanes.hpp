@@ -25,16 +25,14 @@ class Lanes {
 
     // Member by member and unrolled: a copy of the whole would keep the loop over the lanes from becoming vector code.
     template <std::size_t... kMember>
-    [[gnu::always_inline]] inline Struct get(std::size_t lane,
-                                             std::index_sequence<kMember...> /*all*/) const {
+    [[gnu::always_inline]] inline Struct get(std::size_t lane, std::index_sequence<kMember...> /*all*/) const {
         Struct value;
         auto* bytes = reinterpret_cast<std::byte*>(&value);
         (std::memcpy(bytes + kMember * sizeof(double), &columns_[kMember][lane], sizeof(double)), ...);
         return value;
     }
     template <std::size_t... kMember>
-    [[gnu::always_inline]] inline void put(std::size_t lane, const Struct& value,
-                                           std::index_sequence<kMember...> /*all*/) {
+    [[gnu::always_inline]] inline void put(std::size_t lane, const Struct& value, std::index_sequence<kMember...> /*all*/) {
         const auto* bytes = reinterpret_cast<const std::byte*>(&value);
         (std::memcpy(&columns_[kMember][lane], bytes + kMember * sizeof(double), sizeof(double)), ...);
     }

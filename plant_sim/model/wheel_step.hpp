@@ -27,10 +27,8 @@ struct Law {
 /// Everything at one instant that does not depend on pressure: first what it follows from, then forces, then partial derivatives.
 struct Instant {
     double v = -1.0, omega = 0.0, base_N = 0.0, load_slope = 0.0, lift = 0.0;
-    double per_v = 0.0, F_z = 0.0, r = 0.0, slip = 0.0, mu = 0.0, mu_1 = 0.0, F_x = 0.0, k_b = 0.0,
-           k_b1 = 0.0, v_dot = 0.0;
-    double r_1 = 0.0, r_t = 0.0, slip_v = 0.0, slip_omega = 0.0, slip_t = 0.0, F_v = 0.0, F_omega = 0.0,
-           F_t = 0.0;
+    double per_v = 0.0, F_z = 0.0, r = 0.0, slip = 0.0, mu = 0.0, mu_1 = 0.0, F_x = 0.0, k_b = 0.0, k_b1 = 0.0, v_dot = 0.0;
+    double r_1 = 0.0, r_t = 0.0, slip_v = 0.0, slip_omega = 0.0, slip_t = 0.0, F_v = 0.0, F_omega = 0.0, F_t = 0.0;
 };
 
 /// The part of the Jacobian that pressure enters, and what the quadratures integrate with its total rates.
@@ -43,19 +41,16 @@ struct Rates {
 
 /// What a step adds to the sums in WheelState.
 struct Sums {
-    double distance_m = 0.0, angle_rad = 0.0, energy_brake_J = 0.0, energy_tyre_J = 0.0,
-           friction_distance_m = 0.0;
+    double distance_m = 0.0, angle_rad = 0.0, energy_brake_J = 0.0, energy_tyre_J = 0.0, friction_distance_m = 0.0;
 };
 
 struct Step {
     Instant end;
     Sums sums;
-    double error =
-        0.0;  ///< of omega, as a share of free rolling; infinite where the wheel may have turned backwards within
+    double error = 0.0;  ///< of omega, as a share of free rolling; infinite where the wheel may have turned backwards within
 };
 
-[[gnu::always_inline]] inline Instant instant(const Law& law, double v, double omega, double base_N,
-                                              double load_slope, double lift) {
+[[gnu::always_inline]] inline Instant instant(const Law& law, double v, double omega, double base_N, double load_slope, double lift) {
     const double per_v = 1.0 / std::max(v, kSlowest_mps);
     const double F_z = base_N - lift * v * v;
     const double r = law.free_radius_m - F_z * law.per_stiffness;
@@ -97,8 +92,7 @@ struct Step {
             .F_t = load_slope * f.mu + stiffness * slip_t};
 }
 
-[[gnu::always_inline]] inline Rates rates(const Law& law, const Instant& at, double pressure,
-                                          double pressure_slope) {
+[[gnu::always_inline]] inline Rates rates(const Law& law, const Instant& at, double pressure, double pressure_slope) {
     const double T_b = at.k_b * pressure;
     const double T_v = at.k_b1 * pressure;
     const double T_t = at.k_b * pressure_slope;
@@ -123,8 +117,7 @@ struct Step {
 }
 
 /// One step of length h with a turning wheel.
-[[gnu::always_inline]] inline Step turn(const Law& law, const Instant& start, const PressureArc& pressure,
-                                        const LoadArc& load, double h) {
+[[gnu::always_inline]] inline Step turn(const Law& law, const Instant& start, const PressureArc& pressure, const LoadArc& load, double h) {
     constexpr double kGamma = 0.43586652150845899941601945119356;
     constexpr double kGamma2 = 0.24291996454816804366592249683314;
     constexpr double kGamma3 = 2.1851380027664058511513169485832;
@@ -163,32 +156,27 @@ struct Step {
     const double t1 = -start.F_t * law.per_mass;
     const Stage u1 = solve(start.v_dot + kGamma * h * t1, d0.omega_dot + kGamma * h * d0.t2);
     const Stage f2 = derivatives(start.v + u1.v, start.omega + u1.omega);
-    const Stage u2 = solve(f2.v + per_h * kC21 * u1.v + kGamma2 * h * t1,
-                           f2.omega + per_h * kC21 * u1.omega + kGamma2 * h * d0.t2);
+    const Stage u2 = solve(f2.v + per_h * kC21 * u1.v + kGamma2 * h * t1, f2.omega + per_h * kC21 * u1.omega + kGamma2 * h * d0.t2);
     const Stage u3 = solve(f2.v + per_h * (kC31 * u1.v + kC32 * u2.v) + kGamma3 * h * t1,
                            f2.omega + per_h * (kC31 * u1.omega + kC32 * u2.omega) + kGamma3 * h * d0.t2);
-    const Instant end = instant(law, start.v + u1.v + kM2 * u2.v + kM3 * u3.v,
-                                start.omega + u1.omega + kM2 * u2.omega + kM3 * u3.omega, load.base_at(1.0),
-                                start.load_slope, load.lift_Ns2pm2);
+    const Instant end = instant(law, start.v + u1.v + kM2 * u2.v + kM3 * u3.v, start.omega + u1.omega + kM2 * u2.omega + kM3 * u3.omega,
+                                load.base_at(1.0), start.load_slope, load.lift_Ns2pm2);
     const Rates d1 = rates(law, end, pressure.at(1.0), pressure.slope(1.0) * per_h);
 
     // Quadratures by the trapezoidal rule with its end correction, fourth order, from rates that are known anyway.
     const double half = 0.5 * h;
     const double twelfth = h * h * (1.0 / 12.0);
-    const auto integral =
-        [ half, twelfth ](double g0, double g1, double rate0, double rate1) __attribute__((always_inline)) {
+    const auto integral = [ half, twelfth ](double g0, double g1, double rate0, double rate1) __attribute__((always_inline)) {
         return half * (g0 + g1) + twelfth * (rate0 - rate1);
     };
     const Sums sums{.distance_m = integral(start.v, end.v, start.v_dot, end.v_dot),
                     .angle_rad = integral(start.omega, end.omega, d0.omega_dot, d1.omega_dot),
                     .energy_brake_J = integral(d0.brake_W, d1.brake_W, d0.brake_rate, d1.brake_rate),
                     .energy_tyre_J = integral(d0.tyre_W, d1.tyre_W, d0.tyre_rate, d1.tyre_rate),
-                    .friction_distance_m =
-                        integral(d0.friction_mps, d1.friction_mps, d0.friction_rate, d1.friction_rate)};
+                    .friction_distance_m = integral(d0.friction_mps, d1.friction_mps, d0.friction_rate, d1.friction_rate)};
 
     // The same rule for omega: an error of its end value enters the mismatch times 1 - z/2 + z^2/12, z = h times the pole.
-    const double mismatch =
-        end.omega - start.omega - integral(d0.omega_dot, d1.omega_dot, d0.omega_ddot, d1.omega_ddot);
+    const double mismatch = end.omega - start.omega - integral(d0.omega_dot, d1.omega_dot, d0.omega_ddot, d1.omega_ddot);
     const double z = h * end.r * end.F_omega * law.per_inertia;
     const double per_rolling = end.r * end.per_v;
     const double omega_error = mismatch / (1.0 - z * (0.5 - z * (1.0 / 12.0))) * per_rolling;

@@ -38,8 +38,7 @@ BrakeThermal thermal(const Table& t) {
 }
 
 Gauge gauge(const Table& t, const char* noise, const char* resolution, double most) {
-    return {.noise = t.number(noise, {.min = 0.0, .max = most}),
-            .resolution = t.number(resolution, {.min = 1e-9, .max = most})};
+    return {.noise = t.number(noise, {.min = 0.0, .max = most}), .resolution = t.number(resolution, {.min = 1e-9, .max = most})};
 }
 
 /// Both benches are read, so that a mistake in either shows.

@@ -34,8 +34,7 @@ struct Sledge {
     double wheel_drag_Nm = 0.0;  ///< slows the wheel down while it is off the rim
 
     [[nodiscard]] double moved(double position_m, bool advance, double h) const {
-        return advance ? std::min(position_m + speed_mps * h, contact_m)
-                       : std::max(position_m - speed_mps * h, 0.0);
+        return advance ? std::min(position_m + speed_mps * h, contact_m) : std::max(position_m - speed_mps * h, 0.0);
     }
 };
 

@@ -54,8 +54,7 @@ ServedRig::ServedRig(const plant::LoadedRig& loaded, ServedRigOptions options, s
 
 unsigned ServedRig::interlocks() const {
     const Hydraulics& supply = options_.machinery.hydraulics;
-    unsigned good =
-        bit(Interlock::emergency_stop_clear) | bit(Interlock::guard_closed) | bit(Interlock::drive_healthy);
+    unsigned good = bit(Interlock::emergency_stop_clear) | bit(Interlock::guard_closed) | bit(Interlock::drive_healthy);
     if (supply.pressure_Pa >= supply.ready_Pa) good |= bit(Interlock::hydraulics_ready);
     return good & ~forced_open_;
 }
@@ -74,9 +73,7 @@ void ServedRig::touch_down() {
     ++maneuvers_;
     rig_.touch_down();
     const plant::RigParameters& p = rig_.parameters();
-    const double friction =
-        brake_ ? std::max(brake_->next_friction(), plant::least_mean_friction(p.friction_curve))
-               : p.mean_friction;
+    const double friction = brake_ ? std::max(brake_->next_friction(), plant::least_mean_friction(p.friction_curve)) : p.mean_friction;
     // m v and J omega / r are shared out until wheel and rim run alike.
     const double r = p.wheel.free_radius_m;
     const double share = p.wheel.inertia_kgm2 / (p.wheel.mass_kg * r * r);
@@ -117,8 +114,7 @@ void ServedRig::run_machines() {
     const double v = rig_.wheel().v_mps;
     const plant::RigParameters& p = rig_.parameters();
     plant::OutsideForces forces;
-    if (orders.drive)
-        forces.drive_N = drive.force_N(orders.speed_mps, v, p.wheel.mass_kg, p.flywheel_radius_m);
+    if (orders.drive) forces.drive_N = drive.force_N(orders.speed_mps, v, p.wheel.mass_kg, p.flywheel_radius_m);
     if (!on_rim_) {
         if (v > 0.0 || forces.drive_N > 0.0) forces.drag_N = drive.drag.force_N(v);
         if (rig_.wheel().omega_radps > 0.0) forces.wheel_drag_Nm = options_.machinery.sledge.wheel_drag_Nm;
@@ -137,8 +133,7 @@ void ServedRig::advance(double valve_current_mA) {
         run_machines();
         rig_.advance_current(valve_current_mA);
         const double energy_J = rig_.wheel().energy_brake_J;
-        temperature_C_ =
-            options_.machinery.thermal.after(temperature_C_, (energy_J - energy_before_J_) / kStep_s, decay_);
+        temperature_C_ = options_.machinery.thermal.after(temperature_C_, (energy_J - energy_before_J_) / kStep_s, decay_);
         energy_before_J_ = energy_J;
         if (scans) measure();
     }
@@ -174,9 +169,7 @@ void ServedRig::measure() {
     const Gauges& g = options_.machinery.gauges;
     const plant::Forces f = rig_.forces();
     const unsigned good = interlocks();
-    const double supply_Pa = (forced_open_ & bit(Interlock::hydraulics_ready)) != 0U
-                                 ? 0.0
-                                 : options_.machinery.hydraulics.pressure_Pa;
+    const double supply_Pa = (forced_open_ & bit(Interlock::hydraulics_ready)) != 0U ? 0.0 : options_.machinery.hydraulics.pressure_Pa;
     const auto set = [this](Measured q, double value) { rig::at(measured_, q) = value; };
     set(Measured::map_version, options_.map_version);
     set(Measured::plc_watchdog, plc_.watchdog());

@@ -8,10 +8,10 @@
 ///         use(rig.measured(), rig.sample());
 ///     }
 ///
-/// At the start everything is at rest (the flywheel turns where the options say so) and off, the brake at ambient temperature, the PLC ready. It scans every kScan_s: a command acts, and
-/// measured values change, at the next scan. Touchdown, where the sledge reaches its contact position, begins a maneuver for the brake: its
-/// mean friction is asked of it, and its curve over v begins at the rim speed that is left when the wheel has spun up. Lift-off ends the
-/// maneuver: the brake has taken its energy then.
+/// At the start everything is at rest (the flywheel turns where the options say so) and off, the brake at ambient temperature, the PLC ready. It
+/// scans every kScan_s: a command acts, and measured values change, at the next scan. Touchdown, where the sledge reaches its contact position,
+/// begins a maneuver for the brake: its mean friction is asked of it, and its curve over v begins at the rim speed that is left when the wheel has
+/// spun up. Lift-off ends the maneuver: the brake has taken its energy then.
 ///
 /// One object, one thread. Same seed, same calls: same values.
 #pragma once
@@ -67,9 +67,7 @@ class ServedRig {
     /// that has passed.
     double pass_idle(double seconds);
     /// How long an idle rig needs to cool its brake to `to_C`; infinite where it never will.
-    [[nodiscard]] double cooling_time_s(double to_C) const {
-        return options_.machinery.thermal.cooling_time_s(temperature_C_, to_C);
-    }
+    [[nodiscard]] double cooling_time_s(double to_C) const { return options_.machinery.thermal.cooling_time_s(temperature_C_, to_C); }
 
     [[nodiscard]] double time_s() const { return rig_.time_s(); }
     [[nodiscard]] const rig::MeasuredValues& measured() const { return measured_; }
@@ -83,9 +81,7 @@ class ServedRig {
     [[nodiscard]] double sledge_m() const { return sledge_m_; }
     [[nodiscard]] double brake_temperature_C() const { return temperature_C_; }
     /// Of the brake, what it took before this object included.
-    [[nodiscard]] double cumulative_energy_J() const {
-        return (brake_ ? brake_->state().c_e_J : 0.0) + rig_.wheel().energy_brake_J - accounted_J_;
-    }
+    [[nodiscard]] double cumulative_energy_J() const { return (brake_ ? brake_->state().c_e_J : 0.0) + rig_.wheel().energy_brake_J - accounted_J_; }
     /// After the last maneuver that ended.
     [[nodiscard]] const std::optional<wear::WearingBrake>& brake() const { return brake_; }
     [[nodiscard]] std::uint32_t maneuvers() const { return maneuvers_; }  ///< touchdowns so far

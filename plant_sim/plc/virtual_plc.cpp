@@ -14,18 +14,15 @@ namespace {
 constexpr unsigned kAllGood = (1U << rig::kInterlockCount) - 1U;
 
 /// In the order of rig::Interlock.
-constexpr std::array<Trip, rig::kInterlockCount> kTrips{Trip::emergency_stop, Trip::guard_open,
-                                                        Trip::hydraulics_lost, Trip::drive_fault};
+constexpr std::array<Trip, rig::kInterlockCount> kTrips{Trip::emergency_stop, Trip::guard_open, Trip::hydraulics_lost, Trip::drive_fault};
 
 bool set(const CommandedValues& c, Commanded q) {
     return rig::at(c, q) == 1.0;
 }
 
 bool switches_are_0_or_1(const CommandedValues& c) {
-    constexpr std::array kSwitches{Commanded::drive_enable, Commanded::sledge_advance, Commanded::load_enable,
-                                   Commanded::reset};
-    return std::all_of(kSwitches.begin(), kSwitches.end(),
-                       [&c](Commanded q) { return rig::at(c, q) == 0.0 || rig::at(c, q) == 1.0; });
+    constexpr std::array kSwitches{Commanded::drive_enable, Commanded::sledge_advance, Commanded::load_enable, Commanded::reset};
+    return std::all_of(kSwitches.begin(), kSwitches.end(), [&c](Commanded q) { return rig::at(c, q) == 0.0 || rig::at(c, q) == 1.0; });
 }
 
 /// False for NaN, too.
@@ -49,9 +46,8 @@ std::string_view name(Refusal refusal) {
 }
 
 std::string_view name(Trip trip) {
-    constexpr std::array<std::string_view, 6> kNames{"none",        "emergency stop",
-                                                     "guard open",  "hydraulic pressure lost",
-                                                     "drive fault", "the bridge's watchdog stood still"};
+    constexpr std::array<std::string_view, 6> kNames{
+        "none", "emergency stop", "guard open", "hydraulic pressure lost", "drive fault", "the bridge's watchdog stood still"};
     return kNames[static_cast<std::size_t>(trip)];
 }
 
@@ -91,9 +87,7 @@ Refusal VirtualPlc::judge(const CommandedValues& c, unsigned good, double rim_mp
     const double base = rig::at(c, Commanded::load_base_N);
     const double lift = rig::at(c, Commanded::load_lift_Ns2pm2);
     if (!std::isfinite(speed) || !std::isfinite(base) || !std::isfinite(lift)) return Refusal::value;
-    if (!within(speed, limits_.speed_max_mps) || !within(base, limits_.force_max_N) ||
-        !within(lift, limits_.lift_max_Ns2pm2))
-        return Refusal::range;
+    if (!within(speed, limits_.speed_max_mps) || !within(base, limits_.force_max_N) || !within(lift, limits_.lift_max_Ns2pm2)) return Refusal::range;
     const bool drive = set(c, Commanded::drive_enable);
     const bool advance = set(c, Commanded::sledge_advance);
     const bool load = set(c, Commanded::load_enable);

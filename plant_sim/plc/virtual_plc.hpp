@@ -23,25 +23,8 @@
 
 namespace plc {
 
-enum class Refusal : std::uint8_t {
-    none,
-    value,
-    range,
-    load_law,
-    load_off_rim,
-    drive_against_load,
-    tripped,
-    interlock,
-    unsupervised
-};
-enum class Trip : std::uint8_t {
-    none,
-    emergency_stop,
-    guard_open,
-    hydraulics_lost,
-    drive_fault,
-    bridge_silent
-};
+enum class Refusal : std::uint8_t { none, value, range, load_law, load_off_rim, drive_against_load, tripped, interlock, unsupervised };
+enum class Trip : std::uint8_t { none, emergency_stop, guard_open, hydraulics_lost, drive_fault, bridge_silent };
 [[nodiscard]] std::string_view name(Refusal refusal);
 [[nodiscard]] std::string_view name(Trip trip);
 
@@ -77,7 +60,7 @@ class VirtualPlc {
 
     [[nodiscard]] const Orders& orders() const { return orders_; }
     [[nodiscard]] rig::PlcState state() const { return state_; }
-    [[nodiscard]] Trip trip() const { return trip_; }  ///< the last one's cause, kept after the reset
+    [[nodiscard]] Trip trip() const { return trip_; }           ///< the last one's cause, kept after the reset
     [[nodiscard]] Refusal refusal() const { return refusal_; }  ///< of refused_commit()
     [[nodiscard]] std::uint16_t applied_commit() const { return applied_; }
     [[nodiscard]] std::uint16_t refused_commit() const { return refused_; }

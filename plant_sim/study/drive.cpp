@@ -21,17 +21,13 @@ constexpr double kMost_Pa = 100e6;
 constexpr double kMost_mA = 1000.0;
 
 DriveProfile parse(const std::string& name, std::string_view csv) {
-    const auto refuse = [&name](unsigned line, const std::string& message) {
-        throw settings::Error(name, line, "", message);
-    };
+    const auto refuse = [&name](unsigned line, const std::string& message) { throw settings::Error(name, line, "", message); };
     wear::CsvRows rows(csv);
-    if (!rows.next())
-        refuse(rows.line(), "is empty; expected the header time_s,pressure_Pa or time_s,current_mA");
+    if (!rows.next()) refuse(rows.line(), "is empty; expected the header time_s,pressure_Pa or time_s,current_mA");
     const std::vector<std::string_view> header = rows.fields();
     const bool by_pressure = header.back() == "pressure_Pa";
     if (header.size() != 2 || header.front() != "time_s" || (!by_pressure && header.back() != "current_mA"))
-        refuse(rows.line(), fmt::format("header '{}'; expected time_s,pressure_Pa or time_s,current_mA",
-                                        fmt::join(header, ",")));
+        refuse(rows.line(), fmt::format("header '{}'; expected time_s,pressure_Pa or time_s,current_mA", fmt::join(header, ",")));
     DriveProfile profile;
     profile.input = by_pressure ? DriveInput::pressure_Pa : DriveInput::current_mA;
     const double most = by_pressure ? kMost_Pa : kMost_mA;
@@ -40,10 +36,8 @@ DriveProfile parse(const std::string& name, std::string_view csv) {
         if (rows.fields().size() != 2) refuse(line, "expected two columns");
         const double time = wear::csv_number(name, line, "time_s", rows.fields().front());
         const double value = wear::csv_number(name, line, header.back(), rows.fields().back());
-        if (!profile.time_s.empty() && !(time > profile.time_s.back()))
-            refuse(line, "time_s must increase from row to row");
-        if (value < 0.0 || value > most)
-            refuse(line, fmt::format("{} must be from 0 to {:g}", header.back(), most));
+        if (!profile.time_s.empty() && !(time > profile.time_s.back())) refuse(line, "time_s must increase from row to row");
+        if (value < 0.0 || value > most) refuse(line, fmt::format("{} must be from 0 to {:g}", header.back(), most));
         profile.time_s.push_back(time);
         profile.value.push_back(value);
     }
@@ -96,10 +90,9 @@ double advance_pressure(plant::Rig& rig, Cursor& cursor, double from_s, double t
 void append_row(std::string& csv, double time_s, const plant::Rig& rig) {
     const plant::WheelState& w = rig.wheel();
     const plant::Forces f = rig.forces();
-    fmt::format_to(std::back_inserter(csv),
-                   "{:.6f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n",
-                   time_s, w.v_mps, w.omega_radps, f.slip, rig.pressure_Pa(), f.brake_torque_Nm, f.F_x_N,
-                   f.F_z_N, f.radius_m, f.mu, w.energy_brake_J, w.energy_tyre_J);
+    fmt::format_to(std::back_inserter(csv), "{:.6f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", time_s, w.v_mps,
+                   w.omega_radps, f.slip, rig.pressure_Pa(), f.brake_torque_Nm, f.F_x_N, f.F_z_N, f.radius_m, f.mu, w.energy_brake_J,
+                   w.energy_tyre_J);
 }
 
 }  // namespace

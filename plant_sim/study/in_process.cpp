@@ -32,8 +32,7 @@ class FrameLink {
         sample.load_cells = session.load_cells();
         std::array<Frame, RigPort::kMostFrames + 1> sent{};
         std::size_t count = rig_.due_frames(sample, sent);
-        if (layout_[antiskid::can::Role::sync].bound)
-            sent[count++] = rig_.sync(static_cast<std::uint32_t>(result.steps));
+        if (layout_[antiskid::can::Role::sync].bound) sent[count++] = rig_.sync(static_cast<std::uint32_t>(result.steps));
         for (std::size_t i = 0; i < count; ++i) {
             sent[i].received = now;
             if (observe_) observe_(sent[i]);
@@ -44,8 +43,7 @@ class FrameLink {
         std::array<Frame, ControllerPort::kMostFrames> answer{};
         const std::size_t answers = controller_.due_frames(command, answer);
         // In lockstep the valve command, first of what is due, is sent last: the rig moves on when it has it.
-        std::rotate(answer.begin(), answer.begin() + 1,
-                    answer.begin() + static_cast<std::ptrdiff_t>(answers));
+        std::rotate(answer.begin(), answer.begin() + 1, answer.begin() + static_cast<std::ptrdiff_t>(answers));
         for (std::size_t i = 0; i < answers; ++i) {
             answer[i].received = now;
             if (observe_) observe_(answer[i]);
@@ -69,9 +67,8 @@ class FrameLink {
 
 }  // namespace
 
-RunResult run_in_process(const antiskid::control::Config& config, const Layout& layout,
-                         const plant::RigParameters& rig, const SessionOptions& options, Link link,
-                         const StepObserver& on_step, const FrameObserver& on_frame) {
+RunResult run_in_process(const antiskid::control::Config& config, const Layout& layout, const plant::RigParameters& rig,
+                         const SessionOptions& options, Link link, const StepObserver& on_step, const FrameObserver& on_frame) {
     const Time period = period_of(config);
     if (link == Link::rounded) return Loop(config, rig, options, ValueLink(layout, period)).run(on_step);
     return Loop(config, rig, options, FrameLink(layout, period, on_frame)).run(on_step);

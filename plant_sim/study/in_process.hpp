@@ -19,8 +19,7 @@ enum class Link {
 };
 
 /// Called after each control period with what the rig knows of the controller and the current that acted.
-using StepObserver =
-    std::function<void(const RigSession&, const antiskid::can::ControllerView&, double current_mA)>;
+using StepObserver = std::function<void(const RigSession&, const antiskid::can::ControllerView&, double current_mA)>;
 /// Called with every frame on the bus, in the order and with the time stamps of the lockstep run.
 using FrameObserver = std::function<void(const antiskid::can::Frame&)>;
 
@@ -35,8 +34,7 @@ struct RunResult {
 };
 
 /// Runs to the end of the maneuver. `layout` must outlive the call. Observers may be empty.
-RunResult run_in_process(const antiskid::control::Config& controller, const antiskid::can::Layout& layout,
-                         const plant::RigParameters& rig, const SessionOptions& options, Link link,
-                         const StepObserver& on_step = {}, const FrameObserver& on_frame = {});
+RunResult run_in_process(const antiskid::control::Config& controller, const antiskid::can::Layout& layout, const plant::RigParameters& rig,
+                         const SessionOptions& options, Link link, const StepObserver& on_step = {}, const FrameObserver& on_frame = {});
 
 }  // namespace study

@@ -20,9 +20,8 @@ class ValueLink {
     /// `layout` must outlive the link.
     ValueLink(const antiskid::can::Layout& layout, antiskid::control::Time period) : link_(layout, period) {}
 
-    const antiskid::control::Command& cycle(const RigSession& session,
-                                            antiskid::control::Controller& controller,
-                                            antiskid::control::Time now, RunResult&) {
+    const antiskid::control::Command& cycle(const RigSession& session, antiskid::control::Controller& controller, antiskid::control::Time now,
+                                            RunResult&) {
         now_ = now;
         command_ = controller.step(link_.sense(session.sample(), now), now);
         current_mA_ = static_cast<double>(link_.current_mA(command_));
@@ -57,12 +56,8 @@ class ValueLink {
 template <typename LinkPolicy>
 class Loop {
   public:
-    Loop(const antiskid::control::Config& controller, const plant::RigParameters& rig,
-         const SessionOptions& options, LinkPolicy link)
-        : session_(rig, options),
-          controller_(controller),
-          period_(period_of(controller)),
-          link_(std::move(link)) {}
+    Loop(const antiskid::control::Config& controller, const plant::RigParameters& rig, const SessionOptions& options, LinkPolicy link)
+        : session_(rig, options), controller_(controller), period_(period_of(controller)), link_(std::move(link)) {}
 
     /// First half of a period: what the sensors say through the link to the controller, and its answer to the rig. The session is to be
     /// advanced then, with current and state of the link.

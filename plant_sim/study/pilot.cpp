@@ -36,10 +36,8 @@ void Pilot::update(double time_s, bool standstill) {
         phase_ = Phase::standstill;
         stood_at_s_ = time_s;
     }
-    if (phase_ == Phase::standstill && time_s_ >= stood_at_s_ + plan_.after_standstill_s)
-        phase_ = Phase::released;
-    if (phase_ == Phase::released && time_s_ >= stood_at_s_ + plan_.after_standstill_s + plan_.release_s)
-        phase_ = Phase::done;
+    if (phase_ == Phase::standstill && time_s_ >= stood_at_s_ + plan_.after_standstill_s) phase_ = Phase::released;
+    if (phase_ == Phase::released && time_s_ >= stood_at_s_ + plan_.after_standstill_s + plan_.release_s) phase_ = Phase::done;
 }
 
 double Pilot::open_loop_mA() const {
@@ -49,8 +47,7 @@ double Pilot::open_loop_mA() const {
     for (std::size_t i = 1; i < plan_.current.size(); ++i) {
         const auto& a = plan_.current[i - 1];
         const auto& b = plan_.current[i];
-        if (t < b.time_s)
-            return a.current_mA + (b.current_mA - a.current_mA) * (t - a.time_s) / (b.time_s - a.time_s);
+        if (t < b.time_s) return a.current_mA + (b.current_mA - a.current_mA) * (t - a.time_s) / (b.time_s - a.time_s);
     }
     return plan_.current.back().current_mA;
 }
@@ -64,9 +61,7 @@ antiskid::can::ManeuverSample Pilot::command() const {
             .demand_Pa = brakes ? static_cast<float>(plan_.demand_Pa) : 0.0F,
             .slip_reference = static_cast<float>(plan_.slip_reference),
             .deceleration_mps2 = static_cast<float>(plan_.deceleration_mps2),
-            .current_mA = brakes && plan_.law == antiskid::control::Law::open_loop
-                              ? static_cast<float>(open_loop_mA())
-                              : 0.0F};
+            .current_mA = brakes && plan_.law == antiskid::control::Law::open_loop ? static_cast<float>(open_loop_mA()) : 0.0F};
 }
 
 }  // namespace study

@@ -18,8 +18,7 @@ struct StopReport {
     double slip_reference = 0.0;
     double mass_kg = 0.0;
     double speed_mps = 0.0;
-    std::optional<double>
-        brake_taken_J;  ///< energy that the brake had taken before, where its wear is simulated
+    std::optional<double> brake_taken_J;  ///< energy that the brake had taken before, where its wear is simulated
     StopFigures figures;
     antiskid::control::FaultSet faults;
     std::uint64_t frames_sent = 0;  ///< by the rig

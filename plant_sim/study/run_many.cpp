@@ -8,10 +8,8 @@
 
 namespace study {
 
-void run_many(const antiskid::can::Layout& layout, std::size_t count,
-              const std::function<Maneuver(std::size_t number)>& make,
-              const std::function<void(std::size_t number, const RunResult& result)>& done,
-              const ManyOptions& options) {
+void run_many(const antiskid::can::Layout& layout, std::size_t count, const std::function<Maneuver(std::size_t number)>& make,
+              const std::function<void(std::size_t number, const RunResult& result)>& done, const ManyOptions& options) {
     std::mutex mutex;
     wear::JobNumbers numbers(count, options.stop);
     wear::on_threads(options.threads, numbers, [&] {

@@ -52,8 +52,7 @@ constexpr std::size_t kLanes = SessionLanes::kLanes;
 
 class Runner {
   public:
-    Runner(const antiskid::can::Layout& layout, const NextManeuver& next, const ManeuverDone& done)
-        : layout_(layout), next_(next), done_(done) {}
+    Runner(const antiskid::can::Layout& layout, const NextManeuver& next, const ManeuverDone& done) : layout_(layout), next_(next), done_(done) {}
 
     void run() {
         for (std::size_t i = 0; i < kLanes; ++i) refill(i);
@@ -66,9 +65,7 @@ class Runner {
             lanes_.advance(periods_);
             for (std::size_t i = 0; i < kLanes; ++i) {
                 if (loops_[i] == nullptr) continue;
-                if (observers_[i])
-                    observers_[i](loops_[i]->session(), loops_[i]->link().view(),
-                                  loops_[i]->link().current_mA());
+                if (observers_[i]) observers_[i](loops_[i]->session(), loops_[i]->link().view(), loops_[i]->link().current_mA());
                 if (!loops_[i]->session().done()) continue;
                 done_(numbers_[i], loops_[i]->result());
                 loops_[i].reset();
@@ -89,8 +86,7 @@ class Runner {
                 return;
             }
             const std::size_t number = begun_++;
-            auto loop = std::make_unique<Loop<ValueLink>>(m->controller, m->rig, m->options,
-                                                          ValueLink(layout_, period_of(m->controller)));
+            auto loop = std::make_unique<Loop<ValueLink>>(m->controller, m->rig, m->options, ValueLink(layout_, period_of(m->controller)));
             if (loop->session().single_steps() && !loop->session().done()) {
                 loops_[lane] = std::move(loop);
                 numbers_[lane] = number;
@@ -99,8 +95,7 @@ class Runner {
                 ++running_;
                 return;
             }
-            done_(number,
-                  run_in_process(m->controller, layout_, m->rig, m->options, Link::rounded, m->on_step));
+            done_(number, run_in_process(m->controller, layout_, m->rig, m->options, Link::rounded, m->on_step));
         }
     }
 
@@ -119,8 +114,7 @@ class Runner {
 
 }  // namespace
 
-void run_side_by_side(const antiskid::can::Layout& layout, const NextManeuver& next,
-                      const ManeuverDone& done) {
+void run_side_by_side(const antiskid::can::Layout& layout, const NextManeuver& next, const ManeuverDone& done) {
     Runner(layout, next, done).run();
 }
 

@@ -24,7 +24,6 @@ using ManeuverDone = std::function<void(std::size_t number, const RunResult& res
 
 /// Runs them all. Every result has the same bits as that of run_in_process, whatever runs beside it. `layout` must outlive the call. What
 /// a function throws ends the run.
-void run_side_by_side(const antiskid::can::Layout& layout, const NextManeuver& next,
-                      const ManeuverDone& done);
+void run_side_by_side(const antiskid::can::Layout& layout, const NextManeuver& next, const ManeuverDone& done);
 
 }  // namespace study

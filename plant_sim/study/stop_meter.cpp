@@ -5,8 +5,7 @@
 
 namespace study {
 
-StopMeter::StopMeter(double slip_reference, double drop_out_mps)
-    : slip_reference_(slip_reference), drop_out_mps_(drop_out_mps) {}
+StopMeter::StopMeter(double slip_reference, double drop_out_mps) : slip_reference_(slip_reference), drop_out_mps_(drop_out_mps) {}
 
 void StopMeter::command(double current_mA) {
     if (started_ && !dropped_out_ && current_mA_) travel_mA_ += std::abs(current_mA - *current_mA_);
@@ -77,8 +76,7 @@ StopFigures StopMeter::figures(const plant::Rig& rig) const {
     if (tracking_m_ > 0.0) f.tracked_share = tracked_m_ / tracking_m_;
     const double tracking_J = tracking_brake_J_ + tracking_tyre_J_;
     if (tracking_J > 0.0) f.tracked_tyre_share = tracking_tyre_J_ / tracking_J;
-    if (pressure_Pas_ > 0.0)
-        f.mean_friction = sliding_torque_Nms_ / pressure_Pas_ / rig.parameters().brake.gain_m3();
+    if (pressure_Pas_ > 0.0) f.mean_friction = sliding_torque_Nms_ / pressure_Pas_ / rig.parameters().brake.gain_m3();
     if (f.duration_s > 0.0) {
         f.mean_torque_Nm = torque_Nms_ / f.duration_s;
         f.mean_load_N = load_Ns_ / f.duration_s;

@@ -13,14 +13,13 @@ struct StopFigures {
     double stop_distance_m = 0.0;
     double duration_s = 0.0;
     double drop_out_distance_m = 0.0;  ///< distance at which the speed fell below drop-out
-    double j_mu =
-        0.0;  ///< eq. (16), pressure build-up included; mu_max is what the surface under the wheel offers at its speed
-    double energy_brake_J = 0.0;   ///< integral of T_b omega, eq. (9)
-    double energy_tyre_J = 0.0;    ///< integral of F_x lambda v, eq. (9)
-    double energy_residual = 0.0;  ///< (eq. 8 - eq. 9) / eq. 8
-    double peak_slip = 0.0;        ///< above drop-out speed
-    double longest_lock_s = 0.0;   ///< longest time with slip above 0.95, above drop-out speed
-    double slip_efficiency = 0.0;  ///< wheel-slip efficiency, over the distance down to drop-out
+    double j_mu = 0.0;                 ///< eq. (16), pressure build-up included; mu_max is what the surface under the wheel offers at its speed
+    double energy_brake_J = 0.0;       ///< integral of T_b omega, eq. (9)
+    double energy_tyre_J = 0.0;        ///< integral of F_x lambda v, eq. (9)
+    double energy_residual = 0.0;      ///< (eq. 8 - eq. 9) / eq. 8
+    double peak_slip = 0.0;            ///< above drop-out speed
+    double longest_lock_s = 0.0;       ///< longest time with slip above 0.95, above drop-out speed
+    double slip_efficiency = 0.0;      ///< wheel-slip efficiency, over the distance down to drop-out
     /// Share of the distance with slip within 0.05 of the reference, see below; none where nothing was measured.
     std::optional<double> tracked_share;
     /// The tyre's share of what brake and tyre took over that distance, eq. (9); none where they took nothing.
@@ -63,9 +62,7 @@ class StopMeter {
     void update(const plant::Rig& rig, double step_s);
 
     [[nodiscard]] bool started() const { return started_; }
-    [[nodiscard]] double distance_m(const plant::Rig& rig) const {
-        return rig.wheel().distance_m - start_.distance_m;
-    }
+    [[nodiscard]] double distance_m(const plant::Rig& rig) const { return rig.wheel().distance_m - start_.distance_m; }
     [[nodiscard]] StopFigures figures(const plant::Rig& rig) const;
 
   private:

@@ -49,10 +49,9 @@ TorqueStop stop_by_torque(const plant::LoadedRig& loaded, const wear::Braking& b
     return out;
 }
 
-TorqueReplay replay_torques(const wear::Campaign& recorded, const plant::LoadedRig& loaded,
-                            wear::WearingBrake brake, const std::function<void(std::size_t)>& progress) {
-    if (recorded.brakings.size() != recorded.points.size())
-        throw std::invalid_argument(recorded.source + ": no braking torque is recorded");
+TorqueReplay replay_torques(const wear::Campaign& recorded, const plant::LoadedRig& loaded, wear::WearingBrake brake,
+                            const std::function<void(std::size_t)>& progress) {
+    if (recorded.brakings.size() != recorded.points.size()) throw std::invalid_argument(recorded.source + ": no braking torque is recorded");
     plant::LoadedRig rig = loaded;
     TorqueReplay out;
     out.simulated.source = recorded.source + ", simulated";
@@ -60,8 +59,7 @@ TorqueReplay replay_torques(const wear::Campaign& recorded, const plant::LoadedR
     const double start_J = brake.state().c_e_J;
     for (const wear::Braking& braking : recorded.brakings) {
         // The model is of readings of eq. (7). NaN, where no brake reads so little, is the least that there is.
-        const double mean = plant::mean_of_measured(rig.rig.friction_curve, brake.next_friction(),
-                                                    rig.drop_out_mps / braking.brake_on_mps);
+        const double mean = plant::mean_of_measured(rig.rig.friction_curve, brake.next_friction(), rig.drop_out_mps / braking.brake_on_mps);
         rig.rig.mean_friction = std::fmax(mean, plant::least_mean_friction(rig.rig.friction_curve));
         const TorqueStop stop = stop_by_torque(rig, braking);
         brake.take(stop.energy_brake_J);

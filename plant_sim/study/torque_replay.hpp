@@ -29,14 +29,13 @@ inline constexpr double kLongestTorqueStop_s = 600.0;
 struct TorqueReplay {
     wear::Campaign simulated;           ///< c_e that the plant came to, and eq. (7); one point a maneuver
     std::size_t short_of_pressure = 0;  ///< maneuvers
-    double energy_error = 0.0;  ///< simulated energy of all maneuvers less the recorded, over the recorded
+    double energy_error = 0.0;          ///< simulated energy of all maneuvers less the recorded, over the recorded
 };
 
 /// `brake` is as it was before the first maneuver; it takes what the plant says. Its model's friction is what eq. (7) reads, as that of a
-/// recorded campaign is: the curve within a stop is brought to the mean that reads so (model/measured_friction.hpp). Throws std::invalid_argument for a campaign without recorded
-/// torques. `progress`, when given, is called after each maneuver with how many are done.
-[[nodiscard]] TorqueReplay replay_torques(const wear::Campaign& recorded, const plant::LoadedRig& rig,
-                                          wear::WearingBrake brake,
+/// recorded campaign is: the curve within a stop is brought to the mean that reads so (model/measured_friction.hpp). Throws std::invalid_argument for
+/// a campaign without recorded torques. `progress`, when given, is called after each maneuver with how many are done.
+[[nodiscard]] TorqueReplay replay_torques(const wear::Campaign& recorded, const plant::LoadedRig& rig, wear::WearingBrake brake,
                                           const std::function<void(std::size_t)>& progress = {});
 
 }  // namespace study

@@ -15,8 +15,7 @@ class Trajectory {
     explicit Trajectory(bool along_runway = false);
 
     /// After each control period: the rig, what it knows of the controller, and the current that acted.
-    void record(const RigSession& session, const antiskid::can::ControllerView& controller,
-                double current_mA);
+    void record(const RigSession& session, const antiskid::can::ControllerView& controller, double current_mA);
 
     [[nodiscard]] std::string_view csv() const { return csv_; }
 

@@ -33,18 +33,15 @@ void finish(BackTestRow& row) {
 
 std::optional<std::size_t> life_by_fit(const Campaign& campaign, double limit, const FitSettings& settings) {
     const MeanCurve curve(model_of(campaign, fit(campaign, settings), settings));
-    const auto below = std::find_if(campaign.points.begin(), campaign.points.end(),
-                                    [&](const Point& p) { return curve(p.c_e_J) < limit; });
+    const auto below = std::find_if(campaign.points.begin(), campaign.points.end(), [&](const Point& p) { return curve(p.c_e_J) < limit; });
     if (below == campaign.points.end()) return std::nullopt;
     return static_cast<std::size_t>(below - campaign.points.begin());
 }
 
-BackTest back_test(const Population& population, const std::vector<HeldOut>& brakes,
-                   const ForecastSettings& settings,
+BackTest back_test(const Population& population, const std::vector<HeldOut>& brakes, const ForecastSettings& settings,
                    const std::function<void(std::size_t done, std::size_t all)>& progress) {
     BackTest out;
-    for (std::size_t r = 0; r < out.rows.size(); ++r)
-        out.rows.at(r).share_of_life = 0.2 * static_cast<double>(r + 1);
+    for (std::size_t r = 0; r < out.rows.size(); ++r) out.rows.at(r).share_of_life = 0.2 * static_cast<double>(r + 1);
     for (std::size_t b = 0; b < brakes.size(); ++b) {
         const HeldOut& brake = brakes[b];
         BrakeFilter filter(population);

@@ -19,8 +19,7 @@ struct HeldOut {
 
 /// Where no truth is at hand: the mixture is fitted to the whole campaign, and the first maneuver at which its mean curve is below the limit
 /// is the life. None: it never is.
-[[nodiscard]] std::optional<std::size_t> life_by_fit(const Campaign& campaign, double limit,
-                                                     const FitSettings& settings);
+[[nodiscard]] std::optional<std::size_t> life_by_fit(const Campaign& campaign, double limit, const FitSettings& settings);
 
 struct BackTestRow {
     double share_of_life = 0.0;
@@ -31,9 +30,7 @@ struct BackTestRow {
     double mean_width = 0.0;  ///< of the interval, landings; ends beyond the horizon count as the horizon
     double mean_error = 0.0;  ///< of the median, absolute, landings
 
-    [[nodiscard]] double coverage() const {
-        return asked == 0 ? 0.0 : static_cast<double>(held) / static_cast<double>(asked);
-    }
+    [[nodiscard]] double coverage() const { return asked == 0 ? 0.0 : static_cast<double>(held) / static_cast<double>(asked); }
 };
 
 /// At 20, 40, 60 and 80 % of life, and all together.
@@ -43,8 +40,7 @@ struct BackTest {
 };
 
 /// Landings are as the campaign's own so far. `settings.seed` governs all draws.
-[[nodiscard]] BackTest back_test(const Population& population, const std::vector<HeldOut>& brakes,
-                                 const ForecastSettings& settings,
+[[nodiscard]] BackTest back_test(const Population& population, const std::vector<HeldOut>& brakes, const ForecastSettings& settings,
                                  const std::function<void(std::size_t done, std::size_t all)>& progress = {});
 
 }  // namespace wear

@@ -51,21 +51,16 @@ BrakeState brake_state_from_json(const std::string& name, std::string_view text,
     JsonObject root(name, "", json);
     root.check_format(kBrakeStateFormat, kBrakeStateFormatVersion);
     const std::string hash = root.text("wear_hash");
-    const BrakeState state{.seed = root.count("seed"),
-                           .maneuvers = root.count("maneuvers"),
-                           .c_e_J = root.number("cumulative_energy_J")};
+    const BrakeState state{.seed = root.count("seed"), .maneuvers = root.count("maneuvers"), .c_e_J = root.number("cumulative_energy_J")};
     if (state.c_e_J < 0.0) throw Error(name, 0, "cumulative_energy_J", "must not be negative");
     const std::string sum = root.text("check_sum");
     root.finish();
     if (sum != check_sum(hash, state))
-        throw Error(
-            name, 0, "check_sum",
-            "does not fit the values: the file is damaged, or was edited; to start from another energy "
-            "use --brake MJ with a new file");
+        throw Error(name, 0, "check_sum",
+                    "does not fit the values: the file is damaged, or was edited; to start from another energy "
+                    "use --brake MJ with a new file");
     if (hash != wear_hash(wear))
-        throw Error(name, 0, "wear_hash",
-                    fmt::format("this brake was kept with another wear model or scale than that of {}",
-                                wear.file.string()));
+        throw Error(name, 0, "wear_hash", fmt::format("this brake was kept with another wear model or scale than that of {}", wear.file.string()));
     return state;
 }
 

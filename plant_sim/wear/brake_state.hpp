@@ -21,12 +21,10 @@ constexpr int kBrakeStateFormatVersion = 1;
 
 /// Throws settings::Error with `name` and the key of what is missing, unknown, of the wrong type or out of range, for another format or
 /// version, for a check sum that does not fit, and for a state of another model or scale than `wear`.
-[[nodiscard]] BrakeState brake_state_from_json(const std::string& name, std::string_view json,
-                                               const BrakeWear& wear);
+[[nodiscard]] BrakeState brake_state_from_json(const std::string& name, std::string_view json, const BrakeWear& wear);
 
 /// From a file; nothing where there is none. Throws as above.
-[[nodiscard]] std::optional<BrakeState> find_brake_state(const std::filesystem::path& file,
-                                                         const BrakeWear& wear);
+[[nodiscard]] std::optional<BrakeState> find_brake_state(const std::filesystem::path& file, const BrakeWear& wear);
 
 /// To a file that is whole or as it was. Throws settings::Error.
 void keep_brake_state(const std::filesystem::path& file, const BrakeState& state, const BrakeWear& wear);

@@ -31,12 +31,10 @@ void check(const RecordedStop& stop) {
         refuse(fmt::format("brake gain {} m3 is not positive", stop.brake_gain_m3));
     for (std::size_t i = 0; i < stop.samples.size(); ++i) {
         const BrakeSample& s = stop.samples[i];
-        if (!std::isfinite(s.time_s) || !std::isfinite(s.speed_mps) || !std::isfinite(s.pressure_Pa) ||
-            !std::isfinite(s.brake_torque_Nm))
+        if (!std::isfinite(s.time_s) || !std::isfinite(s.speed_mps) || !std::isfinite(s.pressure_Pa) || !std::isfinite(s.brake_torque_Nm))
             refuse(fmt::format("sample {}: time, speed, pressure and torque must be finite numbers", i + 1));
         if (i > 0 && s.time_s < stop.samples[i - 1].time_s)
-            refuse(fmt::format("sample {}: time {} s is before that of the sample ahead of it, {} s", i + 1,
-                               s.time_s, stop.samples[i - 1].time_s));
+            refuse(fmt::format("sample {}: time {} s is before that of the sample ahead of it, {} s", i + 1, s.time_s, stop.samples[i - 1].time_s));
     }
 }
 
@@ -78,8 +76,7 @@ Grouping grouping_of(std::size_t stops, const DynamicsSettings& settings) {
 
 std::size_t group_of(const Grouping& grouping, std::size_t stop, double x) {
     if (grouping.by_stops) return stop % grouping.groups;
-    const auto band =
-        static_cast<std::size_t>(std::clamp(x, 0.0, 0.999999) * static_cast<double>(kSpeedBands));
+    const auto band = static_cast<std::size_t>(std::clamp(x, 0.0, 0.999999) * static_cast<double>(kSpeedBands));
     return (band + stop) % grouping.groups;
 }
 
@@ -89,8 +86,7 @@ struct LeaveOut {
     std::vector<double> losses;
 };
 
-LeaveOut leave_out(const std::vector<CurveSample>& samples, std::size_t stops, std::size_t order,
-                   std::size_t groups, double scale) {
+LeaveOut leave_out(const std::vector<CurveSample>& samples, std::size_t stops, std::size_t order, std::size_t groups, double scale) {
     LeaveOut out;
     for (std::size_t g = 0; g < groups; ++g) {
         out.b.push_back(fit_curve(samples, stops, order, g).b);
@@ -158,12 +154,10 @@ void check_positive(const FrictionDynamics& found, const std::string& source) {
     for (int i = 0; i <= kParts; ++i) {
         const double x = static_cast<double>(i) / kParts;
         if (found.at(x) <= 0.0)
-            throw Error(
-                source, 0, "",
-                fmt::format(
-                    "the curve falls to {:.3f} at x = {:.2f}: no brake is like that; check columns and "
-                    "units, or allow a lower order only",
-                    found.at(x), x));
+            throw Error(source, 0, "",
+                        fmt::format("the curve falls to {:.3f} at x = {:.2f}: no brake is like that; check columns and "
+                                    "units, or allow a lower order only",
+                                    found.at(x), x));
     }
 }
 
@@ -177,8 +171,7 @@ double FrictionDynamics::half_width_at(double x) const {
     const Eigen::Vector4d p = powers(x);
     double variance = 0.0;
     for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < 4; ++j)
-            variance += p[static_cast<Eigen::Index>(i)] * covariance[i][j] * p[static_cast<Eigen::Index>(j)];
+        for (std::size_t j = 0; j < 4; ++j) variance += p[static_cast<Eigen::Index>(i)] * covariance[i][j] * p[static_cast<Eigen::Index>(j)];
     return quantile * std::sqrt(std::max(variance, 0.0));
 }
 
@@ -186,25 +179,22 @@ std::vector<FrictionSample> friction_samples(const RecordedStop& stop, const Dyn
     check(stop);
     const double median_Pa = median_pressure_Pa(stop);
     if (!(median_Pa > 0.0))
-        throw Error(stop.source, 0, "",
-                    fmt::format("no pressure in any of its {} samples below the brake-on speed of {:.2f} m/s",
-                                stop.samples.size(), stop.brake_on_mps));
+        throw Error(
+            stop.source, 0, "",
+            fmt::format("no pressure in any of its {} samples below the brake-on speed of {:.2f} m/s", stop.samples.size(), stop.brake_on_mps));
     std::vector<FrictionSample> out;
     for (const BrakeSample& s : stop.samples) {
         if (s.speed_mps > stop.brake_on_mps || s.speed_mps < settings.least_speed_mps) continue;
         if (s.pressure_Pa < settings.least_pressure_share * median_Pa) continue;
-        out.push_back(
-            {s.speed_mps / stop.brake_on_mps, s.brake_torque_Nm / (stop.brake_gain_m3 * s.pressure_Pa)});
+        out.push_back({s.speed_mps / stop.brake_on_mps, s.brake_torque_Nm / (stop.brake_gain_m3 * s.pressure_Pa)});
     }
     if (out.size() < kLeastSamples)
         throw Error(stop.source, 0, "",
                     fmt::format("{} of its {} samples have pressure between {} m/s and the brake-on speed of "
                                 "{:.2f} m/s; expected "
                                 "at least {}",
-                                out.size(), stop.samples.size(), settings.least_speed_mps, stop.brake_on_mps,
-                                kLeastSamples));
-    const auto [slowest, fastest] =
-        std::minmax_element(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+                                out.size(), stop.samples.size(), settings.least_speed_mps, stop.brake_on_mps, kLeastSamples));
+    const auto [slowest, fastest] = std::minmax_element(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
     if (fastest->x - slowest->x < kLeastSpan)
         throw Error(stop.source, 0, "",
                     fmt::format("its speeds cover {:.2f} to {:.2f} of the brake-on speed only; expected a "
@@ -253,8 +243,7 @@ FrictionDynamics learn_dynamics(const std::vector<RecordedStop>& stops, const Dy
         const Grouping grouping = grouping_of(used.size(), settings);
         std::vector<CurveSample> samples;
         for (std::size_t j = 0; j < used.size(); ++j)
-            for (const FrictionSample& s : data[used[j]])
-                samples.push_back({s.x, s.mu_b, j, group_of(grouping, j, s.x)});
+            for (const FrictionSample& s : data[used[j]]) samples.push_back({s.x, s.mu_b, j, group_of(grouping, j, s.x)});
         const CurveFit widest = fit_curve(samples, used.size(), highest);
         const std::vector<double> rejected = rejected_shares(samples, widest);
         bool again = false;
@@ -268,8 +257,7 @@ FrictionDynamics learn_dynamics(const std::vector<RecordedStop>& stops, const Dy
         if (again) continue;
         std::vector<LeaveOut> tried;
         tried.reserve(highest + 1);
-        for (std::size_t order = 0; order <= highest; ++order)
-            tried.push_back(leave_out(samples, used.size(), order, grouping.groups, widest.scale));
+        for (std::size_t order = 0; order <= highest; ++order) tried.push_back(leave_out(samples, used.size(), order, grouping.groups, widest.scale));
         out.orders = losses_of(tried);
         out.order = chosen_order(out.orders);
         const CurveFit fit = fit_curve(samples, used.size(), out.order);
@@ -278,8 +266,7 @@ FrictionDynamics learn_dynamics(const std::vector<RecordedStop>& stops, const Dy
         out.by_stops = grouping.by_stops;
         out.groups = grouping.groups;
         constexpr double kUpper = 0.975;
-        out.quantile = boost::math::quantile(
-            boost::math::students_t_distribution<double>(static_cast<double>(grouping.groups - 1)), kUpper);
+        out.quantile = boost::math::quantile(boost::math::students_t_distribution<double>(static_cast<double>(grouping.groups - 1)), kUpper);
         take_over(fit, jackknife(tried[out.order].b), out);
         check_positive(out, stops.front().source);
         return out;

@@ -40,8 +40,7 @@ struct DynamicsSettings {
     std::size_t highest_order = 3;  ///< of those tried, 0 to 3
     /// Samples with less pressure than this share of the stop's median pressure say nothing about friction.
     double least_pressure_share = 0.25;
-    double least_speed_mps =
-        5.0;  ///< drop-out: below it the wheel may stand, and a held disc shows no friction
+    double least_speed_mps = 5.0;     ///< drop-out: below it the wheel may stand, and a held disc shows no friction
     std::size_t least_stops = 4;      ///< for leaving out whole stops
     std::size_t most_samples = 1000;  ///< of one stop; of more, every n-th is used
 };
@@ -69,9 +68,9 @@ struct FrictionDynamics {
     Curve curve{};                      ///< f
     Curve half_width{};                 ///< of the 95 % intervals of `curve`
     std::array<Curve, 4> covariance{};  ///< of `curve`
-    double quantile = 0.0;  ///< Student's t for 95 %, half_width = quantile * sqrt(covariance[k][k])
-    double scale = 0.0;     ///< robust standard deviation of the samples about the curve, relative
-    bool by_stops = true;   ///< what was left out: groups of whole stops, or bands of x
+    double quantile = 0.0;              ///< Student's t for 95 %, half_width = quantile * sqrt(covariance[k][k])
+    double scale = 0.0;                 ///< robust standard deviation of the samples about the curve, relative
+    bool by_stops = true;               ///< what was left out: groups of whole stops, or bands of x
     std::size_t groups = 0;
     std::vector<OrderLoss> orders;
     std::vector<StopShape> stops;
@@ -92,11 +91,9 @@ struct FrictionSample {
 /// Those of the stop that are meaningful. Throws settings::Error naming the stop, and the sample counted from 1, for what cannot be: values
 /// that are no numbers, negative pressure, times that fall, no pressure, too few samples, speeds that cover less than half of the stop,
 /// friction beyond 0.001 to 1.5 (units mixed up).
-[[nodiscard]] std::vector<FrictionSample> friction_samples(const RecordedStop& stop,
-                                                           const DynamicsSettings& settings);
+[[nodiscard]] std::vector<FrictionSample> friction_samples(const RecordedStop& stop, const DynamicsSettings& settings);
 
 /// Throws settings::Error as friction_samples() does; without a stop; and where the curve would not stay positive.
-[[nodiscard]] FrictionDynamics learn_dynamics(const std::vector<RecordedStop>& stops,
-                                              const DynamicsSettings& settings);
+[[nodiscard]] FrictionDynamics learn_dynamics(const std::vector<RecordedStop>& stops, const DynamicsSettings& settings);
 
 }  // namespace wear

@@ -13,7 +13,7 @@ namespace wear {
 enum class Fault : std::uint8_t {
     glazing,  ///< friction is lost by `size` (a share) over kGlazingManeuvers, evenly, and stays lost
     drop,     ///< lost by `size` from one maneuver to the next
-    drag,  ///< a piston sticks: eq. (7) has a share `size` of torque more than pressure explains, from one maneuver to the next
+    drag,     ///< a piston sticks: eq. (7) has a share `size` of torque more than pressure explains, from one maneuver to the next
 };
 constexpr std::size_t kGlazingManeuvers = 40;
 
@@ -40,8 +40,7 @@ struct FaultTrial {
 [[nodiscard]] HealthyTrial try_healthy(const Population& population, const std::vector<Campaign>& healthy);
 
 /// The fault begins between 20 and 70 % of each campaign, drawn by `seed`.
-[[nodiscard]] FaultTrial try_fault(const Population& population, const std::vector<Campaign>& healthy,
-                                   Fault fault, double size, std::uint64_t seed);
+[[nodiscard]] FaultTrial try_fault(const Population& population, const std::vector<Campaign>& healthy, Fault fault, double size, std::uint64_t seed);
 
 [[nodiscard]] const char* name(Fault fault);
 

@@ -41,8 +41,8 @@ double ks_distance(const std::vector<double>& a, const std::vector<double>& b) {
         const double x = std::min(a[i], b[j]);
         while (i < a.size() && a[i] <= x) ++i;
         while (j < b.size() && b[j] <= x) ++j;
-        greatest = std::max(greatest, std::abs(static_cast<double>(i) / static_cast<double>(a.size()) -
-                                               static_cast<double>(j) / static_cast<double>(b.size())));
+        greatest = std::max(
+            greatest, std::abs(static_cast<double>(i) / static_cast<double>(a.size()) - static_cast<double>(j) / static_cast<double>(b.size())));
     }
     return greatest;
 }
@@ -50,8 +50,7 @@ double ks_distance(const std::vector<double>& a, const std::vector<double>& b) {
 }  // namespace
 
 double ks_probability(double distance, std::size_t n, std::size_t m) {
-    const double root =
-        std::sqrt(static_cast<double>(n) * static_cast<double>(m) / static_cast<double>(n + m));
+    const double root = std::sqrt(static_cast<double>(n) * static_cast<double>(m) / static_cast<double>(n + m));
     const double l = (root + 0.12 + 0.11 / root) * distance;
     if (l < 0.2) return 1.0;  // 1 to 12 digits; the series converges too slowly there
     double sum = 0.0;
@@ -59,21 +58,18 @@ double ks_probability(double distance, std::size_t n, std::size_t m) {
     return std::clamp(sum, 0.0, 1.0);
 }
 
-Campaign resimulated(const Campaign& recorded, const Model& model, const ConditionalRule& rule,
-                     std::uint64_t seed) {
+Campaign resimulated(const Campaign& recorded, const Model& model, const ConditionalRule& rule, std::uint64_t seed) {
     Campaign out;
     out.source = recorded.source + ", simulated";
     out.points.reserve(recorded.points.size());
     for (std::size_t i = 0; i < recorded.points.size(); ++i) {
         Generator generator = generator_of(seed, i);
-        out.points.push_back({recorded.points[i].c_e_J,
-                              friction_at(model, {}, rule, energy_before_J(recorded, i), generator)});
+        out.points.push_back({recorded.points[i].c_e_J, friction_at(model, {}, rule, energy_before_J(recorded, i), generator)});
     }
     return out;
 }
 
-Comparison compare(const Campaign& recorded, const Campaign& simulated, const Model& model,
-                   const ConditionalRule& rule) {
+Comparison compare(const Campaign& recorded, const Campaign& simulated, const Model& model, const ConditionalRule& rule) {
     constexpr double kTail = 0.05;
     Comparison out;
     const double first_J = recorded.points.front().c_e_J;
@@ -83,19 +79,16 @@ Comparison compare(const Campaign& recorded, const Campaign& simulated, const Mo
     std::vector<double> within(kEnergyBands, 0.0);
     for (std::size_t i = 0; i < recorded.points.size(); ++i) {
         const Point& p = recorded.points[i];
-        const std::size_t band =
-            std::min(kEnergyBands - 1, static_cast<std::size_t>((p.c_e_J - first_J) / width_J));
+        const std::size_t band = std::min(kEnergyBands - 1, static_cast<std::size_t>((p.c_e_J - first_J) / width_J));
         real[band].add(p.mean_friction);
         drawn[band].add(simulated.points[i].mean_friction);
-        const double place =
-            friction_given_energy(model, energy_before_J(recorded, i), rule).cumulative(p.mean_friction);
+        const double place = friction_given_energy(model, energy_before_J(recorded, i), rule).cumulative(p.mean_friction);
         within[band] += place >= kTail && place <= 1.0 - kTail ? 1.0 : 0.0;
     }
     double all_within = 0.0;
     out.bands.reserve(kEnergyBands);
     for (std::size_t b = 0; b < kEnergyBands; ++b) {
-        EnergyBand band{first_J + width_J * static_cast<double>(b),
-                        first_J + width_J * static_cast<double>(b + 1)};
+        EnergyBand band{first_J + width_J * static_cast<double>(b), first_J + width_J * static_cast<double>(b + 1)};
         if (real[b].n > 0.0) {
             band.maneuvers = static_cast<std::size_t>(real[b].n);
             band.mean_error = drawn[b].mean() - real[b].mean();

@@ -13,8 +13,7 @@ namespace wear {
 /// One draw of the campaign. Point i has the recorded c_e and a friction drawn at the c_e before it; maneuver 1 begins with what
 /// brake_energy_J() leaves before it (0 for a new brake). With the recorded torque the energy of a maneuver is the recorded one, whatever the
 /// friction; what changes is the pressure.
-[[nodiscard]] Campaign resimulated(const Campaign& recorded, const Model& model, const ConditionalRule& rule,
-                                   std::uint64_t seed);
+[[nodiscard]] Campaign resimulated(const Campaign& recorded, const Model& model, const ConditionalRule& rule, std::uint64_t seed);
 
 /// One tenth of the campaign's energy.
 struct EnergyBand {
@@ -38,8 +37,7 @@ struct Comparison {
 };
 
 /// `simulated` as resimulated() gives it for `recorded`.
-[[nodiscard]] Comparison compare(const Campaign& recorded, const Campaign& simulated, const Model& model,
-                                 const ConditionalRule& rule);
+[[nodiscard]] Comparison compare(const Campaign& recorded, const Campaign& simulated, const Model& model, const ConditionalRule& rule);
 
 /// P(K > distance) for samples of n and m points: Kolmogorov's series with Stephens' correction for finite samples.
 [[nodiscard]] double ks_probability(double distance, std::size_t n, std::size_t m);

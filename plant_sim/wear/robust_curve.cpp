@@ -45,8 +45,7 @@ double curve_at(const Vector3d& b, double x) {
 }
 
 /// mu / f by stop, its median.
-std::vector<double> median_means(const std::vector<const CurveSample*>& samples, std::size_t stops,
-                                 const Vector3d& b) {
+std::vector<double> median_means(const std::vector<const CurveSample*>& samples, std::size_t stops, const Vector3d& b) {
     std::vector<std::vector<double>> ratios(stops);
     for (const CurveSample* s : samples) ratios[s->stop].push_back(s->mu / curve_at(b, s->x));
     std::vector<double> out(stops);
@@ -108,8 +107,7 @@ Vector3d centred_powers(double x) {
     return {x - 1.0 / 2.0, x * x - 1.0 / 3.0, x * x * x - 1.0 / 4.0};
 }
 
-CurveFit fit_curve(const std::vector<CurveSample>& samples, std::size_t stops, std::size_t order,
-                   std::optional<std::size_t> without) {
+CurveFit fit_curve(const std::vector<CurveSample>& samples, std::size_t stops, std::size_t order, std::optional<std::size_t> without) {
     constexpr int kHuberSteps = 30;
     constexpr int kBisquareSteps = 200;
     constexpr double kConverged = 1e-8;
@@ -130,8 +128,7 @@ CurveFit fit_curve(const std::vector<CurveSample>& samples, std::size_t stops, s
     return fit;
 }
 
-double loss_of_group(const std::vector<CurveSample>& samples, std::size_t stops, std::size_t group,
-                     const Vector3d& b, double scale) {
+double loss_of_group(const std::vector<CurveSample>& samples, std::size_t stops, std::size_t group, const Vector3d& b, double scale) {
     constexpr int kSteps = 20;
     std::vector<const CurveSample*> members;
     for (const CurveSample& s : samples)
@@ -151,8 +148,7 @@ std::vector<double> rejected_shares(const std::vector<CurveSample>& samples, con
     std::vector<double> all(fit.means.size(), 0.0);
     for (const CurveSample& s : samples) {
         all[s.stop] += 1.0;
-        if (bisquare_weight(residual(s, fit.means[s.stop], fit.b) / fit.scale) <= 0.0)
-            rejected[s.stop] += 1.0;
+        if (bisquare_weight(residual(s, fit.means[s.stop], fit.b) / fit.scale) <= 0.0) rejected[s.stop] += 1.0;
     }
     for (std::size_t i = 0; i < all.size(); ++i) rejected[i] /= std::max(all[i], 1.0);
     return rejected;

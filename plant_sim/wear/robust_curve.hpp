@@ -22,19 +22,18 @@ struct CurveSample {
 struct CurveFit {
     Eigen::Vector3d b = Eigen::Vector3d::Zero();  ///< above the order: 0
     std::vector<double> means;                    ///< by stop; 0 where it has no samples
-    double scale = 0.0;  ///< of the relative residuals mu / (mean f) - 1, from their median
+    double scale = 0.0;                           ///< of the relative residuals mu / (mean f) - 1, from their median
 };
 
 /// `without`: the group that is left out.
-[[nodiscard]] CurveFit fit_curve(const std::vector<CurveSample>& samples, std::size_t stops,
-                                 std::size_t order, std::optional<std::size_t> without = std::nullopt);
+[[nodiscard]] CurveFit fit_curve(const std::vector<CurveSample>& samples, std::size_t stops, std::size_t order,
+                                 std::optional<std::size_t> without = std::nullopt);
 
 /// Mean bisquare loss of the samples of `group` about the curve, each stop at its own best mean, residuals in units of `scale`.
-[[nodiscard]] double loss_of_group(const std::vector<CurveSample>& samples, std::size_t stops,
-                                   std::size_t group, const Eigen::Vector3d& b, double scale);
+[[nodiscard]] double loss_of_group(const std::vector<CurveSample>& samples, std::size_t stops, std::size_t group, const Eigen::Vector3d& b,
+                                   double scale);
 
 /// Share of each stop's samples that bisquare gives no weight.
-[[nodiscard]] std::vector<double> rejected_shares(const std::vector<CurveSample>& samples,
-                                                  const CurveFit& fit);
+[[nodiscard]] std::vector<double> rejected_shares(const std::vector<CurveSample>& samples, const CurveFit& fit);
 
 }  // namespace wear

@@ -41,8 +41,7 @@ class Spawn {
         const sched_param ordinary{};
         posix_spawnattr_setschedpolicy(&attributes_, SCHED_OTHER);
         posix_spawnattr_setschedparam(&attributes_, &ordinary);
-        posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
-                                                   POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSCHEDULER);
+        posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSCHEDULER);
     }
     ~Spawn() {
         posix_spawnattr_destroy(&attributes_);
@@ -93,13 +92,11 @@ std::vector<std::string> environment_of(const AbortNews& news) {
 
 void check_hook(const std::filesystem::path& program) {
     if (!std::filesystem::is_regular_file(program) || access(program.c_str(), X_OK) != 0)
-        throw std::invalid_argument(
-            "--on-abort " + program.string() +
-            ": expected a program or script that may be run, without arguments (chmod +x)");
+        throw std::invalid_argument("--on-abort " + program.string() +
+                                    ": expected a program or script that may be run, without arguments (chmod +x)");
 }
 
-std::string run_hook(const std::filesystem::path& program, const std::vector<std::string>& news,
-                     std::chrono::milliseconds limit) {
+std::string run_hook(const std::filesystem::path& program, const std::vector<std::string>& news, std::chrono::milliseconds limit) {
     pid_t child = 0;
     if (const int error = Spawn().start(child, std::filesystem::absolute(program), news); error != 0)
         return fmt::format("{}: {}", program.string(), std::strerror(error));
@@ -108,12 +105,10 @@ std::string run_hook(const std::filesystem::path& program, const std::vector<std
         kill(-child, SIGKILL);
         constexpr std::chrono::seconds kLast{1};
         (void)ended(child, status, kLast);
-        return fmt::format("{}: had not ended after {:.1f} s and was killed", program.string(),
-                           std::chrono::duration<double>(limit).count());
+        return fmt::format("{}: had not ended after {:.1f} s and was killed", program.string(), std::chrono::duration<double>(limit).count());
     }
     if (WIFSIGNALED(status)) return fmt::format("{}: ended by signal {}", program.string(), WTERMSIG(status));
-    if (WEXITSTATUS(status) != 0)
-        return fmt::format("{}: exit status {}", program.string(), WEXITSTATUS(status));
+    if (WEXITSTATUS(status) != 0) return fmt::format("{}: exit status {}", program.string(), WEXITSTATUS(status));
     return {};
 }
 

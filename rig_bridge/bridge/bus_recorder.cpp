@@ -20,9 +20,8 @@ Time steady_now() {
 
 }  // namespace
 
-BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layout& layout,
-                         const MeterParameters& parameters, std::function<void()> housekeeping,
-                         Lockstep* lockstep)
+BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layout& layout, const MeterParameters& parameters,
+                         std::function<void()> housekeeping, Lockstep* lockstep)
     : interface_(interface),
       layout_(layout),
       parameters_(parameters),
@@ -101,9 +100,7 @@ void BusRecorder::hear(std::span<const CapturedFrame> frames, bool drained) {
 }
 
 void BusRecorder::publish(bool drained) {
-    const CaptureStatus status =
-        capture_ ? capture_->status()
-                 : CaptureStatus{.up = false, .gone = true, .interface_error = capture_error_};
+    const CaptureStatus status = capture_ ? capture_->status() : CaptureStatus{.up = false, .gone = true, .interface_error = capture_error_};
     if (recording_) {
         recording_->dropped = dropped(status) - recording_->dropped_before;
         recording_->interrupted = recording_->interrupted || !status.up;
@@ -131,8 +128,7 @@ void BusRecorder::measure_speeds() {
     const antiskid::can::BusView& view = live_.view();
     wheel_.update(view.wheel, now);
     flywheel_.update(view.flywheel, now);
-    const double radius_m = parameters_.wheel_radius_m -
-                            static_cast<double>(view.load_cells.vertical_N) / parameters_.wheel_stiffness_Npm;
+    const double radius_m = parameters_.wheel_radius_m - static_cast<double>(view.load_cells.vertical_N) / parameters_.wheel_stiffness_Npm;
     now_.rim_mps = flywheel_.radps() * parameters_.flywheel_radius_m;
     now_.wheel_radps = wheel_.radps();
     now_.wheel_rim_mps = now_.wheel_radps * radius_m;

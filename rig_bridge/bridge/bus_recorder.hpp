@@ -37,8 +37,7 @@ struct Recording {
 
     StampLabel label;
 
-    Recording(const std::filesystem::path& path, const std::string& interface,
-              const antiskid::can::Layout& layout, const MeterParameters& parameters)
+    Recording(const std::filesystem::path& path, const std::string& interface, const antiskid::can::Layout& layout, const MeterParameters& parameters)
         : log(std::make_unique<LiveFile>(path), interface),
           meter(layout, parameters),
           label(antiskid::can::WallMinusMonotonic{}().wall_minus_monotonic) {}
@@ -48,9 +47,8 @@ class BusRecorder final : public BusFeed {
   public:
     /// Throws what Capture throws. `housekeeping` is called by the thread several times a second. `layout` must outlive it, and so must
     /// `lockstep`; none: a thread hears, and the machine's clock is the time.
-    BusRecorder(const std::string& interface, const antiskid::can::Layout& layout,
-                const MeterParameters& parameters, std::function<void()> housekeeping,
-                Lockstep* lockstep = nullptr);
+    BusRecorder(const std::string& interface, const antiskid::can::Layout& layout, const MeterParameters& parameters,
+                std::function<void()> housekeeping, Lockstep* lockstep = nullptr);
     ~BusRecorder() override;
     BusRecorder(const BusRecorder&) = delete;
     BusRecorder& operator=(const BusRecorder&) = delete;
@@ -77,9 +75,7 @@ class BusRecorder final : public BusFeed {
     void measure_speeds();
     void change_record();
     void keep_capture();
-    [[nodiscard]] std::uint64_t dropped(const CaptureStatus& status) const {
-        return dropped_before_ + status.dropped;
-    }
+    [[nodiscard]] std::uint64_t dropped(const CaptureStatus& status) const { return dropped_before_ + status.dropped; }
 
     std::string interface_;
     const antiskid::can::Layout& layout_;

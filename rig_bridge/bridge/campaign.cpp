@@ -16,24 +16,21 @@ namespace {
 
 /// Made by a person, or by a drive that does not do what it is told: to try again would be to try whether it does it twice.
 bool needs_a_person(const std::string& outcome) {
-    constexpr std::array kCauses{Abort::emergency_stop,  Abort::guard_open, Abort::requested,
-                                 Abort::foreign_command, Abort::overspeed,  Abort::speed_mismatch,
-                                 Abort::two_senders};
-    return std::any_of(kCauses.begin(), kCauses.end(),
-                       [&outcome](Abort cause) { return outcome == name(cause); });
+    constexpr std::array kCauses{Abort::emergency_stop, Abort::guard_open,     Abort::requested,  Abort::foreign_command,
+                                 Abort::overspeed,      Abort::speed_mismatch, Abort::two_senders};
+    return std::any_of(kCauses.begin(), kCauses.end(), [&outcome](Abort cause) { return outcome == name(cause); });
 }
 
 }  // namespace
 
 Decision CampaignJudge::brake(const Summary& summary, const Health& health) const {
     if (rules_.stop_on_abnormal && health.state == HealthState::abnormal)
-        return {Verdict::abnormal,
-                fmt::format("maneuver {}: the brake is abnormal: {}", summary.number, health.reason)};
+        return {Verdict::abnormal, fmt::format("maneuver {}: the brake is abnormal: {}", summary.number, health.reason)};
     const double friction = summary.figures.mean_friction;
     if (off_conditions(summary)) return {};
     if (!rules_.min_friction || friction >= *rules_.min_friction) return {};
-    return {Verdict::worn, fmt::format("maneuver {}: mean friction {:.4f} is below the wear limit {:.4f}",
-                                       summary.number, friction, *rules_.min_friction)};
+    return {Verdict::worn,
+            fmt::format("maneuver {}: mean friction {:.4f} is below the wear limit {:.4f}", summary.number, friction, *rules_.min_friction)};
 }
 
 Decision CampaignJudge::after(const Summary& summary, const Health& health) {
@@ -45,10 +42,8 @@ Decision CampaignJudge::after(const Summary& summary, const Health& health) {
     failing_ = summary.number;
     std::string what = fmt::format("maneuver {} was aborted: {}", summary.number, summary.outcome);
     if (needs_a_person(summary.outcome)) return {Verdict::fault, what + "; never retried by itself"};
-    if (failures_ <= rules_.retries)
-        return {Verdict::go_on, what + fmt::format("; retry {} of {}", failures_, rules_.retries)};
-    return {Verdict::fault,
-            rules_.retries == 0 ? what : what + fmt::format("; {} retries did not help", rules_.retries)};
+    if (failures_ <= rules_.retries) return {Verdict::go_on, what + fmt::format("; retry {} of {}", failures_, rules_.retries)};
+    return {Verdict::fault, rules_.retries == 0 ? what : what + fmt::format("; {} retries did not help", rules_.retries)};
 }
 
 void Pace::add(double seconds) {

@@ -13,10 +13,9 @@ namespace rig {
 
 struct CampaignRules {
     std::int64_t maneuvers = 0;
-    int retries = 0;  ///< of one maneuver, after it was aborted
-    std::optional<double>
-        min_friction{};  ///< wear limit: mean friction of a finished maneuver below it ends the campaign
-    bool stop_on_abnormal = false;  ///< an abnormal brake ends the campaign
+    int retries = 0;                       ///< of one maneuver, after it was aborted
+    std::optional<double> min_friction{};  ///< wear limit: mean friction of a finished maneuver below it ends the campaign
+    bool stop_on_abnormal = false;         ///< an abnormal brake ends the campaign
 };
 
 enum class Verdict : std::uint8_t { go_on, fault, worn, abnormal };
@@ -36,9 +35,7 @@ class CampaignJudge {
     [[nodiscard]] Decision after(const Summary& summary, const Health& health = {});
 
     /// Before the first: the last finished one of an earlier session may have reached the wear limit or shown an abnormal brake.
-    [[nodiscard]] Decision before(const Summary& last_finished, const Health& health = {}) const {
-        return brake(last_finished, health);
-    }
+    [[nodiscard]] Decision before(const Summary& last_finished, const Health& health = {}) const { return brake(last_finished, health); }
 
   private:
     [[nodiscard]] Decision brake(const Summary& summary, const Health& health) const;

@@ -35,9 +35,8 @@ std::string now_text() {
 /// A campaign as one session of the program runs it.
 class CampaignRun {
   public:
-    CampaignRun(const Setup& setup, const CampaignCommand& command, std::string name,
-                antiskid::rt::StopSignals& stops, Terminal& terminal, Ledger& ledger,
-                const std::optional<WearRegulation>& regulation, HealthWatch* watch)
+    CampaignRun(const Setup& setup, const CampaignCommand& command, std::string name, antiskid::rt::StopSignals& stops, Terminal& terminal,
+                Ledger& ledger, const std::optional<WearRegulation>& regulation, HealthWatch* watch)
         : setup_(setup),
           command_(command),
           name_(std::move(name)),
@@ -85,8 +84,7 @@ std::optional<Attempt> CampaignRun::next() {
     session_.meanwhile([&] {
         const auto number = ledger_.next_number();
         if (!number) return;
-        if (setup_.scenario.mean.law == sequencer::BrakeLaw::slip)
-            slip_reference_ = setup_.scenario.mean.slip_reference;
+        if (setup_.scenario.mean.law == sequencer::BrakeLaw::slip) slip_reference_ = setup_.scenario.mean.slip_reference;
         if (regulation_) {
             const regulation::Regulator shares = regulator();
             slip_reference_ = shares.reference();
@@ -125,8 +123,7 @@ void CampaignRun::while_held() {
             hold = ledger_.next_number() ? read_hold(command_.rig.out) : std::nullopt;
         });
         if (hold && !said)
-            terminal_.say(fmt::format("rig-bridge: {}; `rig-bridge resume {}` lets it go on", to_text(*hold),
-                                      command_.rig.out.string()));
+            terminal_.say(fmt::format("rig-bridge: {}; `rig-bridge resume {}` lets it go on", to_text(*hold), command_.rig.out.string()));
         if (!hold && said) terminal_.say("rig-bridge: goes on after the hold");
         said = hold.has_value();
     } while (hold && stops_.count() == 0);
@@ -144,8 +141,7 @@ Ran CampaignRun::one(const Attempt& attempt) {
         }
         write_summary(attempt.folder / "summary.json", ran.summary);
         ledger_.finish(ran.summary);
-        if (watch_ != nullptr && ran.summary.outcome == name(sequencer::Phase::finished) &&
-            !off_conditions(ran.summary))
+        if (watch_ != nullptr && ran.summary.outcome == name(sequencer::Phase::finished) && !off_conditions(ran.summary))
             ledger_.judge(ran.summary.number, watch_->after(ran.summary));
         if (regulation_) {
             const regulation::Regulator shares = regulator();
@@ -165,8 +161,7 @@ int CampaignRun::run() {
         if (!attempt) return 0;
         const Ran ran = one(*attempt);
         if (!ran.record_error.empty()) {
-            const std::string lost = fmt::format("maneuver {} does not count, its record is not whole: {}",
-                                                 attempt->number, ran.record_error);
+            const std::string lost = fmt::format("maneuver {} does not count, its record is not whole: {}", attempt->number, ran.record_error);
             terminal_.say("rig-bridge: " + lost);
             session_.tell_of_abort(ran, attempt->folder, lost);
             return stops_.count() > 0 ? interrupted() : 1;
@@ -175,23 +170,16 @@ int CampaignRun::run() {
         const Decision decision = judge_.after(ran.summary, health);
         const std::string reason = decision.reason + (ran.note.empty() ? "" : "; " + ran.note);
         if (!decision.reason.empty()) terminal_.say("rig-bridge: " + reason);
-        if (ran.summary.outcome != name(sequencer::Phase::finished))
-            session_.tell_of_abort(ran, attempt->folder, reason);
-        for (const std::string& warning : ran.summary.warnings)
-            terminal_.say(fmt::format("rig-bridge: maneuver {}: {}", attempt->number, warning));
+        if (ran.summary.outcome != name(sequencer::Phase::finished)) session_.tell_of_abort(ran, attempt->folder, reason);
+        for (const std::string& warning : ran.summary.warnings) terminal_.say(fmt::format("rig-bridge: maneuver {}: {}", attempt->number, warning));
         if (ran.summary.outcome == name(sequencer::Phase::finished))
-            terminal_.say(fmt::format(
-                "maneuver {} finished: mean torque {:.1f} N m, mean friction {:.4f}, {:.3f} MJ in all{}",
-                ran.summary.number, ran.summary.figures.mean_torque_Nm, ran.summary.figures.mean_friction,
-                ran.summary.cumulative_energy_J * 1e-6,
-                watch_ == nullptr ? "" : "; brake " + health_text(health)));
-        if (!ran.outside.empty())
-            terminal_.say(
-                fmt::format("rig-bridge: maneuver {} is out of tolerance: {}", attempt->number, ran.outside));
+            terminal_.say(fmt::format("maneuver {} finished: mean torque {:.1f} N m, mean friction {:.4f}, {:.3f} MJ in all{}", ran.summary.number,
+                                      ran.summary.figures.mean_torque_Nm, ran.summary.figures.mean_friction, ran.summary.cumulative_energy_J * 1e-6,
+                                      watch_ == nullptr ? "" : "; brake " + health_text(health)));
+        if (!ran.outside.empty()) terminal_.say(fmt::format("rig-bridge: maneuver {} is out of tolerance: {}", attempt->number, ran.outside));
         if (regulation_) terminal_.say(shared_);
         const bool interrupts = stops_.count() > 0;
-        if (ran.summary.outcome != name(sequencer::Phase::finished) &&
-            (interrupts || decision.verdict == Verdict::fault))
+        if (ran.summary.outcome != name(sequencer::Phase::finished) && (interrupts || decision.verdict == Verdict::fault))
             session_.watch_rim(setup_.scenario.mean.standstill_mps);
         if (interrupts) return interrupted();
         if (decision.verdict == Verdict::fault || decision.verdict == Verdict::abnormal) return 1;
@@ -201,12 +189,9 @@ int CampaignRun::run() {
 
 void tell(const Resumed& resumed, std::int64_t finished, Terminal& terminal) {
     for (const std::string& change : resumed.changed) terminal.say("rig-bridge: goes on although " + change);
-    for (const std::int64_t number : resumed.adopted)
-        terminal.say(fmt::format("rig-bridge: maneuver {} had finished and is entered now", number));
+    for (const std::int64_t number : resumed.adopted) terminal.say(fmt::format("rig-bridge: maneuver {} had finished and is entered now", number));
     for (const std::int64_t number : resumed.unfinished)
-        terminal.say(fmt::format(
-            "rig-bridge: maneuver {} was left unfinished and is run again; what its log says counts",
-            number));
+        terminal.say(fmt::format("rig-bridge: maneuver {} was left unfinished and is run again; what its log says counts", number));
     if (!resumed.created) terminal.say(fmt::format("rig-bridge: resumes, {} maneuvers finished", finished));
 }
 
@@ -235,22 +220,17 @@ std::optional<Summary> summary_of_log(const Attempt& left, const Setup& setup) {
 /// The last maneuver before the bridge died may have reached the wear limit or shown an abnormal brake.
 Decision before(const CampaignRules& rules, const std::filesystem::path& file, const std::string& name) {
     const std::vector<LedgerRow> rows = read_ledger(file, name);
-    const auto last = std::find_if(rows.rbegin(), rows.rend(), [](const LedgerRow& row) {
-        return row.state == RowState::finished && !off_conditions(row.summary);
-    });
+    const auto last = std::find_if(rows.rbegin(), rows.rend(),
+                                   [](const LedgerRow& row) { return row.state == RowState::finished && !off_conditions(row.summary); });
     return last == rows.rend() ? Decision{} : CampaignJudge(rules).before(last->summary, last->health);
 }
 
 /// Health and regulation know one brake and disc.
-void refuse_mixed_wear(const CampaignCommand& command, const std::vector<LedgerRow>& rows,
-                       const Specimen& now) {
+void refuse_mixed_wear(const CampaignCommand& command, const std::vector<LedgerRow>& rows, const Specimen& now) {
     if (command.wear_model.empty() && !command.regulate) return;
-    const auto another = [](const std::string& was, const std::string& is) {
-        return !was.empty() && was != is;
-    };
+    const auto another = [](const std::string& was, const std::string& is) { return !was.empty() && was != is; };
     for (const LedgerRow& row : rows)
-        if (const Specimen& was = row.summary.specimen;
-            another(was.brake, now.brake) || another(was.disc, now.disc))
+        if (const Specimen& was = row.summary.specimen; another(was.brake, now.brake) || another(was.disc, now.disc))
             throw UsageError(
                 fmt::format("maneuver {} was of brake '{}' and disc '{}', now they are '{}' and '{}': their "
                             "wear is not mixed; give "
@@ -263,10 +243,8 @@ void refuse_mixed_wear(const CampaignCommand& command, const std::vector<LedgerR
 int run_campaign(const CampaignCommand& command) {
     std::optional<regulation::RegulationConfig> asked;
     if (command.regulate) {
-        asked = regulation::load_regulation_config(
-            command.regulation.empty() ? command.rig.config / "regulation.toml" : command.regulation);
-        if (!command.surfaces.empty())
-            asked->surfaces = regulation::surfaces_of(asked->floor, command.surfaces);
+        asked = regulation::load_regulation_config(command.regulation.empty() ? command.rig.config / "regulation.toml" : command.regulation);
+        if (!command.surfaces.empty()) asked->surfaces = regulation::surfaces_of(asked->floor, command.surfaces);
     }
     const Setup setup = load_setup(command.rig, asked ? asked->files : std::vector<std::filesystem::path>{});
     std::optional<WearRegulation> shared;
@@ -277,17 +255,16 @@ int run_campaign(const CampaignCommand& command) {
     antiskid::rt::StopSignals stops;
     Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
     Ledger ledger(file);
-    const Resumed resumed =
-        ledger.open_campaign({.name = name,
-                              .scenario = setup.scenario.name,
-                              .seed = setup.options.seed,
-                              .planned = command.rules.maneuvers,
-                              .config_hash = setup.config_hash,
-                              .version = ANTISKID_VERSION,
-                              .created = now_text(),
-                              .specimen = command.rig.specimen},
-                             command.changed ? IfChanged::go_on : IfChanged::refuse,
-                             [&](const Attempt& left) { return summary_of_log(left, setup); });
+    const Resumed resumed = ledger.open_campaign({.name = name,
+                                                  .scenario = setup.scenario.name,
+                                                  .seed = setup.options.seed,
+                                                  .planned = command.rules.maneuvers,
+                                                  .config_hash = setup.config_hash,
+                                                  .version = ANTISKID_VERSION,
+                                                  .created = now_text(),
+                                                  .specimen = command.rig.specimen},
+                                                 command.changed ? IfChanged::go_on : IfChanged::refuse,
+                                                 [&](const Attempt& left) { return summary_of_log(left, setup); });
     tell(resumed, ledger.finished_count(), terminal);
     refuse_mixed_wear(command, read_ledger(file, name), ledger.specimen());
     std::optional<HealthWatch> watch;
@@ -310,8 +287,7 @@ int run_campaign(const CampaignCommand& command) {
         CampaignRun run(setup, command, name, stops, terminal, ledger, shared, watch ? &*watch : nullptr);
         status = run.run();
     } catch (const EndAtOnce&) {
-        terminal.say(
-            "rig-bridge: ended at once; the PLC's watchdog and the controller's time-outs make the rig safe");
+        terminal.say("rig-bridge: ended at once; the PLC's watchdog and the controller's time-outs make the rig safe");
         return 128 + stops.number();
     }
     fmt::print("{}", status_text(file));

@@ -14,8 +14,7 @@ std::optional<Hold> read_hold(const std::filesystem::path& campaign) {
     std::ifstream in(file, std::ios::binary);
     const auto json = nlohmann::json::parse(in, nullptr, false);
     const auto text = [&json](const char* key) {
-        return json.is_object() && json.contains(key) && json[key].is_string() ? json[key].get<std::string>()
-                                                                               : std::string();
+        return json.is_object() && json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
     };
     Hold hold{.who = text("who"), .since = text("since"), .why = text("why")};
     if (hold.who.empty()) hold.who = "somebody (" + file.string() + " does not say who)";
@@ -32,8 +31,7 @@ bool remove_hold(const std::filesystem::path& campaign) {
 }
 
 std::string to_text(const Hold& hold) {
-    return "held by " + hold.who + (hold.since.empty() ? "" : " since " + hold.since) +
-           (hold.why.empty() ? "" : ": " + hold.why);
+    return "held by " + hold.who + (hold.since.empty() ? "" : " since " + hold.since) + (hold.why.empty() ? "" : ": " + hold.why);
 }
 
 }  // namespace rig

@@ -12,8 +12,7 @@ namespace rig {
 
 int change_hold(const HoldCommand& command) {
     const std::filesystem::path& place = command.directory;
-    if (!std::filesystem::exists(ledger_file(place)))
-        throw UsageError(place.string() + ": no campaign is here: no " + ledger_file({}).string());
+    if (!std::filesystem::exists(ledger_file(place))) throw UsageError(place.string() + ": no campaign is here: no " + ledger_file({}).string());
     if (!command.hold) {
         fmt::print("{}: {}\n", place.string(), remove_hold(place) ? "goes on" : "was not held");
         return 0;
@@ -21,10 +20,7 @@ int change_hold(const HoldCommand& command) {
     check_text("--who", command.who);
     check_text("--why", command.why);
     const auto before = read_hold(place);
-    if (!before)
-        write_hold(
-            place,
-            {.who = command.who, .since = iso_8601(std::chrono::system_clock::now()), .why = command.why});
+    if (!before) write_hold(place, {.who = command.who, .since = iso_8601(std::chrono::system_clock::now()), .why = command.why});
     fmt::print("{}: {}; {}\n", place.string(), to_text(*read_hold(place)),
                before ? "it was held already" : "a maneuver that runs comes to its end first");
     return 0;

@@ -14,9 +14,7 @@ namespace {
 std::string chosen(const std::filesystem::path& file, const std::string& wanted) {
     const std::vector<Campaign> all = read_campaigns(file);
     if (!wanted.empty()) return wanted;
-    if (all.size() != 1)
-        throw UsageError(
-            fmt::format("{}: has {} campaigns; choose one with --campaign", file.string(), all.size()));
+    if (all.size() != 1) throw UsageError(fmt::format("{}: has {} campaigns; choose one with --campaign", file.string(), all.size()));
     return all.front().name;
 }
 
@@ -29,13 +27,9 @@ int amend_ledger(const AmendCommand& command) {
     ledger.choose(campaign);
     const double before_J = ledger.cumulative_energy_J();
     ledger.amend(command.number, command.attempt,
-                 {.counted_J = command.energy_MJ * 1e6,
-                  .who = command.who,
-                  .made = iso_8601(std::chrono::system_clock::now()),
-                  .why = command.why});
-    fmt::print("campaign {}: maneuver {}, attempt {} counts {:.6g} MJ; {:.6g} MJ in all, before {:.6g} MJ\n",
-               campaign, command.number, command.attempt, command.energy_MJ,
-               ledger.cumulative_energy_J() * 1e-6, before_J * 1e-6);
+                 {.counted_J = command.energy_MJ * 1e6, .who = command.who, .made = iso_8601(std::chrono::system_clock::now()), .why = command.why});
+    fmt::print("campaign {}: maneuver {}, attempt {} counts {:.6g} MJ; {:.6g} MJ in all, before {:.6g} MJ\n", campaign, command.number,
+               command.attempt, command.energy_MJ, ledger.cumulative_energy_J() * 1e-6, before_J * 1e-6);
     return 0;
 }
 
@@ -48,10 +42,8 @@ int note_in_ledger(const NoteCommand& command) {
     check_texts(command.said);
     for (const SpecimenField& field : kSpecimenFields)
         if (const std::string& text = command.said.*field.value; !text.empty())
-            ledger.note(command.number, command.attempt,
-                        {.field = field.key, .text = text, .who = command.who, .made = now});
-    fmt::print("campaign {}: maneuver {}, attempt {}: {}, says {}\n", campaign, command.number,
-               command.attempt, to_text(command.said), command.who);
+            ledger.note(command.number, command.attempt, {.field = field.key, .text = text, .who = command.who, .made = now});
+    fmt::print("campaign {}: maneuver {}, attempt {}: {}, says {}\n", campaign, command.number, command.attempt, to_text(command.said), command.who);
     return 0;
 }
 

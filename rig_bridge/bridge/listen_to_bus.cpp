@@ -37,8 +37,7 @@ BusHeard listen_to_bus(const Setup& setup, antiskid::can::Time length) {
     }
     heard.view = observer.view();
     heard.two_controllers = senders.two_controllers();
-    for (const Role role : antiskid::can::kEveryRole)
-        heard.stats[static_cast<std::size_t>(role)] = observer.stats(role);
+    for (const Role role : antiskid::can::kEveryRole) heard.stats[static_cast<std::size_t>(role)] = observer.stats(role);
     return heard;
 }
 

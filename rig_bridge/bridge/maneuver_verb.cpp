@@ -25,19 +25,16 @@ constexpr double kAnyTemperature_C = 1e4;
 std::filesystem::path folder(const Setup& setup) {
     if (setup.options.out.empty()) {
         const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-        return std::filesystem::path("out") /
-               fmt::format("{}-{:%Y%m%dT%H%M%SZ}", setup.scenario.name, fmt::gmtime(now));
+        return std::filesystem::path("out") / fmt::format("{}-{:%Y%m%dT%H%M%SZ}", setup.scenario.name, fmt::gmtime(now));
     }
     for (const char* const file : {"bus.log", "modbus.csv", "summary.json"}) {
         if (std::filesystem::exists(setup.options.out / file))
-            throw UsageError("--out " + setup.options.out.string() + ": has a " + file +
-                             " already; a maneuver gets a folder of its own");
+            throw UsageError("--out " + setup.options.out.string() + ": has a " + file + " already; a maneuver gets a folder of its own");
     }
     return setup.options.out;
 }
 
-void draw(const std::filesystem::path& place, const std::filesystem::path& picture, const std::string& title,
-          const Trace& trace) {
+void draw(const std::filesystem::path& place, const std::filesystem::path& picture, const std::string& title, const Trace& trace) {
     settings::write_file(place / "trajectory.csv", trace.csv());
     study::draw_stop(place / "trajectory.csv", picture, title, trace.brake_on_s());
 }
@@ -53,24 +50,17 @@ int run_maneuver(const ManeuverCommand& command) {
     Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
     sequencer::Plan planned = plan(setup.scenario, setup.options.seed, 1);
     if (!command.cool_down) planned.cool_to_C = kAnyTemperature_C;
-    const Order order{.plan = planned,
-                      .campaign = {},
-                      .number = 1,
-                      .folder = place,
-                      .specimen = command.rig.specimen,
-                      .taken_J = 0.0,
-                      .view = std::nullopt};
+    const Order order{
+        .plan = planned, .campaign = {}, .number = 1, .folder = place, .specimen = command.rig.specimen, .taken_J = 0.0, .view = std::nullopt};
     enter_realtime(setup.options.priority, terminal);
     Session session(setup, stops, terminal);
     try {
         const Ran ran = session.run(order);
         session.meanwhile([&] {
             write_summary(order.folder / "summary.json", ran.summary);
-            if (!command.picture.empty() && !ran.trace.empty())
-                draw(order.folder, command.picture, setup.scenario.title, ran.trace);
+            if (!command.picture.empty() && !ran.trace.empty()) draw(order.folder, command.picture, setup.scenario.title, ran.trace);
         });
-        fmt::print("{}Written to {}: bus.log, modbus.csv, summary.json\n", summary_table(ran.summary),
-                   order.folder.string());
+        fmt::print("{}Written to {}: bus.log, modbus.csv, summary.json\n", summary_table(ran.summary), order.folder.string());
         if (ran.summary.outcome != name(sequencer::Phase::finished))
             session.tell_of_abort(ran, order.folder, "the maneuver was aborted; the program ends");
         if (!ran.record_error.empty()) {
@@ -81,13 +71,11 @@ int run_maneuver(const ManeuverCommand& command) {
         const int interrupted = stops.count() > 0 ? 128 + stops.number() : 0;
         if (ran.summary.outcome == name(sequencer::Phase::finished)) return interrupted;
         if (interrupted == 0)
-            terminal.say("rig-bridge: the maneuver was aborted: " + ran.summary.outcome +
-                         (ran.note.empty() ? "" : "; " + ran.note));
+            terminal.say("rig-bridge: the maneuver was aborted: " + ran.summary.outcome + (ran.note.empty() ? "" : "; " + ran.note));
         session.watch_rim(order.plan.standstill_mps);
         return interrupted != 0 ? interrupted : 1;
     } catch (const EndAtOnce&) {
-        terminal.say(
-            "rig-bridge: ended at once; the PLC's watchdog and the controller's time-outs make the rig safe");
+        terminal.say("rig-bridge: ended at once; the PLC's watchdog and the controller's time-outs make the rig safe");
         return 128 + stops.number();
     }
 }

@@ -21,13 +21,10 @@ namespace {
 constexpr std::array<NextStep, sequencer::kAbortCount> kAborts{{
     {"nothing", "nothing"},
     {"you asked for it", "start again when you are ready"},
-    {"the emergency stop was pressed, or its circuit opened",
-     "find out who pressed it and why; release it, then start again"},
+    {"the emergency stop was pressed, or its circuit opened", "find out who pressed it and why; release it, then start again"},
     {"the guard opened", "find out who opened it; nobody inside, close it, then start again"},
-    {"the hydraulic supply is not ready",
-     "pump, oil level, filter, leaks; start again when the pressure stands"},
-    {"the flywheel's drive reports a fault",
-     "read the drive's own display, clear the fault there, then start again"},
+    {"the hydraulic supply is not ready", "pump, oil level, filter, leaks; start again when the pressure stands"},
+    {"the flywheel's drive reports a fault", "read the drive's own display, clear the fault there, then start again"},
     {"no fresh reading of the PLC in the times of config/bridge.toml, or its watchdog stands still",
      "is the PLC in stop? then cable, switch and address; rig-bridge preflight asks for each of them"},
     {"the PLC tripped by itself", "read the PLC's own diagnosis first; start again when it names nothing"},
@@ -38,16 +35,11 @@ constexpr std::array<NextStep, sequencer::kAbortCount> kAborts{{
      "refused, binding and cable"},
     {"the controller went to its safe state, or was not armed when it had to be",
      "mend the fault that is named with it; without one, look into the controller's log"},
-    {"the CAN interface is down or bus-off",
-     "termination, bit rate, cable; ip -details link show names its state"},
-    {"an encoder or the pressure transducer stopped sending, or sends what is no number",
-     "its cable, power and node; candump shows who is missing"},
-    {"a phase took longer than its limit",
-     "see why what it waited for did not come; limits are in config/sequencer.toml"},
-    {"the brake was above brake_on_limit_C before brake-on",
-     "wait until it is colder; look for a brake that drags"},
-    {"while braking the load left its band, or the wheel the rim",
-     "loading device, sledge and load cell; look at tyre and rim before the next"},
+    {"the CAN interface is down or bus-off", "termination, bit rate, cable; ip -details link show names its state"},
+    {"an encoder or the pressure transducer stopped sending, or sends what is no number", "its cable, power and node; candump shows who is missing"},
+    {"a phase took longer than its limit", "see why what it waited for did not come; limits are in config/sequencer.toml"},
+    {"the brake was above brake_on_limit_C before brake-on", "wait until it is colder; look for a brake that drags"},
+    {"while braking the load left its band, or the wheel the rim", "loading device, sledge and load cell; look at tyre and rim before the next"},
     {"somebody else commanded the PLC",
      "find the other Modbus client (a second bridge, a panel, a script) and take it off the network; see "
      "what it "
@@ -64,29 +56,22 @@ constexpr std::array<NextStep, sequencer::kAbortCount> kAborts{{
 
 /// In the order of antiskid::control::Fault; conditions and times: docs/faults.md.
 constexpr std::array<NextStep, kFaultCount> kFaults{{
-    {"the wheel's encoder is not heard, or is heard late",
-     "cable, power, binding; look at the bus with candump"},
+    {"the wheel's encoder is not heard, or is heard late", "cable, power, binding; look at the bus with candump"},
     {"frames of the wheel's encoder come and are refused", "a disturbed bus, two senders, a wrong data ID"},
     {"the wheel's speed is one that it cannot have", "number of teeth; a disturbed pick-up"},
     {"the wheel's speed jumps", "a loose pick-up, missing teeth"},
-    {"the wheel's encoder shows no edge while the rig turns",
-     "encoder dead, or the wheel seized: turn it by hand"},
-    {"the flywheel's encoder is not heard, or is heard late",
-     "cable, power, binding; look at the bus with candump"},
-    {"frames of the flywheel's encoder come and are refused",
-     "a disturbed bus, two senders, a wrong data ID"},
+    {"the wheel's encoder shows no edge while the rig turns", "encoder dead, or the wheel seized: turn it by hand"},
+    {"the flywheel's encoder is not heard, or is heard late", "cable, power, binding; look at the bus with candump"},
+    {"frames of the flywheel's encoder come and are refused", "a disturbed bus, two senders, a wrong data ID"},
     {"the flywheel's speed is one that it cannot have", "number of teeth; a disturbed pick-up"},
-    {"the flywheel's speed jumps, or rises while it brakes",
-     "a loose pick-up, missing teeth; a drive that still pulls"},
-    {"the flywheel's encoder shows too little or nothing while the rig turns",
-     "encoder dead, or its shaft broken"},
+    {"the flywheel's speed jumps, or rises while it brakes", "a loose pick-up, missing teeth; a drive that still pulls"},
+    {"the flywheel's encoder shows too little or nothing while the rig turns", "encoder dead, or its shaft broken"},
     {"the pressure is not heard, or is heard late", "cable, power, binding; look at the bus with candump"},
     {"pressure frames come and are refused", "a disturbed bus, two senders, a wrong data ID"},
     {"the pressure reads outside its range", "transducer broken, or of another range"},
     {"the pressure jumps", "a loose contact, noise"},
     {"the pressure reads the same while it must have moved", "transducer frozen: replace it"},
-    {"wheel and rim disagree, or the wheel slips more than is asked",
-     "number of teeth, radius, slipping encoder drive; a brake that drags"},
+    {"wheel and rim disagree, or the wheel slips more than is asked", "number of teeth, radius, slipping encoder drive; a brake that drags"},
     {"the pressure is not what the valve was told", "valve stuck, no supply, leak, air; wrong valve map"},
     {"the maneuver command stopped", "the bridge died or stands still: its log"},
     {"maneuver commands come and are refused", "a disturbed bus, two senders: is a second bridge running?"},
@@ -95,8 +80,7 @@ constexpr std::array<NextStep, kFaultCount> kFaults{{
     {"an emergency stop frame came", "somebody pressed it, or the bridge sent it: see the abort cause"},
     {"the CAN interface is bus-off or down", "bit rate, termination; ip link set can0 up"},
     {"the controller's computer missed its periods", "its latency histogram; antiskid-controller --check"},
-    {"the wheel stays locked although the brake is released, or locks again and again",
-     "a seized brake, a burst tyre; sensor or commands too late"},
+    {"the wheel stays locked although the brake is released, or locks again and again", "a seized brake, a burst tyre; sensor or commands too late"},
     {"pressure at rest before it was armed", "valve leaks or sticks; wait until the pressure has gone"},
 }};
 
@@ -139,8 +123,7 @@ std::string advice(Abort abort, Phase phase, FaultSet faults) {
     for (std::size_t i = 0; i < kFaultCount; ++i) {
         const auto fault = static_cast<Fault>(i);
         if (!faults.contains(fault)) continue;
-        text += fmt::format("\n  {}: {}. Next: {}", antiskid::can::kFaultNames[i], next_step(fault).happened,
-                            next_step(fault).next);
+        text += fmt::format("\n  {}: {}. Next: {}", antiskid::can::kFaultNames[i], next_step(fault).happened, next_step(fault).next);
     }
     return text;
 }

@@ -23,7 +23,6 @@ struct NextStep {
 
 /// For the terminal, at the abort that ended `phase`: cause, what it means, what to do; with controller_fault each of `faults` on a line of
 /// its own.
-[[nodiscard]] std::string advice(sequencer::Abort abort, sequencer::Phase phase,
-                                 antiskid::control::FaultSet faults);
+[[nodiscard]] std::string advice(sequencer::Abort abort, sequencer::Phase phase, antiskid::control::FaultSet faults);
 
 }  // namespace rig

@@ -19,8 +19,7 @@ constexpr std::array kCycle{Role::maneuver, Role::rig_heartbeat, Role::emergency
 
 }  // namespace
 
-Node::Node(const antiskid::can::Layout& layout, double period_s, const Freshness& limits, Plc& plc,
-           const BusFeed& feed, antiskid::can::Bus& bus)
+Node::Node(const antiskid::can::Layout& layout, double period_s, const Freshness& limits, Plc& plc, const BusFeed& feed, antiskid::can::Bus& bus)
     : layout_(layout),
       limits_(limits),
       plc_(plc),
@@ -28,8 +27,7 @@ Node::Node(const antiskid::can::Layout& layout, double period_s, const Freshness
       bus_(bus),
       port_(layout, kStep, kCycle),
       time_(period_s),
-      load_cell_steps_(
-          static_cast<std::uint64_t>(std::max<std::int64_t>(layout[Role::load_cells].period / kStep, 1))) {}
+      load_cell_steps_(static_cast<std::uint64_t>(std::max<std::int64_t>(layout[Role::load_cells].period / kStep, 1))) {}
 
 bool Node::nothing_on() const {
     const sequencer::Outputs& out = moment_.outputs;
@@ -46,14 +44,12 @@ const Moment& Node::step(sequencer::Sequencer* sequencer, const Wishes& wishes, 
     moment_.inputs.foreign_command = moment_.plc.foreign_commands != foreign_commands_;
     foreign_commands_ = moment_.plc.foreign_commands;
     moment_.rig_s = time_.at(std::chrono::duration<double>(now).count(), moment_.bus.syncs);
-    moment_.outputs =
-        sequencer == nullptr ? sequencer::Outputs{} : sequencer->step(moment_.inputs, moment_.rig_s);
+    moment_.outputs = sequencer == nullptr ? sequencer::Outputs{} : sequencer->step(moment_.inputs, moment_.rig_s);
 
     const bool tripped = moment_.inputs.plc_fresh && !moment_.inputs.plc_ready;
-    const bool idle =
-        nothing_on() && (moment_.outputs.phase == Phase::idle || (sequencer != nullptr && sequencer->over()));
-    moment_.resetting = reset_.step(wishes.reset && idle && tripped && interlocks_good(moment_.plc, limits_),
-                                    std::chrono::duration<double>(now).count());
+    const bool idle = nothing_on() && (moment_.outputs.phase == Phase::idle || (sequencer != nullptr && sequencer->over()));
+    moment_.resetting =
+        reset_.step(wishes.reset && idle && tripped && interlocks_good(moment_.plc, limits_), std::chrono::duration<double>(now).count());
     plc_.command(commands(moment_.outputs, moment_.resetting));
     send(wishes.number);
     ++steps_;
@@ -63,9 +59,8 @@ const Moment& Node::step(sequencer::Sequencer* sequencer, const Wishes& wishes, 
 /// A phase and its command go out together: a bridge that is held up before the next step would leave the controller, for as long, with
 /// the command of the phase before, and figures count from the phase.
 bool Node::command_waits(std::span<const Frame> due) const {
-    return moment_.outputs.phase != said_ && std::none_of(due.begin(), due.end(), [this](const Frame& frame) {
-               return frame.id == layout_[Role::maneuver].id;
-           });
+    return moment_.outputs.phase != said_ &&
+           std::none_of(due.begin(), due.end(), [this](const Frame& frame) { return frame.id == layout_[Role::maneuver].id; });
 }
 
 void Node::send(std::int64_t number) {
@@ -77,8 +72,7 @@ void Node::send(std::int64_t number) {
     if (command_waits(due)) (void)bus_.send(port_.maneuver(sample.maneuver));
     said_ = moment_.outputs.phase;
     for (const Frame& frame : due) (void)bus_.send(frame);
-    if (layout_[Role::load_cells].bound && steps_ % load_cell_steps_ == 0 &&
-        load_cells_fresh(moment_.plc, limits_))
+    if (layout_[Role::load_cells].bound && steps_ % load_cell_steps_ == 0 && load_cells_fresh(moment_.plc, limits_))
         (void)bus_.send(port_.load_cells(load_cells(moment_.plc.values)));
 }
 

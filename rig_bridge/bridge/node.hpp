@@ -31,8 +31,7 @@ class Node {
     static constexpr antiskid::can::Time kStep{10'000'000};
 
     /// All must outlive the node. `period_s`: control period, the step of the SYNC number.
-    Node(const antiskid::can::Layout& layout, double period_s, const Freshness& limits, Plc& plc,
-         const BusFeed& feed, antiskid::can::Bus& bus);
+    Node(const antiskid::can::Layout& layout, double period_s, const Freshness& limits, Plc& plc, const BusFeed& feed, antiskid::can::Bus& bus);
 
     struct Wishes {
         std::int64_t number = 0;  ///< of the maneuver, for the bus

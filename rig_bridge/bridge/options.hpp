@@ -29,8 +29,8 @@ struct RigOptions {
     std::uint64_t seed = 1;
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path dbc, binding, registers;  ///< empty: those of `config`
-    bool reset = true;  ///< a tripped PLC is led back while nothing is on and every interlock is good
-    bool leave_turning = false;  ///< after an abort: end although the rim may still turn
+    bool reset = true;                              ///< a tripped PLC is led back while nothing is on and every interlock is good
+    bool leave_turning = false;                     ///< after an abort: end although the rim may still turn
     int priority = 50;
     bool lockstep = false;        ///< step by the bus's SYNC, with a virtual rig that waits
     int answer_timeout_ms = 100;  ///< lockstep: with whoever does not answer
@@ -48,9 +48,9 @@ struct ManeuverCommand {
 struct CampaignCommand {
     RigOptions rig;
     CampaignRules rules;
-    std::string name;       ///< empty: the scenario's
-    bool changed = false;   ///< go on although scenario, seed or configuration changed
-    bool regulate = false;  ///< the slip reference shares wear between brake and tyre, maneuver by maneuver
+    std::string name;                  ///< empty: the scenario's
+    bool changed = false;              ///< go on although scenario, seed or configuration changed
+    bool regulate = false;             ///< the slip reference shares wear between brake and tyre, maneuver by maneuver
     std::filesystem::path regulation;  ///< plan and rules; empty: regulation.toml of the configuration
     std::string surfaces;              ///< that regulation has to reckon with; empty: those of its file
     std::filesystem::path wear_model;  ///< that judges the brake; empty: nobody does
@@ -100,8 +100,8 @@ struct PreflightCommand {
     std::uint32_t bitrate = 1'000'000;  ///< of the rig's CAN
     std::string json;                   ///< file, "-" for standard output, or empty
 };
-using BridgeCommand = std::variant<ManeuverCommand, CampaignCommand, StatusCommand, AmendCommand, NoteCommand,
-                                   HoldCommand, WatchCommand, PreflightCommand>;
+using BridgeCommand =
+    std::variant<ManeuverCommand, CampaignCommand, StatusCommand, AmendCommand, NoteCommand, HoldCommand, WatchCommand, PreflightCommand>;
 
 /// The command, or the exit status when there is nothing to do. Throws settings::Error or std::invalid_argument.
 [[nodiscard]] std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* const* argv);

@@ -32,9 +32,7 @@ struct BusHeard {
     std::string two_controllers;  ///< what shows that there are; empty: nothing does
     antiskid::can::Time until{};  ///< when listening ended, on the clock of the frames
 
-    [[nodiscard]] const antiskid::can::MessageStats& of(antiskid::can::Role role) const {
-        return stats[static_cast<std::size_t>(role)];
-    }
+    [[nodiscard]] const antiskid::can::MessageStats& of(antiskid::can::Role role) const { return stats[static_cast<std::size_t>(role)]; }
 };
 
 struct LedgerFacts {
@@ -64,11 +62,9 @@ struct PreflightDoors {
 /// Sensors and controller are heard, the controller has no fault, and there is no other of it or of the bridge.
 [[nodiscard]] Checks bus_checks(const BusHeard& heard, const Setup& setup);
 /// Whole, free, writable; and of this configuration where it has this scenario's campaign. `ledger`: empty: none is asked for.
-[[nodiscard]] Checks ledger_checks(const LedgerFacts& facts, const std::filesystem::path& ledger,
-                                   const Setup& setup);
+[[nodiscard]] Checks ledger_checks(const LedgerFacts& facts, const std::filesystem::path& ledger, const Setup& setup);
 
 /// A configuration that cannot be read is a check that failed.
-[[nodiscard]] antiskid::preflight::Report preflight_report(const PreflightCommand& command,
-                                                           const PreflightDoors& doors);
+[[nodiscard]] antiskid::preflight::Report preflight_report(const PreflightCommand& command, const PreflightDoors& doors);
 
 }  // namespace rig

@@ -31,16 +31,14 @@ Check link_check(const Snapshot& plc, const Setup& setup) {
                           .required = setup.options.plc + " answers",
                           .remedy = "cable, address, PLC in RUN; is its Modbus server on, and this computer "
                                     "on its list of peers?"});
-    check.figures = {{"requests", static_cast<double>(plc.counters.requests)},
-                     {"timeouts", static_cast<double>(plc.counters.timeouts)}};
+    check.figures = {{"requests", static_cast<double>(plc.counters.requests)}, {"timeouts", static_cast<double>(plc.counters.timeouts)}};
     return check;
 }
 
 Check heartbeat_check(const Snapshot& plc, const Freshness& limits) {
     const double age_s = plc.plc_watchdog_age_s;
     return judged("PLC heartbeat", age_s <= limits.watchdog_s,
-                  {.measured = std::isfinite(age_s) ? fmt::format("moved {:.0f} ms ago", 1e3 * age_s)
-                                                    : std::string("stands still"),
+                  {.measured = std::isfinite(age_s) ? fmt::format("moved {:.0f} ms ago", 1e3 * age_s) : std::string("stands still"),
                    .required = fmt::format("plc_watchdog moves within {:.0f} ms", 1e3 * limits.watchdog_s),
                    .remedy = "the PLC's program does not run, or counts another register"});
 }
@@ -50,13 +48,11 @@ Check registers_check(const Snapshot& plc, const Freshness& limits) {
     for (std::size_t i = 0; i < kMeasuredCount; ++i) {
         const auto q = static_cast<Measured>(i);
         if (plc.fresh(q, limits.registers_s)) continue;
-        wrong.push_back(plc.quality[i] == ValueQuality::good
-                            ? fmt::format("{} old", name(q))
-                            : fmt::format("{} {} ({:g})", name(q), name(plc.quality[i]), plc.values[i]));
+        wrong.push_back(plc.quality[i] == ValueQuality::good ? fmt::format("{} old", name(q))
+                                                             : fmt::format("{} {} ({:g})", name(q), name(plc.quality[i]), plc.values[i]));
     }
     return judged("PLC registers", wrong.empty(),
-                  {.measured = wrong.empty() ? fmt::format("{} good", kMeasuredCount)
-                                             : fmt::format("{}", fmt::join(wrong, ", ")),
+                  {.measured = wrong.empty() ? fmt::format("{} good", kMeasuredCount) : fmt::format("{}", fmt::join(wrong, ", ")),
                    .required = "each read, fresh, in its range",
                    .remedy = "sensor, or address, type, scale, range and word order of the register map"});
 }
@@ -65,9 +61,7 @@ Check interlock_check(const Snapshot& plc, Interlock interlock) {
     const auto bits = static_cast<unsigned>(plc.value(Measured::interlocks));
     const bool good = ((bits >> static_cast<unsigned>(interlock)) & 1U) != 0;
     return judged(fmt::format("interlock {}", name(interlock)), good,
-                  {.measured = good ? "good" : "open",
-                   .required = "good",
-                   .remedy = "find out who or what opened it (docs/rig_manual.md)"});
+                  {.measured = good ? "good" : "open", .required = "good", .remedy = "find out who or what opened it (docs/rig_manual.md)"});
 }
 
 Check state_check(const Snapshot& plc, bool bridge_resets) {
@@ -85,11 +79,10 @@ Check rest_check(const Snapshot& plc) {
     constexpr double kStands_mps = 0.1;
     const double speed = plc.value(Measured::flywheel_speed_mps);
     const bool touches = plc.value(Measured::wheel_on_rim) != 0.0;
-    return judged(
-        "rig at rest", std::abs(speed) < kStands_mps && !touches,
-        {.measured = fmt::format("rim {:.2f} m/s, wheel {}", speed, touches ? "on the rim" : "off it"),
-         .required = fmt::format("below {} m/s, wheel off the rim", kStands_mps),
-         .remedy = "wait until the flywheel stands; retract the sledge by the PLC"});
+    return judged("rig at rest", std::abs(speed) < kStands_mps && !touches,
+                  {.measured = fmt::format("rim {:.2f} m/s, wheel {}", speed, touches ? "on the rim" : "off it"),
+                   .required = fmt::format("below {} m/s, wheel off the rim", kStands_mps),
+                   .remedy = "wait until the flywheel stands; retract the sledge by the PLC"});
 }
 
 std::string refused_text(const antiskid::can::MessageStats& stats) {
@@ -104,33 +97,27 @@ std::string refused_text(const antiskid::can::MessageStats& stats) {
     return text;
 }
 
-Check frames_check(const BusHeard& heard, const Setup& setup, Role role, antiskid::can::Time received,
-                   double limit_s, std::string remedy) {
+Check frames_check(const BusHeard& heard, const Setup& setup, Role role, antiskid::can::Time received, double limit_s, std::string remedy) {
     const antiskid::can::MessageStats& stats = heard.of(role);
     const bool fresh = received != antiskid::control::kNever && seconds(heard.until - received) <= limit_s;
-    const std::string age = stats.accepted == 0
-                                ? std::string("no good one")
-                                : fmt::format("newest {:.0f} ms old", 1e3 * seconds(heard.until - received));
+    const std::string age =
+        stats.accepted == 0 ? std::string("no good one") : fmt::format("newest {:.0f} ms old", 1e3 * seconds(heard.until - received));
     return judged(fmt::format("{} frames", antiskid::can::name(role)), fresh && stats.rejected() == 0,
                   {.measured = fmt::format("{} good, {}; {}", stats.accepted, refused_text(stats), age),
-                   .required = fmt::format("0x{:03X} within {:.0f} ms, none refused", setup.layout[role].id,
-                                           1e3 * limit_s),
+                   .required = fmt::format("0x{:03X} within {:.0f} ms, none refused", setup.layout[role].id, 1e3 * limit_s),
                    .remedy = std::move(remedy)});
 }
 
 Check controller_check(const antiskid::can::ControllerView& controller, const std::string& interface) {
-    if (controller.status_received == antiskid::control::kNever)
-        return skipped("controller state", "not heard", "standby, no fault");
+    if (controller.status_received == antiskid::control::kNever) return skipped("controller state", "not heard", "standby, no fault");
     std::vector<std::string_view> faults;
     for (std::size_t i = 0; i < antiskid::control::kFaultCount; ++i)
-        if (controller.faults.contains(static_cast<antiskid::control::Fault>(i)))
-            faults.push_back(antiskid::can::kFaultNames.at(i));
+        if (controller.faults.contains(static_cast<antiskid::control::Fault>(i))) faults.push_back(antiskid::can::kFaultNames.at(i));
     // Until a bridge speaks its self-test cannot end.
     const bool waits = controller.state == State::standby || controller.state == State::self_test;
     return judged("controller state", waits && faults.empty(),
-                  {.measured = fmt::format(
-                       "{}{}{}", antiskid::can::kStateNames.at(static_cast<std::size_t>(controller.state)),
-                       faults.empty() ? "" : ": ", fmt::join(faults, ", ")),
+                  {.measured = fmt::format("{}{}{}", antiskid::can::kStateNames.at(static_cast<std::size_t>(controller.state)),
+                                           faults.empty() ? "" : ": ", fmt::join(faults, ", ")),
                    .required = "standby, or self_test until the bridge speaks; no fault",
                    .remedy = fmt::format("docs/faults.md; antiskid-controller --can {} --check", interface)});
 }
@@ -145,16 +132,14 @@ Checks plc_checks(const Snapshot& plc, const Setup& setup) {
         return checks;
     }
     const bool same = plc.link == LinkState::connected;
-    checks.push_back(judged("PLC register map", same,
-                            {.measured = same ? version : plc.error,
-                             .required = version,
-                             .remedy = "give the map of the PLC's program: --registers FILE"}));
+    checks.push_back(
+        judged("PLC register map", same,
+               {.measured = same ? version : plc.error, .required = version, .remedy = "give the map of the PLC's program: --registers FILE"}));
     if (!same) return checks;  // nothing else of it is believed
     checks.push_back(heartbeat_check(plc, setup.limits));
     checks.push_back(registers_check(plc, setup.limits));
     if (!plc.fresh(Measured::interlocks, setup.limits.registers_s)) return checks;
-    for (std::size_t i = 0; i < kInterlockCount; ++i)
-        checks.push_back(interlock_check(plc, static_cast<Interlock>(i)));
+    for (std::size_t i = 0; i < kInterlockCount; ++i) checks.push_back(interlock_check(plc, static_cast<Interlock>(i)));
     checks.push_back(state_check(plc, setup.options.reset));
     checks.push_back(rest_check(plc));
     return checks;
@@ -170,27 +155,23 @@ Check free_check(const std::string& holder) {
 Check only_bridge_check(const BusHeard& heard) {
     const std::uint32_t others = heard.of(Role::maneuver).accepted + heard.of(Role::maneuver).rejected();
     return judged("only bridge", others == 0,
-                  {.measured = others == 0 ? std::string("no other")
-                                           : fmt::format("another one sent {} commands", others),
+                  {.measured = others == 0 ? std::string("no other") : fmt::format("another one sent {} commands", others),
                    .required = "no other",
                    .remedy = "end the other bridge first: it has the rig"});
 }
 
 Check only_controller_check(const BusHeard& heard) {
     const bool one = heard.two_controllers.empty();
-    return judged(
-        "only controller", one,
-        {.measured = one ? std::string("no other") : heard.two_controllers,
-         .required = "one",
-         .remedy = "end one of them: pgrep -a antiskid-contro on this computer, or the other node"});
+    return judged("only controller", one,
+                  {.measured = one ? std::string("no other") : heard.two_controllers,
+                   .required = "one",
+                   .remedy = "end one of them: pgrep -a antiskid-contro on this computer, or the other node"});
 }
 
 Checks bus_checks(const BusHeard& heard, const Setup& setup) {
     const std::string& interface = setup.options.interface;
     Checks checks{judged("CAN socket", heard.refusal.empty(),
-                         {.measured = heard.refusal.empty() ? "open" : heard.refusal,
-                          .required = "open",
-                          .remedy = "as it says"})};
+                         {.measured = heard.refusal.empty() ? "open" : heard.refusal, .required = "open", .remedy = "as it says"})};
     if (!heard.refusal.empty()) return checks;
     const std::string cable = fmt::format("candump {}; then cable, node, DBC and binding", interface);
     const double sensors_s = setup.limits.sensors_s;
@@ -199,10 +180,8 @@ Checks bus_checks(const BusHeard& heard, const Setup& setup) {
     checks.push_back(frames_check(heard, setup, Role::flywheel, view.flywheel.received, sensors_s, cable));
     checks.push_back(frames_check(heard, setup, Role::pressure, view.pressure.received, sensors_s, cable));
     const auto& controller = view.controller;
-    const std::string start = fmt::format(
-        "systemctl start antiskid-controller@{0}, or antiskid-controller --can {0} --cpu 1", interface);
-    checks.push_back(frames_check(heard, setup, Role::status, controller.status_received,
-                                  setup.limits.controller_s, start));
+    const std::string start = fmt::format("systemctl start antiskid-controller@{0}, or antiskid-controller --can {0} --cpu 1", interface);
+    checks.push_back(frames_check(heard, setup, Role::status, controller.status_received, setup.limits.controller_s, start));
     checks.push_back(controller_check(controller, interface));
     checks.push_back(only_controller_check(heard));
     checks.push_back(only_bridge_check(heard));
@@ -212,22 +191,20 @@ Checks bus_checks(const BusHeard& heard, const Setup& setup) {
 Checks ledger_checks(const LedgerFacts& facts, const std::filesystem::path& ledger, const Setup& setup) {
     const std::string required = "whole, free, yours to write";
     if (ledger.empty()) return {skipped("ledger", "no --out", required)};
-    Checks checks{judged(
-        "ledger", facts.refusal.empty(),
-        {.measured = !facts.refusal.empty() ? facts.refusal
-                     : facts.there          ? fmt::format("whole, {} campaigns", facts.campaigns.size())
-                                            : std::string("none yet"),
-         .required = required,
-         .remedy = fmt::format("sqlite3 {} .recover, or end the program that holds it", ledger.string())})};
+    Checks checks{judged("ledger", facts.refusal.empty(),
+                         {.measured = !facts.refusal.empty() ? facts.refusal
+                                      : facts.there          ? fmt::format("whole, {} campaigns", facts.campaigns.size())
+                                                             : std::string("none yet"),
+                          .required = required,
+                          .remedy = fmt::format("sqlite3 {} .recover, or end the program that holds it", ledger.string())})};
     for (const Campaign& campaign : facts.campaigns) {
         if (campaign.name != setup.scenario.name) continue;
         // --regulate adds files of its own to the hash, so that another one need not be wrong.
-        checks.push_back(
-            judged("campaign's configuration", campaign.config_hash == setup.config_hash,
-                   {.measured = setup.config_hash,
-                    .required = campaign.config_hash,
-                    .remedy = "the files as they were when it began, or campaign --go-on-changed"},
-                   antiskid::preflight::Verdict::warn));
+        checks.push_back(judged("campaign's configuration", campaign.config_hash == setup.config_hash,
+                                {.measured = setup.config_hash,
+                                 .required = campaign.config_hash,
+                                 .remedy = "the files as they were when it began, or campaign --go-on-changed"},
+                                antiskid::preflight::Verdict::warn));
     }
     return checks;
 }

@@ -23,9 +23,7 @@ Snapshot look_at_plc(const Setup& setup) {
     constexpr auto kPatience = 3s;  // for the first connection
     const ModbusClient client(setup.map, parse_plc_address(setup.options.plc));
     const auto began = std::chrono::steady_clock::now();
-    while (client.snapshot().link == LinkState::connecting &&
-           std::chrono::steady_clock::now() - began < kPatience)
-        std::this_thread::sleep_for(20ms);
+    while (client.snapshot().link == LinkState::connecting && std::chrono::steady_clock::now() - began < kPatience) std::this_thread::sleep_for(20ms);
     std::this_thread::sleep_for(kLong);
     return client.snapshot();
 }
@@ -39,24 +37,19 @@ LedgerFacts look_at_ledger(const std::filesystem::path& ledger) {
     } catch (const std::runtime_error& error) {
         facts.refusal = error.what();
     }
-    if (facts.refusal.empty() && access(ledger.c_str(), W_OK) != 0)
-        facts.refusal = ledger.string() + ": " + std::generic_category().message(errno);
+    if (facts.refusal.empty() && access(ledger.c_str(), W_OK) != 0) facts.refusal = ledger.string() + ": " + std::generic_category().message(errno);
     return facts;
 }
 
 }  // namespace
 
 int run_preflight(const PreflightCommand& command) {
-    const PreflightDoors doors{
-        .machine =
-            [](const antiskid::preflight::MachineNeeds& needs) {
-                return antiskid::preflight::machine_facts(needs);
-            },
-        .link = [](const std::string& interface) { return antiskid::preflight::can_link(interface); },
-        .ledger = look_at_ledger,
-        .plc = look_at_plc,
-        .bus = [](const Setup& setup) { return listen_to_bus(setup, 1s); },
-        .holder = [](const Setup& setup) { return rig_held(hold_places(setup)).value_or(""); }};
+    const PreflightDoors doors{.machine = [](const antiskid::preflight::MachineNeeds& needs) { return antiskid::preflight::machine_facts(needs); },
+                               .link = [](const std::string& interface) { return antiskid::preflight::can_link(interface); },
+                               .ledger = look_at_ledger,
+                               .plc = look_at_plc,
+                               .bus = [](const Setup& setup) { return listen_to_bus(setup, 1s); },
+                               .holder = [](const Setup& setup) { return rig_held(hold_places(setup)).value_or(""); }};
     return deliver(preflight_report(command, doors), command.json);
 }
 

@@ -9,8 +9,7 @@ namespace rig {
 /// For the calling thread and all that it starts later.
 inline void enter_realtime(int priority, Terminal& terminal) {
     if (priority == 0) return;
-    for (const std::string& refused : antiskid::rt::enter_realtime({.priority = priority, .cpu = {}}))
-        terminal.say("rig-bridge: " + refused);
+    for (const std::string& refused : antiskid::rt::enter_realtime({.priority = priority, .cpu = {}})) terminal.say("rig-bridge: " + refused);
 }
 
 }  // namespace rig

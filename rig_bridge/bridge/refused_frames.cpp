@@ -6,8 +6,7 @@ using antiskid::can::Frame;
 using antiskid::can::MessageStats;
 using antiskid::can::Time;
 
-RefusedFrames::RefusedFrames(const antiskid::can::Layout& layout, antiskid::can::Role role)
-    : message_(layout[role]) {}
+RefusedFrames::RefusedFrames(const antiskid::can::Layout& layout, antiskid::can::Role role) : message_(layout[role]) {}
 
 void RefusedFrames::accept(const Frame& frame, const MessageStats& stats) {
     if (!message_.bound || frame.id != message_.id) return;

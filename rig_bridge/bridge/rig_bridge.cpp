@@ -53,8 +53,7 @@ int main(int argc, char** argv) {
     try {
         const auto parsed = rig::parse_bridge_command(argc, argv);
         if (const int* const status = std::get_if<int>(&parsed)) return *status;
-        return std::visit([](const auto& command) { return run(command); },
-                          std::get<rig::BridgeCommand>(parsed));
+        return std::visit([](const auto& command) { return run(command); }, std::get<rig::BridgeCommand>(parsed));
     } catch (const settings::Error& e) {
         return fail(2, e);
     } catch (const std::invalid_argument& e) {

@@ -22,8 +22,7 @@ bool takes_files(const char* directory) {
 }
 
 std::string file_name(const PlcAddress& plc, unsigned unit, std::uint64_t netns) {
-    if (const auto* const tcp = std::get_if<TcpServer>(&plc))
-        return fmt::format("antiskid-plc-{}-{}-{}-{}", netns, tcp->address, tcp->port, unit);
+    if (const auto* const tcp = std::get_if<TcpServer>(&plc)) return fmt::format("antiskid-plc-{}-{}-{}-{}", netns, tcp->address, tcp->port, unit);
     const std::string& path = std::get<SerialDevice>(plc).path;
     struct stat device {};
     if (stat(path.c_str(), &device) == 0 && S_ISCHR(device.st_mode))
@@ -54,13 +53,11 @@ std::filesystem::path lock_directory() {
         "written. Next: mkdir -p -m 1777 /run/lock");
 }
 
-std::vector<HoldPlace> hold_places(const std::filesystem::path& directory, const std::string& interface,
-                                   const PlcAddress& plc, unsigned unit, std::uint64_t netns) {
+std::vector<HoldPlace> hold_places(const std::filesystem::path& directory, const std::string& interface, const PlcAddress& plc, unsigned unit,
+                                   std::uint64_t netns) {
     const bool serial = std::holds_alternative<SerialDevice>(plc);
-    return {{.what = "CAN interface " + interface,
-             .file = directory / fmt::format("antiskid-can-{}-{}", netns, interface)},
-            {.what = to_string(plc) + (serial ? "" : fmt::format(", unit {}", unit)),
-             .file = directory / file_name(plc, unit, netns)}};
+    return {{.what = "CAN interface " + interface, .file = directory / fmt::format("antiskid-can-{}-{}", netns, interface)},
+            {.what = to_string(plc) + (serial ? "" : fmt::format(", unit {}", unit)), .file = directory / file_name(plc, unit, netns)}};
 }
 
 std::uint64_t network_namespace() {
@@ -69,22 +66,20 @@ std::uint64_t network_namespace() {
 }
 
 std::vector<HoldPlace> hold_places(const Setup& setup) {
-    return hold_places(lock_directory(), setup.options.interface, parse_plc_address(setup.options.plc),
-                       setup.map.unit_id, network_namespace());
+    return hold_places(lock_directory(), setup.options.interface, parse_plc_address(setup.options.plc), setup.map.unit_id, network_namespace());
 }
 
 std::string holder_text(const std::string& verb, const std::filesystem::path& records) {
     std::error_code none;
     const std::filesystem::path place = std::filesystem::absolute(records, none);
-    return fmt::format("rig-bridge {}, process {}, since {}, records in {}", verb, getpid(),
-                       iso_8601(std::chrono::system_clock::now()), (none ? records : place).string());
+    return fmt::format("rig-bridge {}, process {}, since {}, records in {}", verb, getpid(), iso_8601(std::chrono::system_clock::now()),
+                       (none ? records : place).string());
 }
 
 RigHold::RigHold(const std::vector<HoldPlace>& places, const std::string& who) {
     for (const HoldPlace& place : places) {
         auto held = hold(place.file, who);
-        if (const HeldBy* const other = std::get_if<HeldBy>(&held))
-            throw RigHeld(refusal(place.what, other->who));
+        if (const HeldBy* const other = std::get_if<HeldBy>(&held)) throw RigHeld(refusal(place.what, other->who));
         held_.push_back(std::move(std::get<std::unique_ptr<HeldFile>>(held)));
     }
 }

@@ -32,8 +32,7 @@ struct HoldPlace {
 
 /// CAN interface, then PLC. Both are names within a network namespace: the same name in another one (`netns`: inode of its /proc/PID/ns/net)
 /// is another rig. A serial line is what its device is, by whatever name: two units on one line are two masters there.
-[[nodiscard]] std::vector<HoldPlace> hold_places(const std::filesystem::path& directory,
-                                                 const std::string& interface, const PlcAddress& plc,
+[[nodiscard]] std::vector<HoldPlace> hold_places(const std::filesystem::path& directory, const std::string& interface, const PlcAddress& plc,
                                                  unsigned unit, std::uint64_t netns);
 /// This process's network namespace; 0 where /proc does not say.
 [[nodiscard]] std::uint64_t network_namespace();

@@ -8,8 +8,7 @@ namespace rig {
 class RigTime {
   public:
     /// `patience_s`: without a SYNC for so long, the machine's clock counts again.
-    explicit RigTime(double period_s, double patience_s = 0.2)
-        : period_s_(period_s), patience_s_(patience_s) {}
+    explicit RigTime(double period_s, double patience_s = 0.2) : period_s_(period_s), patience_s_(patience_s) {}
 
     /// Time now, s. Neither argument may fall; `syncs`: SYNC frames so far.
     double at(double wall_s, std::uint64_t syncs) {

@@ -26,8 +26,7 @@ std::uint64_t frames_kept(const E2e& protection) {
 bool whole(const Message& message, const Frame& frame) {
     const E2e& e2e = message.protection;
     if (frame.id != message.id || frame.length != message.length) return false;
-    return e2e.protection != Protection::counter_crc ||
-           frame.data[e2e.crc_byte] == antiskid::can::e2e_crc(frame, e2e);
+    return e2e.protection != Protection::counter_crc || frame.data[e2e.crc_byte] == antiskid::can::e2e_crc(frame, e2e);
 }
 
 }  // namespace
@@ -35,8 +34,7 @@ bool whole(const Message& message, const Frame& frame) {
 Senders::Senders(const Message& message) : message_(message), kept_(frames_kept(message.protection)) {}
 
 void Senders::accept(const Frame& frame) {
-    if (!message_.bound || message_.protection.protection == Protection::none || !whole(message_, frame))
-        return;
+    if (!message_.bound || message_.protection.protection == Protection::none || !whole(message_, frame)) return;
     const antiskid::can::Payload payload(frame.data);
     follow(frame, static_cast<std::uint32_t>(payload.read(message_.protection.counter)));
 }
@@ -53,8 +51,7 @@ void Senders::follow(const Frame& frame, std::uint32_t counter) {
     for (std::size_t i = 0; i < chains_.size(); ++i) {
         const Chain& chain = chains_[i];
         if (chain.newest < chains_[oldest].newest) oldest = i;
-        const bool goes_on =
-            lives(chain) && (chain.counter + 1) % message_.protection.counter_modulo == counter;
+        const bool goes_on = lives(chain) && (chain.counter + 1) % message_.protection.counter_modulo == counter;
         // Of two that would go on, it is the turn of the one that has waited longer.
         if (goes_on && (next == chains_.size() || chain.newest < chains_[next].newest)) next = i;
     }
@@ -85,8 +82,7 @@ std::string Senders::text() const {
     if (!several()) return {};
     const std::uint32_t at = chains_[last_].counter;
     if (repeated_) return fmt::format("every frame of 0x{:03X} comes twice, at counter {}", message_.id, at);
-    return fmt::format("two senders of 0x{:03X}, at counters {} and {}", message_.id,
-                       chains_[before_].counter, at);
+    return fmt::format("two senders of 0x{:03X}, at counters {} and {}", message_.id, chains_[before_].counter, at);
 }
 
 WhoSends::WhoSends(const antiskid::can::Layout& layout)

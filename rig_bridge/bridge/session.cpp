@@ -23,8 +23,7 @@ using sequencer::Phase;
 
 class Session::ModbusPlc final : public Plc {
   public:
-    ModbusPlc(const RegisterMap& map, const std::string& address, std::function<ClockTime()> now,
-              Polling polling)
+    ModbusPlc(const RegisterMap& map, const std::string& address, std::function<ClockTime()> now, Polling polling)
         : client_(map, parse_plc_address(address), std::move(now), polling) {}
     void look() { client_.look(); }
     void turn(std::uint16_t number) { client_.turn(number); }
@@ -42,8 +41,7 @@ std::string how_it_was(Phase phase, const Moment& moment) {
     const std::string note = note_of(moment);
     const auto state = static_cast<std::size_t>(moment.bus.view.controller.state);
     std::string text = "in " + std::string(name(phase));
-    if (moment.inputs.controller_fresh)
-        text += ", controller in " + std::string(antiskid::can::kStateNames[state]);
+    if (moment.inputs.controller_fresh) text += ", controller in " + std::string(antiskid::can::kStateNames[state]);
     return note.empty() ? text : text + ", " + note;
 }
 
@@ -57,21 +55,15 @@ Session::Session(const Setup& setup, antiskid::rt::StopSignals& stops, Terminal&
     : setup_(setup),
       stops_(stops),
       terminal_(terminal),
-      lockstep_(setup.options.lockstep
-                    ? std::make_optional<Lockstep>(
-                          setup.layout, Time(std::llround(setup.meter.period_s * 1e9)), Node::kStep,
-                          std::chrono::milliseconds(setup.options.answer_timeout_ms))
-                    : std::nullopt),
+      lockstep_(setup.options.lockstep ? std::make_optional<Lockstep>(setup.layout, Time(std::llround(setup.meter.period_s * 1e9)), Node::kStep,
+                                                                      std::chrono::milliseconds(setup.options.answer_timeout_ms))
+                                       : std::nullopt),
       plc_(std::make_unique<ModbusPlc>(
           setup.map, setup.options.plc, [this] { return lockstep_ ? lockstep_->now() : clock_.now(); },
           lockstep_ ? Polling::turns : Polling::own_thread)),
-      bus_([&setup] {
-          return std::make_unique<antiskid::can::SocketCan>(setup.options.interface,
-                                                            std::span<const std::uint16_t>{});
-      }),
+      bus_([&setup] { return std::make_unique<antiskid::can::SocketCan>(setup.options.interface, std::span<const std::uint16_t>{}); }),
       recorder_(
-          setup.options.interface, setup.layout, setup.meter, [this] { (void)bus_.service(); },
-          lockstep_ ? &*lockstep_ : nullptr),
+          setup.options.interface, setup.layout, setup.meter, [this] { (void)bus_.service(); }, lockstep_ ? &*lockstep_ : nullptr),
       node_(setup.layout, setup.meter.period_s, setup.limits, *plc_, recorder_, bus_),
       timer_(clock_, Node::kStep) {
     if (!lockstep_) return;
@@ -90,9 +82,8 @@ const Moment& Session::step(sequencer::Sequencer* sequencer, const Order* order)
     if (stops > 1) throw EndAtOnce{};
     if (lockstep_) plc_->look();
     const std::int64_t number = order == nullptr ? 0 : order->number;
-    const Moment& moment =
-        node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
-                   lockstep_ ? lockstep_->now() : clock_.now());
+    const Moment& moment = node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
+                                      lockstep_ ? lockstep_->now() : clock_.now());
     if (lockstep_) plc_->turn(lockstep_->taken());
     if (const std::string second = second_sender_text(moment.bus); !second.empty() && !second_sender_) {
         terminal_.say(fmt::format("rig-bridge: {}. Next: end one of them", second));
@@ -105,8 +96,7 @@ void Session::meanwhile(const std::function<void()>& work) {
     meanwhile(work, nullptr, nullptr);
 }
 
-void Session::meanwhile(const std::function<void()>& work, sequencer::Sequencer* sequencer,
-                        const Order* order) {
+void Session::meanwhile(const std::function<void()>& work, sequencer::Sequencer* sequencer, const Order* order) {
     if (lockstep_) return work();
     auto done = std::async(std::launch::async, work);
     while (done.wait_for(std::chrono::seconds(0)) != std::future_status::ready) (void)step(sequencer, order);
@@ -144,8 +134,7 @@ void Session::await_cold_brake(const Order& order) {
             continue;
         }
         if (!m.inputs.plc_fresh && waited_s > kFirstReading_s) return;  // the sequencer says so
-        const bool hot =
-            m.inputs.brake_temperature_C > std::min(order.plan.cool_to_C, order.plan.brake_on_limit_C);
+        const bool hot = m.inputs.brake_temperature_C > std::min(order.plan.cool_to_C, order.plan.brake_on_limit_C);
         if (m.inputs.plc_fresh && (!hot || waited_s > order.plan.cool_down_limit_s)) return;
         show(order, m, m.inputs.plc_fresh ? "waits for the brake to cool" : "waits for the PLC");
     }
@@ -215,9 +204,7 @@ void Session::watch_rim(double standstill_mps) {
 
 void Session::tell_of_abort(const Ran& ran, const std::filesystem::path& folder, const std::string& outcome) {
     if (setup_.options.on_abort.empty()) return;
-    const std::string next = ran.record_error.empty()
-                                 ? ran.advice
-                                 : ran.record_error + ". Next: make room, or give another disk; start again";
+    const std::string next = ran.record_error.empty() ? ran.advice : ran.record_error + ". Next: make room, or give another disk; start again";
     const std::vector<std::string> news = environment_of({.outcome = outcome,
                                                           .cause = ran.summary.outcome,
                                                           .next_step = next,
@@ -244,8 +231,7 @@ Ran Session::run(const Order& order) {
     const std::string started = iso_8601(std::chrono::system_clock::now());
     recorder_.begin(order.folder / "bus.log");
     constexpr std::size_t kQueue_bytes = std::size_t{1} << 20U;  // a minute
-    SampleLog samples(std::make_unique<LiveFile>(order.folder / "modbus.csv",
-                                                 LiveFileOptions{.queue_bytes = kQueue_bytes}));
+    SampleLog samples(std::make_unique<LiveFile>(order.folder / "modbus.csv", LiveFileOptions{.queue_bytes = kQueue_bytes}));
     sequence(order, sequencer, samples);
     Ran ran{.summary = {}, .record_error = {}, .trace = {}, .note = note_, .advice = advice_, .outside = {}};
     ran.trace = std::move(trace_);

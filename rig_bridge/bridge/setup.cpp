@@ -41,28 +41,24 @@ Setup load_setup(const RigOptions& o, const std::vector<std::filesystem::path>& 
     check_texts(o.specimen);
     if (!o.on_abort.empty()) check_hook(o.on_abort);
     const Scenario scenario = load_scenario(o.scenario, o.config);
-    Setup s{
-        .options = o,
-        .scenario = scenario,
-        .layout = antiskid::can::load_layout(dbc, binding, {.pressure_Pa = scenario.rig.full_pressure_Pa}),
-        .map = load_register_map(registers),
-        .meter = {},
-        .limits = {},
-        .config_hash = {}};
+    Setup s{.options = o,
+            .scenario = scenario,
+            .layout = antiskid::can::load_layout(dbc, binding, {.pressure_Pa = scenario.rig.full_pressure_Pa}),
+            .map = load_register_map(registers),
+            .meter = {},
+            .limits = {},
+            .config_hash = {}};
     if (!s.layout.maneuver.has(static_cast<antiskid::control::Law>(s.scenario.mean.law)))
         throw std::invalid_argument(dbc.string() + ": the law's field is too narrow for the scenario's law");
     const auto controller = antiskid::load_controller_config(s.scenario.controller);
     s.meter = meter_parameters(s.scenario, controller);
     if (!s.layout[Role::maneuver_state].bound)
-        throw std::invalid_argument(
-            binding.string() +
-            ": [maneuver_state] is missing: figures are counted from it, the bridge needs it");
+        throw std::invalid_argument(binding.string() + ": [maneuver_state] is missing: figures are counted from it, the bridge needs it");
     if (o.lockstep && !s.layout.sync_counter.bound())
         throw std::invalid_argument(binding.string() + ": [sync] has no number: --clock sync steps by it");
     if (o.lockstep && !s.map.bridge_turn)
-        throw std::invalid_argument(
-            registers.string() +
-            ": [virtual.bridge_turn] is missing: --clock sync needs a virtual PLC that waits for the bridge");
+        throw std::invalid_argument(registers.string() +
+                                    ": [virtual.bridge_turn] is missing: --clock sync needs a virtual PLC that waits for the bridge");
     const auto bridge = o.config / "bridge.toml";
     s.limits = load_freshness(bridge, s.map);
     std::vector<std::filesystem::path> files = s.scenario.files;

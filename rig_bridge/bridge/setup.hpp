@@ -24,7 +24,6 @@ struct Setup {
 
 /// Throws settings::Error or std::invalid_argument with what is wrong and what would be right.
 /// `also`: further files for the hash.
-[[nodiscard]] Setup load_setup(const RigOptions& options,
-                               const std::vector<std::filesystem::path>& also = {});
+[[nodiscard]] Setup load_setup(const RigOptions& options, const std::vector<std::filesystem::path>& also = {});
 
 }  // namespace rig

@@ -16,23 +16,19 @@ std::string failed(const Checks& checks) {
     std::string text = "not started";
     for (const Check& check : checks) {
         if (check.verdict != antiskid::preflight::Verdict::fail) continue;
-        text += fmt::format("\n  {}: {}; required: {}. Next: {}", check.name, check.measured, check.required,
-                            check.remedy);
+        text += fmt::format("\n  {}: {}; required: {}. Next: {}", check.name, check.measured, check.required, check.remedy);
     }
     return text;
 }
 
 }  // namespace
 
-Checks start_checks(const StartFacts& facts, const std::string& interface,
-                    const std::filesystem::path& record) {
+Checks start_checks(const StartFacts& facts, const std::string& interface, const std::filesystem::path& record) {
     // Which bit rate is right only `preflight --bitrate` is told.
     Checks checks = can_link_checks(facts.link, interface, facts.link.bitrate);
-    checks.push_back(record_check(facts.machine, {.program = "rig-bridge",
-                                                  .priority = 0,
-                                                  .cpu = {},
-                                                  .record = record.empty() ? "." : record,
-                                                  .record_bytes = kManeuver_bytes}));
+    checks.push_back(
+        record_check(facts.machine,
+                     {.program = "rig-bridge", .priority = 0, .cpu = {}, .record = record.empty() ? "." : record, .record_bytes = kManeuver_bytes}));
     if (!facts.bus.refusal.empty()) return checks;
     checks.push_back(only_bridge_check(facts.bus));
     checks.push_back(only_controller_check(facts.bus));
@@ -42,9 +38,7 @@ Checks start_checks(const StartFacts& facts, const std::string& interface,
 NotFit::NotFit(const Checks& checks) : std::runtime_error(failed(checks)) {}
 
 void check_start(const Setup& setup, const std::filesystem::path& record) {
-    StartFacts facts{.link = antiskid::preflight::can_link(setup.options.interface),
-                     .machine = {},
-                     .bus = listen_to_bus(setup, kListen)};
+    StartFacts facts{.link = antiskid::preflight::can_link(setup.options.interface), .machine = {}, .bus = listen_to_bus(setup, kListen)};
     antiskid::preflight::look_at_record(facts.machine, record.empty() ? "." : record);
     const Checks checks = start_checks(facts, setup.options.interface, record);
     for (const Check& check : checks)

@@ -16,8 +16,7 @@ struct StartFacts {
 };
 
 /// Interface, disk, no second bridge on the bus, no second controller. `record`: where the record goes.
-[[nodiscard]] Checks start_checks(const StartFacts& facts, const std::string& interface,
-                                  const std::filesystem::path& record);
+[[nodiscard]] Checks start_checks(const StartFacts& facts, const std::string& interface, const std::filesystem::path& record);
 
 /// The start is refused: each check that failed, with its next step.
 class NotFit : public std::runtime_error {

@@ -43,8 +43,7 @@ Spread spread(const std::vector<LedgerRow>& rows, double Figures::*value) {
 }
 
 std::int64_t count(const std::vector<LedgerRow>& rows, RowState state) {
-    return std::count_if(rows.begin(), rows.end(),
-                         [state](const LedgerRow& row) { return row.state == state; });
+    return std::count_if(rows.begin(), rows.end(), [state](const LedgerRow& row) { return row.state == state; });
 }
 
 /// Of a maneuver whose bridge is dead: the next one settles it.
@@ -55,12 +54,9 @@ struct Looked {
     std::vector<LedgerRow> rows;
     bool held = false;
 
-    [[nodiscard]] const char* state(const LedgerRow& row) const {
-        return row.state == RowState::running && !held ? kLeft : name(row.state);
-    }
+    [[nodiscard]] const char* state(const LedgerRow& row) const { return row.state == RowState::running && !held ? kLeft : name(row.state); }
     [[nodiscard]] double cumulative_energy_J() const {
-        const auto newest =
-            std::find_if(rows.rbegin(), rows.rend(), [](const LedgerRow& row) { return row.has_figures; });
+        const auto newest = std::find_if(rows.rbegin(), rows.rend(), [](const LedgerRow& row) { return row.has_figures; });
         return newest == rows.rend() ? 0.0 : newest->summary.cumulative_energy_J;
     }
 };
@@ -74,29 +70,24 @@ nlohmann::ordered_json regulation_of(const std::filesystem::path& ledger, const 
     std::ifstream in(regulation_file(ledger.parent_path(), campaign), std::ios::binary);
     if (!in) return nullptr;
     auto json = nlohmann::ordered_json::parse(in, nullptr, false);
-    return json.is_object() && json.contains("line") && json["line"].is_string() ? json
-                                                                                 : nlohmann::ordered_json();
+    return json.is_object() && json.contains("line") && json["line"].is_string() ? json : nlohmann::ordered_json();
 }
 
 std::string row_text(const LedgerRow& row, const char* state) {
     const Figures& f = row.summary.figures;
-    std::string text = fmt::format("  {:>6} {:>7}  {:<10} {:<20}", row.attempt.number, row.attempt.attempt,
-                                   state, row.summary.started);
+    std::string text = fmt::format("  {:>6} {:>7}  {:<10} {:<20}", row.attempt.number, row.attempt.attempt, state, row.summary.started);
     if (row.state == RowState::finished)
-        text += fmt::format(
-            " {:8.2f} {:8.2f} {:8.1f} {:9.1f} {:8.4f} {:10.3f} {:>6}  {}", f.brake_on_mps, f.duration_s,
-            f.length_m, f.mean_torque_Nm, f.mean_friction, row.summary.cumulative_energy_J * 1e-6,
-            std::isfinite(row.slip_reference) ? fmt::format("{:.3f}", row.slip_reference) : "-",
-            name(row.health.state) + std::string(off_conditions(row.summary) ? "  out_of_tolerance" : ""));
+        text += fmt::format(" {:8.2f} {:8.2f} {:8.1f} {:9.1f} {:8.4f} {:10.3f} {:>6}  {}", f.brake_on_mps, f.duration_s, f.length_m, f.mean_torque_Nm,
+                            f.mean_friction, row.summary.cumulative_energy_J * 1e-6,
+                            std::isfinite(row.slip_reference) ? fmt::format("{:.3f}", row.slip_reference) : "-",
+                            name(row.health.state) + std::string(off_conditions(row.summary) ? "  out_of_tolerance" : ""));
     else if (row.state == RowState::aborted)
         text += " " + row.summary.outcome;
     text += "\n";
     for (const std::string& warning : row.summary.warnings) text += "          " + warning + "\n";
-    for (const Note& n : row.notes)
-        text += fmt::format("          {}: {}, says {}, {}\n", n.field, n.text, n.who, n.made);
+    for (const Note& n : row.notes) text += fmt::format("          {}: {}, says {}, {}\n", n.field, n.text, n.who, n.made);
     for (const Amendment& a : row.amendments)
-        text += fmt::format("          counts {:.3f} MJ, says {}, {}: {}\n", a.counted_J * 1e-6, a.who,
-                            a.made, a.why);
+        text += fmt::format("          counts {:.3f} MJ, says {}, {}: {}\n", a.counted_J * 1e-6, a.who, a.made, a.why);
     return text;
 }
 
@@ -107,32 +98,25 @@ std::string campaign_text(const Campaign& campaign, const Looked& looked) {
     std::string text = fmt::format(
         "campaign {}: scenario {}, seed {}, {} of {} maneuvers finished; {} aborted, {} unfinished, {} "
         "{}; {:.3f} MJ\n",
-        campaign.name, campaign.scenario, campaign.seed, finished, campaign.planned,
-        count(rows, RowState::aborted), count(rows, RowState::unfinished), count(rows, RowState::running),
-        looked.held ? name(RowState::running) : "left by a dead bridge", looked.cumulative_energy_J() * 1e-6);
-    if (const std::string specimen = to_text(campaign.specimen); !specimen.empty())
-        text += "  " + specimen + "\n";
+        campaign.name, campaign.scenario, campaign.seed, finished, campaign.planned, count(rows, RowState::aborted),
+        count(rows, RowState::unfinished), count(rows, RowState::running), looked.held ? name(RowState::running) : "left by a dead bridge",
+        looked.cumulative_energy_J() * 1e-6);
+    if (const std::string specimen = to_text(campaign.specimen); !specimen.empty()) text += "  " + specimen + "\n";
     if (finished > 0) {
         text += fmt::format("  {:<24} {:>14} {:>14}\n", "of those finished", "mean", "deviation");
         for (const FigureField& field : kFigureFields) {
             const Spread s = spread(rows, field.value);
-            text += fmt::format("  {:<24} {:>14.4f} {:>14.4f} {}\n", field.label, s.mean * field.scale,
-                                s.deviation * field.scale, field.unit);
+            text += fmt::format("  {:<24} {:>14.4f} {:>14.4f} {}\n", field.label, s.mean * field.scale, s.deviation * field.scale, field.unit);
         }
     }
     if (rows.empty()) return text;
-    const auto judged = std::find_if(rows.rbegin(), rows.rend(),
-                                     [](const LedgerRow& row) { return !row.health.model.empty(); });
-    if (judged != rows.rend())
-        text += fmt::format("  brake after maneuver {}: {}\n", judged->attempt.number,
-                            health_text(judged->health));
-    text += fmt::format("  {:>6} {:>7}  {:<10} {:<20} {:>8} {:>8} {:>8} {:>9} {:>8} {:>10} {:>6}  {}\n",
-                        "number", "attempt", "state", "started", "m/s", "s", "m", "N m", "mu_b", "MJ in all",
-                        "slip", "brake");
+    const auto judged = std::find_if(rows.rbegin(), rows.rend(), [](const LedgerRow& row) { return !row.health.model.empty(); });
+    if (judged != rows.rend()) text += fmt::format("  brake after maneuver {}: {}\n", judged->attempt.number, health_text(judged->health));
+    text += fmt::format("  {:>6} {:>7}  {:<10} {:<20} {:>8} {:>8} {:>8} {:>9} {:>8} {:>10} {:>6}  {}\n", "number", "attempt", "state", "started",
+                        "m/s", "s", "m", "N m", "mu_b", "MJ in all", "slip", "brake");
     for (std::size_t i = rows.size() - std::min(rows.size(), kShown); i < rows.size(); ++i) {
         const Specimen& is = rows[i].summary.specimen;
-        if (i > 0 && is != rows[i - 1].summary.specimen)
-            text += fmt::format("          from here on: {}\n", to_text(is));
+        if (i > 0 && is != rows[i - 1].summary.specimen) text += fmt::format("          from here on: {}\n", to_text(is));
         text += row_text(rows[i], looked.state(rows[i]));
     }
     return text;
@@ -156,47 +140,34 @@ std::string status_json(const std::filesystem::path& ledger) {
     for (const Campaign& campaign : read_campaigns(ledger)) {
         const Looked looked = look(ledger, campaign.name);
         const std::vector<LedgerRow>& rows = looked.rows;
-        nlohmann::ordered_json one{{"name", campaign.name},
-                                   {"scenario", campaign.scenario},
-                                   {"seed", campaign.seed},
-                                   {"planned", campaign.planned},
-                                   {"config_hash", campaign.config_hash},
-                                   {"version", campaign.version}};
+        nlohmann::ordered_json one{{"name", campaign.name},       {"scenario", campaign.scenario},       {"seed", campaign.seed},
+                                   {"planned", campaign.planned}, {"config_hash", campaign.config_hash}, {"version", campaign.version}};
         for (const SpecimenField& field : kSpecimenFields) one[field.key] = campaign.specimen.*field.value;
         const auto hold = read_hold(ledger.parent_path());
-        one["hold"] =
-            hold ? nlohmann::ordered_json{{"who", hold->who}, {"since", hold->since}, {"why", hold->why}}
-                 : nlohmann::ordered_json(nullptr);
-        for (const RowState state : {RowState::finished, RowState::aborted, RowState::unfinished})
-            one[name(state)] = count(rows, state);
+        one["hold"] = hold ? nlohmann::ordered_json{{"who", hold->who}, {"since", hold->since}, {"why", hold->why}} : nlohmann::ordered_json(nullptr);
+        for (const RowState state : {RowState::finished, RowState::aborted, RowState::unfinished}) one[name(state)] = count(rows, state);
         const std::int64_t begun = count(rows, RowState::running);
         one[name(RowState::running)] = looked.held ? begun : 0;
         one[kLeft] = looked.held ? 0 : begun;
         one["cumulative_energy_J"] = looked.cumulative_energy_J();
         auto list = nlohmann::ordered_json::array();
         for (const LedgerRow& row : rows) {
-            nlohmann::ordered_json entry{
-                {"number", row.attempt.number},   {"attempt", row.attempt.attempt},
-                {"state", looked.state(row)},     {"started", row.summary.started},
-                {"outcome", row.summary.outcome}, {"cumulative_energy_J", row.summary.cumulative_energy_J}};
-            for (const FigureField& field : kFigureFields)
-                entry[field.key] = row.summary.figures.*field.value;
+            nlohmann::ordered_json entry{{"number", row.attempt.number},   {"attempt", row.attempt.attempt},
+                                         {"state", looked.state(row)},     {"started", row.summary.started},
+                                         {"outcome", row.summary.outcome}, {"cumulative_energy_J", row.summary.cumulative_energy_J}};
+            for (const FigureField& field : kFigureFields) entry[field.key] = row.summary.figures.*field.value;
             if (std::isfinite(row.slip_reference)) entry["slip_reference"] = row.slip_reference;
-            entry["out_of_tolerance"] = row.summary.out_of_tolerance
-                                            ? nlohmann::ordered_json(*row.summary.out_of_tolerance)
-                                            : nlohmann::ordered_json(nullptr);
+            entry["out_of_tolerance"] =
+                row.summary.out_of_tolerance ? nlohmann::ordered_json(*row.summary.out_of_tolerance) : nlohmann::ordered_json(nullptr);
             entry["warnings"] = row.summary.warnings;
-            for (const SpecimenField& field : kSpecimenFields)
-                entry[field.key] = row.summary.specimen.*field.value;
+            for (const SpecimenField& field : kSpecimenFields) entry[field.key] = row.summary.specimen.*field.value;
             auto notes = nlohmann::ordered_json::array();
-            for (const Note& n : row.notes)
-                notes.push_back({{"field", n.field}, {"text", n.text}, {"who", n.who}, {"made", n.made}});
+            for (const Note& n : row.notes) notes.push_back({{"field", n.field}, {"text", n.text}, {"who", n.who}, {"made", n.made}});
             entry["noted"] = std::move(notes);
             if (!row.amendments.empty()) {
                 auto amendments = nlohmann::ordered_json::array();
                 for (const Amendment& a : row.amendments)
-                    amendments.push_back(
-                        {{"counted_J", a.counted_J}, {"who", a.who}, {"made", a.made}, {"why", a.why}});
+                    amendments.push_back({{"counted_J", a.counted_J}, {"who", a.who}, {"made", a.made}, {"why", a.why}});
                 entry["amendments"] = std::move(amendments);
             }
             entry["health"] = name(row.health.state);

@@ -10,8 +10,7 @@
 
 namespace rig {
 
-Terminal::Terminal(int descriptor, std::optional<bool> live)
-    : descriptor_(descriptor), live_(live.value_or(::isatty(descriptor) == 1)) {}
+Terminal::Terminal(int descriptor, std::optional<bool> live) : descriptor_(descriptor), live_(live.value_or(::isatty(descriptor) == 1)) {}
 
 std::size_t Terminal::columns() const {
     constexpr std::size_t kUsual = 100;

@@ -75,8 +75,7 @@ Inputs look(const Snapshot& plc, const BusNow& bus, Time now, const Freshness& l
     if (!listening) return in;
     in.two_senders = !bus.two_controllers.empty() || !bus.two_bridges.empty();
     const antiskid::can::BusView& v = bus.view;
-    in.sensors_fresh = heard(v.wheel.received, bus.looked, limits.sensors_s) &&
-                       heard(v.flywheel.received, bus.looked, limits.sensors_s) &&
+    in.sensors_fresh = heard(v.wheel.received, bus.looked, limits.sensors_s) && heard(v.flywheel.received, bus.looked, limits.sensors_s) &&
                        heard(v.pressure.received, bus.looked, limits.sensors_s);
     in.rim_mps = bus.rim_mps;
     if (in.sensors_fresh) in.rim_age_s = age_s(v.flywheel.received, bus.looked);
@@ -86,8 +85,7 @@ Inputs look(const Snapshot& plc, const BusNow& bus, Time now, const Freshness& l
     in.controller_fresh = heard(v.controller.status_received, bus.looked, limits.controller_s);
     in.controller_standby = v.controller.state == State::standby;
     in.controller_safe = v.controller.state == State::safe;
-    in.controller_armed =
-        !in.controller_standby && !in.controller_safe && v.controller.state != State::self_test;
+    in.controller_armed = !in.controller_standby && !in.controller_safe && v.controller.state != State::self_test;
     return in;
 }
 
@@ -126,8 +124,7 @@ antiskid::can::LoadCellSample load_cells(const MeasuredValues& plc) {
 }
 
 bool load_cells_fresh(const Snapshot& plc, const Freshness& limits) {
-    return plc.fresh(Measured::vertical_load_N, limits.load_cells_s) &&
-           plc.fresh(Measured::longitudinal_force_N, limits.load_cells_s) &&
+    return plc.fresh(Measured::vertical_load_N, limits.load_cells_s) && plc.fresh(Measured::longitudinal_force_N, limits.load_cells_s) &&
            plc.fresh(Measured::brake_torque_Nm, limits.load_cells_s);
 }
 

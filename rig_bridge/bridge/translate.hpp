@@ -24,14 +24,12 @@ struct Freshness {
 [[nodiscard]] bool plc_fresh(const Snapshot& plc, const Freshness& limits);
 
 /// `now`: steady clock.
-[[nodiscard]] sequencer::Inputs look(const Snapshot& plc, const BusNow& bus, antiskid::can::Time now,
-                                     const Freshness& limits);
+[[nodiscard]] sequencer::Inputs look(const Snapshot& plc, const BusNow& bus, antiskid::can::Time now, const Freshness& limits);
 
 [[nodiscard]] CommandedValues commands(const sequencer::Outputs& out, bool reset);
 
 /// What the bridge says on the bus; load cells apart, see load_cells().
-[[nodiscard]] antiskid::can::RigSample telegram(const sequencer::Outputs& out, const MeasuredValues& plc,
-                                                std::int64_t maneuver_number);
+[[nodiscard]] antiskid::can::RigSample telegram(const sequencer::Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number);
 [[nodiscard]] antiskid::can::LoadCellSample load_cells(const MeasuredValues& plc);
 [[nodiscard]] bool load_cells_fresh(const Snapshot& plc, const Freshness& limits);
 

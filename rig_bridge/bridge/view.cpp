@@ -18,8 +18,7 @@ constexpr int kBar = 24;
 
 std::string bar(double share) {
     const int full = share > 0.0 ? static_cast<int>(std::min(share, 1.0) * kBar) : 0;
-    return std::string(static_cast<std::size_t>(full), '#') +
-           std::string(static_cast<std::size_t>(kBar - full), '.');
+    return std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kBar - full), '.');
 }
 
 /// How much of the phase's speed change is done; phases without one show nothing.
@@ -46,11 +45,9 @@ std::string abort_text(const ViewModel& v) {
 }
 
 std::string campaign_text(const CampaignView& c) {
-    const double done =
-        c.planned > 0 ? static_cast<double>(c.finished) / static_cast<double>(c.planned) : 0.0;
+    const double done = c.planned > 0 ? static_cast<double>(c.finished) / static_cast<double>(c.planned) : 0.0;
     const std::string left = c.left_s ? duration_text(*c.left_s) + " left" : std::string("time left unknown");
-    return fmt::format("maneuver {}  [{}] {} of {} finished, {}", c.number, bar(done), c.finished, c.planned,
-                       left);
+    return fmt::format("maneuver {}  [{}] {} of {} finished, {}", c.number, bar(done), c.finished, c.planned, left);
 }
 
 }  // namespace
@@ -84,15 +81,12 @@ std::vector<std::string> screen(const ViewModel& v, std::size_t columns) {
     std::vector<std::string> lines;
     lines.push_back(v.campaign ? fmt::format("{}  {}", v.scenario, campaign_text(*v.campaign)) : v.scenario);
     if (v.campaign && !v.campaign->regulation.empty()) lines.push_back(v.campaign->regulation);
-    lines.push_back(fmt::format("{:<10} {:7.2f} s  [{}]  {:.1f} s in this phase{}", name(v.phase), v.time_s,
-                                bar(share(v)), v.phase_s, abort_text(v)));
     lines.push_back(
-        fmt::format("rim {:6.2f} m/s   wheel {:6.2f} m/s   slip {:6.3f}", v.rim_mps, v.wheel_mps, v.slip));
-    lines.push_back(
-        fmt::format("pressure {:5.2f} MPa   load {:6.2f} kN   torque {:6.2f} kN m   brake {:5.1f} °C",
-                    v.pressure_Pa * 1e-6, v.load_N * 1e-3, v.torque_Nm * 1e-3, v.temperature_C));
-    lines.push_back(fmt::format("controller {:<20}  PLC {:<10}  bus {:<4}  {} frames, {} dropped",
-                                v.controller, v.plc, v.bus, v.frames, v.dropped));
+        fmt::format("{:<10} {:7.2f} s  [{}]  {:.1f} s in this phase{}", name(v.phase), v.time_s, bar(share(v)), v.phase_s, abort_text(v)));
+    lines.push_back(fmt::format("rim {:6.2f} m/s   wheel {:6.2f} m/s   slip {:6.3f}", v.rim_mps, v.wheel_mps, v.slip));
+    lines.push_back(fmt::format("pressure {:5.2f} MPa   load {:6.2f} kN   torque {:6.2f} kN m   brake {:5.1f} °C", v.pressure_Pa * 1e-6,
+                                v.load_N * 1e-3, v.torque_Nm * 1e-3, v.temperature_C));
+    lines.push_back(fmt::format("controller {:<20}  PLC {:<10}  bus {:<4}  {} frames, {} dropped", v.controller, v.plc, v.bus, v.frames, v.dropped));
     lines.push_back(fmt::format("faults: {}{}{}", fault_text(v), v.note.empty() ? "" : "   ", v.note));
     if (v.campaign && !v.campaign->health.empty()) lines.push_back("brake " + v.campaign->health);
     for (std::string& line : lines) line = fit(line, columns);
@@ -103,15 +97,13 @@ std::string plain_line(const ViewModel& v) {
     std::string line = fmt::format(
         "{:8.2f} s {:<10} {:6.2f} m/s  slip {:6.3f}  {:5.2f} MPa  {:6.2f} kN  {:5.1f} degC  controller {}, "
         "PLC {}, bus {}",
-        v.time_s, name(v.phase), v.rim_mps, v.slip, v.pressure_Pa * 1e-6, v.load_N * 1e-3, v.temperature_C,
-        v.controller, v.plc, v.bus);
+        v.time_s, name(v.phase), v.rim_mps, v.slip, v.pressure_Pa * 1e-6, v.load_N * 1e-3, v.temperature_C, v.controller, v.plc, v.bus);
     line += abort_text(v);
     if (!v.faults.empty()) line += "  faults: " + fault_text(v);
     if (!v.note.empty()) line += "  " + v.note;
     if (v.campaign)
         line += "  " + fmt::format("[{} of {}, {}]", v.campaign->number, v.campaign->planned,
-                                   v.campaign->left_s ? duration_text(*v.campaign->left_s) + " left"
-                                                      : "time left unknown");
+                                   v.campaign->left_s ? duration_text(*v.campaign->left_s) + " left" : "time left unknown");
     if (v.campaign && !v.campaign->health.empty()) line += "  brake " + v.campaign->health;
     return line;
 }

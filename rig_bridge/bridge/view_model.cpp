@@ -36,8 +36,7 @@ ViewModel view_of(const Moment& m, const Freshness& limits) {
     v.torque_Nm = or_zero(m.plc.value(Measured::brake_torque_Nm));
     v.temperature_C = or_zero(m.plc.value(Measured::brake_temperature_C));
     const auto& controller = m.bus.view.controller;
-    v.controller = m.inputs.controller_fresh
-                       ? antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)]
+    v.controller = m.inputs.controller_fresh          ? antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)]
                    : m.bus.controller_refused.empty() ? std::string_view("silent")
                                                       : std::string_view("refused");
     v.plc = plc_state(m);
@@ -54,22 +53,19 @@ ViewModel view_of(const Moment& m, const Freshness& limits) {
 std::optional<double> rim_speed_mps(const Moment& m) {
     std::optional<double> rim_mps;
     if (m.inputs.plc_fresh) rim_mps = m.inputs.flywheel_mps;
-    if (m.inputs.bus_up && m.inputs.sensors_fresh)
-        rim_mps = std::max(rim_mps.value_or(0.0), m.inputs.rim_mps);
+    if (m.inputs.bus_up && m.inputs.sensors_fresh) rim_mps = std::max(rim_mps.value_or(0.0), m.inputs.rim_mps);
     return rim_mps;
 }
 
 std::string rim_text(std::optional<double> rim_mps, double standstill_mps) {
     if (!rim_mps) return "nobody says how fast the rim turns: take it for turning";
     if (*rim_mps < standstill_mps) return "the rim stands";
-    return fmt::format("the rim still turns, at {:.2f} m/s: the guard stays closed until it stands",
-                       *rim_mps);
+    return fmt::format("the rim still turns, at {:.2f} m/s: the guard stays closed until it stands", *rim_mps);
 }
 
 std::string second_sender_text(const BusNow& bus) {
     if (!bus.two_controllers.empty()) {
-        const std::string refused =
-            bus.controller_refused.empty() ? "" : "; heard but refused: " + bus.controller_refused;
+        const std::string refused = bus.controller_refused.empty() ? "" : "; heard but refused: " + bus.controller_refused;
         return fmt::format("two controllers talk on the bus: {}{}", bus.two_controllers, refused);
     }
     if (!bus.two_bridges.empty()) return "two bridges command on the bus: " + bus.two_bridges;
@@ -84,15 +80,11 @@ std::string senders_text(const BusNow& bus, bool fresh) {
 
 std::string note_of(const Moment& m) {
     if (!m.bus.up && !m.bus.error.empty()) return m.bus.error;
-    if (std::string senders = senders_text(m.bus, m.inputs.controller_fresh); !senders.empty())
-        return senders;
+    if (std::string senders = senders_text(m.bus, m.inputs.controller_fresh); !senders.empty()) return senders;
     if (m.plc.link != LinkState::connected && !m.plc.error.empty()) return "PLC: " + m.plc.error;
-    if (m.inputs.foreign_command)
-        return "somebody else commands the PLC: commit " + std::to_string(m.plc.foreign_commit) +
-               " is not the bridge's";
+    if (m.inputs.foreign_command) return "somebody else commands the PLC: commit " + std::to_string(m.plc.foreign_commit) + " is not the bridge's";
     if (m.plc.command == CommandState::unsendable) return "PLC command: " + m.plc.command_error;
-    if (m.plc.command == CommandState::refused)
-        return "PLC refused the command with commit " + std::to_string(m.plc.commit);
+    if (m.plc.command == CommandState::refused) return "PLC refused the command with commit " + std::to_string(m.plc.commit);
     return {};
 }
 

@@ -79,8 +79,7 @@ void read_campaign_into(Watched& w, const std::filesystem::path& directory) {
     const std::vector<LedgerRow> rows = read_ledger(file, campaign.name);
     w.campaign = campaign.name;
     w.planned = campaign.planned;
-    w.finished = std::count_if(rows.begin(), rows.end(),
-                               [](const LedgerRow& row) { return row.state == RowState::finished; });
+    w.finished = std::count_if(rows.begin(), rows.end(), [](const LedgerRow& row) { return row.state == RowState::finished; });
     w.left_s = left_s(rows, w.planned - w.finished);
     w.specimen = to_text(rows.empty() ? campaign.specimen : rows.back().summary.specimen);
     w.bridge.with_ledger = true;
@@ -92,8 +91,7 @@ void read_campaign_into(Watched& w, const std::filesystem::path& directory) {
             w.bridge.running = row.attempt.number;
             continue;
         }
-        w.outcomes.push_back(row.attempt.folder.filename().string() + " " +
-                             (row.summary.outcome.empty() ? name(row.state) : row.summary.outcome) +
+        w.outcomes.push_back(row.attempt.folder.filename().string() + " " + (row.summary.outcome.empty() ? name(row.state) : row.summary.outcome) +
                              (off_conditions(row.summary) ? " (out_of_tolerance)" : ""));
     }
     if (w.outcomes.size() > kOutcomes) w.outcomes.erase(w.outcomes.begin(), w.outcomes.end() - kOutcomes);
@@ -105,10 +103,7 @@ void read_campaign_into(Watched& w, const std::filesystem::path& directory) {
 class Watch {
   public:
     Watch(const WatchCommand& command, const antiskid::can::Layout& layout, const MeterParameters& meter)
-        : command_(command),
-          layout_(layout),
-          bus_(command.interface, layout, meter, [] {}),
-          rig_time_(meter.period_s) {}
+        : command_(command), layout_(layout), bus_(command.interface, layout, meter, [] {}), rig_time_(meter.period_s) {}
 
     void look(Time now) {
         const BusNow bus = bus_.now();
@@ -130,9 +125,7 @@ class Watch {
   private:
     void hear(const BusNow& bus, Time now) {
         constexpr double kSilent_s = 0.5;
-        const auto fresh = [&](Time received) {
-            return received != kNever && seconds(now - received) <= kSilent_s;
-        };
+        const auto fresh = [&](Time received) { return received != kNever && seconds(now - received) <= kSilent_s; };
         const antiskid::can::BusView& v = bus.view;
         seen_.bus_up = bus.up;
         seen_.bus_error = bus.error;
@@ -151,13 +144,10 @@ class Watch {
         }
         seen_.rim_mps = fresh(v.flywheel.received) ? bus.rim_mps : std::nan("");
         seen_.wheel_mps = fresh(v.wheel.received) ? bus.wheel_rim_mps : std::nan("");
-        const bool lands =
-            seen_.phase && *seen_.phase >= Phase::settling && *seen_.phase <= Phase::standstill;
+        const bool lands = seen_.phase && *seen_.phase >= Phase::settling && *seen_.phase <= Phase::standstill;
         seen_.slip = lands ? bus.slip : 0.0;
-        seen_.pressure_Pa =
-            fresh(v.pressure.received) ? static_cast<double>(v.pressure.pressure_Pa) : std::nan("");
-        seen_.load_N =
-            fresh(v.load_cells_received) ? static_cast<double>(v.load_cells.vertical_N) : std::nan("");
+        seen_.pressure_Pa = fresh(v.pressure.received) ? static_cast<double>(v.pressure.pressure_Pa) : std::nan("");
+        seen_.load_N = fresh(v.load_cells_received) ? static_cast<double>(v.load_cells.vertical_N) : std::nan("");
         hear_controller(bus, fresh);
         chart_.add({.time_s = rig_s,
                     .rim_mps = seen_.rim_mps,
@@ -171,7 +161,7 @@ class Watch {
     void hear_controller(const BusNow& bus, const Fresh& fresh) {
         const antiskid::can::ControllerView& c = bus.view.controller;
         const bool speaks = fresh(c.status_received);
-        seen_.controller = speaks ? antiskid::can::kStateNames[static_cast<std::size_t>(c.state)]
+        seen_.controller = speaks                           ? antiskid::can::kStateNames[static_cast<std::size_t>(c.state)]
                            : bus.controller_refused.empty() ? std::string_view("silent")
                                                             : std::string_view("refused");
         seen_.senders = senders_text(bus, speaks);
@@ -199,18 +189,14 @@ void print(const std::string& text) {
 
 std::string block(const Watch& watch) {
     std::string text;
-    for (const std::string& line : watch_screen(watch.seen(), watch.chart()))
-        text += (text.empty() ? "" : "\n") + line;
+    for (const std::string& line : watch_screen(watch.seen(), watch.chart())) text += (text.empty() ? "" : "\n") + line;
     return text;
 }
 
 std::filesystem::path scenario_file(const WatchCommand& command) {
     if (!command.scenario.empty()) return command.scenario;
-    if (command.directory.empty())
-        throw UsageError(
-            "say what to watch: the folder of a campaign, or --scenario FILE of a single maneuver");
-    return command.config / "scenarios" /
-           (newest_campaign(ledger_file(command.directory)).scenario + ".toml");
+    if (command.directory.empty()) throw UsageError("say what to watch: the folder of a campaign, or --scenario FILE of a single maneuver");
+    return command.config / "scenarios" / (newest_campaign(ledger_file(command.directory)).scenario + ".toml");
 }
 
 }  // namespace
@@ -221,19 +207,16 @@ int watch_rig(const WatchCommand& command) {
     constexpr Time kLine{1'000'000'000};
     constexpr Time kLeast{600'000'000};   // of --once: speeds need a few edges
     constexpr Time kMost{1'500'000'000};  // of --once, for a bridge that is not heard
-    const antiskid::can::Layout layout = antiskid::can::load_layout(
-        command.dbc.empty() ? command.config / "antiskid.dbc" : command.dbc,
-        command.binding.empty() ? command.config / "antiskid_binding.toml" : command.binding);
+    const antiskid::can::Layout layout =
+        antiskid::can::load_layout(command.dbc.empty() ? command.config / "antiskid.dbc" : command.dbc,
+                                   command.binding.empty() ? command.config / "antiskid_binding.toml" : command.binding);
     const Scenario scenario = load_scenario(scenario_file(command), command.config);
     antiskid::rt::StopSignals stops;
-    Watch watch(command, layout,
-                meter_parameters(scenario, antiskid::load_controller_config(scenario.controller)));
+    Watch watch(command, layout, meter_parameters(scenario, antiskid::load_controller_config(scenario.controller)));
     watch.scenario(scenario.name);
     const bool live = command.json.empty() && !command.once && ::isatty(STDOUT_FILENO) == 1;
     Terminal terminal(STDOUT_FILENO, live);
-    const auto steady = [] {
-        return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now().time_since_epoch());
-    };
+    const auto steady = [] { return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now().time_since_epoch()); };
     const Time began = steady();
     Time next = began + (live ? kDraw : kLine);
     while (stops.count() == 0) {

@@ -51,8 +51,7 @@ std::vector<std::string> draw(const Strip& strip, const std::deque<StripSample>&
             const auto column = static_cast<std::size_t>((1.0 - ago) * (StripChart::kColumns - 1));
             const double value = curve.value(s);
             const double share = std::isfinite(value) ? std::clamp(value / top, 0.0, 1.0) : 0.0;
-            const auto row =
-                kRows - 1 - std::min<std::size_t>(static_cast<std::size_t>(share * kRows), kRows - 1);
+            const auto row = kRows - 1 - std::min<std::size_t>(static_cast<std::size_t>(share * kRows), kRows - 1);
             // One mark a column and curve: the newest.
             for (std::string& other : rows)
                 if (other[column] == curve.mark) other[column] = ' ';
@@ -80,9 +79,8 @@ std::string progress(const Watched& w) {
 
 std::string road_text(const Watched& w) {
     if (!w.road) return "not heard";
-    return fmt::format("grip {:.2f} kN at slip {:.3f}, confidence {:.2f}",
-                       static_cast<double>(w.road->grip_N) * 1e-3, static_cast<double>(w.road->peak_slip),
-                       static_cast<double>(w.road->confidence));
+    return fmt::format("grip {:.2f} kN at slip {:.3f}, confidence {:.2f}", static_cast<double>(w.road->grip_N) * 1e-3,
+                       static_cast<double>(w.road->peak_slip), static_cast<double>(w.road->confidence));
 }
 
 std::string fault_text(const Watched& w) {
@@ -96,14 +94,11 @@ nlohmann::ordered_json number(double value) {
 }  // namespace
 
 std::string to_text(const BridgeSigns& s) {
-    if (heard(s))
-        return !s.with_ledger || s.held ? "at work" : "at work on this bus, but not with this ledger";
+    if (heard(s)) return !s.with_ledger || s.held ? "at work" : "at work on this bus, but not with this ledger";
     std::string silence = s.silent_s ? fmt::format("silent for {}", duration_text(*s.silent_s)) : "not heard";
     if (!s.with_ledger) return silence;
     if (s.held) return silence + " on the bus, though it holds the ledger";
-    if (s.running != 0)
-        return silence +
-               fmt::format(", DEAD: maneuver {} was left; the same campaign command goes on", s.running);
+    if (s.running != 0) return silence + fmt::format(", DEAD: maneuver {} was left; the same campaign command goes on", s.running);
     return silence + ": nobody runs this campaign";
 }
 
@@ -112,12 +107,10 @@ std::vector<std::string> watch_screen(const Watched& w, const StripChart& chart)
     std::vector<std::string> lines{progress(w), "bridge " + to_text(w.bridge)};
     if (!w.hold.empty()) lines.push_back("HOLD: " + w.hold);
     if (!w.specimen.empty()) lines.push_back(w.specimen);
-    lines.push_back(fmt::format("{:<14} {}{:.1f} s in this phase", phase_text(w),
-                                w.phase_began ? "" : "at least ", w.phase_s));
-    lines.push_back(fmt::format("rim {:6.2f} m/s   wheel {:6.2f} m/s   slip {:6.3f}   reference {:5.3f}",
-                                w.rim_mps, w.wheel_mps, w.slip, w.slip_reference));
-    lines.push_back(fmt::format("pressure {:5.2f} MPa   load {:6.2f} kN   current {:6.2f} mA",
-                                w.pressure_Pa * 1e-6, w.load_N * 1e-3, w.current_mA));
+    lines.push_back(fmt::format("{:<14} {}{:.1f} s in this phase", phase_text(w), w.phase_began ? "" : "at least ", w.phase_s));
+    lines.push_back(
+        fmt::format("rim {:6.2f} m/s   wheel {:6.2f} m/s   slip {:6.3f}   reference {:5.3f}", w.rim_mps, w.wheel_mps, w.slip, w.slip_reference));
+    lines.push_back(fmt::format("pressure {:5.2f} MPa   load {:6.2f} kN   current {:6.2f} mA", w.pressure_Pa * 1e-6, w.load_N * 1e-3, w.current_mA));
     lines.push_back(fmt::format("controller {}   faults: {}", w.controller, fault_text(w)));
     if (w.tells_road) lines.push_back("road: " + road_text(w));
     if (!w.outcomes.empty()) lines.push_back(fmt::format("last: {}", fmt::join(w.outcomes, ", ")));
@@ -133,18 +126,14 @@ std::string watch_line(const Watched& w) {
     return fmt::format(
         "{}; bridge {}{}; {} {:.1f} s; {:.2f} m/s, slip {:.3f}, {:.2f} MPa, {:.2f} kN, {:.2f} mA; "
         "controller {}; faults: {}{}{}{}",
-        progress(w), to_text(w.bridge), w.hold.empty() ? "" : "; HOLD: " + w.hold, phase_text(w), w.phase_s,
-        w.rim_mps, w.slip, w.pressure_Pa * 1e-6, w.load_N * 1e-3, w.current_mA, w.controller, fault_text(w),
-        w.tells_road ? "; road: " + road_text(w) : "", w.senders.empty() ? "" : "; " + w.senders,
-        w.bus_up ? "" : "; BUS DOWN: " + w.bus_error);
+        progress(w), to_text(w.bridge), w.hold.empty() ? "" : "; HOLD: " + w.hold, phase_text(w), w.phase_s, w.rim_mps, w.slip, w.pressure_Pa * 1e-6,
+        w.load_N * 1e-3, w.current_mA, w.controller, fault_text(w), w.tells_road ? "; road: " + road_text(w) : "",
+        w.senders.empty() ? "" : "; " + w.senders, w.bus_up ? "" : "; BUS DOWN: " + w.bus_error);
 }
 
 std::string watch_json(const Watched& w) {
-    nlohmann::ordered_json json{{"campaign", w.campaign},
-                                {"scenario", w.scenario},
-                                {"number", w.number},
-                                {"finished", w.finished},
-                                {"planned", w.planned}};
+    nlohmann::ordered_json json{
+        {"campaign", w.campaign}, {"scenario", w.scenario}, {"number", w.number}, {"finished", w.finished}, {"planned", w.planned}};
     json["left_s"] = w.left_s ? number(*w.left_s) : nullptr;
     json["specimen"] = w.specimen;
     json["outcomes"] = w.outcomes;
@@ -183,14 +172,8 @@ void StripChart::add(const StripSample& sample) {
 
 std::vector<std::string> StripChart::lines() const {
     const std::array<Strip, 3> strips{
-        {{"speed, m/s",
-          1.0,
-          {{'o', [](const StripSample& s) { return s.wheel_mps; }},
-           {'*', [](const StripSample& s) { return s.rim_mps; }}}},
-         {"slip",
-          0.2,
-          {{'-', [](const StripSample& s) { return s.slip_reference; }},
-           {'*', [](const StripSample& s) { return s.slip; }}}},
+        {{"speed, m/s", 1.0, {{'o', [](const StripSample& s) { return s.wheel_mps; }}, {'*', [](const StripSample& s) { return s.rim_mps; }}}},
+         {"slip", 0.2, {{'-', [](const StripSample& s) { return s.slip_reference; }}, {'*', [](const StripSample& s) { return s.slip; }}}},
          {"p, MPa", 1.0, {{'*', [](const StripSample& s) { return 1e-6 * s.pressure_Pa; }}}}}};
     std::vector<std::string> all;
     for (const Strip& strip : strips)

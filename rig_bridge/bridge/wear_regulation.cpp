@@ -52,14 +52,10 @@ ordered_json number(double value) {
 }  // namespace
 
 WearRegulation::WearRegulation(const regulation::RegulationConfig& config, const Scenario& scenario)
-    : rules_(config.rules),
-      friction_curve_(scenario.rig.rig.friction_curve),
-      drop_out_mps_(scenario.rig.drop_out_mps) {
+    : rules_(config.rules), friction_curve_(scenario.rig.rig.friction_curve), drop_out_mps_(scenario.rig.drop_out_mps) {
     const std::string file = scenario.files.front().string();
     if (scenario.mean.law != sequencer::BrakeLaw::slip)
-        throw settings::Error(
-            file, 0, "law.law",
-            "--regulate moves the slip reference, which this law has not; expected \"slip\"");
+        throw settings::Error(file, 0, "law.law", "--regulate moves the slip reference, which this law has not; expected \"slip\"");
     const double energy_J = kinetic_J(scenario);
     const double deviation_J = 2.0 * scenario.scatter.speed_mps / scenario.mean.speed_mps * energy_J;
     plan_ = regulation::plan_of(config, scenario.rig.wear.life_J, energy_J, deviation_J);
@@ -70,15 +66,14 @@ WearRegulation::WearRegulation(const regulation::RegulationConfig& config, const
         throw settings::Error(config.files.front().string(), 0, "", e.what());
     }
     if (config.forecast_widest > 0.0)
-        life_forecast_.emplace(regulation::forecast_model(scenario.rig.wear), scenario.rig.wear,
-                               config.forecast_widest * plan_.brake_budget_J());
+        life_forecast_.emplace(regulation::forecast_model(scenario.rig.wear), scenario.rig.wear, config.forecast_widest * plan_.brake_budget_J());
 }
 
 regulation::Regulator WearRegulation::after(const std::vector<LedgerRow>& rows) const {
     regulation::Regulator regulator(plan_, rules_, range_);
     std::optional<regulation::LifeForecast> life_forecast = life_forecast_;
-    auto finished = static_cast<std::size_t>(std::count_if(
-        rows.begin(), rows.end(), [](const LedgerRow& row) { return row.state == RowState::finished; }));
+    auto finished =
+        static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), [](const LedgerRow& row) { return row.state == RowState::finished; }));
     bool counted = true;  // the ledger's cumulative energy has every maneuver so far
     for (const LedgerRow& row : rows) {
         const Figures& figures = row.summary.figures;
@@ -87,16 +82,12 @@ regulation::Regulator WearRegulation::after(const std::vector<LedgerRow>& rows) 
         if (row.has_figures && row.state != RowState::finished) {
             if (known) regulator.spent(row.counted_J, figures.energy_tyre_J);
         } else if (row.state == RowState::finished) {
-            counted =
-                counted && row.summary.frames_dropped == 0 && std::isfinite(row.summary.cumulative_energy_J);
-            regulator.after(landing(
-                row, row.slip_reference,
-                counted ? plan_.brake_taken_J + row.summary.cumulative_energy_J : regulation::kUnknown));
+            counted = counted && row.summary.frames_dropped == 0 && std::isfinite(row.summary.cumulative_energy_J);
+            regulator.after(landing(row, row.slip_reference, counted ? plan_.brake_taken_J + row.summary.cumulative_energy_J : regulation::kUnknown));
             --finished;
             if (!life_forecast || regulator.last_reading() != regulation::Reading::measured) continue;
             life_forecast->learn(regulator.brake_used_J(),
-                                 plant::mean_of_measured(friction_curve_, figures.mean_friction,
-                                                         drop_out_mps_ / figures.brake_on_mps));
+                                 plant::mean_of_measured(friction_curve_, figures.mean_friction, drop_out_mps_ / figures.brake_on_mps));
             if (finished >= kForecasts) continue;
             if (const auto life_J = life_forecast->life_J()) regulator.revise_brake_life(*life_J);
         }
@@ -106,17 +97,14 @@ regulation::Regulator WearRegulation::after(const std::vector<LedgerRow>& rows) 
 
 std::string line(const regulation::Regulator& r) {
     const regulation::LimitForecast o = regulation::limit_forecast(r);
-    const std::string measured = std::isfinite(r.measured_share())
-                                     ? fmt::format("{:.3f} measured", r.measured_share())
-                                     : "none measured";
+    const std::string measured = std::isfinite(r.measured_share()) ? fmt::format("{:.3f} measured", r.measured_share()) : "none measured";
     std::string text = fmt::format(
         "slip reference {:.3f}; tyre share {}, {:.3f} wanted; limits at landing {:.0f} (brake), {:.0f} "
         "(tyre) "
         "of {}",
         r.reference(), measured, o.required_share, o.brake.landing, o.tyre.landing, r.plan().landings);
     if (o.verdict != regulation::Verdict::together) text += fmt::format("; {}", regulation::name(o.verdict));
-    if (r.missed() > 0)
-        text += fmt::format("; {} without measurement ({})", r.missed(), regulation::name(r.last_reading()));
+    if (r.missed() > 0) text += fmt::format("; {} without measurement ({})", r.missed(), regulation::name(r.last_reading()));
     return text;
 }
 

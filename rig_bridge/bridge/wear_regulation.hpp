@@ -16,8 +16,8 @@ namespace rig {
 
 class WearRegulation {
   public:
-    /// The scenario's surface is seen beside those of the configuration. Throws settings::Error naming the file for a scenario without the slip law, on a
-    /// surface that the floor's table does not have, or of a brake that has nothing left.
+    /// The scenario's surface is seen beside those of the configuration. Throws settings::Error naming the file for a scenario without the slip law,
+    /// on a surface that the floor's table does not have, or of a brake that has nothing left.
     WearRegulation(const regulation::RegulationConfig& config, const Scenario& scenario);
 
     /// As these rows, oldest first, leave it. A finished maneuver is a landing, of which figures that lack frames are not believed; an aborted
@@ -42,8 +42,7 @@ class WearRegulation {
 [[nodiscard]] std::string line(const regulation::Regulator& regulator);
 
 /// What `rig-bridge status` shows beside the ledger: reference, shares, what is left, landings to the limits. Derived: the ledger is the truth.
-[[nodiscard]] inline std::filesystem::path regulation_file(const std::filesystem::path& directory,
-                                                           const std::string& campaign) {
+[[nodiscard]] inline std::filesystem::path regulation_file(const std::filesystem::path& directory, const std::string& campaign) {
     return directory / campaign / "regulation.json";
 }
 void write_regulation(const std::filesystem::path& file, const regulation::Regulator& regulator);

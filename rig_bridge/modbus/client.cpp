@@ -54,13 +54,11 @@ class ModbusClient::Impl {
           command_blocks_(blocks_of(written_together(map_), kMostWrite)),
           inputs_(map_.measured, map_.word_order),
           desk_(map_) {
-        const bool ambiguous = std::any_of(input_blocks_.begin(), input_blocks_.end(),
-                                           [](const Block& block) { return block.count == 1; });
+        const bool ambiguous = std::any_of(input_blocks_.begin(), input_blocks_.end(), [](const Block& block) { return block.count == 1; });
         if (std::holds_alternative<SerialDevice>(address) && ambiguous)
-            throw std::invalid_argument(
-                to_string(address) +
-                ": a serial line needs input registers in groups of two or more, so that a "
-                "late answer cannot be taken for that of the map version");
+            throw std::invalid_argument(to_string(address) +
+                                        ": a serial line needs input registers in groups of two or more, so that a "
+                                        "late answer cannot be taken for that of the map version");
         shown_.values.fill(std::numeric_limits<double>::quiet_NaN());
         if (polling == Polling::own_thread) thread_ = std::thread([this] { run(); });
     }
@@ -147,8 +145,7 @@ class ModbusClient::Impl {
     void lose(const LinkFailure& failure) {
         connection_.close();
         const std::lock_guard lock(mutex_);
-        if (shown_.link == LinkState::connected || shown_.link == LinkState::map_refused)
-            shown_.link = LinkState::lost;
+        if (shown_.link == LinkState::connected || shown_.link == LinkState::map_refused) shown_.link = LinkState::lost;
         shown_.error = failure.text;
         plc_seen_running_ = false;
         auto& counters = shown_.counters;
@@ -166,17 +163,14 @@ class ModbusClient::Impl {
         }
         std::array<std::uint16_t, 1> version{};
         count_request();
-        if (auto failed = connection_.read_inputs(map_.field(Measured::map_version).address, version))
-            return failed;
+        if (auto failed = connection_.read_inputs(map_.field(Measured::map_version).address, version)) return failed;
         if (refuse_other_map(version[0])) return std::nullopt;
         std::array<std::uint16_t, 1> commit{};
         count_request();
-        if (auto failed = connection_.read_holdings(map_.field(Commanded::commit).address, commit))
-            return failed;
+        if (auto failed = connection_.read_holdings(map_.field(Commanded::commit).address, commit)) return failed;
         count_request();
         std::array<std::uint16_t, 1> watchdog{};
-        if (auto failed = connection_.read_holdings(map_.field(Commanded::bridge_watchdog).address, watchdog))
-            return failed;
+        if (auto failed = connection_.read_holdings(map_.field(Commanded::bridge_watchdog).address, watchdog)) return failed;
         watchdog_ = watchdog[0];
         unsupervised();
         const ClockTime now = now_();
@@ -195,9 +189,8 @@ class ModbusClient::Impl {
         connection_.close();
         const std::lock_guard lock(mutex_);
         shown_.link = LinkState::map_refused;
-        shown_.error = "the PLC has version " + std::to_string(static_cast<int>(version)) +
-                       " of the register map, the bridge's is " + std::to_string(map_.version) +
-                       ": nothing is read or written";
+        shown_.error = "the PLC has version " + std::to_string(static_cast<int>(version)) + " of the register map, the bridge's is " +
+                       std::to_string(map_.version) + ": nothing is read or written";
         return true;
     }
 
@@ -216,9 +209,7 @@ class ModbusClient::Impl {
         for (const Block& block : input_blocks_) {
             const ClockTime asked = now_();
             count_request();
-            if (auto failed =
-                    connection_.read_inputs(block.address, inputs_.words(block.address, block.count)))
-                return failed;
+            if (auto failed = connection_.read_inputs(block.address, inputs_.words(block.address, block.count))) return failed;
             for (std::size_t i = 0; i < kMeasuredCount; ++i) {
                 const int offset = map_.measured[i].address - block.address;
                 if (offset >= 0 && offset < block.count) read_at[i] = asked;
@@ -269,13 +260,11 @@ class ModbusClient::Impl {
                 return std::nullopt;
             }
         }
-        if (watchdog_at_ && now - *watchdog_at_ < map_.bridge_timeout / kWatchdogsPerTimeout)
-            return std::nullopt;
+        if (watchdog_at_ && now - *watchdog_at_ < map_.bridge_timeout / kWatchdogsPerTimeout) return std::nullopt;
         ++watchdog_;
         const std::array word{watchdog_};
         count_request();
-        if (auto failed = connection_.write(map_.field(Commanded::bridge_watchdog).address, word))
-            return failed;
+        if (auto failed = connection_.write(map_.field(Commanded::bridge_watchdog).address, word)) return failed;
         watchdog_at_ = now;
         return std::nullopt;
     }
@@ -298,8 +287,7 @@ class ModbusClient::Impl {
         }
         for (const Block& block : command_blocks_) {
             count_request();
-            if (auto failed = connection_.write(block.address, image->words(block.address, block.count)))
-                return failed;
+            if (auto failed = connection_.write(block.address, image->words(block.address, block.count))) return failed;
         }
         {
             const std::lock_guard lock(mutex_);
@@ -323,8 +311,7 @@ class ModbusClient::Impl {
     const std::vector<Block> command_blocks_;
     RegisterImage inputs_;
     std::uint16_t watchdog_ = 0;
-    std::optional<ClockTime>
-        watchdog_at_;  // moved last; none: not since the link was opened, or the user came back
+    std::optional<ClockTime> watchdog_at_;  // moved last; none: not since the link was opened, or the user came back
     std::optional<double> plc_watchdog_before_;
     bool supervised_ = false;  // the PLC has seen our watchdog move
 
@@ -340,8 +327,7 @@ class ModbusClient::Impl {
     std::thread thread_;
 };
 
-ModbusClient::ModbusClient(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now,
-                           Polling polling)
+ModbusClient::ModbusClient(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now, Polling polling)
     : impl_(std::make_unique<Impl>(std::move(map), address, std::move(now), polling)) {}
 ModbusClient::~ModbusClient() = default;
 void ModbusClient::command(const CommandedValues& wanted) {

@@ -62,11 +62,9 @@ struct Snapshot {
     CommandState command = CommandState::none;
     /// How long the PLC has owed its confirmation of something commanded; 0 unless pending.
     double pending_s = 0.0;
-    std::string
-        command_error;  ///< of an unsendable command, e.g. "load_base: 90000 N is out of range 0 to 60000"
-    std::uint64_t foreign_commands =
-        0;                             ///< that the PLC took over or refused, and that were not this client's
-    std::uint16_t foreign_commit = 0;  ///< number of the newest of them
+    std::string command_error;           ///< of an unsendable command, e.g. "load_base: 90000 N is out of range 0 to 60000"
+    std::uint64_t foreign_commands = 0;  ///< that the PLC took over or refused, and that were not this client's
+    std::uint16_t foreign_commit = 0;    ///< number of the newest of them
 
     [[nodiscard]] double value(Measured q) const { return at(values, q); }
     /// Read, at most `limit_s` old, and within its declared range.
@@ -85,8 +83,7 @@ class ModbusClient {
     /// std::invalid_argument for an address that is none, or a map that this link cannot carry.
     ModbusClient(
         RegisterMap map, const PlcAddress& address,
-        std::function<ClockTime()> now = [] { return std::chrono::steady_clock::now().time_since_epoch(); },
-        Polling polling = Polling::own_thread);
+        std::function<ClockTime()> now = [] { return std::chrono::steady_clock::now().time_since_epoch(); }, Polling polling = Polling::own_thread);
     /// Ends after the request that is on its way, at most a connect or response time-out. Commands nothing.
     ~ModbusClient();
     ModbusClient(const ModbusClient&) = delete;

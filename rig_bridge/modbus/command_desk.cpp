@@ -17,8 +17,8 @@ std::string complaint(const Field& field, double value) {
     if (std::isnan(value)) {
         std::snprintf(text.data(), text.size(), "%s: not a number", field.name.c_str());
     } else {
-        std::snprintf(text.data(), text.size(), "%s: %g%s%s is out of range %g to %g", field.name.c_str(),
-                      value, field.unit.empty() ? "" : " ", field.unit.c_str(), field.min, field.max);
+        std::snprintf(text.data(), text.size(), "%s: %g%s%s is out of range %g to %g", field.name.c_str(), value, field.unit.empty() ? "" : " ",
+                      field.unit.c_str(), field.min, field.max);
     }
     return text.data();
 }
@@ -30,8 +30,7 @@ std::string_view name(CommandState state) {
     return kNames[static_cast<std::size_t>(state)];
 }
 
-CommandDesk::CommandDesk(const RegisterMap& map)
-    : map_(map), wanted_(map.commanded, map.word_order), last_(wanted_) {}
+CommandDesk::CommandDesk(const RegisterMap& map) : map_(map), wanted_(map.commanded, map.word_order), last_(wanted_) {}
 
 void CommandDesk::want(const CommandedValues& wanted, ClockTime now) {
     RegisterImage image(wanted_);
@@ -39,8 +38,7 @@ void CommandDesk::want(const CommandedValues& wanted, ClockTime now) {
     for (std::size_t i = 0; i < kCommandedCount && error_.empty(); ++i) {
         if (is_the_clients_own(static_cast<Commanded>(i))) continue;
         const Field& field = map_.commanded[i];
-        const bool sendable =
-            wanted[i] >= field.min && wanted[i] <= field.max && image.write(field, wanted[i]);
+        const bool sendable = wanted[i] >= field.min && wanted[i] <= field.max && image.write(field, wanted[i]);
         if (!sendable) error_ = complaint(field, wanted[i]);
     }
     if (!error_.empty()) return;
@@ -87,8 +85,7 @@ void CommandDesk::sending(const RegisterImage& image) {
 }
 
 bool CommandDesk::foreign(std::uint16_t number, std::uint16_t before) const {
-    return looked_ && number != before && number != 0 &&
-           std::find(unanswered_.begin(), unanswered_.end(), number) == unanswered_.end();
+    return looked_ && number != before && number != 0 && std::find(unanswered_.begin(), unanswered_.end(), number) == unanswered_.end();
 }
 
 void CommandDesk::expect(std::uint16_t number) {

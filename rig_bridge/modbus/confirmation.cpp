@@ -17,8 +17,7 @@ void append(std::vector<std::uint8_t>& bytes, unsigned word) {
 }
 
 std::string differs(std::string_view what, unsigned got, unsigned expected) {
-    return "answer with " + std::string(what) + " " + std::to_string(got) + ", expected " +
-           std::to_string(expected);
+    return "answer with " + std::string(what) + " " + std::to_string(got) + ", expected " + std::to_string(expected);
 }
 
 }  // namespace
@@ -39,8 +38,7 @@ std::vector<std::uint8_t> write_request(std::uint16_t address, std::span<const s
     return pdu;
 }
 
-std::vector<std::uint8_t> tcp_request(std::uint16_t transaction, std::uint8_t unit,
-                                      std::span<const std::uint8_t> pdu) {
+std::vector<std::uint8_t> tcp_request(std::uint16_t transaction, std::uint8_t unit, std::span<const std::uint8_t> pdu) {
     std::vector<std::uint8_t> frame;
     frame.reserve(kHeader + pdu.size());
     append(frame, transaction);
@@ -51,8 +49,7 @@ std::vector<std::uint8_t> tcp_request(std::uint16_t transaction, std::uint8_t un
     return frame;
 }
 
-std::string tcp_header_fault(std::uint16_t transaction, std::uint8_t unit,
-                             std::span<const std::uint8_t> frame) {
+std::string tcp_header_fault(std::uint16_t transaction, std::uint8_t unit, std::span<const std::uint8_t> frame) {
     if (frame.size() <= kHeader) return "answer without a function code";
     if (word_at(frame, 0) != transaction) return differs("transaction", word_at(frame, 0), transaction);
     if (word_at(frame, 2) != 0) return differs("protocol", word_at(frame, 2), 0);

@@ -17,8 +17,7 @@ std::uint16_t parse_port(const std::string& text, const std::string& whole) {
     const char* end = text.data() + text.size();
     const auto [rest, error] = std::from_chars(text.data(), end, port);
     if (error != std::errc{} || rest != end || port == 0)
-        throw std::invalid_argument("PLC address '" + whole + "': '" + text +
-                                    "' is no port, expected 1 to 65535");
+        throw std::invalid_argument("PLC address '" + whole + "': '" + text + "' is no port, expected 1 to 65535");
     return port;
 }
 
@@ -30,10 +29,9 @@ PlcAddress parse_plc_address(const std::string& text) {
     TcpServer server{.address = text.substr(0, colon)};
     in_addr numeric{};
     if (::inet_pton(AF_INET, server.address.c_str(), &numeric) != 1)
-        throw std::invalid_argument(
-            "PLC address '" + text +
-            "': expected a numeric IPv4 address and port, e.g. 192.168.1.10:502, or a "
-            "serial device, e.g. /dev/ttyUSB0");
+        throw std::invalid_argument("PLC address '" + text +
+                                    "': expected a numeric IPv4 address and port, e.g. 192.168.1.10:502, or a "
+                                    "serial device, e.g. /dev/ttyUSB0");
     if (colon != std::string::npos) server.port = parse_port(text.substr(colon + 1), text);
     return server;
 }
@@ -47,8 +45,7 @@ std::string numeric_plc_address(const std::string& text) {
     wanted.ai_socktype = SOCK_STREAM;
     addrinfo* found = nullptr;
     if (const int error = ::getaddrinfo(host.c_str(), nullptr, &wanted, &found); error != 0)
-        throw std::invalid_argument("PLC address '" + text + "': " + ::gai_strerror(error) +
-                                    "; expected HOST:PORT, e.g. 192.168.1.10:502");
+        throw std::invalid_argument("PLC address '" + text + "': " + ::gai_strerror(error) + "; expected HOST:PORT, e.g. 192.168.1.10:502");
     const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owner(found, &::freeaddrinfo);
     sockaddr_in address{};
     std::memcpy(&address, found->ai_addr, sizeof address);
@@ -58,8 +55,7 @@ std::string numeric_plc_address(const std::string& text) {
 }
 
 std::string to_string(const PlcAddress& address) {
-    if (const auto* tcp = std::get_if<TcpServer>(&address))
-        return "Modbus TCP " + tcp->address + ":" + std::to_string(tcp->port);
+    if (const auto* tcp = std::get_if<TcpServer>(&address)) return "Modbus TCP " + tcp->address + ":" + std::to_string(tcp->port);
     return "Modbus RTU " + std::get<SerialDevice>(address).path;
 }
 

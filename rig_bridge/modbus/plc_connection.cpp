@@ -15,10 +15,8 @@ namespace rig {
 namespace {
 
 modbus_t* new_context(const RegisterMap& map, const PlcAddress& address) {
-    if (const auto* tcp = std::get_if<TcpServer>(&address))
-        return modbus_new_tcp(tcp->address.c_str(), tcp->port);
-    return modbus_new_rtu(std::get<SerialDevice>(address).path.c_str(), map.serial.baud, map.serial.parity, 8,
-                          map.serial.stop_bits);
+    if (const auto* tcp = std::get_if<TcpServer>(&address)) return modbus_new_tcp(tcp->address.c_str(), tcp->port);
+    return modbus_new_rtu(std::get<SerialDevice>(address).path.c_str(), map.serial.baud, map.serial.parity, 8, map.serial.stop_bits);
 }
 
 std::string registers(std::uint16_t address, std::size_t count) {
@@ -34,10 +32,7 @@ std::string exception_text(unsigned code) {
 }  // namespace
 
 PlcConnection::PlcConnection(const RegisterMap& map, PlcAddress address)
-    : address_(std::move(address)),
-      times_(map.link),
-      unit_(map.unit_id),
-      context_(new_context(map, address_)) {
+    : address_(std::move(address)), times_(map.link), unit_(map.unit_id), context_(new_context(map, address_)) {
     if (context_ == nullptr) throw std::invalid_argument(to_string(address_) + ": " + modbus_error(errno));
     modbus_set_slave(context_.get(), unit_);
     modbus_set_error_recovery(context_.get(), MODBUS_ERROR_RECOVERY_NONE);
@@ -47,16 +42,13 @@ PlcConnection::PlcConnection(const RegisterMap& map, PlcAddress address)
 void PlcConnection::limit(std::chrono::milliseconds timeout) {
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
     const auto rest = std::chrono::microseconds(timeout - seconds);
-    modbus_set_response_timeout(context_.get(), static_cast<std::uint32_t>(seconds.count()),
-                                static_cast<std::uint32_t>(rest.count()));
+    modbus_set_response_timeout(context_.get(), static_cast<std::uint32_t>(seconds.count()), static_cast<std::uint32_t>(rest.count()));
 }
 
 LinkFailure PlcConnection::failure(const std::string& doing, std::chrono::milliseconds timeout) const {
     const int number = errno;
     const std::string what = to_string(address_) + ": " + doing + ": ";
-    if (number == ETIMEDOUT)
-        return {LinkFailure::Kind::timeout,
-                what + "no answer within " + std::to_string(timeout.count()) + " ms"};
+    if (number == ETIMEDOUT) return {LinkFailure::Kind::timeout, what + "no answer within " + std::to_string(timeout.count()) + " ms"};
     return {LinkFailure::Kind::other, what + modbus_error(number)};
 }
 
@@ -116,15 +108,12 @@ std::optional<LinkFailure> PlcConnection::asked(const std::string& doing, std::s
     if (got < 0) return failure(doing, times_.response_timeout);
     const auto frame = std::span(bytes).first(static_cast<std::size_t>(got));
     const std::string what = to_string(address_) + ": " + doing + ": ";
-    if (const auto fault = frame_fault(frame); !fault.empty())
-        return LinkFailure{LinkFailure::Kind::other, what + fault};
+    if (const auto fault = frame_fault(frame); !fault.empty()) return LinkFailure{LinkFailure::Kind::other, what + fault};
     const std::size_t header = serial() ? 1 : 7;
     const std::size_t checksum = serial() ? 2 : 0;
     const auto answer = frame.subspan(header, frame.size() - header - checksum);
-    if (const unsigned code = exception_of(pdu, answer); code != 0)
-        return LinkFailure{LinkFailure::Kind::exception, what + exception_text(code)};
-    if (const auto fault = answer_fault(pdu, answer); !fault.empty())
-        return LinkFailure{LinkFailure::Kind::other, what + fault};
+    if (const unsigned code = exception_of(pdu, answer); code != 0) return LinkFailure{LinkFailure::Kind::exception, what + exception_text(code)};
+    if (const auto fault = answer_fault(pdu, answer); !fault.empty()) return LinkFailure{LinkFailure::Kind::other, what + fault};
     answer_.assign(answer.begin(), answer.end());
     return std::nullopt;
 }
@@ -135,8 +124,8 @@ std::optional<LinkFailure> PlcConnection::ask(const std::string& doing, std::spa
     return failed;
 }
 
-std::optional<LinkFailure> PlcConnection::read(std::uint8_t function, const std::string& doing,
-                                               std::uint16_t address, std::span<std::uint16_t> words) {
+std::optional<LinkFailure> PlcConnection::read(std::uint8_t function, const std::string& doing, std::uint16_t address,
+                                               std::span<std::uint16_t> words) {
     const auto request = read_request(function, address, static_cast<std::uint16_t>(words.size()));
     auto failed = ask(doing + registers(address, words.size()), request);
     if (failed) return failed;
@@ -151,14 +140,12 @@ std::optional<LinkFailure> PlcConnection::read_inputs(std::uint16_t address, std
     return read(MODBUS_FC_READ_INPUT_REGISTERS, "read of input registers ", address, words);
 }
 
-std::optional<LinkFailure> PlcConnection::read_holdings(std::uint16_t address,
-                                                        std::span<std::uint16_t> words) {
+std::optional<LinkFailure> PlcConnection::read_holdings(std::uint16_t address, std::span<std::uint16_t> words) {
     return read(MODBUS_FC_READ_HOLDING_REGISTERS, "read of holding registers ", address, words);
 }
 
 std::optional<LinkFailure> PlcConnection::write(std::uint16_t address, std::span<const std::uint16_t> words) {
-    return ask("write of holding registers " + registers(address, words.size()),
-               write_request(address, words));
+    return ask("write of holding registers " + registers(address, words.size()), write_request(address, words));
 }
 
 }  // namespace rig

@@ -30,12 +30,9 @@ class PlcConnection {
     void close();
     [[nodiscard]] bool is_open() const { return open_; }
 
-    [[nodiscard]] std::optional<LinkFailure> read_inputs(std::uint16_t address,
-                                                         std::span<std::uint16_t> words);
-    [[nodiscard]] std::optional<LinkFailure> read_holdings(std::uint16_t address,
-                                                           std::span<std::uint16_t> words);
-    [[nodiscard]] std::optional<LinkFailure> write(std::uint16_t address,
-                                                   std::span<const std::uint16_t> words);
+    [[nodiscard]] std::optional<LinkFailure> read_inputs(std::uint16_t address, std::span<std::uint16_t> words);
+    [[nodiscard]] std::optional<LinkFailure> read_holdings(std::uint16_t address, std::span<std::uint16_t> words);
+    [[nodiscard]] std::optional<LinkFailure> write(std::uint16_t address, std::span<const std::uint16_t> words);
 
   private:
     void limit(std::chrono::milliseconds timeout);
@@ -43,14 +40,13 @@ class PlcConnection {
     [[nodiscard]] bool wait_until_quiet() const;
     /// Sends a PDU and waits for its answer, which is then in answer_. The link is closed where that fails.
     [[nodiscard]] std::optional<LinkFailure> ask(const std::string& doing, std::span<const std::uint8_t> pdu);
-    [[nodiscard]] std::optional<LinkFailure> asked(const std::string& doing,
-                                                   std::span<const std::uint8_t> pdu);
+    [[nodiscard]] std::optional<LinkFailure> asked(const std::string& doing, std::span<const std::uint8_t> pdu);
     [[nodiscard]] bool send(std::span<const std::uint8_t> pdu);
     [[nodiscard]] std::string frame_fault(std::span<const std::uint8_t> frame) const;
     /// By errno.
     [[nodiscard]] LinkFailure failure(const std::string& doing, std::chrono::milliseconds timeout) const;
-    [[nodiscard]] std::optional<LinkFailure> read(std::uint8_t function, const std::string& doing,
-                                                  std::uint16_t address, std::span<std::uint16_t> words);
+    [[nodiscard]] std::optional<LinkFailure> read(std::uint8_t function, const std::string& doing, std::uint16_t address,
+                                                  std::span<std::uint16_t> words);
     [[nodiscard]] bool serial() const { return std::holds_alternative<SerialDevice>(address_); }
 
     PlcAddress address_;

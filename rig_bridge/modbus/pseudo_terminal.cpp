@@ -14,8 +14,7 @@ namespace rig {
 namespace {
 
 [[noreturn]] void fail(const char* step) {
-    throw std::runtime_error(std::string("pseudo-terminal for Modbus RTU: ") + step + ": " +
-                             std::generic_category().message(errno));
+    throw std::runtime_error(std::string("pseudo-terminal for Modbus RTU: ") + step + ": " + std::generic_category().message(errno));
 }
 
 std::string slave_path(int master) {

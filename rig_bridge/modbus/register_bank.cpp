@@ -16,9 +16,8 @@ std::vector<Field> holding_fields(const RegisterMap& map) {
 }
 
 modbus_mapping_t* new_mapping(const RegisterImage& holdings, const RegisterImage& inputs) {
-    auto* mapping = modbus_mapping_new_start_address(
-        0, 0, 0, 0, holdings.first(), static_cast<unsigned>(holdings.words().size()), inputs.first(),
-        static_cast<unsigned>(inputs.words().size()));
+    auto* mapping = modbus_mapping_new_start_address(0, 0, 0, 0, holdings.first(), static_cast<unsigned>(holdings.words().size()), inputs.first(),
+                                                     static_cast<unsigned>(inputs.words().size()));
     if (mapping == nullptr) throw std::bad_alloc();
     return mapping;
 }
@@ -80,13 +79,12 @@ double RegisterBank::take_hang() {
     return std::clamp(seconds, 0.0, map_.hang_s.max);
 }
 
-RegisterBank::Answer RegisterBank::answer(modbus_t* context, std::span<const std::uint8_t> adu,
-                                          std::size_t header, std::size_t checksum, bool silent) {
+RegisterBank::Answer RegisterBank::answer(modbus_t* context, std::span<const std::uint8_t> adu, std::size_t header, std::size_t checksum,
+                                          bool silent) {
     const auto pdu = adu.subspan(header, adu.size() - header - checksum);
     const Exception exception = judge(pdu, inputs_there_, holdings_there_);
     if (exception != Exception::none) {
-        if (!silent && modbus_reply_exception(context, adu.data(), static_cast<unsigned>(exception)) < 0)
-            return Answer::failed;
+        if (!silent && modbus_reply_exception(context, adu.data(), static_cast<unsigned>(exception)) < 0) return Answer::failed;
         return Answer::exception;
     }
     fetch_inputs();

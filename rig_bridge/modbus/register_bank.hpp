@@ -31,8 +31,7 @@ class RegisterBank {
     enum class Answer : std::uint8_t { given, exception, failed };
     /// Answers a whole request (`header` bytes before the function code, `checksum` after the PDU) through `context`;
     /// `silent`: a broadcast, which gets no exception either.
-    Answer answer(modbus_t* context, std::span<const std::uint8_t> adu, std::size_t header,
-                  std::size_t checksum, bool silent);
+    Answer answer(modbus_t* context, std::span<const std::uint8_t> adu, std::size_t header, std::size_t checksum, bool silent);
 
   private:
     void fetch_inputs();

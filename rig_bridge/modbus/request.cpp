@@ -18,20 +18,17 @@ Exception judge_read(std::span<const std::uint8_t> pdu, const RegisterSet& regis
     return registers.contains(word_at(pdu, 1), count) ? Exception::none : Exception::illegal_data_address;
 }
 
-Exception judge_write_one(std::span<const std::uint8_t> pdu, std::size_t length,
-                          const RegisterSet& registers) {
+Exception judge_write_one(std::span<const std::uint8_t> pdu, std::size_t length, const RegisterSet& registers) {
     if (pdu.size() != length) return Exception::illegal_data_value;
     return registers.contains(word_at(pdu, 1), 1) ? Exception::none : Exception::illegal_data_address;
 }
 
 /// `at`: where address, count, byte count and values stand.
-Exception judge_write(std::span<const std::uint8_t> pdu, std::size_t at, unsigned most,
-                      const RegisterSet& registers) {
+Exception judge_write(std::span<const std::uint8_t> pdu, std::size_t at, unsigned most, const RegisterSet& registers) {
     if (pdu.size() < at + 5) return Exception::illegal_data_value;
     const unsigned count = word_at(pdu, at + 2);
     const unsigned bytes = pdu[at + 4];
-    if (count < 1 || count > most || bytes != 2 * count || pdu.size() != at + 5 + bytes)
-        return Exception::illegal_data_value;
+    if (count < 1 || count > most || bytes != 2 * count || pdu.size() != at + 5 + bytes) return Exception::illegal_data_value;
     return registers.contains(word_at(pdu, at), count) ? Exception::none : Exception::illegal_data_address;
 }
 
@@ -65,9 +62,8 @@ Exception judge(std::span<const std::uint8_t> pdu, const RegisterSet& inputs, co
             return judge_write_one(pdu, 7, holdings);
         case 23: {
             const Exception written = judge_write(pdu, 5, kMostReadWritten, holdings);
-            return written == Exception::none || written == Exception::illegal_data_address
-                       ? std::max(judge_read(pdu.first(5), holdings), written)
-                       : written;
+            return written == Exception::none || written == Exception::illegal_data_address ? std::max(judge_read(pdu.first(5), holdings), written)
+                                                                                            : written;
         }
         default:
             return Exception::illegal_function;

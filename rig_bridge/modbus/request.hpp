@@ -29,8 +29,7 @@ enum class Exception : std::uint8_t {
 
 /// The exception that a request deserves. Function codes 3, 4, 6, 16, 22, 23; the length, and counts and byte counts
 /// against each other, are checked before the addresses. `pdu`: from the function code on, without checksum.
-[[nodiscard]] Exception judge(std::span<const std::uint8_t> pdu, const RegisterSet& inputs,
-                              const RegisterSet& holdings);
+[[nodiscard]] Exception judge(std::span<const std::uint8_t> pdu, const RegisterSet& inputs, const RegisterSet& holdings);
 
 enum class FrameState : std::uint8_t { incomplete, whole, broken };
 struct TcpFrame {

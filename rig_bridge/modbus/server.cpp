@@ -84,8 +84,7 @@ class Guests {
         for (const std::string& address : options.allow) {
             in_addr numeric{};
             if (::inet_pton(AF_INET, address.c_str(), &numeric) != 1)
-                throw std::invalid_argument("Modbus TCP: allowed peer '" + address +
-                                            "': expected a numeric IPv4 address, e.g. 127.0.0.1");
+                throw std::invalid_argument("Modbus TCP: allowed peer '" + address + "': expected a numeric IPv4 address, e.g. 127.0.0.1");
             allowed_.insert(numeric.s_addr);
         }
     }
@@ -109,8 +108,7 @@ class Guests {
 class RtuLine {
   public:
     explicit RtuLine(const RegisterMap& map)
-        : context_(modbus_new_rtu(terminal_.path().c_str(), map.serial.baud, map.serial.parity, 8,
-                                  map.serial.stop_bits)) {
+        : context_(modbus_new_rtu(terminal_.path().c_str(), map.serial.baud, map.serial.parity, 8, map.serial.stop_bits)) {
         if (context_ == nullptr) throw std::runtime_error("Modbus RTU: " + modbus_error(errno));
         modbus_set_slave(context_.get(), map.unit_id);
         modbus_set_socket(context_.get(), terminal_.master());
@@ -131,8 +129,7 @@ class RtuLine {
 
 class ModbusServer::Impl {
   public:
-    Impl(const RegisterMap& map, const ServerOptions& options)
-        : bank_(map), most_(options.clients), idle_after_(options.idle), guests_(options) {
+    Impl(const RegisterMap& map, const ServerOptions& options) : bank_(map), most_(options.clients), idle_after_(options.idle), guests_(options) {
         if (options.port) {
             tcp_ = std::make_unique<TcpListener>(options.address, *options.port);
             port_ = tcp_->port();
@@ -187,8 +184,7 @@ class ModbusServer::Impl {
     void accept_peer() {
         sockaddr_in from{};
         socklen_t size = sizeof from;
-        const int socket = ::accept4(tcp_->descriptor(), reinterpret_cast<sockaddr*>(&from), &size,
-                                     SOCK_NONBLOCK | SOCK_CLOEXEC);
+        const int socket = ::accept4(tcp_->descriptor(), reinterpret_cast<sockaddr*>(&from), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
         if (socket < 0) return;
         auto peer = std::make_unique<Peer>(socket);
         if (!guests_.admits(from)) {
@@ -202,8 +198,7 @@ class ModbusServer::Impl {
     }
 
     bool drop_idle(std::chrono::steady_clock::time_point now) {
-        const auto longest = std::min_element(
-            peers_.begin(), peers_.end(), [](const auto& a, const auto& b) { return a->asked < b->asked; });
+        const auto longest = std::min_element(peers_.begin(), peers_.end(), [](const auto& a, const auto& b) { return a->asked < b->asked; });
         if (longest == peers_.end() || now - (*longest)->asked < idle_after_) return false;
         peers_.erase(longest);
         ++idle_;
@@ -211,8 +206,7 @@ class ModbusServer::Impl {
     }
 
     void serve(Peer& peer) {
-        const auto got =
-            ::recv(peer.socket.get(), peer.bytes.data() + peer.have, peer.bytes.size() - peer.have, 0);
+        const auto got = ::recv(peer.socket.get(), peer.bytes.data() + peer.have, peer.bytes.size() - peer.have, 0);
         if (got <= 0) {
             peer.closing = got == 0 || (errno != EAGAIN && errno != EINTR);
             return;
@@ -229,8 +223,8 @@ class ModbusServer::Impl {
             const auto adu = std::span<const std::uint8_t>(peer.bytes).first(frame.length);
             peer.closing = !answer(tcp_->context_for(peer), adu, kTcpHeader, 0, false);
             peer.asked = std::chrono::steady_clock::now();
-            std::copy(peer.bytes.begin() + static_cast<std::ptrdiff_t>(frame.length),
-                      peer.bytes.begin() + static_cast<std::ptrdiff_t>(peer.have), peer.bytes.begin());
+            std::copy(peer.bytes.begin() + static_cast<std::ptrdiff_t>(frame.length), peer.bytes.begin() + static_cast<std::ptrdiff_t>(peer.have),
+                      peer.bytes.begin());
             peer.have -= frame.length;
         }
     }
@@ -250,13 +244,11 @@ class ModbusServer::Impl {
             return;
         }
         const auto adu = std::span<const std::uint8_t>(bytes).first(static_cast<std::size_t>(length));
-        static_cast<void>(
-            answer(rtu_->context(), adu, kRtuHeader, kRtuChecksum, bytes[0] == MODBUS_BROADCAST_ADDRESS));
+        static_cast<void>(answer(rtu_->context(), adu, kRtuHeader, kRtuChecksum, bytes[0] == MODBUS_BROADCAST_ADDRESS));
     }
 
     /// False when the answer cannot be delivered, or nothing shall be any more.
-    bool answer(modbus_t* context, std::span<const std::uint8_t> adu, std::size_t header,
-                std::size_t checksum, bool silent) {
+    bool answer(modbus_t* context, std::span<const std::uint8_t> adu, std::size_t header, std::size_t checksum, bool silent) {
         ++requests_;
         if (const double hang_s = bank_.take_hang(); hang_s > 0.0) {
             ++hangs_;
@@ -284,8 +276,7 @@ class ModbusServer::Impl {
     std::thread thread_;
 };
 
-ModbusServer::ModbusServer(const RegisterMap& map, const ServerOptions& options)
-    : impl_(std::make_unique<Impl>(map, options)) {}
+ModbusServer::ModbusServer(const RegisterMap& map, const ServerOptions& options) : impl_(std::make_unique<Impl>(map, options)) {}
 ModbusServer::~ModbusServer() = default;
 std::uint16_t ModbusServer::port() const {
     return impl_->port();

@@ -21,8 +21,7 @@ void StopSignal::raise() const {
 
 bool StopSignal::wait_for(std::chrono::nanoseconds time) const {
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(time);
-    const timespec timeout{.tv_sec = std::max<std::time_t>(seconds.count(), 0),
-                           .tv_nsec = std::max<long>((time - seconds).count(), 0)};
+    const timespec timeout{.tv_sec = std::max<std::time_t>(seconds.count(), 0), .tv_nsec = std::max<long>((time - seconds).count(), 0)};
     pollfd event{.fd = event_.get(), .events = POLLIN, .revents = 0};
     return ::ppoll(&event, 1, &timeout, nullptr) > 0;
 }

@@ -17,8 +17,7 @@ plot data using 'runway_m':($0 >= 0 && column('F_z_N') > 0 ? column('mu_max') : 
      data using 'runway_m':($0 >= 0 && column('F_z_N') > 0 ? column('mu') : NaN) with lines ls 2 title 'used'
 )";
 
-std::string script(const std::filesystem::path& csv, const std::string& title, double brake_on_s,
-                   bool along_runway) {
+std::string script(const std::filesystem::path& csv, const std::string& title, double brake_on_s, bool along_runway) {
     return fmt::format(R"(set datafile separator ','
 data = {csv}
 set style line 1 lc rgb '#1f4e79' lw 2
@@ -43,17 +42,15 @@ plot data using 'time_s':(column('pressure_demand_Pa') * 1e-6) with lines ls 1 t
      data using 'time_s':(column('pressure_Pa') * 1e-6) with lines ls 2 title 'applied'
 {runway}unset multiplot
 )",
-                       fmt::arg("csv", gnuplot_quoted(csv.string())), fmt::arg("on", brake_on_s),
-                       fmt::arg("title", gnuplot_quoted(title)), fmt::arg("rows", along_runway ? 4 : 3),
-                       fmt::arg("runway", along_runway ? kRunway : ""));
+                       fmt::arg("csv", gnuplot_quoted(csv.string())), fmt::arg("on", brake_on_s), fmt::arg("title", gnuplot_quoted(title)),
+                       fmt::arg("rows", along_runway ? 4 : 3), fmt::arg("runway", along_runway ? kRunway : ""));
 }
 
 }  // namespace
 
-void draw_stop(const std::filesystem::path& trajectory_csv, const std::filesystem::path& png,
-               const std::string& title, double brake_on_s, bool along_runway) {
-    run_gnuplot(png, 1100, along_runway ? 1300 : 1000,
-                script(trajectory_csv, title, brake_on_s, along_runway));
+void draw_stop(const std::filesystem::path& trajectory_csv, const std::filesystem::path& png, const std::string& title, double brake_on_s,
+               bool along_runway) {
+    run_gnuplot(png, 1100, along_runway ? 1300 : 1000, script(trajectory_csv, title, brake_on_s, along_runway));
 }
 
 }  // namespace study

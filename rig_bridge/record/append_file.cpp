@@ -65,8 +65,7 @@ void AppendFile::flush() {
             const auto begin = buffer_.begin();
             const auto end = begin + static_cast<std::ptrdiff_t>(done);
             lines_in_buffer_ -= static_cast<std::uint64_t>(std::count(begin, end, '\n'));
-            const auto last =
-                std::find(std::make_reverse_iterator(end), std::make_reverse_iterator(begin), '\n').base();
+            const auto last = std::find(std::make_reverse_iterator(end), std::make_reverse_iterator(begin), '\n').base();
             size_ += last - begin;
             fail(error);
             return;
@@ -103,8 +102,7 @@ bool AppendFile::finish() {
 std::string AppendFile::error() const {
     if (error_ == 0 && missing_ == 0) return {};
     std::string text = path_.string() + ": " + (error_ != 0 ? std::strerror(error_) : "a line is too long");
-    return text + "; " + std::to_string(missing_) +
-           (missing_ == 1 ? " line is missing" : " lines are missing");
+    return text + "; " + std::to_string(missing_) + (missing_ == 1 ? " line is missing" : " lines are missing");
 }
 
 }  // namespace rig

@@ -9,11 +9,9 @@
 
 namespace rig {
 
-BusLog::BusLog(std::unique_ptr<LineFile> file, std::string interface)
-    : file_(std::move(file)), interface_(std::move(interface)) {}
+BusLog::BusLog(std::unique_ptr<LineFile> file, std::string interface) : file_(std::move(file)), interface_(std::move(interface)) {}
 
-BusLog::BusLog(const std::filesystem::path& path, std::string interface)
-    : BusLog(std::make_unique<AppendFile>(path), std::move(interface)) {}
+BusLog::BusLog(const std::filesystem::path& path, std::string interface) : BusLog(std::make_unique<AppendFile>(path), std::move(interface)) {}
 
 void BusLog::write(const CapturedFrame& frame) {
     std::array<char, antiskid::can::kCandumpLineMost> line{};

@@ -11,15 +11,13 @@ using antiskid::control::kNever;
 
 namespace {
 
-ShaftSample shaft(const antiskid::control::SpeedInput& input, const antiskid::can::SpeedSignals& signals,
-                  bool reported) {
+ShaftSample shaft(const antiskid::control::SpeedInput& input, const antiskid::can::SpeedSignals& signals, bool reported) {
     return {.edges = input.source == antiskid::control::SpeedSource::edges,
             .edge_count = input.edge_count,
             .edge_time = input.edge_time,
             .speed_radps = static_cast<double>(input.speed_radps),
             .roll_over = {.count_mask = static_cast<std::uint32_t>(signals.edge_count.mask()),
-                          .time = Time{std::llround((static_cast<double>(signals.edge_time.mask()) + 1.0) *
-                                                    signals.edge_time.scale)}},
+                          .time = Time{std::llround((static_cast<double>(signals.edge_time.mask()) + 1.0) * signals.edge_time.scale)}},
             .reported = reported};
 }
 

@@ -55,8 +55,7 @@ struct Capture::Batch {
     std::array<mmsghdr, kBatch> headers{};
 };
 
-Capture::Capture(const std::string& interface, const CaptureOptions& options)
-    : interface_(interface), batch_(std::make_unique<Batch>()) {
+Capture::Capture(const std::string& interface, const CaptureOptions& options) : interface_(interface), batch_(std::make_unique<Batch>()) {
     antiskid::can::RawSocket socket(interface);
     const can_err_mask_t every_error = CAN_ERR_MASK;
     socket.set_option(SOL_CAN_RAW, CAN_RAW_ERR_FILTER, every_error, "error frames");
@@ -132,8 +131,7 @@ CaptureStatus Capture::status() const {
     status.dropped = dropped_;
     std::array<std::uint32_t, SK_MEMINFO_VARS> info{};
     socklen_t size = sizeof info;
-    if (getsockopt(socket_, SOL_SOCKET, SO_MEMINFO, info.data(), &size) == 0)
-        status.dropped += info[SK_MEMINFO_DROPS] - kernel_drops_;
+    if (getsockopt(socket_, SOL_SOCKET, SO_MEMINFO, info.data(), &size) == 0) status.dropped += info[SK_MEMINFO_DROPS] - kernel_drops_;
     return status;
 }
 

@@ -108,8 +108,7 @@ double EdgeTrack::last_edge_s() const {
 
 double EdgeTrack::way(double now_s) const {
     if (count() < 2) return way_at_edge();
-    const double interval =
-        seconds(edge(0).time - edge(1).time) / static_cast<double>(edge(0).edges - edge(1).edges);
+    const double interval = seconds(edge(0).time - edge(1).time) / static_cast<double>(edge(0).edges - edge(1).edges);
     if (!(interval > 0.0)) return way_at_edge();
     return way_at_edge() + pitch_ * std::clamp((now_s - last_edge_s()) / interval, 0.0, 1.0);
 }

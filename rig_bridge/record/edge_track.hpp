@@ -33,8 +33,7 @@ struct RollOver {
 class EdgeTrack {
   public:
     /// `edge_pitch`: way from edge to edge, rad or m; all results are in its unit.
-    explicit EdgeTrack(double edge_pitch, const EdgeLimits& limits = {})
-        : pitch_(edge_pitch), limits_(limits) {}
+    explicit EdgeTrack(double edge_pitch, const EdgeLimits& limits = {}) : pitch_(edge_pitch), limits_(limits) {}
 
     /// What the encoder said by `now_s` (any clock that runs as fast as the sensor's): edges so far and the stamp of the last one,
     /// each but for whole roll-overs. Once for every report.
@@ -110,7 +109,7 @@ class EdgeTrack {
     std::uint64_t restarts_ = 0;
     Report last_;
     std::optional<Report> strange_;  // cannot follow `last_`; what comes next tells what it was
-    double clock_s_ = 0.0;  // of update() minus the sensor's, least seen: the edge that was reported at once
+    double clock_s_ = 0.0;           // of update() minus the sensor's, least seen: the edge that was reported at once
     bool clock_known_ = false;
 };
 

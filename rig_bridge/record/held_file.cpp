@@ -49,8 +49,7 @@ HeldBy read_holder(int file) {
 
 }  // namespace
 
-std::variant<std::unique_ptr<HeldFile>, HeldBy> hold(const std::filesystem::path& path,
-                                                     const std::string& who) {
+std::variant<std::unique_ptr<HeldFile>, HeldBy> hold(const std::filesystem::path& path, const std::string& who) {
     const int file = open_or_make(path.string());
     if (file < 0) throw std::system_error(errno, std::generic_category(), path.string());
     auto held = std::make_unique<HeldFile>(file);
@@ -63,8 +62,7 @@ std::variant<std::unique_ptr<HeldFile>, HeldBy> hold(const std::filesystem::path
 
 std::optional<HeldBy> held_by(const std::filesystem::path& path) {
     const settings::FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-    if (!file.is_open() || flock(file.get(), LOCK_SH | LOCK_NB) == 0 || errno != EWOULDBLOCK)
-        return std::nullopt;
+    if (!file.is_open() || flock(file.get(), LOCK_SH | LOCK_NB) == 0 || errno != EWOULDBLOCK) return std::nullopt;
     return read_holder(file.get());
 }
 

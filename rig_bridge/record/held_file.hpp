@@ -28,8 +28,7 @@ struct HeldBy {
 
 /// Takes `path`, which is made where it is not there, and writes `who` into it, one line for whoever comes second. Throws
 /// std::system_error naming the file where it cannot be opened.
-[[nodiscard]] std::variant<std::unique_ptr<HeldFile>, HeldBy> hold(const std::filesystem::path& path,
-                                                                   const std::string& who);
+[[nodiscard]] std::variant<std::unique_ptr<HeldFile>, HeldBy> hold(const std::filesystem::path& path, const std::string& who);
 
 /// Whether somebody has it now, and who: for those who only look. Nothing where the file is not there or cannot be read.
 [[nodiscard]] std::optional<HeldBy> held_by(const std::filesystem::path& path);

@@ -33,18 +33,13 @@ std::string joined(const std::vector<std::string>& words) {
     return fmt::format("{}", fmt::join(words, " "));
 }
 
-void write_specimen(const LedgerDatabase& database, const char* table, std::int64_t row,
-                    const Specimen& specimen) {
+void write_specimen(const LedgerDatabase& database, const char* table, std::int64_t row, const Specimen& specimen) {
     for (const SpecimenField& field : kSpecimenFields)
-        database.prepare(fmt::format("UPDATE {} SET {} = ?2 WHERE id = ?1", table, field.key))
-            .bind(1, row)
-            .bind(2, specimen.*field.value)
-            .run();
+        database.prepare(fmt::format("UPDATE {} SET {} = ?2 WHERE id = ?1", table, field.key)).bind(1, row).bind(2, specimen.*field.value).run();
 }
 
 std::int64_t as_integer(std::uint64_t value, const std::string& path, const char* what) {
-    if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
-        throw settings::Error(path, 0, what, "must be below 2^63");
+    if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) throw settings::Error(path, 0, what, "must be below 2^63");
     return static_cast<std::int64_t>(value);
 }
 
@@ -53,23 +48,19 @@ std::int64_t as_integer(std::uint64_t value, const std::string& path, const char
 Ledger::Impl::Impl(const std::filesystem::path& ledger, const LedgerOptions& options)
     : path(make_parent(ledger)), lock(ledger), database(ledger, LedgerDatabase::Access::write, options) {}
 
-Ledger::Ledger(const std::filesystem::path& path, const LedgerOptions& options)
-    : impl_(std::make_unique<Impl>(path, options)) {}
+Ledger::Ledger(const std::filesystem::path& path, const LedgerOptions& options) : impl_(std::make_unique<Impl>(path, options)) {}
 Ledger::~Ledger() = default;
 
 Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed, const MeterLog& meter) {
     const std::string path = impl_->path.string();
     if (campaign.name.empty() || campaign.name.find('/') != std::string::npos || campaign.name.front() == '.')
-        throw settings::Error(
-            path, 0, "",
-            "'" + campaign.name + "' is no campaign name: it names a folder, so no '/' and no leading '.'");
+        throw settings::Error(path, 0, "", "'" + campaign.name + "' is no campaign name: it names a folder, so no '/' and no leading '.'");
     const std::int64_t seed = as_integer(campaign.seed, path, "seed");
     Specimen specimen = campaign.specimen;
     check_texts(specimen);
     Resumed resumed;
     LedgerDatabase::Transaction transaction(impl_->database);
-    Statement find = impl_->database.prepare(
-        fmt::format("SELECT {}, id FROM campaigns WHERE name = ?1", LedgerDatabase::kCampaignColumns));
+    Statement find = impl_->database.prepare(fmt::format("SELECT {}, id FROM campaigns WHERE name = ?1", LedgerDatabase::kCampaignColumns));
     std::int64_t id = 0;
     if (find.bind(1, campaign.name).step()) {
         const Campaign old = LedgerDatabase::read_campaign(find);
@@ -81,16 +72,13 @@ Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed, const
         compare("seed", old.seed, campaign.seed);
         compare("config hash", old.config_hash, campaign.config_hash);
         specimen = taken_over(specimen, old.specimen);
-        for (const auto part :
-             {&Specimen::brake, &Specimen::disc})  // wear of another one is another campaign's
-            if (!(old.specimen.*part).empty())
-                compare(part == &Specimen::brake ? "brake" : "disc", old.specimen.*part, specimen.*part);
+        for (const auto part : {&Specimen::brake, &Specimen::disc})  // wear of another one is another campaign's
+            if (!(old.specimen.*part).empty()) compare(part == &Specimen::brake ? "brake" : "disc", old.specimen.*part, specimen.*part);
         if (!resumed.changed.empty() && changed == IfChanged::refuse) {
-            throw settings::Error(
-                path, 0, "",
-                fmt::format("campaign '{}' was begun otherwise: {}; resume it as it was begun, or give "
-                            "another name",
-                            campaign.name, fmt::join(resumed.changed, "; ")));
+            throw settings::Error(path, 0, "",
+                                  fmt::format("campaign '{}' was begun otherwise: {}; resume it as it was begun, or give "
+                                              "another name",
+                                              campaign.name, fmt::join(resumed.changed, "; ")));
         }
         impl_->database
             .prepare(
@@ -127,10 +115,8 @@ Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed, const
 }
 
 void Ledger::choose(const std::string& campaign) {
-    Statement find = impl_->database.prepare(
-        fmt::format("SELECT {}, id FROM campaigns WHERE name = ?1", LedgerDatabase::kCampaignColumns));
-    if (!find.bind(1, campaign).step())
-        throw settings::Error(impl_->path.string(), 0, "", "has no campaign '" + campaign + "'");
+    Statement find = impl_->database.prepare(fmt::format("SELECT {}, id FROM campaigns WHERE name = ?1", LedgerDatabase::kCampaignColumns));
+    if (!find.bind(1, campaign).step()) throw settings::Error(impl_->path.string(), 0, "", "has no campaign '" + campaign + "'");
     impl_->campaign = LedgerDatabase::read_campaign(find);
     impl_->id = find.integer(LedgerDatabase::kCampaignColumnCount);
 }
@@ -146,10 +132,8 @@ void Ledger::Impl::settle(Resumed& resumed, const MeterLog& meter) {
         "ORDER BY id");
     running.bind(1, id);
     while (running.step()) {
-        left.push_back({running.integer(0),
-                        {.number = running.integer(1),
-                         .attempt = running.integer(2),
-                         .folder = path.parent_path() / running.text(3)}});
+        left.push_back(
+            {running.integer(0), {.number = running.integer(1), .attempt = running.integer(2), .folder = path.parent_path() / running.text(3)}});
     }
     for (const auto& [row, attempt] : left) {
         if (const auto summary = whole_summary(attempt.folder, attempt.number)) {
@@ -172,8 +156,7 @@ void Ledger::Impl::leave_unfinished(std::int64_t row, const std::optional<Summar
     enter(summary, row, "unfinished");
 }
 
-std::optional<Summary> Ledger::Impl::whole_summary(const std::filesystem::path& folder,
-                                                   std::int64_t number) const {
+std::optional<Summary> Ledger::Impl::whole_summary(const std::filesystem::path& folder, std::int64_t number) const {
     try {
         Summary summary = read_summary(folder / "summary.json");
         if (summary.campaign == campaign.name && summary.number == number) return summary;
@@ -241,8 +224,7 @@ double Ledger::Impl::cumulative_J() const {
 
 std::int64_t Ledger::finished_count() const {
     impl_->need_campaign();
-    Statement count =
-        impl_->database.prepare("SELECT count(*) FROM maneuvers WHERE campaign = ?1 AND state = 'finished'");
+    Statement count = impl_->database.prepare("SELECT count(*) FROM maneuvers WHERE campaign = ?1 AND state = 'finished'");
     return count.bind(1, impl_->id).step() ? count.integer(0) : 0;
 }
 
@@ -254,8 +236,7 @@ Attempt Ledger::begin(std::int64_t number, const std::string& started, std::opti
     return begin(number, started, slip_reference, impl_->campaign.specimen);
 }
 
-Attempt Ledger::begin(std::int64_t number, const std::string& started, std::optional<double> slip_reference,
-                      const Specimen& specimen) {
+Attempt Ledger::begin(std::int64_t number, const std::string& started, std::optional<double> slip_reference, const Specimen& specimen) {
     impl_->need_campaign();
     LedgerDatabase::Transaction transaction(impl_->database);
     Statement last = impl_->database.prepare(
@@ -268,8 +249,8 @@ Attempt Ledger::begin(std::int64_t number, const std::string& started, std::opti
     if (last.integer(2) != 0) throw LedgerError(where + " cannot begin: another one is running");
     const std::int64_t attempt = last.integer(0) + 1;
     const Campaign& campaign = impl_->campaign;
-    const std::string folder = attempt == 1 ? fmt::format("{}/{:04}", campaign.name, number)
-                                            : fmt::format("{}/{:04}.{}", campaign.name, number, attempt);
+    const std::string folder =
+        attempt == 1 ? fmt::format("{}/{:04}", campaign.name, number) : fmt::format("{}/{:04}.{}", campaign.name, number, attempt);
     Statement insert = impl_->database.prepare(
         "INSERT INTO maneuvers (campaign, number, attempt, state, folder, scenario, started, seed, "
         "version, config_hash, slip_reference) "
@@ -295,13 +276,10 @@ void Ledger::finish(const Summary& summary) {
     impl_->need_campaign();
     const std::string where = impl_->path.string() + ": maneuver " + std::to_string(summary.number);
     if (summary.campaign != impl_->campaign.name)
-        throw LedgerError(where + " is of campaign '" + summary.campaign + "', not '" + impl_->campaign.name +
-                          "'");
+        throw LedgerError(where + " is of campaign '" + summary.campaign + "', not '" + impl_->campaign.name + "'");
     LedgerDatabase::Transaction transaction(impl_->database);
-    Statement running = impl_->database.prepare(
-        "SELECT id FROM maneuvers WHERE campaign = ?1 AND number = ?2 AND state = 'running'");
-    if (!running.bind(1, impl_->id).bind(2, summary.number).step())
-        throw LedgerError(where + " is not running");
+    Statement running = impl_->database.prepare("SELECT id FROM maneuvers WHERE campaign = ?1 AND number = ?2 AND state = 'running'");
+    if (!running.bind(1, impl_->id).bind(2, summary.number).step()) throw LedgerError(where + " is not running");
     impl_->enter(summary, running.integer(0), state_of(summary));
     transaction.commit();
 }
@@ -309,8 +287,7 @@ void Ledger::finish(const Summary& summary) {
 void Ledger::mark_unfinished(const std::optional<Summary>& known) {
     impl_->need_campaign();
     LedgerDatabase::Transaction transaction(impl_->database);
-    Statement running =
-        impl_->database.prepare("SELECT id FROM maneuvers WHERE campaign = ?1 AND state = 'running'");
+    Statement running = impl_->database.prepare("SELECT id FROM maneuvers WHERE campaign = ?1 AND state = 'running'");
     if (running.bind(1, impl_->id).step()) impl_->leave_unfinished(running.integer(0), known);
     transaction.commit();
 }

@@ -58,9 +58,8 @@ enum class IfChanged : std::uint8_t { refuse, go_on };
 
 struct Attempt {
     std::int64_t number = 0;
-    std::int64_t attempt = 0;  ///< from 1
-    std::filesystem::path
-        folder;  ///< not made yet; CAMPAIGN/0001 beside the ledger, CAMPAIGN/0001.2 for the second attempt
+    std::int64_t attempt = 0;      ///< from 1
+    std::filesystem::path folder;  ///< not made yet; CAMPAIGN/0001 beside the ledger, CAMPAIGN/0001.2 for the second attempt
 };
 
 enum class RowState : std::uint8_t { running, finished, aborted, unfinished };
@@ -137,11 +136,9 @@ class Ledger {
     [[nodiscard]] std::int64_t finished_count() const;
 
     /// `started`: wall clock, ISO 8601 UTC. `slip_reference`: that of the slip law. Throws LedgerError when one is running.
-    [[nodiscard]] Attempt begin(std::int64_t number, const std::string& started,
-                                std::optional<double> slip_reference = {});
+    [[nodiscard]] Attempt begin(std::int64_t number, const std::string& started, std::optional<double> slip_reference = {});
     /// The same of another specimen than the campaign's.
-    [[nodiscard]] Attempt begin(std::int64_t number, const std::string& started,
-                                std::optional<double> slip_reference, const Specimen& specimen);
+    [[nodiscard]] Attempt begin(std::int64_t number, const std::string& started, std::optional<double> slip_reference, const Specimen& specimen);
     /// Of the maneuvers that begin from now on.
     [[nodiscard]] const Specimen& specimen() const;
     /// Enters the running maneuver of that number: `finished` when that is the outcome, else `aborted`. Throws LedgerError when
@@ -164,8 +161,7 @@ class Ledger {
 
 /// Every row of a campaign, oldest first, without taking the lock; a ledger of an older schema is read and left as it is. Throws
 /// settings::Error when the file is no ledger, is of a newer schema or has no such campaign.
-[[nodiscard]] std::vector<LedgerRow> read_ledger(const std::filesystem::path& path,
-                                                 const std::string& campaign);
+[[nodiscard]] std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std::string& campaign);
 /// The campaigns of a ledger, oldest first.
 [[nodiscard]] std::vector<Campaign> read_campaigns(const std::filesystem::path& path);
 

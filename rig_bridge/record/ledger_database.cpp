@@ -53,9 +53,7 @@ ALTER TABLE maneuvers ADD COLUMN health TEXT NOT NULL DEFAULT 'unknown'
 ALTER TABLE maneuvers ADD COLUMN health_statistic REAL;
 ALTER TABLE maneuvers ADD COLUMN health_reason TEXT NOT NULL DEFAULT '';
 ALTER TABLE maneuvers ADD COLUMN health_model TEXT NOT NULL DEFAULT '';
-)",
-    "ALTER TABLE maneuvers ADD COLUMN slip_reference REAL;",
-    "ALTER TABLE maneuvers ADD COLUMN out_of_tolerance TEXT;",
+)", "ALTER TABLE maneuvers ADD COLUMN slip_reference REAL;", "ALTER TABLE maneuvers ADD COLUMN out_of_tolerance TEXT;",
     R"(
 ALTER TABLE maneuvers ADD COLUMN warnings TEXT NOT NULL DEFAULT '';
 CREATE TABLE amendments (
@@ -137,11 +135,9 @@ CREATE UNIQUE INDEX one_running ON maneuvers (campaign) WHERE state = 'running';
 
 }  // namespace
 
-Statement::Statement(sqlite3* database, const std::string& path, std::string_view sql)
-    : database_(database), path_(path) {
+Statement::Statement(sqlite3* database, const std::string& path, std::string_view sql) : database_(database), path_(path) {
     sqlite3_stmt* statement = nullptr;
-    const int code =
-        sqlite3_prepare_v2(database, sql.data(), static_cast<int>(sql.size()), &statement, nullptr);
+    const int code = sqlite3_prepare_v2(database, sql.data(), static_cast<int>(sql.size()), &statement, nullptr);
     if (code != SQLITE_OK) fail(database, path, code);
     statement_.reset(statement);
 }
@@ -154,14 +150,12 @@ Statement& Statement::bind(int index, std::string_view text) {
 }
 
 Statement& Statement::bind(int index, std::int64_t value) {
-    if (const int code = sqlite3_bind_int64(statement_.get(), index, value); code != SQLITE_OK)
-        fail(database_, path_, code);
+    if (const int code = sqlite3_bind_int64(statement_.get(), index, value); code != SQLITE_OK) fail(database_, path_, code);
     return *this;
 }
 
 Statement& Statement::bind(int index, double value) {
-    if (const int code = sqlite3_bind_double(statement_.get(), index, value); code != SQLITE_OK)
-        fail(database_, path_, code);
+    if (const int code = sqlite3_bind_double(statement_.get(), index, value); code != SQLITE_OK) fail(database_, path_, code);
     return *this;
 }
 
@@ -179,16 +173,12 @@ std::string Statement::text(int column) const {
 }
 
 double Statement::real(int column) const {
-    return null(column) ? std::numeric_limits<double>::quiet_NaN()
-                        : sqlite3_column_double(statement_.get(), column);
+    return null(column) ? std::numeric_limits<double>::quiet_NaN() : sqlite3_column_double(statement_.get(), column);
 }
 
-LedgerDatabase::LedgerDatabase(const std::filesystem::path& path, Access access, const LedgerOptions& options)
-    : path_(path.string()) {
-    const int flags =
-        access == Access::write ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READWRITE;
-    if (access == Access::read && !std::filesystem::exists(path))
-        throw settings::Error(path_, 0, "", "no such ledger");
+LedgerDatabase::LedgerDatabase(const std::filesystem::path& path, Access access, const LedgerOptions& options) : path_(path.string()) {
+    const int flags = access == Access::write ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READWRITE;
+    if (access == Access::read && !std::filesystem::exists(path)) throw settings::Error(path_, 0, "", "no such ledger");
     sqlite3* database = nullptr;
     const int code = sqlite3_open_v2(path_.c_str(), &database, flags | SQLITE_OPEN_NOMUTEX, nullptr);
     database_.reset(database);
@@ -220,11 +210,9 @@ void LedgerDatabase::check_identity(Access access) {
     std::int64_t tables = 0;
     {
         sqlite3_stmt* raw = nullptr;
-        const int code =
-            sqlite3_prepare_v2(database_.get(), "SELECT count(*) FROM sqlite_schema", -1, &raw, nullptr);
+        const int code = sqlite3_prepare_v2(database_.get(), "SELECT count(*) FROM sqlite_schema", -1, &raw, nullptr);
         sqlite3_finalize(raw);
-        if (code == SQLITE_NOTADB)
-            throw settings::Error(path_, 0, "", "is no SQLite file, so it is no campaign ledger");
+        if (code == SQLITE_NOTADB) throw settings::Error(path_, 0, "", "is no SQLite file, so it is no campaign ledger");
     }
     {
         Statement count = prepare("SELECT count(*) FROM sqlite_schema");
@@ -236,19 +224,16 @@ void LedgerDatabase::check_identity(Access access) {
         make_schema();
         return;
     }
-    if (application != kApplicationId)
-        throw settings::Error(path_, 0, "", "is an SQLite file of another program, not a campaign ledger");
+    if (application != kApplicationId) throw settings::Error(path_, 0, "", "is an SQLite file of another program, not a campaign ledger");
     if (version < 1 || version > kLedgerSchema) {
         throw settings::Error(path_, 0, "user_version",
-                              "ledger of schema " + std::to_string(version) + "; this program knows schema " +
-                                  std::to_string(kLedgerSchema) + " and older" +
-                                  (version > kLedgerSchema ? ": use the newer program that made it" : ""));
+                              "ledger of schema " + std::to_string(version) + "; this program knows schema " + std::to_string(kLedgerSchema) +
+                                  " and older" + (version > kLedgerSchema ? ": use the newer program that made it" : ""));
     }
     {
         Statement check = prepare("PRAGMA quick_check(1)");
         if (check.step() && check.text(0) != "ok")
-            throw LedgerError(path_ + ": is damaged; `sqlite3 FILE .recover` may save what is left (" +
-                              check.text(0) + ")");
+            throw LedgerError(path_ + ": is damaged; `sqlite3 FILE .recover` may save what is left (" + check.text(0) + ")");
     }
     if (version == kLedgerSchema) return;
     if (access == Access::read) copy_to_memory();

@@ -30,14 +30,10 @@ class Statement {
     }
 
     [[nodiscard]] std::string text(int column) const;
-    [[nodiscard]] std::int64_t integer(int column) const {
-        return sqlite3_column_int64(statement_.get(), column);
-    }
+    [[nodiscard]] std::int64_t integer(int column) const { return sqlite3_column_int64(statement_.get(), column); }
     /// NULL is NaN.
     [[nodiscard]] double real(int column) const;
-    [[nodiscard]] bool null(int column) const {
-        return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
-    }
+    [[nodiscard]] bool null(int column) const { return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL; }
 
   private:
     struct Finalizer {
@@ -107,9 +103,8 @@ class LedgerDatabase {
 inline constexpr std::string_view kWarningsApart = "; ";
 
 /// Rows of the campaign with this id, oldest first.
-[[nodiscard]] std::vector<LedgerRow> read_rows(const LedgerDatabase& database,
-                                               const std::filesystem::path& ledger,
-                                               const std::string& campaign, std::int64_t id);
+[[nodiscard]] std::vector<LedgerRow> read_rows(const LedgerDatabase& database, const std::filesystem::path& ledger, const std::string& campaign,
+                                               std::int64_t id);
 
 inline constexpr std::int64_t kLedgerSchema = 6;
 

@@ -18,8 +18,7 @@ struct Ledger::Impl {
     void enter(const Summary& summary, std::int64_t row, std::string_view state);
     void leave_unfinished(std::int64_t row, const std::optional<Summary>& known);
     [[nodiscard]] double cumulative_J() const;
-    [[nodiscard]] std::optional<Summary> whole_summary(const std::filesystem::path& folder,
-                                                       std::int64_t number) const;
+    [[nodiscard]] std::optional<Summary> whole_summary(const std::filesystem::path& folder, std::int64_t number) const;
     void need_campaign() const {
         if (id == 0) throw LedgerError(path.string() + ": no campaign is open");
     }

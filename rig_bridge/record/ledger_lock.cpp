@@ -24,8 +24,7 @@ std::unique_ptr<HeldFile> LedgerLock::take(const std::filesystem::path& ledger) 
         auto held = hold(lock_file(ledger), "process " + std::to_string(getpid()));
         if (auto* const mine = std::get_if<std::unique_ptr<HeldFile>>(&held)) return std::move(*mine);
         const std::string& who = std::get<HeldBy>(held).who;
-        throw LedgerError(ledger.string() + ": is held by another program" +
-                          (who.empty() ? "" : " (" + who + ")") +
+        throw LedgerError(ledger.string() + ": is held by another program" + (who.empty() ? "" : " (" + who + ")") +
                           "; one bridge at a time may run campaigns on it");
     } catch (const std::system_error& error) {
         throw LedgerError(error.what());

@@ -37,25 +37,20 @@ std::string columns() {
 }
 
 std::vector<Amendment> amendments(const LedgerDatabase& database, std::int64_t maneuver) {
-    Statement rows =
-        database.prepare("SELECT counted_J, who, made, why FROM amendments WHERE maneuver = ?1 ORDER BY id");
+    Statement rows = database.prepare("SELECT counted_J, who, made, why FROM amendments WHERE maneuver = ?1 ORDER BY id");
     rows.bind(1, maneuver);
     std::vector<Amendment> all;
     while (rows.step()) {
-        all.push_back(
-            {.counted_J = rows.real(0), .who = rows.text(1), .made = rows.text(2), .why = rows.text(3)});
+        all.push_back({.counted_J = rows.real(0), .who = rows.text(1), .made = rows.text(2), .why = rows.text(3)});
     }
     return all;
 }
 
 std::vector<Note> notes(const LedgerDatabase& database, std::int64_t maneuver) {
-    Statement rows =
-        database.prepare("SELECT field, text, who, made FROM said WHERE maneuver = ?1 ORDER BY id");
+    Statement rows = database.prepare("SELECT field, text, who, made FROM said WHERE maneuver = ?1 ORDER BY id");
     rows.bind(1, maneuver);
     std::vector<Note> all;
-    while (rows.step())
-        all.push_back(
-            {.field = rows.text(0), .text = rows.text(1), .who = rows.text(2), .made = rows.text(3)});
+    while (rows.step()) all.push_back({.field = rows.text(0), .text = rows.text(1), .who = rows.text(2), .made = rows.text(3)});
     return all;
 }
 
@@ -71,8 +66,7 @@ void take(const Note& note, Specimen& specimen) {
     }
 }
 
-LedgerRow read_row(const LedgerDatabase& database, const Statement& row, const std::filesystem::path& ledger,
-                   const std::string& campaign) {
+LedgerRow read_row(const LedgerDatabase& database, const Statement& row, const std::filesystem::path& ledger, const std::string& campaign) {
     LedgerRow out;
     int c = 0;
     const std::string state = row.text(c++);
@@ -146,17 +140,13 @@ std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std:
     if (!find.bind(1, campaign).step()) {
         std::string known;
         for (const Campaign& other : read_campaigns(path)) known += (known.empty() ? "" : ", ") + other.name;
-        throw settings::Error(
-            path.string(), 0, "",
-            "has no campaign '" + campaign + "'" + (known.empty() ? "" : "; it has " + known));
+        throw settings::Error(path.string(), 0, "", "has no campaign '" + campaign + "'" + (known.empty() ? "" : "; it has " + known));
     }
     return read_rows(database, path, campaign, find.integer(0));
 }
 
-std::vector<LedgerRow> read_rows(const LedgerDatabase& database, const std::filesystem::path& ledger,
-                                 const std::string& campaign, std::int64_t id) {
-    Statement rows =
-        database.prepare("SELECT " + columns() + " FROM maneuvers WHERE campaign = ?1 ORDER BY id");
+std::vector<LedgerRow> read_rows(const LedgerDatabase& database, const std::filesystem::path& ledger, const std::string& campaign, std::int64_t id) {
+    Statement rows = database.prepare("SELECT " + columns() + " FROM maneuvers WHERE campaign = ?1 ORDER BY id");
     rows.bind(1, id);
     std::vector<LedgerRow> all;
     while (rows.step()) all.push_back(read_row(database, rows, ledger, campaign));
@@ -165,8 +155,7 @@ std::vector<LedgerRow> read_rows(const LedgerDatabase& database, const std::file
 
 std::vector<Campaign> read_campaigns(const std::filesystem::path& path) {
     const LedgerDatabase database(path, LedgerDatabase::Access::read, {});
-    Statement rows = database.prepare(
-        fmt::format("SELECT {} FROM campaigns ORDER BY id", LedgerDatabase::kCampaignColumns));
+    Statement rows = database.prepare(fmt::format("SELECT {} FROM campaigns ORDER BY id", LedgerDatabase::kCampaignColumns));
     std::vector<Campaign> all;
     while (rows.step()) all.push_back(LedgerDatabase::read_campaign(rows));
     return all;

@@ -5,8 +5,7 @@
 
 namespace rig {
 
-LiveFile::LiveFile(const std::filesystem::path& path, LiveFileOptions options)
-    : options_(std::move(options)), path_(path), file_(path) {
+LiveFile::LiveFile(const std::filesystem::path& path, LiveFileOptions options) : options_(std::move(options)), path_(path), file_(path) {
     queue_.reserve(options_.queue_bytes);
     being_written_.reserve(options_.queue_bytes);
     thread_ = std::thread([this] { run(); });
@@ -89,8 +88,7 @@ std::string LiveFile::error() const {
     const std::lock_guard lock(mutex_);
     if (refused_ == 0) return error_;
     return path_.string() + ": the disk does not keep up, the queue was full; " + std::to_string(refused_) +
-           (refused_ == 1 ? " line is missing" : " lines are missing") +
-           (error_.empty() ? "" : "; " + error_);
+           (refused_ == 1 ? " line is missing" : " lines are missing") + (error_.empty() ? "" : "; " + error_);
 }
 
 }  // namespace rig

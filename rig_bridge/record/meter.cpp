@@ -37,31 +37,26 @@ EdgeLimits limits(double teeth, double most_radps, double late_s) {
 
 ShaftSample as_on_bus(const antiskid::can::SpeedSignals& signals, const ShaftSample& sample) {
     const antiskid::can::RawSpeed raw =
-        to_raw(signals, {.edge_count = sample.edge_count,
-                         .edge_time = sample.edge_time,
-                         .speed_radps = static_cast<float>(sample.speed_radps)});
+        to_raw(signals, {.edge_count = sample.edge_count, .edge_time = sample.edge_time, .speed_radps = static_cast<float>(sample.speed_radps)});
     if (signals.source == antiskid::control::SpeedSource::speed) {
         return {.edges = false,
                 .edge_count = 0,
                 .edge_time = {},
                 .speed_radps = static_cast<double>(static_cast<float>(signals.speed_radps.value(raw.speed)))};
     }
-    const auto ticks =
-        static_cast<std::int64_t>(static_cast<double>(sample.edge_time.count()) / signals.edge_time.scale);
-    return {
-        .edges = true,
-        .edge_count = sample.edge_count,
-        .edge_time = Time{static_cast<std::int64_t>(static_cast<double>(ticks) * signals.edge_time.scale)},
-        .speed_radps = 0.0,
-        .roll_over = sample.roll_over};
+    const auto ticks = static_cast<std::int64_t>(static_cast<double>(sample.edge_time.count()) / signals.edge_time.scale);
+    return {.edges = true,
+            .edge_count = sample.edge_count,
+            .edge_time = Time{static_cast<std::int64_t>(static_cast<double>(ticks) * signals.edge_time.scale)},
+            .speed_radps = 0.0,
+            .roll_over = sample.roll_over};
 }
 
 }  // namespace
 
 MeterSample as_on_bus(const antiskid::can::Layout& layout, const MeterSample& sample) {
     const auto rounded = [](const antiskid::can::Signal& signal, double value) {
-        return static_cast<double>(
-            static_cast<float>(signal.rounded(static_cast<double>(static_cast<float>(value)))));
+        return static_cast<double>(static_cast<float>(signal.rounded(static_cast<double>(static_cast<float>(value)))));
     };
     MeterSample out = sample;
     out.wheel = as_on_bus(layout.wheel, sample.wheel);
@@ -103,8 +98,7 @@ double Meter::Shaft::rest_way() const {
 
 Meter::Meter(const MeterParameters& parameters)
     : parameters_(parameters),
-      wheel_(kTurn_rad / parameters.wheel_teeth,
-             limits(parameters.wheel_teeth, parameters.wheel_most_radps, parameters.sensor_late_s)),
+      wheel_(kTurn_rad / parameters.wheel_teeth, limits(parameters.wheel_teeth, parameters.wheel_most_radps, parameters.sensor_late_s)),
       flywheel_(kTurn_rad / parameters.flywheel_teeth * parameters.flywheel_radius_m,
                 limits(parameters.flywheel_teeth, parameters.flywheel_most_radps, parameters.sensor_late_s)) {
     tail_.reserve(kTail);
@@ -142,8 +136,7 @@ void Meter::feed(const MeterSample& sample) {
             state_ = State::over;
         }
     }
-    if (state_ != State::waiting)
-        peak_temperature_C_ = std::max(peak_temperature_C_, sample.brake_temperature_C);
+    if (state_ != State::waiting) peak_temperature_C_ = std::max(peak_temperature_C_, sample.brake_temperature_C);
     last_ = sample;
     last_wheel_way_ = wheel_.way();
     last_flywheel_way_ = flywheel_.way();
@@ -198,9 +191,7 @@ Work Meter::by_speeds(const MeterSample& sample) const {
     // 1 - lambda; over a hole in the record by what was counted across it.
     const double angle = wheel_.way() - last_wheel_way_, metres = flywheel_.way() - last_flywheel_way_;
     const bool counted = sample.time_s - last_.time_s > kBrakeOnWindow_s && angle > 0.0 && metres > 0.0;
-    const double rolling = counted          ? radius * angle / metres
-                           : mean_mps > 0.0 ? radius * mean_radps / mean_mps
-                                            : 1.0;
+    const double rolling = counted ? radius * angle / metres : mean_mps > 0.0 ? radius * mean_radps / mean_mps : 1.0;
     const double rim_J = rim_Ns * mean_mps;
     const double torque_Nms = radius * rim_Ns + wheel_Nms;
     return {.brake_J = rolling * rim_J + wheel_Nms * mean_radps,
@@ -213,12 +204,9 @@ Work Meter::by_speeds(const MeterSample& sample) const {
 void Meter::integrate(const MeterSample& sample) {
     const double h = sample.time_s - last_.time_s;
     const double pressure = 0.5 * (sample.pressure_Pa + last_.pressure_Pa);
-    const bool repeated = sample.brake_torque_Nm == last_.brake_torque_Nm &&
-                          sample.vertical_N == last_.vertical_N &&
-                          sample.longitudinal_N == last_.longitudinal_N;
-    const CellReading reading = !sample.load_cells_reported ? CellReading::none
-                                : repeated                  ? CellReading::repeated
-                                                            : CellReading::fresh;
+    const bool repeated =
+        sample.brake_torque_Nm == last_.brake_torque_Nm && sample.vertical_N == last_.vertical_N && sample.longitudinal_N == last_.longitudinal_N;
+    const CellReading reading = !sample.load_cells_reported ? CellReading::none : repeated ? CellReading::repeated : CellReading::fresh;
     const bool silent = books_.silent();
     hole_ = h > kBrakeOnWindow_s || (hole_ && silent);
     const double metres = flywheel_.way() - last_flywheel_way_;
@@ -248,8 +236,7 @@ void Meter::integrate(const MeterSample& sample) {
 Meter::Sums Meter::sums_at(double time_s) const {
     if (time_s <= tail_.front().time_s) return tail_.front();
     if (time_s >= tail_.back().time_s) return tail_.back();
-    const auto after = std::upper_bound(tail_.begin(), tail_.end(), time_s,
-                                        [](double t, const Sums& sums) { return t < sums.time_s; });
+    const auto after = std::upper_bound(tail_.begin(), tail_.end(), time_s, [](double t, const Sums& sums) { return t < sums.time_s; });
     const Sums& b = *after;
     const Sums& a = *(after - 1);
     const double w = (time_s - a.time_s) / (b.time_s - a.time_s);
@@ -280,34 +267,30 @@ double Meter::kinetic_lost_J(double v_mps, double omega_radps) const {
 
 double Meter::kinetic_energy_J() const {
     const double omega = wheel_.speed();
-    return 0.5 * parameters_.flywheel_mass_kg * flywheel_speed_ * flywheel_speed_ +
-           0.5 * parameters_.wheel_inertia_kgm2 * omega * omega;
+    return 0.5 * parameters_.flywheel_mass_kg * flywheel_speed_ * flywheel_speed_ + 0.5 * parameters_.wheel_inertia_kgm2 * omega * omega;
 }
 
 std::vector<std::string> Meter::warnings() const {
     std::vector<std::string> all;
     for (const auto& [shaft, what] : {std::pair{&wheel_, "wheel"}, std::pair{&flywheel_, "flywheel"}})
-        if (const std::uint64_t n = shaft->track().restarts(); n != 0)
-            all.push_back(fmt::format("encoder_restarted: {} {}", what, n));
+        if (const std::uint64_t n = shaft->track().restarts(); n != 0) all.push_back(fmt::format("encoder_restarted: {} {}", what, n));
     if (state_ == State::waiting) return all;
     const Figures f = figures();
     if (const double silent_s = books_.silent_s(); silent_s > 0.0)
-        all.push_back(fmt::format("{}: {:.4g} MJ of the brake's {:.4g} MJ, load cells silent for {:.3g} s",
-                                  kEnergyBySpeeds, books_.by_speeds().brake_J * 1e-6, f.energy_brake_J * 1e-6,
-                                  silent_s));
+        all.push_back(fmt::format("{}: {:.4g} MJ of the brake's {:.4g} MJ, load cells silent for {:.3g} s", kEnergyBySpeeds,
+                                  books_.by_speeds().brake_J * 1e-6, f.energy_brake_J * 1e-6, silent_s));
     const double used_J = f.energy_brake_J + f.energy_tyre_J;
     const double band_J = parameters_.energy_band * kinetic_lost_J(0.0, 0.0);
     // A rig that does not measure F_x knows nothing of the tyre's part.
-    const bool too_little =
-        f.energy_tyre_J != books_.by_speeds().tyre_J && used_J < f.kinetic_energy_J - band_J;
+    const bool too_little = f.energy_tyre_J != books_.by_speeds().tyre_J && used_J < f.kinetic_energy_J - band_J;
     if (too_little || used_J > f.kinetic_energy_J + band_J)
-        all.push_back(fmt::format("{}: brake and tyre took {:.4g} MJ of {:.4g} MJ kinetic energy",
-                                  kEnergyUnbalanced, used_J * 1e-6, f.kinetic_energy_J * 1e-6));
+        all.push_back(fmt::format("{}: brake and tyre took {:.4g} MJ of {:.4g} MJ kinetic energy", kEnergyUnbalanced, used_J * 1e-6,
+                                  f.kinetic_energy_J * 1e-6));
     const double ratio = f.mean_friction / parameters_.friction;
     if (parameters_.friction > 0.0 && f.mean_friction > 0.0 && f.duration_s > kJudgedFriction_s &&
         (ratio > kImplausibleFriction || ratio < 1.0 / kImplausibleFriction))
-        all.push_back(fmt::format("{}: mean mu_b {:.4g} by torque over pressure, {:.4g} is the brake's",
-                                  kFrictionImplausible, f.mean_friction, parameters_.friction));
+        all.push_back(fmt::format("{}: mean mu_b {:.4g} by torque over pressure, {:.4g} is the brake's", kFrictionImplausible, f.mean_friction,
+                                  parameters_.friction));
     return all;
 }
 
@@ -325,15 +308,13 @@ Figures Meter::now() const {
         f.mean_load_N = sums.load_Ns / covered_s;
         f.mean_pressure_Pa = sums.pressure_Pas / covered_s;
     }
-    if (sliding_pressure_Pas_ > 0.0)
-        f.mean_friction = work.sliding_torque_Nms / sliding_pressure_Pas_ / parameters_.brake_gain_m3;
+    if (sliding_pressure_Pas_ > 0.0) f.mean_friction = work.sliding_torque_Nms / sliding_pressure_Pas_ / parameters_.brake_gain_m3;
     f.energy_brake_J = work.brake_J;
     f.energy_tyre_J = work.tyre_J;
     const double v = standstill_ ? 0.0 : flywheel_speed_;
     const double omega = standstill_ ? 0.0 : wheel_.speed();
     f.kinetic_energy_J = kinetic_lost_J(v, omega);
-    if (sliding_way_m_ > 0.0 && parameters_.peak_friction > 0.0)
-        f.j_mu = work.friction_way_m / (sliding_way_m_ * parameters_.peak_friction);
+    if (sliding_way_m_ > 0.0 && parameters_.peak_friction > 0.0) f.j_mu = work.friction_way_m / (sliding_way_m_ * parameters_.peak_friction);
     f.standstill = standstill_;
     return f;
 }

@@ -52,14 +52,14 @@ struct MeterParameters {
     double brake_gain_m3 = 0.0;        ///< A_p N_p N_s R_eff, eq. (5): k_b without friction
     double wheel_inertia_kgm2 = 0.0;   ///< J_w
     double flywheel_mass_kg = 0.0;     ///< m = J_f / R_f^2
-    double peak_friction = 0.0;  ///< of the surface, eq. (16); 0: not the same all along, J_mu is not known
-    double drop_out_mps = 5.0;   ///< mu_b and J_mu end here
-    double period_s = 1e-3;      ///< control period: the step of the SYNC number
+    double peak_friction = 0.0;        ///< of the surface, eq. (16); 0: not the same all along, J_mu is not known
+    double drop_out_mps = 5.0;         ///< mu_b and J_mu end here
+    double period_s = 1e-3;            ///< control period: the step of the SYNC number
 
     // What tells a sound record from another; as they stand here everything is believed.
     double wheel_most_radps = std::numeric_limits<double>::infinity();     ///< that its encoder can report
     double flywheel_most_radps = std::numeric_limits<double>::infinity();  ///< the same
-    double sensor_late_s = std::numeric_limits<double>::infinity();  ///< age of the oldest reading in use
+    double sensor_late_s = std::numeric_limits<double>::infinity();        ///< age of the oldest reading in use
     /// By how much brake and tyre energy may differ from the kinetic energy lost, as share of that at brake-on.
     double energy_band = std::numeric_limits<double>::infinity();
     double friction = 0.0;  ///< mean mu_b that the brake is known for; 0: not known
@@ -77,9 +77,7 @@ struct ShaftSample {
 
 /// Of an encoder as its electronics see it.
 [[nodiscard]] inline ShaftSample shaft_sample(const antiskid::can::SpeedSample& sample) {
-    return {.edge_count = sample.edge_count,
-            .edge_time = sample.edge_time,
-            .speed_radps = static_cast<double>(sample.speed_radps)};
+    return {.edge_count = sample.edge_count, .edge_time = sample.edge_time, .speed_radps = static_cast<double>(sample.speed_radps)};
 }
 
 /// What was known at one control period.
@@ -191,19 +189,16 @@ class Meter {
         double angle = 0.0, metres = 0.0, sliding_m = 0.0;
     };
     [[nodiscard]] static Knot knot_at(const MeterSample& sample) {
-        return {.torque_Nm = sample.brake_torque_Nm,
-                .vertical_N = sample.vertical_N,
-                .longitudinal_N = sample.longitudinal_N};
+        return {.torque_Nm = sample.brake_torque_Nm, .vertical_N = sample.vertical_N, .longitudinal_N = sample.longitudinal_N};
     }
     Knot knot_;
-    bool hole_ = false;  // in the record, or speeds are not yet known after one
+    bool hole_ = false;                                        // in the record, or speeds are not yet known after one
     double sliding_pressure_Pas_ = 0.0, sliding_way_m_ = 0.0;  // down to drop-out
     double ended_s_ = 0.0;
     double peak_temperature_C_ = 0.0;
     Figures final_;
     std::uint64_t news_ = 0;
-    std::vector<Sums>
-        tail_;  // since the flywheel's last edge: standstill lies among them; capacity kTail from the start
+    std::vector<Sums> tail_;  // since the flywheel's last edge: standstill lies among them; capacity kTail from the start
 };
 
 }  // namespace rig

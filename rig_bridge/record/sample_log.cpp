@@ -10,8 +10,7 @@ namespace rig {
 
 namespace {
 
-constexpr std::array<std::string_view, kMeasuredCount> kUnits{"", "",   "",   "",   "",    "",   "_mps", "_m",
-                                                              "", "_N", "_N", "_N", "_Nm", "_C", "_Pa"};
+constexpr std::array<std::string_view, kMeasuredCount> kUnits{"", "", "", "", "", "", "_mps", "_m", "", "_N", "_N", "_N", "_Nm", "_C", "_Pa"};
 
 }  // namespace
 

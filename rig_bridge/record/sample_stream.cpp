@@ -19,8 +19,7 @@ std::optional<Role> SampleStream::accept(const antiskid::can::Frame& frame) {
     } else {
         return role;
     }
-    ended_ = view().wheel.received != kNever && view().flywheel.received != kNever &&
-             view().pressure.received != kNever;
+    ended_ = view().wheel.received != kNever && view().flywheel.received != kNever && view().pressure.received != kNever;
     return role;
 }
 

@@ -19,8 +19,7 @@ namespace rig {
 class SampleStream {
   public:
     /// `layout` must outlive the stream.
-    SampleStream(const antiskid::can::Layout& layout, double period_s)
-        : layout_(layout), period_s_(period_s), observer_(layout) {}
+    SampleStream(const antiskid::can::Layout& layout, double period_s) : layout_(layout), period_s_(period_s), observer_(layout) {}
     SampleStream(const antiskid::can::Layout&& layout, double period_s) = delete;
 
     /// There will be SYNC: no sample ends before the first.

@@ -13,10 +13,8 @@ namespace rig {
 inline void add_specimen_options(CLI::App& app, Specimen& specimen, const std::string& since) {
     for (const SpecimenField& field : kSpecimenFields) {
         const bool serial = field.value != &Specimen::operator_name && field.value != &Specimen::notes;
-        app.add_option(
-               field.option, specimen.*field.value,
-               (serial ? std::string("serial number of the ") + field.label : std::string(field.label)) +
-                   since)
+        app.add_option(field.option, specimen.*field.value,
+                       (serial ? std::string("serial number of the ") + field.label : std::string(field.label)) + since)
             ->type_name("TEXT");
     }
 }

@@ -41,19 +41,17 @@ struct Summary {
     std::int64_t number = 0;  ///< of the maneuver in its campaign, from 1
     std::string scenario;
     Specimen specimen{};
-    std::string outcome;  ///< "finished", or the name of the abort
-    std::string started;  ///< wall clock, ISO 8601 UTC
-    double cumulative_energy_J =
-        0.0;  ///< brake energy of the campaign, this maneuver's counted_energy_J() included
+    std::string outcome;               ///< "finished", or the name of the abort
+    std::string started;               ///< wall clock, ISO 8601 UTC
+    double cumulative_energy_J = 0.0;  ///< brake energy of the campaign, this maneuver's counted_energy_J() included
     Figures figures;
     std::vector<std::string> faults;  ///< the controller's, by name
     /// Figures of a finished maneuver outside the scenario's bands, by their keys; none: not judged.
     std::optional<std::vector<std::string>> out_of_tolerance;
     /// What is wrong with the record: a name, then what it is about. Empty for a sound one.
     std::vector<std::string> warnings;
-    std::uint64_t frames = 0;  ///< recorded
-    std::uint64_t frames_dropped =
-        0;  ///< that the kernel dropped before the recorder: then the figures lack them
+    std::uint64_t frames = 0;          ///< recorded
+    std::uint64_t frames_dropped = 0;  ///< that the kernel dropped before the recorder: then the figures lack them
     std::uint64_t seed = 0;
     std::string version;
     std::string config_hash;

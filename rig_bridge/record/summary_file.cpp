@@ -29,13 +29,10 @@ class Reader {
   public:
     explicit Reader(const std::filesystem::path& path) : path_(path.string()) {
         root_ = ordered_json::parse(settings::read_file(path), nullptr, false);
-        if (root_.is_discarded() || !root_.is_object())
-            throw settings::Error(path_, 0, "", "is no whole JSON object: expected a maneuver's summary");
+        if (root_.is_discarded() || !root_.is_object()) throw settings::Error(path_, 0, "", "is no whole JSON object: expected a maneuver's summary");
     }
 
-    std::string text(const char* key) {
-        return get(key, &ordered_json::is_string, "a text").get<std::string>();
-    }
+    std::string text(const char* key) { return get(key, &ordered_json::is_string, "a text").get<std::string>(); }
     bool flag(const char* key) { return get(key, &ordered_json::is_boolean, "true or false").get<bool>(); }
     double real(const char* key) {
         const ordered_json& value = find(key);
@@ -48,8 +45,7 @@ class Reader {
         const ordered_json& value = find(key);
         if (!value.is_number_unsigned()) wrong(key, "a whole number, 0 or more");
         const auto unsigned_value = value.get<std::uint64_t>();
-        if (unsigned_value > static_cast<std::uint64_t>(std::numeric_limits<T>::max()))
-            wrong(key, "a smaller number");
+        if (unsigned_value > static_cast<std::uint64_t>(std::numeric_limits<T>::max())) wrong(key, "a smaller number");
         return static_cast<T>(unsigned_value);
     }
     std::vector<std::string> texts(const char* key) {
@@ -70,9 +66,7 @@ class Reader {
             if (!known_.contains(item.key())) throw settings::Error(path_, 0, item.key(), "unknown key");
         }
     }
-    [[noreturn]] void wrong(const char* key, const std::string& expected) const {
-        throw settings::Error(path_, 0, key, "expected " + expected);
-    }
+    [[noreturn]] void wrong(const char* key, const std::string& expected) const { throw settings::Error(path_, 0, key, "expected " + expected); }
 
   private:
     const ordered_json& find(const char* key) {
@@ -81,8 +75,7 @@ class Reader {
         if (found == root_.end()) throw settings::Error(path_, 0, key, "is missing");
         return *found;
     }
-    const ordered_json& get(const char* key, bool (ordered_json::*is)() const noexcept,
-                            const char* expected) {
+    const ordered_json& get(const char* key, bool (ordered_json::*is)() const noexcept, const char* expected) {
         const ordered_json& value = find(key);
         if (!(value.*is)()) wrong(key, expected);
         return value;
@@ -108,8 +101,7 @@ void write_summary(const std::filesystem::path& path, const Summary& summary) {
     json["standstill"] = summary.figures.standstill;
     json["cumulative_energy_J"] = number(summary.cumulative_energy_J);
     json["faults"] = summary.faults;
-    json["out_of_tolerance"] =
-        summary.out_of_tolerance ? ordered_json(*summary.out_of_tolerance) : ordered_json(nullptr);
+    json["out_of_tolerance"] = summary.out_of_tolerance ? ordered_json(*summary.out_of_tolerance) : ordered_json(nullptr);
     json["warnings"] = summary.warnings;
     json["frames"] = summary.frames;
     json["frames_dropped"] = summary.frames_dropped;
@@ -147,9 +139,7 @@ Summary read_summary(const std::filesystem::path& path) {
 
 std::string summary_table(const Summary& summary) {
     std::string text;
-    const auto row = [&text](std::string_view label, const std::string& value) {
-        text += fmt::format("{:<24}{}\n", label, value);
-    };
+    const auto row = [&text](std::string_view label, const std::string& value) { text += fmt::format("{:<24}{}\n", label, value); };
     if (!summary.campaign.empty()) row("campaign", summary.campaign);
     if (summary.number > 0) row("maneuver", std::to_string(summary.number));
     row("scenario", summary.scenario);
@@ -157,11 +147,9 @@ std::string summary_table(const Summary& summary) {
         if (const std::string& value = summary.specimen.*field.value; !value.empty()) row(field.label, value);
     row("outcome", summary.outcome);
     if (summary.out_of_tolerance)
-        row("verdict", off_conditions(summary)
-                           ? fmt::format("out_of_tolerance: {}", fmt::join(*summary.out_of_tolerance, ", "))
-                           : "within tolerance");
-    for (const FigureField& field : kFigureFields)
-        row(field.label, fmt::format("{:.5g} {}", summary.figures.*field.value * field.scale, field.unit));
+        row("verdict",
+            off_conditions(summary) ? fmt::format("out_of_tolerance: {}", fmt::join(*summary.out_of_tolerance, ", ")) : "within tolerance");
+    for (const FigureField& field : kFigureFields) row(field.label, fmt::format("{:.5g} {}", summary.figures.*field.value * field.scale, field.unit));
     if (!summary.figures.standstill) row("standstill", "not reached");
     row("cumulative energy", fmt::format("{:.5g} MJ", summary.cumulative_energy_J * 1e-6));
     std::string faults;

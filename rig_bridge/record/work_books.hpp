@@ -44,9 +44,8 @@ class WorkBooks {
     [[nodiscard]] double silent_s() const { return closed_s_ + (silent_ ? now_s_ - knot_s_ : 0.0); }
 
   private:
-    static constexpr double kSilent_s = 0.1;  // ten frames
-    static constexpr double kRepeated_s =
-        0.1;  // load_cells_ms of bridge.toml: so long an old reading is said again
+    static constexpr double kSilent_s = 0.1;    // ten frames
+    static constexpr double kRepeated_s = 0.1;  // load_cells_ms of bridge.toml: so long an old reading is said again
     static constexpr double kBack_s = 0.03;
 
     bool close();

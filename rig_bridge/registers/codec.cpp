@@ -124,8 +124,7 @@ unsigned interlocks_to_register(const RegisterMap& map, unsigned bits) {
 
 Reading read(const RegisterMap& map, const RegisterImage& inputs, Measured q) {
     Reading reading = inputs.read(map.field(q));
-    if (q == Measured::interlocks)
-        reading.value = interlocks_from_register(map, static_cast<unsigned>(reading.value));
+    if (q == Measured::interlocks) reading.value = interlocks_from_register(map, static_cast<unsigned>(reading.value));
     return reading;
 }
 
@@ -133,8 +132,7 @@ void write(const RegisterMap& map, RegisterImage& inputs, const MeasuredValues& 
     for (std::size_t i = 0; i < kMeasuredCount; ++i) {
         const auto q = static_cast<Measured>(i);
         double value = values[i];
-        if (q == Measured::interlocks && value >= 0.0 && value < 65536.0)
-            value = interlocks_to_register(map, static_cast<unsigned>(value));
+        if (q == Measured::interlocks && value >= 0.0 && value < 65536.0) value = interlocks_to_register(map, static_cast<unsigned>(value));
         static_cast<void>(inputs.write(map.measured[i], value));
     }
 }

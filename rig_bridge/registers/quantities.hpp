@@ -11,17 +11,17 @@ namespace rig {
 
 /// Input registers: read by the bridge, written by the PLC.
 enum class Measured : std::uint8_t {
-    map_version,         ///< must be the map's own, or nothing else is believed
-    plc_watchdog,        ///< counts up, modulo 65536, at least every 100 ms while the PLC runs
-    plc_state,           ///< a PlcState
-    applied_commit,      ///< the commit number of the newest command that was taken over whole
-    refused_commit,      ///< the newest that was refused (out of range, in a state that forbids it); 0: none
-    interlocks,          ///< bits, see Interlock; a set bit is "good"
-    flywheel_speed_mps,  ///< rim speed
-    sledge_position_m,   ///< 0 retracted; wheel and rim touch at the PLC's own contact position
-    wheel_on_rim,        ///< 0 or 1
-    loading_force_N,     ///< of the loading device's actuator, as it controls it
-    vertical_load_N,     ///< load cell
+    map_version,            ///< must be the map's own, or nothing else is believed
+    plc_watchdog,           ///< counts up, modulo 65536, at least every 100 ms while the PLC runs
+    plc_state,              ///< a PlcState
+    applied_commit,         ///< the commit number of the newest command that was taken over whole
+    refused_commit,         ///< the newest that was refused (out of range, in a state that forbids it); 0: none
+    interlocks,             ///< bits, see Interlock; a set bit is "good"
+    flywheel_speed_mps,     ///< rim speed
+    sledge_position_m,      ///< 0 retracted; wheel and rim touch at the PLC's own contact position
+    wheel_on_rim,           ///< 0 or 1
+    loading_force_N,        ///< of the loading device's actuator, as it controls it
+    vertical_load_N,        ///< load cell
     longitudinal_force_N,   ///< load cell, positive when the tyre brakes the flywheel
     brake_torque_Nm,        ///< load cell
     brake_temperature_C,    ///< thermocouple
@@ -70,21 +70,19 @@ using CommandedValues = std::array<double, kCommandedCount>;
 }
 
 [[nodiscard]] constexpr std::string_view name(Measured q) {
-    constexpr std::array<std::string_view, kMeasuredCount> kNames{
-        "map_version",   "plc_watchdog",       "plc_state",       "applied_commit",    "refused_commit",
-        "interlocks",    "flywheel_speed",     "sledge_position", "wheel_on_rim",      "loading_force",
-        "vertical_load", "longitudinal_force", "brake_torque",    "brake_temperature", "hydraulic_pressure"};
+    constexpr std::array<std::string_view, kMeasuredCount> kNames{"map_version",    "plc_watchdog",      "plc_state",         "applied_commit",
+                                                                  "refused_commit", "interlocks",        "flywheel_speed",    "sledge_position",
+                                                                  "wheel_on_rim",   "loading_force",     "vertical_load",     "longitudinal_force",
+                                                                  "brake_torque",   "brake_temperature", "hydraulic_pressure"};
     return kNames[static_cast<std::size_t>(q)];
 }
 [[nodiscard]] constexpr std::string_view name(Commanded q) {
     constexpr std::array<std::string_view, kCommandedCount> kNames{
-        "bridge_watchdog", "drive_enable", "flywheel_speed", "sledge_advance", "load_enable",
-        "load_base",       "load_lift",    "reset",          "commit"};
+        "bridge_watchdog", "drive_enable", "flywheel_speed", "sledge_advance", "load_enable", "load_base", "load_lift", "reset", "commit"};
     return kNames[static_cast<std::size_t>(q)];
 }
 [[nodiscard]] constexpr std::string_view name(Interlock i) {
-    constexpr std::array<std::string_view, kInterlockCount> kNames{"emergency_stop_clear", "guard_closed",
-                                                                   "hydraulics_ready", "drive_healthy"};
+    constexpr std::array<std::string_view, kInterlockCount> kNames{"emergency_stop_clear", "guard_closed", "hydraulics_ready", "drive_healthy"};
     return kNames[static_cast<std::size_t>(i)];
 }
 

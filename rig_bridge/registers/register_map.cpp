@@ -15,17 +15,12 @@ namespace {
 using settings::Table;
 
 /// "" for switches, states, counters and bits, which are plain u16.
-constexpr std::array<std::string_view, kMeasuredCount> kMeasuredUnits{
-    "", "", "", "", "", "", "m/s", "m", "", "N", "N", "N", "N m", "degC", "Pa"};
-constexpr std::array<std::string_view, kCommandedCount> kCommandedUnits{"",  "",        "m/s", "", "",
-                                                                        "N", "N s2/m2", "",    ""};
+constexpr std::array<std::string_view, kMeasuredCount> kMeasuredUnits{"", "", "", "", "", "", "m/s", "m", "", "N", "N", "N", "N m", "degC", "Pa"};
+constexpr std::array<std::string_view, kCommandedCount> kCommandedUnits{"", "", "m/s", "", "", "N", "N s2/m2", "", ""};
 
-constexpr std::array<settings::Choice<RegisterType>, 4> kTypes{{{"u16", RegisterType::u16},
-                                                                {"i16", RegisterType::i16},
-                                                                {"u32", RegisterType::u32},
-                                                                {"float32", RegisterType::float32}}};
-constexpr std::array<settings::Choice<WordOrder>, 2> kOrders{
-    {{"big", WordOrder::big}, {"little", WordOrder::little}}};
+constexpr std::array<settings::Choice<RegisterType>, 4> kTypes{
+    {{"u16", RegisterType::u16}, {"i16", RegisterType::i16}, {"u32", RegisterType::u32}, {"float32", RegisterType::float32}}};
+constexpr std::array<settings::Choice<WordOrder>, 2> kOrders{{{"big", WordOrder::big}, {"little", WordOrder::little}}};
 constexpr std::array<settings::Choice<char>, 3> kParities{{{"none", 'N'}, {"even", 'E'}, {"odd", 'O'}}};
 constexpr std::array kBauds{1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, 921600};
 
@@ -60,8 +55,7 @@ void read_unit(const Table& table, std::string_view unit, Field& field) {
     }
     field.unit = unit;
     if (!written) table.fail("unit", "missing; this quantity is in '" + field.unit + "'");
-    if (*written != unit)
-        table.fail("unit", "expected '" + field.unit + "', got '" + *written + "'; scale converts");
+    if (*written != unit) table.fail("unit", "expected '" + field.unit + "', got '" + *written + "'; scale converts");
 }
 
 void read_range(const Table& table, Field& field) {
@@ -74,8 +68,7 @@ void read_range(const Table& table, Field& field) {
     if (std::round(std::min(a, b)) < least || std::round(std::max(a, b)) > greatest) {
         const double low = least * field.scale + field.offset;
         const double high = greatest * field.scale + field.offset;
-        table.fail("range", "the registers hold " + shown(std::min(low, high)) + " to " +
-                                shown(std::max(low, high)) + " only");
+        table.fail("range", "the registers hold " + shown(std::min(low, high)) + " to " + shown(std::max(low, high)) + " only");
     }
 }
 
@@ -84,13 +77,11 @@ Field read_field(const Table& table, std::string_view unit) {
     field.name = table.name();
     field.address = table.integer<std::uint16_t>("address", {.min = 0, .max = 65535});
     field.type = table.choice<RegisterType>("type", kTypes);
-    if (field.address + width(field.type) > 65536)
-        table.fail("address", "two registers from 65535 on end above 65535");
+    if (field.address + width(field.type) > 65536) table.fail("address", "two registers from 65535 on end above 65535");
     constexpr double kScale = 1e12;
     field.scale = table.find_number("scale", {.min = -kScale, .max = kScale}).value_or(1.0);
     field.offset = table.find_number("offset", {.min = -kScale, .max = kScale}).value_or(0.0);
-    if (std::abs(field.scale) < 1.0 / kScale)
-        table.fail("scale", "must not be 0, nor closer to it than 1e-12");
+    if (std::abs(field.scale) < 1.0 / kScale) table.fail("scale", "must not be 0, nor closer to it than 1e-12");
     if (unit.empty()) {
         if (field.type != RegisterType::u16) table.fail("type", "a switch, number or bit mask is u16");
         if (field.scale != 1.0) table.fail("scale", "a switch, number or bit mask has none");
@@ -109,9 +100,8 @@ class Occupied {
         const int last = field.address + width(field.type) - 1;
         for (const auto& other : taken_) {
             if (field.address <= other.last && other.first <= last)
-                table.fail("address",
-                           "overlaps " + other.name + " at " + std::to_string(other.first) +
-                               (other.last == other.first ? "" : " to " + std::to_string(other.last)));
+                table.fail("address", "overlaps " + other.name + " at " + std::to_string(other.first) +
+                                          (other.last == other.first ? "" : " to " + std::to_string(other.last)));
         }
         taken_.push_back({field.address, last, table.path()});
     }
@@ -127,8 +117,7 @@ class Occupied {
 
 /// A counter must count to its end, a switch be on and off, and everything commanded be 0 at first.
 void require_range(const Table& table, const Field& field, double max) {
-    if (field.min > 0.0 || field.max < max)
-        table.fail("range", max == 0.0 ? "must contain 0" : "must contain 0 to " + shown(max));
+    if (field.min > 0.0 || field.max < max) table.fail("range", max == 0.0 ? "must contain 0" : "must contain 0 to " + shown(max));
 }
 
 void read_inputs(const Table& inputs, RegisterMap& map) {
@@ -142,8 +131,7 @@ void read_inputs(const Table& inputs, RegisterMap& map) {
             require_range(table, map.measured[i], 65535.0);
     }
     const Table version = inputs.table(name(Measured::map_version));
-    if (map.version < map.field(Measured::map_version).min ||
-        map.version > map.field(Measured::map_version).max)
+    if (map.version < map.field(Measured::map_version).min || map.version > map.field(Measured::map_version).max)
         version.fail("range", "map_version " + std::to_string(map.version) + " is outside");
 }
 
@@ -180,14 +168,13 @@ void read_interlocks(const Table& table, RegisterMap& map) {
         map.interlock_bit[i] = table.integer<std::uint8_t>(key, {.min = 0, .max = 15});
         for (std::size_t before = 0; before < i; ++before) {
             if (map.interlock_bit[before] == map.interlock_bit[i])
-                table.fail(key, "bit " + std::to_string(map.interlock_bit[i]) + " is " +
-                                    std::string(name(static_cast<Interlock>(before))) + " already");
+                table.fail(key,
+                           "bit " + std::to_string(map.interlock_bit[i]) + " is " + std::string(name(static_cast<Interlock>(before))) + " already");
         }
     }
 }
 
-std::chrono::milliseconds read_ms(const Table& table, std::string_view key, std::int64_t min,
-                                  std::int64_t max) {
+std::chrono::milliseconds read_ms(const Table& table, std::string_view key, std::int64_t min, std::int64_t max) {
     return std::chrono::milliseconds(table.integer<std::int64_t>(key, {.min = min, .max = max}));
 }
 
@@ -204,8 +191,7 @@ void read_link(const Table& root, RegisterMap& map) {
     if (map.link.backoff_max < map.link.backoff_min) link.fail("backoff_max_ms", "is below backoff_min_ms");
     map.link.user_timeout = read_ms(link, "user_timeout_ms", 1, 60'000);
     if (map.link.poll * 3 > map.bridge_timeout)
-        link.fail("poll_ms",
-                  "above a third of watchdog.bridge_timeout_ms: the watchdog would hardly move in time");
+        link.fail("poll_ms", "above a third of watchdog.bridge_timeout_ms: the watchdog would hardly move in time");
     const Table serial = root.table("serial");
     map.serial.baud = serial.integer<int>("baud");
     if (std::find(kBauds.begin(), kBauds.end(), map.serial.baud) == kBauds.end())

@@ -59,18 +59,16 @@ struct RegisterMap {
     std::uint16_t version = 0;
     WordOrder word_order = WordOrder::big;
     std::uint8_t unit_id = 1;
-    std::chrono::milliseconds
-        bridge_timeout{};  ///< the PLC trips when bridge_watchdog stands still for so long
-    std::chrono::milliseconds
-        plc_timeout{};  ///< the PLC is silent when plc_watchdog stands still for so long
+    std::chrono::milliseconds bridge_timeout{};  ///< the PLC trips when bridge_watchdog stands still for so long
+    std::chrono::milliseconds plc_timeout{};     ///< the PLC is silent when plc_watchdog stands still for so long
     LinkTimes link;
     SerialLine serial;
     std::array<Field, kMeasuredCount> measured;    ///< input registers, by Measured
     std::array<Field, kCommandedCount> commanded;  ///< holding registers, by Commanded
     /// Bit of each Interlock in the interlocks register. In MeasuredValues it is always bit i for Interlock i.
     std::array<std::uint8_t, kInterlockCount> interlock_bit{};
-    Field open_interlocks;  ///< holding, virtual PLC only: set bits (as in the register) are forced open
-    Field hang_s;           ///< holding, virtual PLC only: no answer for so long from the next request on
+    Field open_interlocks;             ///< holding, virtual PLC only: set bits (as in the register) are forced open
+    Field hang_s;                      ///< holding, virtual PLC only: no answer for so long from the next request on
     std::optional<Field> bridge_turn;  ///< holding, virtual PLC only: lockstep_turn.hpp
 
     [[nodiscard]] const Field& field(Measured q) const { return measured[static_cast<std::size_t>(q)]; }

@@ -50,15 +50,12 @@ struct BusCommand {
         }
         settings::deliver(json, to_json(*report, log, can));
         if (report->stopped) return 130;
-        if (report->sent == 0)
-            throw std::runtime_error(log +
-                                     ": no frame to play (see the warnings above, --interface and --id)");
+        if (report->sent == 0) throw std::runtime_error(log + ": no frame to play (see the warnings above, --interface and --id)");
         return report->unsent == 0 ? 0 : 1;
     }
 
     void become_realtime() const {
-        if (const auto refused = antiskid::rt::lock_memory())
-            fmt::print(stderr, "rig-replay: {}\n", *refused);
+        if (const auto refused = antiskid::rt::lock_memory()) fmt::print(stderr, "rig-replay: {}\n", *refused);
         for (const std::string& refused : antiskid::rt::enter_realtime({.priority = priority, .cpu = {}}))
             fmt::print(stderr, "rig-replay: {}\n", refused);
     }
@@ -69,23 +66,13 @@ struct BusCommand {
 ReplayVerb bus_verb(CLI::App& app) {
     const auto c = std::make_shared<BusCommand>();
     CLI::App* verb = app.add_subcommand("bus", "Plays a log on a CAN interface, every frame at its time.");
-    settings::existing_file(verb->add_option("LOG", c->log, "bus log, candump format, plain or gzip"))
-        ->required();
+    settings::existing_file(verb->add_option("LOG", c->log, "bus log, candump format, plain or gzip"))->required();
     verb->add_option("--can", c->can, "CAN interface to play on, e.g. vcan0")->required()->type_name("IF");
-    verb->add_option("--speed", c->speed, "factor: 2 plays twice as fast as recorded")
-        ->check(CLI::Range(1e-3, 1e6))
-        ->capture_default_str();
-    verb->add_option("--loop", c->loops, "how often; 0: until stopped")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
-    verb->add_option(
-        "--id", c->ids,
-        "only these identifiers, hexadecimal: 110, 100:7F0 (with mask), 18FF0000; may be repeated");
-    verb->add_option("--interface", c->interface,
-                     "lines of this interface in the log (default: the first one there)");
-    verb->add_option("--priority", c->priority, "SCHED_FIFO priority; 0: ordinary scheduling")
-        ->check(CLI::Range(0, 99))
-        ->capture_default_str();
+    verb->add_option("--speed", c->speed, "factor: 2 plays twice as fast as recorded")->check(CLI::Range(1e-3, 1e6))->capture_default_str();
+    verb->add_option("--loop", c->loops, "how often; 0: until stopped")->check(CLI::NonNegativeNumber)->capture_default_str();
+    verb->add_option("--id", c->ids, "only these identifiers, hexadecimal: 110, 100:7F0 (with mask), 18FF0000; may be repeated");
+    verb->add_option("--interface", c->interface, "lines of this interface in the log (default: the first one there)");
+    verb->add_option("--priority", c->priority, "SCHED_FIFO priority; 0: ordinary scheduling")->check(CLI::Range(0, 99))->capture_default_str();
     settings::add_json(*verb, c->json, "report");
     verb->footer(
         "CAN FD frames and error frames are not sent: they are counted and named.\n"

@@ -8,9 +8,8 @@ namespace rig {
 namespace {
 
 const LedgerRow* row_of(const std::vector<LedgerRow>& rows, const ManeuverFolder& folder) {
-    const auto found = std::find_if(rows.begin(), rows.end(), [&](const LedgerRow& row) {
-        return row.attempt.number == folder.number && row.attempt.attempt == folder.attempt;
-    });
+    const auto found = std::find_if(
+        rows.begin(), rows.end(), [&](const LedgerRow& row) { return row.attempt.number == folder.number && row.attempt.attempt == folder.attempt; });
     return found == rows.end() ? nullptr : &*found;
 }
 
@@ -18,9 +17,7 @@ void enter(Ledger& ledger, const std::string& campaign, const CampaignRow& row, 
     std::optional<double> slip_reference;
     if (old != nullptr) slip_reference = old->slip_reference;
     // An attempt without a folder had none to begin with, or lost it: nothing is known of it.
-    while (
-        ledger.begin(row.folder.number, row.summary.started, slip_reference, row.summary.specimen).attempt <
-        row.folder.attempt)
+    while (ledger.begin(row.folder.number, row.summary.started, slip_reference, row.summary.specimen).attempt < row.folder.attempt)
         ledger.mark_unfinished();
     if (!row.ended) {
         ledger.mark_unfinished(row.counted ? std::optional(row.summary) : std::nullopt);
@@ -30,24 +27,19 @@ void enter(Ledger& ledger, const std::string& campaign, const CampaignRow& row, 
     summary.campaign = campaign;
     summary.cumulative_energy_J = ledger.cumulative_energy_J() + counted_energy_J(summary);
     ledger.finish(summary);
-    if (old != nullptr && !old->health.model.empty() && old->state == RowState::finished)
-        ledger.judge(row.folder.number, old->health);
+    if (old != nullptr && !old->health.model.empty() && old->state == RowState::finished) ledger.judge(row.folder.number, old->health);
 }
 
 }  // namespace
 
-void write_ledger(const std::filesystem::path& file, const Campaign& campaign, const CampaignTable& table,
-                  const std::vector<LedgerRow>& old) {
-    if (std::filesystem::exists(file))
-        throw settings::Error(file.string(), 0, "", "is there already; a rebuilt ledger is a new file");
+void write_ledger(const std::filesystem::path& file, const Campaign& campaign, const CampaignTable& table, const std::vector<LedgerRow>& old) {
+    if (std::filesystem::exists(file)) throw settings::Error(file.string(), 0, "", "is there already; a rebuilt ledger is a new file");
     Ledger ledger(file);
     ledger.open_campaign(campaign, IfChanged::refuse);
     for (const CampaignRow& row : table.rows)
-        if (const LedgerRow* was = row_of(old, row.folder); row.ended || row.counted || was != nullptr)
-            enter(ledger, campaign.name, row, was);
+        if (const LedgerRow* was = row_of(old, row.folder); row.ended || row.counted || was != nullptr) enter(ledger, campaign.name, row, was);
     for (const LedgerRow& row : old)
-        for (const Amendment& amendment : row.amendments)
-            ledger.amend(row.attempt.number, row.attempt.attempt, amendment);
+        for (const Amendment& amendment : row.amendments) ledger.amend(row.attempt.number, row.attempt.attempt, amendment);
     for (const LedgerRow& row : old)
         for (const Note& note : row.notes) ledger.note(row.attempt.number, row.attempt.attempt, note);
 }

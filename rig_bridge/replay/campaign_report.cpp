@@ -12,13 +12,11 @@ namespace rig {
 namespace {
 
 std::string title(const ManeuverFolder& folder) {
-    return folder.attempt == 1 ? fmt::format("{:04}", folder.number)
-                               : fmt::format("{:04}.{}", folder.number, folder.attempt);
+    return folder.attempt == 1 ? fmt::format("{:04}", folder.number) : fmt::format("{:04}.{}", folder.number, folder.attempt);
 }
 
 std::string verdict(const CampaignTable& table) {
-    return fmt::format("{} maneuvers rebuilt from {} lines; {} differ from {}", table.counted(), table.lines,
-                       table.different(),
+    return fmt::format("{} maneuvers rebuilt from {} lines; {} differ from {}", table.counted(), table.lines, table.different(),
                        table.with_ledger ? "summaries and ledger" : "summaries (no ledger)");
 }
 
@@ -27,23 +25,18 @@ std::string verdict(const CampaignTable& table) {
 std::string to_text(const CampaignTable& table) {
     std::string text;
     const auto out = std::back_inserter(text);
-    fmt::format_to(out, "{:<10}{:>16}{:>15}{:>12}{:>11}  {}\n", "maneuver", "energy so far", "mean friction",
-                   "brake-on", "duration", "outcome");
+    fmt::format_to(out, "{:<10}{:>16}{:>15}{:>12}{:>11}  {}\n", "maneuver", "energy so far", "mean friction", "brake-on", "duration", "outcome");
     fmt::format_to(out, "{:<10}{:>16}{:>15}{:>12}{:>11}\n", "", "MJ", "mu_b", "m/s", "s");
     std::string parts;
     for (const CampaignRow& row : table.rows) {
-        if (const std::string now = to_text(row.specimen); now != parts)
-            fmt::format_to(out, "    from here on: {}\n", parts = now);
+        if (const std::string now = to_text(row.specimen); now != parts) fmt::format_to(out, "    from here on: {}\n", parts = now);
         if (row.counted)
-            fmt::format_to(out, "{:<10}{:>16.4f}{:>15.5f}{:>12.2f}{:>11.3f}  {}\n", title(row.folder),
-                           row.summary.cumulative_energy_J * 1e-6, row.summary.figures.mean_friction,
-                           row.summary.figures.brake_on_mps, row.summary.figures.duration_s,
-                           row.summary.outcome);
+            fmt::format_to(out, "{:<10}{:>16.4f}{:>15.5f}{:>12.2f}{:>11.3f}  {}\n", title(row.folder), row.summary.cumulative_energy_J * 1e-6,
+                           row.summary.figures.mean_friction, row.summary.figures.brake_on_mps, row.summary.figures.duration_s, row.summary.outcome);
         else
             fmt::format_to(out, "{:<10}{:>54}  {}\n", title(row.folder), "", row.summary.outcome);
         for (const std::string& warning : row.summary.warnings) fmt::format_to(out, "    {}\n", warning);
-        for (const std::string& difference : row.differences)
-            fmt::format_to(out, "    DIFFERS: {}\n", difference);
+        for (const std::string& difference : row.differences) fmt::format_to(out, "    DIFFERS: {}\n", difference);
     }
     return text + verdict(table) + "\n";
 }
@@ -56,12 +49,9 @@ std::string to_csv(const CampaignTable& table) {
     csv += ",disc_energy_J\n";
     for (const CampaignRow& row : table.rows) {
         if (!row.counted) continue;
-        fmt::format_to(out, "{},{},{},{}", row.folder.number, row.folder.attempt, row.summary.outcome,
-                       row.summary.cumulative_energy_J);
-        for (const FigureField& field : kFigureFields)
-            fmt::format_to(out, ",{}", row.summary.figures.*field.value);
-        for (const SpecimenField& field : kSpecimenFields)
-            fmt::format_to(out, ",{}", settings::csv_field(row.specimen.*field.value));
+        fmt::format_to(out, "{},{},{},{}", row.folder.number, row.folder.attempt, row.summary.outcome, row.summary.cumulative_energy_J);
+        for (const FigureField& field : kFigureFields) fmt::format_to(out, ",{}", row.summary.figures.*field.value);
+        for (const SpecimenField& field : kSpecimenFields) fmt::format_to(out, ",{}", settings::csv_field(row.specimen.*field.value));
         fmt::format_to(out, ",{}\n", row.disc_energy_J);
     }
     return csv;

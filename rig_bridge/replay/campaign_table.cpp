@@ -31,8 +31,7 @@ std::optional<ManeuverFolder> as_maneuver(const fs::path& path) {
     return folder;
 }
 
-void compare_figures(const Figures& from_log, const Figures& stated, const char* where,
-                     std::vector<std::string>& differences) {
+void compare_figures(const Figures& from_log, const Figures& stated, const char* where, std::vector<std::string>& differences) {
     for (const FigureField& field : kFigureFields) {
         const double a = from_log.*field.value;
         const double b = stated.*field.value;
@@ -40,20 +39,16 @@ void compare_figures(const Figures& from_log, const Figures& stated, const char*
         differences.push_back(fmt::format("{} is {} from the log, {} in {}", field.key, a, b, where));
     }
     if (from_log.standstill != stated.standstill)
-        differences.push_back(fmt::format("standstill is {} from the log, {} in {}", from_log.standstill,
-                                          stated.standstill, where));
+        differences.push_back(fmt::format("standstill is {} from the log, {} in {}", from_log.standstill, stated.standstill, where));
 }
 
 class Rebuild {
   public:
-    explicit Rebuild(const CampaignSources& sources) : sources_(sources) {
-        table_.with_ledger = sources.with_ledger;
-    }
+    explicit Rebuild(const CampaignSources& sources) : sources_(sources) { table_.with_ledger = sources.with_ledger; }
 
     CampaignTable run(const std::vector<ManeuverFolder>& folders) {
         for (const ManeuverFolder& folder : folders)
-            if (scenario_.empty() && fs::exists(folder.path / "summary.json"))
-                scenario_ = read_summary(folder.path / "summary.json").scenario;
+            if (scenario_.empty() && fs::exists(folder.path / "summary.json")) scenario_ = read_summary(folder.path / "summary.json").scenario;
         for (const ManeuverFolder& folder : folders) add(folder);
         if (table_.with_ledger) rows_without_folder(folders);
         return table_;
@@ -84,25 +79,21 @@ class Rebuild {
         row.disc_energy_J = disc_.after(row.specimen, energy_J_);
         // A summary says what was known when it was written; sums that were amended since are not.
         if (stated) compare(row.summary, *stated, "summary.json", !amended_, row.differences);
-        if (ledger != nullptr && (row.ended || ledger->has_figures))
-            compare(row.summary, ledger->summary, "the ledger", true, row.differences);
+        if (ledger != nullptr && (row.ended || ledger->has_figures)) compare(row.summary, ledger->summary, "the ledger", true, row.differences);
         if (table_.with_ledger) compare_state(row, ledger);
         table_.rows.push_back(std::move(row));
     }
 
-    void compare(const Summary& from_log, const Summary& stated, const char* where, bool sums,
-                 std::vector<std::string>& differences) const {
+    void compare(const Summary& from_log, const Summary& stated, const char* where, bool sums, std::vector<std::string>& differences) const {
         compare_figures(from_log.figures, stated.figures, where, differences);
         if (from_log.warnings != stated.warnings) {
-            differences.push_back(fmt::format("warnings are '{}' from the log, '{}' in {}",
-                                              fmt::join(from_log.warnings, "; "),
+            differences.push_back(fmt::format("warnings are '{}' from the log, '{}' in {}", fmt::join(from_log.warnings, "; "),
                                               fmt::join(stated.warnings, "; "), where));
         }
         // Amendments add up in another order.
         const double rounding_J = amended_ ? 1e-9 * std::abs(energy_J_) : 0.0;
         if (sums && !(std::abs(energy_J_ - stated.cumulative_energy_J) <= rounding_J)) {
-            differences.push_back(fmt::format("cumulative_energy_J is {} from the logs, {} in {}", energy_J_,
-                                              stated.cumulative_energy_J, where));
+            differences.push_back(fmt::format("cumulative_energy_J is {} from the logs, {} in {}", energy_J_, stated.cumulative_energy_J, where));
         }
     }
 
@@ -113,11 +104,9 @@ class Rebuild {
         }
         const bool entered = ledger->state == RowState::finished || ledger->state == RowState::aborted;
         if (entered != row.ended)
-            row.differences.push_back(fmt::format("{} summary.json, but {} in the ledger",
-                                                  row.ended ? "has a" : "has no", name(ledger->state)));
+            row.differences.push_back(fmt::format("{} summary.json, but {} in the ledger", row.ended ? "has a" : "has no", name(ledger->state)));
         else if (row.counted && !ledger->has_figures)
-            row.differences.push_back(fmt::format("{:.6g} MJ are in its log, none in the ledger",
-                                                  row.summary.figures.energy_brake_J * 1e-6));
+            row.differences.push_back(fmt::format("{:.6g} MJ are in its log, none in the ledger", row.summary.figures.energy_brake_J * 1e-6));
     }
 
     void rows_without_folder(const std::vector<ManeuverFolder>& folders) {
@@ -127,9 +116,7 @@ class Rebuild {
             });
             if (there || ledger.state == RowState::unfinished || ledger.state == RowState::running) continue;
             CampaignRow row;
-            row.folder = {.path = ledger.attempt.folder,
-                          .number = ledger.attempt.number,
-                          .attempt = ledger.attempt.attempt};
+            row.folder = {.path = ledger.attempt.folder, .number = ledger.attempt.number, .attempt = ledger.attempt.attempt};
             row.summary.outcome = name(ledger.state);
             row.differences.push_back("in the ledger, but the folder is not there");
             table_.rows.push_back(std::move(row));
@@ -137,10 +124,9 @@ class Rebuild {
     }
 
     [[nodiscard]] const LedgerRow* ledger_row(const ManeuverFolder& folder) const {
-        const auto found =
-            std::find_if(sources_.ledger.begin(), sources_.ledger.end(), [&](const LedgerRow& row) {
-                return row.attempt.number == folder.number && row.attempt.attempt == folder.attempt;
-            });
+        const auto found = std::find_if(sources_.ledger.begin(), sources_.ledger.end(), [&](const LedgerRow& row) {
+            return row.attempt.number == folder.number && row.attempt.attempt == folder.attempt;
+        });
         return found == sources_.ledger.end() ? nullptr : &*found;
     }
 
@@ -154,8 +140,8 @@ class Rebuild {
             return false;
         }
         LogWarnings warnings = sources_.warnings(log.string());
-        MeteredLog metered = meter_log(log, sources_.layout, sources_.parameters(row.summary.scenario),
-                                       row.ended ? LogEnd::closed : LogEnd::left, warnings);
+        MeteredLog metered =
+            meter_log(log, sources_.layout, sources_.parameters(row.summary.scenario), row.ended ? LogEnd::closed : LogEnd::left, warnings);
         row.summary.figures = metered.figures;
         row.summary.warnings = std::move(metered.warnings);
         table_.lines += metered.lines;
@@ -174,28 +160,21 @@ class Rebuild {
 
 std::vector<ManeuverFolder> maneuver_folders(const fs::path& campaign) {
     std::vector<ManeuverFolder> folders;
-    if (!fs::is_directory(campaign))
-        throw std::runtime_error(campaign.string() + ": is no directory; expected the folder of a campaign");
+    if (!fs::is_directory(campaign)) throw std::runtime_error(campaign.string() + ": is no directory; expected the folder of a campaign");
     for (const fs::directory_entry& entry : fs::directory_iterator(campaign))
-        if (const auto folder = entry.is_directory() ? as_maneuver(entry.path()) : std::nullopt)
-            folders.push_back(*folder);
-    if (folders.empty())
-        throw std::runtime_error(campaign.string() +
-                                 ": holds no maneuvers; expected folders 0001, 0002, ...");
-    std::sort(folders.begin(), folders.end(), [](const ManeuverFolder& a, const ManeuverFolder& b) {
-        return a.number != b.number ? a.number < b.number : a.attempt < b.attempt;
-    });
+        if (const auto folder = entry.is_directory() ? as_maneuver(entry.path()) : std::nullopt) folders.push_back(*folder);
+    if (folders.empty()) throw std::runtime_error(campaign.string() + ": holds no maneuvers; expected folders 0001, 0002, ...");
+    std::sort(folders.begin(), folders.end(),
+              [](const ManeuverFolder& a, const ManeuverFolder& b) { return a.number != b.number ? a.number < b.number : a.attempt < b.attempt; });
     return folders;
 }
 
 std::uint64_t CampaignTable::counted() const {
-    return static_cast<std::uint64_t>(
-        std::count_if(rows.begin(), rows.end(), [](const auto& r) { return r.counted; }));
+    return static_cast<std::uint64_t>(std::count_if(rows.begin(), rows.end(), [](const auto& r) { return r.counted; }));
 }
 
 std::uint64_t CampaignTable::different() const {
-    return static_cast<std::uint64_t>(
-        std::count_if(rows.begin(), rows.end(), [](const auto& r) { return !r.differences.empty(); }));
+    return static_cast<std::uint64_t>(std::count_if(rows.begin(), rows.end(), [](const auto& r) { return !r.differences.empty(); }));
 }
 
 CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders, const CampaignSources& sources) {

@@ -26,9 +26,8 @@ struct ManeuverFolder {
 
 struct CampaignRow {
     ManeuverFolder folder;
-    bool counted =
-        false;           ///< has figures, and its energy counts: a summary, or without one a log that counts
-    bool ended = false;  ///< finished or aborted: has a summary
+    bool counted = false;  ///< has figures, and its energy counts: a summary, or without one a log that counts
+    bool ended = false;    ///< finished or aborted: has a summary
     /// That of the summary, or what is known without one, with figures, warnings and sums from the logs alone; and as amended.
     Summary summary;
     Specimen specimen{};         ///< as noted; `summary` has it as it was recorded
@@ -55,12 +54,10 @@ struct CampaignSources {
 };
 
 /// Enters all of it into a new ledger beside the folders. Throws settings::Error when `file` is there, LedgerError.
-void write_ledger(const std::filesystem::path& file, const Campaign& campaign, const CampaignTable& table,
-                  const std::vector<LedgerRow>& old);
+void write_ledger(const std::filesystem::path& file, const Campaign& campaign, const CampaignTable& table, const std::vector<LedgerRow>& old);
 
 /// Reads every log of the folders. A folder whose log is missing or unreadable is a difference. What people amended in the ledger holds.
-[[nodiscard]] CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders,
-                                             const CampaignSources& sources);
+[[nodiscard]] CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders, const CampaignSources& sources);
 
 [[nodiscard]] std::string to_text(const CampaignTable& table);
 /// number,attempt,outcome,cumulative_energy_J, every figure, the specimen's fields and disc_energy_J by their keys.

@@ -35,19 +35,17 @@ struct CampaignCommand {
         const fs::path place = campaign_folder();
         const std::vector<ManeuverFolder> folders = maneuver_folders(place);
         std::map<std::string, MeterParameters> known;
-        CampaignSources sources{
-            .layout = layout,
-            .parameters = [&](const std::string& name) { return parameters(known, name); },
-            .ledger = {},
-            .with_ledger = false,
-            .warnings = warnings_of};
+        CampaignSources sources{.layout = layout,
+                                .parameters = [&](const std::string& name) { return parameters(known, name); },
+                                .ledger = {},
+                                .with_ledger = false,
+                                .warnings = warnings_of};
         const fs::path file = ledger.empty() ? ledger_in(place.parent_path()) : ledger;
         if (!file.empty()) {
             sources.ledger = read_ledger(file, place.filename().string());
             sources.with_ledger = true;
         } else {
-            fmt::print(stderr, "rig-replay: warning: no ledger in {}: compared with the summaries only\n",
-                       place.parent_path().string());
+            fmt::print(stderr, "rig-replay: warning: no ledger in {}: compared with the summaries only\n", place.parent_path().string());
         }
         const CampaignTable table = rebuild_campaign(folders, sources);
         if (json != "-") fmt::print("{}", to_text(table));
@@ -62,8 +60,7 @@ struct CampaignCommand {
     }
 
     /// As the ledger has it; without one, as the summaries say.
-    [[nodiscard]] static Campaign campaign_of(const fs::path& ledger, const std::string& name,
-                                              const CampaignTable& table) {
+    [[nodiscard]] static Campaign campaign_of(const fs::path& ledger, const std::string& name, const CampaignTable& table) {
         if (!ledger.empty())
             for (const Campaign& campaign : read_campaigns(ledger))
                 if (campaign.name == name) return campaign;
@@ -76,8 +73,7 @@ struct CampaignCommand {
                         .config_hash = s.config_hash,
                         .version = s.version,
                         .created = s.started};
-        throw std::runtime_error(name +
-                                 ": no maneuver has a summary.json, so nothing is known of the campaign");
+        throw std::runtime_error(name + ": no maneuver has a summary.json, so nothing is known of the campaign");
     }
 
     /// Empty: none there.
@@ -95,14 +91,12 @@ struct CampaignCommand {
         const std::vector<Campaign> campaigns = read_campaigns(inside);
         if (campaigns.size() == 1) return given / campaigns.front().name;
         std::string names;
-        for (const Campaign& campaign : campaigns)
-            names.append(names.empty() ? "" : ", ").append(campaign.name);
-        throw UsageError(fmt::format("{} holds {} campaigns ({}); give the folder of one, like {}",
-                                     inside.string(), campaigns.size(), names, (given / "NAME").string()));
+        for (const Campaign& campaign : campaigns) names.append(names.empty() ? "" : ", ").append(campaign.name);
+        throw UsageError(fmt::format("{} holds {} campaigns ({}); give the folder of one, like {}", inside.string(), campaigns.size(), names,
+                                     (given / "NAME").string()));
     }
 
-    [[nodiscard]] MeterParameters parameters(std::map<std::string, MeterParameters>& known,
-                                             const std::string& name) const {
+    [[nodiscard]] MeterParameters parameters(std::map<std::string, MeterParameters>& known, const std::string& name) const {
         const auto found = known.find(name);
         if (found != known.end()) return found->second;
         return known[name] = configured([&] {
@@ -114,13 +108,12 @@ struct CampaignCommand {
     void draw(const CampaignTable& table) const {
         const std::string rows = csv.empty() || csv == "-" ? picture + ".csv" : csv;
         if (rows != csv) settings::write_file(rows, to_csv(table));
-        study::run_gnuplot(
-            picture, 1000, 600,
-            fmt::format("set datafile separator ','\nset key off\n"
-                        "set xlabel 'brake energy of this brake and disc (MJ)'\nset ylabel 'mean friction'\n"
-                        "plot {} using (column('disc_energy_J') * 1e-6):'mean_friction' with points pt 7 "
-                        "ps 0.6 lc rgb '#1f4e79'\n",
-                        study::gnuplot_quoted(rows)));
+        study::run_gnuplot(picture, 1000, 600,
+                           fmt::format("set datafile separator ','\nset key off\n"
+                                       "set xlabel 'brake energy of this brake and disc (MJ)'\nset ylabel 'mean friction'\n"
+                                       "plot {} using (column('disc_energy_J') * 1e-6):'mean_friction' with points pt 7 "
+                                       "ps 0.6 lc rgb '#1f4e79'\n",
+                                       study::gnuplot_quoted(rows)));
     }
 };
 
@@ -131,14 +124,11 @@ ReplayVerb campaign_verb(CLI::App& app) {
     CLI::App* verb = app.add_subcommand("campaign",
                                         "The table of Fig. 7 rebuilt from the raw logs of a campaign, held "
                                         "against summaries and ledger bit by bit.");
-    settings::existing_directory(
-        verb->add_option(
-            "DIRECTORY", c->folder,
-            "folder of the campaign (0001/bus.log or bus.log.gz, 0001/summary.json, ...), or the "
-            "directory with its ledger"))
+    settings::existing_directory(verb->add_option("DIRECTORY", c->folder,
+                                                  "folder of the campaign (0001/bus.log or bus.log.gz, 0001/summary.json, ...), or the "
+                                                  "directory with its ledger"))
         ->required();
-    settings::existing_file(verb->add_option(
-        "--ledger", c->ledger, "its ledger (default: campaign.sqlite or ledger.sqlite beside the folder)"));
+    settings::existing_file(verb->add_option("--ledger", c->ledger, "its ledger (default: campaign.sqlite or ledger.sqlite beside the folder)"));
     settings::add_config_directory(*verb, c->config);
     settings::add_layout_files(*verb, c->dbc, c->binding);
     verb->add_option("--csv", c->csv, "the table with every figure as CSV")->type_name("FILE");
@@ -147,8 +137,7 @@ ReplayVerb campaign_verb(CLI::App& app) {
                      "write a new ledger from the folders, amendments of the old one with it; keep it beside "
                      "the campaign's folder")
         ->type_name("FILE");
-    verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG)")
-        ->type_name("FILE");
+    verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG)")->type_name("FILE");
     verb->footer(
         "Examples:\n"
         "  rig-replay campaign out/campaign\n"

@@ -65,24 +65,17 @@ bool ControllerReplayReport::same() const {
     return none;
 }
 
-ControllerReplayReport replay_controller(const std::filesystem::path& file, const LogOptions& options,
-                                         const antiskid::rt::Setup& setup, ReplayClock clock,
-                                         LogWarnings& warnings) {
+ControllerReplayReport replay_controller(const std::filesystem::path& file, const LogOptions& options, const antiskid::rt::Setup& setup,
+                                         ReplayClock clock, LogWarnings& warnings) {
     const auto began = std::chrono::steady_clock::now();
     LogOptions with_layout = options;
     with_layout.layout = &setup.layout;
     LogReader log(file, with_layout, warnings);
     const float safe_mA = setup.control.valve.safe_current_mA;
-    const auto m = std::make_unique<Machine>(
-        setup, PacerSettings{.clock = clock, .period = setup.period, .safe_current_mA = safe_mA}, log);
+    const auto m = std::make_unique<Machine>(setup, PacerSettings{.clock = clock, .period = setup.period, .safe_current_mA = safe_mA}, log);
     const auto loop = std::make_unique<antiskid::rt::ControlLoop>(
         antiskid::rt::LoopSettings{.period = setup.period, .safe_current_mA = safe_mA, .valve_last = true},
-        antiskid::rt::LoopDoors{.clock = m->clock,
-                                .pacer = m->pacer,
-                                .bus = m->bus,
-                                .port = m->port,
-                                .controller = m->controller,
-                                .ring = m->ring});
+        antiskid::rt::LoopDoors{.clock = m->clock, .pacer = m->pacer, .bus = m->bus, .port = m->port, .controller = m->controller, .ring = m->ring});
     const std::atomic<bool> stop{false};
     loop->run(stop);
     m->comparison.finish();
@@ -94,8 +87,7 @@ ControllerReplayReport replay_controller(const std::filesystem::path& file, cons
     report.unsynchronised = m->pacer.unsynchronised();
     report.steps_before_log = m->pacer.steps_before_log();
     report.unanswered = m->pacer.unanswered();
-    for (const Role role : antiskid::can::kToRig)
-        report.counts[static_cast<std::size_t>(role)] = m->comparison.count(role);
+    for (const Role role : antiskid::can::kToRig) report.counts[static_cast<std::size_t>(role)] = m->comparison.count(role);
     report.first = m->comparison.first();
     report.largest = m->comparison.largest();
     report.recorded_s = std::chrono::duration<double>(m->pacer.duration()).count();
@@ -104,10 +96,9 @@ ControllerReplayReport replay_controller(const std::filesystem::path& file, cons
     report.warnings = warnings.summary();
     report.config_hash = setup.config_hash;
     if (report.steps == 0)
-        throw std::runtime_error(
-            file.string() +
-            ": holds no valve command of this layout (see the warnings above; --dbc and --binding "
-            "choose the layout)");
+        throw std::runtime_error(file.string() +
+                                 ": holds no valve command of this layout (see the warnings above; --dbc and --binding "
+                                 "choose the layout)");
     return report;
 }
 

@@ -29,18 +29,14 @@ struct ControllerReplayReport {
     std::string warnings;  ///< of the log, by kind
     std::string config_hash;
 
-    [[nodiscard]] const FrameComparison::Count& count(antiskid::can::Role role) const {
-        return counts[static_cast<std::size_t>(role)];
-    }
+    [[nodiscard]] const FrameComparison::Count& count(antiskid::can::Role role) const { return counts[static_cast<std::size_t>(role)]; }
     /// Every command frame of the log was replayed, and none of the controller's frames differs.
     [[nodiscard]] bool same() const;
 };
 
 /// Throws std::runtime_error when the log cannot be read or holds no valve command.
-[[nodiscard]] ControllerReplayReport replay_controller(const std::filesystem::path& log,
-                                                       const LogOptions& options,
-                                                       const antiskid::rt::Setup& setup, ReplayClock clock,
-                                                       LogWarnings& warnings);
+[[nodiscard]] ControllerReplayReport replay_controller(const std::filesystem::path& log, const LogOptions& options, const antiskid::rt::Setup& setup,
+                                                       ReplayClock clock, LogWarnings& warnings);
 
 [[nodiscard]] std::string to_text(const ControllerReplayReport& report, const antiskid::can::Layout& layout);
 [[nodiscard]] std::string to_json(const ControllerReplayReport& report, const antiskid::can::Layout& layout);

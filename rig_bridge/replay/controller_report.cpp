@@ -25,8 +25,7 @@ std::string text_of(const Frame& frame) {
 std::string described(Role role, const Frame& frame, const antiskid::can::Layout& layout) {
     if (role != Role::valve) return text_of(frame);
     const antiskid::can::Signal& current = layout.valve_current_mA;
-    return fmt::format("{} ({:.3f} mA)", text_of(frame),
-                       current.value(antiskid::can::Payload(frame.data).read(current)));
+    return fmt::format("{} ({:.3f} mA)", text_of(frame), current.value(antiskid::can::Payload(frame.data).read(current)));
 }
 
 double seconds(const FrameDifference& difference) {
@@ -42,9 +41,9 @@ double factor(const ControllerReplayReport& r) {
 std::string to_text(const ControllerReplayReport& r, const antiskid::can::Layout& layout) {
     std::string text;
     const auto out = std::back_inserter(text);
-    fmt::format_to(out, "{}: {} steps, {}\n", r.log, r.steps,
-                   r.lockstep ? "in lockstep (SYNC in the log): exactly the recorded ones"
-                              : "bounded by the recorded valve commands (no SYNC in the log)");
+    fmt::format_to(
+        out, "{}: {} steps, {}\n", r.log, r.steps,
+        r.lockstep ? "in lockstep (SYNC in the log): exactly the recorded ones" : "bounded by the recorded valve commands (no SYNC in the log)");
     if (!r.lockstep)
         text +=
             "  A frame that came between the controller's wake-up and its command is one step early here, "
@@ -53,39 +52,30 @@ std::string to_text(const ControllerReplayReport& r, const antiskid::can::Layout
     if (r.steps_before_log.value_or(1) != 0) {
         std::uint64_t settling = 0;
         for (const FrameComparison::Count& c : r.counts) settling += c.settling;
-        fmt::format_to(
-            out,
-            "  {}: the replayed one starts anew at the log's first sample;\n  {} frames beside commands "
-            "were not compared while it tested itself\n",
-            r.steps_before_log
-                ? "the controller was running when the log began, as its counters say"
-                : "the controller's counters follow no session: frames are missing at the log's start",
-            settling);
+        fmt::format_to(out,
+                       "  {}: the replayed one starts anew at the log's first sample;\n  {} frames beside commands "
+                       "were not compared while it tested itself\n",
+                       r.steps_before_log ? "the controller was running when the log began, as its counters say"
+                                          : "the controller's counters follow no session: frames are missing at the log's start",
+                       settling);
     }
-    if (r.unsynchronised > 0)
-        fmt::format_to(out, "  {} steps by the controller's own clock: SYNC failed to come\n",
-                       r.unsynchronised);
+    if (r.unsynchronised > 0) fmt::format_to(out, "  {} steps by the controller's own clock: SYNC failed to come\n", r.unsynchronised);
     if (r.unanswered > 0) fmt::format_to(out, "  {} samples without an answer\n", r.unanswered);
-    fmt::format_to(out, "{:<22}{:>10}{:>10}{:>15}{:>15}\n", "frames", "compared", "differ", "only in log",
-                   "only replayed");
+    fmt::format_to(out, "{:<22}{:>10}{:>10}{:>15}{:>15}\n", "frames", "compared", "differ", "only in log", "only replayed");
     for (const Role role : antiskid::can::kToRig) {
         if (!layout[role].bound) continue;
         const FrameComparison::Count& c = r.count(role);
-        fmt::format_to(out, "{:<22}{:>10}{:>10}{:>15}{:>15}\n", antiskid::can::name(role), c.compared,
-                       c.different, c.only_recorded, c.only_replayed);
+        fmt::format_to(out, "{:<22}{:>10}{:>10}{:>15}{:>15}\n", antiskid::can::name(role), c.compared, c.different, c.only_recorded, c.only_replayed);
     }
     const auto tell = [&](std::string_view which, const FrameDifference& d) {
-        fmt::format_to(out, "{}: line {}, {:.6f} s, {}: expected {}, got {}\n", which, d.line, seconds(d),
-                       antiskid::can::name(d.role), described(d.role, d.recorded, layout),
-                       described(d.role, d.replayed, layout));
+        fmt::format_to(out, "{}: line {}, {:.6f} s, {}: expected {}, got {}\n", which, d.line, seconds(d), antiskid::can::name(d.role),
+                       described(d.role, d.recorded, layout), described(d.role, d.replayed, layout));
     };
     if (r.first) tell("first difference", *r.first);
     if (r.largest) tell("largest difference of valve current", *r.largest);
     const FrameComparison::Count& commands = r.count(Role::valve);
-    fmt::format_to(out, "{} of {} command frames differ\n", commands.different + commands.only_recorded,
-                   commands.compared + commands.only_recorded);
-    fmt::format_to(out, "{:.3f} s recorded, replayed in {:.3f} s: {:.0f} times real time\n", r.recorded_s,
-                   r.took_s, factor(r));
+    fmt::format_to(out, "{} of {} command frames differ\n", commands.different + commands.only_recorded, commands.compared + commands.only_recorded);
+    fmt::format_to(out, "{:.3f} s recorded, replayed in {:.3f} s: {:.0f} times real time\n", r.recorded_s, r.took_s, factor(r));
     if (!r.warnings.empty()) fmt::format_to(out, "warnings of the log: {}\n", r.warnings);
     return text;
 }
@@ -123,9 +113,8 @@ std::string to_json(const ControllerReplayReport& r, const antiskid::can::Layout
                                     {"expected", described(r.first->role, r.first->recorded, layout)},
                                     {"got", described(r.first->role, r.first->replayed, layout)}};
     if (r.largest)
-        root["largest_difference"] = {{"line", r.largest->line},
-                                      {"time_s", seconds(*r.largest)},
-                                      {"current_mA", current_difference_mA(*r.largest, layout)}};
+        root["largest_difference"] = {
+            {"line", r.largest->line}, {"time_s", seconds(*r.largest)}, {"current_mA", current_difference_mA(*r.largest, layout)}};
     return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

@@ -38,23 +38,16 @@ struct ControllerCommand {
 
 ReplayVerb controller_verb(CLI::App& app) {
     const auto command = std::make_shared<ControllerCommand>();
-    CLI::App* verb = app.add_subcommand(
-        "controller",
-        "Recorded sensor frames through the real controller; compares what it sends with what was recorded.");
-    settings::existing_file(
-        verb->add_option("LOG", command->log,
-                         "bus log of one controller session, candump format, plain or gzip"))
-        ->required();
+    CLI::App* verb =
+        app.add_subcommand("controller", "Recorded sensor frames through the real controller; compares what it sends with what was recorded.");
+    settings::existing_file(verb->add_option("LOG", command->log, "bus log of one controller session, candump format, plain or gzip"))->required();
     settings::add_config_directory(*verb, command->config);
-    settings::existing_file(verb->add_option("--controller", command->controller,
-                                             "of the recorded run (default: CONFIG/controller.toml)"));
+    settings::existing_file(verb->add_option("--controller", command->controller, "of the recorded run (default: CONFIG/controller.toml)"));
     settings::add_layout_files(*verb, command->dbc, command->binding);
-    verb->add_option("--interface", command->interface,
-                     "lines of this interface (default: the first in the log)");
-    settings::add_choice(
-        *verb, "--clock", command->clock,
-        {{"auto", ReplayClock::automatic}, {"sync", ReplayClock::sync}, {"timer", ReplayClock::timer}},
-        "auto: lockstep where SYNC comes before the first valve command, else timer");
+    verb->add_option("--interface", command->interface, "lines of this interface (default: the first in the log)");
+    settings::add_choice(*verb, "--clock", command->clock,
+                         {{"auto", ReplayClock::automatic}, {"sync", ReplayClock::sync}, {"timer", ReplayClock::timer}},
+                         "auto: lockstep where SYNC comes before the first valve command, else timer");
     settings::add_json(*verb, command->json, "report");
     verb->footer(
         "Examples:\n"

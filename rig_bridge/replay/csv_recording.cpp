@@ -16,8 +16,7 @@ namespace {
 
 class CsvRecording final : public Recording {
   public:
-    CsvRecording(const std::filesystem::path& file, const ImportMap& map,
-                 const std::vector<std::string>& wanted)
+    CsvRecording(const std::filesystem::path& file, const ImportMap& map, const std::vector<std::string>& wanted)
         : name_(file.string()), map_(map), wanted_(wanted), source_(file) {
         LineSource::Line line;
         while (source_.lines() + 1 < map_.first_data_row && source_.next(line)) {
@@ -25,18 +24,14 @@ class CsvRecording final : public Recording {
             if (line.number == map_.header_row) find_columns(line.text);
             if (line.number == map_.unit_row) find_units(line.text);
         }
-        if (places_.empty())
-            throw std::runtime_error(name_ + ": ends before row " + std::to_string(map_.header_row) +
-                                     ", the header_row");
+        if (places_.empty()) throw std::runtime_error(name_ + ": ends before row " + std::to_string(map_.header_row) + ", the header_row");
     }
 
     bool next(RecordedRow& row) override {
         LineSource::Line line;
         do {
             if (!source_.next(line)) {
-                if (!source_.damage().empty())
-                    throw std::runtime_error(name_ + ":" + std::to_string(source_.lines()) + ": " +
-                                             source_.damage());
+                if (!source_.damage().empty()) throw std::runtime_error(name_ + ":" + std::to_string(source_.lines()) + ": " + source_.damage());
                 return false;
             }
             refuse_long(line);
@@ -46,24 +41,20 @@ class CsvRecording final : public Recording {
         row.values.assign(wanted_.size(), std::numeric_limits<double>::quiet_NaN());
         settings::split_csv(line.text, map_.separator, cells_);
         for (std::size_t i = 0; i < wanted_.size(); ++i) {
-            const std::string_view cell =
-                places_[i] < cells_.size() ? cells_[places_[i]] : std::string_view();
+            const std::string_view cell = places_[i] < cells_.size() ? cells_[places_[i]] : std::string_view();
             if (!number(cell, row.values[i]))
-                row.unreadable.push_back("column " + std::to_string(places_[i] + 1) + " (" + wanted_[i] +
-                                         "): '" + std::string(cell) + "'");
+                row.unreadable.push_back("column " + std::to_string(places_[i] + 1) + " (" + wanted_[i] + "): '" + std::string(cell) + "'");
         }
         return true;
     }
 
-    [[nodiscard]] std::string stated_unit(std::size_t wanted) const override {
-        return wanted < units_.size() ? units_[wanted] : std::string();
-    }
+    [[nodiscard]] std::string stated_unit(std::size_t wanted) const override { return wanted < units_.size() ? units_[wanted] : std::string(); }
 
   private:
     void refuse_long(const LineSource::Line& line) const {
         if (line.too_long)
-            throw std::runtime_error(name_ + ":" + std::to_string(line.number) + ": row longer than " +
-                                     std::to_string(LineSource::kLongest) + " characters");
+            throw std::runtime_error(name_ + ":" + std::to_string(line.number) + ": row longer than " + std::to_string(LineSource::kLongest) +
+                                     " characters");
     }
 
     void find_columns(std::string_view line) {
@@ -74,10 +65,8 @@ class CsvRecording final : public Recording {
             const auto found = std::find(cells_.begin(), cells_.end(), column);
             if (found == cells_.end()) {
                 std::string there;
-                for (const std::string_view cell : cells_)
-                    there.append(there.empty() ? "" : ", ").append(cell);
-                throw std::runtime_error(fmt::format("{}:{}: no column '{}'; there are: {}", name_,
-                                                     map_.header_row, column, there));
+                for (const std::string_view cell : cells_) there.append(there.empty() ? "" : ", ").append(cell);
+                throw std::runtime_error(fmt::format("{}:{}: no column '{}'; there are: {}", name_, map_.header_row, column, there));
             }
             places_.push_back(static_cast<std::size_t>(found - cells_.begin()));
         }
@@ -85,8 +74,7 @@ class CsvRecording final : public Recording {
 
     void find_units(std::string_view line) {
         settings::split_csv(line, map_.separator, cells_);
-        for (const std::size_t place : places_)
-            units_.emplace_back(place < cells_.size() ? cells_[place] : std::string_view());
+        for (const std::size_t place : places_) units_.emplace_back(place < cells_.size() ? cells_[place] : std::string_view());
     }
 
     /// False where the cell holds no number; NaN and an infinity are none.
@@ -114,8 +102,7 @@ class CsvRecording final : public Recording {
 
 }  // namespace
 
-std::unique_ptr<Recording> open_recording(const std::filesystem::path& file, const ImportMap& map,
-                                          const std::vector<std::string>& wanted) {
+std::unique_ptr<Recording> open_recording(const std::filesystem::path& file, const ImportMap& map, const std::vector<std::string>& wanted) {
     if (map.mat) return open_mat(file, wanted);
     return std::make_unique<CsvRecording>(file, map, wanted);
 }

@@ -42,26 +42,20 @@ void FrameComparison::finish() {
 int FrameComparison::behind(Role role, const Frame& recorded, const Frame& replayed) const {
     const antiskid::can::E2e& protection = layout_[role].protection;
     if (protection.protection == antiskid::can::Protection::none) return 0;
-    const auto counter = [&](const Frame& frame) {
-        return static_cast<int>(Payload(frame.data).read(protection.counter));
-    };
+    const auto counter = [&](const Frame& frame) { return static_cast<int>(Payload(frame.data).read(protection.counter)); };
     const int modulo = protection.counter_modulo;
     const int distance = ((counter(recorded) - counter(replayed)) % modulo + modulo) % modulo;
     return distance <= modulo / 2 ? distance : distance - modulo;
 }
 
 bool FrameComparison::past_self_test(const Frame& status) const {
-    return Payload(status.data).read(layout_.status.state) !=
-           static_cast<std::int64_t>(antiskid::control::State::self_test);
+    return Payload(status.data).read(layout_.status.state) != static_cast<std::int64_t>(antiskid::control::State::self_test);
 }
 
 void FrameComparison::note(Role role, const LogFrame& recorded, const Frame& replayed) {
     ++sides_[static_cast<std::size_t>(role)].count.different;
-    const FrameDifference difference{.role = role,
-                                     .line = recorded.line,
-                                     .time = recorded.frame.received,
-                                     .recorded = recorded.frame,
-                                     .replayed = replayed};
+    const FrameDifference difference{
+        .role = role, .line = recorded.line, .time = recorded.frame.received, .recorded = recorded.frame, .replayed = replayed};
     if (!first_ || recorded.line < first_->line) first_ = difference;
     const auto size = [&](const FrameDifference& d) { return std::abs(current_difference_mA(d, layout_)); };
     if (role == Role::valve && (!largest_ || size(difference) > size(*largest_))) largest_ = difference;

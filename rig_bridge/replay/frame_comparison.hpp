@@ -23,8 +23,7 @@ struct FrameDifference {
 };
 
 /// By how much the replayed valve command is above the recorded one.
-[[nodiscard]] double current_difference_mA(const FrameDifference& valve_commands,
-                                           const antiskid::can::Layout& layout);
+[[nodiscard]] double current_difference_mA(const FrameDifference& valve_commands, const antiskid::can::Layout& layout);
 
 class FrameComparison {
   public:
@@ -50,12 +49,8 @@ class FrameComparison {
     /// nothing.
     void finish();
 
-    [[nodiscard]] const Count& count(antiskid::can::Role role) const {
-        return sides_[static_cast<std::size_t>(role)].count;
-    }
-    [[nodiscard]] std::size_t waiting(antiskid::can::Role role) const {
-        return sides_[static_cast<std::size_t>(role)].recorded.size();
-    }
+    [[nodiscard]] const Count& count(antiskid::can::Role role) const { return sides_[static_cast<std::size_t>(role)].count; }
+    [[nodiscard]] std::size_t waiting(antiskid::can::Role role) const { return sides_[static_cast<std::size_t>(role)].recorded.size(); }
     [[nodiscard]] const std::optional<FrameDifference>& first() const { return first_; }
     /// The valve commands whose currents are furthest apart, the first of them.
     [[nodiscard]] const std::optional<FrameDifference>& largest() const { return largest_; }

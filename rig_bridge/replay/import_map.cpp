@@ -50,15 +50,13 @@ void read_file(const Table& t, ImportMap& map) {
     if (map.mat) return;
     constexpr std::array<settings::Choice<char>, 2> kDecimals{{{".", '.'}, {",", ','}}};
     constexpr settings::IntegerRange kRow{.min = 1, .max = 1'000'000};
-    if (const auto separator = t.find_text("separator"))
-        map.separator = one_character(t, "separator", *separator);
+    if (const auto separator = t.find_text("separator")) map.separator = one_character(t, "separator", *separator);
     map.decimal = t.find_choice<char>("decimal", kDecimals).value_or('.');
     if (map.decimal == map.separator) t.fail("separator", "is the decimal sign, too");
     map.header_row = t.integer<std::uint64_t>("header_row", kRow);
     map.unit_row = t.find_integer<std::uint64_t>("unit_row", kRow).value_or(0);
     map.first_data_row = t.integer<std::uint64_t>("first_data_row", kRow);
-    if (map.first_data_row <= std::max(map.header_row, map.unit_row))
-        t.fail("first_data_row", "must come after header_row and unit_row");
+    if (map.first_data_row <= std::max(map.header_row, map.unit_row)) t.fail("first_data_row", "must come after header_row and unit_row");
 }
 
 void read_maneuvers(const Table& t, ImportMap& map) {
@@ -93,8 +91,7 @@ ImportMap load_import_map(const std::filesystem::path& file) {
         const std::string key(kKinds[i].name);
         if (!kKinds[i].required && !signals.has(key)) continue;
         const bool rim = static_cast<Channel>(i) == Channel::flywheel_speed;
-        map.channels[i] = column(signals.table(key), kKinds[i].quantity,
-                                 rim ? Quantity::angular_speed : kKinds[i].quantity);
+        map.channels[i] = column(signals.table(key), kKinds[i].quantity, rim ? Quantity::angular_speed : kKinds[i].quantity);
     }
     read_maneuvers(root.table("maneuvers"), map);
     document.finish();

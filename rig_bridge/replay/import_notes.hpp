@@ -17,8 +17,7 @@ class ImportNotes {
         constexpr std::uint64_t kSaid = 5;
         const std::uint64_t n = ++counts_[kind];
         if (n > kSaid || !sink_) return;
-        sink_(file_ + ":" + std::to_string(row) + ": " + kind + ": " + text +
-              (n == kSaid ? " (more of this kind are only counted)" : ""));
+        sink_(file_ + ":" + std::to_string(row) + ": " + kind + ": " + text + (n == kSaid ? " (more of this kind are only counted)" : ""));
     }
     [[nodiscard]] const std::map<std::string, std::uint64_t>& counts() const { return counts_; }
 

@@ -30,10 +30,8 @@ std::string as_json(const ImportReport& report, const std::string& config_hash) 
                              {"duration_s", m.figures.duration_s},
                              {"energy_brake_J", m.figures.energy_brake_J},
                              {"mean_friction", m.figures.mean_friction}});
-    const nlohmann::ordered_json root{{"rows", report.rows},
-                                      {"version", ANTISKID_VERSION},
-                                      {"config_hash", config_hash},
-                                      {"maneuvers", std::move(maneuvers)}};
+    const nlohmann::ordered_json root{
+        {"rows", report.rows}, {"version", ANTISKID_VERSION}, {"config_hash", config_hash}, {"maneuvers", std::move(maneuvers)}};
     return root.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
@@ -50,43 +48,32 @@ struct ImportCommand {
         const fs::path binding_file = binding.empty() ? config / "antiskid_binding.toml" : binding;
         const auto layout = configured([&] { return antiskid::can::load_layout(dbc_file, binding_file); });
         const ImportMap loaded = configured([&] { return load_import_map(map); });
-        const Scenario scenario = configured(
-            [&] { return load_scenario(config / "scenarios" / (loaded.scenario + ".toml"), config); });
+        const Scenario scenario = configured([&] { return load_scenario(config / "scenarios" / (loaded.scenario + ".toml"), config); });
         std::vector<fs::path> files = scenario.files;
         files.insert(files.end(), {dbc_file, binding_file, map});
         const std::string hash = settings::hash(files);
-        const MeterParameters meter = configured([&] {
-            return meter_parameters(scenario, antiskid::load_controller_config(scenario.controller));
-        });
+        const MeterParameters meter = configured([&] { return meter_parameters(scenario, antiskid::load_controller_config(scenario.controller)); });
         const bool with_valve = loaded.channels[static_cast<std::size_t>(Channel::valve_current)].has_value();
         const ImportSettings settings{.file = file,
                                       .map = loaded,
                                       .out = fs::absolute(out / "").parent_path(),
-                                      .rig = {.layout = layout,
-                                              .meter = meter,
-                                              .plan = scenario.mean,
-                                              .with_valve = with_valve,
-                                              .number = 0},
+                                      .rig = {.layout = layout, .meter = meter, .plan = scenario.mean, .with_valve = with_valve, .number = 0},
                                       .specimen = specimen,
                                       .config_hash = hash};
-        ImportNotes notes(file.string(), [](const std::string& text) {
-            fmt::print(stderr, "rig-replay: warning: {}\n", text);
-        });
+        ImportNotes notes(file.string(), [](const std::string& text) { fmt::print(stderr, "rig-replay: warning: {}\n", text); });
         const ImportReport report = import_recording(settings, notes);
         std::string table;
         for (const ImportedManeuver& m : report.maneuvers)
-            table += fmt::format("{}  row {:>9}  {:6.2f} m/s  {:7.3f} s  {:8.1f} kJ  mu_b {:.4f}  {}\n",
-                                 m.folder.string(), m.first_row, m.figures.brake_on_mps, m.figures.duration_s,
-                                 m.figures.energy_brake_J * 1e-3, m.figures.mean_friction, m.outcome);
+            table += fmt::format("{}  row {:>9}  {:6.2f} m/s  {:7.3f} s  {:8.1f} kJ  mu_b {:.4f}  {}\n", m.folder.string(), m.first_row,
+                                 m.figures.brake_on_mps, m.figures.duration_s, m.figures.energy_brake_J * 1e-3, m.figures.mean_friction, m.outcome);
         table += fmt::format("{} rows, {} maneuvers", report.rows, report.maneuvers.size());
         for (const auto& [kind, count] : notes.counts()) table += fmt::format(", {} {}", kind, count);
         if (json != "-") fmt::print("{}\n", table);
         settings::deliver(json, as_json(report, hash));
         if (report.maneuvers.empty())
-            throw std::runtime_error(
-                file.string() +
-                ": no braking found: no row with the pressure rising above brake_on_Pa at "
-                "least_speed_mps or more");
+            throw std::runtime_error(file.string() +
+                                     ": no braking found: no row with the pressure rising above brake_on_Pa at "
+                                     "least_speed_mps or more");
         return 0;
     }
 };
@@ -95,16 +82,11 @@ struct ImportCommand {
 
 ReplayVerb import_verb(CLI::App& app) {
     const auto c = std::make_shared<ImportCommand>();
-    CLI::App* verb = app.add_subcommand(
-        "import", "Recordings of other systems (CSV, MATLAB) as maneuver folders with logs of our layout.");
-    settings::existing_file(verb->add_option("FILE", c->file, "the recording: CSV, plain or gzip, or .mat"))
+    CLI::App* verb = app.add_subcommand("import", "Recordings of other systems (CSV, MATLAB) as maneuver folders with logs of our layout.");
+    settings::existing_file(verb->add_option("FILE", c->file, "the recording: CSV, plain or gzip, or .mat"))->required();
+    settings::existing_file(verb->add_option("--map", c->map, "which column is what, in which unit; where a maneuver begins and ends (TOML)"))
         ->required();
-    settings::existing_file(
-        verb->add_option("--map", c->map,
-                         "which column is what, in which unit; where a maneuver begins and ends (TOML)"))
-        ->required();
-    settings::add_out(*verb, c->out, "folder of the campaign to make: 0001/bus.log, 0001/summary.json, ...")
-        ->required();
+    settings::add_out(*verb, c->out, "folder of the campaign to make: 0001/bus.log, 0001/summary.json, ...")->required();
     settings::add_config_directory(*verb, c->config);
     settings::add_json(*verb, c->json, "maneuvers");
     settings::add_layout_files(*verb, c->dbc, c->binding);

@@ -22,14 +22,9 @@ constexpr double kReleased_s = 0.5;
 class Importer {
   public:
     Importer(const ImportSettings& settings, ImportNotes& notes)
-        : settings_(settings),
-          map_(settings.map),
-          notes_(notes),
-          rig_(settings.rig),
-          channels_(wanted_channels(map_)) {
+        : settings_(settings), map_(settings.map), notes_(notes), rig_(settings.rig), channels_(wanted_channels(map_)) {
         for (const Channel channel : channels_)
-            factors_.push_back(factor_of(channel, map_.channels[static_cast<std::size_t>(channel)]->unit,
-                                         rig_.meter.flywheel_radius_m));
+            factors_.push_back(factor_of(channel, map_.channels[static_cast<std::size_t>(channel)]->unit, rig_.meter.flywheel_radius_m));
     }
 
     ImportReport run() {
@@ -51,13 +46,11 @@ class Importer {
         sample.time_s = row.values[0] * map_.time.unit.factor * 1e-9;
         if (started_ && sample.time_s <= newest_.time_s) {
             const double back_s = newest_.time_s - sample.time_s;
-            notes_.add(back_s == 0.0 ? "time_repeated" : "time_reset", row_,
-                       fmt::format("by {:g} s", back_s));
+            notes_.add(back_s == 0.0 ? "time_repeated" : "time_reset", row_, fmt::format("by {:g} s", back_s));
             if (back_s == 0.0) return;
             broken();
         } else if (started_ && sample.time_s - newest_.time_s > map_.longest_gap_s) {
-            notes_.add("gap", row_,
-                       fmt::format("{:g} s since the row before", sample.time_s - newest_.time_s));
+            notes_.add("gap", row_, fmt::format("{:g} s since the row before", sample.time_s - newest_.time_s));
             broken();
         }
         for (std::size_t i = 0; i < channels_.size(); ++i) set(row, i, sample);
@@ -78,8 +71,7 @@ class Importer {
             return;
         }
         const ImportColumn& column = *map_.channels[place];
-        notes_.add("implausible", row.row,
-                   fmt::format("column '{}': {:g} {}", column.column, row.values[i + 1], column.unit_name));
+        notes_.add("implausible", row.row, fmt::format("column '{}': {:g} {}", column.column, row.values[i + 1], column.unit_name));
     }
 
     void follow(const ImportSample& s) {
@@ -111,15 +103,11 @@ class Importer {
     void begin() {
         ++rig_.number;
         ready_ = false;
-        maneuver_ = {.folder = settings_.out / fmt::format("{:04}", rig_.number),
-                     .outcome = {},
-                     .first_row = row_,
-                     .figures = {}};
+        maneuver_ = {.folder = settings_.out / fmt::format("{:04}", rig_.number), .outcome = {}, .first_row = row_, .figures = {}};
         writer_ = std::make_unique<ManeuverWriter>(rig_, maneuver_.folder);
         const ImportSample on = before_.back();
         if (on.time_s - before_.front().time_s < 0.1)
-            notes_.add("late_start", row_,
-                       "less than 0.1 s of the recording lies before brake-on: its speed is uncertain");
+            notes_.add("late_start", row_, "less than 0.1 s of the recording lies before brake-on: its speed is uncertain");
         before_.pop_back();
         for (const ImportSample& s : before_) writer_->add(s, Phase::settling);
         before_.clear();
@@ -131,8 +119,7 @@ class Importer {
     void broken() {
         if (writer_ != nullptr) {
             const bool stood = phase_ == Phase::standstill;
-            notes_.add("recording_broken", row_,
-                       maneuver_.folder.filename().string() + (stood ? " at standstill" : " while braking"));
+            notes_.add("recording_broken", row_, maneuver_.folder.filename().string() + (stood ? " at standstill" : " while braking"));
             end(stood ? "finished" : "recording_broken");
         }
         before_.clear();
@@ -143,11 +130,8 @@ class Importer {
     [[nodiscard]] std::string likely_unit() const {
         if (!(rig_.meter.friction > 0.0)) return {};
         const ImportColumn& column = *map_.channels[static_cast<std::size_t>(Channel::pressure)];
-        const std::string units =
-            pressure_units_at_ratio(column, maneuver_.figures.mean_friction / rig_.meter.friction);
-        return units.empty()
-                   ? ""
-                   : fmt::format("; is column '{}' in {}, not {}?", column.column, units, column.unit_name);
+        const std::string units = pressure_units_at_ratio(column, maneuver_.figures.mean_friction / rig_.meter.friction);
+        return units.empty() ? "" : fmt::format("; is column '{}' in {}, not {}?", column.column, units, column.unit_name);
     }
 
     void end(const std::string& outcome) {
@@ -164,16 +148,14 @@ class Importer {
         summary.figures = maneuver_.figures;
         summary.warnings = writer_->warnings();
         for (const std::string& warning : summary.warnings)
-            notes_.add("figures", maneuver_.first_row,
-                       warning + (warning.starts_with(kFrictionImplausible) ? likely_unit() : ""));
+            notes_.add("figures", maneuver_.first_row, warning + (warning.starts_with(kFrictionImplausible) ? likely_unit() : ""));
         energy_J_ += counted_energy_J(summary);
         summary.campaign = settings_.out.filename().string();
         summary.number = rig_.number;
         summary.scenario = map_.scenario;
         summary.specimen = settings_.specimen;
         summary.outcome = outcome;
-        summary.started =
-            fmt::format("row {} of {}", maneuver_.first_row, settings_.file.filename().string());
+        summary.started = fmt::format("row {} of {}", maneuver_.first_row, settings_.file.filename().string());
         summary.cumulative_energy_J = energy_J_;
         summary.frames = writer_->frames();
         summary.version = ANTISKID_VERSION;

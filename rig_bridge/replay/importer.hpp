@@ -28,8 +28,7 @@ struct ImportSettings {
 
 struct ImportedManeuver {
     std::filesystem::path folder;
-    std::string
-        outcome;  ///< "finished", "released" before standstill, or "recording_broken" (gap, time reset, end of file)
+    std::string outcome;  ///< "finished", "released" before standstill, or "recording_broken" (gap, time reset, end of file)
     std::uint64_t first_row = 0;
     Figures figures;
 };
@@ -39,8 +38,8 @@ struct ImportReport {
     std::vector<ImportedManeuver> maneuvers;
 };
 
-/// Throws std::invalid_argument for a text of the specimen that is none (check_texts()), std::runtime_error when the file cannot be read, a unit cannot be right (naming column, values and likely unit), or
-/// `out` holds maneuvers already.
+/// Throws std::invalid_argument for a text of the specimen that is none (check_texts()), std::runtime_error when the file cannot be read, a unit
+/// cannot be right (naming column, values and likely unit), or `out` holds maneuvers already.
 [[nodiscard]] ImportReport import_recording(const ImportSettings& settings, ImportNotes& notes);
 
 }  // namespace rig

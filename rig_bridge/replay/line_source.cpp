@@ -20,11 +20,9 @@ void LineSource::Close::operator()(gzFile_s* file) const {
     gzclose_r(file);
 }
 
-LineSource::LineSource(const std::filesystem::path& file)
-    : block_(std::make_unique_for_overwrite<char[]>(kBlock)) {
+LineSource::LineSource(const std::filesystem::path& file) : block_(std::make_unique_for_overwrite<char[]>(kBlock)) {
     std::error_code error;
-    if (std::filesystem::is_directory(file, error))
-        throw std::runtime_error(file.string() + ": is a directory; expected a bus log");
+    if (std::filesystem::is_directory(file, error)) throw std::runtime_error(file.string() + ": is a directory; expected a bus log");
     errno = 0;
     file_.reset(gzopen(file.c_str(), "rb"));
     if (!file_) throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno));
@@ -55,9 +53,7 @@ bool LineSource::skip_long_line() {
     while (in_long_line_) {
         const void* const found = std::memchr(block_.get() + begin_, '\n', end_ - begin_);
         in_long_line_ = found == nullptr;
-        begin_ = found == nullptr
-                     ? end_
-                     : static_cast<std::size_t>(static_cast<const char*>(found) - block_.get()) + 1;
+        begin_ = found == nullptr ? end_ : static_cast<std::size_t>(static_cast<const char*>(found) - block_.get()) + 1;
         if (in_long_line_ && !refill()) return false;
     }
     return true;
@@ -69,8 +65,7 @@ bool LineSource::next(Line& line) {
     for (;;) {
         const char* const from = block_.get() + begin_;
         const std::size_t size = end_ - begin_;
-        const void* const found =
-            size > searched ? std::memchr(from + searched, '\n', size - searched) : nullptr;
+        const void* const found = size > searched ? std::memchr(from + searched, '\n', size - searched) : nullptr;
         if (found != nullptr) {
             const auto length = static_cast<std::size_t>(static_cast<const char*>(found) - from);
             line = {{from, length < kLongest ? length : kLongest}, ++number_, true, length > kLongest};

@@ -29,8 +29,7 @@ struct FoundRig {
 };
 
 /// None where it is not known, or so late that anybody may have turned it.
-std::optional<FoundRig> found_rig(const fs::path& file, Time left, const antiskid::can::Layout& layout,
-                                  const MeterParameters& parameters) {
+std::optional<FoundRig> found_rig(const fs::path& file, Time left, const antiskid::can::Layout& layout, const MeterParameters& parameters) {
     constexpr Time kSoon{60'000'000'000}, kAtOnce{10'000'000'000};
     if (!fs::exists(file)) return std::nullopt;
     LogOptions options;
@@ -41,18 +40,15 @@ std::optional<FoundRig> found_rig(const fs::path& file, Time left, const antiski
     LogFrame frame;
     while (reader.next(frame)) meter.accept(frame.frame);
     const Time later = frame.frame.received - left;
-    if (meter.view().flywheel.received == antiskid::control::kNever || later < Time{} || later > kSoon)
-        return std::nullopt;
+    if (meter.view().flywheel.received == antiskid::control::kNever || later < Time{} || later > kSoon) return std::nullopt;
     const double v = meter.meter().speed_mps();
     const bool released = static_cast<double>(meter.view().pressure.pressure_Pa) < kReleased_Pa;
     // Below drop-out a wheel may be held; a rig that started anew stands.
-    return FoundRig{v, meter.meter().kinetic_energy_J(),
-                    released && later <= kAtOnce && v > parameters.drop_out_mps};
+    return FoundRig{v, meter.meter().kinetic_energy_J(), released && later <= kAtOnce && v > parameters.drop_out_mps};
 }
 
 /// Of what was left when the log ended: the brake's part of what was lost until the rig was found counts, the most of the rest is named.
-void add_what_followed(MeteredLog& out, const Meter& meter, sequencer::Phase phase,
-                       const std::optional<FoundRig>& found) {
+void add_what_followed(MeteredLog& out, const Meter& meter, sequencer::Phase phase, const std::optional<FoundRig>& found) {
     constexpr double kBrakeShare = 0.88;  // 1 - slip, which is between none and the 0.24 of most friction
     double most_J = meter.kinetic_energy_J();
     std::string text = fmt::format("ends_in_{}: at {:.1f} m/s", name(phase), meter.speed_mps());
@@ -69,9 +65,7 @@ void add_what_followed(MeteredLog& out, const Meter& meter, sequencer::Phase pha
             text += fmt::format(", by which {:.3g} MJ count", brake_J * 1e-6);
         }
     }
-    out.warnings.push_back(
-        text +
-        fmt::format(", and the brake may have taken up to {:.3g} MJ that are in no record", most_J * 1e-6));
+    out.warnings.push_back(text + fmt::format(", and the brake may have taken up to {:.3g} MJ that are in no record", most_J * 1e-6));
 }
 
 }  // namespace
@@ -82,8 +76,7 @@ fs::path log_in(const fs::path& folder) {
     return {};
 }
 
-MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout,
-                     const MeterParameters& parameters, LogEnd end, LogWarnings& warnings) {
+MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout, const MeterParameters& parameters, LogEnd end, LogWarnings& warnings) {
     LogOptions options;
     options.layout = &layout;
     LogReader reader(log, options, warnings);
@@ -98,14 +91,10 @@ MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout,
                    .faults = meter.faults(),
                    .frames = reader.frames(),
                    .lines = reader.lines()};
-    if (cut_off)
-        add_what_followed(out, meter.meter(), phase,
-                          found_rig(log.parent_path() / kFoundLog, frame.frame.received, layout, parameters));
-    constexpr std::array kDamage{LogTrouble::unfinished_line, LogTrouble::malformed_line,
-                                 LogTrouble::not_text, LogTrouble::damaged_file};
+    if (cut_off) add_what_followed(out, meter.meter(), phase, found_rig(log.parent_path() / kFoundLog, frame.frame.received, layout, parameters));
+    constexpr std::array kDamage{LogTrouble::unfinished_line, LogTrouble::malformed_line, LogTrouble::not_text, LogTrouble::damaged_file};
     for (const LogTrouble trouble : kDamage)
-        if (const std::uint64_t n = warnings.count(trouble); n != 0)
-            out.warnings.push_back(fmt::format("log_damaged: {} {}", name(trouble), n));
+        if (const std::uint64_t n = warnings.count(trouble); n != 0) out.warnings.push_back(fmt::format("log_damaged: {} {}", name(trouble), n));
     return out;
 }
 

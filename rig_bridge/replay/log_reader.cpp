@@ -17,8 +17,7 @@ using antiskid::can::CandumpLine;
 
 /// All that a candump line has; a carriage return may stand at its end.
 bool is_text(std::string_view line) {
-    return std::all_of(line.begin(), line.end(),
-                       [](char c) { return (c >= ' ' && c <= '~') || c == '\r' || c == '\t'; });
+    return std::all_of(line.begin(), line.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\r' || c == '\t'; });
 }
 
 double seconds(Time time) {
@@ -28,10 +27,7 @@ double seconds(Time time) {
 }  // namespace
 
 LogReader::LogReader(const std::filesystem::path& file, const LogOptions& options, LogWarnings& warnings)
-    : source_(file),
-      warnings_(warnings),
-      interface_(options.interface.value_or("")),
-      with_layout_(options.layout != nullptr) {
+    : source_(file), warnings_(warnings), interface_(options.interface.value_or("")), with_layout_(options.layout != nullptr) {
     if (options.layout == nullptr) return;
     for (const antiskid::can::Message& message : options.layout->messages)
         if (message.bound) known_.set(message.id);
@@ -44,8 +40,7 @@ bool LogReader::next(LogFrame& out) {
         ++frames_;
         return true;
     }
-    if (!source_.damage().empty() && !end_said_)
-        warnings_.add(LogTrouble::damaged_file, source_.lines(), source_.damage());
+    if (!source_.damage().empty() && !end_said_) warnings_.add(LogTrouble::damaged_file, source_.lines(), source_.damage());
     end_said_ = true;
     return false;
 }
@@ -61,19 +56,12 @@ bool LogReader::take(const LineSource::Line& line, LogFrame& out) {
         refuse(line, std::get<CandumpFailure>(parsed));
         return false;
     }
-    if (!line.ended)
-        warnings_.add(LogTrouble::unfinished_line, line.number,
-                      "the file ends without a line end, the frame may be cut off");
+    if (!line.ended) warnings_.add(LogTrouble::unfinished_line, line.number, "the file ends without a line end, the frame may be cut off");
     if (content->interface != interface_ && !is_ours(line, content->interface)) return false;
     if (content->time < newest_)
-        warnings_.add(LogTrouble::time_backwards, line.number,
-                      [&] { return fmt::format("by {:.6f} s", seconds(newest_ - content->time)); });
+        warnings_.add(LogTrouble::time_backwards, line.number, [&] { return fmt::format("by {:.6f} s", seconds(newest_ - content->time)); });
     newest_ = content->time;
-    out = {.line = line.number,
-           .frame = content->frame,
-           .extended = content->extended,
-           .remote = content->remote,
-           .error = content->error};
+    out = {.line = line.number, .frame = content->frame, .extended = content->extended, .remote = content->remote, .error = content->error};
     const bool plain = !(out.extended || out.remote || out.error);
     if (plain && (!with_layout_ || known_[out.frame.id])) return true;
     return unusual(out);
@@ -85,9 +73,8 @@ void LogReader::refuse(const LineSource::Line& line, const CandumpFailure& failu
     else if (failure.fd)
         warnings_.add(LogTrouble::fd_frame, line.number, line.text);
     else
-        warnings_.add(LogTrouble::malformed_line, line.number, [&] {
-            return fmt::format("column {}: {}: {}", failure.column, failure.what, line.text);
-        });
+        warnings_.add(LogTrouble::malformed_line, line.number,
+                      [&] { return fmt::format("column {}: {}: {}", failure.column, failure.what, line.text); });
 }
 
 bool LogReader::is_ours(const LineSource::Line& line, std::string_view interface) {
@@ -100,15 +87,12 @@ bool LogReader::is_ours(const LineSource::Line& line, std::string_view interface
         interface_ = interface;
         return true;
     }
-    warnings_.add(LogTrouble::other_interface, line.number,
-                  [&] { return fmt::format("{}; read is {}", interface, interface_); });
+    warnings_.add(LogTrouble::other_interface, line.number, [&] { return fmt::format("{}; read is {}", interface, interface_); });
     return false;
 }
 
 bool LogReader::unusual(const LogFrame& f) {
-    const auto say = [&](LogTrouble trouble) {
-        warnings_.add(trouble, f.line, [&] { return fmt::format("identifier {:03X}", f.frame.id); });
-    };
+    const auto say = [&](LogTrouble trouble) { warnings_.add(trouble, f.line, [&] { return fmt::format("identifier {:03X}", f.frame.id); }); };
     if (f.error)
         say(LogTrouble::error_frame);
     else if (f.extended)

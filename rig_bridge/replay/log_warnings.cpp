@@ -27,10 +27,9 @@ std::string printable(std::string_view text) {
 }  // namespace
 
 std::string_view name(LogTrouble trouble) {
-    constexpr std::array<std::string_view, kLogTroubleCount> kNames{
-        "malformed_line", "unfinished_line", "long_line",      "not_text",
-        "fd_frame",       "error_frame",     "remote_frame",   "extended_frame",
-        "foreign_id",     "other_interface", "time_backwards", "damaged_file"};
+    constexpr std::array<std::string_view, kLogTroubleCount> kNames{"malformed_line", "unfinished_line", "long_line",      "not_text",
+                                                                    "fd_frame",       "error_frame",     "remote_frame",   "extended_frame",
+                                                                    "foreign_id",     "other_interface", "time_backwards", "damaged_file"};
     return kNames[static_cast<std::size_t>(trouble)];
 }
 
@@ -40,8 +39,7 @@ LogWarnings::LogWarnings(std::string file, Sink sink, std::uint64_t said_of_each
 void LogWarnings::add(LogTrouble trouble, std::uint64_t line, std::string_view detail) {
     if (said(trouble) < said_of_each_ && sink_) {
         const bool last = ++said_[static_cast<std::size_t>(trouble)] == said_of_each_;
-        sink_(fmt::format("{}:{}: {}: {}{}", file_, line, name(trouble), printable(detail),
-                          last ? " (more of this kind are only counted)" : ""));
+        sink_(fmt::format("{}:{}: {}: {}{}", file_, line, name(trouble), printable(detail), last ? " (more of this kind are only counted)" : ""));
     }
     count_only(trouble);
 }
@@ -54,8 +52,7 @@ std::string LogWarnings::summary() const {
     std::string text;
     for (std::size_t i = 0; i < counts_.size(); ++i) {
         if (counts_[i] == 0) continue;
-        fmt::format_to(std::back_inserter(text), "{}{} {}", text.empty() ? "" : ", ",
-                       name(static_cast<LogTrouble>(i)), counts_[i]);
+        fmt::format_to(std::back_inserter(text), "{}{} {}", text.empty() ? "" : ", ", name(static_cast<LogTrouble>(i)), counts_[i]);
     }
     return text;
 }

@@ -50,17 +50,13 @@ class LogWarnings {
     /// One that was said before.
     void count_only(LogTrouble trouble) { ++counts_[static_cast<std::size_t>(trouble)]; }
 
-    [[nodiscard]] std::uint64_t count(LogTrouble trouble) const {
-        return counts_[static_cast<std::size_t>(trouble)];
-    }
+    [[nodiscard]] std::uint64_t count(LogTrouble trouble) const { return counts_[static_cast<std::size_t>(trouble)]; }
     [[nodiscard]] bool any() const;
     /// "malformed_line 12, foreign_id 40000", empty when there is nothing.
     [[nodiscard]] std::string summary() const;
 
   private:
-    [[nodiscard]] std::uint64_t said(LogTrouble trouble) const {
-        return said_[static_cast<std::size_t>(trouble)];
-    }
+    [[nodiscard]] std::uint64_t said(LogTrouble trouble) const { return said_[static_cast<std::size_t>(trouble)]; }
 
     std::string file_;
     Sink sink_;

@@ -21,9 +21,7 @@ struct ImportSample {
     double time_s = 0.0;
     std::array<double, kChannelCount> value{};
 
-    [[nodiscard]] double operator[](Channel channel) const {
-        return value[static_cast<std::size_t>(channel)];
-    }
+    [[nodiscard]] double operator[](Channel channel) const { return value[static_cast<std::size_t>(channel)]; }
 };
 
 /// What is the same for all maneuvers of an import.

@@ -29,8 +29,7 @@ class MappedFile {
         size_ = static_cast<std::size_t>(status.st_size);
         if (size_ == 0) return;  // of which there is no map
         void* const begin = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
-        if (begin == MAP_FAILED)
-            throw std::runtime_error(path.string() + ": cannot be read: " + std::strerror(errno));
+        if (begin == MAP_FAILED) throw std::runtime_error(path.string() + ": cannot be read: " + std::strerror(errno));
         begin_ = begin;
     }
     MappedFile(const MappedFile&) = delete;
@@ -38,9 +37,7 @@ class MappedFile {
     ~MappedFile() {
         if (begin_ != nullptr) ::munmap(begin_, size_);
     }
-    [[nodiscard]] std::span<const unsigned char> bytes() const {
-        return {static_cast<const unsigned char*>(begin_), size_};
-    }
+    [[nodiscard]] std::span<const unsigned char> bytes() const { return {static_cast<const unsigned char*>(begin_), size_}; }
 
   private:
     void* begin_ = nullptr;
@@ -62,16 +59,14 @@ void copy(const matvar_t& variable, std::size_t from, std::size_t rows, std::vec
 
 class MatRecording final : public Recording {
   public:
-    MatRecording(const std::filesystem::path& path, const std::vector<std::string>& wanted)
-        : name_(path.string()), wanted_(wanted) {
+    MatRecording(const std::filesystem::path& path, const std::vector<std::string>& wanted) : name_(path.string()), wanted_(wanted) {
         check_mat_structure(name_, MappedFile(path).bytes());
         file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
         if (!file_) throw std::runtime_error(name_ + kNoMat);
         for (const std::string& column : wanted_) columns_.push_back(load(column));
         for (std::size_t i = 0; i < columns_.size(); ++i)
             if (columns_[i].size() != columns_[0].size())
-                throw std::runtime_error(name_ + ": " + wanted_[i] + " has " +
-                                         std::to_string(columns_[i].size()) + " values, " + wanted_[0] +
+                throw std::runtime_error(name_ + ": " + wanted_[i] + " has " + std::to_string(columns_[i].size()) + " values, " + wanted_[0] +
                                          " has " + std::to_string(columns_[0].size()));
         file_.reset();
     }
@@ -83,8 +78,7 @@ class MatRecording final : public Recording {
         row.unreadable.clear();
         for (std::size_t i = 0; i < columns_.size(); ++i) {
             row.values.push_back(columns_[i][at_]);
-            if (!std::isfinite(columns_[i][at_]))
-                row.unreadable.push_back("variable " + wanted_[i] + ": no number");
+            if (!std::isfinite(columns_[i][at_])) row.unreadable.push_back("variable " + wanted_[i] + ": no number");
         }
         ++at_;
         return true;
@@ -99,38 +93,29 @@ class MatRecording final : public Recording {
         const auto dot = column.find('.');
         std::size_t number = 1;
         if (colon != std::string::npos) {
-            const auto [end, error] =
-                std::from_chars(column.data() + colon + 1, column.data() + column.size(), number);
+            const auto [end, error] = std::from_chars(column.data() + colon + 1, column.data() + column.size(), number);
             if (error != std::errc{} || end != column.data() + column.size() || number == 0)
-                throw std::runtime_error(name_ + ": '" + column +
-                                         "': expected a column number from 1 after the colon");
+                throw std::runtime_error(name_ + ": '" + column + "': expected a column number from 1 after the colon");
         }
         const std::string variable = column.substr(0, std::min(dot, colon));
         const std::unique_ptr<matvar_t, FreeVariable> whole(Mat_VarRead(file_.get(), variable.c_str()));
         const matvar_t* found = whole.get();
         if (found != nullptr && dot != std::string::npos) {
             const auto length = colon == std::string::npos ? colon : colon - dot - 1;
-            found = found->class_type == MAT_C_STRUCT
-                        ? Mat_VarGetStructFieldByName(whole.get(), column.substr(dot + 1, length).c_str(), 0)
-                        : nullptr;
+            found = found->class_type == MAT_C_STRUCT ? Mat_VarGetStructFieldByName(whole.get(), column.substr(dot + 1, length).c_str(), 0) : nullptr;
         }
-        if (found == nullptr)
-            throw std::runtime_error(name_ + ": no variable '" + column + "'; there are: " + variables());
+        if (found == nullptr) throw std::runtime_error(name_ + ": no variable '" + column + "'; there are: " + variables());
         return values(column, *found, number, colon == std::string::npos);
     }
 
-    std::vector<double> values(const std::string& column, const matvar_t& v, std::size_t number,
-                               bool whole) const {
-        if (v.rank != 2 || v.isComplex != 0 || v.data == nullptr)
-            throw std::runtime_error(name_ + ": '" + column + "' is no real vector or matrix");
+    std::vector<double> values(const std::string& column, const matvar_t& v, std::size_t number, bool whole) const {
+        if (v.rank != 2 || v.isComplex != 0 || v.data == nullptr) throw std::runtime_error(name_ + ": '" + column + "' is no real vector or matrix");
         const bool row_vector = v.dims[0] == 1 && whole;
         const std::size_t rows = row_vector ? v.dims[1] : v.dims[0];
         if (whole && v.dims[0] != 1 && v.dims[1] != 1)
-            throw std::runtime_error(name_ + ": '" + column + "' has " + std::to_string(v.dims[1]) +
-                                     " columns; choose one, like " + column + ":2");
+            throw std::runtime_error(name_ + ": '" + column + "' has " + std::to_string(v.dims[1]) + " columns; choose one, like " + column + ":2");
         if (number > (row_vector ? 1 : v.dims[1]))
-            throw std::runtime_error(name_ + ": '" + column + "': there are only " +
-                                     std::to_string(v.dims[1]) + " columns");
+            throw std::runtime_error(name_ + ": '" + column + "': there are only " + std::to_string(v.dims[1]) + " columns");
         const std::size_t from = (number - 1) * rows;
         std::vector<double> out;
         switch (v.class_type) {
@@ -181,8 +166,7 @@ class MatRecording final : public Recording {
 
 }  // namespace
 
-std::unique_ptr<Recording> open_mat(const std::filesystem::path& file,
-                                    const std::vector<std::string>& wanted) {
+std::unique_ptr<Recording> open_mat(const std::filesystem::path& file, const std::vector<std::string>& wanted) {
     return std::make_unique<MatRecording>(file, wanted);
 }
 

@@ -57,8 +57,7 @@ std::uint32_t number(std::span<const unsigned char> four, bool big_endian) {
 class Variable {
   public:
     /// `place`: where `bytes` begin, for messages.
-    Variable(MatBytes& bytes, bool big_endian, std::string place)
-        : bytes_(bytes), big_endian_(big_endian), place_(std::move(place)) {}
+    Variable(MatBytes& bytes, bool big_endian, std::string place) : bytes_(bytes), big_endian_(big_endian), place_(std::move(place)) {}
 
     void check(std::uint64_t size) { check_matrix(size, 1); }
 
@@ -68,9 +67,7 @@ class Variable {
         return number(four, big_endian_);
     }
 
-    [[noreturn]] void fail(const std::string& what) const {
-        throw std::runtime_error(fmt::format("{} {}: {}", place_, at_, what));
-    }
+    [[noreturn]] void fail(const std::string& what) const { throw std::runtime_error(fmt::format("{} {}: {}", place_, at_, what)); }
 
   private:
     struct Tag {
@@ -86,8 +83,7 @@ class Variable {
     }
 
     void spend(std::uint64_t& left, std::uint64_t size, const char* what) const {
-        if (size > left)
-            fail(fmt::format("{} of {} bytes; only {} are left of what it is part of", what, size, left));
+        if (size > left) fail(fmt::format("{} of {} bytes; only {} are left of what it is part of", what, size, left));
         left -= size;
     }
 
@@ -110,12 +106,10 @@ class Variable {
     }
 
     void check_matrix(std::uint64_t size, int depth) {
-        if (depth > kDeepest)
-            fail(fmt::format("variables within variables, {} deep; at most {}", depth, kDeepest));
+        if (depth > kDeepest) fail(fmt::format("variables within variables, {} deep; at most {}", depth, kDeepest));
         std::uint64_t left = size;
         const Tag flags = next_tag(left);
-        if (flags.is_small || flags.type != Type::uint32 || flags.size != 8)
-            fail("expected 8 bytes of array flags");
+        if (flags.is_small || flags.type != Type::uint32 || flags.size != 8) fail("expected 8 bytes of array flags");
         spend(left, 8, "array flags");
         const std::uint32_t word = next_number();
         static_cast<void>(next_number());
@@ -139,8 +133,7 @@ class Variable {
                 check_sparse(left, is_complex);
                 break;
             default:
-                if (kind < Class::text || kind > Class::last_number)
-                    fail(fmt::format("there is no array class {}", kind));
+                if (kind < Class::text || kind > Class::last_number) fail(fmt::format("there is no array class {}", kind));
                 check_values(count, left);
                 if (is_complex) check_values(count, left);
         }
@@ -152,8 +145,7 @@ class Variable {
     void check_object(std::uint64_t left, int depth) {
         if (depth > 1) {
             const Tag name = next_tag(left);
-            if (name.type != Type::int8 || name.size != 0)
-                fail("expected the empty name of an object that is part of another variable");
+            if (name.type != Type::int8 || name.size != 0) fail("expected the empty name of an object that is part of another variable");
         }
         check_name(left);
         if (!bytes_.skip(left)) fail(fmt::format("an object of {} bytes; the file ends before", left));
@@ -163,8 +155,7 @@ class Variable {
     std::uint64_t dimensions(std::uint64_t& left) {
         const Tag tag = next_tag(left);
         const std::uint32_t rank = tag.size / 4;
-        if (tag.is_small || tag.type != Type::int32 || tag.size % 4 != 0 || rank < 2 ||
-            rank > kMostDimensions)
+        if (tag.is_small || tag.type != Type::int32 || tag.size % 4 != 0 || rank < 2 || rank > kMostDimensions)
             fail(fmt::format("expected 2 to {} dimensions as 32-bit integers", kMostDimensions));
         spend(left, padded(tag.size), "dimensions");
         std::uint64_t count = 1;
@@ -185,12 +176,10 @@ class Variable {
 
     std::uint64_t fields(std::uint64_t& left) {
         const Tag length = next_tag(left);
-        if (!length.is_small || length.type != Type::int32 || length.size != 4 || length.small == 0 ||
-            length.small > INT32_MAX)
+        if (!length.is_small || length.type != Type::int32 || length.size != 4 || length.small == 0 || length.small > INT32_MAX)
             fail("expected the length of the field names");
         const Tag names = next_tag(left);
-        if (names.type != Type::int8 || names.size % length.small != 0)
-            fail(fmt::format("expected field names of {} bytes each", length.small));
+        if (names.type != Type::int8 || names.size % length.small != 0) fail(fmt::format("expected field names of {} bytes each", length.small));
         skip_data(names, left);
         return names.size / length.small;
     }
@@ -201,8 +190,7 @@ class Variable {
             const Tag tag = next_tag(left);
             if (tag.is_small || tag.type != Type::matrix) fail("expected a variable as part of this one");
             spend(left, padded(tag.size), "a part");
-            if (tag.size % 8 != 0)
-                fail(fmt::format("a part of {} bytes, which are no whole words of 8", tag.size));
+            if (tag.size % 8 != 0) fail(fmt::format("a part of {} bytes, which are no whole words of 8", tag.size));
             if (tag.size != 0) check_matrix(tag.size, depth + 1);
         }
     }
@@ -218,8 +206,7 @@ class Variable {
         skip_data(starts, left);
         for (int i = 0; i < (is_complex ? 2 : 1); ++i) {
             const Tag tag = next_tag(left);
-            if (value_size(tag.type) == 0)
-                fail(fmt::format("values of a type {} that there is not", tag.type));
+            if (value_size(tag.type) == 0) fail(fmt::format("values of a type {} that there is not", tag.type));
             skip_data(tag, left);
         }
     }
@@ -229,10 +216,8 @@ class Variable {
         const std::uint64_t size = value_size(tag.type);
         if (size == 0) fail(fmt::format("values of a type {} that there is not", tag.type));
         // A letter of UTF-8 has one to four bytes.
-        const bool fits = tag.type == Type::utf8 ? tag.size >= count && tag.size <= product(count, 4)
-                                                 : tag.size == product(count, size);
-        if (!fits)
-            fail(fmt::format("{} bytes of values; its dimensions say {} of {}", tag.size, count, size));
+        const bool fits = tag.type == Type::utf8 ? tag.size >= count && tag.size <= product(count, 4) : tag.size == product(count, size);
+        if (!fits) fail(fmt::format("{} bytes of values; its dimensions say {} of {}", tag.size, count, size));
         skip_data(tag, left);
     }
 
@@ -250,9 +235,7 @@ void check_version_5(const std::string& name, std::span<const unsigned char> fil
         if (rest.size() < 8) throw std::runtime_error(byte + ": the file ends within a tag");
         const std::uint32_t type = number(rest, big_endian);
         const std::uint32_t size = number(rest.subspan(4), big_endian);
-        if (size > rest.size() - 8)
-            throw std::runtime_error(
-                fmt::format("{}: a variable of {} bytes; only {} follow", byte, size, rest.size() - 8));
+        if (size > rest.size() - 8) throw std::runtime_error(fmt::format("{}: a variable of {} bytes; only {} follow", byte, size, rest.size() - 8));
         const auto data = rest.subspan(8, size);
         if (type == Type::compressed) {
             InflatedBytes bytes(data);
@@ -263,8 +246,7 @@ void check_version_5(const std::string& name, std::span<const unsigned char> fil
             PlainBytes bytes(data);
             Variable(bytes, big_endian, byte + ", its byte").check(size);
         } else {
-            throw std::runtime_error(
-                fmt::format("{}: an element of type {}; expected a variable", byte, type));
+            throw std::runtime_error(fmt::format("{}: an element of type {}; expected a variable", byte, type));
         }
         at += 8 + size;
     }
@@ -287,11 +269,10 @@ void check_version_4(const std::string& name, std::span<const unsigned char> fil
         std::array<std::uint32_t, 5> head{};  // type, rows, columns, complex, length of the name
         for (std::size_t i = 0; i < head.size(); ++i) head[i] = number(rest.subspan(4 * i), big_endian);
         const std::uint32_t precision = head[0] / 10 % 10;
-        if (head[0] > kMostType || head[0] / 1000 != (big_endian ? 1U : 0U) || head[0] / 100 % 10 != 0 ||
-            precision >= kSizes.size() || head[0] % 10 > 1)
+        if (head[0] > kMostType || head[0] / 1000 != (big_endian ? 1U : 0U) || head[0] / 100 % 10 != 0 || precision >= kSizes.size() ||
+            head[0] % 10 > 1)
             refuse(fmt::format("a variable of type {}; expected numbers or text", head[0]));
-        if (head[1] > INT32_MAX || head[2] > INT32_MAX || head[3] > 1 || head[4] == 0)
-            refuse("dimensions or length of the name that cannot be");
+        if (head[1] > INT32_MAX || head[2] > INT32_MAX || head[3] > 1 || head[4] == 0) refuse("dimensions or length of the name that cannot be");
         const std::uint64_t values = product(product(head[1], head[2]), kSizes[precision] * (1 + head[3]));
         const std::uint64_t size = rest.size() - kHead;
         if (head[4] > size || values > size - head[4])
@@ -303,8 +284,7 @@ void check_version_4(const std::string& name, std::span<const unsigned char> fil
 }  // namespace
 
 void check_mat_structure(const std::string& name, std::span<const unsigned char> file) {
-    if (file.size() >= kHeader &&
-        ((file[126] == 'I' && file[127] == 'M') || (file[126] == 'M' && file[127] == 'I'))) {
+    if (file.size() >= kHeader && ((file[126] == 'I' && file[127] == 'M') || (file[126] == 'M' && file[127] == 'I'))) {
         const bool big_endian = file[126] == 'M';
         const unsigned version = unsigned{file[big_endian ? 124 : 125]} << 8U | file[big_endian ? 125 : 124];
         if (version == 0x0200) return;

@@ -9,8 +9,7 @@
 namespace rig {
 
 /// What is said, after its name, of a file that is none.
-inline constexpr const char* kNoMat =
-    ": cannot be read as a MATLAB file (v4, v5, or v7.3 where matio has HDF5)";
+inline constexpr const char* kNoMat = ": cannot be read as a MATLAB file (v4, v5, or v7.3 where matio has HDF5)";
 
 /// Walks over every element of a file of version 4 or 5 (compressed ones are inflated, none is kept) and throws std::runtime_error with
 /// `name`, the byte and what is wrong there: an element longer than what is around it, values that are not as many as the dimensions say,

@@ -45,8 +45,7 @@ bool ChannelSurvey::add(double recorded) {
 bool ChannelSurvey::wrong_unit() const {
     constexpr double kMany = 0.01;
     if (count_ == 0) return false;
-    return static_cast<double>(outside_) > kMany * static_cast<double>(count_) ||
-           std::max(highest_, -lowest_) * factor_ < plausible(channel_).lively;
+    return static_cast<double>(outside_) > kMany * static_cast<double>(count_) || std::max(highest_, -lowest_) * factor_ < plausible(channel_).lively;
 }
 
 namespace {
@@ -74,30 +73,26 @@ std::string ChannelSurvey::likely_units(const ImportColumn& column, double radiu
     const PlausibleRange& range = plausible(channel_);
     const auto fits = [&](const antiskid::can::Unit& unit) {
         const double factor = factor_of(channel_, unit, radius_m);
-        return lowest_ * factor >= range.lowest && highest_ * factor <= range.highest &&
-               std::max(highest_, -lowest_) * factor >= range.lively;
+        return lowest_ * factor >= range.lowest && highest_ * factor <= range.highest && std::max(highest_, -lowest_) * factor >= range.lively;
     };
-    if (channel_ == Channel::flywheel_speed)
-        return list_units({Quantity::speed, Quantity::angular_speed}, column.unit_name, fits);
+    if (channel_ == Channel::flywheel_speed) return list_units({Quantity::speed, Quantity::angular_speed}, column.unit_name, fits);
     return list_units({column.unit.quantity}, column.unit_name, fits);
 }
 
 std::string pressure_units_at_ratio(const ImportColumn& column, double ratio) {
     constexpr double kNear = 2.0;
     const double wanted = ratio * column.unit.factor;
-    return list_units({Quantity::pressure}, column.unit_name, [&](const antiskid::can::Unit& unit) {
-        return unit.factor > wanted / kNear && unit.factor < wanted * kNear;
-    });
+    return list_units({Quantity::pressure}, column.unit_name,
+                      [&](const antiskid::can::Unit& unit) { return unit.factor > wanted / kNear && unit.factor < wanted * kNear; });
 }
 
 std::string units_at_ratio(const ImportColumn& column, double ratio, double radius_m) {
     constexpr double kNear = 1.2;
     const double wanted = ratio * factor_of(Channel::flywheel_speed, column.unit, radius_m);
-    return list_units({Quantity::speed, Quantity::angular_speed}, column.unit_name,
-                      [&](const antiskid::can::Unit& unit) {
-                          const double factor = factor_of(Channel::flywheel_speed, unit, radius_m);
-                          return factor > wanted / kNear && factor < wanted * kNear;
-                      });
+    return list_units({Quantity::speed, Quantity::angular_speed}, column.unit_name, [&](const antiskid::can::Unit& unit) {
+        const double factor = factor_of(Channel::flywheel_speed, unit, radius_m);
+        return factor > wanted / kNear && factor < wanted * kNear;
+    });
 }
 
 }  // namespace rig

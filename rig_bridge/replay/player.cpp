@@ -11,8 +11,7 @@ constexpr Time kSlice = std::chrono::milliseconds{50};  // longest sleep before 
 
 class Player {
   public:
-    Player(const PlayOptions& options, FrameSender& sender, antiskid::rt::Clock& clock,
-           const std::atomic<bool>& stop, PlayReport& report)
+    Player(const PlayOptions& options, FrameSender& sender, antiskid::rt::Clock& clock, const std::atomic<bool>& stop, PlayReport& report)
         : options_(options), sender_(sender), clock_(clock), stop_(stop), report_(report) {}
 
     /// False when stopped.
@@ -76,8 +75,8 @@ class Player {
 
 }  // namespace
 
-void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, antiskid::rt::Clock& clock,
-          const std::atomic<bool>& stop, PlayReport& report) {
+void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, antiskid::rt::Clock& clock, const std::atomic<bool>& stop,
+          PlayReport& report) {
     Player player(options, sender, clock, stop, report);
     for (std::uint64_t i = 0; options.loops == 0 || i < options.loops; ++i) {
         const std::uint64_t before = report.sent + report.unsent;

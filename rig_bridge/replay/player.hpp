@@ -43,12 +43,11 @@ using OpenLog = std::function<std::unique_ptr<LogReader>()>;
 
 /// `report` is complete as far as it goes also when this throws. Where time in the log goes backwards, the frame is due at
 /// once and time goes on from there.
-void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, antiskid::rt::Clock& clock,
-          const std::atomic<bool>& stop, PlayReport& report);
+void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, antiskid::rt::Clock& clock, const std::atomic<bool>& stop,
+          PlayReport& report);
 
 [[nodiscard]] std::string to_text(const PlayReport& report);
 /// One object. `log` and `interface` as given by the caller.
-[[nodiscard]] std::string to_json(const PlayReport& report, const std::string& log,
-                                  const std::string& interface);
+[[nodiscard]] std::string to_json(const PlayReport& report, const std::string& log, const std::string& interface);
 
 }  // namespace rig

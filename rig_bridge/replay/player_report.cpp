@@ -22,8 +22,7 @@ struct Percentile {
     const char* name;
     double fraction;
 };
-constexpr std::array kPercentiles{Percentile{"p50", 0.5}, Percentile{"p90", 0.9}, Percentile{"p99", 0.99},
-                                  Percentile{"p99_9", 0.999}};
+constexpr std::array kPercentiles{Percentile{"p50", 0.5}, Percentile{"p90", 0.9}, Percentile{"p99", 0.99}, Percentile{"p99_9", 0.999}};
 
 }  // namespace
 
@@ -36,17 +35,14 @@ std::string to_text(const PlayReport& r) {
     if (r.filtered > 0) fmt::format_to(out, ", {} kept back by the filter", r.filtered);
     if (r.error_frames > 0) fmt::format_to(out, ", {} error frames not sent", r.error_frames);
     fmt::format_to(out, "\nlate by, us: min {:.1f}", us(r.late.minimum()));
-    for (const Percentile& p : kPercentiles)
-        fmt::format_to(out, ", {} {:.1f}", p.name, us(r.late.percentile(p.fraction)));
+    for (const Percentile& p : kPercentiles) fmt::format_to(out, ", {} {:.1f}", p.name, us(r.late.percentile(p.fraction)));
     fmt::format_to(out, ", max {:.1f}, mean {:.1f}\n", us(r.late.maximum()), r.late.mean_ns() * 1e-3);
     return text;
 }
 
 std::string to_json(const PlayReport& r, const std::string& log, const std::string& interface) {
-    nlohmann::ordered_json late{
-        {"count", r.late.count()}, {"min_ns", r.late.minimum().count()}, {"mean_ns", r.late.mean_ns()}};
-    for (const Percentile& p : kPercentiles)
-        late[std::string(p.name) + "_ns"] = r.late.percentile(p.fraction).count();
+    nlohmann::ordered_json late{{"count", r.late.count()}, {"min_ns", r.late.minimum().count()}, {"mean_ns", r.late.mean_ns()}};
+    for (const Percentile& p : kPercentiles) late[std::string(p.name) + "_ns"] = r.late.percentile(p.fraction).count();
     late["max_ns"] = r.late.maximum().count();
     const nlohmann::ordered_json root{{"log", log},
                                       {"interface", interface},

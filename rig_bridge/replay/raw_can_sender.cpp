@@ -23,8 +23,7 @@ namespace {
 bool is_up(int socket, const std::string& interface) {
     ifreq request{};
     std::strncpy(request.ifr_name, interface.c_str(), IFNAMSIZ - 1);
-    return ioctl(socket, SIOCGIFFLAGS, &request) == 0 &&
-           (static_cast<unsigned>(request.ifr_flags) & IFF_UP) != 0;
+    return ioctl(socket, SIOCGIFFLAGS, &request) == 0 && (static_cast<unsigned>(request.ifr_flags) & IFF_UP) != 0;
 }
 
 can_frame as_kernel_frame(const LogFrame& from) {
@@ -41,8 +40,7 @@ can_frame as_kernel_frame(const LogFrame& from) {
 
 RawCanSender::RawCanSender(const std::string& interface) : interface_(interface) {
     const unsigned index = if_nametoindex(interface.c_str());
-    if (index == 0)
-        refuse(interface, "there is none; for a virtual one: ip link add " + interface + " type vcan");
+    if (index == 0) refuse(interface, "there is none; for a virtual one: ip link add " + interface + " type vcan");
     socket_ = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
     if (socket_ < 0) refuse(interface, std::string("the kernel has no CAN: ") + std::strerror(errno));
     setsockopt(socket_, SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0);
@@ -69,8 +67,7 @@ bool RawCanSender::send(const LogFrame& from) {
     for (;;) {
         if (write(socket_, &frame, sizeof frame) == static_cast<ssize_t>(sizeof frame)) return true;
         if (errno == EINTR) continue;
-        if (errno != ENOBUFS && errno != EAGAIN)
-            refuse(interface_, std::string("cannot send: ") + std::strerror(errno));
+        if (errno != ENOBUFS && errno != EAGAIN) refuse(interface_, std::string("cannot send: ") + std::strerror(errno));
         if (waited >= kPatience) return false;
         usleep(kPause_us);
         waited += std::chrono::microseconds{kPause_us};

@@ -33,14 +33,9 @@ bool contains(const Roles& roles, Role role) {
 
 }  // namespace
 
-RecordedPacer::RecordedPacer(const PacerSettings& settings, const antiskid::can::Layout& layout,
-                             LogReader& log, antiskid::can::ControllerPort& port, FrameComparison& comparison)
-    : settings_(settings),
-      layout_(layout),
-      log_(log),
-      port_(port),
-      comparison_(comparison),
-      lockstep_(settings.clock == ReplayClock::sync) {}
+RecordedPacer::RecordedPacer(const PacerSettings& settings, const antiskid::can::Layout& layout, LogReader& log, antiskid::can::ControllerPort& port,
+                             FrameComparison& comparison)
+    : settings_(settings), layout_(layout), log_(log), port_(port), comparison_(comparison), lockstep_(settings.clock == ReplayClock::sync) {}
 
 std::optional<Wake> RecordedPacer::next(const std::atomic<bool>& stop) {
     LogFrame frame;
@@ -58,8 +53,7 @@ std::optional<Wake> RecordedPacer::next(const std::atomic<bool>& stop) {
         if (!started_) join_session(frame.frame);
         if (samples_.empty() && is_closing(frame)) {
             for (const LogFrame& rest : ahead_) {
-                if (const auto other = role_of(layout_, rest.frame.id);
-                    other && contains(antiskid::can::kToRig, *other))
+                if (const auto other = role_of(layout_, rest.frame.id); other && contains(antiskid::can::kToRig, *other))
                     comparison_.recorded(*other, rest);
             }
             ended_ = true;
@@ -89,9 +83,7 @@ void RecordedPacer::rig_frame(const Frame& frame, bool sync) {
         --loose_;
         return;
     }
-    const auto number = layout_.sync_counter.bound()
-                            ? static_cast<std::uint32_t>(Payload(frame.data).read(layout_.sync_counter))
-                            : 0U;
+    const auto number = layout_.sync_counter.bound() ? static_cast<std::uint32_t>(Payload(frame.data).read(layout_.sync_counter)) : 0U;
     if (!samples_.empty() && (!started_ || samples_.size() == kMostSamples)) drop_oldest_sample();
     samples_.push_back({.frames = loose_, .number = number});
     loose_ = 0;
@@ -114,9 +106,7 @@ void RecordedPacer::look_ahead() {
 std::vector<SentAtStep> RecordedPacer::sent_ahead(const Frame& first_valve, bool valve_last) const {
     const auto counter = [&](Role role, const Frame& frame) {
         const antiskid::can::E2e& protection = layout_[role].protection;
-        return protection.protection == antiskid::can::Protection::none
-                   ? 0
-                   : static_cast<int>(Payload(frame.data).read(protection.counter));
+        return protection.protection == antiskid::can::Protection::none ? 0 : static_cast<int>(Payload(frame.data).read(protection.counter));
     };
     SentAtStep nothing;
     nothing.counter.fill(SentAtStep::kNotSent);
@@ -139,16 +129,14 @@ void RecordedPacer::join_session(const Frame& first_valve) {
     look_ahead();
     // The valve command goes last in lockstep, first by the timer.
     before_log_ = steps_before(layout_, settings_.period, sent_ahead(first_valve, lockstep_));
-    if (!before_log_)
-        before_log_ = steps_before(layout_, settings_.period, sent_ahead(first_valve, !lockstep_));
+    if (!before_log_) before_log_ = steps_before(layout_, settings_.period, sent_ahead(first_valve, !lockstep_));
     if (before_log_.value_or(1) != 0) comparison_.expect_self_test();
     std::array<Frame, antiskid::can::ControllerPort::kMostFrames> sent_before{};
     for (std::uint64_t i = 0; i < before_log_.value_or(0); ++i) (void)port_.due_frames({}, sent_before);
 }
 
 bool RecordedPacer::carries_safe_current(const Frame& valve) const {
-    return Payload(valve.data).read(layout_.valve_current_mA) ==
-           layout_.valve_current_mA.raw(static_cast<double>(settings_.safe_current_mA));
+    return Payload(valve.data).read(layout_.valve_current_mA) == layout_.valve_current_mA.raw(static_cast<double>(settings_.safe_current_mA));
 }
 
 bool RecordedPacer::is_closing(const LogFrame& valve) {
@@ -195,8 +183,7 @@ Wake RecordedPacer::step(Time stamp) {
 
 bool RecordedPacer::follows_last(std::uint32_t number) {
     const bool numbered = layout_.sync_counter.bound();
-    const bool follows =
-        !any_number_ || !numbered || number == ((last_number_ + 1) & layout_.sync_counter.mask());
+    const bool follows = !any_number_ || !numbered || number == ((last_number_ + 1) & layout_.sync_counter.mask());
     any_number_ = true;
     last_number_ = number;
     return follows;

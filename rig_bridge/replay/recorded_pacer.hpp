@@ -41,8 +41,8 @@ struct PacerSettings {
 class RecordedPacer final : public antiskid::rt::Pacer {
   public:
     /// All must outlive the pacer. `log` must have been opened with `layout`.
-    RecordedPacer(const PacerSettings& settings, const antiskid::can::Layout& layout, LogReader& log,
-                  antiskid::can::ControllerPort& port, FrameComparison& comparison);
+    RecordedPacer(const PacerSettings& settings, const antiskid::can::Layout& layout, LogReader& log, antiskid::can::ControllerPort& port,
+                  FrameComparison& comparison);
 
     [[nodiscard]] std::optional<antiskid::rt::Wake> next(const std::atomic<bool>& stop) override;
 

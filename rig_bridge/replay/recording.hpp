@@ -12,8 +12,8 @@
 namespace rig {
 
 struct RecordedRow {
-    std::uint64_t row = 0;       ///< of the file, from 1 (of the variables in a .mat)
-    std::vector<double> values;  ///< in the order of the wanted columns; NaN where there is no number
+    std::uint64_t row = 0;                ///< of the file, from 1 (of the variables in a .mat)
+    std::vector<double> values;           ///< in the order of the wanted columns; NaN where there is no number
     std::vector<std::string> unreadable;  ///< "column 3 (p_Bremse): 'xx'" for each cell that holds no number
 };
 
@@ -27,10 +27,8 @@ class Recording {
 
 /// Throws std::runtime_error naming the file and what is wrong: unreadable, or a column that is not there, with those that are.
 /// CSV is streamed; the variables of a .mat are read whole.
-[[nodiscard]] std::unique_ptr<Recording> open_recording(const std::filesystem::path& file,
-                                                        const ImportMap& map,
+[[nodiscard]] std::unique_ptr<Recording> open_recording(const std::filesystem::path& file, const ImportMap& map,
                                                         const std::vector<std::string>& wanted);
-[[nodiscard]] std::unique_ptr<Recording> open_mat(const std::filesystem::path& file,
-                                                  const std::vector<std::string>& wanted);
+[[nodiscard]] std::unique_ptr<Recording> open_mat(const std::filesystem::path& file, const std::vector<std::string>& wanted);
 
 }  // namespace rig

@@ -15,12 +15,10 @@ rig::LogWarnings rig::warnings_of(const std::string& file) {
 namespace {
 
 int run(int argc, char** argv) {
-    CLI::App app{"rig-replay: bus logs played, replayed through the controller, rebuilt and imported.",
-                 "rig-replay"};
+    CLI::App app{"rig-replay: bus logs played, replayed through the controller, rebuilt and imported.", "rig-replay"};
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.require_subcommand(1);
-    const std::array verbs{rig::bus_verb(app), rig::campaign_verb(app), rig::controller_verb(app),
-                           rig::import_verb(app)};
+    const std::array verbs{rig::bus_verb(app), rig::campaign_verb(app), rig::controller_verb(app), rig::import_verb(app)};
     app.footer("Each has --help with examples.");
     if (const auto status = settings::parse(app, argc, argv)) return *status;
     for (const rig::ReplayVerb& verb : verbs) {

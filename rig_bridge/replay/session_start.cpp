@@ -16,14 +16,11 @@ constexpr std::uint64_t kMost = 100'000;
 /// How often a message was due before each step.
 class Timetable {
   public:
-    Timetable(const antiskid::can::Layout& layout, const antiskid::can::Schedule& schedule, Role role,
-              std::uint64_t steps)
-        : modulo_(layout[role].protection.counter_modulo),
-          counted_(layout[role].protection.protection != antiskid::can::Protection::none) {
+    Timetable(const antiskid::can::Layout& layout, const antiskid::can::Schedule& schedule, Role role, std::uint64_t steps)
+        : modulo_(layout[role].protection.counter_modulo), counted_(layout[role].protection.protection != antiskid::can::Protection::none) {
         before_.reserve(steps + 1);
         before_.push_back(0);
-        for (std::uint64_t i = 0; i < steps; ++i)
-            before_.push_back(before_.back() + (schedule.due(role, static_cast<std::uint32_t>(i)) ? 1U : 0U));
+        for (std::uint64_t i = 0; i < steps; ++i) before_.push_back(before_.back() + (schedule.due(role, static_cast<std::uint32_t>(i)) ? 1U : 0U));
     }
 
     [[nodiscard]] bool agrees(std::uint64_t step, int sent) const {
@@ -41,14 +38,12 @@ class Timetable {
 
 }  // namespace
 
-std::optional<std::uint64_t> steps_before(const antiskid::can::Layout& layout, antiskid::control::Time period,
-                                          const std::vector<SentAtStep>& steps) {
+std::optional<std::uint64_t> steps_before(const antiskid::can::Layout& layout, antiskid::control::Time period, const std::vector<SentAtStep>& steps) {
     const antiskid::can::Schedule schedule(layout, period);
     std::vector<std::pair<Role, Timetable>> tables;
     tables.reserve(antiskid::can::kToRig.size());
     for (const Role role : antiskid::can::kToRig)
-        if (layout[role].bound)
-            tables.emplace_back(role, Timetable(layout, schedule, role, kMost + steps.size()));
+        if (layout[role].bound) tables.emplace_back(role, Timetable(layout, schedule, role, kMost + steps.size()));
     for (std::uint64_t start = 0; start < kMost; ++start) {
         const auto fits = [&](const auto& table) {
             for (std::size_t i = 0; i < steps.size(); ++i)

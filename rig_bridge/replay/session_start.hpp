@@ -18,18 +18,13 @@ struct SentAtStep {
     std::array<int, antiskid::can::kRoleCount> counter{};
 
     SentAtStep() { counter.fill(kUnknown); }
-    [[nodiscard]] int& operator[](antiskid::can::Role role) {
-        return counter[static_cast<std::size_t>(role)];
-    }
-    [[nodiscard]] int operator[](antiskid::can::Role role) const {
-        return counter[static_cast<std::size_t>(role)];
-    }
+    [[nodiscard]] int& operator[](antiskid::can::Role role) { return counter[static_cast<std::size_t>(role)]; }
+    [[nodiscard]] int operator[](antiskid::can::Role role) const { return counter[static_cast<std::size_t>(role)]; }
 };
 
 /// The smallest number of steps before the first of `steps` with which counters and schedule agree: 0 for a controller that started
 /// with the log. None when no number up to 100 000 does: frames are missing.
-[[nodiscard]] std::optional<std::uint64_t> steps_before(const antiskid::can::Layout& layout,
-                                                        antiskid::control::Time period,
+[[nodiscard]] std::optional<std::uint64_t> steps_before(const antiskid::can::Layout& layout, antiskid::control::Time period,
                                                         const std::vector<SentAtStep>& steps);
 
 }  // namespace rig

@@ -29,13 +29,11 @@ const ImportColumn& column_of(const ImportMap& map, Channel channel) {
     return *map.channels[static_cast<std::size_t>(channel)];
 }
 
-void compare_stated(const Recording& recording, const ImportMap& map, std::size_t wanted,
-                    const ImportColumn& column, ImportNotes& notes) {
+void compare_stated(const Recording& recording, const ImportMap& map, std::size_t wanted, const ImportColumn& column, ImportNotes& notes) {
     const std::string stated = recording.stated_unit(wanted);
     const auto unit = antiskid::can::find_unit(stated);
     if (stated.empty() || (unit && *unit == column.unit)) return;
-    notes.add("unit", map.unit_row,
-              fmt::format("column '{}' states '{}', the map '{}'", column.column, stated, column.unit_name));
+    notes.add("unit", map.unit_row, fmt::format("column '{}' states '{}', the map '{}'", column.column, stated, column.unit_name));
 }
 
 /// While the wheel rolls freely its rim goes as fast as the flywheel's: the unit of one is wrong where it does not.
@@ -44,16 +42,14 @@ class RollingSurvey {
     explicit RollingSurvey(const ImportSettings& s)
         : settings_(s),
           wheel_(s.map.channels[0]->unit.factor * s.rig.meter.wheel_radius_m),
-          flywheel_(
-              factor_of(Channel::flywheel_speed, s.map.channels[1]->unit, s.rig.meter.flywheel_radius_m)),
+          flywheel_(factor_of(Channel::flywheel_speed, s.map.channels[1]->unit, s.rig.meter.flywheel_radius_m)),
           pressure_(s.map.channels[2]->unit.factor) {}
 
     /// The three channels that every map has come first.
     void add(const RecordedRow& row) {
         const double v_mps = row.values[2] * flywheel_;
         const double rim_mps = row.values[1] * wheel_;
-        const bool rolling =
-            row.values[3] * pressure_ < settings_.map.released_Pa && v_mps >= settings_.map.least_speed_mps;
+        const bool rolling = row.values[3] * pressure_ < settings_.map.released_Pa && v_mps >= settings_.map.least_speed_mps;
         if (!rolling || !(rim_mps > 0.1 * settings_.map.least_speed_mps)) return;
         sum_ += rim_mps / v_mps;
         ++count_;
@@ -71,8 +67,7 @@ class RollingSurvey {
                         "flywheel's: the unit of column '{}' or "
                         "'{}' is wrong, or the rig is another; {}",
                         settings_.file.string(), ratio, settings_.map.channels[0]->column, column.column,
-                        likely.empty() ? "no unit of speed explains it"
-                                       : "likely unit of '" + column.column + "': " + likely));
+                        likely.empty() ? "no unit of speed explains it" : "likely unit of '" + column.column + "': " + likely));
     }
 
   private:
@@ -106,11 +101,9 @@ void survey_units(const ImportSettings& settings, ImportNotes& notes) {
         if (!surveys[i].wrong_unit()) continue;
         const ImportColumn& column = column_of(map, channels[i]);
         const std::string likely = surveys[i].likely_units(column, radius_m);
-        throw std::runtime_error(fmt::format(
-            "{}: column '{}' ({}) goes from {:g} to {:g}, which cannot be {}; {}", settings.file.string(),
-            column.column, name(channels[i]), surveys[i].lowest(), surveys[i].highest(), column.unit_name,
-            likely.empty() ? "no unit of this quantity fits: is it another column?"
-                           : "likely unit: " + likely));
+        throw std::runtime_error(fmt::format("{}: column '{}' ({}) goes from {:g} to {:g}, which cannot be {}; {}", settings.file.string(),
+                                             column.column, name(channels[i]), surveys[i].lowest(), surveys[i].highest(), column.unit_name,
+                                             likely.empty() ? "no unit of this quantity fits: is it another column?" : "likely unit: " + likely));
     }
     rolling.judge();
 }

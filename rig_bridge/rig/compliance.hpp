@@ -10,8 +10,7 @@ namespace plant {
 
 /// Rim and belt, joined by a spring and a damper about the axle. The rim carries the brake and the encoder, the belt the road force.
 struct RingParameters {
-    double belt_share =
-        0.0;  ///< of J_w that is belt, 0 (rigid) to below 1; 0.25 to 0.45 for a wheel with its brake
+    double belt_share = 0.0;    ///< of J_w that is belt, 0 (rigid) to below 1; 0.25 to 0.45 for a wheel with its brake
     double frequency_Hz = 0.0;  ///< rim against belt, wheel off the ground; 50 to 120
     double damping = 0.0;       ///< of that mode, of critical; 0.03 to 0.10
 };
@@ -35,9 +34,7 @@ struct Compliance {
     RelaxationParameters relaxation;
     LegParameters leg;
 
-    [[nodiscard]] bool any() const {
-        return ring.belt_share > 0.0 || relaxation.length_m > 0.0 || leg.mass_kg > 0.0;
-    }
+    [[nodiscard]] bool any() const { return ring.belt_share > 0.0 || relaxation.length_m > 0.0 || leg.mass_kg > 0.0; }
 };
 
 }  // namespace plant

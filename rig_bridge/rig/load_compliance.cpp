@@ -27,8 +27,7 @@ Compliance load_tyre(const Table& root) {
                     .frequency_Hz = t->number("frequency_Hz", {.min = 5.0, .max = 1000.0}),
                     .damping = t->number("damping", kDamping)};
     if (model == Model::relaxation)
-        out.relaxation = {.length_m = t->number("length_m", {.min = 0.001, .max = 2.0}),
-                          .floor_m = t->number("floor_m", {.min = 0.001, .max = 2.0})};
+        out.relaxation = {.length_m = t->number("length_m", {.min = 0.001, .max = 2.0}), .floor_m = t->number("floor_m", {.min = 0.001, .max = 2.0})};
     return out;
 }
 
@@ -38,8 +37,7 @@ LegParameters load_leg(const Table& root, double mass_kg) {
     const LegParameters out{.mass_kg = t->number("mass_kg", {.min = 1.0, .max = 1000.0}),
                             .frequency_Hz = t->number("frequency_Hz", {.min = 1.0, .max = 100.0}),
                             .damping = t->number("damping", kDamping)};
-    if (out.mass_kg >= mass_kg)
-        t->fail("mass_kg", "is all of the " + std::to_string(mass_kg) + " kg on the wheel; expected less");
+    if (out.mass_kg >= mass_kg) t->fail("mass_kg", "is all of the " + std::to_string(mass_kg) + " kg on the wheel; expected less");
     return out;
 }
 

@@ -114,11 +114,9 @@ BrakeGeometry brake(const Table& t) {
 /// One class's curve, relative to its mean.
 FrictionCurve relative_curve(const Table& t, std::string_view name) {
     FrictionCurve curve{};
-    const auto c = t.numbers(
-        name, {.range = {.min = -10.0, .max = 10.0}, .count = {.min = curve.size(), .max = curve.size()}});
+    const auto c = t.numbers(name, {.range = {.min = -10.0, .max = 10.0}, .count = {.min = curve.size(), .max = curve.size()}});
     std::copy(c.begin(), c.end(), curve.begin());
-    if (least_friction(curve, 1.0) <= 0.0)
-        t.fail(name, "falls to zero within the stop; mu_b must stay positive");
+    if (least_friction(curve, 1.0) <= 0.0) t.fail(name, "falls to zero within the stop; mu_b must stay positive");
     return curve;
 }
 
@@ -135,8 +133,7 @@ FrictionCurve friction_curve(const Table& t, std::size_t chosen, double friction
 }
 
 /// The chosen class of a file that need not have all of them; `otherwise` where it is not in it.
-FrictionCurve learnt_curve(const std::filesystem::path& path, std::size_t chosen, double friction,
-                           const FrictionCurve& otherwise) {
+FrictionCurve learnt_curve(const std::filesystem::path& path, std::size_t chosen, double friction, const FrictionCurve& otherwise) {
     const Document doc = Document::load(path);
     const Table t = doc.root().table("brake").table("relative_friction");
     FrictionCurve out = otherwise;
@@ -153,25 +150,21 @@ FrictionCurve learnt_curve(const std::filesystem::path& path, std::size_t chosen
 }
 
 PressureMap pressure_map(const Table& t) {
-    const auto current = t.numbers("current_mA", {.range = {.min = 0.0, .max = 1000.0},
-                                                  .count = {.min = 2, .max = 1000},
-                                                  .strictly_increasing = true});
-    const auto pressure =
-        t.numbers("pressure_Pa", {.range = {.min = 0.0, .max = 1e8}, .count = {.min = 2, .max = 1000}});
+    const auto current =
+        t.numbers("current_mA", {.range = {.min = 0.0, .max = 1000.0}, .count = {.min = 2, .max = 1000}, .strictly_increasing = true});
+    const auto pressure = t.numbers("pressure_Pa", {.range = {.min = 0.0, .max = 1e8}, .count = {.min = 2, .max = 1000}});
     if (pressure.size() != current.size()) t.fail("pressure_Pa", "needs as many points as current_mA");
     std::vector<PressureMap::Point> points;
     points.reserve(current.size());
     for (std::size_t i = 0; i < current.size(); ++i) {
-        if (i > 0 && pressure[i] < pressure[i - 1])
-            t.fail("pressure_Pa", "must not fall from one point to the next");
+        if (i > 0 && pressure[i] < pressure[i - 1]) t.fail("pressure_Pa", "must not fall from one point to the next");
         points.push_back({current[i], pressure[i]});
     }
     return PressureMap(std::move(points));
 }
 
 ValveParameters valve(const Table& t) {
-    return {.natural_frequency_radps =
-                2.0 * std::numbers::pi * t.number("natural_frequency_Hz", {.min = 1.0, .max = 100.0}),
+    return {.natural_frequency_radps = 2.0 * std::numbers::pi * t.number("natural_frequency_Hz", {.min = 1.0, .max = 100.0}),
             .damping = t.number("damping", {.min = 0.05, .max = 0.99}),
             .delay_s = t.number("delay_ms", {.min = 0.0, .max = 100.0}) * 1e-3,
             .hysteresis_mA = t.find_number("hysteresis_mA", {.min = 0.0, .max = 20.0}).value_or(0.0),
@@ -193,20 +186,19 @@ RigParameters common_parts(const Table& root, std::size_t friction_class, const 
     const Table flywheel = root.table("flywheel");
     WheelParameters rolling = wheel(wheel_table);
     rolling.compliance = load_tyre(root);
-    return {
-        .wheel = rolling,
-        .load = {},
-        .brake = brake(brake_table),
-        .friction_curve = friction_curve(brake_table.table("relative_friction"), friction_class, friction),
-        .mean_friction = friction,
-        .valve = valve(valve_table),
-        .pressure_map = pressure_map(valve_table),
-        .wheel_encoder = encoder(wheel_table.table("encoder")),
-        .flywheel_encoder = encoder(flywheel.table("encoder")),
-        .flywheel_radius_m = flywheel.number("radius_m", {.min = 0.05, .max = 10.0}),
-        .transducer = transducer(root.table("pressure_transducer")),
-        .surface = runway,
-        .brake_on_mps = 0.0};
+    return {.wheel = rolling,
+            .load = {},
+            .brake = brake(brake_table),
+            .friction_curve = friction_curve(brake_table.table("relative_friction"), friction_class, friction),
+            .mean_friction = friction,
+            .valve = valve(valve_table),
+            .pressure_map = pressure_map(valve_table),
+            .wheel_encoder = encoder(wheel_table.table("encoder")),
+            .flywheel_encoder = encoder(flywheel.table("encoder")),
+            .flywheel_radius_m = flywheel.number("radius_m", {.min = 0.05, .max = 10.0}),
+            .transducer = transducer(root.table("pressure_transducer")),
+            .surface = runway,
+            .brake_on_mps = 0.0};
 }
 
 /// The model's file stands relative to the rig's.
@@ -221,10 +213,9 @@ double loading_lag_s(const Table& root) {
 /// r(F_z) must leave a wheel to roll on.
 void check_radius(const Table& root, const WheelParameters& wheel, double load_N) {
     if (load_N < 0.5 * wheel.free_radius_m * wheel.stiffness_Npm) return;
-    root.table("wheel").fail("stiffness_Npm",
-                             std::to_string(load_N) +
-                                 " N flatten the tyre by half its free radius or more; expected "
-                                 "a stiffer tyre or less load");
+    root.table("wheel").fail("stiffness_Npm", std::to_string(load_N) +
+                                                  " N flatten the tyre by half its free radius or more; expected "
+                                                  "a stiffer tyre or less load");
 }
 
 struct Landing {
@@ -245,8 +236,7 @@ Landing landing(const std::filesystem::path& path, const Maneuver& maneuver, con
     const double lift = 0.5 * rho * aircraft.number("lift_area_m2", {.min = 0.0, .max = 1000.0});
     const double weight = maneuver.mass_kg * g;
     if (lift * maneuver.speed_mps * maneuver.speed_mps >= weight) {
-        aircraft.fail("lift_area_m2", "lifts " + std::to_string(maneuver.mass_kg) + " kg off the ground at " +
-                                          std::to_string(maneuver.speed_mps) +
+        aircraft.fail("lift_area_m2", "lifts " + std::to_string(maneuver.mass_kg) + " kg off the ground at " + std::to_string(maneuver.speed_mps) +
                                           " m/s: F_z of eq. (2) must stay above zero");
     }
     check_radius(root, landing.rig.wheel, weight);
@@ -278,17 +268,16 @@ FlywheelRig flywheel_rig(const std::filesystem::path& path, const Surface& runwa
     const Table root = doc.root();
     const Table test = root.table("endurance");
     const std::size_t chosen = friction_class(test);
-    FlywheelRig out{common_parts(root, chosen, runway), wear_of(root, path), chosen,
-                    test.number("deceleration_mps2", {.min = 0.1, .max = 20.0}), loading_lag_s(root)};
+    FlywheelRig out{common_parts(root, chosen, runway), wear_of(root, path), chosen, test.number("deceleration_mps2", {.min = 0.1, .max = 20.0}),
+                    loading_lag_s(root)};
     const double inertia = root.table("flywheel").number("inertia_kgm2", {.min = 0.1, .max = 1e6});
     out.rig.wheel.mass_kg = inertia / (out.rig.flywheel_radius_m * out.rig.flywheel_radius_m);
-    out.rig.load = {
-        .base_N = test.number("load_N", {.min = 100.0, .max = 1e6}), .lift_Ns2pm2 = 0.0, .lag_s = out.lag_s};
+    out.rig.load = {.base_N = test.number("load_N", {.min = 100.0, .max = 1e6}), .lift_Ns2pm2 = 0.0, .lag_s = out.lag_s};
     out.rig.brake_on_mps = test.number("speed_mps", kSpeed_mps);
     // Scatter and acceptance figures of the campaign: read, so that a mistake shows, and used by whoever runs it.
     (void)test.integer("maneuvers", {.min = 1, .max = 1000000});
-    for (const char* key : {"speed_deviation_mps", "load_deviation_N", "torque_Nm", "torque_deviation_Nm",
-                            "duration_s", "duration_deviation_s", "length_m", "length_deviation_m"}) {
+    for (const char* key : {"speed_deviation_mps", "load_deviation_N", "torque_Nm", "torque_deviation_Nm", "duration_s", "duration_deviation_s",
+                            "length_m", "length_deviation_m"}) {
         (void)test.number(key, {.min = 0.0, .max = 1e6});
     }
     check_radius(root, out.rig.wheel, out.rig.load.base_N);
@@ -297,22 +286,19 @@ FlywheelRig flywheel_rig(const std::filesystem::path& path, const Surface& runwa
 }
 
 template <typename Named>
-const Named& find(const std::vector<Named>& all, const std::string& name, const char* what,
-                  const std::filesystem::path& file, const std::string& more = {}) {
+const Named& find(const std::vector<Named>& all, const std::string& name, const char* what, const std::filesystem::path& file,
+                  const std::string& more = {}) {
     for (const Named& one : all) {
         if (one.name == name) return one;
     }
-    throw settings::Error(
-        file.string(), 0, what,
-        "unknown " + std::string(what) + " '" + name + "'; there are " + listed(names(all)) + more);
+    throw settings::Error(file.string(), 0, what, "unknown " + std::string(what) + " '" + name + "'; there are " + listed(names(all)) + more);
 }
 
-void override_with(const std::optional<double>& value, const settings::Range& range, const char* what,
-                   double& target) {
+void override_with(const std::optional<double>& value, const settings::Range& range, const char* what, double& target) {
     if (!value) return;
     if (!(*value >= range.min && *value <= range.max)) {
-        throw std::invalid_argument(std::string(what) + ": " + std::to_string(*value) + " is out of range " +
-                                    std::to_string(range.min) + " to " + std::to_string(range.max));
+        throw std::invalid_argument(std::string(what) + ": " + std::to_string(*value) + " is out of range " + std::to_string(range.min) + " to " +
+                                    std::to_string(range.max));
     }
     target = *value;
 }
@@ -326,13 +312,11 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
     const auto flywheel_file = directory / "flywheel_rig.toml";
     const std::vector<Surface> known_surfaces = surfaces(surface_file);
     const Runway runway = choice.runway.empty() ? Runway{} : load_runway(choice.runway, known_surfaces);
-    const Surface road = choice.runway.empty() ? find(known_surfaces, choice.surface, "surface", surface_file)
-                                               : runway.patches.front().surface;
+    const Surface road = choice.runway.empty() ? find(known_surfaces, choice.surface, "surface", surface_file) : runway.patches.front().surface;
     const std::vector<Maneuver> known = maneuvers(maneuver_file, known_surfaces);
     const FlywheelRig bench = flywheel_rig(flywheel_file, road);
-    Maneuver maneuver = choice.maneuver == kEndurance ? known.front()
-                                                      : find(known, choice.maneuver, "maneuver",
-                                                             maneuver_file, std::string(", ") + kEndurance);
+    Maneuver maneuver =
+        choice.maneuver == kEndurance ? known.front() : find(known, choice.maneuver, "maneuver", maneuver_file, std::string(", ") + kEndurance);
     if (choice.maneuver == kEndurance) {
         maneuver.mass_kg = bench.rig.wheel.mass_kg;
         maneuver.speed_mps = bench.rig.brake_on_mps;
@@ -345,8 +329,7 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
                   .friction_class = std::string(kFrictionClasses[chosen]),
                   .wear = bench.wear,
                   .files = {surface_file, maneuver_file, landing_file, flywheel_file}};
-    const Landing gear =
-        landing(landing_file, choice.maneuver == kEndurance ? known.front() : maneuver, road);
+    const Landing gear = landing(landing_file, choice.maneuver == kEndurance ? known.front() : maneuver, road);
     out.drop_out_mps = gear.drop_out_mps;
     if (choice.maneuver == kEndurance) {
         out.deceleration_mps2 = bench.deceleration_mps2;
@@ -366,15 +349,13 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
         out.files.push_back(choice.runway);
     }
     if (!choice.friction_curves.empty()) {
-        out.rig.friction_curve =
-            learnt_curve(choice.friction_curves, chosen, out.rig.mean_friction, out.rig.friction_curve);
+        out.rig.friction_curve = learnt_curve(choice.friction_curves, chosen, out.rig.mean_friction, out.rig.friction_curve);
         out.files.push_back(choice.friction_curves);
     }
     override_with(choice.friction, {.min = 0.01, .max = 1.0}, "mu_b", out.rig.mean_friction);
     if (least_friction(out.rig.friction_curve, out.rig.mean_friction) <= 0.0) {
-        throw std::invalid_argument(
-            "mu_b: a mean of " + std::to_string(out.rig.mean_friction) +
-            " takes the friction curve of this maneuver below zero; expected a larger one");
+        throw std::invalid_argument("mu_b: a mean of " + std::to_string(out.rig.mean_friction) +
+                                    " takes the friction curve of this maneuver below zero; expected a larger one");
     }
     out.files.push_back(out.wear.file);
     out.full_pressure_Pa = out.rig.pressure_map.points().back().pressure_Pa;

@@ -21,10 +21,9 @@ enum class Carrier {
 inline constexpr const char* kEndurance = "endurance";
 
 struct ManeuverChoice {
-    std::string maneuver =
-        "heavy";  ///< a table of config/maneuvers.toml, or `endurance` (config/flywheel_rig.toml)
+    std::string maneuver = "heavy";       ///< a table of config/maneuvers.toml, or `endurance` (config/flywheel_rig.toml)
     std::string surface = "dry_asphalt";  ///< a table of config/surfaces.toml
-    std::filesystem::path runway;  ///< a file as load_runway() takes it, instead of `surface`; empty: none
+    std::filesystem::path runway;         ///< a file as load_runway() takes it, instead of `surface`; empty: none
     Carrier carrier = Carrier::aircraft;  ///< `endurance` is always on the flywheel
     std::optional<double> mass_kg;        ///< instead of the maneuver's
     std::optional<double> speed_mps;

@@ -22,8 +22,7 @@ class Random {
     /// the normal is below 0.01.
     double noise() {
         const std::uint64_t b = bits();
-        const auto sum =
-            static_cast<double>((b & 0xFFFFU) + ((b >> 16U) & 0xFFFFU) + ((b >> 32U) & 0xFFFFU) + (b >> 48U));
+        const auto sum = static_cast<double>((b & 0xFFFFU) + ((b >> 16U) & 0xFFFFU) + ((b >> 32U) & 0xFFFFU) + (b >> 48U));
         constexpr double kMean = 2.0 * 65535.0;
         constexpr double kScale = 1.0 / 37837.2268;  // sqrt(4 * (65536^2 - 1) / 12)
         return (sum - kMean) * kScale;

@@ -22,10 +22,8 @@ struct EncoderParameters {
     double teeth = 60.0;
     double jitter_s = 0.0;         ///< standard deviation of an edge's time stamp
     double slowest_edges_hz = 10;  ///< a magnetic pick-up gives nothing below this rate
-    double pitch_error =
-        0.0;  ///< of each tooth's place, of its pitch, evenly to both sides; the same teeth every time
-    double eccentricity =
-        0.0;  ///< of the ring of teeth: speed seen over speed, less 1, at the most within a turn
+    double pitch_error = 0.0;      ///< of each tooth's place, of its pitch, evenly to both sides; the same teeth every time
+    double eccentricity = 0.0;     ///< of the ring of teeth: speed seen over speed, less 1, at the most within a turn
 };
 
 struct TransducerParameters {
@@ -39,8 +37,7 @@ struct ValveParameters {
     double damping = 0.0;                  ///< xi, in (0, 1)
     double delay_s = 0.0;                  ///< tau
     double hysteresis_mA = 0.0;            ///< width of the Play before the static map, >= 0
-    double line_s =
-        0.0;  ///< of the line between valve and brake: first-order lag, >= 0; 0: none, to the last bit
+    double line_s = 0.0;                   ///< of the line between valve and brake: first-order lag, >= 0; 0: none, to the last bit
 };
 
 struct WheelParameters {
@@ -55,8 +52,7 @@ struct WheelParameters {
 struct LoadParameters {
     double base_N = 0.0;       ///< m g of eq. (2), or the set-point of the loading device
     double lift_Ns2pm2 = 0.0;  ///< rho S C_l / 2 of eq. (2)
-    double lag_s =
-        0.0;  ///< first-order lag of the loading device behind the law above; 0: the aircraft itself
+    double lag_s = 0.0;        ///< first-order lag of the loading device behind the law above; 0: the aircraft itself
 };
 
 struct RigParameters {

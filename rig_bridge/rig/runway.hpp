@@ -16,20 +16,17 @@ struct Patch {
 };
 
 struct Runway {
-    std::vector<Patch> patches;  ///< `from_m` strictly increasing; empty: one surface all along
-    bool from_touchdown =
-        false;  ///< distances count from the last touchdown, or start of rolling; otherwise from where the rig began
+    std::vector<Patch> patches;   ///< `from_m` strictly increasing; empty: one surface all along
+    bool from_touchdown = false;  ///< distances count from the last touchdown, or start of rolling; otherwise from where the rig began
 
     /// Whether friction depends on speed anywhere.
     [[nodiscard]] bool wet() const {
-        return std::any_of(patches.begin(), patches.end(),
-                           [](const Patch& patch) { return patch.surface.wet.has_value(); });
+        return std::any_of(patches.begin(), patches.end(), [](const Patch& patch) { return patch.surface.wet.has_value(); });
     }
     /// How many patches have begun at a distance.
     [[nodiscard]] std::size_t begun(double distance_m) const {
         const auto begins = [](double at, const Patch& patch) { return at < patch.from_m; };
-        return static_cast<std::size_t>(std::upper_bound(patches.begin(), patches.end(), distance_m, begins) -
-                                        patches.begin());
+        return static_cast<std::size_t>(std::upper_bound(patches.begin(), patches.end(), distance_m, begins) - patches.begin());
     }
 };
 

@@ -28,11 +28,9 @@ std::array<double, 6> between(std::span<const Printed> curves, double tyre_press
     std::size_t upper = 1;
     while (upper + 1 < curves.size() && curves[upper].tyre_pressure_psi < tyre_pressure_psi) ++upper;
     const Printed &a = curves[upper - 1], &b = curves[upper];
-    const double share =
-        (tyre_pressure_psi - a.tyre_pressure_psi) / (b.tyre_pressure_psi - a.tyre_pressure_psi);
+    const double share = (tyre_pressure_psi - a.tyre_pressure_psi) / (b.tyre_pressure_psi - a.tyre_pressure_psi);
     std::array<double, 6> powers{};
-    for (std::size_t i = 0; i < powers.size(); ++i)
-        powers[i] = a.powers[i] + share * (b.powers[i] - a.powers[i]);
+    for (std::size_t i = 0; i < powers.size(); ++i) powers[i] = a.powers[i] + share * (b.powers[i] - a.powers[i]);
     return powers;
 }
 
@@ -65,8 +63,7 @@ WetGrip::Most WetGrip::at(double v_mps, bool spun_up) const {
     if (s >= 1.0) return {*flooded_mu_, 0.0};
     const double share = s * s * (3.0 - 2.0 * s);
     const double share_v = 6.0 * s * (1.0 - s) / width_mps;
-    return {wet.mu + share * (*flooded_mu_ - wet.mu),
-            wet.mu_v + share_v * (*flooded_mu_ - wet.mu) - share * wet.mu_v};
+    return {wet.mu + share * (*flooded_mu_ - wet.mu), wet.mu_v + share_v * (*flooded_mu_ - wet.mu) - share * wet.mu_v};
 }
 
 double WetGrip::hydroplaning_mps(bool spun_up) const {

@@ -12,8 +12,7 @@ namespace {
 constexpr double kDeviations = 3.0;
 
 const FigureField& field_of(double Figures::*value) {
-    return *std::find_if(kFigureFields.begin(), kFigureFields.end(),
-                         [value](const FigureField& f) { return f.value == value; });
+    return *std::find_if(kFigureFields.begin(), kFigureFields.end(), [value](const FigureField& f) { return f.value == value; });
 }
 
 class Bands {
@@ -23,12 +22,9 @@ class Bands {
     /// Where the scenario does not declare it and it scatters.
     void derive(double Figures::*value, double expected, double deviation) {
         const FigureField& figure = field_of(value);
-        const bool declared =
-            std::any_of(all_.begin(), all_.end(), [&](const Band& band) { return band.figure == &figure; });
+        const bool declared = std::any_of(all_.begin(), all_.end(), [&](const Band& band) { return band.figure == &figure; });
         if (declared || !(deviation > 0.0)) return;
-        all_.push_back({.figure = &figure,
-                        .least = expected - kDeviations * deviation,
-                        .most = expected + kDeviations * deviation});
+        all_.push_back({.figure = &figure, .least = expected - kDeviations * deviation, .most = expected + kDeviations * deviation});
     }
     [[nodiscard]] std::vector<Band> take() { return std::move(all_); }
 
@@ -71,8 +67,8 @@ std::string what_is_outside(const std::vector<Band>& bands, const Figures& figur
     for (const Band& band : bands) {
         if (within(band, figures)) continue;
         const FigureField& f = *band.figure;
-        text += fmt::format("{}{} {:.5g} {} ({:.5g} to {:.5g})", text.empty() ? "" : ", ", f.label,
-                            figures.*f.value * f.scale, f.unit, band.least * f.scale, band.most * f.scale);
+        text += fmt::format("{}{} {:.5g} {} ({:.5g} to {:.5g})", text.empty() ? "" : ", ", f.label, figures.*f.value * f.scale, f.unit,
+                            band.least * f.scale, band.most * f.scale);
     }
     return text;
 }

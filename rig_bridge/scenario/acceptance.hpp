@@ -20,8 +20,7 @@ namespace rig {
 [[nodiscard]] std::vector<Band> acceptance(const Scenario& scenario, const sequencer::Plan& plan);
 
 /// The keys of the figures that lie outside, or are no number; empty: within tolerance.
-[[nodiscard]] std::vector<std::string> out_of_tolerance(const std::vector<Band>& bands,
-                                                        const Figures& figures);
+[[nodiscard]] std::vector<std::string> out_of_tolerance(const std::vector<Band>& bands, const Figures& figures);
 /// The same for people: "length 652 m (449 to 479)"; empty where none lies outside.
 [[nodiscard]] std::string what_is_outside(const std::vector<Band>& bands, const Figures& figures);
 

@@ -36,9 +36,7 @@ class Layered {
         return own.value_or(base);
     }
     /// For a check of the caller's: the table in which the key stands.
-    [[nodiscard]] const Table& where(std::string_view key) const {
-        return own_ && own_->has(key) ? *own_ : base_;
-    }
+    [[nodiscard]] const Table& where(std::string_view key) const { return own_ && own_->has(key) ? *own_ : base_; }
 
   private:
     Table base_;
@@ -67,8 +65,7 @@ void read_sequence(const Layered& t, Scenario& scenario) {
     if (plan.cool_to_C > plan.brake_on_limit_C) {
         t.where("cool_to_C")
             .fail("cool_to_C",
-                  "is above brake_on_limit_C: the next maneuver would not start; expected at most " +
-                      std::to_string(plan.brake_on_limit_C));
+                  "is above brake_on_limit_C: the next maneuver would not start; expected at most " + std::to_string(plan.brake_on_limit_C));
     }
 }
 
@@ -99,22 +96,19 @@ void add_sweep(const Table& t, std::vector<sequencer::CurrentPoint>& points) {
     const double mean_mA = t.number("mean_mA", {.min = 0.0, .max = 1000.0});
     const double amplitude_mA = t.number("amplitude_mA", {.min = 0.0, .max = mean_mA});
     if (begin_s <= points.back().time_s) {
-        t.fail("begin_s",
-               "must lie behind the last of current_time_s, " + std::to_string(points.back().time_s) + " s");
+        t.fail("begin_s", "must lie behind the last of current_time_s, " + std::to_string(points.back().time_s) + " s");
     }
     const auto steps = static_cast<std::size_t>(std::llround(duration_s / kStep_s));
     points.reserve(points.size() + steps + 1);
     for (std::size_t i = 0; i <= steps; ++i) {
         const double since_s = static_cast<double>(i) * kStep_s;
         const double turns = from_Hz * since_s + 0.5 * (to_Hz - from_Hz) / duration_s * since_s * since_s;
-        points.push_back({.time_s = begin_s + since_s,
-                          .current_mA = mean_mA + amplitude_mA * std::sin(2.0 * std::numbers::pi * turns)});
+        points.push_back({.time_s = begin_s + since_s, .current_mA = mean_mA + amplitude_mA * std::sin(2.0 * std::numbers::pi * turns)});
     }
 }
 
 std::vector<sequencer::CurrentPoint> current(const Table& t) {
-    const auto time_s =
-        t.numbers("current_time_s", {.range = {.min = 0.0, .max = 3600.0}, .strictly_increasing = true});
+    const auto time_s = t.numbers("current_time_s", {.range = {.min = 0.0, .max = 3600.0}, .strictly_increasing = true});
     const auto current_mA = t.numbers("current_mA", {.range = {.min = 0.0, .max = 1000.0}});
     if (current_mA.size() != time_s.size()) t.fail("current_mA", "needs as many points as current_time_s");
     std::vector<sequencer::CurrentPoint> points;
@@ -126,12 +120,9 @@ std::vector<sequencer::CurrentPoint> current(const Table& t) {
 
 void read_law(const Table& t, const plant::LoadedRig& rig, Plan& plan) {
     plan.law = t.choice<BrakeLaw>("law", kLaws);
-    plan.demand_Pa =
-        t.find_number("demand_Pa", {.min = 1e5, .max = rig.full_pressure_Pa}).value_or(rig.full_pressure_Pa);
-    plan.deceleration_mps2 =
-        t.find_number("deceleration_mps2", kDeceleration_mps2).value_or(rig.deceleration_mps2);
-    if (plan.law == BrakeLaw::slip)
-        plan.slip_reference = t.number("slip_reference", {.min = 0.01, .max = 0.5});
+    plan.demand_Pa = t.find_number("demand_Pa", {.min = 1e5, .max = rig.full_pressure_Pa}).value_or(rig.full_pressure_Pa);
+    plan.deceleration_mps2 = t.find_number("deceleration_mps2", kDeceleration_mps2).value_or(rig.deceleration_mps2);
+    if (plan.law == BrakeLaw::slip) plan.slip_reference = t.number("slip_reference", {.min = 0.01, .max = 0.5});
     if (plan.law == BrakeLaw::open_loop) plan.current = current(t);
     if (plan.law == BrakeLaw::deceleration && plan.deceleration_mps2 <= 0.0)
         t.fail("deceleration_mps2", "is missing; this maneuver prescribes none, expected 0.1 to 15");
@@ -140,15 +131,13 @@ void read_law(const Table& t, const plant::LoadedRig& rig, Plan& plan) {
 Scatter scatter(const Table& t) {
     return {.speed_mps = t.find_number("speed_deviation_mps", {.min = 0.0, .max = 5.0}).value_or(0.0),
             .load_N = t.find_number("load_deviation_N", {.min = 0.0, .max = 5000.0}).value_or(0.0),
-            .deceleration_mps2 =
-                t.find_number("deceleration_deviation_mps2", {.min = 0.0, .max = 2.0}).value_or(0.0)};
+            .deceleration_mps2 = t.find_number("deceleration_deviation_mps2", {.min = 0.0, .max = 2.0}).value_or(0.0)};
 }
 
 std::vector<Band> declared_bands(const Table& t) {
     std::vector<Band> bands;
     for (const FigureField& field : kFigureFields) {
-        const auto ends =
-            t.find_numbers(field.key, {.count = {.min = 2, .max = 2}, .strictly_increasing = true});
+        const auto ends = t.find_numbers(field.key, {.count = {.min = 2, .max = 2}, .strictly_increasing = true});
         if (ends) bands.push_back({.figure = &field, .least = ends->front(), .most = ends->back()});
     }
     return bands;

@@ -25,8 +25,7 @@ namespace rig {
 }
 
 /// The same for a rig whose sensors are not taken on trust: what they can report is the controller's configuration.
-[[nodiscard]] inline MeterParameters meter_parameters(const Scenario& scenario,
-                                                      const antiskid::control::Config& controller) {
+[[nodiscard]] inline MeterParameters meter_parameters(const Scenario& scenario, const antiskid::control::Config& controller) {
     MeterParameters p = meter_parameters(scenario.rig, static_cast<double>(controller.period_s));
     p.wheel_most_radps = static_cast<double>(controller.wheel.encoder.max_speed_radps);
     p.flywheel_most_radps = static_cast<double>(controller.flywheel.encoder.max_speed_radps);

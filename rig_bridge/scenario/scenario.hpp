@@ -52,8 +52,7 @@ struct Scenario {
 
 /// Reads the scenario and, from `config`, sequencer.toml and the files of the rig. Throws settings::Error naming file, line and key, or
 /// std::invalid_argument for a plan that cannot be run.
-[[nodiscard]] Scenario load_scenario(const std::filesystem::path& file,
-                                     const std::filesystem::path& config = "config");
+[[nodiscard]] Scenario load_scenario(const std::filesystem::path& file, const std::filesystem::path& config = "config");
 
 /// The maneuver of this number, from 1, in a campaign of this seed: what is scattered is drawn from these two alone, so that a campaign that
 /// is resumed goes on as if it had never been interrupted.

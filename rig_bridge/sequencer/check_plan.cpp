@@ -9,20 +9,16 @@ namespace sequencer {
 namespace {
 
 void refuse(const char* member, double value, const std::string& expected) {
-    throw std::invalid_argument("plan: " + std::string(member) + " is " + std::to_string(value) +
-                                "; expected " + expected);
+    throw std::invalid_argument("plan: " + std::string(member) + " is " + std::to_string(value) + "; expected " + expected);
 }
 
 void check_current(const Plan& plan) {
     if (plan.law != BrakeLaw::open_loop) return;
-    if (plan.current.empty())
-        throw std::invalid_argument("plan: the open loop needs a current profile of one point or more");
+    if (plan.current.empty()) throw std::invalid_argument("plan: the open loop needs a current profile of one point or more");
     for (std::size_t i = 0; i < plan.current.size(); ++i) {
         const CurrentPoint& point = plan.current[i];
-        if (!(point.current_mA >= 0.0) || !std::isfinite(point.current_mA))
-            refuse("current_mA", point.current_mA, "0 or more");
-        if (!(point.time_s >= 0.0) || !std::isfinite(point.time_s) ||
-            (i > 0 && !(point.time_s > plan.current[i - 1].time_s)))
+        if (!(point.current_mA >= 0.0) || !std::isfinite(point.current_mA)) refuse("current_mA", point.current_mA, "0 or more");
+        if (!(point.time_s >= 0.0) || !std::isfinite(point.time_s) || (i > 0 && !(point.time_s > plan.current[i - 1].time_s)))
             refuse("time_s of the current", point.time_s, "rising times from 0");
     }
 }
@@ -70,12 +66,10 @@ void check(const Plan& plan) {
         if (!(n.value >= 0.0) || !std::isfinite(n.value)) refuse(n.name, n.value, "0 or more");
     }
     if (!std::isfinite(plan.cool_to_C)) refuse("cool_to_C", plan.cool_to_C, "a temperature");
-    if (!std::isfinite(plan.brake_on_limit_C))
-        refuse("brake_on_limit_C", plan.brake_on_limit_C, "a temperature");
+    if (!std::isfinite(plan.brake_on_limit_C)) refuse("brake_on_limit_C", plan.brake_on_limit_C, "a temperature");
     const double fastest_mps = top_speed_mps(plan);
     if (plan.load_base_N - plan.load_lift_Ns2pm2 * fastest_mps * fastest_mps <= 0.0)
-        refuse("load_lift_Ns2pm2", plan.load_lift_Ns2pm2,
-               "a load that stays above zero up to speed_band_mps above the set-point");
+        refuse("load_lift_Ns2pm2", plan.load_lift_Ns2pm2, "a load that stays above zero up to speed_band_mps above the set-point");
     check_current(plan);
 }
 

@@ -5,34 +5,17 @@
 namespace sequencer {
 
 std::string_view name(Phase phase) {
-    constexpr std::array<std::string_view, kPhaseCount> kNames{
-        "idle",    "spin_up",   "touchdown", "settling", "braking", "standstill",
-        "retract", "cool_down", "finished",  "aborting", "aborted"};
+    constexpr std::array<std::string_view, kPhaseCount> kNames{"idle",    "spin_up",   "touchdown", "settling", "braking", "standstill",
+                                                               "retract", "cool_down", "finished",  "aborting", "aborted"};
     const auto i = static_cast<std::size_t>(phase);
     return i < kNames.size() ? kNames[i] : "?";
 }
 
 std::string_view name(Abort abort) {
-    constexpr std::array<std::string_view, kAbortCount> kNames{"none",
-                                                               "requested",
-                                                               "emergency_stop",
-                                                               "guard_open",
-                                                               "hydraulics_lost",
-                                                               "drive_fault",
-                                                               "plc_silent",
-                                                               "plc_tripped",
-                                                               "command_refused",
-                                                               "controller_silent",
-                                                               "controller_fault",
-                                                               "bus_lost",
-                                                               "sensors_lost",
-                                                               "phase_timeout",
-                                                               "brake_hot",
-                                                               "load_lost",
-                                                               "foreign_command",
-                                                               "overspeed",
-                                                               "speed_mismatch",
-                                                               "two_senders"};
+    constexpr std::array<std::string_view, kAbortCount> kNames{
+        "none",        "requested",       "emergency_stop",    "guard_open",       "hydraulics_lost", "drive_fault",  "plc_silent",
+        "plc_tripped", "command_refused", "controller_silent", "controller_fault", "bus_lost",        "sensors_lost", "phase_timeout",
+        "brake_hot",   "load_lost",       "foreign_command",   "overspeed",        "speed_mismatch",  "two_senders"};
     const auto i = static_cast<std::size_t>(abort);
     return i < kNames.size() ? kNames[i] : "?";
 }

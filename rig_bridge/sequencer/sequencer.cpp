@@ -11,13 +11,13 @@ namespace sequencer {
 namespace {
 
 bool plc_heard(const Inputs& in) {
-    return in.plc_fresh && std::isfinite(in.flywheel_mps) && std::isfinite(in.sledge_m) &&
-           std::isfinite(in.load_N) && std::isfinite(in.brake_temperature_C);
+    return in.plc_fresh && std::isfinite(in.flywheel_mps) && std::isfinite(in.sledge_m) && std::isfinite(in.load_N) &&
+           std::isfinite(in.brake_temperature_C);
 }
 
 bool sensors_heard(const Inputs& in) {
-    return in.sensors_fresh && std::isfinite(in.rim_mps) && std::isfinite(in.wheel_radps) &&
-           std::isfinite(in.wheel_rim_mps) && std::isfinite(in.pressure_Pa);
+    return in.sensors_fresh && std::isfinite(in.rim_mps) && std::isfinite(in.wheel_radps) && std::isfinite(in.wheel_rim_mps) &&
+           std::isfinite(in.pressure_Pa);
 }
 
 /// Whether somebody counts on the controller's permission.
@@ -26,8 +26,7 @@ bool armed_phase(Phase phase) {
 }
 
 bool before_brake_on(Phase phase) {
-    return phase == Phase::idle || phase == Phase::spin_up || phase == Phase::touchdown ||
-           phase == Phase::settling;
+    return phase == Phase::idle || phase == Phase::spin_up || phase == Phase::touchdown || phase == Phase::settling;
 }
 
 }  // namespace
@@ -48,8 +47,7 @@ Abort Sequencer::cause(const Inputs& in) const {
     if (!in.drive_healthy) return Abort::drive_fault;
     if (!in.plc_ready) return Abort::plc_tripped;
     if (in.foreign_command) return Abort::foreign_command;
-    if (in.commit_refused || in.commit_late || (phase_ == Phase::spin_up && !sledge_back(in)))
-        return Abort::command_refused;
+    if (in.commit_refused || in.commit_late || (phase_ == Phase::spin_up && !sledge_back(in))) return Abort::command_refused;
     if (in.flywheel_mps > top_speed_mps(plan_)) return Abort::overspeed;
     if (!in.bus_up) return Abort::bus_lost;
     if (in.two_senders) return Abort::two_senders;
@@ -57,8 +55,7 @@ Abort Sequencer::cause(const Inputs& in) const {
     if (!sensors_heard(in)) return Abort::sensors_lost;
     if (disagreed_s_ > plan_.mismatch_s) return Abort::speed_mismatch;
     const bool holds = phase_ == Phase::standstill && elapsed_s() < plan_.hold_s;
-    if (in.controller_safe || ((armed_phase(phase_) || holds) && !in.controller_armed))
-        return Abort::controller_fault;
+    if (in.controller_safe || ((armed_phase(phase_) || holds) && !in.controller_armed)) return Abort::controller_fault;
     if (phase_ == Phase::braking && (!in.wheel_on_rim || !load_in_band(in))) return Abort::load_lost;
     if (before_brake_on(phase_) && in.brake_temperature_C > plan_.brake_on_limit_C) return Abort::brake_hot;
     return Abort::none;
@@ -104,12 +101,10 @@ bool Sequencer::at_speed(const Inputs& in) {
 }
 
 bool Sequencer::settled(const Inputs& in) {
-    const bool rolls = in.wheel_on_rim &&
-                       std::abs(in.flywheel_mps - in.wheel_rim_mps) <= plan_.settle_slip * in.flywheel_mps;
+    const bool rolls = in.wheel_on_rim && std::abs(in.flywheel_mps - in.wheel_rim_mps) <= plan_.settle_slip * in.flywheel_mps;
     if (!rolls || !load_in_band(in)) unsettled_s_ = now_s_;
     return elapsed_s() >= plan_.settle_s && now_s_ - unsettled_s_ >= plan_.settle_hold_s &&
-           in.flywheel_mps <= plan_.speed_mps + plan_.speed_tolerance_mps &&
-           in.flywheel_mps >= plan_.speed_mps - plan_.speed_band_mps;
+           in.flywheel_mps <= plan_.speed_mps + plan_.speed_tolerance_mps && in.flywheel_mps >= plan_.speed_mps - plan_.speed_band_mps;
 }
 
 bool Sequencer::released(const Inputs& in) {
@@ -137,8 +132,7 @@ bool Sequencer::done(const Inputs& in) {
         case Phase::cool_down:
             return in.brake_temperature_C <= plan_.cool_to_C;
         case Phase::aborting:
-            safe_end_ = plc_heard(in) && sledge_back(in) && sensors_heard(in) &&
-                        in.pressure_Pa < plan_.pressure_gone_Pa;
+            safe_end_ = plc_heard(in) && sledge_back(in) && sensors_heard(in) && in.pressure_Pa < plan_.pressure_gone_Pa;
             return safe_end_;
         case Phase::finished:
         case Phase::aborted:
@@ -196,8 +190,7 @@ Outputs Sequencer::step(const Inputs& in, double now_s) {
     const double passed_s = std::max(now_s - now_s_, 0.0);
     now_s_ = std::max(now_s, now_s_);
     // The first status frame of a second controller, or the first that is refused, comes before it is told from the other one.
-    if (in.two_senders && (abort_ == Abort::controller_silent || abort_ == Abort::controller_fault))
-        abort_ = Abort::two_senders;
+    if (in.two_senders && (abort_ == Abort::controller_silent || abort_ == Abort::controller_fault)) abort_ = Abort::two_senders;
     if (over()) return outputs(in);
     compare_speeds(in, passed_s);
 
@@ -221,13 +214,11 @@ Outputs Sequencer::step(const Inputs& in, double now_s) {
 
 double Sequencer::current_mA(double since_brake_on_s) const {
     const auto& points = plan_.current;
-    const auto next = std::upper_bound(points.begin(), points.end(), since_brake_on_s,
-                                       [](double t, const CurrentPoint& p) { return t < p.time_s; });
+    const auto next = std::upper_bound(points.begin(), points.end(), since_brake_on_s, [](double t, const CurrentPoint& p) { return t < p.time_s; });
     if (next == points.begin()) return points.front().current_mA;
     if (next == points.end()) return points.back().current_mA;
     const CurrentPoint& a = *(next - 1);
-    return a.current_mA +
-           (next->current_mA - a.current_mA) * (since_brake_on_s - a.time_s) / (next->time_s - a.time_s);
+    return a.current_mA + (next->current_mA - a.current_mA) * (since_brake_on_s - a.time_s) / (next->time_s - a.time_s);
 }
 
 void Sequencer::brake(Outputs& out) const {
@@ -243,8 +234,7 @@ Outputs Sequencer::outputs(const Inputs& in) const {
     out.slip_reference = plan_.slip_reference;
     out.deceleration_mps2 = plan_.deceleration_mps2;
     // What happens on the way to the safe end may be worse than what began it.
-    out.emergency_stop =
-        phase_ == Phase::aborting && (stops_controller(abort_) || stops_controller(cause(in)));
+    out.emergency_stop = phase_ == Phase::aborting && (stops_controller(abort_) || stops_controller(cause(in)));
     if (phase_ == Phase::spin_up) {
         out.drive_enable = true;
         out.flywheel_set_mps = set_mps_;

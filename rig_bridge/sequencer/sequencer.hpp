@@ -69,18 +69,18 @@ enum class Abort : std::uint8_t {
     drive_fault,
     plc_silent,  ///< no fresh registers, a register that is no number, or the PLC's watchdog stands still
     plc_tripped,
-    command_refused,  ///< the PLC refused a commit, or did not confirm it in time; or the sledge is out while the drive pulls
+    command_refused,    ///< the PLC refused a commit, or did not confirm it in time; or the sledge is out while the drive pulls
     controller_silent,  ///< no fresh status frames
-    controller_fault,  ///< the controller is in its safe state; or, from touchdown to the end of the hold, not armed
-    bus_lost,          ///< CAN interface down or bus-off
-    sensors_lost,     ///< no fresh encoder or pressure frames, or a reading that is no number
-    phase_timeout,    ///< a phase took longer than its limit
-    brake_hot,        ///< above the limit for brake-on, before brake-on
-    load_lost,        ///< while braking: vertical load out of its band, or the wheel off the rim
-    foreign_command,  ///< the PLC took over, or refused, a command that is not ours
-    overspeed,        ///< the flywheel is faster than top_speed_mps(), by the PLC's reading
-    speed_mismatch,   ///< PLC and encoder on the bus differ in the rim's speed for `mismatch_s`
-    two_senders,      ///< two controllers, or two bridges, send on the bus
+    controller_fault,   ///< the controller is in its safe state; or, from touchdown to the end of the hold, not armed
+    bus_lost,           ///< CAN interface down or bus-off
+    sensors_lost,       ///< no fresh encoder or pressure frames, or a reading that is no number
+    phase_timeout,      ///< a phase took longer than its limit
+    brake_hot,          ///< above the limit for brake-on, before brake-on
+    load_lost,          ///< while braking: vertical load out of its band, or the wheel off the rim
+    foreign_command,    ///< the PLC took over, or refused, a command that is not ours
+    overspeed,          ///< the flywheel is faster than top_speed_mps(), by the PLC's reading
+    speed_mismatch,     ///< PLC and encoder on the bus differ in the rim's speed for `mismatch_s`
+    two_senders,        ///< two controllers, or two bridges, send on the bus
 };
 inline constexpr std::uint8_t kAbortCount = 20;
 [[nodiscard]] std::string_view name(Abort abort);
@@ -91,14 +91,7 @@ inline constexpr std::uint8_t kAbortCount = 20;
 [[nodiscard]] bool stops_controller(Abort abort);
 
 /// How the current is found; codes as on the bus.
-enum class BrakeLaw : std::uint8_t {
-    slip = 0,
-    deceleration = 1,
-    open_loop = 2,
-    threshold = 3,
-    pressure_bias = 4,
-    peak_slip = 5
-};
+enum class BrakeLaw : std::uint8_t { slip = 0, deceleration = 1, open_loop = 2, threshold = 3, pressure_bias = 4, peak_slip = 5 };
 
 struct CurrentPoint {
     double time_s = 0.0;  ///< since brake-on
@@ -117,13 +110,12 @@ struct Plan {
     std::vector<CurrentPoint> current;  ///< of the open-loop law
 
     // How long and how exactly.
-    double speed_tolerance_mps =
-        0.02;  ///< spin-up ends within this of the set-point, brake-on is at most so much too fast
-    double wheel_share = 0.005;      ///< J_w / (m r^2): inertia of the wheel, at the rim, over the flywheel's
-    double rolling_radius_m = 0.32;  ///< r(F_z) of the wheel at brake-on
-    double coasting_mps = 0.07;      ///< lost to drag between drive off and brake-on
-    double settle_s = 1.0;           ///< shortest settling
-    double settle_slip = 0.01;       ///< settled when wheel and rim differ by less, for settle_hold_s
+    double speed_tolerance_mps = 0.02;  ///< spin-up ends within this of the set-point, brake-on is at most so much too fast
+    double wheel_share = 0.005;         ///< J_w / (m r^2): inertia of the wheel, at the rim, over the flywheel's
+    double rolling_radius_m = 0.32;     ///< r(F_z) of the wheel at brake-on
+    double coasting_mps = 0.07;         ///< lost to drag between drive off and brake-on
+    double settle_s = 1.0;              ///< shortest settling
+    double settle_slip = 0.01;          ///< settled when wheel and rim differ by less, for settle_hold_s
     double settle_hold_s = 0.2;
     /// No brake-on when the speed has fallen by more than this below the prescribed one; no rim faster by more than this than a spin-up can
     /// ask for; and PLC and encoder differ by no more.
@@ -135,12 +127,11 @@ struct Plan {
     double hold_s = 0.2;               ///< pressure held after standstill
     double cool_to_C = 1000.0;         ///< end of the cool-down
     double brake_on_limit_C = 1000.0;  ///< no brake-on above it
-    double load_band = 0.5;  ///< share of the law by which the measured load may be off while braking
+    double load_band = 0.5;            ///< share of the law by which the measured load may be off while braking
 
     // Limits of the phases, s.
-    double idle_limit_s = 30.0, spin_up_limit_s = 180.0, touchdown_limit_s = 15.0, settling_limit_s = 10.0,
-           braking_limit_s = 120.0, standstill_limit_s = 10.0, retract_limit_s = 30.0,
-           cool_down_limit_s = 3600.0, abort_limit_s = 600.0;
+    double idle_limit_s = 30.0, spin_up_limit_s = 180.0, touchdown_limit_s = 15.0, settling_limit_s = 10.0, braking_limit_s = 120.0,
+           standstill_limit_s = 10.0, retract_limit_s = 30.0, cool_down_limit_s = 3600.0, abort_limit_s = 600.0;
 };
 
 /// What is known of the rig. Values count only while the flag of their source is set.

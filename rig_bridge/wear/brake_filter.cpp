@@ -20,17 +20,14 @@ double square(double x) {
 }  // namespace
 
 BrakeFilter::BrakeFilter(const Population& population)
-    : population_(&population),
-      variance_offset_(square(population.spread.offset)),
-      variance_remembered_(square(population.scatter.remembered)) {
+    : population_(&population), variance_offset_(square(population.spread.offset)), variance_remembered_(square(population.scatter.remembered)) {
     const int scales = population.spread.log_energy_scale > 0.0 ? kScales : 1;
     hypotheses_.reserve(population.members.size() * static_cast<std::size_t>(scales));
     double sum = 0.0;
     for (std::size_t k = 0; k < population.members.size(); ++k) {
         for (int i = 0; i < scales; ++i) {
             const double z = scales == 1 ? 0.0 : kReach * (2.0 * i / (scales - 1) - 1.0);
-            hypotheses_.push_back(
-                {k, std::exp(z * population.spread.log_energy_scale), std::exp(-0.5 * z * z), 0.0, 0.0, 0.0});
+            hypotheses_.push_back({k, std::exp(z * population.spread.log_energy_scale), std::exp(-0.5 * z * z), 0.0, 0.0, 0.0});
             sum += hypotheses_.back().weight;
         }
     }
@@ -78,8 +75,7 @@ double BrakeFilter::score(const Point& point) const {
         above += h.weight * 0.5 * std::erfc(off);
     }
     const double tail = std::min(below, above);
-    const double size =
-        tail < 1e-15 ? kMost : std::min(kMost, std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * tail));
+    const double size = tail < 1e-15 ? kMost : std::min(kMost, std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * tail));
     return below < above ? -size : size;
 }
 
@@ -109,8 +105,7 @@ void BrakeFilter::learn(const Point& point) {
         const double off = point.mean_friction - predicted(h, point.c_e_J);
         h.offset += gain_offset * off;
         h.remembered = population_->scatter.memory * h.remembered + gain_remembered * off;
-        h.weight =
-            kept * std::log(h.weight) + (1.0 - kept) * std::log(h.prior) - 0.5 * off * off / a.innovation;
+        h.weight = kept * std::log(h.weight) + (1.0 - kept) * std::log(h.prior) - 0.5 * off * off / a.innovation;
         greatest = std::max(greatest, h.weight);
     }
     double sum = 0.0;

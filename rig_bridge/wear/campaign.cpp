@@ -35,9 +35,8 @@ struct BrakingColumn {
     std::string_view name;
     double Braking::*value;
 };
-constexpr std::array<BrakingColumn, 3> kBraking{{{"brake_on_mps", &Braking::brake_on_mps},
-                                                 {"mean_torque_Nm", &Braking::mean_torque_Nm},
-                                                 {"mean_load_N", &Braking::mean_load_N}}};
+constexpr std::array<BrakingColumn, 3> kBraking{
+    {{"brake_on_mps", &Braking::brake_on_mps}, {"mean_torque_Nm", &Braking::mean_torque_Nm}, {"mean_load_N", &Braking::mean_load_N}}};
 
 struct Columns {
     std::size_t count = 0;
@@ -53,30 +52,24 @@ struct PartColumn {
     std::string_view name;
     std::string Campaign::*value;
 };
-constexpr std::array<PartColumn, 2> kPartColumns{
-    {{"brake_serial", &Campaign::brake}, {"disc_serial", &Campaign::disc}}};
+constexpr std::array<PartColumn, 2> kPartColumns{{{"brake_serial", &Campaign::brake}, {"disc_serial", &Campaign::disc}}};
 
-std::optional<std::size_t> find(const std::vector<std::string_view>& header, std::string_view name,
-                                const std::string& file, unsigned line) {
+std::optional<std::size_t> find(const std::vector<std::string_view>& header, std::string_view name, const std::string& file, unsigned line) {
     const auto at = std::find(header.begin(), header.end(), name);
     if (at == header.end()) return std::nullopt;
-    if (std::find(at + 1, header.end(), name) != header.end())
-        throw Error(file, line, std::string(name), "two columns of this name");
+    if (std::find(at + 1, header.end(), name) != header.end()) throw Error(file, line, std::string(name), "two columns of this name");
     return static_cast<std::size_t>(at - header.begin());
 }
 
 /// Why there is no such column: what stands in the header instead. `stem` is the name without its unit.
-std::string missing(const std::vector<std::string_view>& header, std::string_view name,
-                    std::string_view stem) {
+std::string missing(const std::vector<std::string_view>& header, std::string_view name, std::string_view stem) {
     for (const std::string_view got : header) {
         if (got == stem || (got.starts_with(stem) && got.substr(stem.size()).starts_with('_')))
-            return fmt::format("'{}' is in another unit or in none; wanted is {}", settings::printable(got),
-                               name);
+            return fmt::format("'{}' is in another unit or in none; wanted is {}", settings::printable(got), name);
     }
     const std::string_view close = settings::nearest(name, header);
-    return close.empty()
-               ? fmt::format("no column {} in the header (first line, names separated by commas)", name)
-               : fmt::format("no column {}; is '{}' meant to be it?", name, settings::printable(close));
+    return close.empty() ? fmt::format("no column {} in the header (first line, names separated by commas)", name)
+                         : fmt::format("no column {}; is '{}' meant to be it?", name, settings::printable(close));
 }
 
 Columns columns_of(const std::string& file, unsigned line, const std::vector<std::string_view>& header) {
@@ -87,19 +80,15 @@ Columns columns_of(const std::string& file, unsigned line, const std::vector<std
     const auto in_MJ = find(header, kEnergyMJ, file, line);
     const auto in_J = find(header, kEnergyJ, file, line);
     if (in_MJ && in_J)
-        throw Error(file, line, std::string(kEnergyMJ),
-                    "energy stands in two units; keep cumulative_energy_J or cumulative_energy_MJ");
-    if (!in_MJ && !in_J)
-        throw Error(file, line, "",
-                    missing(header, kEnergyMJ, "cumulative_energy") + "; cumulative_energy_J will do, too");
+        throw Error(file, line, std::string(kEnergyMJ), "energy stands in two units; keep cumulative_energy_J or cumulative_energy_MJ");
+    if (!in_MJ && !in_J) throw Error(file, line, "", missing(header, kEnergyMJ, "cumulative_energy") + "; cumulative_energy_J will do, too");
     c.energy = in_MJ ? *in_MJ : *in_J;
     c.energy_unit_J = in_MJ ? 1e6 : 1.0;
     c.energy_name = in_MJ ? kEnergyMJ : kEnergyJ;
     const auto friction = find(header, kFriction, file, line);
     if (!friction) throw Error(file, line, "", missing(header, kFriction, kFriction));
     c.friction = *friction;
-    for (std::size_t i = 0; i < kPartColumns.size(); ++i)
-        c.parts[i] = find(header, kPartColumns[i].name, file, line);
+    for (std::size_t i = 0; i < kPartColumns.size(); ++i) c.parts[i] = find(header, kPartColumns[i].name, file, line);
     std::array<std::size_t, kBraking.size()> braking{};
     for (std::size_t i = 0; i < kBraking.size(); ++i) {
         const auto at = find(header, kBraking[i].name, file, line);
@@ -110,49 +99,42 @@ Columns columns_of(const std::string& file, unsigned line, const std::vector<std
     return c;
 }
 
-Braking braking_of(const std::string& file, unsigned line, const Columns& columns,
-                   const std::vector<std::string_view>& fields) {
+Braking braking_of(const std::string& file, unsigned line, const Columns& columns, const std::vector<std::string_view>& fields) {
     Braking out;
     for (std::size_t i = 0; i < kBraking.size(); ++i) {
         const double value = csv_number(file, line, kBraking[i].name, fields[(*columns.braking)[i]]);
-        if (value <= 0.0)
-            throw Error(file, line, std::string(kBraking[i].name), fmt::format("{} must be positive", value));
+        if (value <= 0.0) throw Error(file, line, std::string(kBraking[i].name), fmt::format("{} must be positive", value));
         out.*kBraking[i].value = value;
     }
     return out;
 }
 
-void take_parts(Campaign& campaign, unsigned line, const Columns& columns,
-                const std::vector<std::string_view>& fields) {
+void take_parts(Campaign& campaign, unsigned line, const Columns& columns, const std::vector<std::string_view>& fields) {
     for (std::size_t i = 0; i < kPartColumns.size(); ++i) {
         if (!columns.parts[i]) continue;
         std::string is(fields[*columns.parts[i]]);
-        for (auto at = is.find("\"\""); at != std::string::npos; at = is.find("\"\"", at + 1))
-            is.erase(at, 1);
+        for (auto at = is.find("\"\""); at != std::string::npos; at = is.find("\"\"", at + 1)) is.erase(at, 1);
         std::string& was = campaign.*kPartColumns[i].value;
         if (!campaign.points.empty() && is != was)
             throw Error(campaign.source, line, std::string(kPartColumns[i].name),
-                        fmt::format("'{}' after '{}': their wear is not mixed; give each a table of its own",
-                                    settings::printable(is), settings::printable(was)));
+                        fmt::format("'{}' after '{}': their wear is not mixed; give each a table of its own", settings::printable(is),
+                                    settings::printable(was)));
         was = std::move(is);
     }
 }
 
 void check_point(const std::string& file, unsigned line, const Point& point, const Point* before) {
     if (!std::isfinite(point.c_e_J) || point.c_e_J <= 0.0)
-        throw Error(
-            file, line, "cumulative_energy",
-            fmt::format("{} J: cumulative energy is positive from the first maneuver on", point.c_e_J));
+        throw Error(file, line, "cumulative_energy", fmt::format("{} J: cumulative energy is positive from the first maneuver on", point.c_e_J));
     if (!(point.mean_friction >= kLeastPlausible && point.mean_friction <= kGreatestPlausible))
         throw Error(file, line, std::string(kFriction),
-                    fmt::format("{} is no friction coefficient of a brake ({} to {}); is it in percent?",
-                                point.mean_friction, kLeastPlausible, kGreatestPlausible));
+                    fmt::format("{} is no friction coefficient of a brake ({} to {}); is it in percent?", point.mean_friction, kLeastPlausible,
+                                kGreatestPlausible));
     if (before == nullptr) return;
     const double step_J = point.c_e_J - before->c_e_J;
     if (step_J <= 0.0)
         throw Error(file, line, "cumulative_energy",
-                    fmt::format("{} J after {} J: energy must increase from maneuver to maneuver",
-                                point.c_e_J, before->c_e_J));
+                    fmt::format("{} J after {} J: energy must increase from maneuver to maneuver", point.c_e_J, before->c_e_J));
     if (step_J > kGreatestStep_J)
         throw Error(file, line, "cumulative_energy",
                     fmt::format("{} J in one maneuver is more than a brake takes ({} J); is the unit that of "
@@ -165,27 +147,20 @@ void check_point(const std::string& file, unsigned line, const Point& point, con
 void check(const Campaign& campaign, unsigned first_line) {
     const std::vector<Point>& points = campaign.points;
     if (points.size() < 2)
-        throw Error(campaign.source, 0, "",
-                    fmt::format("{}: a campaign needs at least two",
-                                points.empty() ? "no maneuver" : "one maneuver only"));
+        throw Error(campaign.source, 0, "", fmt::format("{}: a campaign needs at least two", points.empty() ? "no maneuver" : "one maneuver only"));
     for (std::size_t i = 0; i < points.size(); ++i) {
-        check_point(campaign.source, first_line + static_cast<unsigned>(i), points[i],
-                    i == 0 ? nullptr : &points[i - 1]);
+        check_point(campaign.source, first_line + static_cast<unsigned>(i), points[i], i == 0 ? nullptr : &points[i - 1]);
     }
-    const double mean_step_J =
-        (points.back().c_e_J - points.front().c_e_J) / static_cast<double>(points.size() - 1);
+    const double mean_step_J = (points.back().c_e_J - points.front().c_e_J) / static_cast<double>(points.size() - 1);
     if (mean_step_J < kLeastMeanStep_J)
         throw Error(campaign.source, 0, "cumulative_energy",
                     fmt::format("{} J a maneuver on average is less than a brake takes ({} J); is the unit "
                                 "that of the column's name?",
                                 mean_step_J, kLeastMeanStep_J));
-    const bool all_equal = std::all_of(points.begin(), points.end(), [&](const Point& p) {
-        return p.mean_friction == points.front().mean_friction;
-    });
+    const bool all_equal = std::all_of(points.begin(), points.end(), [&](const Point& p) { return p.mean_friction == points.front().mean_friction; });
     if (all_equal)
         throw Error(campaign.source, 0, std::string(kFriction),
-                    fmt::format("{} in all {} maneuvers: no measurement is like that",
-                                points.front().mean_friction, points.size()));
+                    fmt::format("{} in all {} maneuvers: no measurement is like that", points.front().mean_friction, points.size()));
 }
 
 Campaign parse_campaign(const std::string& name, std::string_view csv) {
@@ -200,14 +175,12 @@ Campaign parse_campaign(const std::string& name, std::string_view csv) {
             continue;
         }
         if (fields.size() != columns->count)
-            throw Error(
-                name, line_number, "",
-                fmt::format("{} fields, but the header names {} columns (decimal point, comma between "
-                            "fields)",
-                            fields.size(), columns->count));
+            throw Error(name, line_number, "",
+                        fmt::format("{} fields, but the header names {} columns (decimal point, comma between "
+                                    "fields)",
+                                    fields.size(), columns->count));
         take_parts(campaign, line_number, *columns, fields);
-        const Point point{csv_number(name, line_number, columns->energy_name, fields[columns->energy]) *
-                              columns->energy_unit_J,
+        const Point point{csv_number(name, line_number, columns->energy_name, fields[columns->energy]) * columns->energy_unit_J,
                           csv_number(name, line_number, kFriction, fields[columns->friction])};
         check_point(name, line_number, point, campaign.points.empty() ? nullptr : &campaign.points.back());
         campaign.points.push_back(point);
@@ -250,12 +223,10 @@ std::string to_csv(const Campaign& campaign) {
         fmt::format_to(std::back_inserter(csv), "{},{},{},{}", i + 1, p.mean_friction,
                        std::isnan(energy_J) ? std::string() : fmt::format("{}", energy_J), p.c_e_J);
         if (brakings) {
-            for (const BrakingColumn& column : kBraking)
-                fmt::format_to(std::back_inserter(csv), ",{}", campaign.brakings[i].*column.value);
+            for (const BrakingColumn& column : kBraking) fmt::format_to(std::back_inserter(csv), ",{}", campaign.brakings[i].*column.value);
         }
         for (const PartColumn& part : kPartColumns)
-            if (!(campaign.*part.value).empty())
-                csv.append(",").append(settings::csv_field(campaign.*part.value));
+            if (!(campaign.*part.value).empty()) csv.append(",").append(settings::csv_field(campaign.*part.value));
         csv += "\n";
     }
     return csv;

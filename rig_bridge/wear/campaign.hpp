@@ -35,10 +35,10 @@ struct Campaign {
 };
 
 /// CSV with a header. Columns, in any order, others are passed over: `cumulative_energy_MJ` or `cumulative_energy_J` (one of them), and
-/// `mean_friction`. Where there are `brake_on_mps`, `mean_torque_Nm` and `mean_load_N`, all three and positive, too. Where there are `brake_serial` and `disc_serial`,
-/// each the same in all rows: wear of two discs is no campaign. Empty lines and lines that begin with # are passed over. At least two maneuvers; energy positive and strictly
-/// increasing by at most 1e9 J a maneuver and by at least 100 J on average; friction within 0.001 to 1.5, and not the same everywhere.
-/// Throws settings::Error with `name` and the line of what is wrong otherwise. `name` becomes the source.
+/// `mean_friction`. Where there are `brake_on_mps`, `mean_torque_Nm` and `mean_load_N`, all three and positive, too. Where there are `brake_serial`
+/// and `disc_serial`, each the same in all rows: wear of two discs is no campaign. Empty lines and lines that begin with # are passed over. At least
+/// two maneuvers; energy positive and strictly increasing by at most 1e9 J a maneuver and by at least 100 J on average; friction within 0.001 to 1.5,
+/// and not the same everywhere. Throws settings::Error with `name` and the line of what is wrong otherwise. `name` becomes the source.
 [[nodiscard]] Campaign parse_campaign(const std::string& name, std::string_view csv);
 
 /// The same from a file.

@@ -11,8 +11,7 @@ namespace {
 Conditional::Term term_of(const Component& c, double weight, double a_J, Variance variance) {
     const double rho = c.correlation();
     const double share = variance == Variance::exact ? (1.0 - rho) * (1.0 + rho) : 1.0 - rho;
-    return {weight, c.mean_friction + c.covariance_J / c.variance_c_e_J2 * (a_J - c.mean_c_e_J),
-            share * c.variance_friction};
+    return {weight, c.mean_friction + c.covariance_J / c.variance_c_e_J2 * (a_J - c.mean_c_e_J), share * c.variance_friction};
 }
 
 /// log(w_j N(a; c_j, sigma_cj^2)) but for a constant.
@@ -38,8 +37,7 @@ double Conditional::variance() const {
 
 double Conditional::cumulative(double friction) const {
     double sum = 0.0;
-    for (const Term& t : terms)
-        sum += t.weight * 0.5 * std::erfc((t.mean - friction) / std::sqrt(2.0 * t.variance));
+    for (const Term& t : terms) sum += t.weight * 0.5 * std::erfc((t.mean - friction) / std::sqrt(2.0 * t.variance));
     return sum;
 }
 
@@ -60,14 +58,12 @@ Conditional friction_given_energy(const Mixture& mixture, double a_J, const Cond
     return friction_given_energy(mixture, a_J, a_J, rule);
 }
 
-Conditional friction_given_energy(const Mixture& mixture, double a_J, double weigh_at_J,
-                                  const ConditionalRule& rule) {
+Conditional friction_given_energy(const Mixture& mixture, double a_J, double weigh_at_J, const ConditionalRule& rule) {
     const std::vector<Component>& all = mixture.components();
     if (rule.choice == Choice::nearest) {
-        const auto near =
-            std::min_element(all.begin(), all.end(), [&](const Component& p, const Component& q) {
-                return std::abs(weigh_at_J - p.mean_c_e_J) < std::abs(weigh_at_J - q.mean_c_e_J);
-            });
+        const auto near = std::min_element(all.begin(), all.end(), [&](const Component& p, const Component& q) {
+            return std::abs(weigh_at_J - p.mean_c_e_J) < std::abs(weigh_at_J - q.mean_c_e_J);
+        });
         return {{term_of(*near, 1.0, a_J, rule.variance)}};
     }
     double greatest = -std::numeric_limits<double>::infinity();

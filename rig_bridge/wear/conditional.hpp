@@ -36,12 +36,10 @@ struct Conditional {
 };
 
 /// At any finite energy a [J].
-[[nodiscard]] Conditional friction_given_energy(const Mixture& mixture, double a_J,
-                                                const ConditionalRule& rule = {});
+[[nodiscard]] Conditional friction_given_energy(const Mixture& mixture, double a_J, const ConditionalRule& rule = {});
 
 /// The same, but which components speak is asked at `weigh_at_J`, and what they say at `a_J`: beyond the data their lines go on, whereas the
 /// weights there would fall to whichever component is widest, for no reason in the data.
-[[nodiscard]] Conditional friction_given_energy(const Mixture& mixture, double a_J, double weigh_at_J,
-                                                const ConditionalRule& rule);
+[[nodiscard]] Conditional friction_given_energy(const Mixture& mixture, double a_J, double weigh_at_J, const ConditionalRule& rule);
 
 }  // namespace wear

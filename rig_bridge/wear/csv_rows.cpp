@@ -34,9 +34,7 @@ double csv_number(const std::string& file, unsigned line, std::string_view colum
     const auto [at, failure] = std::from_chars(field.data(), end, value);
     if (failure != std::errc() || at != end || !std::isfinite(value))
         throw settings::Error(file, line, std::string(column),
-                              field.empty()
-                                  ? std::string("no value")
-                                  : fmt::format("'{}' is no finite number", settings::printable(field)));
+                              field.empty() ? std::string("no value") : fmt::format("'{}' is no finite number", settings::printable(field)));
     return value;
 }
 

@@ -29,7 +29,6 @@ class CsvRows {
 };
 
 /// A field as number. Throws settings::Error with file, line and column where it is no finite number.
-[[nodiscard]] double csv_number(const std::string& file, unsigned line, std::string_view column,
-                                std::string_view field);
+[[nodiscard]] double csv_number(const std::string& file, unsigned line, std::string_view column, std::string_view field);
 
 }  // namespace wear

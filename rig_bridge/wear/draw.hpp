@@ -8,8 +8,7 @@
 
 namespace wear {
 
-using Generator =
-    std::mt19937_64;  // its sequence is fixed by the C++ standard; that of std::normal_distribution is not
+using Generator = std::mt19937_64;  // its sequence is fixed by the C++ standard; that of std::normal_distribution is not
 
 /// Uniform in (0, 1), neither end included.
 [[nodiscard]] inline double uniform(Generator& generator) {
@@ -25,8 +24,8 @@ using Generator =
 
 /// A generator of its own for part `stream` of what `seed` governs: parts may then run in any order, on any thread.
 [[nodiscard]] inline Generator generator_of(std::uint64_t seed, std::uint64_t stream) {
-    std::seed_seq words{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U),
-                        static_cast<std::uint32_t>(stream), static_cast<std::uint32_t>(stream >> 32U)};
+    std::seed_seq words{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U), static_cast<std::uint32_t>(stream),
+                        static_cast<std::uint32_t>(stream >> 32U)};
     return Generator(words);
 }
 

@@ -33,9 +33,7 @@ void whiten(const StandardMixture& m, std::array<Whitened, kMostComponents>& out
         const double l11 = std::sqrt(m.xx[j]);
         const double l21 = m.xy[j] / l11;
         const double l22 = std::sqrt(m.yy[j] - l21 * l21);
-        out[j] = {m.mx[j],   m.my[j],
-                  1.0 / l11, -l21 / (l11 * l22),
-                  1.0 / l22, std::log(m.weight[j]) - std::log(2.0 * std::numbers::pi * l11 * l22)};
+        out[j] = {m.mx[j], m.my[j], 1.0 / l11, -l21 / (l11 * l22), 1.0 / l22, std::log(m.weight[j]) - std::log(2.0 * std::numbers::pi * l11 * l22)};
     }
 }
 
@@ -72,8 +70,7 @@ StandardPoints::StandardPoints(std::span<const double> x, std::span<const double
     std::fill_n(there_.begin(), size_, 1.0);
 }
 
-EmRun em(const StandardPoints& points, const StandardMixture& start, const EmSettings& settings,
-         const std::function<void(double)>& watch) {
+EmRun em(const StandardPoints& points, const StandardMixture& start, const EmSettings& settings, const std::function<void(double)>& watch) {
     EmRun run;
     run.mixture = start;
     std::array<Whitened, kMostComponents> whitened{};
@@ -96,8 +93,7 @@ EmRun em(const StandardPoints& points, const StandardMixture& start, const EmSet
     return run;
 }
 
-StandardMixture mixture_of(const StandardPoints& points, std::span<const std::size_t> label,
-                           std::size_t components, double covariance_floor) {
+StandardMixture mixture_of(const StandardPoints& points, std::span<const std::size_t> label, std::size_t components, double covariance_floor) {
     constexpr double kWider = 0.01;
     StandardMixture m;
     m.components = components;

@@ -59,8 +59,8 @@ struct EmRun {
                        const std::function<void(double)>& watch = {});
 
 /// The mixture of which each component is what `label` says belongs to it (0 .. components - 1, one a point), covariances raised by 0.01.
-[[nodiscard]] StandardMixture mixture_of(const StandardPoints& points, std::span<const std::size_t> label,
-                                         std::size_t components, double covariance_floor);
+[[nodiscard]] StandardMixture mixture_of(const StandardPoints& points, std::span<const std::size_t> label, std::size_t components,
+                                         double covariance_floor);
 
 /// Log-likelihood of the points.
 [[nodiscard]] double log_likelihood(const StandardPoints& points, const StandardMixture& mixture);

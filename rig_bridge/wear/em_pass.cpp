@@ -21,8 +21,7 @@ struct Sums {
 };
 
 /// Log densities of one component at a block's points, and the greatest so far.
-[[gnu::always_inline]] inline void log_densities(const double* x, const double* y, const Whitened& c,
-                                                 double* out, double* greatest) {
+[[gnu::always_inline]] inline void log_densities(const double* x, const double* y, const Whitened& c, double* out, double* greatest) {
     for (std::size_t i = 0; i < kBlock; ++i) {
         const double dx = x[i] - c.mx;
         const double z1 = dx * c.i11;
@@ -33,8 +32,8 @@ struct Sums {
     }
 }
 
-[[gnu::always_inline]] inline void add_moments(const double* x, const double* y, const double* share,
-                                               const double* scale, const Whitened& c, Sums& sums) {
+[[gnu::always_inline]] inline void add_moments(const double* x, const double* y, const double* share, const double* scale, const Whitened& c,
+                                               Sums& sums) {
     for (std::size_t i = 0; i < kBlock; i += kLanes) {
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const double r = share[i + lane] * scale[i + lane];
@@ -68,8 +67,7 @@ struct Sums {
     return total(levels) + std::log(all);
 }
 
-[[gnu::always_inline]] inline void whole_pass(const StandardPoints& points, const Whitened* components,
-                                              std::size_t count, Pass& out) {
+[[gnu::always_inline]] inline void whole_pass(const StandardPoints& points, const Whitened* components, std::size_t count, Pass& out) {
     alignas(64) std::array<std::array<double, kBlock>, kMostComponents> share{};
     alignas(64) std::array<double, kBlock> greatest{};
     alignas(64) std::array<double, kBlock> sum{};
@@ -81,8 +79,7 @@ struct Sums {
         const double* y = points.y() + b * kBlock;
         const double* there = points.there() + b * kBlock;
         greatest.fill(-1e300);
-        for (std::size_t j = 0; j < count; ++j)
-            log_densities(x, y, components[j], share[j].data(), greatest.data());
+        for (std::size_t j = 0; j < count; ++j) log_densities(x, y, components[j], share[j].data(), greatest.data());
         sum.fill(0.0);
         for (std::size_t j = 0; j < count; ++j) {
             double* e = share[j].data();
@@ -92,8 +89,7 @@ struct Sums {
             }
         }
         for (std::size_t i = 0; i < kBlock; ++i) scale[i] = there[i] / sum[i];
-        for (std::size_t j = 0; j < count; ++j)
-            add_moments(x, y, share[j].data(), scale.data(), components[j], sums[j]);
+        for (std::size_t j = 0; j < count; ++j) add_moments(x, y, share[j].data(), scale.data(), components[j], sums[j]);
         log_likelihood += log_of(greatest.data(), sum.data(), there);
     }
     for (std::size_t j = 0; j < count; ++j) {
@@ -104,14 +100,12 @@ struct Sums {
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx512f,avx512dq,avx512vl")]] void pass_avx512(const StandardPoints& points,
-                                                              const Whitened* components, std::size_t count,
+[[gnu::target("avx512f,avx512dq,avx512vl")]] void pass_avx512(const StandardPoints& points, const Whitened* components, std::size_t count,
                                                               Pass& out) {
     whole_pass(points, components, count, out);
 }
 
-[[gnu::target("avx2")]] void pass_avx2(const StandardPoints& points, const Whitened* components,
-                                       std::size_t count, Pass& out) {
+[[gnu::target("avx2")]] void pass_avx2(const StandardPoints& points, const Whitened* components, std::size_t count, Pass& out) {
     whole_pass(points, components, count, out);
 }
 #endif
@@ -120,8 +114,7 @@ struct Sums {
 
 void pass(const StandardPoints& points, const Whitened* components, std::size_t count, Pass& out) {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512vl"))
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
         return pass_avx512(points, components, count, out);
     if (__builtin_cpu_supports("avx2")) return pass_avx2(points, components, count, out);
 #endif

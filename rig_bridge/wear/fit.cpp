@@ -60,20 +60,16 @@ Mixture in_units(const StandardMixture& m, const Scale& s) {
                   s.c_deviation_J * s.mu_deviation * m.xy[j],
                   s.mu_deviation * s.mu_deviation * m.yy[j]};
     }
-    std::sort(out.begin(), out.end(),
-              [](const Component& a, const Component& b) { return a.mean_c_e_J < b.mean_c_e_J; });
+    std::sort(out.begin(), out.end(), [](const Component& a, const Component& b) { return a.mean_c_e_J < b.mean_c_e_J; });
     return Mixture(std::move(out));
 }
 
 void check(const Campaign& campaign, const FitSettings& settings, const FitControl& control) {
-    if (settings.least_components < 1 || settings.most_components > kMostComponents ||
-        settings.least_components > settings.most_components)
-        throw std::invalid_argument(fmt::format("components: {} to {} is no part of 1 to {}",
-                                                settings.least_components, settings.most_components,
-                                                kMostComponents));
+    if (settings.least_components < 1 || settings.most_components > kMostComponents || settings.least_components > settings.most_components)
+        throw std::invalid_argument(
+            fmt::format("components: {} to {} is no part of 1 to {}", settings.least_components, settings.most_components, kMostComponents));
     if (settings.starts < 1) throw std::invalid_argument("starts: at least 1");
-    if (!(settings.em.tolerance > 0.0) || !(settings.em.covariance_floor > 0.0) ||
-        settings.em.most_iterations < 1)
+    if (!(settings.em.tolerance > 0.0) || !(settings.em.covariance_floor > 0.0) || settings.em.most_iterations < 1)
         throw std::invalid_argument("tolerance, covariance floor and iterations must be positive");
     if (control.threads < 1) throw std::invalid_argument("threads: at least 1");
     wear::check(campaign);
@@ -82,8 +78,7 @@ void check(const Campaign& campaign, const FitSettings& settings, const FitContr
         throw settings::Error(campaign.source, 0, "",
                               fmt::format("{} maneuvers are too few for {} components, which have {} "
                                           "parameters; at most {} can be learnt",
-                                          points, settings.most_components,
-                                          parameters_of(settings.most_components), points / 6));
+                                          points, settings.most_components, parameters_of(settings.most_components), points / 6));
 }
 
 /// The best run of one M so far; the first of equals.
@@ -130,10 +125,7 @@ Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl&
         const std::size_t start = job % starts;
         constexpr int kSweeps = 10;
         Generator generator = generator_of(settings.seed, m * 1'000'000'000U + start);
-        random[job] =
-            em(points,
-               random_start(points, m, start % 2 == 0 ? kSweeps : 0, settings.em.covariance_floor, generator),
-               settings.em);
+        random[job] = em(points, random_start(points, m, start % 2 == 0 ? kSweeps : 0, settings.em.covariance_floor, generator), settings.em);
     });
     std::vector<Search> found(most + 1);
     for (std::size_t job = 0; job < random.size(); ++job) found[most - job / starts].take(random[job]);
@@ -142,9 +134,7 @@ Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl&
     for (std::size_t m = least + 1; m <= most; ++m) {
         const StandardMixture smaller = found[m - 1].best->mixture;
         std::vector<EmRun> runs(2 * (m - 1));
-        on_all(runs.size(), [&](std::size_t job) {
-            runs[job] = em(points, split(smaller, job / 2, job % 2 == 0), settings.em);
-        });
+        on_all(runs.size(), [&](std::size_t job) { runs[job] = em(points, split(smaller, job / 2, job % 2 == 0), settings.em); });
         for (const EmRun& run : runs) found[m].take(run);
     }
 
@@ -155,8 +145,7 @@ Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl&
     for (std::size_t m = least; m <= most; ++m) {
         const Search& s = found[m];
         const double log_likelihood = s.best->log_likelihood - static_cast<double>(n) * per_point;
-        out.orders.push_back({m, log_likelihood, bic(log_likelihood, m, n), s.runs, s.not_converged,
-                              in_units(s.best->mixture, scale)});
+        out.orders.push_back({m, log_likelihood, bic(log_likelihood, m, n), s.runs, s.not_converged, in_units(s.best->mixture, scale)});
         if (out.orders.back().bic < out.orders[out.chosen].bic) out.chosen = m - least;
     }
     return out;

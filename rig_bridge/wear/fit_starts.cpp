@@ -21,10 +21,7 @@ std::vector<Centre> spread_out(const std::vector<Centre>& points, std::size_t co
     std::vector<Centre> centres;
     centres.reserve(count);
     std::vector<double> distance(points.size(), std::numeric_limits<double>::infinity());
-    const auto pick = [&] {
-        return std::min(points.size() - 1,
-                        static_cast<std::size_t>(uniform(generator) * static_cast<double>(points.size())));
-    };
+    const auto pick = [&] { return std::min(points.size() - 1, static_cast<std::size_t>(uniform(generator) * static_cast<double>(points.size()))); };
     centres.push_back(points[pick()]);
     while (centres.size() < count) {
         double sum = 0.0;
@@ -46,8 +43,7 @@ std::vector<Centre> spread_out(const std::vector<Centre>& points, std::size_t co
     return centres;
 }
 
-void assign(const std::vector<Centre>& points, const std::vector<Centre>& centres,
-            std::vector<std::size_t>& label) {
+void assign(const std::vector<Centre>& points, const std::vector<Centre>& centres, std::vector<std::size_t>& label) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         std::size_t nearest = 0;
         double least = std::numeric_limits<double>::infinity();
@@ -62,8 +58,7 @@ void assign(const std::vector<Centre>& points, const std::vector<Centre>& centre
     }
 }
 
-void recentre(const std::vector<Centre>& points, const std::vector<std::size_t>& label,
-              std::vector<Centre>& centres) {
+void recentre(const std::vector<Centre>& points, const std::vector<std::size_t>& label, std::vector<Centre>& centres) {
     std::vector<Centre> sum(centres.size(), {0.0, 0.0});
     std::vector<double> count(centres.size(), 0.0);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -78,14 +73,12 @@ void recentre(const std::vector<Centre>& points, const std::vector<std::size_t>&
 
 }  // namespace
 
-StandardMixture random_start(const StandardPoints& points, std::size_t components, int sweeps,
-                             double covariance_floor, Generator& generator) {
+StandardMixture random_start(const StandardPoints& points, std::size_t components, int sweeps, double covariance_floor, Generator& generator) {
     constexpr double kWidest = 4.0;
     const double stretch = std::pow(kWidest, 2.0 * uniform(generator) - 1.0);
     std::vector<Centre> stretched;
     stretched.reserve(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-        stretched.push_back({stretch * points.x()[i], points.y()[i]});
+    for (std::size_t i = 0; i < points.size(); ++i) stretched.push_back({stretch * points.x()[i], points.y()[i]});
     std::vector<Centre> centres = spread_out(stretched, components, generator);
     std::vector<std::size_t> label(points.size());
     assign(stretched, centres, label);

@@ -8,8 +8,8 @@ namespace wear {
 
 /// Centres drawn from the points as k-means++ does (Arthur and Vassilvitskii 2007), in a metric whose energy axis is stretched by a random
 /// factor of 1/4 to 4, so that partitions across and along the trend both occur; then `sweeps` of Lloyd's iteration.
-[[nodiscard]] StandardMixture random_start(const StandardPoints& points, std::size_t components, int sweeps,
-                                           double covariance_floor, Generator& generator);
+[[nodiscard]] StandardMixture random_start(const StandardPoints& points, std::size_t components, int sweeps, double covariance_floor,
+                                           Generator& generator);
 
 /// One component more: component `which` in two halves, one standard deviation apart along its longer (`along`) or its shorter axis.
 [[nodiscard]] StandardMixture split(const StandardMixture& mixture, std::size_t which, bool along);

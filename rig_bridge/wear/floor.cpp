@@ -17,8 +17,7 @@ double crossing(double x0, double y0, double x1, double y1, double floor) {
 
 Range on_surface(const std::vector<double>& x, const FloorTable::Row& row, double floor, double reference) {
     const std::vector<double>& y = row.j_mu;
-    const auto above = static_cast<std::size_t>(
-        std::distance(x.begin(), std::upper_bound(x.begin(), x.end() - 1, reference)));
+    const auto above = static_cast<std::size_t>(std::distance(x.begin(), std::upper_bound(x.begin(), x.end() - 1, reference)));
     const std::size_t i = above - 1;  // x[i] <= reference <= x[i + 1]
     const double here = y[i] + (y[above] - y[i]) * (reference - x[i]) / (x[above] - x[i]);
     if (!(here >= floor))
@@ -53,25 +52,21 @@ Range on_surface(const std::vector<double>& x, const FloorTable::Row& row, doubl
 }  // namespace
 
 const FloorTable::Row* FloorTable::find(std::string_view surface) const {
-    const auto row =
-        std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.surface == surface; });
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.surface == surface; });
     return row == rows.end() ? nullptr : &*row;
 }
 
-Range allowed(const FloorTable& table, std::span<const std::string> surfaces, double floor,
-              double reference) {
+Range allowed(const FloorTable& table, std::span<const std::string> surfaces, double floor, double reference) {
     const std::vector<double>& x = table.reference;
     if (x.size() < 2 || !(reference >= x.front() && reference <= x.back()))
-        throw std::invalid_argument(
-            fmt::format("the default reference {} lies outside of the table of J_mu", reference));
+        throw std::invalid_argument(fmt::format("the default reference {} lies outside of the table of J_mu", reference));
     Range range{x.front(), x.back()};
     for (const std::string& surface : surfaces) {
         const FloorTable::Row* const row = table.find(surface);
         if (row == nullptr || row->j_mu.size() != x.size()) {
             std::string known;
             for (const FloorTable::Row& r : table.rows) known += (known.empty() ? "" : ", ") + r.surface;
-            throw std::invalid_argument(
-                fmt::format("the table of J_mu has no surface '{}'; it has {}", surface, known));
+            throw std::invalid_argument(fmt::format("the table of J_mu has no surface '{}'; it has {}", surface, known));
         }
         const Range one = on_surface(x, *row, floor, reference);
         range.lowest = std::max(range.lowest, one.lowest);

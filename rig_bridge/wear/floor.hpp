@@ -11,9 +11,7 @@ namespace regulation {
 struct Range {
     double lowest = 0.0;
     double highest = 0.0;
-    [[nodiscard]] bool contains(double reference) const {
-        return reference >= lowest && reference <= highest;
-    }
+    [[nodiscard]] bool contains(double reference) const { return reference >= lowest && reference <= highest; }
     bool operator==(const Range&) const = default;
 };
 
@@ -32,7 +30,6 @@ struct FloorTable {
 /// The widest range around `reference` in which J_mu stays at or above `floor` on every one of `surfaces`, within the table's references.
 /// Throws std::invalid_argument, naming the surface, for one that the table does not have, or on which `reference` itself is below the floor
 /// or outside of the table.
-[[nodiscard]] Range allowed(const FloorTable& table, std::span<const std::string> surfaces, double floor,
-                            double reference);
+[[nodiscard]] Range allowed(const FloorTable& table, std::span<const std::string> surfaces, double floor, double reference);
 
 }  // namespace regulation

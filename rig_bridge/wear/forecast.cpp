@@ -21,13 +21,11 @@ T quantile(const std::vector<T>& sorted, double share) {
 void check(const LandingMix& mix, const ForecastSettings& settings) {
     double shares = 0.0;
     for (const LandingKind& kind : mix) {
-        if (!(kind.share > 0.0 && kind.energy_J > 0.0 && kind.deviation_J >= 0.0 &&
-              std::isfinite(kind.energy_J) && std::isfinite(kind.deviation_J)))
+        if (!(kind.share > 0.0 && kind.energy_J > 0.0 && kind.deviation_J >= 0.0 && std::isfinite(kind.energy_J) && std::isfinite(kind.deviation_J)))
             throw std::invalid_argument("landing '" + kind.name + "': share and energy must be positive");
         shares += kind.share;
     }
-    if (std::abs(shares - 1.0) > 1e-6)
-        throw std::invalid_argument("the shares of the landings must add up to 1");
+    if (std::abs(shares - 1.0) > 1e-6) throw std::invalid_argument("the shares of the landings must add up to 1");
     if (!(settings.limit > 0.0) || settings.horizon < 1 || settings.draws < 100)
         throw std::invalid_argument("forecast: limit, horizon, draws (at least 100) or fan out of range");
 }
@@ -49,10 +47,7 @@ double landing_energy_J(const LandingMix& mix, Generator& generator) {
 class Future {
   public:
     Future(const BrakeFilter& filter, double c_e_J, const LandingMix& mix, std::uint64_t seed, int number)
-        : filter_(filter),
-          mix_(mix),
-          generator_(generator_of(seed, static_cast<std::uint64_t>(number))),
-          c_e_J_(c_e_J) {
+        : filter_(filter), mix_(mix), generator_(generator_of(seed, static_cast<std::uint64_t>(number))), c_e_J_(c_e_J) {
         double left = uniform(generator_);
         hypothesis_ = filter.hypotheses().back();
         for (const BrakeFilter::Hypothesis& h : filter.hypotheses()) {
@@ -68,14 +63,11 @@ class Future {
     void land() {
         const double energy_J = landing_energy_J(mix_, generator_);
         c_e_J_ += energy_J;
-        hypothesis_.offset +=
-            filter_.population().scatter.drift_per_root_MJ * std::sqrt(energy_J * 1e-6) * normal(generator_);
+        hypothesis_.offset += filter_.population().scatter.drift_per_root_MJ * std::sqrt(energy_J * 1e-6) * normal(generator_);
     }
     [[nodiscard]] double friction() const { return filter_.mean_friction(hypothesis_, c_e_J_); }
     [[nodiscard]] double c_e_J() const { return c_e_J_; }
-    [[nodiscard]] bool extrapolates() const {
-        return c_e_J_ / hypothesis_.energy_scale > filter_.population().members[hypothesis_.member].last_J();
-    }
+    [[nodiscard]] bool extrapolates() const { return c_e_J_ / hypothesis_.energy_scale > filter_.population().members[hypothesis_.member].last_J(); }
 
   private:
     const BrakeFilter& filter_;
@@ -85,8 +77,7 @@ class Future {
     BrakeFilter::Hypothesis hypothesis_;
 };
 
-std::vector<FanPoint> fan(const BrakeFilter& filter, double c_e_J, const LandingMix& mix,
-                          const ForecastSettings& settings, int last) {
+std::vector<FanPoint> fan(const BrakeFilter& filter, double c_e_J, const LandingMix& mix, const ForecastSettings& settings, int last) {
     constexpr int kFutures = 500;
     const int points = std::min(settings.fan_points, last + 1);
     std::vector<FanPoint> out(static_cast<std::size_t>(points));
@@ -106,8 +97,7 @@ std::vector<FanPoint> fan(const BrakeFilter& filter, double c_e_J, const Landing
     for (std::size_t i = 0; i < out.size(); ++i) {
         std::sort(frictions[i].begin(), frictions[i].end());
         out[i].c_e_J /= static_cast<double>(frictions[i].size());
-        for (std::size_t q = 0; q < kShares.size(); ++q)
-            out[i].friction[q] = quantile(frictions[i], kShares[q]);
+        for (std::size_t q = 0; q < kShares.size(); ++q) out[i].friction[q] = quantile(frictions[i], kShares[q]);
     }
     return out;
 }
@@ -129,8 +119,7 @@ LandingMix mix_of(const Campaign& campaign, std::size_t count) {
     return {{"as recorded", 1.0, mean, std::sqrt(std::max(0.0, squares / used - mean * mean))}};
 }
 
-Forecast forecast(const BrakeFilter& filter, double c_e_J, const LandingMix& mix,
-                  const ForecastSettings& settings) {
+Forecast forecast(const BrakeFilter& filter, double c_e_J, const LandingMix& mix, const ForecastSettings& settings) {
     check(mix, settings);
     Forecast out;
     out.c_e_J = c_e_J;
@@ -173,8 +162,7 @@ Forecast forecast(const BrakeFilter& filter, double c_e_J, const LandingMix& mix
     out.crossed_ever = static_cast<double>(crossed) / settings.draws;
     out.extrapolated = static_cast<double>(extrapolated) / settings.draws;
     const int reach = out.landings_left[2].value_or(settings.horizon);
-    if (settings.fan_points > 2)
-        out.fan = fan(filter, c_e_J, mix, settings, std::min(settings.horizon, reach + reach / 10 + 10));
+    if (settings.fan_points > 2) out.fan = fan(filter, c_e_J, mix, settings, std::min(settings.horizon, reach + reach / 10 + 10));
     return out;
 }
 

@@ -53,18 +53,14 @@ struct Forecast {
     std::array<std::optional<int>, 3> landings_left{};
     /// The c_e at which that happens, likewise.
     std::array<std::optional<double>, 3> crossing_J{};
-    double extrapolated =
-        0.0;  ///< share of the draws that had to go beyond the member's data before they crossed or ended
+    double extrapolated = 0.0;  ///< share of the draws that had to go beyond the member's data before they crossed or ended
     std::vector<FanPoint> fan;  ///< from now to a little beyond the 90 % crossing (or the horizon)
 
     [[nodiscard]] bool already_crossed() const { return crossed_now >= 0.5; }
-    [[nodiscard]] bool never_crosses() const {
-        return crossed_ever < 0.5;
-    }  ///< within the horizon, more likely than not
+    [[nodiscard]] bool never_crosses() const { return crossed_ever < 0.5; }  ///< within the horizon, more likely than not
 };
 
 /// `filter` has learnt the brake's points up to `c_e_J`. Throws std::invalid_argument for settings or a mix out of range.
-[[nodiscard]] Forecast forecast(const BrakeFilter& filter, double c_e_J, const LandingMix& mix,
-                                const ForecastSettings& settings);
+[[nodiscard]] Forecast forecast(const BrakeFilter& filter, double c_e_J, const LandingMix& mix, const ForecastSettings& settings);
 
 }  // namespace wear

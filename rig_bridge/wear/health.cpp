@@ -45,15 +45,12 @@ Verdict HealthMonitor::after(const Point& maneuver) {
          "friction rises above what this brake's wear explains (a piston that drags, a pressure that reads "
          "low?)"},
         {-two / limits_.sudden, "friction has dropped"},
-        {two / limits_.sudden,
-         "friction has jumped up: torque without pressure (a piston that drags, a pressure that reads low?)"},
+        {two / limits_.sudden, "friction has jumped up: torque without pressure (a piston that drags, a pressure that reads low?)"},
     }};
-    const auto* const worst = std::max_element(
-        tests.begin(), tests.end(), [](const Test& a, const Test& b) { return a.share < b.share; });
+    const auto* const worst = std::max_element(tests.begin(), tests.end(), [](const Test& a, const Test& b) { return a.share < b.share; });
     out.statistic = worst->share;
     if (abnormal_.empty() && worst->share >= 1.0)
-        abnormal_ = fmt::format("{}, {:.4f} where {:.4f} +- {:.4f} was expected", worst->says,
-                                maneuver.mean_friction, out.expected, out.deviation);
+        abnormal_ = fmt::format("{}, {:.4f} where {:.4f} +- {:.4f} was expected", worst->says, maneuver.mean_friction, out.expected, out.deviation);
     if (!abnormal_.empty()) {
         out.condition = Condition::abnormal;
         out.reason = abnormal_;

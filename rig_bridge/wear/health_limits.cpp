@@ -35,16 +35,13 @@ HealthLimits calibrated(const std::vector<HealthLimits>& greatest) {
     const std::vector<double> gradual = sorted(greatest, &HealthLimits::gradual);
     const std::vector<double> sudden = sorted(greatest, &HealthLimits::sudden);
     const auto flagged = static_cast<std::size_t>(kFalseAlarms * static_cast<double>(greatest.size()));
-    if (flagged == 0)
-        return {exceeded_by(gradual, 0.5 * kFalseAlarms), exceeded_by(sudden, 0.5 * kFalseAlarms)};
+    if (flagged == 0) return {exceeded_by(gradual, 0.5 * kFalseAlarms), exceeded_by(sudden, 0.5 * kFalseAlarms)};
     // The higher of a brake's ranks in the two tests says how strange it is.
     std::vector<std::size_t> strange;
     strange.reserve(greatest.size());
-    for (const HealthLimits& g : greatest)
-        strange.push_back(std::max(rank(gradual, g.gradual), rank(sudden, g.sudden)));
+    for (const HealthLimits& g : greatest) strange.push_back(std::max(rank(gradual, g.gradual), rank(sudden, g.sudden)));
     std::sort(strange.begin(), strange.end());
-    const std::size_t least =
-        strange[strange.size() - flagged];  // rank of the least strange one to be flagged
+    const std::size_t least = strange[strange.size() - flagged];  // rank of the least strange one to be flagged
     return {gradual[least], sudden[least]};
 }
 

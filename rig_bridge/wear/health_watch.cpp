@@ -24,8 +24,7 @@ HealthState state_of(wear::Condition condition) {
 }  // namespace
 
 struct HealthWatch::Impl {
-    explicit Impl(const std::filesystem::path& path)
-        : file(wear::read_population(path)), monitor(file.population) {}
+    explicit Impl(const std::filesystem::path& path) : file(wear::read_population(path)), monitor(file.population) {}
 
     wear::PopulationFile file;
     wear::HealthMonitor monitor;
@@ -36,8 +35,7 @@ HealthWatch::~HealthWatch() = default;
 
 Health HealthWatch::after(const Summary& summary) {
     if (summary.outcome != "finished" || off_conditions(summary)) return newest_;
-    const wear::Verdict v =
-        impl_->monitor.after({summary.cumulative_energy_J, summary.figures.mean_friction});
+    const wear::Verdict v = impl_->monitor.after({summary.cumulative_energy_J, summary.figures.mean_friction});
     newest_.state = state_of(v.condition);
     if (newest_.state != HealthState::unknown) newest_.statistic = v.statistic;
     newest_.reason = v.reason;

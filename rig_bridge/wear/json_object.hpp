@@ -19,8 +19,7 @@ namespace wear {
 /// An object of the file and where it stands; every key of it must be asked for.
 class JsonObject {
   public:
-    JsonObject(std::string file, std::string path, const nlohmann::ordered_json& json)
-        : file_(std::move(file)), path_(std::move(path)), json_(json) {
+    JsonObject(std::string file, std::string path, const nlohmann::ordered_json& json) : file_(std::move(file)), path_(std::move(path)), json_(json) {
         if (!json_.is_object()) throw settings::Error(file_, 0, path_, "must be an object");
     }
 
@@ -33,31 +32,26 @@ class JsonObject {
     [[nodiscard]] JsonObject object(const std::string& key) { return {file_, path_of(key), get(key)}; }
     [[nodiscard]] std::vector<JsonObject> objects(const std::string& key) {
         const nlohmann::ordered_json& list = get(key);
-        if (!list.is_array() || list.empty())
-            throw settings::Error(file_, 0, path_of(key), "must be an array of objects, not empty");
+        if (!list.is_array() || list.empty()) throw settings::Error(file_, 0, path_of(key), "must be an array of objects, not empty");
         std::vector<JsonObject> out;
         out.reserve(list.size());
-        for (std::size_t i = 0; i < list.size(); ++i)
-            out.emplace_back(file_, fmt::format("{}[{}]", path_of(key), i), list[i]);
+        for (std::size_t i = 0; i < list.size(); ++i) out.emplace_back(file_, fmt::format("{}[{}]", path_of(key), i), list[i]);
         return out;
     }
     [[nodiscard]] double number(const std::string& key) {
         const nlohmann::ordered_json& value = get(key);
-        if (!value.is_number() || !std::isfinite(value.get<double>()))
-            throw settings::Error(file_, 0, path_of(key), "must be a finite number");
+        if (!value.is_number() || !std::isfinite(value.get<double>())) throw settings::Error(file_, 0, path_of(key), "must be a finite number");
         return value.get<double>();
     }
     [[nodiscard]] double positive(const std::string& key) {
         const double value = number(key);
-        if (value <= 0.0)
-            throw settings::Error(file_, 0, path_of(key), fmt::format("{} must be positive", value));
+        if (value <= 0.0) throw settings::Error(file_, 0, path_of(key), fmt::format("{} must be positive", value));
         return value;
     }
     [[nodiscard]] std::uint64_t count(const std::string& key, std::uint64_t least = 0) {
         const nlohmann::ordered_json& value = get(key);
         if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least)
-            throw settings::Error(file_, 0, path_of(key),
-                                  fmt::format("must be an integer of at least {}", least));
+            throw settings::Error(file_, 0, path_of(key), fmt::format("must be an integer of at least {}", least));
         return value.get<std::uint64_t>();
     }
     [[nodiscard]] std::string text(const std::string& key) {
@@ -67,23 +61,17 @@ class JsonObject {
     }
     /// The keys `format` and `format_version` must be these.
     void check_format(std::string_view format, std::uint64_t version) {
-        if (text("format") != format)
-            throw settings::Error(file_, 0, "format", fmt::format("must be '{}'", format));
+        if (text("format") != format) throw settings::Error(file_, 0, "format", fmt::format("must be '{}'", format));
         if (const auto is = count("format_version"); is != version)
-            throw settings::Error(
-                file_, 0, "format_version",
-                fmt::format("{} is not the version that this program reads ({})", is, version));
+            throw settings::Error(file_, 0, "format_version", fmt::format("{} is not the version that this program reads ({})", is, version));
     }
     /// To be called when every key was asked for once.
     void finish() const {
-        if (asked_ != json_.size())
-            throw settings::Error(file_, 0, path_, "has a key that this format does not know");
+        if (asked_ != json_.size()) throw settings::Error(file_, 0, path_, "has a key that this format does not know");
     }
 
   private:
-    [[nodiscard]] std::string path_of(const std::string& key) const {
-        return path_.empty() ? key : path_ + "." + key;
-    }
+    [[nodiscard]] std::string path_of(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
 
     std::string file_;
     std::string path_;

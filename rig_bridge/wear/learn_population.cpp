@@ -31,8 +31,7 @@ Scatter scatter_of(const std::vector<Campaign>& campaigns, const std::vector<Mea
         std::vector<double> residuals;
         residuals.reserve(campaigns[k].points.size());
         for (const Point& p : campaigns[k].points) residuals.push_back(p.mean_friction - curves[k](p.c_e_J));
-        for (std::size_t lag = 0; lag < kLags; ++lag)
-            gamma.at(lag) += covariance(residuals, lag) / static_cast<double>(campaigns.size());
+        for (std::size_t lag = 0; lag < kLags; ++lag) gamma.at(lag) += covariance(residuals, lag) / static_cast<double>(campaigns.size());
     }
     Scatter out;
     constexpr double kMostMemory = 0.95;
@@ -40,8 +39,7 @@ Scatter scatter_of(const std::vector<Campaign>& campaigns, const std::vector<Mea
     const double sum = gamma[1] + gamma[2];
     out.memory = sum > 0.0 ? std::clamp((gamma[2] + gamma[3]) / sum, 0.0, kMostMemory) : 0.0;
     const double least_fresh = 0.01 * gamma[0];
-    const double remembered =
-        out.memory > 0.0 ? std::clamp(gamma[1] / out.memory, 0.0, gamma[0] - least_fresh) : 0.0;
+    const double remembered = out.memory > 0.0 ? std::clamp(gamma[1] / out.memory, 0.0, gamma[0] - least_fresh) : 0.0;
     out.remembered = std::sqrt(remembered);
     out.fresh = std::sqrt(gamma[0] - remembered);
     return out;
@@ -93,8 +91,7 @@ std::vector<double> limits_of(const std::vector<MeanCurve>& curves) {
 
 /// How often the 80 % interval of a forecast holds the energy at which a brake does cross, asked at 20, 40, 60 and 80 % of the way there,
 /// each brake given the curves of the others.
-double left_out_coverage(const std::vector<Campaign>& campaigns, const std::vector<double>& limits,
-                         const Population& all) {
+double left_out_coverage(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, const Population& all) {
     double longest_J = 0.0;
     for (const MeanCurve& c : all.members) longest_J = std::max(longest_J, c.last_J());
     // Energy counts here, not landings: fewer and larger ones than in any use cost nothing but resolution.
@@ -116,10 +113,7 @@ double left_out_coverage(const std::vector<Campaign>& campaigns, const std::vect
                 filter.learn(p);
                 if (p.c_e_J < 0.2 * fifths * truth_J) continue;
                 const Forecast f = forecast(filter, p.c_e_J, mix, settings);
-                held +=
-                    truth_J >= f.crossing_J[0].value_or(1e300) && truth_J <= f.crossing_J[2].value_or(1e300)
-                        ? 1.0
-                        : 0.0;
+                held += truth_J >= f.crossing_J[0].value_or(1e300) && truth_J <= f.crossing_J[2].value_or(1e300) ? 1.0 : 0.0;
                 asked += 1.0;
                 if (++fifths > 4) break;
             }
@@ -130,23 +124,20 @@ double left_out_coverage(const std::vector<Campaign>& campaigns, const std::vect
 
 /// The least spread of the energy scale at which the 80 % interval holds the truth in 80 % of cases, and one standard error of a share of so
 /// many brakes more: those at hand may by chance be more alike than those to come.
-double calibrated_spread(const std::vector<Campaign>& campaigns, const std::vector<double>& limits,
-                         Population population) {
+double calibrated_spread(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, Population population) {
     const double wanted = 0.8 + std::sqrt(0.8 * 0.2 / static_cast<double>(campaigns.size()));
     double low = 0.01;
     double high = 0.4;
     constexpr int kHalvings = 6;
     for (int i = 0; i < kHalvings; ++i) {
         population.spread.log_energy_scale = std::sqrt(low * high);
-        (left_out_coverage(campaigns, limits, population) < wanted ? low : high) =
-            population.spread.log_energy_scale;
+        (left_out_coverage(campaigns, limits, population) < wanted ? low : high) = population.spread.log_energy_scale;
     }
     return std::sqrt(low * high);
 }
 
 /// From `healthy` campaigns of other brakes; where there are none from the campaigns themselves, each given the curves of the others.
-HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::vector<Campaign>& healthy,
-                           const Population& all) {
+HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::vector<Campaign>& healthy, const Population& all) {
     const std::vector<Campaign>& watched = healthy.empty() ? campaigns : healthy;
     std::vector<HealthLimits> greatest;
     greatest.reserve(watched.size());
@@ -163,8 +154,7 @@ HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::ve
 /// Raises or lowers one parameter at a time by ever smaller factors while that raises an objective.
 class Ascent {
   public:
-    explicit Ascent(std::function<double()> objective)
-        : objective_(std::move(objective)), best_(objective_()) {}
+    explicit Ascent(std::function<double()> objective) : objective_(std::move(objective)), best_(objective_()) {}
 
     void improve(double& parameter, double factor, double most) {
         for (const double by : {factor, 1.0 / factor}) {
@@ -198,8 +188,7 @@ Population learn_population(const std::vector<Campaign>& campaigns, const LearnS
                             const std::function<void(std::size_t, std::size_t)>& progress) {
     if (campaigns.size() < 3)
         throw std::invalid_argument(
-            fmt::format("{} campaigns: how brakes differ can be learnt from three at least, better twenty",
-                        campaigns.size()));
+            fmt::format("{} campaigns: how brakes differ can be learnt from three at least, better twenty", campaigns.size()));
     constexpr std::array kFactors{2.0, 1.3};
     const std::size_t steps = campaigns.size() + kFactors.size() + 1;
     std::size_t done = 0;
@@ -220,8 +209,7 @@ Population learn_population(const std::vector<Campaign>& campaigns, const LearnS
         maneuvers.improve(out.spread.offset, factor, 0.5);
         if (progress) progress(++done, steps);
     }
-    out.spread.log_energy_scale = calibrated_spread(
-        campaigns, settings.limit ? std::vector{*settings.limit} : limits_of(out.members), out);
+    out.spread.log_energy_scale = calibrated_spread(campaigns, settings.limit ? std::vector{*settings.limit} : limits_of(out.members), out);
     out.limits = health_limits(campaigns, settings.healthy, out);
     if (progress) progress(++done, steps);
     return out;

@@ -12,8 +12,7 @@ namespace wear {
 
 struct LearnSettings {
     FitSettings fit{.least_components = 1, .most_components = 8, .starts = 10, .seed = 1, .em = {}};
-    double evidence_kept =
-        0.98;  ///< of Spread: evidence lasts some 50 maneuvers, so that run-in does not decide what life will be
+    double evidence_kept = 0.98;  ///< of Spread: evidence lasts some 50 maneuvers, so that run-in does not decide what life will be
     /// That forecasts will ask about; none: somewhere between the middle and the end of life. Every brake must have crossed it.
     std::optional<double> limit{};
     /// Campaigns of other brakes, all healthy, from which health limits are learnt: better from 1000 or more of these than from few brakes' own.
@@ -25,8 +24,7 @@ struct LearnSettings {
 /// brake given the curves of the others (leave one out): chooses drift and offset so that the maneuvers are as likely as can be, and the spread
 /// of the energy scale so that the 80 % interval of the forecast holds 80 % of the lives; and health limits, see health_limits.hpp.
 /// At least 3 campaigns, else std::invalid_argument; settings::Error where a campaign is refused.
-[[nodiscard]] Population learn_population(
-    const std::vector<Campaign>& campaigns, const LearnSettings& settings,
-    const std::function<void(std::size_t done, std::size_t all)>& progress = {});
+[[nodiscard]] Population learn_population(const std::vector<Campaign>& campaigns, const LearnSettings& settings,
+                                          const std::function<void(std::size_t done, std::size_t all)>& progress = {});
 
 }  // namespace wear

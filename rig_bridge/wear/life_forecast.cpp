@@ -11,8 +11,7 @@ std::shared_ptr<const wear::Population> forecast_model(const wear::BrakeWear& br
     return std::make_shared<const wear::Population>(wear::brakes_like(*brake.model));
 }
 
-LifeForecast::LifeForecast(std::shared_ptr<const wear::Population> model, const wear::BrakeWear& brake,
-                           double widest_J)
+LifeForecast::LifeForecast(std::shared_ptr<const wear::Population> model, const wear::BrakeWear& brake, double widest_J)
     : model_(std::move(model)),
       filter_(*model_),
       scale_(brake.scale),
@@ -21,8 +20,7 @@ LifeForecast::LifeForecast(std::shared_ptr<const wear::Population> model, const 
       widest_J_(widest_J) {}
 
 void LifeForecast::learn(double c_e_J, double mean_friction) {
-    if (!(std::isfinite(c_e_J) && c_e_J > c_e_J_ && std::isfinite(mean_friction) && mean_friction > 0.0))
-        return;
+    if (!(std::isfinite(c_e_J) && c_e_J > c_e_J_ && std::isfinite(mean_friction) && mean_friction > 0.0)) return;
     c_e_J_ = c_e_J;
     filter_.learn({c_e_J / scale_.energy, mean_friction / scale_.friction});
 }

@@ -25,8 +25,7 @@ namespace regulation {
 class LifeForecast {
   public:
     /// `widest_J` > 0: of the interval from 10 to 90 %.
-    LifeForecast(std::shared_ptr<const wear::Population> model, const wear::BrakeWear& brake,
-                 double widest_J);
+    LifeForecast(std::shared_ptr<const wear::Population> model, const wear::BrakeWear& brake, double widest_J);
 
     /// After a landing, in their order: all that the brake has taken, and its mean friction of eq. (7). What is no number, not positive, or
     /// an energy that went back, is passed over.

@@ -64,8 +64,7 @@ LimitForecast limit_forecast(const Regulator& r) {
     const double scatter_J = plan.landing_deviation_J * std::sqrt(to_come);
     const double off_J = expected_J - left_J;
     if (scatter_J > 0.0)
-        o.probability =
-            normal_cdf((slack_J - off_J) / scatter_J) - normal_cdf((-slack_J - off_J) / scatter_J);
+        o.probability = normal_cdf((slack_J - off_J) / scatter_J) - normal_cdf((-slack_J - off_J) / scatter_J);
     else
         o.probability = std::abs(off_J) <= slack_J ? 1.0 : 0.0;
     if (std::abs(off_J) <= slack_J)
@@ -95,16 +94,14 @@ std::string sentence(const LimitForecast& o, const Plan& plan) {
                 "{:.3f}; "
                 "the brake's limit comes first, near landing {:.0f} +- {:.0f}, the tyre's near {:.0f} +- "
                 "{:.0f}",
-                o.required_share, o.most_share, o.brake.landing, o.brake.deviation, o.tyre.landing,
-                o.tyre.deviation);
+                o.required_share, o.most_share, o.brake.landing, o.brake.deviation, o.tyre.landing, o.tyre.deviation);
         case Verdict::tyre_first:
             return fmt::format(
                 "not feasible: the tyre's share would have to be {:.3f}, the allowed references give at "
                 "least {:.3f}; "
                 "the tyre's limit comes first, near landing {:.0f} +- {:.0f}, the brake's near {:.0f} +- "
                 "{:.0f}",
-                o.required_share, o.least_share, o.tyre.landing, o.tyre.deviation, o.brake.landing,
-                o.brake.deviation);
+                o.required_share, o.least_share, o.tyre.landing, o.tyre.deviation, o.brake.landing, o.brake.deviation);
         case Verdict::reached:
             break;
     }

@@ -30,9 +30,8 @@ struct LimitForecast {
     Verdict verdict = Verdict::together;
     double required_share = 0.0;                 ///< of the tyre, of what is to come
     double least_share = 0.0, most_share = 0.0;  ///< that the allowed references give
-    double brought =
-        0.0;  ///< E over T + B: 1 where the planned landings bring just what is left; above 1 too much
-    When brake, tyre;  ///< when each limit is reached
+    double brought = 0.0;                        ///< E over T + B: 1 where the planned landings bring just what is left; above 1 too much
+    When brake, tyre;                            ///< when each limit is reached
     /// That the landings to come bring what is left within the plan's tolerance, from their scatter alone (normal); 0 where the share is out of
     /// reach.
     double probability = 0.0;

@@ -12,13 +12,10 @@ constexpr ConditionalRule kMean{Variance::exact, Choice::mixture};
 }  // namespace
 
 MeanCurve::MeanCurve(const Model& model)
-    : first_J_(model.data.first_c_e_J),
-      last_J_(model.data.last_c_e_J),
-      step_J_((last_J_ - first_J_) / static_cast<double>(kSteps)) {
+    : first_J_(model.data.first_c_e_J), last_J_(model.data.last_c_e_J), step_J_((last_J_ - first_J_) / static_cast<double>(kSteps)) {
     const auto mean = [&model](double c_e_J) { return friction_given_energy(model, c_e_J, kMean).mean(); };
     friction_.reserve(kSteps + 1);
-    for (std::size_t i = 0; i <= kSteps; ++i)
-        friction_.push_back(mean(first_J_ + step_J_ * static_cast<double>(i)));
+    for (std::size_t i = 0; i <= kSteps; ++i) friction_.push_back(mean(first_J_ + step_J_ * static_cast<double>(i)));
     // Straight lines there: the weights stay those at the end.
     slope_before_perJ_ = (mean(first_J_) - mean(first_J_ - step_J_)) / step_J_;
     slope_after_perJ_ = (mean(last_J_ + step_J_) - mean(last_J_)) / step_J_;

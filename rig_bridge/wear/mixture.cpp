@@ -20,8 +20,7 @@ double Component::log_density(const Point& x) const {
     const double zm = (x.mean_friction - mean_friction) / std::sqrt(variance_friction);
     const double off = zm - rho * zc;
     return std::log(weight) - std::log(2.0 * std::numbers::pi) -
-           0.5 * (std::log(variance_c_e_J2) + std::log(variance_friction) + std::log(rest) + zc * zc +
-                  off * off / rest);
+           0.5 * (std::log(variance_c_e_J2) + std::log(variance_friction) + std::log(rest) + zc * zc + off * off / rest);
 }
 
 Mixture::Mixture(std::vector<Component> components) : components_(std::move(components)) {
@@ -29,18 +28,15 @@ Mixture::Mixture(std::vector<Component> components) : components_(std::move(comp
     double sum = 0.0;
     for (std::size_t i = 0; i < components_.size(); ++i) {
         const Component& c = components_[i];
-        const bool finite = std::isfinite(c.mean_c_e_J) && std::isfinite(c.mean_friction) &&
-                            std::isfinite(c.variance_c_e_J2) && std::isfinite(c.variance_friction);
+        const bool finite =
+            std::isfinite(c.mean_c_e_J) && std::isfinite(c.mean_friction) && std::isfinite(c.variance_c_e_J2) && std::isfinite(c.variance_friction);
         if (!finite || !(c.weight > 0.0 && c.weight <= 1.0))
-            throw std::invalid_argument(
-                fmt::format("component {}: weight must be within 0 to 1, all numbers finite", i + 1));
+            throw std::invalid_argument(fmt::format("component {}: weight must be within 0 to 1, all numbers finite", i + 1));
         if (!(c.variance_c_e_J2 > 0.0 && c.variance_friction > 0.0 && std::abs(c.correlation()) < 1.0))
-            throw std::invalid_argument(
-                fmt::format("component {}: the covariance matrix is not positive definite", i + 1));
+            throw std::invalid_argument(fmt::format("component {}: the covariance matrix is not positive definite", i + 1));
         sum += c.weight;
     }
-    if (std::abs(sum - 1.0) > 1e-9)
-        throw std::invalid_argument(fmt::format("the weights add up to {}, not to 1 (eq. 11)", sum));
+    if (std::abs(sum - 1.0) > 1e-9) throw std::invalid_argument(fmt::format("the weights add up to {}, not to 1 (eq. 11)", sum));
 }
 
 double Mixture::log_density(const Point& x) const {
@@ -63,9 +59,8 @@ double Mixture::log_likelihood(std::span<const Point> points) const {
 }
 
 std::size_t Mixture::member(const Point& x) const {
-    const auto at = std::max_element(
-        components_.begin(), components_.end(),
-        [&](const Component& a, const Component& b) { return a.log_density(x) < b.log_density(x); });
+    const auto at = std::max_element(components_.begin(), components_.end(),
+                                     [&](const Component& a, const Component& b) { return a.log_density(x) < b.log_density(x); });
     return static_cast<std::size_t>(at - components_.begin());
 }
 
@@ -82,13 +77,11 @@ Point Mixture::sample(Generator& generator) const {
     const double rho = chosen->correlation();
     const double zc = normal(generator);
     const double zm = rho * zc + std::sqrt((1.0 - rho) * (1.0 + rho)) * normal(generator);
-    return {chosen->mean_c_e_J + std::sqrt(chosen->variance_c_e_J2) * zc,
-            chosen->mean_friction + std::sqrt(chosen->variance_friction) * zm};
+    return {chosen->mean_c_e_J + std::sqrt(chosen->variance_c_e_J2) * zc, chosen->mean_friction + std::sqrt(chosen->variance_friction) * zm};
 }
 
 double bic(double log_likelihood, std::size_t components, std::size_t points) {
-    return -2.0 * log_likelihood +
-           static_cast<double>(parameters_of(components)) * std::log(static_cast<double>(points));
+    return -2.0 * log_likelihood + static_cast<double>(parameters_of(components)) * std::log(static_cast<double>(points));
 }
 
 }  // namespace wear

@@ -58,7 +58,6 @@ constexpr const char* kHowItExtrapolates =
 [[nodiscard]] Model model_of(const Campaign& campaign, const Fit& fit, const FitSettings& settings);
 
 /// Mean friction of the maneuver at which c_e = a (finite, J), eq. (14). Beyond the data: kHowItExtrapolates.
-[[nodiscard]] Conditional friction_given_energy(const Model& model, double a_J,
-                                                const ConditionalRule& rule = {});
+[[nodiscard]] Conditional friction_given_energy(const Model& model, double a_J, const ConditionalRule& rule = {});
 
 }  // namespace wear

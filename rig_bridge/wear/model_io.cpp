@@ -27,8 +27,7 @@ Model::Data data_of(Reader r, const std::string& file) {
     d.least_friction = r.positive("least_mean_friction");
     d.greatest_friction = r.positive("greatest_mean_friction");
     r.finish();
-    if (d.last_c_e_J <= d.first_c_e_J)
-        throw Error(file, 0, "data.last_cumulative_energy_J", "must be above the first");
+    if (d.last_c_e_J <= d.first_c_e_J) throw Error(file, 0, "data.last_cumulative_energy_J", "must be above the first");
     return d;
 }
 
@@ -69,28 +68,24 @@ Json json_of(const Component& c) {
 
 std::string to_json(const Model& m) {
     Json orders = Json::array();
-    for (const Model::Order& o : m.orders)
-        orders.push_back(
-            {{"components", o.components}, {"log_likelihood", o.log_likelihood}, {"bic", o.bic}});
+    for (const Model::Order& o : m.orders) orders.push_back({{"components", o.components}, {"log_likelihood", o.log_likelihood}, {"bic", o.bic}});
     Json components = Json::array();
     for (const Component& c : m.mixture.components()) components.push_back(json_of(c));
-    const Json json{{"format", kModelFormat},
-                    {"format_version", kModelFormatVersion},
-                    {"data",
-                     {{"source", m.data.source},
-                      {"hash", m.data.hash},
-                      {"maneuvers", m.data.maneuvers},
-                      {"first_cumulative_energy_J", m.data.first_c_e_J},
-                      {"last_cumulative_energy_J", m.data.last_c_e_J},
-                      {"least_mean_friction", m.data.least_friction},
-                      {"greatest_mean_friction", m.data.greatest_friction}}},
-                    {"search",
-                     {{"seed", m.search.seed},
-                      {"starts", m.search.starts},
-                      {"tolerance", m.search.tolerance},
-                      {"covariance_floor", m.search.covariance_floor}}},
-                    {"orders", orders},
-                    {"components", components}};
+    const Json json{
+        {"format", kModelFormat},
+        {"format_version", kModelFormatVersion},
+        {"data",
+         {{"source", m.data.source},
+          {"hash", m.data.hash},
+          {"maneuvers", m.data.maneuvers},
+          {"first_cumulative_energy_J", m.data.first_c_e_J},
+          {"last_cumulative_energy_J", m.data.last_c_e_J},
+          {"least_mean_friction", m.data.least_friction},
+          {"greatest_mean_friction", m.data.greatest_friction}}},
+        {"search",
+         {{"seed", m.search.seed}, {"starts", m.search.starts}, {"tolerance", m.search.tolerance}, {"covariance_floor", m.search.covariance_floor}}},
+        {"orders", orders},
+        {"components", components}};
     // A path need not be UTF-8; JSON must.
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

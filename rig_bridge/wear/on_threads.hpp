@@ -21,8 +21,7 @@ namespace wear {
 /// Numbers 0 to `count` - 1 in that order, each for whichever thread asks next; none any more once `stop` is set.
 class JobNumbers {
   public:
-    explicit JobNumbers(std::size_t count, const std::atomic<bool>* stop = nullptr)
-        : count_(count), stop_(stop) {}
+    explicit JobNumbers(std::size_t count, const std::atomic<bool>* stop = nullptr) : count_(count), stop_(stop) {}
 
     [[nodiscard]] std::optional<std::size_t> next() {
         if (stop_ != nullptr && stop_->load()) return std::nullopt;
@@ -59,8 +58,7 @@ inline void on_threads(unsigned threads, JobNumbers& numbers, const std::functio
 }
 
 /// `job` of each number from 0 to `count` - 1, see above.
-inline void run_jobs(unsigned threads, std::size_t count, const std::function<void(std::size_t)>& job,
-                     const std::atomic<bool>* stop = nullptr) {
+inline void run_jobs(unsigned threads, std::size_t count, const std::function<void(std::size_t)>& job, const std::atomic<bool>* stop = nullptr) {
     JobNumbers numbers(count, stop);
     on_threads(threads, numbers, [&] {
         while (const auto number = numbers.next()) job(*number);

@@ -24,8 +24,7 @@ HealthLimits limits_of_simulated(const Population& population) {
         std::vector<HealthLimits> greatest;
         greatest.reserve(kBrakes);
         for (std::uint64_t seed = 1; seed <= kBrakes; ++seed) {
-            WearingBrake brake({shared, {}, model.data.last_c_e_J, {}}, {Variance::exact, choice},
-                               {seed, 0, begin_J});
+            WearingBrake brake({shared, {}, model.data.last_c_e_J, {}}, {Variance::exact, choice}, {seed, 0, begin_J});
             HealthMonitor monitor(population);
             for (std::size_t i = 0; i < model.data.maneuvers; ++i) {
                 const double friction = brake.next_friction();
@@ -46,8 +45,7 @@ Population brakes_like(const Model& model) {
     constexpr std::size_t kPlaces = 200;
     double variance = 0.0;
     for (std::size_t i = 0; i <= kPlaces; ++i) {
-        const double c_e_J = model.data.first_c_e_J + (model.data.last_c_e_J - model.data.first_c_e_J) *
-                                                          static_cast<double>(i) / kPlaces;
+        const double c_e_J = model.data.first_c_e_J + (model.data.last_c_e_J - model.data.first_c_e_J) * static_cast<double>(i) / kPlaces;
         const Conditional c = friction_given_energy(model, c_e_J, {Variance::exact, Choice::mixture});
         variance += c.variance() / (kPlaces + 1);
     }

@@ -22,9 +22,8 @@ struct Scatter {
 
 /// How a brake differs from a member's curve.
 struct Spread {
-    double log_energy_scale =
-        0.0;              ///< standard deviation of log s: it takes s times the energy for the same wear
-    double offset = 0.0;  ///< standard deviation of the friction offset
+    double log_energy_scale = 0.0;  ///< standard deviation of log s: it takes s times the energy for the same wear
+    double offset = 0.0;            ///< standard deviation of the friction offset
     /// What a maneuver says about which member and s are right counts so much less with each maneuver after it, in (0, 1]; 1: never forgotten.
     double evidence_kept = 1.0;
     bool operator==(const Spread&) const = default;
@@ -45,8 +44,7 @@ struct Population {
     HealthLimits limits;
     std::vector<MeanCurve> members;  ///< the models' curves
     bool operator==(const Population& other) const {
-        return source == other.source && models == other.models && scatter == other.scatter &&
-               spread == other.spread && limits == other.limits;
+        return source == other.source && models == other.models && scatter == other.scatter && spread == other.spread && limits == other.limits;
     }
 };
 

@@ -52,27 +52,24 @@ Spread spread_of(Reader r, const std::string& file) {
 std::string to_json(const Population& p) {
     Json models = Json::array();
     for (const Model& model : p.models) models.push_back(Json::parse(to_json(model)));
-    const Json json{{"format", kPopulationFormat},
-                    {"format_version", kPopulationFormatVersion},
-                    {"source", p.source},
-                    {"scatter",
-                     {{"memory", p.scatter.memory},
-                      {"remembered", p.scatter.remembered},
-                      {"fresh", p.scatter.fresh},
-                      {"drift_per_root_MJ", p.scatter.drift_per_root_MJ}}},
-                    {"spread",
-                     {{"log_energy_scale", p.spread.log_energy_scale},
-                      {"offset", p.spread.offset},
-                      {"evidence_kept", p.spread.evidence_kept}}},
-                    {"health_limits", {{"gradual", p.limits.gradual}, {"sudden", p.limits.sudden}}},
-                    {"models", models}};
+    const Json json{
+        {"format", kPopulationFormat},
+        {"format_version", kPopulationFormatVersion},
+        {"source", p.source},
+        {"scatter",
+         {{"memory", p.scatter.memory},
+          {"remembered", p.scatter.remembered},
+          {"fresh", p.scatter.fresh},
+          {"drift_per_root_MJ", p.scatter.drift_per_root_MJ}}},
+        {"spread", {{"log_energy_scale", p.spread.log_energy_scale}, {"offset", p.spread.offset}, {"evidence_kept", p.spread.evidence_kept}}},
+        {"health_limits", {{"gradual", p.limits.gradual}, {"sudden", p.limits.sudden}}},
+        {"models", models}};
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 Population population_from_json(const std::string& name, std::string_view text) {
     const Json json = parsed_json(name, text);
-    if (json.is_object() && json.contains("format") && json["format"] == kModelFormat)
-        return population_of(from_json(name, text));
+    if (json.is_object() && json.contains("format") && json["format"] == kModelFormat) return population_of(from_json(name, text));
     Reader root(name, "", json);
     root.check_format(kPopulationFormat, kPopulationFormatVersion);
     Population out;
@@ -85,8 +82,7 @@ Population population_from_json(const std::string& name, std::string_view text) 
     limits.finish();
     const Json& models = root.get("models");
     root.finish();
-    if (!models.is_array() || models.empty())
-        throw Error(name, 0, "models", "must be an array of models, not empty");
+    if (!models.is_array() || models.empty()) throw Error(name, 0, "models", "must be an array of models, not empty");
     out.models.reserve(models.size());
     out.members.reserve(models.size());
     for (std::size_t i = 0; i < models.size(); ++i) {

@@ -22,14 +22,11 @@ Characterisation load_characterisation(const std::filesystem::path& file) {
     const settings::Document doc = settings::Document::load(file);
     const settings::Table root = doc.root();
     Characterisation c;
-    c.floor.reference =
-        root.numbers("slip_reference",
-                     {.range = {.min = 0.01, .max = 0.5}, .count = {.min = 2}, .strictly_increasing = true});
+    c.floor.reference = root.numbers("slip_reference", {.range = {.min = 0.01, .max = 0.5}, .count = {.min = 2}, .strictly_increasing = true});
     const settings::Count count{.min = c.floor.reference.size(), .max = c.floor.reference.size()};
     c.tyre_share = root.numbers("tyre_share", {.range = {.min = 0.0, .max = 1.0}, .count = count});
     for (const settings::Table& surface : root.tables("surfaces"))
-        c.floor.rows.push_back(
-            {surface.name(), surface.numbers("j_mu", {.range = {.min = 0.0, .max = 1.05}, .count = count})});
+        c.floor.rows.push_back({surface.name(), surface.numbers("j_mu", {.range = {.min = 0.0, .max = 1.05}, .count = count})});
     doc.finish();
     return c;
 }
@@ -44,8 +41,7 @@ std::string to_toml(const Characterisation& c, const std::string& made_by) {
     auto out = std::back_inserter(text);
     fmt::format_to(out, "slip_reference = [{:.2f}]\n", fmt::join(c.floor.reference, ", "));
     fmt::format_to(out, "tyre_share = [{:.4f}]\n", fmt::join(c.tyre_share, ", "));
-    for (const FloorTable::Row& row : c.floor.rows)
-        fmt::format_to(out, "\n[surfaces.{}]\nj_mu = [{:.4f}]\n", row.surface, fmt::join(row.j_mu, ", "));
+    for (const FloorTable::Row& row : c.floor.rows) fmt::format_to(out, "\n[surfaces.{}]\nj_mu = [{:.4f}]\n", row.surface, fmt::join(row.j_mu, ", "));
     return text;
 }
 
@@ -78,8 +74,7 @@ RegulationConfig load_regulation_config(const std::filesystem::path& file) {
     config.plan.brake_taken_J = plan.number("brake_taken_J", {.min = 0.0, .max = 1e15});
     config.plan.tyre_life_J = plan.number("tyre_life_J", kEnergy_J);
     config.plan.tyre_taken_J = plan.number("tyre_taken_J", {.min = 0.0, .max = 1e15});
-    if (config.plan.tyre_taken_J >= config.plan.tyre_life_J)
-        plan.fail("tyre_taken_J", "is not below tyre_life_J: nothing is left to share");
+    if (config.plan.tyre_taken_J >= config.plan.tyre_life_J) plan.fail("tyre_taken_J", "is not below tyre_life_J: nothing is left to share");
     config.plan.tolerance = plan.number("tolerance", {.min = 0.001, .max = 0.5});
     const settings::Table reference = root.table("reference");
     config.rules.default_reference = reference.number("default", {.min = 0.01, .max = 0.5});
@@ -99,8 +94,7 @@ RegulationConfig load_regulation_config(const std::filesystem::path& file) {
     } catch (const std::invalid_argument& e) {
         floor.fail("surfaces", e.what());
     }
-    if (const auto forecast = root.find_table("forecast"))
-        config.forecast_widest = forecast->number("widest", {.min = 0.01, .max = 1.0});
+    if (const auto forecast = root.find_table("forecast")) config.forecast_widest = forecast->number("widest", {.min = 0.01, .max = 1.0});
     config.files = {file, table};
     doc.finish();
     try {  // also on surfaces that nobody names: one day one of them is seen
@@ -121,13 +115,11 @@ Range RegulationConfig::range(const std::string& surface) const {
     return allowed(floor, all, rules.j_mu_floor, rules.default_reference);
 }
 
-Plan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J,
-             double landing_deviation_J) {
+Plan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J, double landing_deviation_J) {
     Plan plan = config.plan;
     if (plan.brake_taken_J >= brake_life_J)
         throw settings::Error(config.files.front().string(), 0, "plan.brake_taken_J",
-                              fmt::format("is {:.4g}, the brake's life {:.4g}: nothing is left to share",
-                                          plan.brake_taken_J, brake_life_J));
+                              fmt::format("is {:.4g}, the brake's life {:.4g}: nothing is left to share", plan.brake_taken_J, brake_life_J));
     plan.brake_life_J = brake_life_J;
     plan.landing_J = landing_J;
     plan.landing_deviation_J = landing_deviation_J;

@@ -16,8 +16,7 @@ struct RegulationConfig {
     Plan plan;
     Rules rules;
     FloorTable floor;
-    std::vector<double>
-        tyre_share;  ///< of all scenarios, mean, at each of floor.reference: what a fixed reference would give
+    std::vector<double> tyre_share;  ///< of all scenarios, mean, at each of floor.reference: what a fixed reference would give
     /// Seen before the plan's begin, or to be reckoned with: the range must hold on them from the first landing on. All that the table has,
     /// unless the file names them.
     std::vector<std::string> surfaces;
@@ -47,7 +46,6 @@ struct Characterisation {
 [[nodiscard]] std::string to_toml(const Characterisation& characterisation, const std::string& made_by);
 
 /// The whole plan for a brake and the energy of its landings. Throws settings::Error where the brake has taken more than its life.
-[[nodiscard]] Plan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J,
-                           double landing_deviation_J);
+[[nodiscard]] Plan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J, double landing_deviation_J);
 
 }  // namespace regulation

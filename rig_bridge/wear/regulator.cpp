@@ -22,8 +22,7 @@ bool positive(double value) {
 }  // namespace
 
 const char* name(Reading reading) {
-    static constexpr std::array kNames{"measured",       "missing",         "negative",
-                                       "beyond_kinetic", "energy_mismatch", "counter_back"};
+    static constexpr std::array kNames{"measured", "missing", "negative", "beyond_kinetic", "energy_mismatch", "counter_back"};
     return kNames[static_cast<std::size_t>(reading)];
 }
 
@@ -37,18 +36,14 @@ Regulator::Regulator(const Plan& plan, const Rules& rules, const Range& range)
       wear_counter_J_(plan.brake_taken_J) {
     need(plan.landings > 0, "landings must be above 0");
     need(positive(plan.brake_life_J) && positive(plan.tyre_life_J), "a life must be above 0 J");
-    need(plan.brake_taken_J >= 0.0 && plan.brake_taken_J < plan.brake_life_J,
-         "the energy that the brake has taken must be from 0 to below its life");
-    need(plan.tyre_taken_J >= 0.0 && plan.tyre_taken_J < plan.tyre_life_J,
-         "the energy that the tyre has taken must be from 0 to below its life");
+    need(plan.brake_taken_J >= 0.0 && plan.brake_taken_J < plan.brake_life_J, "the energy that the brake has taken must be from 0 to below its life");
+    need(plan.tyre_taken_J >= 0.0 && plan.tyre_taken_J < plan.tyre_life_J, "the energy that the tyre has taken must be from 0 to below its life");
     need(positive(plan.landing_J), "the energy of a landing must be above 0 J");
-    need(std::isfinite(plan.landing_deviation_J) && plan.landing_deviation_J >= 0.0,
-         "the deviation of a landing's energy must not be negative");
+    need(std::isfinite(plan.landing_deviation_J) && plan.landing_deviation_J >= 0.0, "the deviation of a landing's energy must not be negative");
     need(plan.tolerance > 0.0 && plan.tolerance < 1.0, "the tolerance must be between 0 and 1");
     need(rules.step > 0.0 && rules.step <= 0.5, "the step must be above 0 and at most 0.5");
     need(rules.patience >= 0, "the patience must not be negative");
-    need(rules.books_tolerance > 0.0 && rules.books_tolerance < 1.0,
-         "the books' tolerance must be between 0 and 1");
+    need(rules.books_tolerance > 0.0 && rules.books_tolerance < 1.0, "the books' tolerance must be between 0 and 1");
     need(rules.adaptation > 0.0 && rules.adaptation <= 1.0, "the adaptation must be above 0 and at most 1");
     need(range.lowest > 0.0 && range.highest <= 0.5, "references must lie above 0 and not above 0.5");
     need(range.contains(rules.default_reference), "the default reference lies outside of the range");
@@ -79,8 +74,7 @@ Reading Regulator::judge(const Landing& l) const {
     if (l.reference == 0.0 || l.kinetic_J == 0.0) return Reading::missing;
     const double most_J = l.kinetic_J * (1.0 + rules_.books_tolerance);
     if (l.tyre_J > most_J || l.brake_J > most_J) return Reading::beyond_kinetic;
-    if (std::abs(l.brake_J + l.tyre_J - l.kinetic_J) > rules_.books_tolerance * l.kinetic_J)
-        return Reading::energy_mismatch;
+    if (std::abs(l.brake_J + l.tyre_J - l.kinetic_J) > rules_.books_tolerance * l.kinetic_J) return Reading::energy_mismatch;
     if (l.brake_wear_J < wear_counter_J_) return Reading::counter_back;
     return Reading::measured;
 }
@@ -91,8 +85,7 @@ void Regulator::learn(const Landing& l) {
     constexpr double kTrustInOne = 4.0;  // landings that the first guess, eq. (9) at constant slip, is worth
     const double gain = std::max(1.0 / (learnt_ + kTrustInOne), rules_.adaptation);
     const double seen = measured_share_ / l.reference;
-    share_per_slip_ =
-        std::clamp(share_per_slip_ + gain * (seen - share_per_slip_), kLeastSharePerSlip, kMostSharePerSlip);
+    share_per_slip_ = std::clamp(share_per_slip_ + gain * (seen - share_per_slip_), kLeastSharePerSlip, kMostSharePerSlip);
     kinetic_J_ += l.kinetic_J;
     kinetic_landings_ += 1.0;
 }

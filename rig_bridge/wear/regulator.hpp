@@ -38,11 +38,10 @@ struct Plan {
 struct Rules {
     double default_reference = 0.24;  ///< before anything was measured, and when measurements stay away
     double step = 0.02;               ///< most change of the reference from one landing to the next
-    int patience = 3;              ///< landings without measurement after which it goes back to the default
-    double books_tolerance = 0.1;  ///< brake + tyre against kinetic energy: further off is implausible
+    int patience = 3;                 ///< landings without measurement after which it goes back to the default
+    double books_tolerance = 0.1;     ///< brake + tyre against kinetic energy: further off is implausible
     double j_mu_floor = 0.85;
-    double adaptation =
-        0.05;  ///< weight of the newest landing in the share that a reference gives, once settled
+    double adaptation = 0.05;  ///< weight of the newest landing in the share that a reference gives, once settled
 };
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -53,9 +52,8 @@ struct Landing {
     double kinetic_J = kUnknown;  ///< eq. (8)
     double brake_J = kUnknown;    ///< eq. (9)
     double tyre_J = kUnknown;
-    double j_mu = kUnknown;  ///< eq. (16)
-    double brake_wear_J =
-        kUnknown;  ///< c_e, all that the brake has taken since new, this landing included; NaN: added up here
+    double j_mu = kUnknown;          ///< eq. (16)
+    double brake_wear_J = kUnknown;  ///< c_e, all that the brake has taken since new, this landing included; NaN: added up here
 };
 
 /// How a landing was taken.
@@ -130,9 +128,8 @@ class Regulator {
     Reading last_reading_ = Reading::missing;
     double brake_J_;
     double tyre_J_;
-    double wear_counter_J_;  // newest brake_wear_J
-    double guessed_brake_J_ =
-        0.0;  // for landings that were not measured, since then; part of brake_J_ and tyre_J_
+    double wear_counter_J_;         // newest brake_wear_J
+    double guessed_brake_J_ = 0.0;  // for landings that were not measured, since then; part of brake_J_ and tyre_J_
     double guessed_tyre_J_ = 0.0;
     double measured_share_ = kUnknown;
     double share_per_slip_ = 1.0;

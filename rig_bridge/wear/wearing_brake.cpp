@@ -16,21 +16,17 @@ void check_energy(const char* what, double energy_J) {
         throw std::invalid_argument(fmt::format("{} {} J: must be finite, not negative", what, energy_J));
 }
 
-Conditional conditional_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule,
-                           double c_e_J) {
+Conditional conditional_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule, double c_e_J) {
     return friction_given_energy(model, c_e_J / scale.energy, rule);
 }
 
 }  // namespace
 
-double friction_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule, double c_e_J,
-                   Generator& generator) {
-    return std::max(kLeastFriction,
-                    scale.friction * conditional_at(model, scale, rule, c_e_J).sample(generator));
+double friction_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule, double c_e_J, Generator& generator) {
+    return std::max(kLeastFriction, scale.friction * conditional_at(model, scale, rule, c_e_J).sample(generator));
 }
 
-double expected_friction_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule,
-                            double c_e_J) {
+double expected_friction_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule, double c_e_J) {
     return std::max(kLeastFriction, scale.friction * conditional_at(model, scale, rule, c_e_J).mean());
 }
 

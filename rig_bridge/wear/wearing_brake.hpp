@@ -41,12 +41,10 @@ struct BrakeWear {
 
 /// One draw of the mean mu_b of a maneuver that begins when the brake has taken `c_e_J` >= 0, eq. (14); at least
 /// kLeastFriction. For studies that ask for one landing at a given wear.
-[[nodiscard]] double friction_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule,
-                                 double c_e_J, Generator& generator);
+[[nodiscard]] double friction_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule, double c_e_J, Generator& generator);
 
 /// The mean of those draws, without scatter.
-[[nodiscard]] double expected_friction_at(const Model& model, const BrakeScale& scale,
-                                          const ConditionalRule& rule, double c_e_J);
+[[nodiscard]] double expected_friction_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule, double c_e_J);
 
 class WearingBrake {
   public:

@@ -44,8 +44,7 @@ TEST_CASE("Retries are counted for one maneuver, in a row", "[BRG-410]") {
 }
 
 TEST_CASE("What a person stopped is never started again by itself", "[BRG-410]") {
-    for (const char* const outcome : {"emergency_stop", "guard_open", "requested", "foreign_command",
-                                      "overspeed", "speed_mismatch", "two_senders"}) {
+    for (const char* const outcome : {"emergency_stop", "guard_open", "requested", "foreign_command", "overspeed", "speed_mismatch", "two_senders"}) {
         CampaignJudge judge({.maneuvers = 500, .retries = 100});
         const rig::Decision decision = judge.after(summary(7, outcome));
         CHECK(decision.verdict == Verdict::fault);
@@ -53,8 +52,7 @@ TEST_CASE("What a person stopped is never started again by itself", "[BRG-410]")
     }
 }
 
-TEST_CASE("The wear limit ends the campaign, also when the limit was reached in an earlier session",
-          "[BRG-410]") {
+TEST_CASE("The wear limit ends the campaign, also when the limit was reached in an earlier session", "[BRG-410]") {
     CampaignJudge judge({.maneuvers = 500, .retries = 0, .min_friction = 0.15});
     CHECK(judge.after(summary(1, "finished", 0.15)).verdict == Verdict::go_on);
     const rig::Decision decision = judge.after(summary(2, "finished", 0.1499));
@@ -80,9 +78,7 @@ TEST_CASE("Time left follows the newest maneuvers", "[BRG-420]") {
     CHECK(pace.left_s(0).value() == 0.0);
 }
 
-TEST_CASE(
-    "An abnormal brake stops the campaign where that is asked for, also when it was found before a resume",
-    "[BRG-500]") {
+TEST_CASE("An abnormal brake stops the campaign where that is asked for, also when it was found before a resume", "[BRG-500]") {
     const rig::Health abnormal{rig::HealthState::abnormal, 1.2, "friction has dropped", "f00d"};
     const rig::Health suspect{rig::HealthState::suspect, 0.8, "friction has dropped", "f00d"};
     CampaignJudge judge({.maneuvers = 500, .stop_on_abnormal = true});

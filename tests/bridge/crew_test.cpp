@@ -94,8 +94,7 @@ TEST_CASE("A program for aborts that fails or hangs is named, and holds nobody",
     CHECK_THAT(rig::run_hook(script(dir, "kill -9 $$"), {}), ContainsSubstring("ended by signal 9"));
     // Its children die with it.
     const auto out = dir.write("late", "");
-    CHECK_THAT(rig::run_hook(script(dir, "(sleep 1; echo late > " + out.string() + ") & sleep 60"), {},
-                             milliseconds(100)),
+    CHECK_THAT(rig::run_hook(script(dir, "(sleep 1; echo late > " + out.string() + ") & sleep 60"), {}, milliseconds(100)),
                ContainsSubstring("had not ended after 0.1 s and was killed"));
     CHECK(rig::run_hook(script(dir, "sleep 1.2"), {}).empty());
     CHECK(can_test::contents(out).empty());
@@ -114,8 +113,7 @@ TEST_CASE("Who runs the campaign is told from bus and ledger", "[BRG-420]") {
     CHECK(says(0.02, false, false, 0) == "at work");
     CHECK(says(0.02, true, false, 7) == "at work on this bus, but not with this ledger");
     CHECK(says(4.0, true, true, 7) == "silent for 4 s on the bus, though it holds the ledger");
-    CHECK(says(4.0, true, false, 7) ==
-          "silent for 4 s, DEAD: maneuver 7 was left; the same campaign command goes on");
+    CHECK(says(4.0, true, false, 7) == "silent for 4 s, DEAD: maneuver 7 was left; the same campaign command goes on");
     CHECK(says({}, true, false, 0) == "not heard: nobody runs this campaign");
     CHECK(says({}, false, false, 0) == "not heard");
 }
@@ -151,8 +149,7 @@ TEST_CASE("The watch's screen has phase, figures, road and outcomes in 80 column
     CHECK(more[11] == "BUS DOWN: vcan0: Network is down");
     CHECK(more[12] == "ledger: locked");
     for (const std::string& line : more) CHECK(line.size() <= 80);
-    CHECK_THAT(watch_line(w), ContainsSubstring("HOLD: held by A. Rossi") && ContainsSubstring(w.senders) &&
-                                  ContainsSubstring("BUS DOWN"));
+    CHECK_THAT(watch_line(w), ContainsSubstring("HOLD: held by A. Rossi") && ContainsSubstring(w.senders) && ContainsSubstring("BUS DOWN"));
     CHECK(watch_screen(Watched{}, chart)[0] == ": no maneuver");
 }
 
@@ -178,12 +175,7 @@ TEST_CASE("The strip chart keeps ten seconds, newest at the right", "[BRG-420]")
     StripChart chart;
     for (const std::string& line : chart.lines()) CHECK(line.size() <= StripChart::kWidth);
     const auto at = [&](double time_s, double rim_mps) {
-        chart.add({.time_s = time_s,
-                   .rim_mps = rim_mps,
-                   .wheel_mps = 0.0,
-                   .slip = -0.1,
-                   .slip_reference = 0.24,
-                   .pressure_Pa = 3e6});
+        chart.add({.time_s = time_s, .rim_mps = rim_mps, .wheel_mps = 0.0, .slip = -0.1, .slip_reference = 0.24, .pressure_Pa = 3e6});
     };
     for (int i = 0; i <= 200; ++i) at(0.1 * i, 40.0 - 2.0 * 0.1 * i);
     const auto lines = chart.lines();
@@ -191,10 +183,8 @@ TEST_CASE("The strip chart keeps ten seconds, newest at the right", "[BRG-420]")
     // From 20 m/s ten seconds ago to none now, on a scale of 20 m/s.
     CHECK(lines[0].starts_with("speed, m/s     20 |*"));
     CHECK(lines[3].back() == '*');
-    CHECK(std::count(lines[0].begin(), lines[0].end(), '*') +
-              std::count(lines[1].begin(), lines[1].end(), '*') +
-              std::count(lines[2].begin(), lines[2].end(), '*') +
-              std::count(lines[3].begin(), lines[3].end(), '*') ==
+    CHECK(std::count(lines[0].begin(), lines[0].end(), '*') + std::count(lines[1].begin(), lines[1].end(), '*') +
+              std::count(lines[2].begin(), lines[2].end(), '*') + std::count(lines[3].begin(), lines[3].end(), '*') ==
           StripChart::kColumns);
     CHECK(lines[4].starts_with("slip          0.5 |"));
     CHECK(lines[8].starts_with("p, MPa          5 |"));

@@ -57,8 +57,7 @@ TEST_CASE("A shaft that stops is soon seen to stop", "[BRG-420]") {
     CHECK(speed.radps() < 0.02);
 }
 
-TEST_CASE("Nothing is measured before the first frame, and a sensor that starts again starts again",
-          "[BRG-420]") {
+TEST_CASE("Nothing is measured before the first frame, and a sensor that starts again starts again", "[BRG-420]") {
     rig::LiveSpeed speed(kTeeth);
     speed.update(SpeedInput{}, at(1.0));
     CHECK(speed.radps() == 0.0);

@@ -46,8 +46,7 @@ TEST_CASE("The bridge's turn is each tenth SYNC, once the controller has answere
     CHECK(b.lockstep.syncs() == 45);
 }
 
-TEST_CASE("A SYNC that is repeated is one; lost ones have passed; a rig that starts anew goes on",
-          "[BRG-465]") {
+TEST_CASE("A SYNC that is repeated is one; lost ones have passed; a rig that starts anew goes on", "[BRG-465]") {
     LockstepBench b;
     b.sync(0);
     b.sync(0);

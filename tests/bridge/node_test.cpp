@@ -25,14 +25,12 @@ struct Bench {
     const rig::Moment& step(sequencer::Sequencer* sequencer, const rig::Node::Wishes& wishes = {}) {
         now += rig::Node::kStep;
         feed.bus.looked = now;
-        feed.bus.view.wheel.received = feed.bus.view.flywheel.received = feed.bus.view.pressure.received =
-            now;
+        feed.bus.view.wheel.received = feed.bus.view.flywheel.received = feed.bus.view.pressure.received = now;
         feed.bus.view.controller.status_received = now;
         return node.step(sequencer, wishes, now);
     }
     [[nodiscard]] std::ptrdiff_t sent(Role role) const {
-        return std::count_if(bus.sent.begin(), bus.sent.end(),
-                             [&](const antiskid::can::Frame& f) { return f.id == frames[role].id; });
+        return std::count_if(bus.sent.begin(), bus.sent.end(), [&](const antiskid::can::Frame& f) { return f.id == frames[role].id; });
     }
     [[nodiscard]] double commanded(Commanded q) const { return rig::at(plc.commands.back(), q); }
 };
@@ -58,8 +56,7 @@ TEST_CASE("The bridge's frames go out at their periods, load cells only while th
     CHECK(b.sent(Role::maneuver_state) <= 11);
     CHECK(b.sent(Role::emergency_stop) == 0);
     CHECK(b.sent(Role::wheel) + b.sent(Role::flywheel) + b.sent(Role::pressure) + b.sent(Role::sync) == 0);
-    for (const Measured cell :
-         {Measured::vertical_load_N, Measured::longitudinal_force_N, Measured::brake_torque_Nm}) {
+    for (const Measured cell : {Measured::vertical_load_N, Measured::longitudinal_force_N, Measured::brake_torque_Nm}) {
         b.bus.sent.clear();
         b.plc.now = good_plc();
         b.plc.now.age_s[static_cast<std::size_t>(cell)] = 0.11;
@@ -89,8 +86,7 @@ TEST_CASE("A phase and its command go out in the same step", "[BRG-400]") {
             REQUIRE(b.sent(Role::maneuver) == 1);
             // The command first: who hears the phase has heard it.
             const auto place = [&](Role role) {
-                return std::find_if(b.bus.sent.begin(), b.bus.sent.end(),
-                                    [&](const auto& frame) { return frame.id == b.frames[role].id; });
+                return std::find_if(b.bus.sent.begin(), b.bus.sent.end(), [&](const auto& frame) { return frame.id == b.frames[role].id; });
             };
             CHECK(place(Role::maneuver) < place(Role::maneuver_state));
         }
@@ -173,8 +169,7 @@ TEST_CASE("The wish to stop aborts as requested", "[BRG-400]") {
     CHECK(sequencer.abort() == sequencer::Abort::requested);
 }
 
-TEST_CASE("A tripped PLC is reset only where that is allowed, with nothing on and every interlock good",
-          "[BRG-400]") {
+TEST_CASE("A tripped PLC is reset only where that is allowed, with nothing on and every interlock good", "[BRG-400]") {
     const auto resets = [](Bench& b, sequencer::Sequencer* sequencer, bool allowed) {
         bool reset = false;
         for (int i = 0; i < 40; ++i) {

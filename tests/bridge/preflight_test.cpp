@@ -38,8 +38,7 @@ rig::BusHeard sound_bus() {
     rig::BusHeard heard;
     heard.until = 10s;
     heard.view = bridge_test::good_bus(heard.until).view;
-    for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::status})
-        heard.stats[static_cast<std::size_t>(role)].accepted = 1000;
+    for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::status}) heard.stats[static_cast<std::size_t>(role)].accepted = 1000;
     return heard;
 }
 
@@ -105,8 +104,7 @@ TEST_CASE("a scenario's law that the bus has no code for is refused by name", "[
     CHECK(rig::load_setup(options).scenario.mean.law == sequencer::BrakeLaw::pressure_bias);
     options.dbc = "config/foreign.dbc";
     options.binding = "config/foreign_binding.toml";
-    CHECK_THROWS_WITH(rig::load_setup(options),
-                      ContainsSubstring("foreign.dbc: the law's field is too narrow"));
+    CHECK_THROWS_WITH(rig::load_setup(options), ContainsSubstring("foreign.dbc: the law's field is too narrow"));
 }
 
 TEST_CASE("Lockstep needs a PLC that waits and a SYNC with a number", "[BRG-465]") {
@@ -161,12 +159,10 @@ TEST_CASE("A PLC that is bad in one respect fails that check alone", "[BRG-150]"
         CHECK(bench.wrongs() == Wrong{"PLC heartbeat: fail"});
     }
     SECTION("a sensor that says what cannot be") {
-        bench.plc.quality[static_cast<std::size_t>(rig::Measured::brake_temperature_C)] =
-            rig::ValueQuality::implausible;
+        bench.plc.quality[static_cast<std::size_t>(rig::Measured::brake_temperature_C)] = rig::ValueQuality::implausible;
         const auto checks = bench.run().checks;
         CHECK(wrong(checks) == Wrong{"PLC registers: fail"});
-        CHECK_THAT(named(checks, "PLC registers").measured,
-                   ContainsSubstring("brake_temperature implausible"));
+        CHECK_THAT(named(checks, "PLC registers").measured, ContainsSubstring("brake_temperature implausible"));
     }
     SECTION("a register that is old") {
         bench.plc.age_s[static_cast<std::size_t>(rig::Measured::vertical_load_N)] = 9.0;

@@ -22,35 +22,29 @@ struct Ways {
 };
 
 std::vector<rig::HoldPlace> places(const TemporaryDirectory& directory, const Ways& ways = {}) {
-    return rig::hold_places(directory.path(), ways.interface, rig::parse_plc_address(ways.plc), ways.unit,
-                            ways.netns);
+    return rig::hold_places(directory.path(), ways.interface, rig::parse_plc_address(ways.plc), ways.unit, ways.netns);
 }
 
 }  // namespace
 
-TEST_CASE("A second bridge on the interface or on the PLC is refused, and told whose rig it is",
-          "[BRG-460]") {
+TEST_CASE("A second bridge on the interface or on the PLC is refused, and told whose rig it is", "[BRG-460]") {
     const TemporaryDirectory directory;
     const rig::RigHold first(places(directory), rig::holder_text("campaign", "/srv/runs/brake7"));
     const std::string holder = "rig-bridge campaign, process " + std::to_string(getpid()) + ", since 20";
     for (const auto& [what, ways] :
-         {std::pair{"CAN interface can0 is held by ", Ways{}},
-          std::pair{"CAN interface can0 is held by ", Ways{.plc = "10.0.0.9:502"}},
+         {std::pair{"CAN interface can0 is held by ", Ways{}}, std::pair{"CAN interface can0 is held by ", Ways{.plc = "10.0.0.9:502"}},
           std::pair{"Modbus TCP 192.168.1.10:502, unit 1 is held by ", Ways{.interface = "can1"}}}) {
         CAPTURE(what);
-        CHECK_THROWS_WITH(
-            rig::RigHold(places(directory, ways), "second"),
-            ContainsSubstring(what + holder) && ContainsSubstring("records in /srv/runs/brake7. Next: "));
+        CHECK_THROWS_WITH(rig::RigHold(places(directory, ways), "second"),
+                          ContainsSubstring(what + holder) && ContainsSubstring("records in /srv/runs/brake7. Next: "));
         CHECK_THAT(rig::rig_held(places(directory, ways)).value_or(""), ContainsSubstring(what + holder));
     }
 }
 
-TEST_CASE("Another interface with another PLC, unit, or the same names in another namespace, is another rig",
-          "[BRG-460]") {
+TEST_CASE("Another interface with another PLC, unit, or the same names in another namespace, is another rig", "[BRG-460]") {
     const TemporaryDirectory directory;
     const rig::RigHold first(places(directory), "first");
-    for (const Ways& other : {Ways{.interface = "can1", .plc = "192.168.1.11:502"},
-                              Ways{.interface = "can1", .plc = "192.168.1.10:503"},
+    for (const Ways& other : {Ways{.interface = "can1", .plc = "192.168.1.11:502"}, Ways{.interface = "can1", .plc = "192.168.1.10:503"},
                               Ways{.interface = "can1", .unit = 2}, Ways{.netns = kHere + 1}}) {
         CAPTURE(other.interface, other.plc, other.unit, other.netns);
         CHECK_FALSE(rig::rig_held(places(directory, other)));
@@ -75,12 +69,9 @@ TEST_CASE("A serial line is held by whatever name it has", "[BRG-460]") {
     std::filesystem::create_symlink(name, other_name);
     {
         const rig::RigHold first(places(directory, {.plc = name}), "first");
-        CHECK_THROWS_WITH(
-            rig::RigHold(places(directory, {.interface = "can1", .plc = other_name, .unit = 2}), "second"),
-            ContainsSubstring("Modbus RTU " + other_name.string() + " is held by first"));
-        CHECK_THROWS_AS(
-            rig::RigHold(places(directory, {.interface = "can1", .plc = name, .netns = 1}), "second"),
-            rig::RigHeld);
+        CHECK_THROWS_WITH(rig::RigHold(places(directory, {.interface = "can1", .plc = other_name, .unit = 2}), "second"),
+                          ContainsSubstring("Modbus RTU " + other_name.string() + " is held by first"));
+        CHECK_THROWS_AS(rig::RigHold(places(directory, {.interface = "can1", .plc = name, .netns = 1}), "second"), rig::RigHeld);
         CHECK_NOTHROW(rig::RigHold(places(directory, {.interface = "can1", .plc = "/dev/none"}), "second"));
     }
     close(slave);

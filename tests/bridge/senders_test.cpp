@@ -18,8 +18,7 @@ namespace {
 /// Frames of one message; `mark` is what its payload carries.
 class HandMade {
   public:
-    explicit HandMade(const Message& message, std::uint16_t counter = 0, std::uint8_t mark = 0)
-        : message_(message), counter_(counter), mark_(mark) {}
+    explicit HandMade(const Message& message, std::uint16_t counter = 0, std::uint8_t mark = 0) : message_(message), counter_(counter), mark_(mark) {}
     Frame next() {
         Frame frame{.id = message_.id, .length = message_.length};
         Payload payload;
@@ -157,8 +156,7 @@ TEST_CASE("Equal counters are said to be equal: somebody may repeat each frame o
         ear.hear(frame);
         ear.hear(frame);
     }
-    CHECK_THAT(ear.senders.text(),
-               Catch::Matchers::StartsWith("every frame of 0x180 comes twice, at counter "));
+    CHECK_THAT(ear.senders.text(), Catch::Matchers::StartsWith("every frame of 0x180 comes twice, at counter "));
 }
 
 TEST_CASE("Other identifiers, damaged frames and messages without a counter say nothing", "[BRG-460]") {
@@ -192,8 +190,7 @@ TEST_CASE("Other identifiers, damaged frames and messages without a counter say 
     CHECK_FALSE(little.several());
 }
 
-TEST_CASE("A second controller is told by its valve commands or its status, a second bridge by its commands",
-          "[BRG-460]") {
+TEST_CASE("A second controller is told by its valve commands or its status, a second bridge by its commands", "[BRG-460]") {
     const antiskid::can::Layout layout = bridge_test::layout();
     for (const Role role : {Role::valve, Role::status, Role::maneuver}) {
         rig::WhoSends who(layout);

@@ -57,6 +57,5 @@ TEST_CASE("The first signal and the number of all of them are known", "[BRG-410]
 }
 
 TEST_CASE("Wall clock as ISO 8601", "[BRG-410]") {
-    CHECK(rig::iso_8601(std::chrono::system_clock::time_point(std::chrono::seconds(1'000'000'000))) ==
-          "2001-09-09T01:46:40Z");
+    CHECK(rig::iso_8601(std::chrono::system_clock::time_point(std::chrono::seconds(1'000'000'000))) == "2001-09-09T01:46:40Z");
 }

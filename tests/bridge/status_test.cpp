@@ -15,16 +15,10 @@ namespace {
 /// Two maneuvers of a megajoule each, the second flagged, and a third that was begun.
 struct Begun {
     Begun() {
-        ledger->open_campaign({.name = "brake7",
-                               .scenario = "endurance",
-                               .seed = 7,
-                               .planned = 9,
-                               .config_hash = "abc",
-                               .version = "0.1.0",
-                               .created = "t0"},
-                              rig::IfChanged::refuse);
-        for (const char* warning :
-             {"", "energy_unbalanced: brake and tyre took 9 MJ of 1 MJ kinetic energy"}) {
+        ledger->open_campaign(
+            {.name = "brake7", .scenario = "endurance", .seed = 7, .planned = 9, .config_hash = "abc", .version = "0.1.0", .created = "t0"},
+            rig::IfChanged::refuse);
+        for (const char* warning : {"", "energy_unbalanced: brake and tyre took 9 MJ of 1 MJ kinetic energy"}) {
             rig::Summary s;
             s.campaign = "brake7";
             s.number = ledger->begin(*ledger->next_number(), "t1").number;
@@ -45,12 +39,10 @@ struct Begun {
 
 }  // namespace
 
-TEST_CASE("Status has the energy so far while a maneuver runs, and warnings beside their maneuver",
-          "[BRG-261]") {
+TEST_CASE("Status has the energy so far while a maneuver runs, and warnings beside their maneuver", "[BRG-261]") {
     const Begun begun;
     const std::string text = rig::status_text(begun.path);
-    CHECK_THAT(text,
-               ContainsSubstring("2 of 9 maneuvers finished; 0 aborted, 0 unfinished, 1 running; 1.000 MJ"));
+    CHECK_THAT(text, ContainsSubstring("2 of 9 maneuvers finished; 0 aborted, 0 unfinished, 1 running; 1.000 MJ"));
     CHECK_THAT(text, ContainsSubstring("energy_unbalanced: brake and tyre took 9 MJ"));
     const auto json = begun.json();
     CHECK(json["cumulative_energy_J"] == 1e6);
@@ -63,8 +55,7 @@ TEST_CASE("Status has the energy so far while a maneuver runs, and warnings besi
 TEST_CASE("A maneuver whose bridge is dead does not run", "[BRG-261]") {
     Begun begun;
     begun.ledger.reset();
-    CHECK_THAT(rig::status_text(begun.path), ContainsSubstring("1 left by a dead bridge; 1.000 MJ") &&
-                                                 ContainsSubstring("      3       1  left"));
+    CHECK_THAT(rig::status_text(begun.path), ContainsSubstring("1 left by a dead bridge; 1.000 MJ") && ContainsSubstring("      3       1  left"));
     const auto json = begun.json();
     CHECK(json["running"] == 0);
     CHECK(json["left"] == 1);
@@ -78,8 +69,7 @@ TEST_CASE("Amendments stand in the status with who and why", "[BRG-261]") {
     begun.ledger->mark_unfinished();
     begun.ledger->amend(2, 1, {.counted_J = 0.9e6, .who = "A. Rossi", .made = "t9", .why = "node restarted"});
     CHECK_THAT(rig::status_text(begun.path),
-               ContainsSubstring("1.900 MJ") &&
-                   ContainsSubstring("counts 0.900 MJ, says A. Rossi, t9: node restarted"));
+               ContainsSubstring("1.900 MJ") && ContainsSubstring("counts 0.900 MJ, says A. Rossi, t9: node restarted"));
     CHECK(begun.json()["maneuvers"][1]["amendments"][0]["who"] == "A. Rossi");
     CHECK(begun.json()["cumulative_energy_J"] == 1.9e6);
 }

@@ -44,8 +44,7 @@ TEST_CASE("A good rig is seen as it is", "[BRG-400]") {
     CHECK(in.load_N == 40e3);
     CHECK(in.brake_temperature_C == 20.0);
     CHECK((in.bus_up && in.sensors_fresh && in.controller_fresh && in.controller_standby));
-    CHECK_FALSE((in.controller_armed || in.controller_safe || in.commit_refused || in.commit_late ||
-                 in.abort_requested));
+    CHECK_FALSE((in.controller_armed || in.controller_safe || in.commit_refused || in.commit_late || in.abort_requested));
     CHECK(in.rim_mps == 60.0);
     CHECK(in.wheel_radps == 140.0);
     CHECK(in.wheel_rim_mps == 45.0);
@@ -58,8 +57,7 @@ TEST_CASE("Each register that is old, implausible or no number makes the PLC sil
         rig::Snapshot old = good_plc();
         old.age_s[i] = kLimits.registers_s + 0.01;
         CHECK_FALSE(look(old, good_bus(1s)).plc_fresh);
-        for (const auto quality :
-             {rig::ValueQuality::never, rig::ValueQuality::implausible, rig::ValueQuality::not_a_number}) {
+        for (const auto quality : {rig::ValueQuality::never, rig::ValueQuality::implausible, rig::ValueQuality::not_a_number}) {
             rig::Snapshot bad = good_plc();
             bad.quality[i] = quality;
             CHECK_FALSE(look(bad, good_bus(1s)).plc_fresh);
@@ -146,8 +144,7 @@ TEST_CASE("Every state of the controller is standby, safe, armed or none of them
         const sequencer::Inputs in = look(good_plc(), bus);
         CHECK(in.controller_standby == (state == State::standby));
         CHECK(in.controller_safe == (state == State::safe));
-        CHECK(in.controller_armed ==
-              (state != State::standby && state != State::safe && state != State::self_test));
+        CHECK(in.controller_armed == (state != State::standby && state != State::safe && state != State::self_test));
     }
 }
 
@@ -202,8 +199,7 @@ TEST_CASE("Two senders of what one may send are told to the sequencer and to peo
     SECTION("controllers") {
         moment.bus.two_controllers = std::string("two senders of 0x100, at counters 3 and 9");
         CHECK(look(good_plc(), moment.bus).two_senders);
-        CHECK(note_of(moment) ==
-              "two controllers talk on the bus: two senders of 0x100, at counters 3 and 9");
+        CHECK(note_of(moment) == "two controllers talk on the bus: two senders of 0x100, at counters 3 and 9");
         moment.bus.controller_refused = std::string("counter");
         CHECK(note_of(moment) ==
               "two controllers talk on the bus: two senders of 0x100, at counters 3 and 9; heard but "

@@ -84,8 +84,7 @@ TEST_CASE("The bar is the phase's share of the speed", "[BRG-420]") {
 
 TEST_CASE("A campaign shows its progress and the time left", "[BRG-420]") {
     ViewModel v = braking();
-    v.campaign =
-        CampaignView{.number = 126, .finished = 125, .planned = 500, .left_s = 3 * 3600.0 + 12 * 60.0};
+    v.campaign = CampaignView{.number = 126, .finished = 125, .planned = 500, .left_s = 3 * 3600.0 + 12 * 60.0};
     CHECK(screen(v, 200)[0] ==
           "Heavy landing, slip law  maneuver 126  [######..................] 125 of 500 finished, 3 h 12 min "
           "left");

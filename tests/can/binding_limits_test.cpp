@@ -23,8 +23,7 @@ using can_test::replaced;
 namespace {
 
 /// A wheel message without protection, so that a clock of 48 bits has room.
-constexpr const char* kProtectedWheel =
-    "protection = \"counter_crc\"\ncounter = \"Counter\"\ncrc = \"Crc\"\ndata_id = 0x110\nmax_delta = 4\n";
+constexpr const char* kProtectedWheel = "protection = \"counter_crc\"\ncounter = \"Counter\"\ncrc = \"Crc\"\ndata_id = 0x110\nmax_delta = 4\n";
 
 Layout changed(const std::string& from, const std::string& to, const std::string& toml = kOurs) {
     const can_test::TempDir dir;
@@ -32,8 +31,7 @@ Layout changed(const std::string& from, const std::string& to, const std::string
 }
 
 Layout pressure_like(const std::string& scale_and_range) {
-    return changed("(500,0) [0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288",
-                   scale_and_range + " \"Pa\" Controller,Bridge\n\nBO_ 288");
+    return changed("(500,0) [0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288", scale_and_range + " \"Pa\" Controller,Bridge\n\nBO_ 288");
 }
 
 }  // namespace
@@ -54,13 +52,10 @@ TEST_CASE("a refusal says in full what is wrong with a message, and where", "[CA
     const std::string before = kOurDbc.substr(0, kOurDbc.find("BO_ 272 "));
     const auto line = std::count(before.begin(), before.end(), '\n') + 1;
     const std::string at = "a.dbc:" + std::to_string(line) + ": ";
-    refused("BO_ 272 W", "BO_ 2048 W",
-            at + "'WheelEncoder' has a 29-bit identifier; only 11-bit ones (0 to 2047) are used");
-    refused("WheelEncoder: 8", "WheelEncoder: 9",
-            at + "'WheelEncoder' has 9 bytes; a classic CAN frame has at most 8");
+    refused("BO_ 272 W", "BO_ 2048 W", at + "'WheelEncoder' has a 29-bit identifier; only 11-bit ones (0 to 2047) are used");
+    refused("WheelEncoder: 8", "WheelEncoder: 9", at + "'WheelEncoder' has 9 bytes; a classic CAN frame has at most 8");
     refused("BO_ 272 W", "BO_ 99 WheelEncoder: 8 Rig\n\nBO_ 272 W",
-            "'WheelEncoder' is defined twice in a.dbc, lines " + std::to_string(line) + " and " +
-                std::to_string(line + 2));
+            "'WheelEncoder' is defined twice in a.dbc, lines " + std::to_string(line) + " and " + std::to_string(line + 2));
 }
 
 TEST_CASE("what just fits is accepted: identifier, widths, clocks, data IDs, ranges", "[CAN-045]") {
@@ -78,12 +73,8 @@ TEST_CASE("what just fits is accepted: identifier, widths, clocks, data IDs, ran
               .wheel.edge_time.bits == 48);
     // A data ID of 0 is one, and no message without a CRC has it.
     for (const std::string id : {"0", "65535"})
-        CHECK(
-            changed("VERSION", "VERSION", replaced(kOurs, "data_id = 0x110", "data_id = " + id))[Role::wheel]
-                .protection.data_id == std::stoi(id));
-    CHECK(changed("VERSION", "VERSION",
-                  replaced(kOurs, "period_ms = 1\n", "period_ms = 1.0000000005\n"))[Role::wheel]
-              .bound);
+        CHECK(changed("VERSION", "VERSION", replaced(kOurs, "data_id = 0x110", "data_id = " + id))[Role::wheel].protection.data_id == std::stoi(id));
+    CHECK(changed("VERSION", "VERSION", replaced(kOurs, "period_ms = 1\n", "period_ms = 1.0000000005\n"))[Role::wheel].bound);
 }
 
 TEST_CASE("the CRC is found in whichever byte it fills, in either order", "[CAN-040]") {
@@ -91,9 +82,8 @@ TEST_CASE("the CRC is found in whichever byte it fills, in either order", "[CAN-
         std::string crc, counter, count;
         std::uint8_t byte;
     };
-    for (const Row& row : {Row{"0|8@1+", "8|4@1+", "16|16@1+", 0}, Row{"8|8@1+", "0|4@1+", "16|16@1+", 1},
-                           Row{"24|8@1+", "0|4@1+", "8|16@1+", 3}, Row{"7|8@0+", "8|4@1+", "16|16@1+", 0},
-                           Row{"15|8@0+", "0|4@1+", "16|16@1+", 1}, Row{"31|8@0+", "0|4@1+", "8|16@1+", 3}}) {
+    for (const Row& row : {Row{"0|8@1+", "8|4@1+", "16|16@1+", 0}, Row{"8|8@1+", "0|4@1+", "16|16@1+", 1}, Row{"24|8@1+", "0|4@1+", "8|16@1+", 3},
+                           Row{"7|8@0+", "8|4@1+", "16|16@1+", 0}, Row{"15|8@0+", "0|4@1+", "16|16@1+", 1}, Row{"31|8@0+", "0|4@1+", "8|16@1+", 3}}) {
         const std::string crc_before =
             "WheelEncoder: 8 Rig\n SG_ Crc : 0|8@1+ (1,0) [0|255] \"\" Controller,Bridge\n"
             " SG_ Counter : 8|4@1+ (1,0) [0|14] \"\" Controller,Bridge\n SG_ EdgeCount : 16|16@1+";
@@ -124,16 +114,14 @@ TEST_CASE("a range is kept in raw numbers: offset, sign, a hair of tolerance, si
 }
 
 TEST_CASE("a counter without a CRC has 2 to 8 bits; a rim 0.01 to 10 m", "[CAN-040]") {
-    const auto foreign_refusal = [](const std::string& dbc_from, const std::string& dbc_to,
-                                    const std::string& toml) {
+    const auto foreign_refusal = [](const std::string& dbc_from, const std::string& dbc_to, const std::string& toml) {
         return refusal(replaced(kForeignDbc, dbc_from, dbc_to), toml);
     };
-    CHECK_THAT(foreign_refusal("MsgCnt : 11|4@0+ (1,0) [0|15] \"\" ABCU\n SG_ BrakePress",
-                               "MsgCnt : 11|1@0+ (1,0) [0|1] \"\" ABCU\n SG_ BrakePress", kForeign),
+    CHECK_THAT(foreign_refusal("MsgCnt : 11|4@0+ (1,0) [0|15] \"\" ABCU\n SG_ BrakePress", "MsgCnt : 11|1@0+ (1,0) [0|1] \"\" ABCU\n SG_ BrakePress",
+                               kForeign),
                ContainsSubstring("pressure.counter") && ContainsSubstring("has 1 bit; expected 2 to 8 bits"));
     for (const std::string radius : {"0.009", "10.1"})
-        CHECK_THAT(
-            foreign_refusal("(0.0625,0) [0|4095.9375] \"rpm\"", "(0.0625,0) [0|4095.9375] \"km/h\"",
-                            replaced(kForeign, "unit = \"rpm\"", "unit = \"km/h\", radius_m = " + radius)),
-            ContainsSubstring("radius_m: " + radius + " is out of range 0.01 to 10"));
+        CHECK_THAT(foreign_refusal("(0.0625,0) [0|4095.9375] \"rpm\"", "(0.0625,0) [0|4095.9375] \"km/h\"",
+                                   replaced(kForeign, "unit = \"rpm\"", "unit = \"km/h\", radius_m = " + radius)),
+                   ContainsSubstring("radius_m: " + radius + " is out of range 0.01 to 10"));
 }

@@ -39,8 +39,7 @@ std::vector<Key> keys(const std::string& toml) {
         const std::size_t end = toml.find('\n', begin) + 1;
         const std::string line = toml.substr(begin, end - begin);
         if (line[0] == '[') table = line.substr(1, line.find(']') - 1);
-        if (line[0] >= 'a' && line[0] <= 'z')
-            found.push_back({begin, end, table, line.substr(0, line.find(' '))});
+        if (line[0] >= 'a' && line[0] <= 'z') found.push_back({begin, end, table, line.substr(0, line.find(' '))});
         begin = end;
     }
     return found;
@@ -114,13 +113,11 @@ TEST_CASE("a misspelt key is refused, with its line", "[CAN-040]") {
 TEST_CASE("a missing, misspelt or additional table is refused", "[CAN-040]") {
     for (std::size_t i = 0; i < kRoleCount; ++i) {
         const std::string role(name(static_cast<Role>(i)));
-        const std::string what =
-            refusal(kOurDbc, replaced(kOurs, header(role), header(std::string("x").append(role))));
+        const std::string what = refusal(kOurDbc, replaced(kOurs, header(role), header(std::string("x").append(role))));
         INFO(role << ": " << what);
         CHECK_THAT(what, ContainsSubstring("a.toml") && ContainsSubstring(role));
     }
-    CHECK_THAT(refusal(kOurDbc, kOurs + "[brake_temperature]\nmessage = \"X\"\n"),
-               ContainsSubstring("brake_temperature"));
+    CHECK_THAT(refusal(kOurDbc, kOurs + "[brake_temperature]\nmessage = \"X\"\n"), ContainsSubstring("brake_temperature"));
 }
 
 TEST_CASE("overlaps are found in either byte order, and between them", "[CAN-040]") {
@@ -145,10 +142,8 @@ TEST_CASE("overlaps are found in either byte order, and between them", "[CAN-040
         {"23|16@0+", "71|32@0+", "sticks out of the 8 bytes"},
         {"63|8@0+", "32|32@1+", "overlaps that of wheel.edge_count"},
     }));
-    const std::string before =
-        "SG_ EdgeCount : 16|16@1+ (1,0) [0|65535] \"\" Controller,Bridge\n SG_ EdgeTime : 32|32@1+";
-    const std::string after = std::string("SG_ EdgeCount : ") + row.count +
-                              " (1,0) [0|0] \"\" Controller,Bridge\n SG_ EdgeTime : " + row.time;
+    const std::string before = "SG_ EdgeCount : 16|16@1+ (1,0) [0|65535] \"\" Controller,Bridge\n SG_ EdgeTime : 32|32@1+";
+    const std::string after = std::string("SG_ EdgeCount : ") + row.count + " (1,0) [0|0] \"\" Controller,Bridge\n SG_ EdgeTime : " + row.time;
     const std::string what = refusal(replaced(kOurDbc, before, after), kOurs);
     INFO(row.count << ", " << row.time);
     if (row.refusal[0] == '\0') {
@@ -168,29 +163,24 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-040]"
         " SG_ Counter : 8|4@1+ (1,0) [0|14] \"\" Controller,Bridge\n"
         " SG_ EdgeCount : 16|16@1+ (1,0) [0|65535] \"\" Controller,Bridge\n"
         " SG_ EdgeTime : 32|32@1+ (0.1,0) [0|429496729.5] \"us\" Controller,Bridge\n";
-    const auto wheel = [&encoder](const std::string& from, const std::string& to,
-                                  const std::string& expected) {
+    const auto wheel = [&encoder](const std::string& from, const std::string& to, const std::string& expected) {
         return Case{encoder, replaced(encoder, from, to), expected, true};
     };
     const std::vector<Case> cases{
         {"\"WheelEncoder\"", "\"WheelEncodr\"", "a.toml:5: wheel.message: no message 'WheelEncodr'"},
         {"\"WheelEncoder\"", "\"WheelEncodr\"", "did you mean 'WheelEncoder'"},
         {"\"WheelEncoder\"", "\"Qx\"", "no message 'Qx' in "},
-        {"\"EdgeCount\"", "\"EdgeCuont\"",
-         "wheel.edge_count: no signal 'EdgeCuont' in message 'WheelEncoder'"},
-        {"\"EdgeTime\", unit = \"us\"", "\"EdgeTime\", unit = \"ms\"",
-         "wheel.edge_time.unit: signal 'EdgeTime'"},
+        {"\"EdgeCount\"", "\"EdgeCuont\"", "wheel.edge_count: no signal 'EdgeCuont' in message 'WheelEncoder'"},
+        {"\"EdgeTime\", unit = \"us\"", "\"EdgeTime\", unit = \"ms\"", "wheel.edge_time.unit: signal 'EdgeTime'"},
         {"\"EdgeTime\", unit = \"us\"", "\"EdgeTime\", unit = \"furlong\"", "unknown unit 'furlong'"},
         {"\"Pressure\", unit = \"Pa\"", "\"Pressure\", unit = \"bar\"", "is in 'Pa' there, 'bar' here"},
         {"edge_count = \"EdgeCount\"", "edge_count = \"EdgeTime\"", "wheel.edge_count"},
         {"edge_count = \"EdgeCount\"\n", "", "wheel.edge_count"},
-        {"edge_count = \"EdgeCount\"\n",
-         "edge_count = \"EdgeCount\"\nspeed = { signal = \"x\", unit = \"rpm\" }\n",
+        {"edge_count = \"EdgeCount\"\n", "edge_count = \"EdgeCount\"\nspeed = { signal = \"x\", unit = \"rpm\" }\n",
          "wheel.speed: give either edge_count and edge_time, or speed"},
         {"edge_count = \"EdgeCount\"\nedge_time = { signal = \"EdgeTime\", unit = \"us\" }\n", "",
          "wheel.message: give either edge_count and edge_time, or speed"},
-        {"period_ms = 1\n", "period_ms = 2\n",
-         "wheel.period_ms: contradicts GenMsgCycleTime of 'WheelEncoder'"},
+        {"period_ms = 1\n", "period_ms = 2\n", "wheel.period_ms: contradicts GenMsgCycleTime of 'WheelEncoder'"},
         {"period_ms = 1\n", "period_ms = 0\n", "out of range 0.1 to 1000"},
         {"period_ms = 1\n", "period_ms = 1.0000000015\n", "contradicts GenMsgCycleTime of 'WheelEncoder'"},
         {"period_ms = 1\n", "period_ms = \"1\"\n", "wheel.period_ms"},
@@ -205,8 +195,8 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-040]"
         {"\"FlywheelEncoder\"", "\"WheelEncoder\"", "flywheel.message: has the identifier that [wheel] uses"},
         {"law = \"Law\"", "law = \"Demand\"", "has 16 bits; expected 2 to 8 bits"},
         {"arm = \"Arm\"", "arm = \"Law\"", "maneuver.arm: signal 'Law'"},
-        {"slip_reference = { signal = \"SlipReference\", unit = \"1\" }",
-         "slip_reference = { signal = \"DecelerationReference\", unit = \"m/s2\" }", "expected one of 1, %"},
+        {"slip_reference = { signal = \"SlipReference\", unit = \"1\" }", "slip_reference = { signal = \"DecelerationReference\", unit = \"m/s2\" }",
+         "expected one of 1, %"},
         {"wheel_lost = \"WheelLost\"", "wheel_lost = \"WheelCorrupt\"", "faults.bits.wheel_corrupt"},
         {"number = \"SyncNumber\"", "number = \"SyncNumber\"\nperiod_ms = 1", "sync.period_ms"},
         wheel("16|16@1+", "20|16@1+", "overlaps that of wheel.edge_count"),
@@ -227,10 +217,8 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-040]"
         wheel("BO_ 272", "BO_ 2147483920", "29-bit identifier"),
         wheel("BO_ 272", "BO_ 2048", "29-bit identifier"),
         wheel("8|4@1+", "8|1@1+", "has 1 bit; expected 4 to 8 bits"),
-        {"Sync: 2 Rig\n SG_ SyncNumber : 0|16", "Sync: 8 Rig\n SG_ SyncNumber : 0|33",
-         "sync.number: signal 'SyncNumber'", true},
-        {"Sync: 2 Rig\n SG_ SyncNumber : 0|16", "Sync: 8 Rig\n SG_ SyncNumber : 0|33",
-         "has 33 bits; expected 1 to 32 bits", true},
+        {"Sync: 2 Rig\n SG_ SyncNumber : 0|16", "Sync: 8 Rig\n SG_ SyncNumber : 0|33", "sync.number: signal 'SyncNumber'", true},
+        {"Sync: 2 Rig\n SG_ SyncNumber : 0|16", "Sync: 8 Rig\n SG_ SyncNumber : 0|33", "has 33 bits; expected 1 to 32 bits", true},
         {"Phase : 12|4", "Phase : 12|3", "has 3 bits; expected 4 to 8 bits", true},
         {"ManeuverNumber : 16|16", "ManeuverNumber : 16|15", "has 15 bits; expected 16 to 32 bits", true},
         {"State : 12|4", "State : 12|2", "has 2 bits; expected 3 to 8 bits", true},
@@ -240,8 +228,7 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-040]"
         wheel("8|4@1+ (1,0)", "8|4@1+ (1,1)", "factor 1 and offset 0"),
         wheel("32|32@1+ (0.1,0)", "32|32@1- (0.1,0)", "must be unsigned"),
         wheel("32|32@1+ (0.1,0)", "32|32@1+ (-0.1,0)", "positive factor"),
-        wheel("SG_ Counter", "SG_ EdgeCount : 60|4@1+ (1,0) [0|0] \"\" Rig\n SG_ Counter",
-              "is defined twice in 'WheelEncoder'"),
+        wheel("SG_ Counter", "SG_ EdgeCount : 60|4@1+ (1,0) [0|0] \"\" Rig\n SG_ Counter", "is defined twice in 'WheelEncoder'"),
         wheel("WheelEncoder: 8", "WheelEncoder: 0", "sticks out of the 0 bytes"),
         wheel("16|16@1+", "16|49@1+", "has 49 bits; at most 48 bits can be used"),
         {"BrakePressure: 4 Rig\n SG_ Crc : 0|8@1+ (1,0) [0|255] \"\" Controller,Bridge\n SG_ Counter : "
@@ -251,23 +238,17 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-040]"
          "has 33 bits; at most 32 bits can be used", true},
         {"BO_ 272 1;", "BO_ 272 1.5;", "which is 1.5 ms", true},
         {"BO_ 272 1;", "BO_ 272 2;", "which is 2 ms", true},
-        {"[0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288", "[5e9|6e9] \"Pa\" Controller,Bridge\n\nBO_ 288",
-         "cannot hold any value", true},
-        {"[0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288", "[100|400] \"Pa\" Controller,Bridge\n\nBO_ 288",
-         "cannot hold any value", true},
+        {"[0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288", "[5e9|6e9] \"Pa\" Controller,Bridge\n\nBO_ 288", "cannot hold any value", true},
+        {"[0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288", "[100|400] \"Pa\" Controller,Bridge\n\nBO_ 288", "cannot hold any value", true},
         wheel("BO_ 272", "BO_ 273", "has the identifier that [wheel] uses"),
         {"BO_ 272 W", "BO_ 99 WheelEncoder: 8 Rig\n\nBO_ 272 W", "is defined twice in", true},
-        {"VAL_ 288 Law 0 \"wheel_slip\"", "VAL_ 288 Law 0 \"threshold\"",
-         "has 'threshold' as value 0; it is 3 here", true},
-        {"BA_DEF_ BO_ \"GenMsg", "SIG_VALTYPE_ 274 Pressure : 1;\nBA_DEF_ BO_ \"GenMsg", "floating-point",
-         true},
-        {"[0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288", "[-5|-1] \"Pa\" Controller,Bridge\n\nBO_ 288",
-         "cannot hold any value", true},
+        {"VAL_ 288 Law 0 \"wheel_slip\"", "VAL_ 288 Law 0 \"threshold\"", "has 'threshold' as value 0; it is 3 here", true},
+        {"BA_DEF_ BO_ \"GenMsg", "SIG_VALTYPE_ 274 Pressure : 1;\nBA_DEF_ BO_ \"GenMsg", "floating-point", true},
+        {"[0|32767500] \"Pa\" Controller,Bridge\n\nBO_ 288", "[-5|-1] \"Pa\" Controller,Bridge\n\nBO_ 288", "cannot hold any value", true},
     };
     for (const Case& c : cases) {
         INFO(c.from << " -> " << c.to);
-        const std::string what = c.in_dbc ? refusal(replaced(kOurDbc, c.from, c.to), kOurs)
-                                          : refusal(kOurDbc, replaced(kOurs, c.from, c.to));
+        const std::string what = c.in_dbc ? refusal(replaced(kOurDbc, c.from, c.to), kOurs) : refusal(kOurDbc, replaced(kOurs, c.from, c.to));
         CHECK_THAT(what, ContainsSubstring("a.toml:") && ContainsSubstring(c.expected));
     }
     CHECK_THAT(refusal(replaced(kOurDbc, "[0|429496729.5] \"us\"", "[0|429496729.5] \"mA\""),
@@ -283,14 +264,12 @@ TEST_CASE("what moves the valve is refused without counter and CRC", "[CAN-010]"
             const std::size_t table = kOurs.find(header(role));
             std::string toml = kOurs;
             toml.replace(toml.find("counter_crc", table), 11, weaker);
-            CHECK_THAT(refusal(kOurDbc, toml), ContainsSubstring(role + ".protection") &&
-                                                   ContainsSubstring("this message can move the valve"));
+            CHECK_THAT(refusal(kOurDbc, toml), ContainsSubstring(role + ".protection") && ContainsSubstring("this message can move the valve"));
         }
     }
 }
 
-TEST_CASE("a range wider than the field is the field's; names that are not ours say nothing",
-          "[CAN-040][CAN-201]") {
+TEST_CASE("a range wider than the field is the field's; names that are not ours say nothing", "[CAN-040][CAN-201]") {
     const auto loaded = [](const std::string& from, const std::string& to) {
         const can_test::TempDir dir;
         return load_layout(dir.write("a.dbc", replaced(kOurDbc, from, to)), dir.write("a.toml", kOurs));
@@ -338,16 +317,13 @@ TEST_CASE("units of the bus become the controller's", "[CAN-020]") {
 
     const auto with_unit = [](const std::string& unit, const std::string& more) {
         const can_test::TempDir dir;
-        return load_layout(
-            dir.write("a.dbc", replaced(kForeignDbc, "(0.0625,0) [0|4095.9375] \"rpm\"",
-                                        "(0.5,0) [0|0] \"" + unit + "\"")),
-            dir.write("a.toml", replaced(kForeign, "unit = \"rpm\"", "unit = \"" + unit + "\"" + more)));
+        return load_layout(dir.write("a.dbc", replaced(kForeignDbc, "(0.0625,0) [0|4095.9375] \"rpm\"", "(0.5,0) [0|0] \"" + unit + "\"")),
+                           dir.write("a.toml", replaced(kForeign, "unit = \"rpm\"", "unit = \"" + unit + "\"" + more)));
     };
     CHECK(with_unit("rad/s", "").wheel.speed_radps.scale == 0.5);
     CHECK(with_unit("deg/s", "").wheel.speed_radps.scale == Approx(0.5 * std::numbers::pi / 180.0));
     CHECK(with_unit("km/h", ", radius_m = 0.25").wheel.speed_radps.scale == Approx(0.5 / 3.6 / 0.25));
     CHECK_THROWS_WITH(with_unit("m/s", ""), ContainsSubstring("radius_m"));
     CHECK_THROWS_WITH(with_unit("rpm", ", radius_m = 0.25"), ContainsSubstring("radius_m"));
-    CHECK_THROWS_WITH(with_unit("bar", ""),
-                      ContainsSubstring("expected one of rad/s, deg/s, rpm, or of m/s, km/h, kn"));
+    CHECK_THROWS_WITH(with_unit("bar", ""), ContainsSubstring("expected one of rad/s, deg/s, rpm, or of m/s, km/h, kn"));
 }

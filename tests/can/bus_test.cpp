@@ -20,8 +20,7 @@ namespace {
 
 /// Stuffed length of the worst contents, by counting: after the first five bits alike, every fourth adds one.
 std::uint32_t bits_by_counting(std::uint32_t length) {
-    const std::uint32_t stuffed =
-        1 + 11 + 1 + 1 + 1 + 4 + 8 * length + 15;  // SOF, ID, RTR, IDE, r0, DLC, data, CRC
+    const std::uint32_t stuffed = 1 + 11 + 1 + 1 + 1 + 4 + 8 * length + 15;  // SOF, ID, RTR, IDE, r0, DLC, data, CRC
     std::uint32_t stuff_bits = 0;
     std::uint32_t run = 0;
     for (std::uint32_t i = 0; i < stuffed; ++i) {
@@ -31,8 +30,7 @@ std::uint32_t bits_by_counting(std::uint32_t length) {
             run = 1;  // the stuff bit starts the next run
         }
     }
-    return stuffed + stuff_bits + 1 + 1 + 1 + 7 +
-           3;  // CRC delimiter, ACK slot and delimiter, EOF, interframe space
+    return stuffed + stuff_bits + 1 + 1 + 1 + 7 + 3;  // CRC delimiter, ACK slot and delimiter, EOF, interframe space
 }
 
 std::string load_table(const Layout& layout) {
@@ -41,8 +39,8 @@ std::string load_table(const Layout& layout) {
         for (const bool with_sync : {false, true}) {
             const BusLoad load = bus_load(layout, std::chrono::milliseconds(step_ms), 1'000'000, with_sync);
             std::array<char, 100> row{};
-            std::snprintf(row.data(), row.size(), "| %d ms | %s | %.1f %% | %.1f %% |\n", step_ms,
-                          with_sync ? "SYNC" : "timer", 100.0 * load.mean, 100.0 * load.peak);
+            std::snprintf(row.data(), row.size(), "| %d ms | %s | %.1f %% | %.1f %% |\n", step_ms, with_sync ? "SYNC" : "timer", 100.0 * load.mean,
+                          100.0 * load.peak);
             table += row.data();
         }
     }
@@ -58,12 +56,10 @@ TEST_CASE("the longest frame is that of the bit-by-bit count, and of Davis et al
     }
 }
 
-TEST_CASE("the bus carries our layout at 1 kHz with room to spare, and the docs state the load",
-          "[CAN-058]") {
+TEST_CASE("the bus carries our layout at 1 kHz with room to spare, and the docs state the load", "[CAN-058]") {
     // By hand, bits in a second at 1 kHz: wheel and flywheel 135, pressure and valve 95, each 1000 times;
     // maneuver and road 135 at 50; status 135, faults 115, load cells 135 at 100; two heartbeats 75, maneuver state 115 at 10.
-    const double bits = 1000.0 * (135 + 135 + 95 + 95) + 50.0 * (135 + 135) + 100.0 * (135 + 115 + 135) +
-                        10.0 * (75 + 75 + 115);
+    const double bits = 1000.0 * (135 + 135 + 95 + 95) + 50.0 * (135 + 135) + 100.0 * (135 + 115 + 135) + 10.0 * (75 + 75 + 115);
     const BusLoad load = bus_load(can_test::ours(), std::chrono::milliseconds(1), 1'000'000, false);
     CHECK(load.mean == Approx(bits / 1e6));
     CHECK(load.peak < 0.8);
@@ -76,25 +72,20 @@ TEST_CASE("the bus carries our layout at 1 kHz with room to spare, and the docs 
 TEST_CASE("SYNC loads the bus only where the layout has one", "[CAN-058][CAN-201]") {
     Layout without = can_test::ours();
     without[Role::sync].bound = false;
-    const auto mean = [](const Layout& layout, bool with_sync) {
-        return bus_load(layout, std::chrono::milliseconds(1), 1'000'000, with_sync).mean;
-    };
+    const auto mean = [](const Layout& layout, bool with_sync) { return bus_load(layout, std::chrono::milliseconds(1), 1'000'000, with_sync).mean; };
     CHECK(mean(without, true) == mean(without, false));
     CHECK(mean(can_test::ours(), true) > mean(can_test::ours(), false));
 }
 
-TEST_CASE("the mean load is bits over time, for a period that fills ten seconds and not eleven",
-          "[CAN-058]") {
+TEST_CASE("the mean load is bits over time, for a period that fills ten seconds and not eleven", "[CAN-058]") {
     Layout one;
-    one[Role::pressure] = {
-        .id = 1, .length = 4, .bound = true, .period = std::chrono::milliseconds(400), .protection = {}};
+    one[Role::pressure] = {.id = 1, .length = 4, .bound = true, .period = std::chrono::milliseconds(400), .protection = {}};
     const BusLoad load = bus_load(one, std::chrono::milliseconds(1), 1'000'000, false);
     CHECK(load.mean == Approx(bits_by_counting(4) / 0.4 / 1e6).epsilon(1e-9));
     CHECK(load.peak == Approx(bits_by_counting(4) / 1e3));
     // Faster than every step is every step.
     one[Role::pressure].period = Time{1};
-    CHECK(bus_load(one, std::chrono::milliseconds(1), 1'000'000, false).mean ==
-          Approx(bits_by_counting(4) / 1e3));
+    CHECK(bus_load(one, std::chrono::milliseconds(1), 1'000'000, false).mean == Approx(bits_by_counting(4) / 1e3));
 }
 
 TEST_CASE("the clocks are compared every 1024 batches, and where a stamp goes back", "[CAN-081]") {
@@ -123,8 +114,7 @@ TEST_CASE("the loopback delivers to every other end, in order, with the time tha
     Loopback::End& b = hub.connect();
     Loopback::End& c = hub.connect();
     hub.set_time(Time{7});
-    for (std::uint32_t id = 1; id <= 3; ++id)
-        CHECK(a.send({.id = id, .length = 0, .data = {}, .received = {}}));
+    for (std::uint32_t id = 1; id <= 3; ++id) CHECK(a.send({.id = id, .length = 0, .data = {}, .received = {}}));
     CHECK(b.send({.id = 4, .length = 0, .data = {}, .received = {}}));
     std::array<Frame, 8> frames;
     CHECK(c.wait(Time{0}));
@@ -139,8 +129,7 @@ TEST_CASE("the loopback delivers to every other end, in order, with the time tha
     CHECK(a.receive(frames) == 0);
 }
 
-TEST_CASE("a full receive queue drops the newest and counts; a link that is down neither sends nor receives",
-          "[CAN-070]") {
+TEST_CASE("a full receive queue drops the newest and counts; a link that is down neither sends nor receives", "[CAN-070]") {
     Loopback hub;
     Loopback::End& a = hub.connect();
     Loopback::End& b = hub.connect();
@@ -201,11 +190,9 @@ TEST_CASE("a bus that has no better way waits, receives and sends frame by frame
 
 TEST_CASE("without the interface, or without CAN in the kernel, the refusal says so", "[CAN-080]") {
     // Which of the two depends on the machine; over a real vcan each refusal is tested by itself.
-    CHECK_THROWS_WITH(
-        SocketCan("vcan_no_such", {}),
-        ContainsSubstring("CAN interface 'vcan_no_such'") &&
-            (ContainsSubstring("does not exist: make it with `ip link add") ||
-             ContainsSubstring("this kernel has no CAN (`modprobe can_raw`, or run under `./rig vcan")));
+    CHECK_THROWS_WITH(SocketCan("vcan_no_such", {}), ContainsSubstring("CAN interface 'vcan_no_such'") &&
+                                                         (ContainsSubstring("does not exist: make it with `ip link add") ||
+                                                          ContainsSubstring("this kernel has no CAN (`modprobe can_raw`, or run under `./rig vcan")));
 }
 
 TEST_CASE("candump lines are read", "[CAN-050]") {
@@ -306,17 +293,14 @@ TEST_CASE("remote, extended and error frames are written as candump has them", "
     line.extended = false;
     line.error = true;
     CHECK(written(line) == "(0000000001.500000) can0 2000001A#00");
-    for (const std::string& text :
-         {std::string("(0000000001.500000) can0 01A#R8"), std::string("(0000000001.500000) can0 0000001A#00"),
-          std::string("(0000000001.500000) can0 2000001A#00")})
+    for (const std::string& text : {std::string("(0000000001.500000) can0 01A#R8"), std::string("(0000000001.500000) can0 0000001A#00"),
+                                    std::string("(0000000001.500000) can0 2000001A#00")})
         CHECK(written(std::get<CandumpLine>(parse_candump(text))) == text);
 }
 
 TEST_CASE("what is written is read again, and fits or is refused whole", "[CAN-050]") {
     std::mt19937 random(90);
-    const auto draw = [&random](std::int64_t most) {
-        return std::uniform_int_distribution<std::int64_t>(0, most)(random);
-    };
+    const auto draw = [&random](std::int64_t most) { return std::uniform_int_distribution<std::int64_t>(0, most)(random); };
     for (int i = 0; i < 2000; ++i) {
         Frame frame;
         frame.id = static_cast<std::uint32_t>(draw(0x7FF));
@@ -335,12 +319,10 @@ TEST_CASE("what is written is read again, and fits or is refused whole", "[CAN-0
     }
     std::array<char, kCandumpLineMost> text{};
     const Frame frame{.id = 0x1A, .length = 2, .data = {0, 0xFF}, .received = {}};
-    CHECK(std::string_view(text.data(), format_candump(Time{1'002'003'004}, "vcan0", frame, text)) ==
-          "(0000000001.002003) vcan0 01A#00FF");
+    CHECK(std::string_view(text.data(), format_candump(Time{1'002'003'004}, "vcan0", frame, text)) == "(0000000001.002003) vcan0 01A#00FF");
 }
 
-TEST_CASE("wall-clock stamps become monotonic ones, and a step of the wall clock does not last",
-          "[CAN-081]") {
+TEST_CASE("wall-clock stamps become monotonic ones, and a step of the wall clock does not last", "[CAN-081]") {
     Time offset{1'000'000'000'000};
     int readings = 0;
     std::int64_t now = 0;

@@ -45,9 +45,8 @@ std::optional<CandumpLine> expected(const std::string& text, std::smatch& match)
 }
 
 bool same(const CandumpLine& a, const CandumpLine& b) {
-    return a.time == b.time && a.frame.id == b.frame.id && a.frame.length == b.frame.length &&
-           a.frame.data == b.frame.data && a.frame.received == b.frame.received && a.extended == b.extended &&
-           a.remote == b.remote && a.error == b.error;
+    return a.time == b.time && a.frame.id == b.frame.id && a.frame.length == b.frame.length && a.frame.data == b.frame.data &&
+           a.frame.received == b.frame.received && a.extended == b.extended && a.remote == b.remote && a.error == b.error;
 }
 
 /// Empty if the parser agrees with the expression.
@@ -64,12 +63,10 @@ std::string disagreement(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a line is read if it is one, and refused if it is none, whichever character is wrong",
-          "[CAN-050]") {
-    const std::string line =
-        GENERATE(as<std::string>{}, "(1436509053.650713) vcan0 1A0#0011AAff9F", "(0000000000.000001) c 7FF#",
-                 "(9000000000.000000) can10 000#0011223344556677\n", "(12.5)  vcan0  1ABCDEF0#R8",
-                 "(1436509053.650713987) vcan0 20000004#00 T\r\n", "(1436509053.650713) vcan0 3FFFFFFF#");
+TEST_CASE("a line is read if it is one, and refused if it is none, whichever character is wrong", "[CAN-050]") {
+    const std::string line = GENERATE(as<std::string>{}, "(1436509053.650713) vcan0 1A0#0011AAff9F", "(0000000000.000001) c 7FF#",
+                                      "(9000000000.000000) can10 000#0011223344556677\n", "(12.5)  vcan0  1ABCDEF0#R8",
+                                      "(1436509053.650713987) vcan0 20000004#00 T\r\n", "(1436509053.650713) vcan0 3FFFFFFF#");
     REQUIRE(disagreement(line).empty());
     const std::string spoilers = " !()*#$./:0189@AFGR`afg\r\n\x7f\xb0T";
     for (std::size_t at = 0; at < line.size(); ++at) {
@@ -108,12 +105,10 @@ TEST_CASE("what lies behind the end of a line is not of it", "[CAN-050]") {
 
 TEST_CASE("numbers of a line at their limits", "[CAN-050]") {
     for (const char* const text :
-         {"(9000000001.000000) vcan0 123#", "(9000000000.999999) vcan0 123#",
-          "(8999999999.999999) vcan0 123#", "(1.0) vcan0 7FF#", "(1436509053.650713) vcan0 800#",
-          "(1.0) vcan0 800#", "(1.0) vcan0 40000000#", "(1.0) vcan0 3FFFFFFF#", "(1.0) vcan0 20000000#",
-          "(1.0) vcan0 1FFFFFFF#", "(1.0) vcan0 123#R9", "(1436509053.650713) vcan0 123#001122334455667788",
-          "(1436509053.650713) vcan0 123#001", "(1.0) vcan0 123#R0", "(1.0) vcan0 123#R1",
-          "(99999999990.0) vcan0 123#", "(1436509053.650713)  1A0#0011", "(1436509053.650713) a#12345 "})
+         {"(9000000001.000000) vcan0 123#", "(9000000000.999999) vcan0 123#", "(8999999999.999999) vcan0 123#", "(1.0) vcan0 7FF#",
+          "(1436509053.650713) vcan0 800#", "(1.0) vcan0 800#", "(1.0) vcan0 40000000#", "(1.0) vcan0 3FFFFFFF#", "(1.0) vcan0 20000000#",
+          "(1.0) vcan0 1FFFFFFF#", "(1.0) vcan0 123#R9", "(1436509053.650713) vcan0 123#001122334455667788", "(1436509053.650713) vcan0 123#001",
+          "(1.0) vcan0 123#R0", "(1.0) vcan0 123#R1", "(99999999990.0) vcan0 123#", "(1436509053.650713)  1A0#0011", "(1436509053.650713) a#12345 "})
         CHECK(disagreement(text).empty());
     // As a signed character 0xD0 lies as far below zero as a digit above.
     std::string high_bytes = "(1436509053.650713) vcan0 123#";

@@ -78,8 +78,7 @@ TEST_CASE("a DBC as tools write them is read: line ends, marks, blanks, unknown 
     CHECK(floats.signals[0].values == std::map<std::int64_t, std::string>{{-1, "bad"}, {2, "good; really"}});
 }
 
-TEST_CASE("what means nothing is left out: cycle times of 0, codes beyond every field",
-          "[CAN-030][CAN-201]") {
+TEST_CASE("what means nothing is left out: cycle times of 0, codes beyond every field", "[CAN-030][CAN-201]") {
     const Dbc dbc = parse_dbc(
         "BO_ 1 M: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\nBO_ 2 W: 8\nBA_ \"GenMsgCycleTime\" BO_ 1 0;\n"
         "BA_ \"GenMsgCycleTime\" BU_ N 5;\nVAL_ 1 S 9.1e15 \"much\" -9.1e15 \"little\" 9e15 \"most\" -9e15 "
@@ -89,13 +88,10 @@ TEST_CASE("what means nothing is left out: cycle times of 0, codes beyond every 
     CHECK_FALSE(dbc.messages[0].cycle_time_ms.has_value());
     CHECK(dbc.messages[1].sender.empty());
     CHECK(dbc.messages[0].signals[0].values ==
-          std::map<std::int64_t, std::string>{{9'000'000'000'000'000, "most"},
-                                              {-9'000'000'000'000'000, "least"}});
+          std::map<std::int64_t, std::string>{{9'000'000'000'000'000, "most"}, {-9'000'000'000'000'000, "least"}});
 }
 
-TEST_CASE(
-    "a statement goes to the first message of its identifier, and to the first signal of its name there",
-    "[CAN-030]") {
+TEST_CASE("a statement goes to the first message of its identifier, and to the first signal of its name there", "[CAN-030]") {
     const Dbc dbc = parse_dbc(
         "BO_ 1 A: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\n SG_ S : 8|8@1+ (1,0) [0|0] \"\" N\n"
         "BO_ 2147483649 B: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\n"
@@ -127,17 +123,14 @@ TEST_CASE("each statement of a large DBC finds its message", "[CAN-030]") {
     }
     const Dbc dbc = parse_dbc(text + times, "x.dbc");
     REQUIRE(dbc.messages.size() == kMany);
-    CHECK(std::all_of(dbc.messages.begin(), dbc.messages.end(),
-                      [](const DbcMessage& message) { return message.cycle_time_ms == message.id; }));
+    CHECK(std::all_of(dbc.messages.begin(), dbc.messages.end(), [](const DbcMessage& message) { return message.cycle_time_ms == message.id; }));
 }
 
 TEST_CASE("a malformed statement is refused with file, line and what was expected", "[CAN-030]") {
     const auto refused = [](const std::string& statement, const std::string& expected) {
         INFO(statement);
-        const std::string text =
-            "VERSION \"\"\n\nBO_ 1 M: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\n" + statement;
-        CHECK_THROWS_WITH(parse_dbc(text, "dir/x.dbc"),
-                          ContainsSubstring("dir/x.dbc:5: ") && ContainsSubstring(expected));
+        const std::string text = "VERSION \"\"\n\nBO_ 1 M: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\n" + statement;
+        CHECK_THROWS_WITH(parse_dbc(text, "dir/x.dbc"), ContainsSubstring("dir/x.dbc:5: ") && ContainsSubstring(expected));
     };
     refused("BO_ x M2: 8 N\n", "expected the message's identifier");
     refused("BO_ 4294967296 M2: 8 N\n", "from 0 to 4294967295");
@@ -170,8 +163,7 @@ TEST_CASE("a malformed statement is refused with file, line and what was expecte
     refused("VAL_ 1 S 0 x ;\n", "expected the value's text in double quotes");
     refused("VAL_ 1 S 0 \"x\"", "expected a value or ';'");
     refused("BA_ \"GenMsgCycleTime\" BO_ 1 fast;\n", "expected the cycle time in ms");
-    CHECK_THROWS_WITH(parse_dbc(" SG_ T : 0|8@1+ (1,0) [0|0] \"\" N\n", "x.dbc"),
-                      ContainsSubstring("before the first BO_"));
+    CHECK_THROWS_WITH(parse_dbc(" SG_ T : 0|8@1+ (1,0) [0|0] \"\" N\n", "x.dbc"), ContainsSubstring("before the first BO_"));
     CHECK_THROWS_WITH(load_dbc("config/none.dbc"), ContainsSubstring("config/none.dbc"));
     CHECK_THROWS_WITH(load_dbc("config"), ContainsSubstring("config"));
 }
@@ -195,8 +187,7 @@ TEST_CASE("a refusal quotes what it found: to a blank, the end, or twenty charac
     CHECK(quoted("abcdefghijklmnopqrstu") == "'abcdefghijklmnopqrst'");
 }
 
-TEST_CASE("lines are counted, files named, and a mark or a string in several lines hides nothing",
-          "[CAN-030]") {
+TEST_CASE("lines are counted, files named, and a mark or a string in several lines hides nothing", "[CAN-030]") {
     const Dbc dbc = parse_dbc(
         "\xEF\xBB\xBF"
         "BO_ 0 Zero: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" N\n\nBO_ 9 Nine: 8 N\n"
@@ -216,8 +207,8 @@ TEST_CASE("lines are counted, files named, and a mark or a string in several lin
 }
 
 TEST_CASE("no garbage crashes the reader", "[CAN-030]") {
-    const std::vector<std::string> files{can_test::contents("config/antiskid.dbc"),
-                                         can_test::contents("config/foreign.dbc"), std::string(kRealWorld)};
+    const std::vector<std::string> files{can_test::contents("config/antiskid.dbc"), can_test::contents("config/foreign.dbc"),
+                                         std::string(kRealWorld)};
     for (const std::string& text : files) {
         std::size_t failed = 0;
         for (std::size_t length = 0; length <= text.size(); ++length) {
@@ -253,8 +244,7 @@ TEST_CASE("no garbage crashes the reader", "[CAN-030]") {
     CHECK(failed == 0);
 }
 
-TEST_CASE("our DBC explains itself: every message and signal has a comment, every code its names",
-          "[CAN-030]") {
+TEST_CASE("our DBC explains itself: every message and signal has a comment, every code its names", "[CAN-030]") {
     const Dbc dbc = load_dbc("config/antiskid.dbc");
     CHECK(dbc.messages.size() == kRoleCount);
     for (const DbcMessage& message : dbc.messages) {

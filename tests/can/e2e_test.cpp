@@ -29,8 +29,7 @@ std::uint8_t slow_crc(const std::vector<std::uint8_t>& data) {
     unsigned crc = 0xFF;
     for (const std::uint8_t byte : data) {
         crc ^= byte;
-        for (int bit = 0; bit < 8; ++bit)
-            crc = (crc & 0x80U) != 0 ? ((crc << 1U) ^ 0x1DU) & 0xFFU : crc << 1U;
+        for (int bit = 0; bit < 8; ++bit) crc = (crc & 0x80U) != 0 ? ((crc << 1U) ^ 0x1DU) & 0xFFU : crc << 1U;
     }
     return static_cast<std::uint8_t>(crc ^ 0xFFU);
 }
@@ -113,8 +112,7 @@ TEST_CASE("CRC-8/SAE-J1850 gives the published check values", "[CAN-010]") {
 }
 
 TEST_CASE("the CRC covers the data ID, low byte first, and the payload without its own byte", "[CAN-010]") {
-    Frame frame{
-        .id = 1, .length = 5, .data = {0x11, 0x22, 0xEE, 0x44, 0x55, 0x99, 0x99, 0x99}, .received = {}};
+    Frame frame{.id = 1, .length = 5, .data = {0x11, 0x22, 0xEE, 0x44, 0x55, 0x99, 0x99, 0x99}, .received = {}};
     E2e config = profile(1);
     config.crc_byte = 2;
     CHECK(e2e_crc(frame, config) == slow_crc({0x34, 0x12, 0x11, 0x22, 0x44, 0x55}));
@@ -126,9 +124,7 @@ TEST_CASE("every flip of one or two bits of every protected frame is refused", "
             for (const Frame& frame : protected_frames(*layout, sample)) {
                 REQUIRE(accepts(*layout, frame));
                 const std::size_t bits = std::size_t{frame.length} * 8;
-                const auto flip = [](Frame& f, std::size_t bit) {
-                    f.data[bit / 8] = static_cast<std::uint8_t>(f.data[bit / 8] ^ (1U << (bit % 8)));
-                };
+                const auto flip = [](Frame& f, std::size_t bit) { f.data[bit / 8] = static_cast<std::uint8_t>(f.data[bit / 8] ^ (1U << (bit % 8))); };
                 std::size_t wrongly_accepted = 0;
                 for (std::size_t a = 0; a < bits; ++a) {
                     Frame one = frame;

@@ -40,8 +40,7 @@ void attach(msghdr& header, std::size_t& used, int level, int type, const T& val
     note.cmsg_len = CMSG_LEN(sizeof value);
     note.cmsg_level = level;
     note.cmsg_type = type;
-    if (used + CMSG_SPACE(sizeof value) > header.msg_controllen)
-        throw std::logic_error("no room for what the kernel notes");
+    if (used + CMSG_SPACE(sizeof value) > header.msg_controllen) throw std::logic_error("no room for what the kernel notes");
     auto* const at = static_cast<unsigned char*>(header.msg_control) + used;
     std::memcpy(at, &note, sizeof note);
     std::memcpy(at + CMSG_LEN(0), &value, sizeof value);
@@ -49,13 +48,11 @@ void attach(msghdr& header, std::size_t& used, int level, int type, const T& val
 }
 
 void deliver(const FakeKernel::Arrival& arrival, mmsghdr& message) {
-    if (message.msg_hdr.msg_iovlen != 1 || message.msg_hdr.msg_iov->iov_len != sizeof arrival.frame)
-        throw std::logic_error("no room for one frame");
+    if (message.msg_hdr.msg_iovlen != 1 || message.msg_hdr.msg_iov->iov_len != sizeof arrival.frame) throw std::logic_error("no room for one frame");
     std::memcpy(message.msg_hdr.msg_iov->iov_base, &arrival.frame, sizeof arrival.frame);
     message.msg_len = arrival.length;
     std::size_t used = 0;
-    if (arrival.foreign_note)
-        attach(message.msg_hdr, used, SOL_CAN_RAW, SCM_TIMESTAMPNS, timespec{.tv_sec = 4711, .tv_nsec = 0});
+    if (arrival.foreign_note) attach(message.msg_hdr, used, SOL_CAN_RAW, SCM_TIMESTAMPNS, timespec{.tv_sec = 4711, .tv_nsec = 0});
     if (arrival.stamped) attach(message.msg_hdr, used, SOL_SOCKET, SCM_TIMESTAMPNS, spec(arrival.wall));
     if (arrival.drops) attach(message.msg_hdr, used, SOL_SOCKET, SO_RXQ_OVFL, *arrival.drops);
     message.msg_hdr.msg_controllen = used;
@@ -89,8 +86,7 @@ int __real_clock_gettime(clockid_t clock, timespec* now);
 int __wrap_socket(int domain, int type, int protocol) {
     if (fake == nullptr) return __real_socket(domain, type, protocol);
     if (fake->socket_error != 0) return refuse(fake->socket_error);
-    if (domain != PF_CAN || (type | SOCK_NONBLOCK) != (SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK) ||
-        protocol != CAN_RAW)
+    if (domain != PF_CAN || (type | SOCK_NONBLOCK) != (SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK) || protocol != CAN_RAW)
         throw std::logic_error("not a raw CAN socket that no child inherits");
     const int descriptor = can_test::kFirst + static_cast<int>(fake->open.size());
     fake->open.insert(descriptor);
@@ -139,8 +135,7 @@ int __wrap_bind(int /*descriptor*/, const sockaddr* address, socklen_t /*size*/)
 
 int __wrap_recvmmsg(int /*descriptor*/, mmsghdr* messages, unsigned count, int flags, timespec* /*timeout*/) {
     const bool limited = (flags & MSG_WAITFORONE) != 0 && fake->options.contains({SOL_SOCKET, SO_RCVTIMEO});
-    if ((flags & MSG_DONTWAIT) == 0 && !limited)
-        throw std::logic_error("may wait for ever, or for a full batch");
+    if ((flags & MSG_DONTWAIT) == 0 && !limited) throw std::logic_error("may wait for ever, or for a full batch");
     fake->calls.emplace_back((flags & MSG_DONTWAIT) != 0 ? "receive" : "wait and receive");
     if (fake->arrivals.empty()) return refuse(fake->receive_error);
     unsigned received = 0;
@@ -174,8 +169,7 @@ int __wrap_getsockopt(int descriptor, int level, int option, void* value, sockle
     if (fake == nullptr) return __real_getsockopt(descriptor, level, option, value, size);
     fake->calls.emplace_back("look at the queue");
     std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
-    if (level != SOL_SOCKET || option != SO_MEMINFO || *size != sizeof memory)
-        throw std::logic_error("not the memory of this socket");
+    if (level != SOL_SOCKET || option != SO_MEMINFO || *size != sizeof memory) throw std::logic_error("not the memory of this socket");
     if (fake->memory_error != 0) return refuse(fake->memory_error);
     memory[SK_MEMINFO_WMEM_ALLOC] = fake->queued_bytes;
     std::memcpy(value, memory.data(), sizeof memory);
@@ -191,14 +185,12 @@ int __wrap_epoll_create1(int flags) {
 }
 
 int __wrap_epoll_ctl(int /*epoll*/, int operation, int descriptor, epoll_event* event) {
-    if (operation != EPOLL_CTL_ADD || event->events != (EPOLLIN | EPOLLET) ||
-        !fake->open.contains(descriptor))
+    if (operation != EPOLL_CTL_ADD || event->events != (EPOLLIN | EPOLLET) || !fake->open.contains(descriptor))
         throw std::logic_error("not each arrival at an open socket");
     return fake->epoll_add_error == 0 ? 0 : refuse(fake->epoll_add_error);
 }
 
-int __wrap_epoll_pwait2(int epoll, epoll_event* /*events*/, int /*most*/, const timespec* timeout,
-                        const void* /*mask*/) {
+int __wrap_epoll_pwait2(int epoll, epoll_event* /*events*/, int /*most*/, const timespec* timeout, const void* /*mask*/) {
     if (!fake->open.contains(epoll)) throw std::logic_error("not open");
     fake->calls.emplace_back("wait for the bell");
     fake->waited.push_back(FakeKernel::Time{timeout->tv_sec * can_test::kNanoseconds + timeout->tv_nsec});

@@ -25,11 +25,7 @@ constexpr Time kStep{1'000'000};
 class Writer {
   public:
     Writer(std::string layout_name, const Layout& layout)
-        : layout_name_(std::move(layout_name)),
-          layout_(layout),
-          rig_(layout, kStep),
-          port_(layout, kStep),
-          observer_(layout) {}
+        : layout_name_(std::move(layout_name)), layout_(layout), rig_(layout, kStep), port_(layout, kStep), observer_(layout) {}
 
     void run(int samples) {
         for (int i = 0; i < samples; ++i) one();
@@ -45,8 +41,7 @@ class Writer {
         const float pressure_Pa = between(-1e6F, 3.5e7F);
         const Frame pressure = rig_.pressure(pressure_Pa);
         port_.accept(pressure);
-        write(Role::pressure, pressure, {{"pressure", pressure_Pa}},
-              {{"pressure", port_.sensors().pressure.pressure_Pa}});
+        write(Role::pressure, pressure, {{"pressure", pressure_Pa}}, {{"pressure", port_.sensors().pressure.pressure_Pa}});
         maneuver();
         const Frame rig_heartbeat = rig_.heartbeat();
         port_.accept(rig_heartbeat);
@@ -57,13 +52,9 @@ class Writer {
         port_.accept(sync);
         write(Role::sync, sync, {{"number", number}}, {{"number", port_.sync_number()}});
         if (layout_[Role::load_cells].bound) {
-            const json sent{{"vertical", between(0.0F, 5e4F)},
-                            {"longitudinal", between(-6e4F, 6e4F)},
-                            {"brake_torque", between(-3e4F, 3e4F)}};
+            const json sent{{"vertical", between(0.0F, 5e4F)}, {"longitudinal", between(-6e4F, 6e4F)}, {"brake_torque", between(-3e4F, 3e4F)}};
             write(Role::load_cells,
-                  rig_.load_cells({.vertical_N = sent["vertical"],
-                                   .longitudinal_N = sent["longitudinal"],
-                                   .brake_torque_Nm = sent["brake_torque"]}),
+                  rig_.load_cells({.vertical_N = sent["vertical"], .longitudinal_N = sent["longitudinal"], .brake_torque_Nm = sent["brake_torque"]}),
                   sent, json::object());
         }
         if (layout_[Role::maneuver_state].bound) maneuver_state();
@@ -77,23 +68,16 @@ class Writer {
         const Frame frame = rig_.maneuver_state(sample);
         observer_.accept(frame);
         const ManeuverStateSample& read = observer_.view().maneuver_state;
-        write(Role::maneuver_state, frame,
-              {{"phase", sample.phase},
-               {"number", sample.number},
-               {"brake_temperature", sample.brake_temperature_C}},
-              {{"phase", read.phase},
-               {"number", read.number},
-               {"brake_temperature", read.brake_temperature_C}});
+        write(Role::maneuver_state, frame, {{"phase", sample.phase}, {"number", sample.number}, {"brake_temperature", sample.brake_temperature_C}},
+              {{"phase", read.phase}, {"number", read.number}, {"brake_temperature", read.brake_temperature_C}});
     }
 
     void speed(Role role, const SpeedSignals& signals) {
-        const SpeedSample sample{.edge_count = below(0xFFFF'FFFFU),
-                                 .edge_time = Time{std::int64_t{below(0xFFFF'FFFFU)} * 1000},
-                                 .speed_radps = between(-20.0F, 450.0F)};
+        const SpeedSample sample{
+            .edge_count = below(0xFFFF'FFFFU), .edge_time = Time{std::int64_t{below(0xFFFF'FFFFU)} * 1000}, .speed_radps = between(-20.0F, 450.0F)};
         const Frame frame = role == Role::wheel ? rig_.wheel(sample) : rig_.flywheel(sample);
         port_.accept(frame);
-        const control::SpeedInput& read =
-            role == Role::wheel ? port_.sensors().wheel : port_.sensors().flywheel;
+        const control::SpeedInput& read = role == Role::wheel ? port_.sensors().wheel : port_.sensors().flywheel;
         if (signals.source == control::SpeedSource::edges) {
             write(role, frame, {{"edge_count", sample.edge_count}, {"edge_time", sample.edge_time.count()}},
                   {{"edge_count", read.edge_count}, {"edge_time", read.edge_time.count()}});
@@ -150,10 +134,7 @@ class Writer {
                {"slip", command.slip},
                {"slip_reference", command.slip_reference},
                {"speed", command.speed_mps}},
-              {{"state", static_cast<int>(view.state)},
-               {"slip", view.slip},
-               {"slip_reference", view.slip_reference},
-               {"speed", view.speed_mps}});
+              {{"state", static_cast<int>(view.state)}, {"slip", view.slip}, {"slip_reference", view.slip_reference}, {"speed", view.speed_mps}});
         json sent;
         json read;
         for (std::uint8_t i = 0; i < control::kFaultCount; ++i) {
@@ -169,11 +150,8 @@ class Writer {
                                           .confidence = static_cast<float>(below(200)) * 5e-3F};
         const Frame road = port_.road(found);
         rig_.accept(road);
-        write(Role::road, road,
-              {{"peak_slip", found.peak_slip}, {"grip", found.grip_N}, {"confidence", found.confidence}},
-              {{"peak_slip", view.road.peak_slip},
-               {"grip", view.road.grip_N},
-               {"confidence", view.road.confidence}});
+        write(Role::road, road, {{"peak_slip", found.peak_slip}, {"grip", found.grip_N}, {"confidence", found.confidence}},
+              {{"peak_slip", view.road.peak_slip}, {"grip", view.road.grip_N}, {"confidence", view.road.confidence}});
     }
 
     void write(Role role, const Frame& frame, const json& sent, const json& read) {
@@ -183,9 +161,7 @@ class Writer {
             hex += kDigits[byte / 16U];
             hex += kDigits[byte % 16U];
         }
-        const json line{{"layout", layout_name_}, {"role", std::string(name(role))},
-                        {"id", frame.id},         {"data", hex},
-                        {"sent", sent},           {"read", read}};
+        const json line{{"layout", layout_name_}, {"role", std::string(name(role))}, {"id", frame.id}, {"data", hex}, {"sent", sent}, {"read", read}};
         std::puts(line.dump().c_str());
     }
 

@@ -21,29 +21,24 @@ using antiskid::can::SocketCanOptions;
 using can_test::FakeKernel;
 using namespace kernel_test;
 
-TEST_CASE("whatever the kernel refuses while a socket is set up is named, and no descriptor stays open",
-          "[CAN-080]") {
+TEST_CASE("whatever the kernel refuses while a socket is set up is named, and no descriptor stays open", "[CAN-080]") {
     struct Case {
         void (*set)(FakeKernel&);
         std::string interface, expected;
     };
     const std::vector<Case> cases{
-        {[](FakeKernel& k) { k.socket_error = EAFNOSUPPORT; }, "can0",
-         "this kernel has no CAN (`modprobe can_raw`"},
-        {[](FakeKernel& k) { k.socket_error = EPROTONOSUPPORT; }, "can0",
-         "run under `./rig vcan -- COMMAND`"},
+        {[](FakeKernel& k) { k.socket_error = EAFNOSUPPORT; }, "can0", "this kernel has no CAN (`modprobe can_raw`"},
+        {[](FakeKernel& k) { k.socket_error = EPROTONOSUPPORT; }, "can0", "run under `./rig vcan -- COMMAND`"},
         {[](FakeKernel& k) { k.socket_error = EMFILE; }, "can0", "cannot be opened: Too many open files"},
         {[](FakeKernel& k) { k.index_error = ENODEV; }, "can0",
          "does not exist: plug the adapter in, then `ip link set can0 up type can bitrate 1000000` (`ip -br "
          "link show type can`"},
         {[](FakeKernel& k) { k.index_error = ENODEV; }, "vcan0",
          "does not exist: make it with `ip link add dev vcan0 type vcan` and `ip link set vcan0 up`"},
-        {[](FakeKernel& k) { k.index_error = EPERM; }, "can0",
-         "cannot be looked up: Operation not permitted"},
+        {[](FakeKernel& k) { k.index_error = EPERM; }, "can0", "cannot be looked up: Operation not permitted"},
         {[](FakeKernel& k) { k.hardware = ARPHRD_ETHER; }, "eth0", "is no CAN interface"},
         {[](FakeKernel& k) { k.flags_error = ENXIO; }, "can0", "has no flags: No such device or address"},
-        {[](FakeKernel& k) { k.flags = 0; }, "can0",
-         "is down: `ip link set can0 up type can bitrate 1000000`"},
+        {[](FakeKernel& k) { k.flags = 0; }, "can0", "is down: `ip link set can0 up type can bitrate 1000000`"},
         {[](FakeKernel& k) { k.flags = IFF_RUNNING; }, "vcan0", "is down: `ip link set vcan0 up`"},
         {[](FakeKernel& k) {
              k.option_errors[{SOL_CAN_RAW, CAN_RAW_FILTER}] = EINVAL;
@@ -76,8 +71,7 @@ TEST_CASE("whatever the kernel refuses while a socket is set up is named, and no
     for (const Case& c : cases) {
         FakeKernel kernel;
         c.set(kernel);
-        CHECK_THAT(refusal(c.interface), ContainsSubstring("CAN interface '" + c.interface + "' ") &&
-                                             ContainsSubstring(c.expected));
+        CHECK_THAT(refusal(c.interface), ContainsSubstring("CAN interface '" + c.interface + "' ") && ContainsSubstring(c.expected));
         CHECK(kernel.open.empty());
     }
 }
@@ -110,8 +104,7 @@ TEST_CASE(
 TEST_CASE("frames that are no data frames of ours are counted, never delivered", "[CAN-081][CAN-080]") {
     FakeKernel kernel;
     SocketCan bus("can0", kWanted);
-    kernel.arrivals = {data(0x110, 8, 1), data(0x110 | CAN_RTR_FLAG, 8, 2), data(0x110 | CAN_EFF_FLAG, 8, 3),
-                       data(0x110, 9, 4), data(0x120, 0, 5)};
+    kernel.arrivals = {data(0x110, 8, 1), data(0x110 | CAN_RTR_FLAG, 8, 2), data(0x110 | CAN_EFF_FLAG, 8, 3), data(0x110, 9, 4), data(0x120, 0, 5)};
     FakeKernel::Arrival cut = data(0x110, 8, 6);
     cut.length = CANFD_MTU;
     kernel.arrivals.push_back(cut);
@@ -129,8 +122,7 @@ TEST_CASE("frames that are no data frames of ours are counted, never delivered",
 TEST_CASE("a batch is as large as the caller's room, and never larger than its own", "[CAN-080]") {
     FakeKernel kernel;
     SocketCan bus("can0", kWanted);
-    for (unsigned i = 0; i < 100; ++i)
-        kernel.arrivals.push_back(data(0x110, 1, static_cast<std::uint8_t>(i)));
+    for (unsigned i = 0; i < 100; ++i) kernel.arrivals.push_back(data(0x110, 1, static_cast<std::uint8_t>(i)));
     std::array<Frame, 100> frames;
     CHECK(bus.receive(std::span(frames).first(3)) == 3);
     CHECK(bus.receive(frames) == SocketCan::kBatch);
@@ -166,8 +158,7 @@ TEST_CASE("the kernel's drop counter is followed across its roll-over", "[CAN-08
     CHECK(after(5) == 5);
 }
 
-TEST_CASE("bus-off lasts until the chip restarts or a frame arrives; sending alone does not end it",
-          "[CAN-080]") {
+TEST_CASE("bus-off lasts until the chip restarts or a frame arrives; sending alone does not end it", "[CAN-080]") {
     FakeKernel kernel;
     SocketCan bus("can0", kWanted);
     const auto error = [&](std::uint32_t classes) {
@@ -194,8 +185,7 @@ TEST_CASE("bus-off lasts until the chip restarts or a frame arrives; sending alo
     CHECK(bus.status().error_frames == 4);
 }
 
-TEST_CASE("only an interface that is down or gone takes the link down; what can be sent again brings it up",
-          "[CAN-080]") {
+TEST_CASE("only an interface that is down or gone takes the link down; what can be sent again brings it up", "[CAN-080]") {
     FakeKernel kernel;
     SocketCan bus("can0", kWanted);
     std::uint32_t dropped = 0;
@@ -235,8 +225,7 @@ TEST_CASE("what is sent is a classic data frame, whatever the caller's frame say
     CHECK(kernel.sent[1].can_dlc == 8);
 }
 
-TEST_CASE("a period's frames go out by one call, in order; what follows one that was refused is given up",
-          "[CAN-058]") {
+TEST_CASE("a period's frames go out by one call, in order; what follows one that was refused is given up", "[CAN-058]") {
     FakeKernel kernel;
     SocketCan bus("can0", kWanted);
     std::array<Frame, SocketCan::kMostSent + 1> frames{};

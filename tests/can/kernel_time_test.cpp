@@ -47,8 +47,7 @@ TEST_CASE("a bell that cannot be had is an error, and no descriptor stays open",
     FakeKernel kernel;
     int& error = GENERATE(false, true) ? kernel.epoll_error : kernel.epoll_add_error;
     error = EMFILE;
-    CHECK_THROWS_WITH(SocketCan("can0", kWanted, SocketCanOptions{.wakes = kWanted[1]}),
-                      ContainsSubstring("'can0' cannot be waited for"));
+    CHECK_THROWS_WITH(SocketCan("can0", kWanted, SocketCanOptions{.wakes = kWanted[1]}), ContainsSubstring("'can0' cannot be waited for"));
     CHECK(kernel.open.empty());
 }
 

@@ -17,14 +17,12 @@ namespace can_test {
 using namespace std::chrono_literals;
 
 inline const antiskid::can::Layout& ours() {
-    static const auto layout =
-        antiskid::can::load_layout("config/antiskid.dbc", "config/antiskid_binding.toml");
+    static const auto layout = antiskid::can::load_layout("config/antiskid.dbc", "config/antiskid_binding.toml");
     return layout;
 }
 
 inline const antiskid::can::Layout& foreign() {
-    static const auto layout =
-        antiskid::can::load_layout("config/foreign.dbc", "config/foreign_binding.toml");
+    static const auto layout = antiskid::can::load_layout("config/foreign.dbc", "config/foreign_binding.toml");
     return layout;
 }
 

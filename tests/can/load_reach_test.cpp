@@ -12,9 +12,8 @@ constexpr Reach kReach{.pressure_Pa = 20.7e6, .current_mA = 40.0};
 
 Layout with(const std::string& from, const std::string& to, const Reach& reach = kReach) {
     const can_test::TempDir dir;
-    return load_layout(
-        dir.write("a.dbc", can_test::replaced(can_test::contents("config/antiskid.dbc"), from, to)),
-        dir.write("a.toml", can_test::contents("config/antiskid_binding.toml")), reach);
+    return load_layout(dir.write("a.dbc", can_test::replaced(can_test::contents("config/antiskid.dbc"), from, to)),
+                       dir.write("a.toml", can_test::contents("config/antiskid_binding.toml")), reach);
 }
 
 }  // namespace
@@ -23,17 +22,13 @@ TEST_CASE("a field that ends below the rig's pressure or current is refused with
     const std::string pressure = "SG_ Pressure : 16|16@1+ (500,0) [0|32767500] \"Pa\"";
     CHECK_NOTHROW(with(pressure, pressure));
     CHECK_NOTHROW(with(pressure, "SG_ Pressure : 16|16@1+ (500,0) [0|20700000] \"Pa\""));
-    for (const char* narrow : {"SG_ Pressure : 16|16@1+ (5,0) [0|327675] \"Pa\"",
-                               "SG_ Pressure : 16|16@1+ (500,0) [0|327675] \"Pa\""}) {
-        CHECK_THROWS_WITH(with(pressure, narrow),
-                          ContainsSubstring("a.toml:") && ContainsSubstring("pressure.signal") &&
-                              ContainsSubstring("ends at 327") &&
-                              ContainsSubstring("too narrow for this rig: it must reach 2.07e+07 Pa"));
+    for (const char* narrow : {"SG_ Pressure : 16|16@1+ (5,0) [0|327675] \"Pa\"", "SG_ Pressure : 16|16@1+ (500,0) [0|327675] \"Pa\""}) {
+        CHECK_THROWS_WITH(with(pressure, narrow), ContainsSubstring("a.toml:") && ContainsSubstring("pressure.signal") &&
+                                                      ContainsSubstring("ends at 327") &&
+                                                      ContainsSubstring("too narrow for this rig: it must reach 2.07e+07 Pa"));
         CHECK_NOTHROW(with(pressure, narrow, {}));
     }
     const std::string demand = "SG_ Demand : 16|16@1+ (500,0) [0|32767500] \"Pa\"";
-    CHECK_THROWS_WITH(with(demand, "SG_ Demand : 16|16@1+ (5,0) [0|327675] \"Pa\""),
-                      ContainsSubstring("maneuver.demand.signal"));
-    CHECK_THROWS_WITH(with(pressure, pressure, {.pressure_Pa = 0.0, .current_mA = 1e6}),
-                      ContainsSubstring("valve.current.signal"));
+    CHECK_THROWS_WITH(with(demand, "SG_ Demand : 16|16@1+ (5,0) [0|327675] \"Pa\""), ContainsSubstring("maneuver.demand.signal"));
+    CHECK_THROWS_WITH(with(pressure, pressure, {.pressure_Pa = 0.0, .current_mA = 1e6}), ContainsSubstring("valve.current.signal"));
 }

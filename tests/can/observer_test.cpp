@@ -30,9 +30,7 @@ RigSample sample_at(int step) {
     sample.pressure_Pa = 1e4F * static_cast<float>(step % 700);
     sample.maneuver.demand_Pa = 2e7F;
     sample.maneuver.arm = step > 100;
-    sample.load_cells = {.vertical_N = 23'532.0F,
-                         .longitudinal_N = 2100.0F,
-                         .brake_torque_Nm = static_cast<float>(step % 900)};
+    sample.load_cells = {.vertical_N = 23'532.0F, .longitudinal_N = 2100.0F, .brake_torque_Nm = static_cast<float>(step % 900)};
     sample.maneuver_state = {.phase = static_cast<std::uint8_t>(step / 150 % 11),
                              .number = n / 1650,
                              .brake_temperature_C = 20.0F + 0.1F * static_cast<float>(step % 3000)};
@@ -104,8 +102,7 @@ TEST_CASE("a phase that does not exist is refused", "[CAN-100]") {
     RigPort bridge(ours(), kPeriod, kFromBridge);
     Observer observer(ours());
     for (std::uint8_t phase = 0; phase < 16; ++phase) {
-        const auto role = observer.accept(
-            bridge.maneuver_state({.phase = phase, .number = 1, .brake_temperature_C = 0.0F}));
+        const auto role = observer.accept(bridge.maneuver_state({.phase = phase, .number = 1, .brake_temperature_C = 0.0F}));
         CHECK(role.has_value() == (phase < kPhaseNames.size()));
     }
     CHECK(observer.stats(Role::maneuver_state).wrong_value == 5);
@@ -131,22 +128,19 @@ TEST_CASE("telemetry on the bus changes nothing that the controller knows", "[CA
         for (RigPort* port : {&bridge, &sensors}) {
             for (const Frame& frame : due(*port, sample_at(step))) {
                 feed(with, frame, now);
-                if (frame.id == ours()[Role::load_cells].id || frame.id == ours()[Role::maneuver_state].id)
-                    ++telemetry;
+                if (frame.id == ours()[Role::load_cells].id || frame.id == ours()[Role::maneuver_state].id) ++telemetry;
             }
         }
         const control::Sensors& a = without.sensors();
         const control::Sensors& b = with.sensors();
-        const bool same =
-            a.wheel.received == b.wheel.received && a.wheel.rejected == b.wheel.rejected &&
-            a.wheel.edge_count == b.wheel.edge_count && a.wheel.edge_time == b.wheel.edge_time &&
-            a.flywheel.received == b.flywheel.received && a.flywheel.rejected == b.flywheel.rejected &&
-            a.flywheel.edge_count == b.flywheel.edge_count && a.flywheel.edge_time == b.flywheel.edge_time &&
-            a.pressure.received == b.pressure.received && a.pressure.rejected == b.pressure.rejected &&
-            a.pressure.pressure_Pa == b.pressure.pressure_Pa && a.maneuver.received == b.maneuver.received &&
-            a.maneuver.rejected == b.maneuver.rejected && a.maneuver.arm == b.maneuver.arm &&
-            a.maneuver.demand_Pa == b.maneuver.demand_Pa &&
-            a.rig_heartbeat_received == b.rig_heartbeat_received && a.emergency_stop == b.emergency_stop;
+        const bool same = a.wheel.received == b.wheel.received && a.wheel.rejected == b.wheel.rejected && a.wheel.edge_count == b.wheel.edge_count &&
+                          a.wheel.edge_time == b.wheel.edge_time && a.flywheel.received == b.flywheel.received &&
+                          a.flywheel.rejected == b.flywheel.rejected && a.flywheel.edge_count == b.flywheel.edge_count &&
+                          a.flywheel.edge_time == b.flywheel.edge_time && a.pressure.received == b.pressure.received &&
+                          a.pressure.rejected == b.pressure.rejected && a.pressure.pressure_Pa == b.pressure.pressure_Pa &&
+                          a.maneuver.received == b.maneuver.received && a.maneuver.rejected == b.maneuver.rejected &&
+                          a.maneuver.arm == b.maneuver.arm && a.maneuver.demand_Pa == b.maneuver.demand_Pa &&
+                          a.rig_heartbeat_received == b.rig_heartbeat_received && a.emergency_stop == b.emergency_stop;
         REQUIRE(same);
     }
     CHECK(with.unknown_ids() == telemetry);
@@ -173,8 +167,7 @@ TEST_CASE("the observer reads what the addressees read, in either direction", "[
                 frame.received = now;
                 CHECK(observer.accept(frame) == Role::maneuver_state);
                 CHECK(observer.view().maneuver_state.number == sample.maneuver_state.number);
-                CHECK(observer.view().maneuver_state.brake_temperature_C ==
-                      Approx(sample.maneuver_state.brake_temperature_C).margin(0.051));
+                CHECK(observer.view().maneuver_state.brake_temperature_C == Approx(sample.maneuver_state.brake_temperature_C).margin(0.051));
             }
             Frame sync = rig.sync(static_cast<std::uint32_t>(step));
             sync.received = now;
@@ -192,23 +185,15 @@ TEST_CASE("the observer reads what the addressees read, in either direction", "[
             const BusView& view = observer.view();
             const control::Sensors& sensors = port.sensors();
             const bool same =
-                view.wheel.edge_count == sensors.wheel.edge_count &&
-                view.wheel.edge_time == sensors.wheel.edge_time &&
-                view.wheel.received == sensors.wheel.received &&
-                view.wheel.speed_radps == sensors.wheel.speed_radps &&
-                view.flywheel.edge_count == sensors.flywheel.edge_count &&
-                view.flywheel.edge_time == sensors.flywheel.edge_time &&
-                view.flywheel.speed_radps == sensors.flywheel.speed_radps &&
-                view.pressure.pressure_Pa == sensors.pressure.pressure_Pa &&
-                view.pressure.received == sensors.pressure.received &&
-                view.maneuver.demand_Pa == sensors.maneuver.demand_Pa &&
-                view.maneuver.arm == sensors.maneuver.arm &&
-                view.rig_heartbeat_received == sensors.rig_heartbeat_received && view.sync_received == now &&
-                view.sync_number == (static_cast<std::uint32_t>(step) & layout->sync_counter.mask()) &&
-                view.controller.current_mA == rig.controller().current_mA &&
-                view.controller.state == rig.controller().state &&
-                view.controller.slip == rig.controller().slip &&
-                view.controller.command_received == rig.controller().command_received &&
+                view.wheel.edge_count == sensors.wheel.edge_count && view.wheel.edge_time == sensors.wheel.edge_time &&
+                view.wheel.received == sensors.wheel.received && view.wheel.speed_radps == sensors.wheel.speed_radps &&
+                view.flywheel.edge_count == sensors.flywheel.edge_count && view.flywheel.edge_time == sensors.flywheel.edge_time &&
+                view.flywheel.speed_radps == sensors.flywheel.speed_radps && view.pressure.pressure_Pa == sensors.pressure.pressure_Pa &&
+                view.pressure.received == sensors.pressure.received && view.maneuver.demand_Pa == sensors.maneuver.demand_Pa &&
+                view.maneuver.arm == sensors.maneuver.arm && view.rig_heartbeat_received == sensors.rig_heartbeat_received &&
+                view.sync_received == now && view.sync_number == (static_cast<std::uint32_t>(step) & layout->sync_counter.mask()) &&
+                view.controller.current_mA == rig.controller().current_mA && view.controller.state == rig.controller().state &&
+                view.controller.slip == rig.controller().slip && view.controller.command_received == rig.controller().command_received &&
                 view.controller.heartbeat_received == rig.controller().heartbeat_received;
             REQUIRE(same);
         }
@@ -238,12 +223,9 @@ TEST_CASE("the observer sees stops, and a SYNC that carries nothing", "[CAN-100]
     CHECK(port.sync_number() == 0);
 }
 
-TEST_CASE("a controller's message is taken over, or refused whole; other roles are none of its",
-          "[CAN-050][CAN-201]") {
+TEST_CASE("a controller's message is taken over, or refused whole; other roles are none of its", "[CAN-050][CAN-201]") {
     ControllerView view;
-    const auto taken = [&view](Role role, const std::array<std::uint8_t, 8>& bytes) {
-        return apply(ours(), role, Payload(bytes), Time{9}, view);
-    };
+    const auto taken = [&view](Role role, const std::array<std::uint8_t, 8>& bytes) { return apply(ours(), role, Payload(bytes), Time{9}, view); };
     for (unsigned state = 0; state < 16; ++state) {
         const bool exists = state < control::kStateCount;
         CHECK(taken(Role::status, {0, static_cast<std::uint8_t>(state << 4U), 0, 0, 0, 0, 0, 0}) == exists);
@@ -263,8 +245,7 @@ TEST_CASE("the observer refuses what the addressees refuse", "[CAN-100]") {
     for (int step = 0; step < 5000; ++step) {
         for (Frame frame : due(rig, sample_at(step))) {
             const auto chance = random() % 10;
-            if (chance == 0)
-                frame.data[random() % frame.length] ^= static_cast<std::uint8_t>(1U << (random() % 8));
+            if (chance == 0) frame.data[random() % frame.length] ^= static_cast<std::uint8_t>(1U << (random() % 8));
             if (chance == 1) --frame.length;
             if (chance == 2) continue;
             if (chance == 3) frame.id = random() % 2048;
@@ -276,8 +257,7 @@ TEST_CASE("the observer refuses what the addressees refuse", "[CAN-100]") {
             }
         }
     }
-    for (const Role role :
-         {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver, Role::rig_heartbeat}) {
+    for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver, Role::rig_heartbeat}) {
         const MessageStats& theirs = port.stats(role);
         const MessageStats& seen = observer.stats(role);
         CHECK(seen.accepted == theirs.accepted);

@@ -41,8 +41,7 @@ void operator delete(void* memory, std::size_t /*size*/) noexcept {
     std::free(memory);
 }
 
-TEST_CASE("all 2048 identifiers, every length, right and wrong contents: only what is ours and right is used",
-          "[CAN-050]") {
+TEST_CASE("all 2048 identifiers, every length, right and wrong contents: only what is ours and right is used", "[CAN-050]") {
     for (const Layout* layout : {&ours(), &foreign()}) {
         RigPort rig(*layout, kStep);
         const Frame good = rig.maneuver(some_sample().maneuver);
@@ -52,8 +51,8 @@ TEST_CASE("all 2048 identifiers, every length, right and wrong contents: only wh
         ControllerPort port(*layout, kStep);
         for (std::uint32_t id = 0; id < 2048; ++id) {
             const Message* message = nullptr;
-            for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver,
-                                    Role::rig_heartbeat, Role::emergency_stop, Role::sync}) {
+            for (const Role role :
+                 {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver, Role::rig_heartbeat, Role::emergency_stop, Role::sync}) {
                 if (layout->operator[](role).id == id) message = &layout->operator[](role);
             }
             for (std::uint8_t length = 0; length <= 8; ++length) {
@@ -64,8 +63,7 @@ TEST_CASE("all 2048 identifiers, every length, right and wrong contents: only wh
                 ++sent;
                 if (message == nullptr) ++expected_unknown;
                 const bool right =
-                    message != nullptr && length == message->length &&
-                    (id == good.id || message->protection.protection != Protection::counter_crc);
+                    message != nullptr && length == message->length && (id == good.id || message->protection.protection != Protection::counter_crc);
                 if (right) ++expected_accepted;
             }
         }
@@ -91,8 +89,7 @@ TEST_CASE("the controller does not listen to its own messages", "[CAN-050]") {
     CHECK(accepted(port) == 0);
 }
 
-TEST_CASE("a refused frame is counted where the controller sees it, and the last good value stays",
-          "[CAN-050]") {
+TEST_CASE("a refused frame is counted where the controller sees it, and the last good value stays", "[CAN-050]") {
     RigPort rig(ours(), kStep);
     ControllerPort port(ours(), kStep);
     const RigSample sample = some_sample();
@@ -147,8 +144,7 @@ TEST_CASE("a refused frame is counted where the controller sees it, and the last
     CHECK(after.maneuver.demand_Pa == before.maneuver.demand_Pa);
     CHECK(after.maneuver.arm);
     CHECK(after.rig_heartbeat_received == before.rig_heartbeat_received);
-    for (const Role role :
-         {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver, Role::rig_heartbeat}) {
+    for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver, Role::rig_heartbeat}) {
         CHECK(port.stats(role).accepted == 1);
         CHECK(port.stats(role).wrong_length == 2);
         CHECK(port.stats(role).wrong_crc == 1);
@@ -174,8 +170,7 @@ TEST_CASE("edge counts and times go on across the roll-over of their fields", "[
         const Time within_tick{ticks * 100 + std::uniform_int_distribution<std::int64_t>(0, 99)(random)};
         port.accept(rig.wheel({.edge_count = count, .edge_time = within_tick, .speed_radps = 0.0F}));
         const control::SpeedInput& now = port.sensors().wheel;
-        same = same && now.edge_count - first.edge_count == count - count_0 &&
-               now.edge_time - first.edge_time == Time{(ticks - ticks_0) * 100};
+        same = same && now.edge_count - first.edge_count == count - count_0 && now.edge_time - first.edge_time == Time{(ticks - ticks_0) * 100};
     }
     CHECK(same);
     CHECK(port.stats(Role::wheel).rejected() == 0);
@@ -221,8 +216,7 @@ TEST_CASE("a law or state that does not exist is refused", "[CAN-050]") {
     CHECK(rig.controller().state == control::State::safe);
 }
 
-TEST_CASE("one-shot inputs last one step; the link's state as long as it holds, and at least one step",
-          "[CAN-050]") {
+TEST_CASE("one-shot inputs last one step; the link's state as long as it holds, and at least one step", "[CAN-050]") {
     ControllerPort port(ours(), kStep);
     port.note_missed_periods(3);
     CHECK(port.sensors().missed_periods == 3);
@@ -282,8 +276,7 @@ TEST_CASE("no memory is allocated per frame or step", "[CAN-045]") {
     }
 }
 
-TEST_CASE("the link counts as down for one step after a bus-off that came and went between two",
-          "[CAN-050][CAN-201]") {
+TEST_CASE("the link counts as down for one step after a bus-off that came and went between two", "[CAN-050][CAN-201]") {
     ControllerPort port(ours(), kStep);
     LinkStatus link;
     const auto reported = [&] {

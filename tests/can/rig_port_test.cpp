@@ -110,8 +110,7 @@ TEST_CASE("SYNC carries its number modulo the field", "[CAN-058]") {
     }
 }
 
-TEST_CASE("the rig counts what is spoilt or has no meaning, and sends a valve command when it is due",
-          "[CAN-050][CAN-201]") {
+TEST_CASE("the rig counts what is spoilt or has no meaning, and sends a valve command when it is due", "[CAN-050][CAN-201]") {
     Layout slow = ours();
     slow[Role::valve].period = Time{2'000'000};
     ControllerPort port(slow, kStep);

@@ -21,22 +21,19 @@ bool same(float a, float b) {
 }
 
 bool same(const control::SpeedInput& a, const control::SpeedInput& b) {
-    return a.received == b.received && a.rejected == b.rejected && a.source == b.source &&
-           a.edge_count == b.edge_count && a.edge_time == b.edge_time && same(a.speed_radps, b.speed_radps);
+    return a.received == b.received && a.rejected == b.rejected && a.source == b.source && a.edge_count == b.edge_count &&
+           a.edge_time == b.edge_time && same(a.speed_radps, b.speed_radps);
 }
 
 bool same(const control::Sensors& a, const control::Sensors& b) {
     const control::ManeuverInput& m = a.maneuver;
     const control::ManeuverInput& n = b.maneuver;
-    return same(a.wheel, b.wheel) && same(a.flywheel, b.flywheel) &&
-           a.pressure.received == b.pressure.received && a.pressure.rejected == b.pressure.rejected &&
-           same(a.pressure.pressure_Pa, b.pressure.pressure_Pa) && m.received == n.received &&
-           m.rejected == n.rejected && m.law == n.law && m.arm == n.arm &&
-           m.weight_on_wheels == n.weight_on_wheels && same(m.demand_Pa, n.demand_Pa) &&
-           same(m.slip_reference, n.slip_reference) && same(m.deceleration_mps2, n.deceleration_mps2) &&
-           same(m.current_mA, n.current_mA) && a.rig_heartbeat_received == b.rig_heartbeat_received &&
-           a.emergency_stop == b.emergency_stop && a.bus_off == b.bus_off &&
-           a.missed_periods == b.missed_periods;
+    return same(a.wheel, b.wheel) && same(a.flywheel, b.flywheel) && a.pressure.received == b.pressure.received &&
+           a.pressure.rejected == b.pressure.rejected && same(a.pressure.pressure_Pa, b.pressure.pressure_Pa) && m.received == n.received &&
+           m.rejected == n.rejected && m.law == n.law && m.arm == n.arm && m.weight_on_wheels == n.weight_on_wheels &&
+           same(m.demand_Pa, n.demand_Pa) && same(m.slip_reference, n.slip_reference) && same(m.deceleration_mps2, n.deceleration_mps2) &&
+           same(m.current_mA, n.current_mA) && a.rig_heartbeat_received == b.rig_heartbeat_received && a.emergency_stop == b.emergency_stop &&
+           a.bus_off == b.bus_off && a.missed_periods == b.missed_periods;
 }
 
 /// Draws that reach the ends of every range, and beyond.
@@ -61,10 +58,7 @@ class Draw {
         }
     }
     std::uint32_t edges() { return below(20) == 0 ? below(1U << 31U) : below(10); }
-    std::int64_t nanoseconds() {
-        return std::uniform_int_distribution<std::int64_t>(
-            0, below(50) == 0 ? 400'000'000'000 : 3'000'000)(random_);
-    }
+    std::int64_t nanoseconds() { return std::uniform_int_distribution<std::int64_t>(0, below(50) == 0 ? 400'000'000'000 : 3'000'000)(random_); }
 
   private:
     float fraction() { return std::uniform_real_distribution<float>(0.0F, 1.5F)(random_); }
@@ -167,8 +161,7 @@ TEST_CASE("the rig applies the same current with and without bytes", "[CAN-070]"
     }
 }
 
-TEST_CASE("what the rig does not ask for is not asked for, and sources and times are the rig's",
-          "[CAN-070]") {
+TEST_CASE("what the rig does not ask for is not asked for, and sources and times are the rig's", "[CAN-070]") {
     for (const Layout* layout : {&can_test::ours(), &can_test::foreign()}) {
         RoundedLink link(*layout, Time{1'000'000});
         RigSample sample;

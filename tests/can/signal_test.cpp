@@ -49,8 +49,7 @@ std::vector<unsigned> bit_numbers(const Field& field) {
 
 std::int64_t slow_read(const Field& field, const Frame& frame) {
     std::uint64_t raw = 0;
-    for (const unsigned number : bit_numbers(field))
-        raw = raw << 1U | ((frame.data[number / 8] >> (number % 8)) & 1U);
+    for (const unsigned number : bit_numbers(field)) raw = raw << 1U | ((frame.data[number / 8] >> (number % 8)) & 1U);
     if (field.is_signed && (raw >> (field.bits - 1)) != 0) raw |= ~std::uint64_t{0} << field.bits;
     return static_cast<std::int64_t>(raw);
 }
@@ -60,27 +59,22 @@ std::int64_t slow_read(const Field& field, const Frame& frame) {
 TEST_CASE("a field lies where the DBC says, in both byte orders, at every place and width", "[CAN-020]") {
     const can_test::TempDir dir;
     const std::string dbc = can_test::contents("config/foreign.dbc");
-    const std::string old_message =
-        dbc.substr(dbc.find("BO_ 544 HYD_PRESSURE"), dbc.find("BO_ 560") - dbc.find("BO_ 544 HYD_PRESSURE"));
-    const std::string binding = can_test::replaced(
-        can_test::contents("config/foreign_binding.toml"),
-        "protection = \"counter\"\ncounter = \"MsgCnt\"\nmax_delta = 3\n", "protection = \"none\"\n");
+    const std::string old_message = dbc.substr(dbc.find("BO_ 544 HYD_PRESSURE"), dbc.find("BO_ 560") - dbc.find("BO_ 544 HYD_PRESSURE"));
+    const std::string binding = can_test::replaced(can_test::contents("config/foreign_binding.toml"),
+                                                   "protection = \"counter\"\ncounter = \"MsgCnt\"\nmax_delta = 3\n", "protection = \"none\"\n");
     std::mt19937 random(20);
     const auto draw = [&](unsigned most) { return std::uniform_int_distribution<unsigned>(0, most)(random); };
     unsigned fields = 0;
     while (fields < 400) {
         const unsigned length = 1 + draw(7);
-        Field field{
-            .start = draw(63), .bits = 1 + draw(31), .motorola = draw(1) == 1, .is_signed = draw(1) == 1};
+        Field field{.start = draw(63), .bits = 1 + draw(31), .motorola = draw(1) == 1, .is_signed = draw(1) == 1};
         bool inside = true;
         for (const unsigned number : bit_numbers(field)) inside = inside && number < 8 * length;
-        const std::string message = "BO_ 544 HYD_PRESSURE: " + std::to_string(length) +
-                                    " BENCH\n SG_ BrakePress : " + std::to_string(field.start) + "|" +
-                                    std::to_string(field.bits) + "@" + (field.motorola ? "0" : "1") +
-                                    (field.is_signed ? "-" : "+") + " (0.5,0) [0|0] \"Pa\" ABCU\n\n";
+        const std::string message = "BO_ 544 HYD_PRESSURE: " + std::to_string(length) + " BENCH\n SG_ BrakePress : " + std::to_string(field.start) +
+                                    "|" + std::to_string(field.bits) + "@" + (field.motorola ? "0" : "1") + (field.is_signed ? "-" : "+") +
+                                    " (0.5,0) [0|0] \"Pa\" ABCU\n\n";
         const auto dbc_path = dir.write("a.dbc", can_test::replaced(dbc, old_message, message));
-        const auto binding_path =
-            dir.write("a.toml", can_test::replaced(binding, "unit = \"bar\"", "unit = \"Pa\""));
+        const auto binding_path = dir.write("a.toml", can_test::replaced(binding, "unit = \"bar\"", "unit = \"Pa\""));
         INFO(message);
         if (!inside) {
             CHECK_THROWS_WITH(load_layout(dbc_path, binding_path), ContainsSubstring("sticks out"));
@@ -107,17 +101,9 @@ TEST_CASE("a field lies where the DBC says, in both byte orders, at every place 
     }
 }
 
-TEST_CASE("values are rounded to the nearest step, halves away from zero, and limited to the range",
-          "[CAN-020]") {
-    const Signal s{.shift = 0,
-                   .bits = 8,
-                   .big_endian = false,
-                   .is_signed = true,
-                   .raw_min = -100,
-                   .raw_max = 50,
-                   .scale = 0.5,
-                   .per_scale = 2.0,
-                   .offset = 1.0};
+TEST_CASE("values are rounded to the nearest step, halves away from zero, and limited to the range", "[CAN-020]") {
+    const Signal s{
+        .shift = 0, .bits = 8, .big_endian = false, .is_signed = true, .raw_min = -100, .raw_max = 50, .scale = 0.5, .per_scale = 2.0, .offset = 1.0};
     CHECK(s.raw(1.0) == 0);
     CHECK(s.raw(1.24) == 0);
     CHECK(s.raw(1.25) == 1);
@@ -146,9 +132,8 @@ TEST_CASE("a valve current that is no number goes out as no current", "[CAN-020]
 
 TEST_CASE("every raw value survives decoding and encoding again", "[CAN-020]") {
     for (const Layout* layout : {&can_test::ours(), &can_test::foreign()}) {
-        for (const Signal& s : {layout->pressure_Pa, layout->valve_current_mA, layout->maneuver.demand_Pa,
-                                layout->maneuver.slip_reference, layout->maneuver.deceleration_mps2,
-                                layout->maneuver.current_mA, layout->status.slip, layout->status.speed_mps}) {
+        for (const Signal& s : {layout->pressure_Pa, layout->valve_current_mA, layout->maneuver.demand_Pa, layout->maneuver.slip_reference,
+                                layout->maneuver.deceleration_mps2, layout->maneuver.current_mA, layout->status.slip, layout->status.speed_mps}) {
             bool same = true;
             for (std::int64_t raw = s.raw_min; raw <= s.raw_max; ++raw) {
                 same = same && s.raw(static_cast<double>(static_cast<float>(s.value(raw)))) == raw;
@@ -247,7 +232,6 @@ TEST_CASE("a sample that nobody has filled in moves nothing", "[CAN-058]") {
 }
 
 TEST_CASE("what was refused is the sum of its reasons", "[CAN-050]") {
-    const MessageStats stats{
-        .accepted = 1, .wrong_crc = 20, .wrong_counter = 300, .wrong_length = 4000, .wrong_value = 50'000};
+    const MessageStats stats{.accepted = 1, .wrong_crc = 20, .wrong_counter = 300, .wrong_length = 4000, .wrong_value = 50'000};
     CHECK(stats.rejected() == 54'320);
 }

@@ -14,8 +14,7 @@ constexpr Time kSecond{1'000'000'000};
 struct Machine {
     Time offset{1'000'000 * kSecond};
     Time now = 10 * kSecond;
-    WallClockOffset mapping{
-        [this] { return ClockReading{.wall_minus_monotonic = offset, .monotonic = now}; }};
+    WallClockOffset mapping{[this] { return ClockReading{.wall_minus_monotonic = offset, .monotonic = now}; }};
 
     /// A frame `after` the last one, stamped with this offset; by how much its time is wrong.
     [[nodiscard]] Time error(Time after, Time stamped_with) {
@@ -28,8 +27,7 @@ struct Machine {
 
 }  // namespace
 
-TEST_CASE("frames that wait while the wall clock is set keep their time, whichever way it is set",
-          "[CAN-081]") {
+TEST_CASE("frames that wait while the wall clock is set keep their time, whichever way it is set", "[CAN-081]") {
     for (const Time set : {kSecond, -kSecond, 3600 * kSecond, -3600 * kSecond}) {
         // Close to each other, so that nobody asks the clocks; and with holes, so that somebody does before the new stamps come.
         for (const Time apart : {kMillisecond, 7 * kMillisecond}) {
@@ -49,8 +47,7 @@ TEST_CASE("frames that wait while the wall clock is set keep their time, whichev
     }
 }
 
-TEST_CASE("a step that silence hides to the millisecond is found by the second comparison of the clocks",
-          "[CAN-081]") {
+TEST_CASE("a step that silence hides to the millisecond is found by the second comparison of the clocks", "[CAN-081]") {
     Machine m;
     CHECK(m.error(kSecond, m.offset) == Time{});
     m.offset -= kSecond;

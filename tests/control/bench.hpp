@@ -22,8 +22,7 @@ class Bench {
           controller(c),
           wheel_(static_cast<double>(c.wheel.encoder.teeth)),
           flywheel_(static_cast<double>(c.flywheel.encoder.teeth)),
-          valve_(static_cast<double>(c.valve.natural_frequency_radps), static_cast<double>(c.valve.damping),
-                 static_cast<double>(c.valve.delay_s)),
+          valve_(static_cast<double>(c.valve.natural_frequency_radps), static_cast<double>(c.valve.damping), static_cast<double>(c.valve.delay_s)),
           period_(std::llround(static_cast<double>(c.period_s) * 1e6) * 1000) {
         sensors.maneuver.law = antiskid::control::Law::wheel_slip;
         sensors.maneuver.slip_reference = 0.07F;
@@ -34,8 +33,7 @@ class Bench {
     antiskid::control::Command step() {
         const double h = static_cast<double>(config.period_s);
         now += period_;
-        valve_.hold(
-            static_cast<double>(antiskid::control::valve_pressure_Pa(config.valve, command.current_mA)), h);
+        valve_.hold(static_cast<double>(antiskid::control::valve_pressure_Pa(config.valve, command.current_mA)), h);
         wheel_.turn_to(v_mps * (1.0 - slip) / radius_m, h);
         flywheel_.turn_to(v_mps / static_cast<double>(config.flywheel.radius_m), h);
         wheel_.report(sensors.wheel, now);
@@ -52,9 +50,7 @@ class Bench {
     void steps(const int count) {
         for (int i = 0; i < count; ++i) static_cast<void>(step());
     }
-    void seconds(const double s) {
-        steps(static_cast<int>(std::lround(s / static_cast<double>(config.period_s))));
-    }
+    void seconds(const double s) { steps(static_cast<int>(std::lround(s / static_cast<double>(config.period_s)))); }
 
     /// Aircraft in the air at 40 m/s, wheel at rest; ends in standby.
     void to_standby() {
@@ -108,8 +104,7 @@ class Bench {
     void expect(const antiskid::control::State state) const {
         // In standby the names of an earlier fault may still stand.
         if (command.state != state || (state != antiskid::control::State::standby && !command.faults.empty()))
-            throw std::logic_error("the bench is in state " +
-                                   std::to_string(static_cast<int>(command.state)) + ", faults " +
+            throw std::logic_error("the bench is in state " + std::to_string(static_cast<int>(command.state)) + ", faults " +
                                    std::to_string(command.faults.bits()));
     }
 

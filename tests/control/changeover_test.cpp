@@ -81,8 +81,7 @@ TEST_CASE("changing the law does not jump", "[CTL-065]") {
     CHECK(change(to) <= 1.2e6F);
 }
 
-TEST_CASE("a law that takes over is held back at the rate of a demand that passes through, and no longer",
-          "[CTL-065]") {
+TEST_CASE("a law that takes over is held back at the rate of a demand that passes through, and no longer", "[CTL-065]") {
     Bench b;
     b.to_braking(Law::open_loop);
     b.sensors.maneuver.demand_Pa = 20e6F;

@@ -31,8 +31,7 @@ std::string words(const FaultSet faults) {
 /// One stop; fails on any fault, and where the aircraft does not come to rest.
 void expect_no_fault(const plant_sim::ScenarioOptions& options) {
     const plant_sim::Scenario s = plant_sim::load_scenario(options);
-    const study::RunResult result =
-        study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
+    const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
     CAPTURE(options.choice.surface, options.choice.maneuver, options.law, options.seed, words(result.faults));
     CHECK(result.faults.empty());
     CHECK(result.came_to_rest);
@@ -137,8 +136,7 @@ TEST_CASE("no false fault at other control periods", "[CTL-085]") {
     const int period_ms = GENERATE(2, 5);
     const TemporaryDirectory directory;
     put_with_period(directory / "controller.toml", period_ms);
-    all_scenarios(
-        [&directory](plant_sim::ScenarioOptions& o) { o.controller = directory / "controller.toml"; });
+    all_scenarios([&directory](plant_sim::ScenarioOptions& o) { o.controller = directory / "controller.toml"; });
 }
 
 namespace {
@@ -176,11 +174,8 @@ Outcome brake(const std::string& surface, const Spoil& spoil) {
             outcome.fault_s = since;
             outcome.faults = command.faults;
         }
-        if (since > 1.0)
-            outcome.most_request_Pa =
-                std::max(outcome.most_request_Pa, static_cast<double>(command.pressure_request_Pa));
-        const bool locked =
-            session.rig().forces().slip > 0.95 && session.rig().wheel().v_mps > 5.0 && since > 0.0;
+        if (since > 1.0) outcome.most_request_Pa = std::max(outcome.most_request_Pa, static_cast<double>(command.pressure_request_Pa));
+        const bool locked = session.rig().forces().slip > 0.95 && session.rig().wheel().v_mps > 5.0 && since > 0.0;
         lock_s = locked ? lock_s + 1e-3 : 0.0;
         outcome.longest_lock_s = std::max(outcome.longest_lock_s, lock_s);
         outcome.last = command.state;
@@ -283,16 +278,13 @@ TEST_CASE("the peak law's grip is the runway's peak friction force where it is c
     static_cast<void>(study::run_in_process(
         s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded,
         [&](const study::RigSession& session, const antiskid::can::ControllerView& view, double) {
-            const bool tracks = session.pilot().phase() == study::Phase::braking &&
-                                session.rig().time_s() > session.pilot().brake_on_s() + 1.0 &&
+            const bool tracks = session.pilot().phase() == study::Phase::braking && session.rig().time_s() > session.pilot().brake_on_s() + 1.0 &&
                                 session.rig().wheel().v_mps > 25.0;
             if (!tracks || view.road.confidence < 0.6F) return;
             ++sure;
             // The controller knows torque as k_b P alone: what the brake gives of that is taken out here.
-            const double given = static_cast<double>(session.load_cells().brake_torque_Nm) /
-                                 (k_b_m3 * session.rig().pressure_Pa());
-            share += given * static_cast<double>(view.road.grip_N) /
-                     (mu_max * static_cast<double>(session.load_cells().vertical_N));
+            const double given = static_cast<double>(session.load_cells().brake_torque_Nm) / (k_b_m3 * session.rig().pressure_Pa());
+            share += given * static_cast<double>(view.road.grip_N) / (mu_max * static_cast<double>(session.load_cells().vertical_N));
         }));
     INFO(surface << ": sure in " << sure << " periods, grip " << share / sure);
     REQUIRE(sure > 500);

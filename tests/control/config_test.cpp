@@ -38,8 +38,7 @@ struct File {
             if (!line.starts_with('#') && equals != std::string::npos) {
                 const auto end = line.find('#');
                 entries.push_back(
-                    {lines.size(), table, line.substr(0, equals),
-                     line.substr(equals + 3, end == std::string::npos ? end : end - equals - 3)});
+                    {lines.size(), table, line.substr(0, equals), line.substr(equals + 3, end == std::string::npos ? end : end - equals - 3)});
             }
             lines.push_back(line);
         }
@@ -60,8 +59,7 @@ struct File {
 
 /// Whether the key ends in a unit that the settings reader can tell from another one.
 bool has_unit(const std::string& key) {
-    static const std::set<std::string> kUnits{"ms", "s",  "mps", "mps2", "radps", "Pa",   "mA",
-                                              "m",  "m2", "m3",  "Hz",   "Npm",   "kgm2", "kgpm3"};
+    static const std::set<std::string> kUnits{"ms", "s", "mps", "mps2", "radps", "Pa", "mA", "m", "m2", "m3", "Hz", "Npm", "kgm2", "kgpm3"};
     const auto underscore = key.rfind('_');
     return underscore != std::string::npos && kUnits.contains(key.substr(underscore + 1));
 }
@@ -107,8 +105,7 @@ TEST_CASE("each missing, misspelt, mis-united or mistyped key is refused at its 
             CHECK(misspelt.key() == entry.path());  // too short to guess: it is missing
         CHECK_THAT(misspelt.what(), ContainsSubstring(entry.key));
 
-        const settings::Error united =
-            check.refusal(file.with(entry.line, in_another_unit(entry.key) + rest));
+        const settings::Error united = check.refusal(file.with(entry.line, in_another_unit(entry.key) + rest));
         CHECK(united.file() == name);
         CHECK_THAT(united.what(), ContainsSubstring(entry.key));
         if (has_unit(entry.key))
@@ -134,8 +131,7 @@ TEST_CASE("each value out of range is refused at its line, above and below", "[C
         for (const std::string far : {"1e30", "-1e30"}) {
             const bool integer = entry.key == "teeth";
             const std::string number = integer ? (far == "1e30" ? "1000000" : "-1000000") : far;
-            const settings::Error error = check.refusal(
-                file.with(entry.line, entry.key + " = " + (array ? "[0.0, " + number + "]" : number)));
+            const settings::Error error = check.refusal(file.with(entry.line, entry.key + " = " + (array ? "[0.0, " + number + "]" : number)));
             CAPTURE(entry.path(), number, error.what());
             CHECK(error.file() == name);
             CHECK(error.line() == entry.line + 1);
@@ -160,24 +156,23 @@ TEST_CASE("values that contradict each other are refused where they stand", "[CT
     };
     refused("period_ms", "0.9");
     refused("period_ms", "5.1");
-    refused("slip.low_speed_floor_mps", "99.0");     // not below low_speed_mps
-    refused("valve.pressure_Pa", "[0.0, 1.0e6]");    // not as many as currents
-    refused("valve.current_mA", "[3.0, 3.0]");       // not increasing
-    refused("valve.pressure_Pa", "[2.0e6, 1.0e6]");  // falling
-    refused("valve.current_mA", "[3.0]");            // one point is no map
+    refused("slip.low_speed_floor_mps", "99.0");                                                 // not below low_speed_mps
+    refused("valve.pressure_Pa", "[0.0, 1.0e6]");                                                // not as many as currents
+    refused("valve.current_mA", "[3.0, 3.0]");                                                   // not increasing
+    refused("valve.pressure_Pa", "[2.0e6, 1.0e6]");                                              // falling
+    refused("valve.current_mA", "[3.0]");                                                        // one point is no map
     refused("valve.current_mA", "[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17]");  // too many
-    refused("valve.safe_current_mA", "3.5");      // would make pressure
-    refused("valve.full_pressure_Pa", "21.0e6");  // more than the map gives
-    refused("valve.delay_ms", "16.5");            // longer than the model's memory
-    refused("monitor.sensor_max_age_ms", "1.5");  // younger than a sensor frame can be
+    refused("valve.safe_current_mA", "3.5");                                                     // would make pressure
+    refused("valve.full_pressure_Pa", "21.0e6");                                                 // more than the map gives
+    refused("valve.delay_ms", "16.5");                                                           // longer than the model's memory
+    refused("monitor.sensor_max_age_ms", "1.5");                                                 // younger than a sensor frame can be
 }
 
 TEST_CASE("low_speed_mps = 0 is allowed whatever the floor is", "[CTL-090]") {
     const File file("config/controller.toml");
     const TemporaryDirectory directory;
     for (const Entry& entry : file.entries)
-        if (entry.key == "low_speed_mps")
-            put(directory / "c.toml", file.with(entry.line, "low_speed_mps = 0.0"));
+        if (entry.key == "low_speed_mps") put(directory / "c.toml", file.with(entry.line, "low_speed_mps = 0.0"));
     CHECK(load_controller_config(directory / "c.toml").slip.low_speed_mps == 0.0F);
 }
 

@@ -20,9 +20,8 @@ using control_test::fixed_config;
 namespace {
 
 bool finite(const Command& c) {
-    return std::isfinite(c.current_mA) && std::isfinite(c.slip) && std::isfinite(c.slip_reference) &&
-           std::isfinite(c.speed_mps) && std::isfinite(c.wheel_speed_radps) &&
-           std::isfinite(c.pressure_request_Pa);
+    return std::isfinite(c.current_mA) && std::isfinite(c.slip) && std::isfinite(c.slip_reference) && std::isfinite(c.speed_mps) &&
+           std::isfinite(c.wheel_speed_radps) && std::isfinite(c.pressure_request_Pa);
 }
 
 /// What does not hold of a command that must hold of every one, whatever came in; "" if all does.
@@ -30,14 +29,12 @@ std::string wrong_with(const Command& c, const Sensors& seen, const Config& conf
     const float demand_Pa = seen.maneuver.demand_Pa;
     if (!finite(c)) return "no number";
     if (c.current_mA < config.valve.safe_current_mA) return "current below the safe one";
-    if (c.current_mA > config.valve.current_mA[static_cast<std::size_t>(config.valve.points - 1)])
-        return "current above the map";
+    if (c.current_mA > config.valve.current_mA[static_cast<std::size_t>(config.valve.points - 1)]) return "current above the map";
     if (c.pressure_request_Pa < 0.0F) return "request below none";
     if (c.pressure_request_Pa > config.valve.full_pressure_Pa) return "request above full pressure";
     if (c.state == State::braking || c.state == State::drop_out) {
         if (!(c.pressure_request_Pa <= demand_Pa)) return "request above the demand";
-        if (!(valve_pressure_Pa(config.valve, c.current_mA) <= demand_Pa * (1.0F + 1e-6F) + 1.0F))
-            return "current above the demand";
+        if (!(valve_pressure_Pa(config.valve, c.current_mA) <= demand_Pa * (1.0F + 1e-6F) + 1.0F)) return "current above the demand";
     } else {
         if (c.current_mA != config.valve.safe_current_mA) return "not braking, current not safe";
         if (c.pressure_request_Pa != 0.0F) return "not braking, pressure asked for";
@@ -51,8 +48,7 @@ std::string wrong_with(const Command& c, const Sensors& seen, const Config& conf
 /// Thousands of times a test: nothing is put into words unless it is wrong.
 void check_command(const Command& c, const Sensors& seen, const Config& config, unsigned seed, int step) {
     const std::string wrong = wrong_with(c, seen, config);
-    if (!wrong.empty())
-        FAIL(wrong << ": seed " << seed << ", step " << step << ", state " << static_cast<int>(c.state));
+    if (!wrong.empty()) FAIL(wrong << ": seed " << seed << ", step " << step << ", state " << static_cast<int>(c.state));
 }
 
 }  // namespace
@@ -60,9 +56,7 @@ void check_command(const Command& c, const Sensors& seen, const Config& config, 
 TEST_CASE("the pressure request is never above the demand", "[CTL-061]") {
     const auto seed = static_cast<unsigned>(GENERATE(range(0, 12)));
     std::mt19937 random(seed);
-    const auto between = [&random](const double a, const double b) {
-        return std::uniform_real_distribution<>(a, b)(random);
-    };
+    const auto between = [&random](const double a, const double b) { return std::uniform_real_distribution<>(a, b)(random); };
     const float period_s = seed % 3U == 0U ? 1e-3F : seed % 3U == 1U ? 2e-3F : 5e-3F;
     Bench b(fixed_config(period_s));
     b.to_braking();
@@ -113,8 +107,7 @@ TEST_CASE("no input whatever makes a command that is no number or out of range",
                                            std::numeric_limits<float>::quiet_NaN()};
     const auto nasty = [&]() -> float {
         const auto pick = random() % 20U;
-        return pick < kNasty.size() ? kNasty[pick]
-                                    : std::bit_cast<float>(static_cast<std::uint32_t>(random()));
+        return pick < kNasty.size() ? kNasty[pick] : std::bit_cast<float>(static_cast<std::uint32_t>(random()));
     };
     const auto coin = [&random] { return random() % 2U == 0U; };
     // Differences of any two of these times fit the type: the programs' clocks start near zero.
@@ -220,8 +213,7 @@ TEST_CASE("open loop is the commanded current, limited by the demand", "[CTL-061
     CHECK(b.command.pressure_request_Pa == 4.3e6F);
 }
 
-TEST_CASE("a command that did not leave is not taken for given: the valve holds the one before",
-          "[CTL-020]") {
+TEST_CASE("a command that did not leave is not taken for given: the valve holds the one before", "[CTL-020]") {
     const bool told = GENERATE(false, true);
     Bench b;
     b.to_braking(Law::open_loop);
@@ -288,8 +280,7 @@ TEST_CASE("a valve that gives less than its map is asked for more where a pressu
         baseline.seconds(1.0);
         REQUIRE(baseline.command.state == State::braking);
         REQUIRE(baseline.command.pressure_request_Pa > 1e6F);
-        CHECK(baseline.command.current_mA ==
-              antiskid::control::valve_current_mA(config.valve, baseline.command.pressure_request_Pa));
+        CHECK(baseline.command.current_mA == antiskid::control::valve_current_mA(config.valve, baseline.command.pressure_request_Pa));
     }
 
     Bench slip(config);
@@ -298,8 +289,7 @@ TEST_CASE("a valve that gives less than its map is asked for more where a pressu
     slip.slip = 0.05;  // short of the reference: all of the demand
     slip.seconds(1.0);
     REQUIRE(slip.command.pressure_request_Pa > 1e6F);
-    CHECK(slip.command.current_mA >
-          antiskid::control::valve_current_mA(config.valve, slip.command.pressure_request_Pa));
+    CHECK(slip.command.current_mA > antiskid::control::valve_current_mA(config.valve, slip.command.pressure_request_Pa));
 }
 
 TEST_CASE("estimates can be looked at, and the state is told", "[CTL-076]") {

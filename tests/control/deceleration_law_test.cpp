@@ -82,8 +82,7 @@ TEST_CASE("the prescribed deceleration is reached and held", "[CTL-050]") {
     Estimate e = decelerating(55.0F, 0.02F, 0.0F, 0.0F);
     d.start(e);
     double a = 0.0, pressure = 0.0, most = 0.0;
-    auto omega = static_cast<double>(
-        e.omega_radps);  // steps of a slow stop are few units in the last place of a float
+    auto omega = static_cast<double>(e.omega_radps);  // steps of a slow stop are few units in the last place of a float
     for (int i = 0; i < 4000; ++i) {
         pressure = static_cast<double>(d.pressure_Pa(e, reference, kFull_Pa));
         a += (0.8e-6 * pressure - a) * 1e-3 / 20e-3;
@@ -109,8 +108,7 @@ TEST_CASE("one noisy reading of the wheel's acceleration at brake-on changes not
     }
 }
 
-TEST_CASE("a biased estimate of acceleration does not bias the law: it integrates to the speed lost",
-          "[CTL-050]") {
+TEST_CASE("a biased estimate of acceleration does not bias the law: it integrates to the speed lost", "[CTL-050]") {
     // The wheel follows the pressure, 0.8 m/s2 per MPa behind 20 ms; the estimator claims half as much again.
     DecelerationLaw d = law();
     Estimate e = decelerating(55.0F, 0.02F, 0.0F, 0.0F);

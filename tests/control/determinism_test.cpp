@@ -61,8 +61,7 @@ class RecordedLanding {
         pressure_Pa_ += (current_uA * 400 - pressure_Pa_) / 16;
         const bool lock = t > 4'000 && t < 4'100;
         const std::int64_t slip_ppm = t < 520 ? 1'000'000 : lock ? 900'000 : pressure_Pa_ / 40;
-        const std::int64_t rim =
-            v_um_per_ms_ * (1'000'000 - (slip_ppm < 1'000'000 ? slip_ppm : 1'000'000)) / 1'000'000;
+        const std::int64_t rim = v_um_per_ms_ * (1'000'000 - (slip_ppm < 1'000'000 ? slip_ppm : 1'000'000)) / 1'000'000;
         roll(wheel_, rim, 33'929, s_.wheel, now);                 // 324 mm, 60 teeth: 33.929 mm an edge
         roll(flywheel_, v_um_per_ms_, 62'832, s_.flywheel, now);  // 600 mm
         s_.pressure.received = now;
@@ -80,8 +79,7 @@ class RecordedLanding {
         }
         s_.rig_heartbeat_received = now;
         s_.missed_periods = random_() % 200U == 0U ? 1U : 0U;
-        if (k_ > 60'000 && random_() % 4'000U == 0U)
-            s_.wheel.edge_count += static_cast<std::uint32_t>(random_() % 1000U);
+        if (k_ > 60'000 && random_() % 4'000U == 0U) s_.wheel.edge_count += static_cast<std::uint32_t>(random_() % 1000U);
         return s_;
     }
     [[nodiscard]] Time time() const { return Time{k_ * 1'000'000}; }
@@ -91,8 +89,7 @@ class RecordedLanding {
         std::int64_t way_um = 0;
         std::int64_t edges = 0;
     };
-    static void roll(Roll& roll, const std::int64_t um_per_ms, const std::int64_t um_per_edge,
-                     SpeedInput& input, const Time now) {
+    static void roll(Roll& roll, const std::int64_t um_per_ms, const std::int64_t um_per_edge, SpeedInput& input, const Time now) {
         roll.way_um += um_per_ms;
         const std::int64_t edges = roll.way_um / um_per_edge;
         input.received = now;
@@ -114,8 +111,7 @@ class RecordedLanding {
 class Hash {
   public:
     void add(const Command& c) {
-        for (const float value : {c.current_mA, c.slip, c.slip_reference, c.speed_mps, c.wheel_speed_radps,
-                                  c.pressure_request_Pa})
+        for (const float value : {c.current_mA, c.slip, c.slip_reference, c.speed_mps, c.wheel_speed_radps, c.pressure_request_Pa})
             add(std::bit_cast<std::uint32_t>(value));
         add(static_cast<std::uint32_t>(c.state));
         add(c.faults.bits());

@@ -23,12 +23,9 @@ constexpr double kLiftPerStiffness = 3.61375 / 2.7e6;
 
 /// A wheel under an estimator. Whoever uses it says how aircraft and wheel move.
 struct Wheel {
-    explicit Wheel(const Config& c = fixed_config()) : config(c), estimator(c) {
-        sensors.maneuver.weight_on_wheels = true;
-    }
+    explicit Wheel(const Config& c = fixed_config()) : config(c), estimator(c) { sensors.maneuver.weight_on_wheels = true; }
 
-    const Estimate& move(const double v, const double omega, const double pressure_Pa = 0.0,
-                         const double current_mA = 0.0) {
+    const Estimate& move(const double v, const double omega, const double pressure_Pa = 0.0, const double current_mA = 0.0) {
         now += Time{1'000'000};
         flywheel.turn_to(v / 0.6, kPeriod_s);
         wheel.turn_to(omega, kPeriod_s);
@@ -156,8 +153,8 @@ TEST_CASE("road torque and outlook agree with an independent simulation", "[CTL-
     truth.road_Nm = 0.0;
     for (int k = 0; k < kPeriods; ++k) {
         // The current of the step before acts over this period.
-        valve.hold(static_cast<double>(valve_pressure_Pa(config.valve, static_cast<float>(current_mA))),
-                   kPeriod_s, [&](const double p, const double h) {
+        valve.hold(static_cast<double>(valve_pressure_Pa(config.valve, static_cast<float>(current_mA))), kPeriod_s,
+                   [&](const double p, const double h) {
                        // The tyre takes what the brake gives until the balance is reached.
                        truth.road_Nm = 1.04e-3 * std::min(balance_Pa, k < 60 ? p : balance_Pa);
                        truth.advance(p, h);
@@ -187,8 +184,7 @@ TEST_CASE("road torque and outlook agree with an independent simulation", "[CTL-
 
 TEST_CASE("readings that cannot be leave no trace", "[CTL-010]") {
     constexpr float kInf = std::numeric_limits<float>::infinity();
-    constexpr std::array<float, 6> kBad{
-        std::numeric_limits<float>::quiet_NaN(), kInf, -kInf, -5.0F, 401.0F, 3e38F};
+    constexpr std::array<float, 6> kBad{std::numeric_limits<float>::quiet_NaN(), kInf, -kInf, -5.0F, 401.0F, 3e38F};
     const float bad = kBad[static_cast<std::size_t>(GENERATE(range(0, 6)))];
     Wheel w;
     w.roll(50.0, 0.322, 300);
@@ -390,8 +386,7 @@ TEST_CASE("a wheel under 2 bar is not free", "[CTL-300]") {
         const Estimate after = move(omega_radps -= 0.16F);
         found = after.pressure.pressure_Pa == target_Pa;
         if (found) CHECK((after.radius_m != before) == below);
-        held_Pa = after.pressure.pressure_Pa < target_Pa ? std::nextafter(held_Pa, 1e9F)
-                                                         : std::nextafter(held_Pa, 0.0F);
+        held_Pa = after.pressure.pressure_Pa < target_Pa ? std::nextafter(held_Pa, 1e9F) : std::nextafter(held_Pa, 0.0F);
     }
     CHECK(found);
 }

@@ -27,9 +27,7 @@ inline std::vector<Row> documented() {
         std::vector<std::string> cells;
         std::istringstream cut(line);
         for (std::string cell; std::getline(cut, cell, '|');) cells.push_back(trimmed(cell));
-        if (cells.size() != 7 || cells[1].empty() ||
-            cells[1].find_first_not_of("0123456789") != std::string::npos)
-            continue;
+        if (cells.size() != 7 || cells[1].empty() || cells[1].find_first_not_of("0123456789") != std::string::npos) continue;
         rows.push_back({std::stoi(cells[1]), cells[2], cells[4], std::stoi(cells[5])});
     }
     return rows;

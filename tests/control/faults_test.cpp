@@ -87,9 +87,7 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 /// Every way to bring about the fault of a bit.
 std::map<Fault, std::vector<Injection>> injections() {
     std::map<Fault, std::vector<Injection>> all;
-    const auto add = [&all](const Fault fault, Injection injection) {
-        all[fault].push_back(std::move(injection));
-    };
+    const auto add = [&all](const Fault fault, Injection injection) { all[fault].push_back(std::move(injection)); };
     const auto simple = [&](const Fault fault, const Spoil& spoil) { add(fault, {.spoil = spoil}); };
 
     simple(Fault::wheel_lost, silent(&Sensors::wheel, 0));
@@ -108,8 +106,7 @@ std::map<Fault, std::vector<Injection>> injections() {
     for (const float wrong : {-1.0F, 401.0F, 1e9F, kNaN, kInf, -kInf}) {
         simple(Fault::wheel_range, reports(&Sensors::wheel, [wrong](float, int) { return wrong; }));
         const float flywheel = wrong == 401.0F ? 251.0F : wrong;
-        simple(Fault::flywheel_range,
-               reports(&Sensors::flywheel, [flywheel](float, int) { return flywheel; }));
+        simple(Fault::flywheel_range, reports(&Sensors::flywheel, [flywheel](float, int) { return flywheel; }));
     }
     // In the encoder's own language: a hundred edges too many in each frame.
     const auto too_many = [](SpeedInput Sensors::*const input) {
@@ -121,25 +118,19 @@ std::map<Fault, std::vector<Injection>> injections() {
     simple(Fault::wheel_range, too_many(&Sensors::wheel));
     simple(Fault::flywheel_range, too_many(&Sensors::flywheel));
 
-    simple(Fault::wheel_rate,
-           reports(&Sensors::wheel, [](float, int n) { return n % 2 == 1 ? 160.0F : 110.0F; }));
-    simple(Fault::flywheel_rate,
-           reports(&Sensors::flywheel, [](float is, int n) { return n % 2 == 1 ? is + 10.0F : is - 10.0F; }));
+    simple(Fault::wheel_rate, reports(&Sensors::wheel, [](float, int n) { return n % 2 == 1 ? 160.0F : 110.0F; }));
+    simple(Fault::flywheel_rate, reports(&Sensors::flywheel, [](float is, int n) { return n % 2 == 1 ? is + 10.0F : is - 10.0F; }));
 
-    for (const Law law :
-         {Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias, Law::deceleration})
+    for (const Law law : {Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias, Law::deceleration})
         add(Fault::wheel_stuck, {.spoil = frozen(&Sensors::wheel), .law = law});
     for (const double v : {20.0, 40.0, 60.0}) {
-        for (const Law law : {Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias,
-                              Law::deceleration, Law::open_loop})
+        for (const Law law : {Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias, Law::deceleration, Law::open_loop})
             add(Fault::flywheel_stuck, {.spoil = frozen(&Sensors::flywheel), .law = law, .v_mps = v});
         // A sensor that reports speed drops to nothing.
-        add(Fault::flywheel_stuck,
-            {.spoil = reports(&Sensors::flywheel, [](float, int) { return 0.0F; }), .v_mps = v});
+        add(Fault::flywheel_stuck, {.spoil = reports(&Sensors::flywheel, [](float, int) { return 0.0F; }), .v_mps = v});
     }
 
-    for (const float wrong : {-0.6e6F, 25.1e6F, kNaN, kInf, -kInf})
-        simple(Fault::pressure_range, pressure([wrong](float, int) { return wrong; }));
+    for (const float wrong : {-0.6e6F, 25.1e6F, kNaN, kInf, -kInf}) simple(Fault::pressure_range, pressure([wrong](float, int) { return wrong; }));
     simple(Fault::pressure_rate, pressure([](float is, int n) { return n % 2 == 1 ? is + 6e6F : is; }));
     for (const float current : {9.0F, 15.0F}) {
         add(Fault::pressure_stuck, {.spoil =
@@ -177,13 +168,10 @@ std::map<Fault, std::vector<Injection>> injections() {
         simple(Fault::maneuver_range, command([wrong](ManeuverInput& m) { m.current_mA = wrong; }));
     }
 
-    const auto flag = [](bool Sensors::*const member) {
-        return [member](Bench&, Sensors& seen, const int period) { seen.*member = period > 0; };
-    };
+    const auto flag = [](bool Sensors::*const member) { return [member](Bench&, Sensors& seen, const int period) { seen.*member = period > 0; }; };
     simple(Fault::emergency_stop, flag(&Sensors::emergency_stop));
     simple(Fault::bus_off, flag(&Sensors::bus_off));
-    simple(Fault::overrun,
-           [](Bench&, Sensors& seen, const int period) { seen.missed_periods = period > 0 ? 1U : 0U; });
+    simple(Fault::overrun, [](Bench&, Sensors& seen, const int period) { seen.missed_periods = period > 0 ? 1U : 0U; });
     return all;
 }
 
@@ -255,8 +243,7 @@ TEST_CASE("every fault is named alone, in time, takes the current away and stays
     const std::map<Fault, std::vector<Injection>> all = injections();
     for (const Row& row : documented()) {
         const auto fault = static_cast<Fault>(row.bit);
-        if (fault == Fault::lock_persists || fault == Fault::self_test_failed)
-            continue;  // tests of their own below
+        if (fault == Fault::lock_persists || fault == Fault::self_test_failed) continue;  // tests of their own below
         CAPTURE(row.fault);
         REQUIRE(all.count(fault) == 1);
         int slowest = 0;
@@ -338,8 +325,7 @@ TEST_CASE("pressure at rest fails the self-test", "[CTL-070]") {
 
 TEST_CASE("before the self-test has passed no fault is latched, and none lets it pass", "[CTL-070]") {
     for (const auto& [fault, list] : injections()) {
-        if (fault == Fault::wheel_stuck || fault == Fault::flywheel_stuck || fault == Fault::pressure_stuck ||
-            fault == Fault::speeds_disagree)
+        if (fault == Fault::wheel_stuck || fault == Fault::flywheel_stuck || fault == Fault::pressure_stuck || fault == Fault::speeds_disagree)
             continue;  // need motion
         CAPTURE(fault_name(fault));
         Bench b(antiskid::load_controller_config("config/controller.toml"));

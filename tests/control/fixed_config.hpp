@@ -18,8 +18,7 @@ namespace control_test {
                .stiffness_Npm = 2.7e6F,
                .lift_Ns2pm2 = 3.61375F,
                .brake_gain_m3 = 1.04e-3F};
-    c.flywheel = {.encoder = {.teeth = 60.0F, .max_speed_radps = 250.0F, .max_acceleration_radps2 = 1'000.0F},
-                  .radius_m = 0.6F};
+    c.flywheel = {.encoder = {.teeth = 60.0F, .max_speed_radps = 250.0F, .max_acceleration_radps2 = 1'000.0F}, .radius_m = 0.6F};
     c.valve.points = 10;
     c.valve.current_mA = {3.0F, 5.0F, 8.0F, 12.0F, 16.0F, 20.0F, 25.0F, 30.0F, 35.0F, 40.0F};
     c.valve.pressure_Pa = {0.0F, 0.7e6F, 2.1e6F, 4.3e6F, 6.7e6F, 9.2e6F, 12.3e6F, 15.3e6F, 18.1e6F, 20.7e6F};
@@ -52,12 +51,8 @@ namespace control_test {
               .answer_filter_radps = 30.0F,
               .rise_per_s = 0.2F,
               .excess_fall_per_s = 10.0F};
-    c.deceleration = {.k_p_Pa_per_mps2 = 0.2e6F,
-                      .k_i_Pa_per_m_per_s = 4e6F,
-                      .filter_radps = 40.0F,
-                      .onset_mps3 = 10.0F,
-                      .slip_limit = 0.15F,
-                      .drop_out_mps = 1.0F};
+    c.deceleration = {
+        .k_p_Pa_per_mps2 = 0.2e6F, .k_i_Pa_per_m_per_s = 4e6F, .filter_radps = 40.0F, .onset_mps3 = 10.0F, .slip_limit = 0.15F, .drop_out_mps = 1.0F};
     c.threshold = {.first_rise_Paps = 64e6F,
                    .rise_Paps = 2e6F,
                    .fall_Paps = 400e6F,

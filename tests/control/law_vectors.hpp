@@ -10,8 +10,7 @@ inline constexpr float kPeriod_s = 1e-3F;
 inline constexpr float kFull_Pa = 20.7e6F;
 
 /// A wheel at `slip` and `v_mps`, at rest in its slip: pressure and road torque in balance, now and after the delay.
-[[nodiscard]] inline antiskid::control::Estimate balanced(const float v_mps, const float slip,
-                                                          const float pressure_Pa) {
+[[nodiscard]] inline antiskid::control::Estimate balanced(const float v_mps, const float slip, const float pressure_Pa) {
     const antiskid::control::Config c = fixed_config();
     antiskid::control::Estimate e;
     e.speeds_known = true;

@@ -24,8 +24,7 @@ void slow_to(Bench& b, double v_mps) {
 
 }  // namespace
 
-TEST_CASE("a reference encoder that dies just above drop-out is a fault, not a drop-out with full demand",
-          "[CTL-081]") {
+TEST_CASE("a reference encoder that dies just above drop-out is a fault, not a drop-out with full demand", "[CTL-081]") {
     const double v_mps = GENERATE(5.5, 6.0, 7.5, 7.9, 12.0);
     CAPTURE(v_mps);
     Bench b(shipped());
@@ -115,10 +114,8 @@ TEST_CASE(
     "at once",
     "[CTL-065]") {
     Bench b(shipped());
-    const Law from =
-        GENERATE(Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias, Law::deceleration);
-    const Law to = GENERATE(Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias,
-                            Law::deceleration, Law::open_loop);
+    const Law from = GENERATE(Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias, Law::deceleration);
+    const Law to = GENERATE(Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias, Law::deceleration, Law::open_loop);
     if (from == to) return;
     CAPTURE(static_cast<int>(from), static_cast<int>(to));
     b.to_braking(from);
@@ -202,8 +199,7 @@ TEST_CASE("frames that are mostly refused are a fault although some pass, repeat
 }
 
 TEST_CASE("a reference speed that leaps while the wheel rolls is a fault within five readings", "[CTL-081]") {
-    const Law law =
-        GENERATE(Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias, Law::deceleration);
+    const Law law = GENERATE(Law::wheel_slip, Law::peak_slip, Law::threshold, Law::pressure_bias, Law::deceleration);
     const float share = GENERATE(0.5F, 0.84F, 0.9F, 1.1F, 1.16F, 1.5F);
     CAPTURE(law, share);
     Bench b(shipped());
@@ -237,8 +233,7 @@ TEST_CASE("a reading that stays for many periods counts once", "[CTL-081]") {
     CHECK(b.command.faults.empty());
 }
 
-TEST_CASE("a wheel encoder that is wrong from touchdown on is named once the wheel should roll",
-          "[CTL-081]") {
+TEST_CASE("a wheel encoder that is wrong from touchdown on is named once the wheel should roll", "[CTL-081]") {
     Bench b(shipped());
     b.to_standby();
     b.sensors.maneuver.arm = true;

@@ -74,8 +74,7 @@ FaultSet faults_at(const float model_Pa, const float reading_Pa, const float whe
 
 }  // namespace
 
-TEST_CASE("a model exactly at the pressure that counts as released, or as hardly braked, does not",
-          "[CTL-081]") {
+TEST_CASE("a model exactly at the pressure that counts as released, or as hardly braked, does not", "[CTL-081]") {
     const bool below = GENERATE(false, true);
     const auto at = [below](const float limit) { return below ? std::nextafter(limit, 0.0F) : limit; };
     const FaultSet released = faults_at(at(2e4F), 0.6e6F, 128.0F);
@@ -103,8 +102,7 @@ TEST_CASE("a wheel that changes its speed by 15 m/s2 is not steady", "[CTL-081]"
     CHECK(w.step().contains(Fault::speeds_disagree) == (most_radps2 < 30.0F));
 }
 
-TEST_CASE("a wheel that loses more than the brake can take is named, one that the brake slows is not",
-          "[CTL-081]") {
+TEST_CASE("a wheel that loses more than the brake can take is named, one that the brake slows is not", "[CTL-081]") {
     struct Row {
         float pressure_Pa, share;  // of the speed that is left at once
         bool rolling, named;
@@ -133,9 +131,7 @@ TEST_CASE("a wheel that loses more than the brake can take is named, one that th
     if (row.named) CHECK(all.contains(Fault::wheel_stuck) == (row.share == 0.0F));
 }
 
-TEST_CASE(
-    "what the road has wound up in a carcass may swing back, a wheel that rolled with the aircraft may not",
-    "[CTL-081]") {
+TEST_CASE("what the road has wound up in a carcass may swing back, a wheel that rolled with the aircraft may not", "[CTL-081]") {
     const bool spins_up = GENERATE(true, false);
     Config config = fixed_config();
     config.monitor.free_slip = 1.0F;

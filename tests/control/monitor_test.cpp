@@ -24,8 +24,7 @@ FaultSet set_of(std::initializer_list<Fault> faults) {
 
 TEST_CASE("what has never come is lost, not corrupt, and nothing else is said of it", "[CTL-081]") {
     Watch w;
-    const FaultSet lost = set_of({Fault::wheel_lost, Fault::flywheel_lost, Fault::pressure_lost,
-                                  Fault::maneuver_lost, Fault::heartbeat_lost});
+    const FaultSet lost = set_of({Fault::wheel_lost, Fault::flywheel_lost, Fault::pressure_lost, Fault::maneuver_lost, Fault::heartbeat_lost});
     for (int k = 0; k < 50; ++k) {
         w.now += kMillisecond;
         REQUIRE(w.silent_step() == lost);
@@ -218,9 +217,7 @@ TEST_CASE("a missed period that has been paid for leaves nothing behind", "[CTL-
     CHECK(w.step().empty());
 }
 
-TEST_CASE(
-    "an aircraft loses its most deceleration at most: a reference that falls faster is believed for a while",
-    "[CTL-081]") {
+TEST_CASE("an aircraft loses its most deceleration at most: a reference that falls faster is believed for a while", "[CTL-081]") {
     const float fall_mps2 = GENERATE(14.0F, 30.0F);
     Watch w;
     float v = 60.0F, carried = 60.0F;
@@ -235,8 +232,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("an encoder at the least that the aircraft must still have is believed, one below is not",
-          "[CTL-081]") {
+TEST_CASE("an encoder at the least that the aircraft must still have is believed, one below is not", "[CTL-081]") {
     // 64 m/s, less 16 m/s2 over 1/1024 s, is 63.984375 m/s.
     constexpr float kCarried_mps = 63.984375F;
     struct Row {
@@ -314,9 +310,7 @@ TEST_CASE("more refused maneuver commands than its maximum age has frames are co
     CHECK(w.step().contains(Fault::maneuver_corrupt) == (refused == 12U));
 }
 
-TEST_CASE(
-    "a landed aircraft gets faster by no more than it can lose and the share, and only above the least speed",
-    "[CTL-081]") {
+TEST_CASE("a landed aircraft gets faster by no more than it can lose and the share, and only above the least speed", "[CTL-081]") {
     struct Row {
         float before_mps, after_mps;
         bool rolling, armed, named;

@@ -25,8 +25,7 @@ TEST_CASE("a condition that must not be broken is counted anew after every break
     CHECK(wrong == 0);
 }
 
-TEST_CASE("a condition that comes and goes is paid back by half, and never owes more than its limit",
-          "[CTL-081]") {
+TEST_CASE("a condition that comes and goes is paid back by half, and never owes more than its limit", "[CTL-081]") {
     const int limit = GENERATE(1, 2, 8, 20);  // periods
     Test test(static_cast<float>(limit) * kExact_s, kExact_s);
     const auto holds = [&test](const bool bad) {

@@ -121,13 +121,11 @@ TEST_CASE("a valve off its map by more than is made up for is named", "[CTL-081]
         bool braking, named;
         float current_mA = 8.0F;
     };
-    const Row row =
-        GENERATE(Row{0.50e6F, Law::wheel_slip, true, false}, Row{0.55e6F, Law::wheel_slip, true, true},
-                 Row{-0.55e6F, Law::wheel_slip, true, true}, Row{0.51e6F, Law::wheel_slip, true, false},
-                 Row{0.55e6F, Law::wheel_slip, true, false, 5.4F},
-                 Row{0.55e6F, Law::wheel_slip, true, true, 5.8F}, Row{0.55e6F, Law::deceleration, true, true},
-                 Row{0.55e6F, Law::open_loop, true, false}, Row{0.55e6F, Law::threshold, true, false},
-                 Row{0.55e6F, Law::pressure_bias, true, false}, Row{0.55e6F, Law::wheel_slip, false, false});
+    const Row row = GENERATE(
+        Row{0.50e6F, Law::wheel_slip, true, false}, Row{0.55e6F, Law::wheel_slip, true, true}, Row{-0.55e6F, Law::wheel_slip, true, true},
+        Row{0.51e6F, Law::wheel_slip, true, false}, Row{0.55e6F, Law::wheel_slip, true, false, 5.4F}, Row{0.55e6F, Law::wheel_slip, true, true, 5.8F},
+        Row{0.55e6F, Law::deceleration, true, true}, Row{0.55e6F, Law::open_loop, true, false}, Row{0.55e6F, Law::threshold, true, false},
+        Row{0.55e6F, Law::pressure_bias, true, false}, Row{0.55e6F, Law::wheel_slip, false, false});
     Config config = fixed_config();
     config.estimator.valve_offset_radps = 7.0F;
     config.estimator.valve_offset_share = 0.25F;

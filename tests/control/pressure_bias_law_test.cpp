@@ -30,10 +30,7 @@ struct Modulation {
     PressureBiasLaw law;
     float pressure_Pa = 0.0F;
 
-    explicit Modulation(const PressureBiasConfig& config = fixed_config().pressure_bias)
-        : law(config, kPeriod_s) {
-        law.start(rim_at(40.0F));
-    }
+    explicit Modulation(const PressureBiasConfig& config = fixed_config().pressure_bias) : law(config, kPeriod_s) { law.start(rim_at(40.0F)); }
     float step(const float mps, const float mps2 = 0.0F, const float ceiling_Pa = kFull_Pa) {
         pressure_Pa = law.pressure_Pa(rim_at(mps, mps2), ceiling_Pa);
         return pressure_Pa;
@@ -54,8 +51,7 @@ PressureBiasConfig without(float PressureBiasConfig::*const gain, float Pressure
 
 }  // namespace
 
-TEST_CASE("the pressure-bias law starts at the pressure that it finds and rises until the first skid",
-          "[CTL-330]") {
+TEST_CASE("the pressure-bias law starts at the pressure that it finds and rises until the first skid", "[CTL-330]") {
     Modulation b;
     for (int i = 1; i <= 100; ++i) CHECK(b.step(40.0F) == Approx(5e6 + 64e3 * i).epsilon(1e-5));
     CHECK(b.law.bias_Pa() == Approx(kFull_Pa - 11.4e6).epsilon(1e-5));
@@ -72,8 +68,7 @@ TEST_CASE("the pressure-bias law starts at the pressure that it finds and rises 
     b.law.start(rim_at(40.0F, 0.0F, 1e6F));  // skids are forgotten: the bias of the demand of that moment
     CHECK(b.law.pressure_Pa(rim_at(40.0F), 3e6F) == Approx(1e6 + 64e3).epsilon(1e-5));
     b.law.start(rim_at(40.0F, 0.0F, 4e6F));
-    CHECK(b.law.pressure_Pa(rim_at(40.0F), 3e6F) ==
-          3e6F);  // more pressure than demand leaves no bias below none
+    CHECK(b.law.pressure_Pa(rim_at(40.0F), 3e6F) == 3e6F);  // more pressure than demand leaves no bias below none
     CHECK(b.law.bias_Pa() == 0.0F);
 }
 
@@ -110,8 +105,7 @@ TEST_CASE("velocity error beyond the dead band comes off at once", "[CTL-330]") 
 }
 
 TEST_CASE("velocity error beyond the dead band adds to the bias", "[CTL-330]") {
-    Modulation b(
-        without(&PressureBiasConfig::k_transient_Pa_per_mps, &PressureBiasConfig::k_lead_Pa_per_mps2));
+    Modulation b(without(&PressureBiasConfig::k_transient_Pa_per_mps, &PressureBiasConfig::k_lead_Pa_per_mps2));
     b.step(40.0F);
     for (int i = 0; i < 10; ++i) b.step(34.99F - 0.01F * static_cast<float>(i));  // 3 m/s beyond it
     CHECK(b.pressure_Pa == Approx(5e6 + 64e3 - 10 * 24e3).epsilon(1e-4));
@@ -132,10 +126,8 @@ TEST_CASE("the wheel's deceleration comes off without error", "[CTL-330]") {
     CHECK(b.pressure_Pa == Approx(5e6 + 4 * 64e3).epsilon(1e-5));  // a lead is no skid
 }
 
-TEST_CASE("the bias stays within its share of the demand, the pressure between nothing and the demand",
-          "[CTL-330]") {
-    Modulation b(
-        without(&PressureBiasConfig::k_transient_Pa_per_mps, &PressureBiasConfig::k_lead_Pa_per_mps2));
+TEST_CASE("the bias stays within its share of the demand, the pressure between nothing and the demand", "[CTL-330]") {
+    Modulation b(without(&PressureBiasConfig::k_transient_Pa_per_mps, &PressureBiasConfig::k_lead_Pa_per_mps2));
     for (int i = 0; i < 2000; ++i) b.step(0.0F);
     CHECK(b.law.bias_Pa() == Approx(0.9 * kFull_Pa));
     CHECK(b.pressure_Pa == Approx(0.1 * kFull_Pa).epsilon(1e-4));

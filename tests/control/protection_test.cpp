@@ -78,9 +78,7 @@ TEST_CASE("a bounce is no fault and protects again", "[CTL-073]") {
     CHECK(s.supervisor.latched().empty());
 }
 
-TEST_CASE(
-    "a squat switch that opens for a moment, or a command of the approach in between, costs that moment",
-    "[CTL-073]") {
+TEST_CASE("a squat switch that opens for a moment, or a command of the approach in between, costs that moment", "[CTL-073]") {
     const float v = GENERATE(5.1F, 12.0F, 29.0F, 45.0F);
     const bool approach = GENERATE(false, true);  // its command disarms, too
     Stand s;
@@ -95,8 +93,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a wheel below 30 % is released until 70 %", "[CTL-073]") {
-    const auto law =
-        GENERATE(Law::wheel_slip, Law::deceleration, Law::threshold, Law::pressure_bias, Law::peak_slip);
+    const auto law = GENERATE(Law::wheel_slip, Law::deceleration, Law::threshold, Law::pressure_bias, Law::peak_slip);
     Stand s;
     s.to_braking();
     s.sensors.maneuver.law = law;
@@ -112,14 +109,12 @@ TEST_CASE("a wheel below 30 % is released until 70 %", "[CTL-073]") {
     CHECK(s.step() == State::braking);
 }
 
-TEST_CASE("a wheel that does not come back when it must is a fault, one that does is none, however often",
-          "[CTL-073]") {
+TEST_CASE("a wheel that does not come back when it must is a fault, one that does is none, however often", "[CTL-073]") {
     struct Row {
         float v_mps;
         int periods;  // the last without a fault: 125 ms, and 0.7 v at 50 m/s2
     };
-    const Row row =
-        GENERATE(Row{60.0F, 965}, Row{50.0F, 825}, Row{20.0F, 405}, Row{10.0F, 265}, Row{7.0F, 223});
+    const Row row = GENERATE(Row{60.0F, 965}, Row{50.0F, 825}, Row{20.0F, 405}, Row{10.0F, 265}, Row{7.0F, 223});
     CAPTURE(row.v_mps);
     Stand s;
     s.to_braking();

@@ -35,8 +35,7 @@ class Shaft {
         input.received = now;
         input.source = antiskid::control::SpeedSource::edges;
         input.edge_count = first_count + static_cast<std::uint32_t>(edges_);
-        input.edge_time =
-            first_time + antiskid::control::Time{static_cast<std::int64_t>(std::llround(edge_time_s_ * 1e9))};
+        input.edge_time = first_time + antiskid::control::Time{static_cast<std::int64_t>(std::llround(edge_time_s_ * 1e9))};
         input.speed_radps = static_cast<float>(radps_);
     }
 

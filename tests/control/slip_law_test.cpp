@@ -51,8 +51,7 @@ float run(SlipLaw& law, const float answer_per_s, const float slip, const int pe
 TEST_CASE("in balance at the reference the law asks for the balance", "[CTL-040]") {
     const float v = GENERATE(10.0F, 40.0F, 60.0F);
     SlipLaw law = settled(exact_law(), 0.2F, v);
-    for (int i = 0; i < 1000; ++i)
-        REQUIRE(law.pressure_Pa(at_rest(v, 0.2F), 0.2F, kCeiling_Pa) == Approx(kBalance_Pa).epsilon(1e-6));
+    for (int i = 0; i < 1000; ++i) REQUIRE(law.pressure_Pa(at_rest(v, 0.2F), 0.2F, kCeiling_Pa) == Approx(kBalance_Pa).epsilon(1e-6));
     CHECK(law.reference() == Approx(0.2));
     CHECK(law.asked() == Approx(0.2));
 }
@@ -106,8 +105,7 @@ TEST_CASE("each term is worth its gain, scheduled with speed", "[CTL-040]") {
     }
 }
 
-TEST_CASE("a wheel that hardly slips is brought up along the chord of friction, faster the less it slips",
-          "[CTL-040]") {
+TEST_CASE("a wheel that hardly slips is brought up along the chord of friction, faster the less it slips", "[CTL-040]") {
     SlipLaw law = settled(exact_law(), 0.2F);
     const auto asked = [&](const float slip, const float late_slip, const float road_radps2) {
         SlipLaw copy = law;
@@ -131,8 +129,7 @@ TEST_CASE("a wheel that hardly slips is brought up along the chord of friction, 
         Estimate e = at_rest(40.0F, 0.015F, 1000.0F);
         e.late_slip = 0.19F;
         e.road_radps2 = 500.0F;
-        CHECK((static_cast<double>(law.pressure_Pa(e, 0.2F, 1e12F)) - 8e6) * rate_per_Pa(e) ==
-              Approx(400.0 * 0.01).epsilon(1e-3));
+        CHECK((static_cast<double>(law.pressure_Pa(e, 0.2F, 1e12F)) - 8e6) * rate_per_Pa(e) == Approx(400.0 * 0.01).epsilon(1e-3));
     }
 }
 
@@ -168,9 +165,7 @@ TEST_CASE("at a limit the integral still moves inwards", "[CTL-040]") {
     CHECK(law.pressure_Pa(e, 0.2F, 1e12F) < wound - 100.0F);
 }
 
-TEST_CASE(
-    "the integral goes by the error where that leads away from a limit, and rests where it leads into it",
-    "[CTL-040]") {
+TEST_CASE("the integral goes by the error where that leads away from a limit, and rests where it leads into it", "[CTL-040]") {
     // 1/s, after half a second at that slip.
     const auto after = [](const float late_slip, const float ceiling_Pa, const float rate_Paps = 0.0F) {
         SlipLaw law = settled(exact_law(), 0.2F);
@@ -223,16 +218,14 @@ TEST_CASE("a demand that falls and rises again changes nothing but the ceiling",
         REQUIRE(given == Approx(std::min(ceiling, kBalance_Pa)).epsilon(1e-6));
     }
     for (int i = 0; i < 300; ++i) static_cast<void>(undisturbed.pressure_Pa(e, 0.2F, kCeiling_Pa));
-    CHECK(law.pressure_Pa(e, 0.2F, kCeiling_Pa) ==
-          Approx(undisturbed.pressure_Pa(e, 0.2F, kCeiling_Pa)).epsilon(1e-6));
+    CHECK(law.pressure_Pa(e, 0.2F, kCeiling_Pa) == Approx(undisturbed.pressure_Pa(e, 0.2F, kCeiling_Pa)).epsilon(1e-6));
 }
 
 TEST_CASE("below the low speed the reference falls with speed", "[CTL-040]") {
     const SlipConfig config = fixed_config().slip;  // 24 m/s, floor 8 m/s, slip 0.14
     const auto in_force = [&config](const float v, const float reference) {
         SlipLaw law = settled(config, reference, v);
-        for (int i = 0; i < 100; ++i)
-            static_cast<void>(law.pressure_Pa(at_rest(v, reference), reference, kCeiling_Pa));
+        for (int i = 0; i < 100; ++i) static_cast<void>(law.pressure_Pa(at_rest(v, reference), reference, kCeiling_Pa));
         CHECK(law.asked() == law.reference());  // that is no retreat
         return law.reference();
     };
@@ -249,8 +242,7 @@ TEST_CASE("below the low speed the reference falls with speed", "[CTL-040]") {
 TEST_CASE("low_speed_mps = 0 is the paper's exact law at every speed", "[CTL-040]") {
     for (const float v : {60.0F, 16.0F, 5.0F, 0.5F}) {
         SlipLaw law = settled(exact_law(), 0.24F, v);
-        for (int i = 0; i < 100; ++i)
-            static_cast<void>(law.pressure_Pa(at_rest(v, 0.24F), 0.24F, kCeiling_Pa));
+        for (int i = 0; i < 100; ++i) static_cast<void>(law.pressure_Pa(at_rest(v, 0.24F), 0.24F, kCeiling_Pa));
         CHECK(law.reference() == Approx(0.24F));
     }
 }
@@ -333,8 +325,7 @@ TEST_CASE(
     CHECK(run(law, 500.0F, 0.35F, 1) == Approx(0.2 * (1.0 - (10.0 * 0.1 - 0.2) * 1e-3)).epsilon(1e-5));
     // The reference falls away from the slip, so ever faster: with x = slip - 0.05 - 0.2 share, x' = 0.2 (10 x - 0.2).
     SlipLaw locking = settled(exact_law(), 0.2F);
-    CHECK(run(locking, 500.0F, 0.65F, 100) ==
-          Approx(0.6 - (0.02 + (0.4 - 0.02) * std::exp(2.0 * 0.1))).epsilon(0.01));
+    CHECK(run(locking, 500.0F, 0.65F, 100) == Approx(0.6 - (0.02 + (0.4 - 0.02) * std::exp(2.0 * 0.1))).epsilon(0.01));
     CHECK(locking.asked() == Approx(0.2));
 }
 
@@ -347,8 +338,7 @@ TEST_CASE("slip that swings about the reference is not paid back by what lies be
     CHECK(law.reference() < 0.1F);
 }
 
-TEST_CASE("a reference that has retreated stays so when the law starts again, until the runway is forgotten",
-          "[CTL-040]") {
+TEST_CASE("a reference that has retreated stays so when the law starts again, until the runway is forgotten", "[CTL-040]") {
     SlipLaw law = settled(exact_law(), 0.2F);
     const float retreated = run(law, 0.0F, 0.61F, 100);
     REQUIRE(retreated < 0.15F);
@@ -359,9 +349,7 @@ TEST_CASE("a reference that has retreated stays so when the law starts again, un
     CHECK(run(law, 0.0F, 0.05F, 10) == Approx(0.2));
 }
 
-TEST_CASE(
-    "a reference that somebody else has found falls at low speed, and retreats from slip above it alone",
-    "[CTL-340]") {
+TEST_CASE("a reference that somebody else has found falls at low speed, and retreats from slip above it alone", "[CTL-340]") {
     const SlipConfig config = fixed_config().slip;
     SlipLaw law(config, kPeriod_s);
     Estimate e = at_rest(40.0F, 0.245F, -40.0F);

@@ -21,9 +21,7 @@ struct ByHand {
     }
     /// Edges 10 ms apart up to `kStart`, one in each frame: a speed is known.
     void run() {
-        for (int i = -3; i <= 0; ++i)
-            frame(kStart + 10 * i * kMillisecond, static_cast<std::uint32_t>(1000 + i),
-                  kClock + 10 * i * kMillisecond);
+        for (int i = -3; i <= 0; ++i) frame(kStart + 10 * i * kMillisecond, static_cast<std::uint32_t>(1000 + i), kClock + 10 * i * kMillisecond);
     }
 
     static constexpr Time kStart{10'000'000'000};
@@ -48,8 +46,7 @@ TEST_CASE("wherever count and clock start, two edges make a speed, one does not"
     ByHand h;
     CHECK_FALSE(h.frame(h.kStart, 4'000'000'000U, clock).valid);
     CHECK_FALSE(h.frame(h.kStart + 10 * kMillisecond, 4'000'000'001U, clock + 10 * kMillisecond).valid);
-    const SpeedReading reading =
-        h.frame(h.kStart + 20 * kMillisecond, 4'000'000'002U, clock + 20 * kMillisecond);
+    const SpeedReading reading = h.frame(h.kStart + 20 * kMillisecond, 4'000'000'002U, clock + 20 * kMillisecond);
     CHECK(reading.fresh);
     CHECK(static_cast<double>(reading.speed_radps) == Approx(kTooth_rad / 10e-3));
 }
@@ -59,8 +56,7 @@ TEST_CASE("edges may take 25 ms longer than their frames, not a nanosecond more"
     for (const bool more : {false, true}) {
         ByHand h;
         h.run();
-        const SpeedReading reading = h.frame(h.kStart + 10 * kMillisecond, 1000U + edges,
-                                             h.kClock + 35 * kMillisecond + Time{more ? 1 : 0});
+        const SpeedReading reading = h.frame(h.kStart + 10 * kMillisecond, 1000U + edges, h.kClock + 35 * kMillisecond + Time{more ? 1 : 0});
         CHECK(reading.fresh != more);
         CHECK(reading.valid);
     }
@@ -107,8 +103,7 @@ TEST_CASE("count and clock of an encoder may begin anywhere, also just before th
         std::uint32_t first_count;
         Time first_time;
     };
-    const Row row = GENERATE(values<Row>(
-        {{0, Time{0}}, {0xFFFF'FFFFU, Time{0}}, {7, Time{-1'500'000}}, {0xFFFF'FFFFU, Time{-1'500'000}}}));
+    const Row row = GENERATE(values<Row>({{0, Time{0}}, {0xFFFF'FFFFU, Time{0}}, {7, Time{-1'500'000}}, {0xFFFF'FFFFU, Time{-1'500'000}}}));
     SpeedEstimator estimator(static_cast<float>(kTeeth));
     SpeedInput input;
     SpeedReading reading;

@@ -28,8 +28,7 @@ TEST_CASE("constant speed is exact at every speed and period", "[CTL-010]") {
             ++fresh;
             // The stamp's nanosecond, the shaft's start from rest over the first period is behind; single precision.
             const double tolerance =
-                radps * (1e-9 / static_cast<double>(reading.interval_s) +
-                         4.0 * static_cast<double>(std::numeric_limits<float>::epsilon()));
+                radps * (1e-9 / static_cast<double>(reading.interval_s) + 4.0 * static_cast<double>(std::numeric_limits<float>::epsilon()));
             CAPTURE(radps, period_s, i);
             REQUIRE(std::abs(static_cast<double>(reading.speed_radps) - radps) <= tolerance);
             REQUIRE(reading.valid);
@@ -60,8 +59,7 @@ TEST_CASE("the reading is the mean speed over its interval", "[CTL-010]") {
         // The first two intervals reach back into the jerk from rest.
         if (++edges > 2) {
             ++checked;
-            CHECK(static_cast<double>(reading.speed_radps) ==
-                  Approx(0.5 * (before_edge + at_edge)).epsilon(1e-5));
+            CHECK(static_cast<double>(reading.speed_radps) == Approx(0.5 * (before_edge + at_edge)).epsilon(1e-5));
         }
         before_edge = at_edge;
     }

@@ -18,8 +18,7 @@ inline constexpr Time kMillisecond{1'000'000};
 
 /// One shaft, its frames and the estimator, a frame a period.
 struct Line {
-    explicit Line(const double period_s = 1e-3)
-        : period(static_cast<std::int64_t>(std::llround(period_s * 1e9))), h(period_s) {}
+    explicit Line(const double period_s = 1e-3) : period(static_cast<std::int64_t>(std::llround(period_s * 1e9))), h(period_s) {}
 
     SpeedReading turn_to(const double radps) {
         now += period;

@@ -19,11 +19,7 @@ constexpr EncoderConfig kEncoder{.max_speed_radps = 1e6F, .max_acceleration_radp
 
 /// A reading over one whole period that ended, on average, half a period ago.
 SpeedReading reading_of(const double speed, const float interval_s = kPeriod_s) {
-    return {.speed_radps = static_cast<float>(speed),
-            .interval_s = interval_s,
-            .fresh = true,
-            .bounded = false,
-            .valid = true};
+    return {.speed_radps = static_cast<float>(speed), .interval_s = interval_s, .fresh = true, .bounded = false, .valid = true};
 }
 
 }  // namespace
@@ -51,9 +47,7 @@ TEST_CASE("sparse readings are weighed by the time they stand for", "[CTL-010]")
     for (int i = 0; i < 700; ++i) {
         speed += acceleration * 1e-3;
         if (++since < 8) {
-            tracker.update(
-                {.speed_radps = 0.0F, .interval_s = 0.0F, .fresh = false, .bounded = false, .valid = true},
-                kPeriod_s);
+            tracker.update({.speed_radps = 0.0F, .interval_s = 0.0F, .fresh = false, .bounded = false, .valid = true}, kPeriod_s);
             continue;
         }
         since = 0;
@@ -81,12 +75,10 @@ TEST_CASE("the tracker starts at the first reading and forgets with its validity
 TEST_CASE("a bound is used only where it says something", "[CTL-010]") {
     SpeedTracker tracker(450.0F, kEncoder);
     tracker.update(reading_of(50.0), kPeriod_s);
-    const SpeedReading above{
-        .speed_radps = 80.0F, .interval_s = 0.0F, .fresh = false, .bounded = true, .valid = true};
+    const SpeedReading above{.speed_radps = 80.0F, .interval_s = 0.0F, .fresh = false, .bounded = true, .valid = true};
     tracker.update(above, kPeriod_s);
     CHECK(tracker.speed() == 50.0F);
-    const SpeedReading below{
-        .speed_radps = 30.0F, .interval_s = 0.0F, .fresh = false, .bounded = true, .valid = true};
+    const SpeedReading below{.speed_radps = 30.0F, .interval_s = 0.0F, .fresh = false, .bounded = true, .valid = true};
     tracker.update(below, kPeriod_s);
     CHECK(tracker.speed() < 50.0F);
     CHECK(tracker.speed() > 30.0F);
@@ -221,8 +213,7 @@ TEST_CASE("a reading that cannot be does not reach the tracker", "[CTL-010]") {
     SpeedTracker tracker(450.0F, {.max_speed_radps = 400.0F, .max_acceleration_radps2 = 1e9F});
     tracker.update({.speed_radps = 100.0F, .interval_s = 1e-3F, .fresh = true, .valid = true}, 1e-3F);
     for (const float radps : {-1.0F, 401.0F, std::numeric_limits<float>::quiet_NaN()}) {
-        for (int i = 0; i < 30; ++i)
-            tracker.update({.speed_radps = radps, .interval_s = 1e-3F, .fresh = true, .valid = true}, 1e-3F);
+        for (int i = 0; i < 30; ++i) tracker.update({.speed_radps = radps, .interval_s = 1e-3F, .fresh = true, .valid = true}, 1e-3F);
         CHECK(tracker.speed() == 100.0F);
         CHECK(tracker.acceleration() == 0.0F);
     }

@@ -62,8 +62,7 @@ TEST_CASE("pressure that does not go away fails the self-test, until it has gone
 
 TEST_CASE("arming is an edge", "[CTL-070]") {
     Stand s;
-    s.sensors.maneuver.arm =
-        true;  // from the start: a stuck switch, or a controller restarted in the landing
+    s.sensors.maneuver.arm = true;  // from the start: a stuck switch, or a controller restarted in the landing
     CHECK(s.step(1000) == State::standby);
     s.sensors.maneuver.arm = false;
     CHECK(s.step() == State::standby);

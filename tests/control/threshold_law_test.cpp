@@ -56,8 +56,7 @@ TEST_CASE("the actions change where the thresholds say", "[CTL-330]") {
     const Row row = GENERATE(values<Row>({
         {"grip", Action::increase, 0.10F, -10.0F, Action::increase},
         {"slip between the thresholds alone", Action::increase, 0.30F, -10.0F, Action::increase},
-        {"hard deceleration without slip is the brake's onset", Action::increase, 0.10F, -60.0F,
-         Action::increase},
+        {"hard deceleration without slip is the brake's onset", Action::increase, 0.10F, -60.0F, Action::increase},
         {"hard deceleration with slip is a skid", Action::increase, 0.25F, -36.0F, Action::decrease},
         {"slip alone is a skid", Action::increase, 0.41F, -1.0F, Action::decrease},
         {"slipping but recovering already", Action::increase, 0.50F, 3.0F, Action::increase},

@@ -33,12 +33,8 @@ constexpr std::array<std::array<bool, kStateCount>, kStateCount> kMayFollow{{
 TEST_CASE("random inputs make every transition of the table and no other", "[CTL-076]") {
     std::array<std::array<int, kStateCount>, kStateCount> seen{};
     std::mt19937 random(5);
-    const auto chance = [&random](const double p) {
-        return std::uniform_real_distribution<>(0.0, 1.0)(random) < p;
-    };
-    const auto between = [&random](const float a, const float b) {
-        return std::uniform_real_distribution<float>(a, b)(random);
-    };
+    const auto chance = [&random](const double p) { return std::uniform_real_distribution<>(0.0, 1.0)(random) < p; };
+    const auto between = [&random](const float a, const float b) { return std::uniform_real_distribution<float>(a, b)(random); };
     for (int run = 0; run < 400; ++run) {
         Stand s;
         State before = State::self_test;
@@ -48,10 +44,8 @@ TEST_CASE("random inputs make every transition of the table and no other", "[CTL
         for (int k = 0; k < 6000; ++k) {
             const bool calm = run % 4 == 1;  // long enough on the wheels for the time-out
             const bool armed_before = s.sensors.maneuver.arm;
-            if (chance(before == State::safe || before == State::standby ? 0.02 : calm ? 0.0001 : 0.002))
-                s.sensors.maneuver.arm = !armed_before;
-            if (chance(calm ? 0.0002 : 0.003))
-                s.sensors.maneuver.weight_on_wheels = !s.sensors.maneuver.weight_on_wheels;
+            if (chance(before == State::safe || before == State::standby ? 0.02 : calm ? 0.0001 : 0.002)) s.sensors.maneuver.arm = !armed_before;
+            if (chance(calm ? 0.0002 : 0.003)) s.sensors.maneuver.weight_on_wheels = !s.sensors.maneuver.weight_on_wheels;
             if (chance(0.01)) s.sensors.maneuver.demand_Pa = chance(0.3) ? 0.0F : between(0.0F, 20e6F);
             if (chance(0.005)) s.sensors.maneuver.law = static_cast<Law>(random() % kLawCount);
             if (chance(0.02)) {
@@ -64,8 +58,7 @@ TEST_CASE("random inputs make every transition of the table and no other", "[CTL
                 s.sensors.pressure.pressure_Pa = run % 2 == 0 ? 1e6F : 0.0F;
             }
             s.present = {};
-            if (chance(before == State::self_test ? 0.0 : calm ? 0.0001 : 0.0007))
-                s.present.insert(static_cast<Fault>(random() % kFaultCount));
+            if (chance(before == State::self_test ? 0.0 : calm ? 0.0001 : 0.0007)) s.present.insert(static_cast<Fault>(random() % kFaultCount));
             const bool faulty = !s.present.empty();
 
             const State after = s.step();
@@ -78,15 +71,13 @@ TEST_CASE("random inputs make every transition of the table and no other", "[CTL
             const bool along = s.estimate.v_mps > 5.0F && rim > 0.7F * s.estimate.v_mps;
             spun_up = m.weight_on_wheels && (spun_up || rim > 30.0F || along);
             const auto wrong = [&](const char* const what) {
-                FAIL(what << ": run " << run << ", step " << k << ", " << idx(before) << " to "
-                          << idx(after));
+                FAIL(what << ": run " << run << ", step " << k << ", " << idx(before) << " to " << idx(after));
             };
             if (after != before) ++seen[idx(before)][idx(after)];
             if (after != before && !kMayFollow[idx(before)][idx(after)]) {
                 wrong("a transition that is not in the table");
             }
-            if (faulty && before != State::self_test && after != State::safe)
-                wrong("a fault without reaction");
+            if (faulty && before != State::self_test && after != State::safe) wrong("a fault without reaction");
             const bool active = after != State::self_test && after != State::standby && after != State::safe;
             if (active && !m.arm) wrong("active without arm");
             if (before == State::standby && after == State::armed && !edge) wrong("armed without an edge");
@@ -96,8 +87,7 @@ TEST_CASE("random inputs make every transition of the table and no other", "[CTL
                 if (!spun_up && on_wheels_s < 2.998F) wrong("braking within touchdown protection");
                 if (m.demand_Pa < 0.2e6F) wrong("braking without a demand");
             }
-            if (after == State::touchdown_protection && (spun_up || !m.weight_on_wheels))
-                wrong("protection without need");
+            if (after == State::touchdown_protection && (spun_up || !m.weight_on_wheels)) wrong("protection without need");
             if (after == State::safe && s.supervisor.latched().empty()) wrong("safe without a name");
             if (after == State::braking && m.law != Law::open_loop && s.estimate.v_mps >= 6.0F &&
                 s.estimate.omega_radps * kRadius_m < 0.299F * s.estimate.v_mps)

@@ -48,8 +48,7 @@ TEST_CASE("the static map is hit at its points and linear between them", "[CTL-0
         if (i == 0) continue;
         CHECK(valve_current_mA(v, v.pressure_Pa[i]) == v.current_mA[i]);
         const float middle = 0.5F * (v.current_mA[i] + v.current_mA[i - 1]);
-        CHECK(valve_pressure_Pa(v, middle) ==
-              Approx(0.5F * (v.pressure_Pa[i] + v.pressure_Pa[i - 1])).epsilon(1e-6));
+        CHECK(valve_pressure_Pa(v, middle) == Approx(0.5F * (v.pressure_Pa[i] + v.pressure_Pa[i - 1])).epsilon(1e-6));
     }
     CHECK(valve_pressure_Pa(v, 0.0F) == 0.0F);
     CHECK(valve_pressure_Pa(v, 2.9F) == 0.0F);
@@ -105,8 +104,7 @@ TEST_CASE("the step response is the textbook's, delay a whole number of periods"
     const double frequency_Hz = GENERATE(5.0, 20.0, 60.0, 200.0);
     const double damping = GENERATE(0.1, 0.8, 1.0, 2.0);
     const int periods = GENERATE(0, 1, 3, 16);
-    ValveModel model(valve(frequency_Hz, damping, periods * period_s), static_cast<float>(period_s),
-                     {.pressure_bandwidth_radps = 470.0F});
+    ValveModel model(valve(frequency_Hz, damping, periods * period_s), static_cast<float>(period_s), {.pressure_bandwidth_radps = 470.0F});
     const double w = 2.0 * std::numbers::pi * frequency_Hz;
     const auto u = 10e6F;
     CHECK(model.delay_s() == Approx(periods * period_s));
@@ -149,8 +147,7 @@ TEST_CASE("random commands: the model is an independent integration of eq. (6)",
         truth.hold(static_cast<double>(u), 1e-3);
         model.update(u, 0.0F, false);
         CAPTURE(k);
-        REQUIRE(static_cast<double>(model.now().pressure_Pa) ==
-                Approx(truth.pressure_Pa()).margin(20.7e6 * 1e-4));
+        REQUIRE(static_cast<double>(model.now().pressure_Pa) == Approx(truth.pressure_Pa()).margin(20.7e6 * 1e-4));
         REQUIRE(static_cast<double>(model.now().rate_Paps) == Approx(truth.rate_Paps()).margin(2.6e9 * 1e-4));
     }
 }
@@ -204,8 +201,7 @@ TEST_CASE("measurements correct the model, the uncorrected one ignores them", "[
 
 TEST_CASE("what the valve gives beside its map is learnt and made up for", "[CTL-020]") {
     const float gain = GENERATE(0.88F, 1.12F);  // of the valve's pressure over its map's
-    const EstimatorConfig learns{
-        .pressure_bandwidth_radps = 30.0F, .valve_offset_radps = 7.0F, .valve_offset_share = 0.25F};
+    const EstimatorConfig learns{.pressure_bandwidth_radps = 30.0F, .valve_offset_radps = 7.0F, .valve_offset_share = 0.25F};
     const ValveConfig v = valve(20.0, 0.8, 6e-3);
     ValveModel model(v, 1e-3F, learns);
     ValveTruth truth(2.0 * std::numbers::pi * 20.0, 0.8, 6e-3);
@@ -232,8 +228,7 @@ TEST_CASE("what the valve gives beside its map is learnt and made up for", "[CTL
     CHECK(measured < 1.1 * rate);
     CHECK(std::abs(run(2000)) < 1e-4);
     CHECK(model.now().pressure_Pa == Approx(kAsked_Pa).epsilon(1e-4));
-    CHECK(model.uncorrected_Pa() ==
-          Approx(kAsked_Pa / gain).epsilon(1e-3));  // the map's view: it is that far off
+    CHECK(model.uncorrected_Pa() == Approx(kAsked_Pa / gain).epsilon(1e-3));  // the map's view: it is that far off
     PressureState ahead = model.now();
     for (std::size_t periods = 1; periods <= model.delay_periods(); ++periods) {
         ahead = model.after(ahead, periods);
@@ -245,13 +240,10 @@ TEST_CASE("what the valve gives beside its map is learnt and made up for", "[CTL
     CHECK(blind.made_up_for_Pa(kAsked_Pa) == kAsked_Pa);
 }
 
-TEST_CASE("what is made up for is a share of what is asked, and what is learnt one of full pressure",
-          "[CTL-020]") {
+TEST_CASE("what is made up for is a share of what is asked, and what is learnt one of full pressure", "[CTL-020]") {
     const float sign = GENERATE(-1.0F, 1.0F);
     const ValveConfig v = valve(20.0, 0.8, 6e-3);
-    ValveModel model(
-        v, 1e-3F,
-        {.pressure_bandwidth_radps = 30.0F, .valve_offset_radps = 7.0F, .valve_offset_share = 0.25F});
+    ValveModel model(v, 1e-3F, {.pressure_bandwidth_radps = 30.0F, .valve_offset_radps = 7.0F, .valve_offset_share = 0.25F});
     // Off by 8 MPa for ten seconds, as no valve that is only off its map is.
     for (int k = 0; k < 10'000; ++k) model.update(10e6F, 10e6F + sign * 8e6F, true);
     CHECK(model.made_up_for_Pa(0.0F) == 0.0F);

@@ -26,8 +26,7 @@ inline control::Config exact_config() {
 
 /// Estimator and monitor with a standing rig that reports in every period.
 struct Watch {
-    explicit Watch(const control::Config& with = fixed_config())
-        : config(with), estimator(with), monitor(with) {
+    explicit Watch(const control::Config& with = fixed_config()) : config(with), estimator(with), monitor(with) {
         sensors.wheel.source = sensors.flywheel.source = control::SpeedSource::speed;
     }
     control::FaultSet step() {

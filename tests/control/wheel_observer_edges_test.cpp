@@ -16,8 +16,7 @@ namespace {
 struct EncodedWheel {
     static constexpr double kStep_s = 1e-3;
 
-    explicit EncodedWheel(const ObserverConfig& config)
-        : observer(config, fixed_config().wheel.encoder, 1e-3F) {}
+    explicit EncodedWheel(const ObserverConfig& config) : observer(config, fixed_config().wheel.encoder, 1e-3F) {}
 
     void turn(double radps, double brake_radps2) {
         shaft.turn_to(radps, kStep_s);
@@ -36,8 +35,7 @@ struct EncodedWheel {
 
 }  // namespace
 
-TEST_CASE("an observer whose wheel fell faster than any can is led back by sparse edges and bounds",
-          "[CTL-300]") {
+TEST_CASE("an observer whose wheel fell faster than any can is led back by sparse edges and bounds", "[CTL-300]") {
     const double gains_radps2 = GENERATE(40.0, 75.0, 150.0);
     CAPTURE(gains_radps2);
     EncodedWheel b(fixed_config().observer);
@@ -48,13 +46,11 @@ TEST_CASE("an observer whose wheel fell faster than any can is led back by spars
         b.turn(radps, 0.0);
         CAPTURE(i);
         REQUIRE(b.observer.answer_per_s() < 500.0F);
-        if (i > 200)
-            REQUIRE(static_cast<double>(b.observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
+        if (i > 200) REQUIRE(static_cast<double>(b.observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
     }
 }
 
-TEST_CASE("edges of a wheel that creeps, far apart, do not read as a wheel that turns with the aircraft",
-          "[CTL-300]") {
+TEST_CASE("edges of a wheel that creeps, far apart, do not read as a wheel that turns with the aircraft", "[CTL-300]") {
     const double creeps_radps = GENERATE(2.0, 3.7, 6.0);
     const double answer_noise = GENERATE(3.4, 4.2, 8.0);
     CAPTURE(creeps_radps, answer_noise);
@@ -66,7 +62,6 @@ TEST_CASE("edges of a wheel that creeps, far apart, do not read as a wheel that 
     const double after_two_edges = 2.0 * (2.0 * 3.14159265 / 60.0) / creeps_radps * 1e3;
     for (int i = 0; i < 400; ++i) {
         b.turn(creeps_radps, 8000.0 * std::exp(-i / 8.0));
-        if (static_cast<double>(i) > after_two_edges)
-            REQUIRE(static_cast<double>(b.observer.motion().omega_radps) <= 2.2 * creeps_radps);
+        if (static_cast<double>(i) > after_two_edges) REQUIRE(static_cast<double>(b.observer.motion().omega_radps) <= 2.2 * creeps_radps);
     }
 }

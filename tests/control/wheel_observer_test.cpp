@@ -48,10 +48,7 @@ double brake_radps2(double mean, int i) {
 }
 
 SpeedReading reading(double radps) {
-    return {.speed_radps = static_cast<float>(radps),
-            .interval_s = static_cast<float>(kOnce_s),
-            .fresh = true,
-            .valid = true};
+    return {.speed_radps = static_cast<float>(radps), .interval_s = static_cast<float>(kOnce_s), .fresh = true, .valid = true};
 }
 
 WheelObserver::Drive drive(double brake) {
@@ -77,8 +74,7 @@ TEST_CASE("speed, road torque and the road's answer are found", "[CTL-300]") {
     for (int i = 0; i < 3000; ++i) {
         // A wheel that runs away is held where it is, as a law does.
         const double held = answer < 0.0 ? 30.0 * (wheel.omega_radps - 150.0) : 0.0;
-        const double brake =
-            brake_radps2(answer > 0.0 ? 3000.0 : wheel.road_radps2 - kSteady_radps2 + held, i);
+        const double brake = brake_radps2(answer > 0.0 ? 3000.0 : wheel.road_radps2 - kSteady_radps2 + held, i);
         const double mean = wheel.turn(brake);
         observer.update(reading(mean), drive(brake));
         if (i < 1000) continue;
@@ -105,8 +101,7 @@ TEST_CASE("an answer without noise is known, and stays what it is", "[CTL-300]")
         observer.update(reading(wheel.turn(brake)), drive(brake));
         most = std::max(most, observer.answer_per_s());
         least = std::min(least, observer.answer_per_s());
-        if (i > 100 && (i < 700 || i > 800))
-            CHECK(std::abs(static_cast<double>(observer.motion().omega_radps) - wheel.omega_radps) < 1.5);
+        if (i > 100 && (i < 700 || i > 800)) CHECK(std::abs(static_cast<double>(observer.motion().omega_radps) - wheel.omega_radps) < 1.5);
     }
     CHECK(least == Approx(300.0).margin(1.0));
     CHECK(most == Approx(300.0).margin(1.0));
@@ -117,14 +112,12 @@ TEST_CASE("a step of the equations is the exact one for short steps, and stable 
     for (const double a : {200.0, 20.0, 0.0, -20.0}) {
         constexpr double h = 1e-5;
         WheelMotion at = from;
-        for (int i = 0; i < 1000; ++i)
-            at = WheelStep(static_cast<float>(a), static_cast<float>(h)).from(at, 3000.0F, -20.0F);
+        for (int i = 0; i < 1000; ++i) at = WheelStep(static_cast<float>(a), static_cast<float>(h)).from(at, 3000.0F, -20.0F);
         const double t = 1000 * h, excess = 1020.0;
         const double acts = a == 0.0 ? t : (1.0 - std::exp(-a * t)) / a;
         INFO(a << " 1/s");
         CHECK(static_cast<double>(at.omega_radps) == Approx(100.0 + excess * acts - 20.0 * t).epsilon(2e-4));
-        CHECK(static_cast<double>(at.road_radps2) ==
-              Approx(2980.0 + excess * std::exp(-a * t)).epsilon(2e-3));
+        CHECK(static_cast<double>(at.road_radps2) == Approx(2980.0 + excess * std::exp(-a * t)).epsilon(2e-3));
     }
     WheelMotion fast = from;
     for (int i = 0; i < 100; ++i) {
@@ -158,8 +151,7 @@ TEST_CASE("the observer begins at the first reading, and anew with its validity"
     CHECK(observer.motion().omega_radps == 80.0F);
 }
 
-TEST_CASE("a wheel that stands has no road torque; an upper bound counts where it says something",
-          "[CTL-300]") {
+TEST_CASE("a wheel that stands has no road torque; an upper bound counts where it says something", "[CTL-300]") {
     WheelObserver observer = started(150.0);
     for (int i = 0; i < 50; ++i) observer.update(reading(150.0 - 3.0 * i), drive(3000.0));
     observer.update(reading(0.0), drive(3000.0));
@@ -204,8 +196,7 @@ TEST_CASE("no reading leaves an observer that the next ones do not lead back", "
         observer.update(reading(radps), drive(brake));
         REQUIRE(std::isfinite(observer.motion().omega_radps));
         REQUIRE(observer.motion().omega_radps >= 0.0F);
-        REQUIRE(std::abs(observer.motion().road_radps2) <=
-                40'000.0F);  // 30,000, and a period of running away
+        REQUIRE(std::abs(observer.motion().road_radps2) <= 40'000.0F);  // 30,000, and a period of running away
         REQUIRE(observer.answer_per_s() >= -60.0F);
         REQUIRE(observer.answer_per_s() <= 6000.0F);
     }
@@ -233,9 +224,7 @@ TEST_CASE("a wheel that comes onto another road is found again within 25 ms", "[
         const double brake = i < 30 ? 3000.0 - 100.0 * i : 0.0;  // let go, as a law does
         observer.update(reading(wheel.turn(brake)), drive(brake));
         told += observer.another_road() ? 1 : 0;
-        if (i > 25)
-            worst = std::max(
-                worst, std::abs(static_cast<double>(observer.motion().omega_radps) - wheel.omega_radps));
+        if (i > 25) worst = std::max(worst, std::abs(static_cast<double>(observer.motion().omega_radps) - wheel.omega_radps));
     }
     CHECK(told >= 1);
     CHECK(told < 5);
@@ -267,10 +256,8 @@ TEST_CASE("a released wheel that gains speed between sparse edges is followed", 
         turn(radps, 0.0);
         CAPTURE(i, observer.answer_per_s());
         REQUIRE(observer.answer_per_s() < 500.0F);
-        if (i > 150)
-            REQUIRE(static_cast<double>(observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
-        if (i > 300)
-            REQUIRE(static_cast<double>(observer.motion().road_radps2) == Approx(gains_radps2).epsilon(0.25));
+        if (i > 150) REQUIRE(static_cast<double>(observer.motion().omega_radps) == Approx(radps).epsilon(0.03));
+        if (i > 300) REQUIRE(static_cast<double>(observer.motion().road_radps2) == Approx(gains_radps2).epsilon(0.25));
     }
 }
 
@@ -297,8 +284,7 @@ struct Textbook {
             for (std::size_t row = 0; row < 3; ++row) f[row][column] = (up[row] - down[row]) / (2.0 * step);
         }
         const ObserverConfig c = fixed_config().observer;
-        const double answer_noise = static_cast<double>(c.answer_noise) *
-                                    (std::abs(x[2]) + static_cast<double>(c.answer_floor_per_s));
+        const double answer_noise = static_cast<double>(c.answer_noise) * (std::abs(x[2]) + static_cast<double>(c.answer_floor_per_s));
         const Vector noise{1.0, static_cast<double>(c.road_noise_radps2), answer_noise};
         Matrix next{};
         for (std::size_t i = 0; i < 3; ++i)
@@ -312,8 +298,7 @@ struct Textbook {
     /// A reading of the mean over the last period, which ended half a period ago on average.
     void correct(const double radps, const double brake) {
         const Vector h{1.0, -kOnce_s, 0.0};
-        const double noise = static_cast<double>(fixed_config().observer.reading_noise) * 2.0 *
-                             3.14159265358979 / 60.0 / kOnce_s;
+        const double noise = static_cast<double>(fixed_config().observer.reading_noise) * 2.0 * 3.14159265358979 / 60.0 / kOnce_s;
         Vector ph{};
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t k = 0; k < 3; ++k) ph[i] += p[i][k] * h[k];
@@ -344,17 +329,14 @@ TEST_CASE("the observer is the textbook's extended Kalman filter", "[CTL-300]") 
     textbook.p[2][2] = 50.0 * 50.0;
     for (int i = 0; i < 400; ++i) {
         const double held = answer < 0.0 ? 30.0 * (wheel.omega_radps - 150.0) : 0.0;
-        const double brake =
-            brake_radps2(answer > 0.0 ? 3000.0 : wheel.road_radps2 - kSteady_radps2 + held, i);
+        const double brake = brake_radps2(answer > 0.0 ? 3000.0 : wheel.road_radps2 - kSteady_radps2 + held, i);
         const double mean = wheel.turn(brake);
         observer.update(reading(mean), drive(brake));
         textbook.predict(brake, kSteady_radps2);
         textbook.correct(mean, brake);
         CAPTURE(i);
         REQUIRE(static_cast<double>(observer.motion().omega_radps) == Approx(textbook.x[0]).epsilon(1e-4));
-        REQUIRE(static_cast<double>(observer.motion().road_radps2) ==
-                Approx(textbook.x[1]).epsilon(2e-3).margin(2.0));
-        REQUIRE(static_cast<double>(observer.answer_per_s()) ==
-                Approx(textbook.x[2]).epsilon(5e-3).margin(0.3));
+        REQUIRE(static_cast<double>(observer.motion().road_radps2) == Approx(textbook.x[1]).epsilon(2e-3).margin(2.0));
+        REQUIRE(static_cast<double>(observer.answer_per_s()) == Approx(textbook.x[2]).epsilon(5e-3).margin(0.3));
     }
 }

@@ -18,8 +18,7 @@ using endurance_test::setup;
 namespace {
 
 CampaignResult campaign(const std::filesystem::path& ledger, std::int64_t maneuvers, std::uint64_t seed = 1) {
-    return endurance::run_campaign(setup("endurance"),
-                                   {.maneuvers = maneuvers, .seed = seed, .ledger = ledger});
+    return endurance::run_campaign(setup("endurance"), {.maneuvers = maneuvers, .seed = seed, .ledger = ledger});
 }
 
 /// The printed table, by hand: it must not follow the configuration.
@@ -41,9 +40,7 @@ TEST_CASE("Table III: over 20 maneuvers every mean within one printed standard d
     }
 }
 
-TEST_CASE(
-    "Table III: over 500 maneuvers, new to worn out, every standard deviation within 30 % of the printed one",
-    "[STUDY-073]") {
+TEST_CASE("Table III: over 500 maneuvers, new to worn out, every standard deviation within 30 % of the printed one", "[STUDY-073]") {
     const TemporaryDirectory directory;
     const CampaignResult result = campaign(directory / "ledger.sqlite", 500);
     REQUIRE(result.finished.size() == 500);
@@ -87,14 +84,12 @@ TEST_CASE("same seed: the same rows to the last bit; another seed: others", "[ST
     CHECK(content_of(directory / "a.sqlite") == content_of(directory / "b.sqlite"));
 }
 
-TEST_CASE("a campaign that was stopped goes on with the next maneuver and the brake as worn as it was",
-          "[STUDY-073]") {
+TEST_CASE("a campaign that was stopped goes on with the next maneuver and the brake as worn as it was", "[STUDY-073]") {
     const TemporaryDirectory directory;
     const auto ledger = directory / "ledger.sqlite";
     std::atomic<bool> stop{false};
-    const CampaignResult first = endurance::run_campaign(
-        setup("endurance"), {.maneuvers = 5, .seed = 1, .ledger = ledger, .stop = &stop},
-        [&](const rig::Summary& summary, std::int64_t) { stop = summary.number == 3; });
+    const CampaignResult first = endurance::run_campaign(setup("endurance"), {.maneuvers = 5, .seed = 1, .ledger = ledger, .stop = &stop},
+                                                         [&](const rig::Summary& summary, std::int64_t) { stop = summary.number == 3; });
     REQUIRE(first.finished.size() == 3);
     const CampaignResult second = campaign(ledger, 5);
     CHECK(second.already == 3);
@@ -103,24 +98,20 @@ TEST_CASE("a campaign that was stopped goes on with the next maneuver and the br
         CHECK(second.finished[i].number == static_cast<std::int64_t>(i + 1));
         if (i > 0)
             CHECK(second.finished[i].cumulative_energy_J ==
-                  Approx(second.finished[i - 1].cumulative_energy_J +
-                         second.finished[i].figures.energy_brake_J));
+                  Approx(second.finished[i - 1].cumulative_energy_J + second.finished[i].figures.energy_brake_J));
     }
     // The same draws and the same wear as without the stop; the sensors' noise and the brake's temperature are new.
     const TemporaryDirectory other;
     const auto whole = campaign(other / "ledger.sqlite", 5).finished;
     for (std::size_t i = 3; i < 5; ++i) {
         CHECK(second.finished[i].figures.brake_on_mps == Approx(whole[i].figures.brake_on_mps).margin(0.02));
-        CHECK(second.finished[i].figures.mean_torque_Nm ==
-              Approx(whole[i].figures.mean_torque_Nm).epsilon(0.01));
+        CHECK(second.finished[i].figures.mean_torque_Nm == Approx(whole[i].figures.mean_torque_Nm).epsilon(0.01));
     }
     CHECK(campaign(ledger, 5).already == 5);
     CHECK_THROWS_AS(campaign(ledger, 5, 2), settings::Error);
 }
 
-TEST_CASE(
-    "friction of a maneuver follows from seed, number and what the ledger says of the brake, stopped or not",
-    "[RIG-300]") {
+TEST_CASE("friction of a maneuver follows from seed, number and what the ledger says of the brake, stopped or not", "[RIG-300]") {
     const TemporaryDirectory directory;
     const auto s = setup("endurance");
     (void)campaign(directory / "ledger.sqlite", 2);
@@ -133,8 +124,7 @@ TEST_CASE(
         CHECK(rows[i].figures.mean_friction == Approx(brake.next_friction()).epsilon(0.02));
         taken_J = rows[i].cumulative_energy_J;
     }
-    const auto worn = endurance::run_campaign(
-        s, {.maneuvers = 2, .seed = 1, .ledger = directory / "worn.sqlite", .taken_J = 470e6});
+    const auto worn = endurance::run_campaign(s, {.maneuvers = 2, .seed = 1, .ledger = directory / "worn.sqlite", .taken_J = 470e6});
     REQUIRE(worn.finished.size() == 2);
     CHECK(worn.finished[0].figures.mean_friction < 0.22);
     CHECK(worn.finished[0].cumulative_energy_J == Approx(470e6 + worn.finished[0].figures.energy_brake_J));
@@ -159,8 +149,7 @@ TEST_CASE(
     const wear::BrakeWear& wear = s.scenario.rig.wear;
     wear::keep_brake_state(file, {9, 40, 39e6}, wear);
     const auto run = [&](std::int64_t maneuvers, const char* ledger) {
-        return endurance::run_campaign(
-            s, {.maneuvers = maneuvers, .seed = 1, .ledger = directory / ledger, .brake_state = file});
+        return endurance::run_campaign(s, {.maneuvers = maneuvers, .seed = 1, .ledger = directory / ledger, .brake_state = file});
     };
     const auto kept = [&] { return *wear::find_brake_state(file, wear); };
     (void)run(1, "a.sqlite");
@@ -175,8 +164,7 @@ TEST_CASE(
     wear::keep_brake_state(file, one, wear);
     const auto third = run(3, "a.sqlite");
     CHECK(third.brake->state().maneuvers == 43);
-    CHECK(third.finished[2].figures.mean_friction ==
-          Approx(wear::WearingBrake(wear, {}, two).next_friction()).epsilon(0.02));
+    CHECK(third.finished[2].figures.mean_friction == Approx(wear::WearingBrake(wear, {}, two).next_friction()).epsilon(0.02));
     // A brake that was elsewhere meanwhile.
     wear::keep_brake_state(file, {9, 44, 100e6}, wear);
     CHECK_THROWS_AS(run(4, "a.sqlite"), settings::Error);
@@ -188,8 +176,7 @@ TEST_CASE("an aborted maneuver stops the campaign and is entered as such", "[STU
     const TemporaryDirectory directory;
     endurance::Setup s = setup("endurance");
     s.scenario.mean.braking_limit_s = 3.0;
-    const CampaignResult result =
-        endurance::run_campaign(s, {.maneuvers = 5, .seed = 1, .ledger = directory / "ledger.sqlite"});
+    const CampaignResult result = endurance::run_campaign(s, {.maneuvers = 5, .seed = 1, .ledger = directory / "ledger.sqlite"});
     CHECK(result.aborted);
     CHECK(result.finished.empty());
     CHECK(result.last.number == 1);
@@ -224,8 +211,8 @@ TEST_CASE("the table's statistics are those of the textbook", "[STUDY-073]") {
         CHECK(printed[i].mean == kMeans[i]);
         CHECK(printed[i].deviation == kDeviations[i]);
     }
-    const auto json = nlohmann::json::parse(endurance::to_json(
-        {.scenario = "endurance", .config_hash = "h", .version = "v", .seed = 9}, maneuvers, printed));
+    const auto json =
+        nlohmann::json::parse(endurance::to_json({.scenario = "endurance", .config_hash = "h", .version = "v", .seed = 9}, maneuvers, printed));
     CHECK(json["maneuvers"] == 4);
     CHECK(json["seed"] == 9);
     CHECK(json["quantities"]["torque_Nm"]["mean"] == 4.0);
@@ -234,16 +221,13 @@ TEST_CASE("the table's statistics are those of the textbook", "[STUDY-073]") {
     CHECK_THAT(endurance::to_text(t, std::nullopt), !ContainsSubstring("630.37"));
 }
 
-TEST_CASE(
-    "with a wear model each finished maneuver's row has the brake's health, also of a session without one",
-    "[BRG-500]") {
+TEST_CASE("with a wear model each finished maneuver's row has the brake's health, also of a session without one", "[BRG-500]") {
     const TemporaryDirectory directory;
     const auto ledger = directory / "ledger.sqlite";
     (void)campaign(ledger, 3);
     CHECK(rig::read_ledger(ledger, "endurance")[2].health.model.empty());
-    const CampaignResult result = endurance::run_campaign(
-        setup("endurance"),
-        {.maneuvers = 8, .seed = 1, .ledger = ledger, .wear_model = "config/wear/model.json"});
+    const CampaignResult result =
+        endurance::run_campaign(setup("endurance"), {.maneuvers = 8, .seed = 1, .ledger = ledger, .wear_model = "config/wear/model.json"});
     const auto rows = rig::read_ledger(ledger, "endurance");
     REQUIRE(rows.size() == 8);
     for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -33,21 +33,17 @@ double lost_on_the_way_mps(const endurance::Setup& s, const sequencer::Plan& pla
 
 }  // namespace
 
-TEST_CASE("after an abort in any phase the maneuver that follows at once is the one that was asked for",
-          "[STUDY-070]") {
-    const std::string name =
-        GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance",
-                 "ramp", "step", "sweep", "slow_braking", "below_peak");
+TEST_CASE("after an abort in any phase the maneuver that follows at once is the one that was asked for", "[STUDY-070]") {
+    const std::string name = GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance", "ramp", "step", "sweep",
+                                      "slow_braking", "below_peak");
     struct Strike {
         Phase phase;
         double after_s;
     };
     const endurance::Setup s = setup(name);
-    for (const Strike strike :
-         {Strike{Phase::spin_up, 1.0}, Strike{Phase::touchdown, 0.5}, Strike{Phase::settling, 0.02},
-          Strike{Phase::settling, 0.08}, Strike{Phase::settling, 0.5}, Strike{Phase::braking, 0.1},
-          Strike{Phase::braking, 0.6}, Strike{Phase::braking, 1.0}, Strike{Phase::standstill, 0.05},
-          Strike{Phase::retract, 0.5}}) {
+    for (const Strike strike : {Strike{Phase::spin_up, 1.0}, Strike{Phase::touchdown, 0.5}, Strike{Phase::settling, 0.02},
+                                Strike{Phase::settling, 0.08}, Strike{Phase::settling, 0.5}, Strike{Phase::braking, 0.1}, Strike{Phase::braking, 0.6},
+                                Strike{Phase::braking, 1.0}, Strike{Phase::standstill, 0.05}, Strike{Phase::retract, 0.5}}) {
         CAPTURE(name, sequencer::name(strike.phase), strike.after_s);
         auto rig = cell(s);
         const auto plan = rig::plan(s.scenario, 1, 1);
@@ -69,10 +65,8 @@ TEST_CASE("aborted again and again while the rim coasts, the maneuver still succ
     const endurance::Setup s = setup(name);
     auto rig = cell(s);
     const auto plan = rig::plan(s.scenario, 1, 1);
-    for (int i = 0; i < 5; ++i)
-        REQUIRE(struck(rig, plan, Phase::settling, 0.1 * i).abort == sequencer::Abort::drive_fault);
+    for (int i = 0; i < 5; ++i) REQUIRE(struck(rig, plan, Phase::settling, 0.1 * i).abort == sequencer::Abort::drive_fault);
     const Outcome out = rig.run(plan);
     CHECK(out.phase == Phase::finished);
-    CHECK(out.figures.brake_on_mps ==
-          Approx(plan.speed_mps).margin(endurance_test::held_to_mps(s, plan) + lost_on_the_way_mps(s, plan)));
+    CHECK(out.figures.brake_on_mps == Approx(plan.speed_mps).margin(endurance_test::held_to_mps(s, plan) + lost_on_the_way_mps(s, plan)));
 }

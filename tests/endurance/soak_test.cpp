@@ -40,8 +40,7 @@ TEST_CASE("landings back to back: nothing creeps, same seed, same result", "[STU
     CHECK(json["spans"].size() == SoakResult::kSpans);
 }
 
-TEST_CASE("heap that grows by a byte an hour is a complaint, heap that was warmed up is none",
-          "[STUDY-590]") {
+TEST_CASE("heap that grows by a byte an hour is a complaint, heap that was warmed up is none", "[STUDY-590]") {
     const endurance::Setup s = setup("heavy");
     std::size_t heap = 0;
     SECTION("it grows") {
@@ -66,8 +65,7 @@ TEST_CASE("a landing that goes wrong ends the soak and is named", "[STUDY-590]")
 TEST_CASE("stops that get longer are a complaint, stops that scatter are none", "[STUDY-590]") {
     SoakResult r;
     for (std::size_t i = 0; i < SoakResult::kSpans; ++i)
-        r.spans[i] = {
-            .landings = 100, .length_m_mean = 200.0, .length_m_deviation = 2.0, .most_heap_bytes = 1};
+        r.spans[i] = {.landings = 100, .length_m_mean = 200.0, .length_m_deviation = 2.0, .most_heap_bytes = 1};
     CHECK(complaints(r).empty());
     // Standard error of a third: 2 / sqrt(400) = 0.1 m; of the difference 0.141 m.
     const double longer_m = GENERATE(0.55, 0.58);

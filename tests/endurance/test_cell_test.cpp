@@ -13,9 +13,8 @@ using sequencer::Abort;
 using sequencer::Phase;
 
 TEST_CASE("every shipped scenario runs to its end, twice on the same rig", "[STUDY-070]") {
-    const std::string name =
-        GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance",
-                 "ramp", "step", "sweep", "slow_braking", "below_peak");
+    const std::string name = GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance", "ramp", "step", "sweep",
+                                      "slow_braking", "below_peak");
     CAPTURE(name);
     const endurance::Setup s = setup(name);
     auto rig = cell(s);
@@ -26,22 +25,17 @@ TEST_CASE("every shipped scenario runs to its end, twice on the same rig", "[STU
         CHECK(out.faults.empty());
         CHECK(out.figures.standstill);
         // The speed at brake-on is the prescribed one.
-        CHECK(out.figures.brake_on_mps ==
-              Approx(plan.speed_mps).margin(endurance_test::held_to_mps(s, plan)));
+        CHECK(out.figures.brake_on_mps == Approx(plan.speed_mps).margin(endurance_test::held_to_mps(s, plan)));
         // Eq. (8) and (9): what the flywheel and the wheel had is what brake and tyre took, as measured. The way of one edge is
         // uncertain at both ends, which shows from 6 m/s on: 0.05 m times 27 kN of load, half of it used.
-        CHECK(out.figures.energy_brake_J + out.figures.energy_tyre_J ==
-              Approx(out.figures.kinetic_energy_J).epsilon(0.01).margin(700.0));
+        CHECK(out.figures.energy_brake_J + out.figures.energy_tyre_J == Approx(out.figures.kinetic_energy_J).epsilon(0.01).margin(700.0));
     }
     CHECK(rig.rig().maneuvers() == 2);
 }
 
-TEST_CASE(
-    "what the rig does with a shipped scenario is within its bands; another load or deceleration is not",
-    "[STUDY-070]") {
-    const std::string name =
-        GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance",
-                 "ramp", "step", "sweep", "slow_braking", "below_peak");
+TEST_CASE("what the rig does with a shipped scenario is within its bands; another load or deceleration is not", "[STUDY-070]") {
+    const std::string name = GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance", "ramp", "step", "sweep",
+                                      "slow_braking", "below_peak");
     CAPTURE(name);
     const endurance::Setup s = setup(name);
     auto rig = cell(s);
@@ -66,8 +60,7 @@ TEST_CASE("a stop that is as long as the brake is weak finishes, and is out of t
     CHECK(out.phase == Phase::finished);
     CHECK(out.faults.empty());
     CHECK(out.figures.length_m > 600.0);
-    CHECK(rig::out_of_tolerance(rig::acceptance(s.scenario, plan), out.figures) ==
-          std::vector<std::string>{"duration_s", "length_m"});
+    CHECK(rig::out_of_tolerance(rig::acceptance(s.scenario, plan), out.figures) == std::vector<std::string>{"duration_s", "length_m"});
 }
 
 TEST_CASE("the slip landing uses the friction of the road", "[STUDY-070]") {
@@ -83,19 +76,15 @@ TEST_CASE("the meter's figures are the plant's", "[STUDY-070]") {
     auto rig = cell(s);
     const double energy_before = rig.rig().cumulative_energy_J();
     const Outcome out = rig.run(rig::plan(s.scenario, 1, 1));
-    CHECK(out.figures.energy_brake_J ==
-          Approx(rig.rig().cumulative_energy_J() - energy_before).epsilon(0.002));
+    CHECK(out.figures.energy_brake_J == Approx(rig.rig().cumulative_energy_J() - energy_before).epsilon(0.002));
     // From brake-on to rest the mean torque and load are in the energy and the law.
     CHECK(out.figures.mean_load_N == Approx(rig::plan(s.scenario, 1, 1).load_base_N).epsilon(1e-3));
-    CHECK(out.figures.mean_torque_Nm * out.figures.duration_s ==
-          Approx(194.42 * out.figures.brake_on_mps).epsilon(0.005));
+    CHECK(out.figures.mean_torque_Nm * out.figures.duration_s == Approx(194.42 * out.figures.brake_on_mps).epsilon(0.005));
 }
 
-TEST_CASE("an interlock that opens while the sequencer runs ends the maneuver, and the rig runs the next",
-          "[STUDY-070]") {
+TEST_CASE("an interlock that opens while the sequencer runs ends the maneuver, and the rig runs the next", "[STUDY-070]") {
     const unsigned bit = GENERATE(0U, 1U, 2U, 3U);
-    constexpr Abort kCauses[] = {Abort::emergency_stop, Abort::guard_open, Abort::hydraulics_lost,
-                                 Abort::drive_fault};
+    constexpr Abort kCauses[] = {Abort::emergency_stop, Abort::guard_open, Abort::hydraulics_lost, Abort::drive_fault};
     const endurance::Setup s = setup("light");
     auto rig = cell(s);
     rig.rig().open_interlocks(1U << bit);

@@ -27,17 +27,12 @@ using faults::Signal;
 constexpr double kPeriod_s = 1e-3;
 
 const antiskid::can::Layout& layout() {
-    static const auto loaded =
-        antiskid::can::load_layout("config/antiskid.dbc", "config/antiskid_binding.toml");
+    static const auto loaded = antiskid::can::load_layout("config/antiskid.dbc", "config/antiskid_binding.toml");
     return loaded;
 }
 
 Fault fault(Signal signal, Kind kind, double strength = 0.5, double share = 1.0, bool negative = false) {
-    return {.what = {signal, kind},
-            .strength = strength,
-            .share = share,
-            .negative = negative,
-            .lasts_s = Fault::kForGood};
+    return {.what = {signal, kind}, .strength = strength, .share = share, .negative = negative, .lasts_s = Fault::kForGood};
 }
 
 struct Heard {
@@ -59,8 +54,7 @@ Heard through(const Fault& f) {
             const std::uint32_t before = port.stats(Role::pressure).accepted;
             port.accept(*frame);
             heard.periods.push_back(period);
-            if (port.stats(Role::pressure).accepted != before)
-                heard.pressures_Pa.push_back(port.sensors().pressure.pressure_Pa);
+            if (port.stats(Role::pressure).accepted != before) heard.pressures_Pa.push_back(port.sensors().pressure.pressure_Pa);
         }
     }
     heard.stats = port.stats(Role::pressure);
@@ -79,9 +73,7 @@ double shown_radps(const Fault& f) {
         const double now_s = i * kPeriod_s;
         truth.advance(100.0 * now_s, 100.0, 100.0, now_s, kPeriod_s, random);
         const antiskid::can::SpeedSample sample{
-            .edge_count = truth.edge_count(),
-            .edge_time = antiskid::control::Time{std::llround(truth.edge_time_s() * 1e9)},
-            .speed_radps = 100.0F};
+            .edge_count = truth.edge_count(), .edge_time = antiskid::control::Time{std::llround(truth.edge_time_s() * 1e9)}, .speed_radps = 100.0F};
         late = encoder.apply(sample, 100.0, now_s, kPeriod_s, i > 500, random);
         if (i == 600) early = late;
     }
@@ -119,8 +111,7 @@ TEST_CASE("fault campaign: frames are lost, late, twice or out of order", "[RIG-
     CHECK_FALSE(std::is_sorted(swapped.periods.begin(), swapped.periods.end(), std::less_equal<>()));
 }
 
-TEST_CASE("fault campaign: corrupt frames fail their check value, wrong counters have a right one",
-          "[RIG-700]") {
+TEST_CASE("fault campaign: corrupt frames fail their check value, wrong counters have a right one", "[RIG-700]") {
     const Heard corrupt = through(fault(Signal::pressure, Kind::corrupt));
     CHECK(corrupt.stats.wrong_crc > 900);
     const Heard counter = through(fault(Signal::pressure, Kind::wrong_counter));
@@ -143,8 +134,7 @@ TEST_CASE("fault campaign: an encoder's faults show in its speed", "[RIG-700]") 
     CHECK(shown_radps(fault(Signal::wheel, Kind::saturation, 0.0, 1.0, true)) == Approx(400.0).epsilon(0.01));
     CHECK(shown_radps(fault(Signal::wheel, Kind::wrong_sign)) == Approx(-100.0).epsilon(0.01));
     // 6.4 turns in 0.4 s, one tooth less in each.
-    CHECK(shown_radps(fault(Signal::wheel, Kind::missing_tooth, 0.0)) ==
-          Approx(100.0 * 59.0 / 60.0).epsilon(0.005));
+    CHECK(shown_radps(fault(Signal::wheel, Kind::missing_tooth, 0.0)) == Approx(100.0 * 59.0 / 60.0).epsilon(0.005));
     CHECK(shown_radps(fault(Signal::wheel, Kind::clock_step)) == Approx(100.0).epsilon(0.01));
 }
 

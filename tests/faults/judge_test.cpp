@@ -34,11 +34,7 @@ faults::Observation safe(double distance_m) {
 }
 
 faults::Judge judge(bool changed_wish = false, bool emergency_stop = false) {
-    return {{},
-            {.sound_distance_m = kSound_m,
-             .safe_mA = 0.0,
-             .changed_wish = changed_wish,
-             .emergency_stop = emergency_stop}};
+    return {{}, {.sound_distance_m = kSound_m, .safe_mA = 0.0, .changed_wish = changed_wish, .emergency_stop = emergency_stop}};
 }
 
 /// `count` periods of one kind, then the end.
@@ -88,8 +84,7 @@ TEST_CASE("fault campaign: a changed wish may be obeyed, but not by a locked whe
     CHECK(after(judge(true), locked, 300).hazard == Hazard::locked_wheel);
 }
 
-TEST_CASE("fault campaign: a named fault with the valve safe is safe, and the time to its name is told",
-          "[RIG-700]") {
+TEST_CASE("fault campaign: a named fault with the valve safe is safe, and the time to its name is told", "[RIG-700]") {
     faults::Judge j = judge();
     j.observe(braking(0.0));
     j.observe(braking(0.0));

@@ -40,6 +40,9 @@ clean
 check "format: clean tree" "$lints/lint_format.sh"
 printf 'int twice(int x) {\n    return 2*x;\n}\n' >"$source"
 check "format: spaces" refuses "code should be clang-formatted" "$lints/lint_format.sh"
+clean
+printf '// %0160d\n' 0 >>"$source"
+check "format: a comment that is too long" refuses "longer than 150 columns" "$lints/lint_format.sh"
 
 clean
 mkdir "$scratch/newer"

@@ -33,12 +33,9 @@ class OwnCode : public clang::tidy::ClangTidyCheck {
 
 class OwnCodeModule : public clang::tidy::ClangTidyModule {
   public:
-    void addCheckFactories(clang::tidy::ClangTidyCheckFactories& factories) override {
-        factories.registerCheck<OwnCode>("antiskid-own-code");
-    }
+    void addCheckFactories(clang::tidy::ClangTidyCheckFactories& factories) override { factories.registerCheck<OwnCode>("antiskid-own-code"); }
 };
 
-const clang::tidy::ClangTidyModuleRegistry::Add<OwnCodeModule> registration("antiskid",
-                                                                            "Checks of own code alone");
+const clang::tidy::ClangTidyModuleRegistry::Add<OwnCodeModule> registration("antiskid", "Checks of own code alone");
 
 }  // namespace

@@ -25,8 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto again = parse_candump({text.data(), written});
     fuzz::require(std::holds_alternative<CandumpLine>(again));
     const auto& same = std::get<CandumpLine>(again);
-    fuzz::require(same.frame.id == line.frame.id && same.frame.length == line.frame.length &&
-                  same.frame.data == line.frame.data);
+    fuzz::require(same.frame.id == line.frame.id && same.frame.length == line.frame.length && same.frame.data == line.frame.data);
     fuzz::require(same.extended == line.extended && same.error == line.error && same.remote == line.remote);
     fuzz::require(same.time.count() == line.time.count() / 1000 * 1000 && same.interface == line.interface);
     return 0;

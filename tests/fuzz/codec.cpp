@@ -28,8 +28,7 @@ const control::Config& config() {
 }
 
 /// Counter and CRC as the true sender would have them, so that contents are judged and not only protection.
-void mend(const can::Layout& layout, std::array<std::uint16_t, can::kRoleCount>& counters,
-          can::Frame& frame) {
+void mend(const can::Layout& layout, std::array<std::uint16_t, can::kRoleCount>& counters, can::Frame& frame) {
     for (std::size_t i = 0; i < can::kRoleCount; ++i) {
         const can::Message& message = layout.messages[i];
         if (!message.bound || message.id != frame.id) continue;
@@ -43,10 +42,8 @@ void mend(const can::Layout& layout, std::array<std::uint16_t, can::kRoleCount>&
         counter.write(whole, counters[i]);
         counters[i] = static_cast<std::uint16_t>((counters[i] + 1U) % e2e.counter_modulo);
         for (std::size_t k = 0; k < frame.data.size(); ++k)
-            frame.data[k] =
-                static_cast<std::uint8_t>((frame.data[k] & ~mask.bytes()[k]) | counter.bytes()[k]);
-        if (e2e.protection == can::Protection::counter_crc)
-            frame.data[e2e.crc_byte] = can::e2e_crc(frame, e2e);
+            frame.data[k] = static_cast<std::uint8_t>((frame.data[k] & ~mask.bytes()[k]) | counter.bytes()[k]);
+        if (e2e.protection == can::Protection::counter_crc) frame.data[e2e.crc_byte] = can::e2e_crc(frame, e2e);
         return;
     }
 }
@@ -55,9 +52,8 @@ void check(const control::Command& command) {
     const control::ValveConfig& valve = config().valve;
     fuzz::require(command.current_mA >= valve.safe_current_mA);
     fuzz::require(command.current_mA <= valve.current_mA[valve.points - 1U]);
-    fuzz::require(std::isfinite(command.slip) && std::isfinite(command.speed_mps) &&
-                  std::isfinite(command.wheel_speed_radps) && std::isfinite(command.slip_reference) &&
-                  std::isfinite(command.pressure_request_Pa));
+    fuzz::require(std::isfinite(command.slip) && std::isfinite(command.speed_mps) && std::isfinite(command.wheel_speed_radps) &&
+                  std::isfinite(command.slip_reference) && std::isfinite(command.pressure_request_Pa));
     const bool brakes = command.state == control::State::braking || command.state == control::State::drop_out;
     fuzz::require(brakes || command.current_mA == valve.safe_current_mA);
 }

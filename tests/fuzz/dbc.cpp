@@ -26,8 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         }
         const can::Dbc dbc = can::parse_dbc(input.text(), "fuzz.dbc");
         for (const can::DbcMessage& message : dbc.messages) {
-            for (const can::DbcSignal& signal : message.signals)
-                fuzz::require(signal.bits > 0 && !signal.name.empty());
+            for (const can::DbcSignal& signal : message.signals) fuzz::require(signal.bits > 0 && !signal.name.empty());
         }
     } catch (const settings::Error& error) {
         fuzz::require(error.line() >= 1);

@@ -38,9 +38,7 @@ class Input {
         return value;
     }
     [[nodiscard]] std::span<const std::uint8_t> rest() const { return bytes_; }
-    [[nodiscard]] std::string_view text() const {
-        return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()};
-    }
+    [[nodiscard]] std::string_view text() const { return {reinterpret_cast<const char*>(bytes_.data()), bytes_.size()}; }
 
   private:
     std::span<const std::uint8_t> bytes_;
@@ -50,8 +48,7 @@ class Input {
 /// TMPDIR lies in memory an execution then costs no more than its reader.
 class File {
   public:
-    explicit File(const std::string& name)
-        : path_(new_folder() / name), file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {}
+    explicit File(const std::string& name) : path_(new_folder() / name), file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {}
     File(const File&) = delete;
     File& operator=(const File&) = delete;
     ~File() {

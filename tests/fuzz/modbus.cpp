@@ -19,8 +19,7 @@ void judge_answer(fuzz::Input& input) {
     const auto count = static_cast<std::uint16_t>(1U + input.take<std::uint8_t>() % 123U);
     const bool writes = (input.take<std::uint8_t>() & 1U) != 0;
     const std::vector<std::uint16_t> words(count, 0x1234);
-    const std::vector<std::uint8_t> request =
-        writes ? rig::write_request(address, words) : rig::read_request(4, address, count);
+    const std::vector<std::uint8_t> request = writes ? rig::write_request(address, words) : rig::read_request(4, address, count);
     const auto answer = input.rest();
     if (rig::tcp_header_fault(address, 1, answer).empty()) fuzz::require(answer.size() > 7);
     if (answer.empty()) return;
@@ -36,10 +35,8 @@ void judge_request(const fuzz::Input& input) {
     const auto bytes = input.rest();
     const rig::TcpFrame frame = rig::tcp_frame(bytes);
     if (frame.state != rig::FrameState::whole) return;
-    fuzz::require(frame.length > rig::kTcpHeader && frame.length <= bytes.size() &&
-                  frame.length <= rig::kTcpMost);
-    static_cast<void>(
-        rig::judge(bytes.subspan(rig::kTcpHeader, frame.length - rig::kTcpHeader), inputs, holdings));
+    fuzz::require(frame.length > rig::kTcpHeader && frame.length <= bytes.size() && frame.length <= rig::kTcpMost);
+    static_cast<void>(rig::judge(bytes.subspan(rig::kTcpHeader, frame.length - rig::kTcpHeader), inputs, holdings));
 }
 
 }  // namespace

@@ -70,11 +70,7 @@ inline rt::Setup default_setup() {
 
 struct LoopBench {
     explicit LoopBench(const rt::ClockSource source, const rt::Setup& with = default_setup())
-        : setup(with),
-          controller_end(hub.connect()),
-          rig_end(hub.connect()),
-          bus(controller_end, clock),
-          rig(setup.layout, setup.period) {
+        : setup(with), controller_end(hub.connect()), rig_end(hub.connect()), bus(controller_end, clock), rig(setup.layout, setup.period) {
         rt::Options options;
         options.clock = source;
         session = std::make_unique<rt::Session>(setup, options, bus, clock);

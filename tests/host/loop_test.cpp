@@ -13,14 +13,12 @@ using rt::ClockSource;
 namespace {
 
 bool same_bytes(const std::vector<can::Frame>& a, const std::vector<can::Frame>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const can::Frame& x, const can::Frame& y) {
-        return x.id == y.id && x.length == y.length && x.data == y.data;
-    });
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const can::Frame& x, const can::Frame& y) { return x.id == y.id && x.length == y.length && x.data == y.data; });
 }
 
 /// A landing in lockstep; `noise` moves the machine's clock by random amounts.
-std::vector<can::Frame> landing(const int periods, const std::uint64_t noise, control::State* last = nullptr,
-                                control::FaultSet* faults = nullptr) {
+std::vector<can::Frame> landing(const int periods, const std::uint64_t noise, control::State* last = nullptr, control::FaultSet* faults = nullptr) {
     LoopBench bench(ClockSource::sync);
     ToyRig rig(bench.setup.control, control::Law::open_loop);
     std::mt19937_64 random(noise);
@@ -49,16 +47,13 @@ TEST_CASE("lockstep: one valve command for each SYNC, and it is the last frame o
         } else {
             REQUIRE_FALSE(fresh.empty());
             REQUIRE(fresh.back().id == bench.id(can::Role::valve));
-            REQUIRE(std::count_if(fresh.begin(), fresh.end(), [&](const can::Frame& f) {
-                        return f.id == bench.id(can::Role::valve);
-                    }) == 1);
+            REQUIRE(std::count_if(fresh.begin(), fresh.end(), [&](const can::Frame& f) { return f.id == bench.id(can::Role::valve); }) == 1);
         }
         bench.rig_period(at_rest());
         bench.rig_sync();
     });
     const auto count = [&](const can::Role role) {
-        return std::count_if(bench.heard.begin(), bench.heard.end(),
-                             [&](const can::Frame& f) { return f.id == bench.id(role); });
+        return std::count_if(bench.heard.begin(), bench.heard.end(), [&](const can::Frame& f) { return f.id == bench.id(role); });
     };
     CHECK(bench.statistics().steps == 1000);
     CHECK(count(can::Role::valve) == 1000 + rt::ControlLoop::kSafeCommands);
@@ -108,8 +103,7 @@ TEST_CASE("a landing in lockstep brakes, and ends with the safe current as the l
     for (const can::Frame& frame : tail) {
         CHECK(frame.id == bench.id(can::Role::valve));
         listener.accept(frame);
-        CHECK(listener.controller().current_mA ==
-              Approx(bench.setup.control.valve.safe_current_mA).margin(1e-6));
+        CHECK(listener.controller().current_mA == Approx(bench.setup.control.valve.safe_current_mA).margin(1e-6));
     }
     CHECK(listener.stats(can::Role::valve).accepted == rt::ControlLoop::kSafeCommands);
     CHECK(bench.rig.stats(can::Role::valve).rejected() == 0);
@@ -127,8 +121,7 @@ TEST_CASE("by the timer, too, stopping while braking ends with the safe current"
     });
     REQUIRE(braking_mA == Approx(12.0F).margin(0.1));
     CHECK(bench.heard.back().id == bench.id(can::Role::valve));
-    CHECK(bench.rig.controller().current_mA ==
-          Approx(bench.setup.control.valve.safe_current_mA).margin(1e-6));
+    CHECK(bench.rig.controller().current_mA == Approx(bench.setup.control.valve.safe_current_mA).margin(1e-6));
 }
 
 TEST_CASE("the safe current is tried until it gets through, but not for ever", "[RT-032]") {
@@ -165,8 +158,7 @@ TEST_CASE("the safe current is tried until it gets through, but not for ever", "
     }
 }
 
-TEST_CASE("missed periods reach the controller: many in quick succession are a fault, one is not",
-          "[RT-034]") {
+TEST_CASE("missed periods reach the controller: many in quick succession are a fault, one is not", "[RT-034]") {
     LoopBench bench(ClockSource::timer);
     const int stalls = GENERATE(0, 1, 40);
     bench.run_timer(700, [&](const int period) {
@@ -188,8 +180,7 @@ TEST_CASE("nothing is sent before the first SYNC", "[RT-030]") {
     CHECK(bench.heard.size() == rt::ControlLoop::kSafeCommands);  // the closing ones
 }
 
-TEST_CASE("a SYNC that fails to come: stepping goes on, what is missing is named, the valve is safe",
-          "[RT-030]") {
+TEST_CASE("a SYNC that fails to come: stepping goes on, what is missing is named, the valve is safe", "[RT-030]") {
     LoopBench bench(ClockSource::sync);
     ToyRig rig(bench.setup.control, control::Law::open_loop);
     float braking_mA = 0.0F;
@@ -204,15 +195,13 @@ TEST_CASE("a SYNC that fails to come: stepping goes on, what is missing is named
     REQUIRE(braking_mA > 5.0F);
     CHECK(bench.clock.now() - silent_from >= 1s);
     CHECK(bench.statistics().unsynchronised > 400);
-    for (const auto fault :
-         {control::Fault::wheel_lost, control::Fault::flywheel_lost, control::Fault::pressure_lost,
-          control::Fault::maneuver_lost, control::Fault::heartbeat_lost})
+    for (const auto fault : {control::Fault::wheel_lost, control::Fault::flywheel_lost, control::Fault::pressure_lost, control::Fault::maneuver_lost,
+                             control::Fault::heartbeat_lost})
         CHECK(bench.statistics().faults_seen.contains(fault));
     CHECK(bench.statistics().last_state == control::State::safe);
     // Not before the time-out: until then nobody can know.
     CHECK(bench.statistics().first_seen[static_cast<std::size_t>(control::Fault::wheel_lost)] >= 2500ms);
-    CHECK(bench.rig.controller().current_mA ==
-          Approx(bench.setup.control.valve.safe_current_mA).margin(1e-6));
+    CHECK(bench.rig.controller().current_mA == Approx(bench.setup.control.valve.safe_current_mA).margin(1e-6));
 }
 
 TEST_CASE("a rig that goes on sending, but no SYNC, is found out all the same", "[RT-030]") {
@@ -277,16 +266,12 @@ TEST_CASE("foreign and damaged frames change nothing but their counts", "[RT-034
         bench.run_sync(2500, [&](int) {
             bench.rig_period(rig.sample());
             for (int i = 0; disturbed && i < 20; ++i) {
-                can::Frame frame{.id = static_cast<std::uint32_t>(random() % 2048),
-                                 .length = 8,
-                                 .data = {},
-                                 .received = {}};
+                can::Frame frame{.id = static_cast<std::uint32_t>(random() % 2048), .length = 8, .data = {}, .received = {}};
                 const std::uint64_t bits = random();
                 std::memcpy(frame.data.data(), &bits, 8);
                 // A right CRC by chance is not the subject here, and SYNC has none.
-                const bool ours =
-                    std::any_of(bench.setup.layout.messages.begin(), bench.setup.layout.messages.end(),
-                                [&](const can::Message& m) { return m.bound && m.id == frame.id; });
+                const bool ours = std::any_of(bench.setup.layout.messages.begin(), bench.setup.layout.messages.end(),
+                                              [&](const can::Message& m) { return m.bound && m.id == frame.id; });
                 if (!ours) bench.rig_end.send(frame);
             }
             bench.rig_sync();

@@ -47,8 +47,7 @@ TEST_CASE("deadlines lie on a fixed grid whatever the wake-up latency and the wo
     REQUIRE(clock.slept_to.back() == 5s + 1000ms);
 }
 
-TEST_CASE("work longer than a period: missed periods are counted once and left out, without a burst",
-          "[RT-001]") {
+TEST_CASE("work longer than a period: missed periods are counted once and left out, without a burst", "[RT-001]") {
     FakeClock clock;
     PeriodicTimer timer(clock, 1ms);
     REQUIRE(timer.wait().deadline == 5001ms);
@@ -90,8 +89,7 @@ TEST_CASE("a wake-up that comes periods late counts like late work", "[RT-001]")
     FakeClock clock;
     PeriodicTimer timer(clock, 2ms);
     clock.wake_latency = 9ms;
-    const auto tick =
-        timer.wait();  // asked for 5002, woke at 5011: 5004, 5006, 5008 lost, 5010 is this one's
+    const auto tick = timer.wait();  // asked for 5002, woke at 5011: 5004, 5006, 5008 lost, 5010 is this one's
     CHECK(tick.deadline == 5010ms);
     CHECK(tick.latency == 9ms);
     CHECK(tick.skipped == 4);

@@ -37,10 +37,9 @@ TEST_CASE("options are what was typed, or their defaults", "[RT-080]") {
     CHECK(plain.realtime.priority == 80);
     CHECK(plain.log_level == spdlog::level::info);
 
-    const auto full = std::get<Options>(parse("--can", "vcan1", "--clock", "sync", "--sync-timeout", "250",
-                                              "--config", "tests", "--dbc", "config/antiskid.dbc",
-                                              "--binding", "config/foreign_binding.toml", "--json", "d",
-                                              "--cpu", "1", "--priority", "0", "--log-level", "warning"));
+    const auto full = std::get<Options>(parse("--can", "vcan1", "--clock", "sync", "--sync-timeout", "250", "--config", "tests", "--dbc",
+                                              "config/antiskid.dbc", "--binding", "config/foreign_binding.toml", "--json", "d", "--cpu", "1",
+                                              "--priority", "0", "--log-level", "warning"));
     CHECK(full.clock == rt::ClockSource::sync);
     CHECK(std::get<Options>(parse("--can", "can0", "--clock", "timer")).clock == rt::ClockSource::timer);
     CHECK(full.sync_timeout_ms == 250);
@@ -73,8 +72,8 @@ TEST_CASE("--check comes with options of its own, which are mistakes without it"
     CHECK(plain.check->timing_s == 10);
     CHECK_FALSE(plain.check->valve_step);
     CHECK(plain.check->bitrate == 1'000'000);
-    const auto full = std::get<Options>(parse("--can", "can0", "--check", "--timing-s", "60", "--valve-step",
-                                              "--bitrate", "500000", "--expect-hash", "abc", "--json", "-"));
+    const auto full = std::get<Options>(
+        parse("--can", "can0", "--check", "--timing-s", "60", "--valve-step", "--bitrate", "500000", "--expect-hash", "abc", "--json", "-"));
     CHECK(full.check->timing_s == 60);
     CHECK(full.check->valve_step);
     CHECK(full.check->bitrate == 500'000);
@@ -94,14 +93,12 @@ TEST_CASE("a layout that cannot serve lockstep is refused with the binding's nam
 
     can::Layout deaf = setup.layout;
     deaf[can::Role::sync].bound = false;
-    CHECK_THROWS_WITH(rt::check_layout(deaf, rt::ClockSource::sync, 1ms, "b.toml"),
-                      ContainsSubstring("b.toml: sync:"));
+    CHECK_THROWS_WITH(rt::check_layout(deaf, rt::ClockSource::sync, 1ms, "b.toml"), ContainsSubstring("b.toml: sync:"));
     CHECK_NOTHROW(rt::check_layout(deaf, rt::ClockSource::timer, 1ms, "b.toml"));
 
     can::Layout slow = setup.layout;
     slow[can::Role::valve].period = 2ms;
-    CHECK_THROWS_WITH(rt::check_layout(slow, rt::ClockSource::sync, 1ms, "b.toml"),
-                      ContainsSubstring("b.toml: valve:"));
+    CHECK_THROWS_WITH(rt::check_layout(slow, rt::ClockSource::sync, 1ms, "b.toml"), ContainsSubstring("b.toml: valve:"));
     CHECK_NOTHROW(rt::check_layout(slow, rt::ClockSource::timer, 1ms, "b.toml"));
     CHECK_NOTHROW(rt::check_layout(slow, rt::ClockSource::sync, 2ms, "b.toml"));
 }
@@ -127,8 +124,7 @@ TEST_CASE("a right that is refused comes back as a sentence with its cure", "[RT
     // Out of SCHED_FIFO's range: refused to everybody, root or not.
     std::thread([&] { refused = rt::enter_realtime({.priority = 1000, .cpu = {}}); }).join();
     REQUIRE(refused.size() == 1);
-    CHECK_THAT(refused[0], ContainsSubstring("SCHED_FIFO priority 1000") && ContainsSubstring("setcap") &&
-                               ContainsSubstring("LimitRTPRIO"));
+    CHECK_THAT(refused[0], ContainsSubstring("SCHED_FIFO priority 1000") && ContainsSubstring("setcap") && ContainsSubstring("LimitRTPRIO"));
 
     std::thread([&] { refused = rt::enter_realtime({.priority = 0, .cpu = {}}); }).join();
     CHECK(refused.empty());

@@ -58,9 +58,8 @@ TEST_CASE("the report says what happened", "[RT-073]") {
     CHECK(json["steps_in_state"]["self_test"].get<int>() > 0);
 
     const std::string table = rt::table(report_of(bench));
-    for (const char* part :
-         {"1000 steps of 1000 us on vcan0 by timer", "pressure                1000        10",
-          "overruns: 1 (2 periods missed)", "faults: emergency_stop"})
+    for (const char* part : {"1000 steps of 1000 us on vcan0 by timer", "pressure                1000        10", "overruns: 1 (2 periods missed)",
+                             "faults: emergency_stop"})
         CHECK_THAT(table, ContainsSubstring(part));
 }
 

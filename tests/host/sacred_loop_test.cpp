@@ -48,10 +48,9 @@ void act(LoopBench& bench, ToyRig& rig, const Plight plight, const int period) {
 
 TEST_CASE("the loop does nothing forbidden", "[RT-050]") {
     const auto source = GENERATE(ClockSource::sensors, ClockSource::timer, ClockSource::sync);
-    const auto law = GENERATE(control::Law::wheel_slip, control::Law::deceleration, control::Law::open_loop,
-                              control::Law::threshold, control::Law::pressure_bias, control::Law::peak_slip);
-    const auto plight =
-        GENERATE(Plight::none, Plight::link_lost, Plight::silence, Plight::damage, Plight::overruns);
+    const auto law = GENERATE(control::Law::wheel_slip, control::Law::deceleration, control::Law::open_loop, control::Law::threshold,
+                              control::Law::pressure_bias, control::Law::peak_slip);
+    const auto plight = GENERATE(Plight::none, Plight::link_lost, Plight::silence, Plight::damage, Plight::overruns);
     LoopBench bench(source);
     bench.heard.reserve(100'000);
     ToyRig rig(bench.setup.control, law);
@@ -67,23 +66,20 @@ TEST_CASE("the loop does nothing forbidden", "[RT-050]") {
         const traps::Armed armed;
         bench.session->loop().run(bench.stop);
     }
-    INFO("clock " << static_cast<int>(source) << ", law " << static_cast<int>(law) << ", plight "
-                  << static_cast<int>(plight));
+    INFO("clock " << static_cast<int>(source) << ", law " << static_cast<int>(law) << ", plight " << static_cast<int>(plight));
     for (std::size_t call = 0; call < traps::kCalls; ++call) {
         INFO(traps::kNames[call]);
         CHECK(traps::caught(static_cast<Call>(call)) == 0);
     }
     // Without SYNC the controller steps less often than the rig would.
-    const bool starved =
-        source == ClockSource::sync && (plight == Plight::silence || plight == Plight::link_lost);
+    const bool starved = source == ClockSource::sync && (plight == Plight::silence || plight == Plight::link_lost);
     CHECK(bench.statistics().steps >= static_cast<std::uint64_t>(starved ? kPeriods * 9 / 10 : kPeriods));
     const control::FaultSet faults = bench.statistics().faults_seen;
     INFO("faults " << faults.bits());
     switch (plight) {
         case Plight::none:
             CHECK(faults.empty());
-            CHECK(bench.statistics().steps_in_state[static_cast<std::size_t>(control::State::braking)] >
-                  1000);
+            CHECK(bench.statistics().steps_in_state[static_cast<std::size_t>(control::State::braking)] > 1000);
             break;
         case Plight::link_lost:
             CHECK(faults.contains(control::Fault::bus_off));

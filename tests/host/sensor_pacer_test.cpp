@@ -144,8 +144,7 @@ TEST_CASE("without the sensors the timer makes every step, until they are there"
     CHECK(bench.next().now - bench.start == 11400us);
 }
 
-TEST_CASE("frames that come at once make one step, and none sooner than half a period after the last",
-          "[RT-045]") {
+TEST_CASE("frames that come at once make one step, and none sooner than half a period after the last", "[RT-045]") {
     PacerBench bench;
     for (const Time at : {1000us, 1050us, 1100us, 2000us}) bench.sensors(bench.start + at);
     CHECK(bench.next().now - bench.start == 1000us);
@@ -153,8 +152,7 @@ TEST_CASE("frames that come at once make one step, and none sooner than half a p
     CHECK(bench.next().now - bench.start == 2000us);
 }
 
-TEST_CASE("a loop that is held up steps once, with the newest, and says how many periods it missed",
-          "[RT-045]") {
+TEST_CASE("a loop that is held up steps once, with the newest, and says how many periods it missed", "[RT-045]") {
     PacerBench bench;
     for (int period = 1; period <= 6; ++period) bench.sensors(bench.start + period * 1ms);
     CHECK(bench.next().skipped == 0);

@@ -23,8 +23,7 @@ struct Told {
     std::vector<std::string> said;
     ServiceManager manager;
 
-    explicit Told(Time watchdog)
-        : manager([this](const char* state) { said.emplace_back(state); }, watchdog) {}
+    explicit Told(Time watchdog) : manager([this](const char* state) { said.emplace_back(state); }, watchdog) {}
     Told(const Told&) = delete;
     Told& operator=(const Told&) = delete;
 };

@@ -77,16 +77,15 @@ TEST_CASE("what comes and goes all the time is said a few times a second, and co
     control::FaultSet lost;
     lost.insert(Fault::heartbeat_lost);
     std::string said;
-    for (int i = 0; i < 1000; ++i)
-        said += log.log(i % 2 == 0 ? in_state(State::safe, lost) : in_state(State::standby));
+    for (int i = 0; i < 1000; ++i) said += log.log(i % 2 == 0 ? in_state(State::safe, lost) : in_state(State::standby));
     CHECK(std::count(said.begin(), said.end(), '\n') == 9);
     // Something new is said all the same.
     control::FaultSet more = lost;
     more.insert(Fault::wheel_lost);
     CHECK_THAT(log.log(in_state(State::safe, more)), ContainsSubstring("fault wheel_lost"));
     log.telemetry.summarise(*log.ring);
-    CHECK_THAT(log.take(), ContainsSubstring("changes are not listed; since the last summary: ") &&
-                               ContainsSubstring("heartbeat_lost 1001") && ContainsSubstring("standby 500"));
+    CHECK_THAT(log.take(), ContainsSubstring("changes are not listed; since the last summary: ") && ContainsSubstring("heartbeat_lost 1001") &&
+                               ContainsSubstring("standby 500"));
     // As long as it goes on a second is two lines, however many changes there are.
     for (int second = 0; second < 100; ++second) {
         said.clear();
@@ -140,8 +139,7 @@ TEST_CASE("the summary counts what came since the last one", "[RT-073]") {
     log.log(record);
     log.telemetry.summarise(*log.ring);
     const std::string line = log.take();
-    for (const char* part : {"braking", "43.2 m/s", "17.50 mA", "2 steps", "4 missed", "250 us"})
-        CHECK_THAT(line, ContainsSubstring(part));
+    for (const char* part : {"braking", "43.2 m/s", "17.50 mA", "2 steps", "4 missed", "250 us"}) CHECK_THAT(line, ContainsSubstring(part));
     log.telemetry.summarise(*log.ring);
     CHECK_THAT(log.take(), ContainsSubstring("the loop stands"));
 }
@@ -161,8 +159,7 @@ TEST_CASE("every state and fault has a name of its own", "[RT-070]") {
     auto names = can::fault_names(all);
     REQUIRE(names.size() == control::kFaultCount);
     CHECK(names[static_cast<std::size_t>(Fault::heartbeat_lost)] == "heartbeat_lost");
-    for (std::uint8_t i = 0; i < control::kStateCount; ++i)
-        names.emplace_back(can::name(static_cast<State>(i)));
+    for (std::uint8_t i = 0; i < control::kStateCount; ++i) names.emplace_back(can::name(static_cast<State>(i)));
     std::sort(names.begin(), names.end());
     CHECK(std::adjacent_find(names.begin(), names.end()) == names.end());
 }

@@ -36,16 +36,14 @@ class ToyRig {
         const double spin_up = std::clamp((t_ - 0.5) / 0.2, 0.0, 1.0);
         const auto nominal = static_cast<double>(config_.wheel.nominal_radius_m);
         turn(wheel_angle_, spin_up * v_ * (1.0 - slip) / nominal, h, sample_.wheel, config_.wheel.encoder);
-        turn(flywheel_angle_, v_ / static_cast<double>(config_.flywheel.radius_m), h, sample_.flywheel,
-             config_.flywheel.encoder);
+        turn(flywheel_angle_, v_ / static_cast<double>(config_.flywheel.radius_m), h, sample_.flywheel, config_.flywheel.encoder);
     }
 
   private:
     [[nodiscard]] double static_pressure_Pa(const double current_mA) const {
         const auto& map = config_.valve;
         const auto last = static_cast<std::size_t>(map.points - 1);
-        if (current_mA <= static_cast<double>(map.current_mA[0]))
-            return static_cast<double>(map.pressure_Pa[0]);
+        if (current_mA <= static_cast<double>(map.current_mA[0])) return static_cast<double>(map.pressure_Pa[0]);
         for (std::size_t i = 1; i <= last; ++i) {
             const auto i1 = static_cast<double>(map.current_mA[i]);
             if (current_mA > i1) continue;

@@ -112,8 +112,7 @@ int pthread_rwlock_rdlock(pthread_rwlock_t* lock) {
 
 int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
     note(Call::wait_condition);
-    static const auto next =
-        rt_test::traps::behind<int(pthread_cond_t*, pthread_mutex_t*)>("pthread_cond_wait");
+    static const auto next = rt_test::traps::behind<int(pthread_cond_t*, pthread_mutex_t*)>("pthread_cond_wait");
     return next(condition, mutex);
 }
 

@@ -8,19 +8,10 @@
 
 namespace rt_test::traps {
 
-enum class Call : std::uint8_t {
-    allocate,
-    release,
-    lock,
-    wait_condition,
-    write,
-    print,
-    throw_exception,
-    sleep
-};
+enum class Call : std::uint8_t { allocate, release, lock, wait_condition, write, print, throw_exception, sleep };
 inline constexpr std::size_t kCalls = 8;
-inline constexpr std::array<std::string_view, kCalls> kNames{
-    "allocate", "release", "lock", "wait_condition", "write", "print", "throw_exception", "sleep"};
+inline constexpr std::array<std::string_view, kCalls> kNames{"allocate", "release",         "lock", "wait_condition", "write",
+                                                             "print",    "throw_exception", "sleep"};
 
 /// While one lives, this thread's forbidden calls are counted, and then carried out.
 class Armed {

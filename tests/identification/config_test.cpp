@@ -37,13 +37,11 @@ identification::Identified found(double full_Pa) {
 
 }  // namespace
 
-TEST_CASE("a written configuration is read by plant and controller, whatever the last digit of a pressure",
-          "[STUDY-100]") {
+TEST_CASE("a written configuration is read by plant and controller, whatever the last digit of a pressure", "[STUDY-100]") {
     const double full_Pa = GENERATE(20700152.4, 20700147.6, 20700149.96, 19999999.96);
     const TemporaryDirectory directory;
     const std::filesystem::path to = std::filesystem::path(directory / "config");
-    identification::write_config(found(full_Pa),
-                                 {.rig = "landing_gear.toml", .controller = "controller.toml"}, "config", to);
+    identification::write_config(found(full_Pa), {.rig = "landing_gear.toml", .controller = "controller.toml"}, "config", to);
     CAPTURE(full_Pa);
     const antiskid::control::Config controller = antiskid::load_controller_config(to / "controller.toml");
     CHECK(static_cast<double>(controller.valve.full_pressure_Pa) == Approx(full_Pa).epsilon(1e-6));
@@ -54,8 +52,6 @@ TEST_CASE("a written configuration is read by plant and controller, whatever the
     CHECK(loaded.rig.valve.hysteresis_mA == Approx(0.25));
     CHECK(loaded.rig.valve.delay_s == Approx(5.5e-3));
     CHECK(loaded.rig.surface.c2 == Approx(90.0));
-    CHECK_THROWS_WITH(
-        identification::write_config(
-            found(full_Pa), {.rig = "landing_gear.toml", .controller = "controller.toml"}, "config", to),
-        ContainsSubstring("exists already"));
+    CHECK_THROWS_WITH(identification::write_config(found(full_Pa), {.rig = "landing_gear.toml", .controller = "controller.toml"}, "config", to),
+                      ContainsSubstring("exists already"));
 }

@@ -22,38 +22,31 @@ inline endurance::Setup setup(const std::string& scenario) {
 /// Rounded as the frames would; load cells every 10 ms, in the third period as the schedule has it.
 inline identification::Recording record(const endurance::Setup& setup, std::uint64_t seed) {
     const antiskid::can::Layout& layout = setup.layout;
-    identification::Recording out{.name = setup.scenario.name,
-                                  .period_s = static_cast<double>(setup.controller.period_s),
-                                  .samples = {}};
+    identification::Recording out{.name = setup.scenario.name, .period_s = static_cast<double>(setup.controller.period_s), .samples = {}};
     endurance::TestCell cell = endurance_test::cell(setup, seed);
     const auto seconds = [](antiskid::control::Time t) {
         constexpr double kResolution_s = 1e-7;
         return std::floor(static_cast<double>(t.count()) * 1e-9 / kResolution_s) * kResolution_s;
     };
     std::int64_t periods = 0;
-    const endurance::Outcome outcome =
-        cell.run(rig::plan(setup.scenario, seed, 1), [&](const endurance::Period& p) {
-            identification::Sample s{
-                .time_s = p.time_s,
-                .phase = p.sample.maneuver_state.phase,
-                .current_mA = p.current_mA,
-                .pressure_Pa = layout.pressure_Pa.rounded(static_cast<double>(p.sample.pressure_Pa)),
-                .wheel = {p.sample.wheel.edge_count, seconds(p.sample.wheel.edge_time)},
-                .flywheel = {p.sample.flywheel.edge_count, seconds(p.sample.flywheel.edge_time)}};
-            if (periods++ % 10 == 2) {
-                s.cells_new = true;
-                s.vertical_N =
-                    layout.load_cells.vertical_N.rounded(static_cast<double>(p.sample.load_cells.vertical_N));
-                s.longitudinal_N = layout.load_cells.longitudinal_N.rounded(
-                    static_cast<double>(p.sample.load_cells.longitudinal_N));
-            } else if (!out.samples.empty()) {
-                s.vertical_N = out.samples.back().vertical_N;
-                s.longitudinal_N = out.samples.back().longitudinal_N;
-            }
-            out.samples.push_back(s);
-        });
-    if (outcome.phase != sequencer::Phase::finished)
-        throw std::runtime_error(setup.scenario.name + " was aborted");
+    const endurance::Outcome outcome = cell.run(rig::plan(setup.scenario, seed, 1), [&](const endurance::Period& p) {
+        identification::Sample s{.time_s = p.time_s,
+                                 .phase = p.sample.maneuver_state.phase,
+                                 .current_mA = p.current_mA,
+                                 .pressure_Pa = layout.pressure_Pa.rounded(static_cast<double>(p.sample.pressure_Pa)),
+                                 .wheel = {p.sample.wheel.edge_count, seconds(p.sample.wheel.edge_time)},
+                                 .flywheel = {p.sample.flywheel.edge_count, seconds(p.sample.flywheel.edge_time)}};
+        if (periods++ % 10 == 2) {
+            s.cells_new = true;
+            s.vertical_N = layout.load_cells.vertical_N.rounded(static_cast<double>(p.sample.load_cells.vertical_N));
+            s.longitudinal_N = layout.load_cells.longitudinal_N.rounded(static_cast<double>(p.sample.load_cells.longitudinal_N));
+        } else if (!out.samples.empty()) {
+            s.vertical_N = out.samples.back().vertical_N;
+            s.longitudinal_N = out.samples.back().longitudinal_N;
+        }
+        out.samples.push_back(s);
+    });
+    if (outcome.phase != sequencer::Phase::finished) throw std::runtime_error(setup.scenario.name + " was aborted");
     return out;
 }
 

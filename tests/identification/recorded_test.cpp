@@ -14,22 +14,17 @@ TEST_CASE("the bus log of a maneuver in process holds its samples", "[BRG-200]")
     const TemporaryDirectory directory;
     endurance::TestCell cell = endurance_test::cell(setup, 2);
     endurance::FrameLog log(setup.layout, std::chrono::milliseconds(1), directory / "bus.log");
-    REQUIRE(
-        cell.run(rig::plan(setup.scenario, 2, 1), [&log](const endurance::Period& p) { log.add(p); }).phase ==
-        sequencer::Phase::finished);
+    REQUIRE(cell.run(rig::plan(setup.scenario, 2, 1), [&log](const endurance::Period& p) { log.add(p); }).phase == sequencer::Phase::finished);
     log.finish();
-    const identification::Recording read =
-        plant_sim::read_recording(directory / "bus.log", setup.layout, 1e-3);
+    const identification::Recording read = plant_sim::read_recording(directory / "bus.log", setup.layout, 1e-3);
     REQUIRE(read.samples.size() == direct.samples.size());
     double force = 0.0;
     for (std::size_t i = 0; i + 1 < read.samples.size(); ++i) {
         const auto& a = read.samples[i];
         const auto& b = direct.samples[i];
-        const bool same = std::abs(a.time_s - (b.time_s - direct.samples.front().time_s)) < 1e-9 &&
-                          a.phase == b.phase && std::abs(a.current_mA - b.current_mA) < 1e-6 &&
-                          std::abs(a.pressure_Pa - b.pressure_Pa) < 1.0 &&
-                          std::abs(a.wheel.time_s - b.wheel.time_s) < 2e-7 &&
-                          std::abs(a.flywheel.time_s - b.flywheel.time_s) < 2e-7 &&
+        const bool same = std::abs(a.time_s - (b.time_s - direct.samples.front().time_s)) < 1e-9 && a.phase == b.phase &&
+                          std::abs(a.current_mA - b.current_mA) < 1e-6 && std::abs(a.pressure_Pa - b.pressure_Pa) < 1.0 &&
+                          std::abs(a.wheel.time_s - b.wheel.time_s) < 2e-7 && std::abs(a.flywheel.time_s - b.flywheel.time_s) < 2e-7 &&
                           a.cells_new == b.cells_new && std::abs(a.longitudinal_N - b.longitudinal_N) < 1e-3;
         CAPTURE(i, a.time_s, b.time_s, a.current_mA, b.current_mA, a.pressure_Pa, b.pressure_Pa);
         if (!same) FAIL("sample differs");

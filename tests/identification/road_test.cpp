@@ -24,8 +24,7 @@ Run run(const endurance::Setup& setup, std::uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("divided by their expected covariance, errors of friction readings are white and of unit size",
-          "[STUDY-100]") {
+TEST_CASE("divided by their expected covariance, errors of friction readings are white and of unit size", "[STUDY-100]") {
     const char* name = GENERATE("slow_braking", "heavy");
     const endurance::Setup setup = identification_test::setup(name);
     const plant::Surface& truth = setup.scenario.rig.rig.surface;

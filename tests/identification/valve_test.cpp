@@ -66,16 +66,9 @@ TEST_CASE("map, hysteresis and dynamics of the valve are found, each within its 
         double gain;
     };
     constexpr double kTurn = 2.0 * std::numbers::pi;
-    const Case c = GENERATE(
-        Case{{.natural_frequency_radps = kTurn * 20.0, .damping = 0.8, .delay_s = 6e-3, .hysteresis_mA = 0.0},
-             1.0},
-        Case{{.natural_frequency_radps = kTurn * 20.0, .damping = 0.8, .delay_s = 6e-3, .hysteresis_mA = 0.6},
-             1.0},
-        Case{{.natural_frequency_radps = kTurn * 31.0,
-              .damping = 0.55,
-              .delay_s = 4.37e-3,
-              .hysteresis_mA = 0.25},
-             0.93});
+    const Case c = GENERATE(Case{{.natural_frequency_radps = kTurn * 20.0, .damping = 0.8, .delay_s = 6e-3, .hysteresis_mA = 0.0}, 1.0},
+                            Case{{.natural_frequency_radps = kTurn * 20.0, .damping = 0.8, .delay_s = 6e-3, .hysteresis_mA = 0.6}, 1.0},
+                            Case{{.natural_frequency_radps = kTurn * 31.0, .damping = 0.55, .delay_s = 4.37e-3, .hysteresis_mA = 0.25}, 0.93});
     const ValveFit f = fit_valve(experiments(c.valve, c.gain, 11), light_rig());
     Count count;
     count.check(f.natural_frequency_Hz, c.valve.natural_frequency_radps / kTurn);
@@ -85,8 +78,7 @@ TEST_CASE("map, hysteresis and dynamics of the valve are found, each within its 
     count.check(f.dead_zone_mA, 3.0);
     const auto truth = identification_test::setup("ramp").scenario.rig.rig.pressure_map.points();
     REQUIRE(f.pressure_Pa.size() == truth.size() - 1);
-    for (std::size_t i = 0; i < f.pressure_Pa.size(); ++i)
-        count.check(f.pressure_Pa[i], c.gain * truth[i + 1].pressure_Pa);
+    for (std::size_t i = 0; i < f.pressure_Pa.size(); ++i) count.check(f.pressure_Pa[i], c.gain * truth[i + 1].pressure_Pa);
     CHECK(count.hits >= count.all - 2);
     // And they say something.
     CHECK(f.natural_frequency_Hz.deviation < 0.005 * f.natural_frequency_Hz.value);
@@ -98,8 +90,7 @@ TEST_CASE("map, hysteresis and dynamics of the valve are found, each within its 
 
 TEST_CASE("the modelled pressure is eq. (6), integrated by brute force", "[STUDY-100]") {
     const plant::PressureMap map({{3.0, 0.0}, {10.0, 4.0e6}, {40.0, 20.0e6}});
-    const plant::ValveParameters valve{
-        .natural_frequency_radps = 110.0, .damping = 0.6, .delay_s = 3.7e-3, .hysteresis_mA = 1.0};
+    const plant::ValveParameters valve{.natural_frequency_radps = 110.0, .damping = 0.6, .delay_s = 3.7e-3, .hysteresis_mA = 1.0};
     constexpr double kPeriod_s = 1e-3;
     std::vector<double> current_mA;
     for (int k = 0; k < 400; ++k) current_mA.push_back(k < 150 ? 20.0 : k < 250 ? 12.0 + 0.02 * k : 16.7);
@@ -122,8 +113,7 @@ TEST_CASE("the modelled pressure is eq. (6), integrated by brute force", "[STUDY
         for (int i = 0; i < kFine; ++i) {
             const double t = (k + (i + 0.5) / kFine) * kPeriod_s - valve.delay_s;
             const double u = t < 0.0 ? 0.0 : static_Pa[static_cast<std::size_t>(t / kPeriod_s)];
-            rate += h * valve.natural_frequency_radps *
-                    (valve.natural_frequency_radps * (u - p) - 2.0 * valve.damping * rate);
+            rate += h * valve.natural_frequency_radps * (valve.natural_frequency_radps * (u - p) - 2.0 * valve.damping * rate);
             p += h * rate;
         }
     }
@@ -134,8 +124,7 @@ TEST_CASE("what the recordings do not show is refused with the experiment that i
     static const std::vector<Recording> kAll = experiments(shipped, 1.0, 3);
     const auto says = [](const std::string& what) { return ContainsSubstring(what); };
     CHECK_THAT(refusal({}, light_rig()), says("ramp, step and sweep"));
-    CHECK_THAT(refusal({kAll[1], kAll[2]}, light_rig()),
-               says("config/scenarios/ramp.toml") && says("5, 8, 12"));
+    CHECK_THAT(refusal({kAll[1], kAll[2]}, light_rig()), says("config/scenarios/ramp.toml") && says("5, 8, 12"));
     CHECK_THAT(refusal({kAll[0]}, light_rig()), says("config/scenarios/step.toml"));
 
     KnownRig narrow = light_rig();

@@ -21,8 +21,7 @@ namespace margins_test {
 /// tyre that gives way the wheel is plant::CompliantWheel, and speed stays constant only with a mass that nothing slows down.
 class FrozenStop {
   public:
-    FrozenStop(antiskid::control::Config config, const plant::RigParameters& rig,
-               const study::margins::OperatingPoint& at)
+    FrozenStop(antiskid::control::Config config, const plant::RigParameters& rig, const study::margins::OperatingPoint& at)
         : at_(at),
           surface_(rig.surface),
           config_(with_radius(config, at)),
@@ -34,13 +33,8 @@ class FrozenStop {
           flywheel_radius_m_(rig.flywheel_radius_m),
           slip_(at.slip) {
         if (rig.wheel.compliance.any()) {
-            tyre_.emplace(
-                rig.wheel,
-                plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps),
-                rig.surface.law());
-            motion_ = {.v_mps = at.speed_mps,
-                       .omega_radps = (1.0 - at.slip) * at.speed_mps / at.radius_m,
-                       .held = false};
+            tyre_.emplace(rig.wheel, plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps), rig.surface.law());
+            motion_ = {.v_mps = at.speed_mps, .omega_radps = (1.0 - at.slip) * at.speed_mps / at.radius_m, .held = false};
             tyre_->settle(motion_);
         }
         config_.slip.low_speed_mps = 0.0F;
@@ -64,8 +58,7 @@ class FrozenStop {
                 if (tyre_ && hold_) move(p, dt);
             });
         } else {
-            valve_.hold(at_.pressure_Pa + gain_ * (given + added_Pa - at_.pressure_Pa), h,
-                        [this](double p, double dt) { move(p, dt); });
+            valve_.hold(at_.pressure_Pa + gain_ * (given + added_Pa - at_.pressure_Pa), h, [this](double p, double dt) { move(p, dt); });
         }
         now_ += antiskid::control::Time(std::llround(h * 1e9));
         wheel_.turn_to((1.0 - slip_) * at_.speed_mps / at_.radius_m, h);
@@ -76,8 +69,8 @@ class FrozenStop {
         sensors_.pressure.pressure_Pa = static_cast<float>(valve_.pressure_Pa());
         const auto& e = estimator_.update(sensors_, static_cast<float>(given));
         if (!hold_)
-            command_Pa_ = static_cast<double>(estimator_.made_up_for_Pa(
-                law_.pressure_Pa(e, static_cast<float>(at_.slip), config_.valve.full_pressure_Pa)));
+            command_Pa_ =
+                static_cast<double>(estimator_.made_up_for_Pa(law_.pressure_Pa(e, static_cast<float>(at_.slip), config_.valve.full_pressure_Pa)));
         return command_Pa_;
     }
 
@@ -112,10 +105,8 @@ class FrozenStop {
             std::complex<double> sum = 0.0;
             for (std::int64_t i = 0; i < count; ++i, ++k) {
                 const double phase = frequency_radps * h * static_cast<double>(k);
-                const double window = 1.0 - std::cos(2.0 * std::numbers::pi * static_cast<double>(i) /
-                                                     static_cast<double>(count));
-                sum +=
-                    window * (step(added_Pa * std::sin(phase)) - at_.pressure_Pa) * std::polar(1.0, -phase);
+                const double window = 1.0 - std::cos(2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count));
+                sum += window * (step(added_Pa * std::sin(phase)) - at_.pressure_Pa) * std::polar(1.0, -phase);
             }
             return std::abs(sum);
         };
@@ -134,17 +125,13 @@ class FrozenStop {
     }
 
     /// What the observer takes the road's answer for.
-    [[nodiscard]] double answer_per_s() const {
-        return static_cast<double>(estimator_.estimate().answer_per_s);
-    }
+    [[nodiscard]] double answer_per_s() const { return static_cast<double>(estimator_.estimate().answer_per_s); }
     [[nodiscard]] double slip() const { return slip_; }
     [[nodiscard]] double pressure_Pa() const { return valve_.pressure_Pa(); }
 
   private:
-    static antiskid::control::Config with_radius(antiskid::control::Config c,
-                                                 const study::margins::OperatingPoint& at) {
-        const double lift =
-            static_cast<double>(c.wheel.lift_Ns2pm2) / static_cast<double>(c.wheel.stiffness_Npm);
+    static antiskid::control::Config with_radius(antiskid::control::Config c, const study::margins::OperatingPoint& at) {
+        const double lift = static_cast<double>(c.wheel.lift_Ns2pm2) / static_cast<double>(c.wheel.stiffness_Npm);
         c.wheel.nominal_radius_m = static_cast<float>(at.radius_m - lift * at.speed_mps * at.speed_mps);
         return c;
     }
@@ -154,8 +141,7 @@ class FrozenStop {
             slip_ += rate(pressure_Pa) * dt;
             return;
         }
-        tyre_->advance(motion_, plant::PressureArc::linear(pressure_Pa, pressure_Pa), {at_.load_N, 0.0, 0.0},
-                       dt);
+        tyre_->advance(motion_, plant::PressureArc::linear(pressure_Pa, pressure_Pa), {at_.load_N, 0.0, 0.0}, dt);
         slip_ = 1.0 - motion_.omega_radps * at_.radius_m / at_.speed_mps;
     }
 

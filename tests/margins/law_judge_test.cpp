@@ -42,8 +42,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("stops are judged by friction, each surface's too, and cut short where they cannot pass",
-          "[STUDY-561]") {
+TEST_CASE("stops are judged by friction, each surface's too, and cut short where they cannot pass", "[STUDY-561]") {
     Bench b;
     const StopsShown good = make_stops(b.trial, b.controller(), 0.0);
     CHECK(good.whole);
@@ -83,8 +82,7 @@ TEST_CASE("tracking that no stop measured is missing, not perfect", "[STUDY-561]
     CHECK(shown.violation >= b.trial.requirement.tracked_share);
 }
 
-TEST_CASE("a score says stops, stability and margins, in this order, whatever is to be beaten",
-          "[STUDY-561]") {
+TEST_CASE("a score says stops, stability and margins, in this order, whatever is to be beaten", "[STUDY-561]") {
     Bench b;
     StudyOptions options;
     options.speeds = 3;

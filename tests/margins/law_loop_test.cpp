@@ -28,8 +28,7 @@ double speed_at(const plant_sim::Scenario& s, double periods) {
     double v = 40.0;
     for (int i = 0; i < 50; ++i) {
         const OperatingPoint at = operating_point(s.plant.rig, v, scheduled_slip(s.controller.slip, 0.24, v));
-        const double apart = 2.0 * std::numbers::pi * at.radius_m /
-                             (s.plant.rig.wheel_encoder.teeth * (1.0 - at.slip) * v) /
+        const double apart = 2.0 * std::numbers::pi * at.radius_m / (s.plant.rig.wheel_encoder.teeth * (1.0 - at.slip) * v) /
                              static_cast<double>(s.controller.period_s);
         v *= std::sqrt(apart / periods);
     }
@@ -63,33 +62,28 @@ TEST_CASE("frequency response of the real estimator and law in the loop", "[STUD
                 double frequency = w;
                 const Complex measured = stop.loop(frequency, 2e4 * v / 40.0, 1.0);
                 const Complex computed = loop.response(frequency);
-                INFO(surface << ", " << v << " m/s, " << frequency << " rad/s: measured " << measured
-                             << ", computed " << computed);
+                INFO(surface << ", " << v << " m/s, " << frequency << " rad/s: measured " << measured << ", computed " << computed);
                 CHECK(std::abs(measured - computed) < 0.05 * std::max(1.0, std::abs(computed)));
             }
         }
     }
 }
 
-TEST_CASE("at each margin a pair of closed-loop poles stands on the axis, with the frequency that was said",
-          "[STUDY-123]") {
+TEST_CASE("at each margin a pair of closed-loop poles stands on the axis, with the frequency that was said", "[STUDY-123]") {
     for (const char* surface : {"dry_asphalt", "dry_cobblestone", "wet_asphalt", "snow"}) {
         const plant_sim::Scenario s = scenario(surface);
         for (const double v : {48.0, 30.0, 20.0, 12.0, 6.0}) {
-            const OperatingPoint at =
-                operating_point(s.plant.rig, v, scheduled_slip(s.controller.slip, 0.24, v));
+            const OperatingPoint at = operating_point(s.plant.rig, v, scheduled_slip(s.controller.slip, 0.24, v));
             for (const auto linearisation : {Linearisation::printed, Linearisation::full}) {
                 const SampledLoop loop(law_system(s.controller, s.plant.rig, at, linearisation));
                 const Margins m = margins(loop);
-                INFO(surface << ", " << v << " m/s, up " << m.gain_up_dB << " dB, down " << m.gain_down_dB
-                             << " dB");
+                INFO(surface << ", " << v << " m/s, up " << m.gain_up_dB << " dB, down " << m.gain_down_dB << " dB");
                 REQUIRE(m.stable);
                 CHECK(loop.closed_poles().front().real() < 0.0);
                 const auto on_axis = [&](double gain_dB, double frequency) {
                     const auto poles = loop.closed_poles(std::pow(10.0, gain_dB / 20.0));
-                    return std::any_of(poles.begin(), poles.end(), [&](Complex p) {
-                        return std::abs(p.real()) < 1e-3 && std::abs(std::abs(p.imag()) - frequency) < 1e-2;
-                    });
+                    return std::any_of(poles.begin(), poles.end(),
+                                       [&](Complex p) { return std::abs(p.real()) < 1e-3 && std::abs(std::abs(p.imag()) - frequency) < 1e-2; });
                 };
                 CHECK(on_axis(m.gain_up_dB, m.upward_radps));
                 CHECK(loop.closed_poles(std::pow(10.0, (m.gain_up_dB + 0.1) / 20.0)).front().real() > 0.0);
@@ -102,9 +96,7 @@ TEST_CASE("at each margin a pair of closed-loop poles stands on the axis, with t
     }
 }
 
-TEST_CASE(
-    "where the wheel is faster than the loop, feed-forward and proportional gain bound the upward margin",
-    "[STUDY-123]") {
+TEST_CASE("where the wheel is faster than the loop, feed-forward and proportional gain bound the upward margin", "[STUDY-123]") {
     // Late-peaking surfaces at low speed, a valve whose offset is not learnt. Neither derivative gains nor the rest of the estimator matter:
     // the integral adds up to half a dB.
     int counted = 0;
@@ -118,17 +110,13 @@ TEST_CASE(
                 c.slip.k_d *= derivatives;
                 c.slip.k_dd_s *= derivatives;
                 for (const double v : {5.0, 6.0, 7.0}) {
-                    const OperatingPoint at =
-                        operating_point(s.plant.rig, v, scheduled_slip(c.slip, 0.24, v));
+                    const OperatingPoint at = operating_point(s.plant.rig, v, scheduled_slip(c.slip, 0.24, v));
                     const double pole = at.wheel_pole_radps(Linearisation::full);
                     if (pole < 1000.0) continue;
-                    const Margins m =
-                        margins(SampledLoop(law_system(c, s.plant.rig, at, Linearisation::full)));
-                    const double creep_dB = creep_margin_dB(pole, static_cast<double>(k_answer),
-                                                            static_cast<double>(c.slip.k_p_per_s));
-                    INFO(surface << ", " << v << " m/s, pole " << pole << ", k_answer " << k_answer
-                                 << ", derivatives times " << derivatives << ": " << m.gain_up_dB
-                                 << " dB, creep " << creep_dB);
+                    const Margins m = margins(SampledLoop(law_system(c, s.plant.rig, at, Linearisation::full)));
+                    const double creep_dB = creep_margin_dB(pole, static_cast<double>(k_answer), static_cast<double>(c.slip.k_p_per_s));
+                    INFO(surface << ", " << v << " m/s, pole " << pole << ", k_answer " << k_answer << ", derivatives times " << derivatives << ": "
+                                 << m.gain_up_dB << " dB, creep " << creep_dB);
                     REQUIRE(m.stable);
                     CHECK(m.gain_up_dB < creep_dB + 0.5);
                     ++counted;
@@ -142,8 +130,7 @@ TEST_CASE(
     CHECK(creep_margin_dB(1000.0, 0.4, 100.0) == Approx(20.0 * std::log10(2.0)));
 }
 
-TEST_CASE("a law that is unstable by itself runs away when nothing answers, in a closed loop that is stable",
-          "[STUDY-561]") {
+TEST_CASE("a law that is unstable by itself runs away when nothing answers, in a closed loop that is stable", "[STUDY-561]") {
     const plant_sim::Scenario s = scenario("snow", "heavy");
     const auto growth_per_s = [&](const antiskid::control::Config& c, const OperatingPoint& at) {
         const PeriodicSystem system = law_system(c, s.plant.rig, at, Linearisation::full);
@@ -181,10 +168,9 @@ TEST_CASE("past its margin the real loop oscillates, below it the oscillation di
                 return stop.growth(std::pow(10.0, gain_dB / 20.0), m.upward_radps, 500.0, 0.15);
             };
             const double past = growth(m.gain_up_dB + 0.5), below = growth(m.gain_up_dB - 0.5);
-            INFO(surface << ", " << v << " m/s, margin " << m.gain_up_dB << " dB at " << m.upward_radps
-                         << " rad/s, growth "
-                         << loop.closed_poles(std::pow(10.0, (m.gain_up_dB + 0.5) / 20.0)).front()
-                         << " 1/s: times " << past << " in 0.15 s, " << below);
+            INFO(surface << ", " << v << " m/s, margin " << m.gain_up_dB << " dB at " << m.upward_radps << " rad/s, growth "
+                         << loop.closed_poles(std::pow(10.0, (m.gain_up_dB + 0.5) / 20.0)).front() << " 1/s: times " << past << " in 0.15 s, "
+                         << below);
             CHECK(past > 1.2);
             CHECK(below < 0.8);
         }

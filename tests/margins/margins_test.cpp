@@ -81,8 +81,7 @@ TEST_CASE("an unstable pole with delay: one encirclement, margins both ways", "[
         CHECK(m.gain_down_dB == Approx(dB(k / p)).margin(1e-5));
         CHECK(m.gain_up_dB == Approx(dB(most / k)).epsilon(1e-6));
         const double crossover = std::sqrt(k * k - p * p);
-        CHECK(m.phase_deg ==
-              Approx(std::abs(degrees(std::atan(crossover / p) - crossover * tau))).epsilon(1e-6));
+        CHECK(m.phase_deg == Approx(std::abs(degrees(std::atan(crossover / p) - crossover * tau))).epsilon(1e-6));
     }
     CHECK(margins(loop(0.99 * p)).unstable_closed == 1);
     CHECK(margins(loop(1.01 * most)).unstable_closed == 2);
@@ -119,19 +118,16 @@ TEST_CASE("the PID's loop is C(s) A(s) G(s), term by term", "[STUDY-123]") {
     at.brake_gain_m3 = 1e-3;
     at.mu = 0.9;
     at.mu_1 = -0.4;
-    for (const Pid& pid : {Pid{30.0, 0.0, 0.0, 0.0, 1.0}, Pid{30.0, 12.0, 0.0, 0.0, 0.5},
-                           Pid{30.0, 12.0, 0.4, 0.002, 1.0}, Pid{30.0, 0.0, 0.4, 0.002, 0.0}}) {
+    for (const Pid& pid :
+         {Pid{30.0, 0.0, 0.0, 0.0, 1.0}, Pid{30.0, 12.0, 0.0, 0.0, 0.5}, Pid{30.0, 12.0, 0.4, 0.002, 1.0}, Pid{30.0, 0.0, 0.4, 0.002, 0.0}}) {
         for (const auto linearisation : {Linearisation::printed, Linearisation::full}) {
             const DelayLoop loop = pid_loop(pid, valve, at, linearisation);
             for (const Complex s : {Complex(0.0, 3.0), Complex(0.0, 80.0), Complex(5.0, 400.0)}) {
                 const double aircraft = linearisation == Linearisation::full ? at.mu : 0.0;
-                const double a = at.load_N / (at.mass_kg * at.speed_mps) *
-                                 (at.mu_1 * ((1.0 - at.slip) + at.mass_kg * 0.32 * 0.32 / 1.3) - aircraft);
+                const double a = at.load_N / (at.mass_kg * at.speed_mps) * (at.mu_1 * ((1.0 - at.slip) + at.mass_kg * 0.32 * 0.32 / 1.3) - aircraft);
                 const Complex c = pid.k_p_per_s + pid.k_i_per_s2 / s + pid.k_d * s / (1.0 + s * pid.filter_s);
-                const double schedule =
-                    1.3 * 20.0 / (0.32 * 1e-3) * std::pow(20.0 / 40.0, pid.schedule - 1.0);
-                const Complex valve_lag =
-                    1e-3 * std::exp(-0.006 * s) / (1.0 + 2.0 * 0.8 * s / 125.0 + s * s / (125.0 * 125.0));
+                const double schedule = 1.3 * 20.0 / (0.32 * 1e-3) * std::pow(20.0 / 40.0, pid.schedule - 1.0);
+                const Complex valve_lag = 1e-3 * std::exp(-0.006 * s) / (1.0 + 2.0 * 0.8 * s / 125.0 + s * s / (125.0 * 125.0));
                 const Complex wheel = 0.32 / (1.3 * 20.0) / (s + a);
                 const Complex expected = schedule * c * valve_lag * wheel;
                 CHECK(std::abs(loop.value(s) / expected - 1.0) < 1e-12);
@@ -148,9 +144,8 @@ TEST_CASE("no controller beats the limits that are claimed for any", "[STUDY-123
         INFO("pole " << p << ", limits " << l.phase_deg << " deg, " << l.gain_range_dB << " dB");
         for (double k = 1.01 * p; k < 20.0 * p; k *= 1.02) {
             for (const double lead : {0.0, 1e-3, 3e-3, 6e-3}) {
-                const Margins m = lead > 0.0
-                                      ? margins(DelayLoop(k * lead / 5e-4, {-1.0 / lead}, {p, -2000.0}, tau))
-                                      : margins(DelayLoop(k, {}, {p}, tau));
+                const Margins m =
+                    lead > 0.0 ? margins(DelayLoop(k * lead / 5e-4, {-1.0 / lead}, {p, -2000.0}, tau)) : margins(DelayLoop(k, {}, {p}, tau));
                 if (!m.stable) continue;
                 CHECK(m.phase_deg < l.phase_deg);
                 CHECK(m.gain_up_dB + m.gain_down_dB < l.gain_range_dB);
@@ -173,8 +168,7 @@ TEST_CASE("no controller beats the limits that are claimed for any", "[STUDY-123
 }
 
 TEST_CASE("the search finds the top of a hill, keeps to the box and repeats itself", "[STUDY-561]") {
-    const std::vector<Parameter> parameters{
-        {"a", 0.1, 100.0, 50.0}, {"b", 1.0, 10.0, 2.0}, {"c", 1e-3, 1.0, 0.5}};
+    const std::vector<Parameter> parameters{{"a", 0.1, 100.0, 50.0}, {"b", 1.0, 10.0, 2.0}, {"c", 1e-3, 1.0, 0.5}};
     // A ridge with its top at (3, 4) inside and beyond the box in c.
     const auto hill = [](const std::vector<double>& x, double = 0.0) {
         const double a = std::log(x[0] / 3.0), b = std::log(x[1] / 4.0), c = std::log(x[2] / 2.0);
@@ -186,8 +180,7 @@ TEST_CASE("the search finds the top of a hill, keeps to the box and repeats itse
     CHECK(found.values[2] == Approx(1.0));
     CHECK(found.evaluations == 20 * 61);
     CHECK(search(parameters, hill, {.seed = 7, .population = 20, .generations = 60}).values == found.values);
-    CHECK(search(parameters, hill, {.seed = 8, .population = 20, .generations = 2}).score >=
-          hill({50.0, 2.0, 0.5}));
+    CHECK(search(parameters, hill, {.seed = 8, .population = 20, .generations = 2}).score >= hill({50.0, 2.0, 0.5}));
     CHECK_THROWS_AS(search({{"a", 1.0, 2.0, 3.0}}, hill, {}), std::invalid_argument);
     // More threads, and a judge that answers nothing but "worse" below what is to be beaten, lead to the same point.
     const auto curt = [&](const std::vector<double>& x, double to_beat) {
@@ -196,33 +189,27 @@ TEST_CASE("the search finds the top of a hill, keeps to the box and repeats itse
     };
     const SearchOptions three{.seed = 7, .population = 20, .generations = 60, .threads = 3};
     CHECK(search(parameters, curt, three).values == found.values);
-    const auto fails = [](const std::vector<double>&, double) -> double {
-        throw std::runtime_error("no score");
-    };
+    const auto fails = [](const std::vector<double>&, double) -> double { throw std::runtime_error("no score"); };
     CHECK_THROWS_WITH(search(parameters, fails, three), "no score");
 }
 
 TEST_CASE("a climb ends where no single step of a kept digit is better", "[STUDY-561]") {
     const std::vector<Parameter> parameters{{"a", 0.1, 100.0}, {"b", 1e-3, 0.05}};
-    const auto hill = [](const std::vector<double>& x, double) {
-        return -std::abs(std::log(x[0] / 8.97)) - std::abs(std::log(x[1] / 0.00862));
-    };
+    const auto hill = [](const std::vector<double>& x, double) { return -std::abs(std::log(x[0] / 8.97)) - std::abs(std::log(x[1] / 0.00862)); };
     const SearchOptions digits{.digits = 3, .threads = 2};
     const Found top = climb(parameters, {20.0, 0.02}, hill, 1e-4, digits);
     CHECK(top.values == std::vector<double>{8.97, 0.00862});
     CHECK(climb(parameters, top.values, hill, 1e-4, digits).values == top.values);
     CHECK(climb(parameters, {8.96, 0.00862}, hill, 1e-4, digits).values == top.values);
     CHECK(climb(parameters, {8.96, 0.00862}, hill, 1.0, digits).values[0] == 8.96);  // not worth a step
-    CHECK(climb({{"a", 0.1, 5.0}, parameters[1]}, {4.0, 0.02}, hill, 1e-4, digits).values ==
-          std::vector<double>{5.0, 0.00862});
+    CHECK(climb({{"a", 0.1, 5.0}, parameters[1]}, {4.0, 0.02}, hill, 1e-4, digits).values == std::vector<double>{5.0, 0.00862});
     CHECK_THROWS_AS(climb(parameters, {1.0}, hill, 1e-4, digits), std::invalid_argument);
     CHECK(rounded(107.5999984, 3) == 108.0);
     CHECK(rounded(0.0086249, 3) == 0.00862);
     CHECK(rounded(99.96, 3) == 100.0);
 }
 
-TEST_CASE("a score is the least margin over what is asked, and below zero where nothing is stable",
-          "[STUDY-561]") {
+TEST_CASE("a score is the least margin over what is asked, and below zero where nothing is stable", "[STUDY-561]") {
     Margins m;
     CHECK(score(m, {}) < 0.0);
     m.stable = true;

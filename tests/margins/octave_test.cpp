@@ -25,8 +25,7 @@ constexpr double kWithin = 1e-3;  // relative
 
 /// What `script` prints as lines "name value".
 std::map<std::string, double> octave(const std::string& script) {
-    const std::string file =
-        (std::filesystem::temp_directory_path() / ("margins_" + std::to_string(::getpid()) + ".m")).string();
+    const std::string file = (std::filesystem::temp_directory_path() / ("margins_" + std::to_string(::getpid()) + ".m")).string();
     std::ofstream(file) << "crash_dumps_octave_core(false);\npkg load control\n" << script;
     std::FILE* pipe = ::popen(("octave-cli --norc --quiet " + file + " 2>&1").c_str(), "r");
     if (pipe == nullptr) throw std::runtime_error("cannot start octave-cli");
@@ -95,8 +94,7 @@ void compare(const Margins& m, const std::string& name, std::map<std::string, do
     CHECK(ratio(m.gain_up_dB) == Approx(theirs[name + ".up"]).epsilon(kWithin));
     CHECK(m.phase_deg == Approx(theirs[name + ".phase"]).epsilon(kWithin));
     CHECK(1.0 / m.modulus == Approx(theirs[name + ".peak"]).epsilon(1e-2));  // both on a grid
-    if (m.downward_radps > 0.5)
-        CHECK(ratio(-m.gain_down_dB) == Approx(theirs[name + ".down"]).epsilon(kWithin));
+    if (m.downward_radps > 0.5) CHECK(ratio(-m.gain_down_dB) == Approx(theirs[name + ".down"]).epsilon(kWithin));
 }
 
 }  // namespace
@@ -119,9 +117,8 @@ TEST_CASE("the shipped law's loop: octave-control's frequency response and stabi
             print(script, p.b);
             script << ", ";
             print(script, -p.c[0]);
-            script << ", 0, " << p.period_s << ");\nreport('" << name
-                   << "', @(w) response(L, w), 0.999 * pi / " << p.period_s << ");\nprintf('result " << name
-                   << ".stable %d\\n', isstable(feedback(L)));\n";
+            script << ", 0, " << p.period_s << ");\nreport('" << name << "', @(w) response(L, w), 0.999 * pi / " << p.period_s
+                   << ");\nprintf('result " << name << ".stable %d\\n', isstable(feedback(L)));\n";
         }
     }
     auto theirs = octave(script.str());
@@ -147,9 +144,8 @@ TEST_CASE("the PID's loop with its exact delay: octave's frequency response and 
             if (!m.stable) continue;
             ours[name] = m;
             const double w = valve.natural_frequency_radps;
-            script << "C = " << pid.k_p_per_s << " + tf(" << pid.k_i_per_s2 << ", [1 0]) + tf([" << pid.k_d
-                   << " 0], [" << pid.filter_s << " 1]);\nG = C * tf(" << w * w << ", [1 "
-                   << 2.0 * valve.damping * w << " " << w * w << "]) * tf(1, [1 " << a << "]);\nreport('"
+            script << "C = " << pid.k_p_per_s << " + tf(" << pid.k_i_per_s2 << ", [1 0]) + tf([" << pid.k_d << " 0], [" << pid.filter_s
+                   << " 1]);\nG = C * tf(" << w * w << ", [1 " << 2.0 * valve.damping * w << " " << w * w << "]) * tf(1, [1 " << a << "]);\nreport('"
                    << name << "', @(w) response(G, w) .* exp(-1i * w * " << valve.delay_s << "), 1000);\n";
         }
     }

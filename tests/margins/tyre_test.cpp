@@ -40,23 +40,17 @@ class RealWheel {
   public:
     RealWheel(const plant::RigParameters& rig, const OperatingPoint& at)
         : at_(at),
-          wheel_(rig.wheel,
-                 plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps),
-                 rig.surface.law(), 1e-11),
-          state_{.v_mps = at.speed_mps,
-                 .omega_radps = (1.0 - at.slip) * at.speed_mps / at.radius_m,
-                 .held = false} {
+          wheel_(rig.wheel, plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps), rig.surface.law(), 1e-11),
+          state_{.v_mps = at.speed_mps, .omega_radps = (1.0 - at.slip) * at.speed_mps / at.radius_m, .held = false} {
         wheel_.settle(state_);
     }
     void press(double pressure_Pa, double seconds) {
-        wheel_.advance(state_, plant::PressureArc::linear(pressure_Pa, pressure_Pa), {at_.load_N, 0.0, 0.0},
-                       seconds);
+        wheel_.advance(state_, plant::PressureArc::linear(pressure_Pa, pressure_Pa), {at_.load_N, 0.0, 0.0}, seconds);
     }
     [[nodiscard]] double slip() const { return 1.0 - state_.omega_radps * at_.radius_m / at_.speed_mps; }
     /// Comes to the equilibrium, a stable one or not: the brake gives way to slip by `gain_per_s` in slip rate.
     void settle(double gain_per_s) {
-        for (int i = 0; i < 20000; ++i)
-            press(at_.pressure_Pa - gain_per_s * (slip() - at_.slip) / per_pressure(at_), 5e-5);
+        for (int i = 0; i < 20000; ++i) press(at_.pressure_Pa - gain_per_s * (slip() - at_.slip) / per_pressure(at_), 5e-5);
     }
 
   private:
@@ -71,31 +65,15 @@ struct Case {
     double speed_mps = 0.0, slip = 0.0;
     plant::Compliance tyre;
 };
-const std::vector<Case> kBeforePeak{
-    {"soft ring", "dry_asphalt", 40.0, 0.10, {.ring = {0.45, 50.0, 0.03}, .relaxation = {}, .leg = {}}},
-    {"stiff ring", "wet_asphalt", 20.0, 0.08, {.ring = {0.25, 120.0, 0.10}, .relaxation = {}, .leg = {}}},
-    {"belt held by the road",
-     "dry_cobblestone",
-     8.0,
-     0.2,
-     {.ring = {0.35, 80.0, 0.06}, .relaxation = {}, .leg = {}}},
-    {"relaxation", "dry_asphalt", 30.0, 0.08, {.ring = {}, .relaxation = {0.3, 0.02}, .leg = {}}},
-    {"both", "dry_asphalt", 30.0, 0.08, {.ring = {0.35, 80.0, 0.06}, .relaxation = {0.2, 0.05}, .leg = {}}}};
-const std::vector<Case> kBeyondPeak{{"ring that excites itself",
-                                     "dry_asphalt",
-                                     25.0,
-                                     0.30,
-                                     {.ring = {0.35, 80.0, 0.03}, .relaxation = {}, .leg = {}}},
-                                    {"ring that does not",
-                                     "wet_asphalt",
-                                     45.0,
-                                     0.24,
-                                     {.ring = {0.45, 120.0, 0.10}, .relaxation = {}, .leg = {}}},
-                                    {"relaxation at its floor",
-                                     "dry_concrete",
-                                     30.0,
-                                     0.30,
-                                     {.ring = {}, .relaxation = {0.3, 0.05}, .leg = {}}}};
+const std::vector<Case> kBeforePeak{{"soft ring", "dry_asphalt", 40.0, 0.10, {.ring = {0.45, 50.0, 0.03}, .relaxation = {}, .leg = {}}},
+                                    {"stiff ring", "wet_asphalt", 20.0, 0.08, {.ring = {0.25, 120.0, 0.10}, .relaxation = {}, .leg = {}}},
+                                    {"belt held by the road", "dry_cobblestone", 8.0, 0.2, {.ring = {0.35, 80.0, 0.06}, .relaxation = {}, .leg = {}}},
+                                    {"relaxation", "dry_asphalt", 30.0, 0.08, {.ring = {}, .relaxation = {0.3, 0.02}, .leg = {}}},
+                                    {"both", "dry_asphalt", 30.0, 0.08, {.ring = {0.35, 80.0, 0.06}, .relaxation = {0.2, 0.05}, .leg = {}}}};
+const std::vector<Case> kBeyondPeak{
+    {"ring that excites itself", "dry_asphalt", 25.0, 0.30, {.ring = {0.35, 80.0, 0.03}, .relaxation = {}, .leg = {}}},
+    {"ring that does not", "wet_asphalt", 45.0, 0.24, {.ring = {0.45, 120.0, 0.10}, .relaxation = {}, .leg = {}}},
+    {"relaxation at its floor", "dry_concrete", 30.0, 0.30, {.ring = {}, .relaxation = {0.3, 0.05}, .leg = {}}}};
 
 plant::RigParameters rig_of(const Case& c, double mass_kg) {
     plant::RigParameters rig = on(c.surface).plant.rig;
@@ -127,17 +105,13 @@ TEST_CASE("rim's slip against brake torque: the frequency response of the plant'
             for (int i = -settle * kSteps; i < kTurns * kSteps; ++i) {
                 // A pressure that is held over a step is that of its middle, less a millionth.
                 real.press(at.pressure_Pa + amplitude_Pa * std::sin(w * h * (i + 0.5)), h);
-                if (i >= 0)
-                    measured +=
-                        (real.slip() - at.slip) * std::polar(2.0 / (kTurns * kSteps), -w * h * (i + 1));
+                if (i >= 0) measured += (real.slip() - at.slip) * std::polar(2.0 / (kTurns * kSteps), -w * h * (i + 1));
             }
             measured *= Complex(0.0, 1.0) / amplitude_Pa;
             const Eigen::Index n = wheel.a.rows();
-            const Eigen::MatrixXcd of =
-                (Complex(0.0, w) * Eigen::MatrixXcd::Identity(n, n) - wheel.a.cast<Complex>()).inverse();
+            const Eigen::MatrixXcd of = (Complex(0.0, w) * Eigen::MatrixXcd::Identity(n, n) - wheel.a.cast<Complex>()).inverse();
             const Complex computed = per_pressure(at) * wheel.gain * of(0, 0);
-            INFO(c.what << " at " << frequency_Hz << " Hz: measured " << measured << ", computed "
-                        << computed);
+            INFO(c.what << " at " << frequency_Hz << " Hz: measured " << measured << ", computed " << computed);
             CHECK(std::abs(measured / computed - 1.0) < 2e-3);
             // The same by poles and zeros.
             Complex product = per_pressure(at) * wheel.gain;
@@ -148,8 +122,7 @@ TEST_CASE("rim's slip against brake torque: the frequency response of the plant'
     }
 }
 
-TEST_CASE("beyond the peak the plant's own wheel leaves its equilibrium as the linearised one does",
-          "[STUDY-123]") {
+TEST_CASE("beyond the peak the plant's own wheel leaves its equilibrium as the linearised one does", "[STUDY-123]") {
     for (const Case& c : kBeyondPeak) {
         const plant::RigParameters rig = rig_of(c, kNoAircraft_kg);
         const OperatingPoint at = operating_point(rig, c.speed_mps, c.slip);
@@ -179,9 +152,7 @@ TEST_CASE("beyond the peak the plant's own wheel leaves its equilibrium as the l
         CHECK(most < 5e-3 * furthest);
     }
     const auto swing = [](const Case& c) {
-        return linear_wheel(operating_point(rig_of(c, kNoAircraft_kg), c.speed_mps, c.slip),
-                            Linearisation::full)
-            .swing();
+        return linear_wheel(operating_point(rig_of(c, kNoAircraft_kg), c.speed_mps, c.slip), Linearisation::full).swing();
     };
     CHECK(swing(kBeyondPeak[0]).value().real() > 1.0);
     CHECK(swing(kBeyondPeak[1]).value().real() < 0.0);
@@ -196,14 +167,12 @@ TEST_CASE("a tyre that hardly gives way has the rigid one's margins", "[STUDY-12
         rig.wheel.compliance = tyre;
         for (const double v : {48.0, 30.0, 12.0}) {
             const double slip = scheduled_slip(s.controller.slip, 0.24, v);
-            const OperatingPoint at = operating_point(rig, v, slip),
-                                 rigid = operating_point(s.plant.rig, v, slip);
+            const OperatingPoint at = operating_point(rig, v, slip), rigid = operating_point(s.plant.rig, v, slip);
             for (const auto linearisation : {Linearisation::printed, Linearisation::full}) {
                 INFO(v << " m/s, belt " << tyre.ring.belt_share);
                 const auto poles = linear_wheel(at, linearisation).poles();
                 const double a = rigid.wheel_pole_radps(linearisation);
-                CHECK(std::any_of(poles.begin(), poles.end(),
-                                  [a](Complex p) { return std::abs(p + a) < 2e-4 * std::abs(a); }));
+                CHECK(std::any_of(poles.begin(), poles.end(), [a](Complex p) { return std::abs(p + a) < 2e-4 * std::abs(a); }));
                 const auto same = [](const Margins& m, const Margins& expected) {
                     REQUIRE(expected.stable);
                     REQUIRE(m.stable);
@@ -213,15 +182,13 @@ TEST_CASE("a tyre that hardly gives way has the rigid one's margins", "[STUDY-12
                 };
                 same(margins(SampledLoop(law_system(s.controller, rig, at, linearisation))),
                      margins(SampledLoop(law_system(s.controller, s.plant.rig, rigid, linearisation))));
-                same(margins(pid_loop(pid, rig.valve, at, linearisation)),
-                     margins(pid_loop(pid, rig.valve, rigid, linearisation)));
+                same(margins(pid_loop(pid, rig.valve, at, linearisation)), margins(pid_loop(pid, rig.valve, rigid, linearisation)));
             }
         }
     }
 }
 
-TEST_CASE("the real estimator and law on the plant's own ring: the loop that a frequency analyser measures",
-          "[STUDY-123]") {
+TEST_CASE("the real estimator and law on the plant's own ring: the loop that a frequency analyser measures", "[STUDY-123]") {
     // As near as on the rigid wheel (law_loop_test.cpp), up to two thirds of the ring's frequency: at its resonance a percent of frequency
     // is ten of L.
     struct Ring {
@@ -229,8 +196,7 @@ TEST_CASE("the real estimator and law on the plant's own ring: the loop that a f
         double speed_mps = 0.0, slip = 0.0;
         plant::RingParameters ring;
     };
-    for (const Ring& r : {Ring{"dry_asphalt", 46.0, 0.12, {0.25, 120.0, 0.10}},
-                          Ring{"dry_asphalt", 46.0, 0.12, {0.35, 80.0, 0.06}},
+    for (const Ring& r : {Ring{"dry_asphalt", 46.0, 0.12, {0.25, 120.0, 0.10}}, Ring{"dry_asphalt", 46.0, 0.12, {0.35, 80.0, 0.06}},
                           Ring{"dry_asphalt", 46.0, 0.12, {0.45, 50.0, 0.10}}}) {
         const plant_sim::Scenario s = on(r.surface);
         plant::RigParameters rig = s.plant.rig;
@@ -239,8 +205,7 @@ TEST_CASE("the real estimator and law on the plant's own ring: the loop that a f
         const OperatingPoint at = operating_point(rig, r.speed_mps, r.slip);
         antiskid::control::Config config = s.controller;
         config.observer.answer_noise = 0.0F;
-        config.observer.answer_floor_per_s =
-            static_cast<float>(2.0 * at.wheel_pole_radps(Linearisation::full));
+        config.observer.answer_floor_per_s = static_cast<float>(2.0 * at.wheel_pole_radps(Linearisation::full));
         config.slip.runaway_per_s = 1e3F;
         const SampledLoop loop(law_system(config, rig, at, Linearisation::full));
         REQUIRE(margins(loop).stable);
@@ -251,8 +216,8 @@ TEST_CASE("the real estimator and law on the plant's own ring: the loop that a f
             double frequency = w;
             const Complex measured = stop.loop(frequency, 2e4, 1.0);
             const Complex computed = loop.response(frequency);
-            INFO(r.surface << ", " << r.speed_mps << " m/s, ring of " << r.ring.frequency_Hz << " Hz, "
-                           << frequency << " rad/s: measured " << measured << ", computed " << computed);
+            INFO(r.surface << ", " << r.speed_mps << " m/s, ring of " << r.ring.frequency_Hz << " Hz, " << frequency << " rad/s: measured "
+                           << measured << ", computed " << computed);
             CHECK(std::abs(measured - computed) < 0.05 * std::max(1.0, std::abs(computed)));
         }
     }

@@ -71,8 +71,7 @@ TEST_CASE("Multi-register commands are seen whole, under fire", "[BRG-020]") {
     int seen = 0;
     while (!done || newest < kCommands) {
         scan = scan >= 30'000.0 ? 0.0 : scan + 1.0;
-        for (const auto q : {Measured::loading_force_N, Measured::vertical_load_N,
-                             Measured::longitudinal_force_N, Measured::brake_torque_Nm})
+        for (const auto q : {Measured::loading_force_N, Measured::vertical_load_N, Measured::longitudinal_force_N, Measured::brake_torque_Nm})
             at(measured, q) = scan;
         const auto orders = server.exchange(measured).commanded;
         const double k = at(orders, Commanded::commit);

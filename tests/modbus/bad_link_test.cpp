@@ -75,16 +75,14 @@ TEST_CASE("Nobody at the address: named, tried again, nothing believed", "[BRG-0
     REQUIRE(eventually([&] { return client.snapshot().counters.failed_connects >= 5; }));
     const auto now = client.snapshot();
     CHECK(now.link == LinkState::connecting);
-    CHECK_THAT(now.error,
-               ContainsSubstring("127.0.0.1:" + std::to_string(port)) && ContainsSubstring("refused"));
+    CHECK_THAT(now.error, ContainsSubstring("127.0.0.1:" + std::to_string(port)) && ContainsSubstring("refused"));
     CHECK(std::isnan(now.value(Measured::flywheel_speed_mps)));
     CHECK(std::isinf(now.age_s[0]));
     CHECK(std::isinf(now.plc_watchdog_age_s));
     CHECK_FALSE(now.fresh(Measured::flywheel_speed_mps, 1e9));
 }
 
-TEST_CASE("The client waits between attempts, longer each time, also where a connection opens and is useless",
-          "[BRG-030]") {
+TEST_CASE("The client waits between attempts, longer each time, also where a connection opens and is useless", "[BRG-030]") {
     auto map = impatient();
     map.link.backoff_min = 20ms;
     map.link.backoff_max = 80ms;
@@ -335,8 +333,7 @@ TEST_CASE("The checksum of the serial fake is the published one", "[BRG-034]") {
 TEST_CASE("A serial device that is not there is named", "[BRG-034]") {
     const rig::ModbusClient client(impatient(), rig::SerialDevice{"/dev/no-such-line"});
     REQUIRE(eventually([&] { return client.snapshot().counters.failed_connects >= 2; }));
-    CHECK_THAT(client.snapshot().error,
-               ContainsSubstring("/dev/no-such-line") && ContainsSubstring("No such file"));
+    CHECK_THAT(client.snapshot().error, ContainsSubstring("/dev/no-such-line") && ContainsSubstring("No such file"));
 }
 
 TEST_CASE("A line that never falls silent is given up", "[BRG-034]") {

@@ -67,28 +67,23 @@ TEST_CASE("A second master's command is seen, and the client's own restored", "[
     REQUIRE(commanding(client, wanted, [&] { return client.snapshot().foreign_commands == 1; }));
     CHECK(client.snapshot().foreign_commit == 4711);
     REQUIRE(commanding(client, wanted, [&] {
-        return at(plc.orders().commanded, Commanded::flywheel_speed_mps) == 49.0 &&
-               client.snapshot().command == CommandState::applied;
+        return at(plc.orders().commanded, Commanded::flywheel_speed_mps) == 49.0 && client.snapshot().command == CommandState::applied;
     }));
     CHECK(at(plc.orders().commanded, Commanded::load_base_N) == 43609.5);
 }
 
-TEST_CASE(
-    "A second master's command is seen, though the client's next one takes its place before the PLC looks",
-    "[BRG-136]") {
+TEST_CASE("A second master's command is seen, though the client's next one takes its place before the PLC looks", "[BRG-136]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
     rig::ModbusClient client(map, at_port(plc.server().port()));
-    REQUIRE(commanding(client, landing(49.0),
-                       [&] { return client.snapshot().command == CommandState::applied; }));
+    REQUIRE(commanding(client, landing(49.0), [&] { return client.snapshot().command == CommandState::applied; }));
 
     plc.freeze(true);
     other_master_commands(map, plc.server().port());
     const std::uint16_t before = client.snapshot().commit;
     REQUIRE(commanding(client, landing(48.0), [&] { return client.snapshot().commit != before; }));
     plc.freeze(false);
-    REQUIRE(commanding(client, landing(48.0),
-                       [&] { return client.snapshot().command == CommandState::applied; }));
+    REQUIRE(commanding(client, landing(48.0), [&] { return client.snapshot().command == CommandState::applied; }));
     CHECK(client.snapshot().foreign_commands == 1);
     CHECK(client.snapshot().foreign_commit == 4711);
 }
@@ -98,12 +93,10 @@ TEST_CASE("A refused command is told, and so is one that cannot be sent", "[BRG-
     stub::Plc plc(map);
     plc.refuse(true);
     rig::ModbusClient client(map, at_port(plc.server().port()));
-    REQUIRE(commanding(client, landing(50.0),
-                       [&] { return client.snapshot().command == CommandState::refused; }));
+    REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().command == CommandState::refused; }));
     CHECK(client.snapshot().value(Measured::refused_commit) == client.snapshot().commit);
     plc.refuse(false);
-    REQUIRE(commanding(client, landing(51.0),
-                       [&] { return client.snapshot().command == CommandState::applied; }));
+    REQUIRE(commanding(client, landing(51.0), [&] { return client.snapshot().command == CommandState::applied; }));
     client.command(landing(1e6));
     CHECK(client.snapshot().command == CommandState::unsendable);
     CHECK_THAT(client.snapshot().command_error, ContainsSubstring("flywheel_speed"));
@@ -174,8 +167,7 @@ TEST_CASE("A PLC with another map version is refused by number and left alone", 
     map.link.backoff_min = 1ms;
     map.link.backoff_max = 20ms;
     rig::ModbusClient client(map, at_port(port));
-    REQUIRE(
-        commanding(client, landing(50.0), [&] { return client.snapshot().link == LinkState::map_refused; }));
+    REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().link == LinkState::map_refused; }));
     REQUIRE(commanding(client, landing(50.0), [&] { return plc->server().counters().requests >= 5; }));
     const auto now = client.snapshot();
     CHECK_THAT(now.error, ContainsSubstring("version 2") && ContainsSubstring("bridge's is 1"));
@@ -187,16 +179,14 @@ TEST_CASE("A PLC with another map version is refused by number and left alone", 
 
     plc.reset();
     plc = std::make_unique<stub::Plc>(map, rig::ServerOptions{.port = port});
-    REQUIRE(commanding(client, landing(50.0),
-                       [&] { return client.snapshot().command == CommandState::applied; }));
+    REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().command == CommandState::applied; }));
 }
 
 TEST_CASE("The watchdog moves only while the bridge's thread calls", "[BRG-030]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
     std::atomic<std::int64_t> now_ms{1000};
-    rig::ModbusClient client(map, at_port(plc.server().port()),
-                             [&] { return rig::ClockTime(std::chrono::milliseconds(now_ms.load())); });
+    rig::ModbusClient client(map, at_port(plc.server().port()), [&] { return rig::ClockTime(std::chrono::milliseconds(now_ms.load())); });
     const auto watchdog = [&] { return at(plc.orders().commanded, Commanded::bridge_watchdog); };
     const auto polled = [&](std::uint64_t more) {
         const auto goal = client.snapshot().counters.polls + more;
@@ -218,8 +208,7 @@ TEST_CASE("The watchdog moves only while the bridge's thread calls", "[BRG-030]"
             return watchdog() >= before + 5.0;
         }));
     }
-    REQUIRE(commanding(client, landing(40.0),
-                       [&] { return client.snapshot().command == CommandState::applied; }));
+    REQUIRE(commanding(client, landing(40.0), [&] { return client.snapshot().command == CommandState::applied; }));
     // The caller hangs: polling goes on, the watchdog does not.
     now_ms += 101;
     REQUIRE(polled(1));
@@ -248,8 +237,7 @@ TEST_CASE("Commands wait until the PLC has seen the watchdog move", "[BRG-030]")
     CHECK(client.snapshot().command == CommandState::pending);
     CHECK(std::isinf(client.snapshot().plc_watchdog_age_s));
     plc.freeze(false);
-    REQUIRE(commanding(client, landing(40.0),
-                       [&] { return client.snapshot().command == CommandState::applied; }));
+    REQUIRE(commanding(client, landing(40.0), [&] { return client.snapshot().command == CommandState::applied; }));
     CHECK(std::isfinite(client.snapshot().plc_watchdog_age_s));
 }
 
@@ -269,13 +257,11 @@ TEST_CASE("A server that hangs after the request loses the link and gets it back
     map.link.backoff_max = 100ms;
     stub::Plc plc(map);
     rig::ModbusClient client(map, at_port(plc.server().port()));
-    REQUIRE(commanding(client, landing(50.0),
-                       [&] { return client.snapshot().command == CommandState::applied; }));
+    REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().command == CommandState::applied; }));
     const auto timeouts = client.snapshot().counters.timeouts;
     const raw::Client other(plc.server().port());
     REQUIRE(other.ask({6, 0, 101, 0, 50}).size() == 5);  // 0.5 s
-    REQUIRE(
-        commanding(client, landing(50.0), [&] { return client.snapshot().counters.timeouts > timeouts; }));
+    REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().counters.timeouts > timeouts; }));
     REQUIRE(commanding(client, landing(50.0), [&] {
         const auto now = client.snapshot();
         return now.link == LinkState::connected && now.command == CommandState::applied;
@@ -295,8 +281,7 @@ TEST_CASE("Little word order and scattered registers work as well", "[BRG-030]")
     plc.set(Measured::wheel_on_rim, 1.0);
     plc.set(Measured::interlocks, 0b0011);
     rig::ModbusClient client(map, at_port(plc.server().port()));
-    REQUIRE(commanding(client, landing(50.0),
-                       [&] { return client.snapshot().command == CommandState::applied; }));
+    REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().command == CommandState::applied; }));
     REQUIRE(eventually([&] { return client.snapshot().value(Measured::brake_torque_Nm) == -1234.5; }));
     CHECK(client.snapshot().value(Measured::wheel_on_rim) == 1.0);
     CHECK(client.snapshot().value(Measured::interlocks) == 3.0);

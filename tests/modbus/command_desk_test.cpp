@@ -165,8 +165,7 @@ TEST_CASE("Commit numbers wrap around without 0 and without one that already has
     CHECK(d.desk.state() == CommandState::pending);
 }
 
-TEST_CASE("A number that is none of ours is somebody else's command: counted, and answered by ours",
-          "[BRG-136]") {
+TEST_CASE("A number that is none of ours is somebody else's command: counted, and answered by ours", "[BRG-136]") {
     Desk d;
     d.desk.seen(41, 7, 1s);  // what an earlier bridge left
     CHECK(d.desk.foreign_commands() == 0);
@@ -204,8 +203,7 @@ TEST_CASE("A number that is none of ours is somebody else's command: counted, an
     CHECK(d.desk.foreign_commands() == 1);
 }
 
-TEST_CASE("Somebody else's command that ours replaces before the PLC answers it is counted once",
-          "[BRG-136]") {
+TEST_CASE("Somebody else's command that ours replaces before the PLC answers it is counted once", "[BRG-136]") {
     Desk d;
     d.desk.reconnected(41, 1s);
     d.desk.seen(41, 0, 1s);
@@ -292,15 +290,13 @@ TEST_CASE("Waits between attempts double up to their bound and start anew after 
 }
 
 TEST_CASE("A PLC address is a numeric host, with or without port, or a device", "[BRG-034]") {
-    const auto tcp = [](const std::string& text) {
-        return std::get<rig::TcpServer>(rig::parse_plc_address(text));
-    };
+    const auto tcp = [](const std::string& text) { return std::get<rig::TcpServer>(rig::parse_plc_address(text)); };
     CHECK(tcp("192.168.1.10:1502").address == "192.168.1.10");
     CHECK(tcp("192.168.1.10:1502").port == 1502);
     CHECK(tcp("10.0.0.1").port == 502);
     CHECK(std::get<rig::SerialDevice>(rig::parse_plc_address("/dev/ttyUSB0")).path == "/dev/ttyUSB0");
-    for (const std::string wrong : {"", "plc.local:502", "1.2.3:502", "1.2.3.4:", "1.2.3.4:0",
-                                    "1.2.3.4:65536", "1.2.3.4:5x", "1.2.3.4:502:1", "ttyUSB0", "[::1]:502"}) {
+    for (const std::string wrong :
+         {"", "plc.local:502", "1.2.3:502", "1.2.3.4:", "1.2.3.4:0", "1.2.3.4:65536", "1.2.3.4:5x", "1.2.3.4:502:1", "ttyUSB0", "[::1]:502"}) {
         CAPTURE(wrong);
         CHECK_THROWS_WITH(rig::parse_plc_address(wrong), ContainsSubstring("'" + wrong + "'"));
     }

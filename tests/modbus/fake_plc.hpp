@@ -20,8 +20,8 @@ using raw::Bytes;
 /// A float32 in two registers, high word first.
 inline Bytes big_float(float value) {
     const auto bits = std::bit_cast<std::uint32_t>(value);
-    return {static_cast<std::uint8_t>(bits >> 24U), static_cast<std::uint8_t>(bits >> 16U),
-            static_cast<std::uint8_t>(bits >> 8U), static_cast<std::uint8_t>(bits)};
+    return {static_cast<std::uint8_t>(bits >> 24U), static_cast<std::uint8_t>(bits >> 16U), static_cast<std::uint8_t>(bits >> 8U),
+            static_cast<std::uint8_t>(bits)};
 }
 
 /// The shipped map's registers. Its watchdog counts with every reading; a commit is applied when written.
@@ -42,8 +42,7 @@ class Registers {
             return answer;
         }
         const unsigned count = word(pdu, 3);
-        for (unsigned i = 0; i < count; ++i)
-            holdings_.at(first + i) = static_cast<std::uint16_t>(word(pdu, 6 + 2 * i));
+        for (unsigned i = 0; i < count; ++i) holdings_.at(first + i) = static_cast<std::uint16_t>(word(pdu, 6 + 2 * i));
         inputs_[3] = holdings_[11];
         return {pdu.begin(), pdu.begin() + 5};
     }
@@ -54,9 +53,7 @@ class Registers {
     }
 
   private:
-    static unsigned word(const Bytes& bytes, std::size_t at) {
-        return static_cast<unsigned>(bytes.at(at)) << 8U | bytes.at(at + 1);
-    }
+    static unsigned word(const Bytes& bytes, std::size_t at) { return static_cast<unsigned>(bytes.at(at)) << 8U | bytes.at(at + 1); }
     std::vector<std::uint16_t> inputs_ = [] {
         std::vector<std::uint16_t> words(20);
         words[0] = 1;  // map version
@@ -87,8 +84,7 @@ class TcpPlc {
         registers_.set_speed(speed);
         auto address = raw::loopback(0);
         socklen_t size = sizeof address;
-        if (::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
-            ::listen(listener_.get(), 8) != 0 ||
+        if (::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0 || ::listen(listener_.get(), 8) != 0 ||
             ::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
             throw std::runtime_error("fake PLC: no socket");
         port_ = ntohs(address.sin_port);
@@ -171,9 +167,7 @@ class RtuPlc {
     [[nodiscard]] const std::string& path() const { return terminal_.path(); }
     [[nodiscard]] std::uint64_t requests() const { return requests_; }
 
-    static void write(int line, const Bytes& bytes) {
-        static_cast<void>(!::write(line, bytes.data(), bytes.size()));
-    }
+    static void write(int line, const Bytes& bytes) { static_cast<void>(!::write(line, bytes.data(), bytes.size())); }
 
   private:
     void run() {

@@ -29,8 +29,7 @@ Quantity by_name(const std::string& name) {
 template <typename Quantity, typename Values>
 json named(const Values& values) {
     json object;
-    for (std::size_t i = 0; i < values.size(); ++i)
-        object[std::string(rig::name(static_cast<Quantity>(i)))] = values[i];
+    for (std::size_t i = 0; i < values.size(); ++i) object[std::string(rig::name(static_cast<Quantity>(i)))] = values[i];
     return object;
 }
 
@@ -72,8 +71,7 @@ int ask(const std::vector<std::string>& arguments) {
     auto object = named<rig::Measured>(now.values);
     object["error"] = now.error;
     object["commit"] = now.commit;
-    object["good"] = std::all_of(now.quality.begin(), now.quality.end(),
-                                 [](auto quality) { return quality == rig::ValueQuality::good; });
+    object["good"] = std::all_of(now.quality.begin(), now.quality.end(), [](auto quality) { return quality == rig::ValueQuality::good; });
     std::cout << object << std::endl;
     return applied ? 0 : 1;
 }
@@ -84,8 +82,7 @@ int main(int argc, char** argv) {
     try {
         const std::vector<std::string> arguments(argv + 1, argv + argc);
         if (arguments.size() == 1 && arguments[0] == "serve") return serve();
-        if (arguments.size() >= 2 && arguments[0] == "ask")
-            return ask({arguments.begin() + 1, arguments.end()});
+        if (arguments.size() >= 2 && arguments[0] == "ask") return ask({arguments.begin() + 1, arguments.end()});
         std::cerr << "usage: modbus_bench serve | ask ADDRESS NAME=VALUE...\n";
         return 2;
     } catch (const std::exception& error) {

@@ -32,8 +32,7 @@ template <typename Condition>
 
 class Plc {
   public:
-    explicit Plc(const rig::RegisterMap& map, const rig::ServerOptions& options = {})
-        : server_(map, options), thread_([this] { run(); }) {}
+    explicit Plc(const rig::RegisterMap& map, const rig::ServerOptions& options = {}) : server_(map, options), thread_([this] { run(); }) {}
     ~Plc() {
         stop_ = true;
         thread_.join();

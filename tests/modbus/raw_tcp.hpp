@@ -42,30 +42,25 @@ inline Bytes receive(int socket, int timeout_ms) {
 class Client {
   public:
     /// `from`: the address that it comes from, of 127.0.0.0/8; all of it is this machine.
-    explicit Client(std::uint16_t port, const char* from = "127.0.0.1")
-        : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    explicit Client(std::uint16_t port, const char* from = "127.0.0.1") : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
         sockaddr_in own{};
         own.sin_family = AF_INET;
-        if (::inet_pton(AF_INET, from, &own.sin_addr) != 1 ||
-            ::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0)
+        if (::inet_pton(AF_INET, from, &own.sin_addr) != 1 || ::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0)
             throw std::runtime_error("raw client: cannot come from there");
         const auto address = loopback(port);
         if (::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
             throw std::runtime_error("raw client: no connection");
     }
     void send(const Bytes& bytes) const { raw::send(socket_.get(), bytes); }
-    [[nodiscard]] Bytes receive(int timeout_ms = 60'000) const {
-        return raw::receive(socket_.get(), timeout_ms);
-    }
+    [[nodiscard]] Bytes receive(int timeout_ms = 60'000) const { return raw::receive(socket_.get(), timeout_ms); }
     /// Header with transaction 0x1234 and unit 1, then the PDU; the answer's PDU, whose header must be the same.
     [[nodiscard]] Bytes ask(const Bytes& pdu) const {
         Bytes frame{0x12, 0x34, 0, 0, 0, static_cast<std::uint8_t>(pdu.size() + 1), 1};
         frame.insert(frame.end(), pdu.begin(), pdu.end());
         send(frame);
         const Bytes answer = receive();
-        const bool ours = answer.size() > 7 && answer[0] == 0x12 && answer[1] == 0x34 && answer[2] == 0 &&
-                          answer[3] == 0 && answer[4] == 0 && answer[5] == answer.size() - 6 &&
-                          answer[6] == 1;
+        const bool ours = answer.size() > 7 && answer[0] == 0x12 && answer[1] == 0x34 && answer[2] == 0 && answer[3] == 0 && answer[4] == 0 &&
+                          answer[5] == answer.size() - 6 && answer[6] == 1;
         if (!ours) return {};
         return {answer.begin() + 7, answer.end()};
     }

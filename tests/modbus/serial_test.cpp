@@ -25,8 +25,7 @@ TEST_CASE("The client speaks RTU to the server's pseudo-terminal", "[BRG-020]") 
     plc.set(Measured::vertical_load_N, 43609.5);
     CHECK_THAT(plc.server().rtu_path(), ContainsSubstring("/dev/pts/"));
     rig::ModbusClient client(map, rig::SerialDevice{plc.server().rtu_path()});
-    REQUIRE(commanding(client, landing(50.0),
-                       [&] { return client.snapshot().command == CommandState::applied; }));
+    REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().command == CommandState::applied; }));
     CHECK(client.snapshot().value(Measured::vertical_load_N) == 43609.5);
     CHECK(at(plc.orders().commanded, Commanded::load_base_N) == 43609.5);
     // The same registers over TCP at the same time.
@@ -74,6 +73,5 @@ TEST_CASE("The server's RTU side ignores other units, noise and broken frames", 
 TEST_CASE("A map that a serial line cannot carry safely is refused", "[BRG-034]") {
     auto map = stub::shipped_map();
     map.measured[static_cast<std::size_t>(Measured::wheel_on_rim)].address = 500;
-    CHECK_THROWS_WITH(rig::ModbusClient(map, rig::SerialDevice{"/dev/ttyS9"}),
-                      ContainsSubstring("groups of two"));
+    CHECK_THROWS_WITH(rig::ModbusClient(map, rig::SerialDevice{"/dev/ttyS9"}), ContainsSubstring("groups of two"));
 }

@@ -65,9 +65,7 @@ TEST_CASE("Illegal functions, values and addresses get their exceptions and chan
     Bench bench;
     const raw::Client client(bench.server.port());
     for (unsigned function = 0; function < 128; ++function) {
-        if (function == 3 || function == 4 || function == 6 || function == 16 || function == 22 ||
-            function == 23)
-            continue;
+        if (function == 3 || function == 4 || function == 6 || function == 16 || function == 22 || function == 23) continue;
         CAPTURE(function);
         const auto code = static_cast<std::uint8_t>(function);
         CHECK(client.ask({code, 0, 0, 0, 1}) == exception(code, 1));
@@ -99,8 +97,7 @@ TEST_CASE("Illegal functions, values and addresses get their exceptions and chan
     CHECK(client.ask({23, 0, 0, 0, 1, 0, 0, 0, 2, 2, 0, 7}) == exception(23, 3));
     CHECK(client.ask({23}) == exception(23, 3));
 
-    CHECK(client.ask({3, 0, 0, 0, 12}) ==
-          Bytes{3, 24, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+    CHECK(client.ask({3, 0, 0, 0, 12}) == Bytes{3, 24, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
     CHECK(bench.server.counters().broken == 0);
 }
 
@@ -231,8 +228,7 @@ TEST_CASE("Requests may come in pieces, or several at once; half a request holds
         answers.insert(answers.end(), part.begin(), part.end());
         return answers.size() >= 33;
     }));
-    CHECK(answers == Bytes{0, 0, 0, 0, 0, 5, 1, 4, 2, 0, 1, 0, 1, 0, 0, 0, 5,
-                           1, 4, 2, 0, 1, 0, 2, 0, 0, 0, 5, 1, 4, 2, 0, 1});
+    CHECK(answers == Bytes{0, 0, 0, 0, 0, 5, 1, 4, 2, 0, 1, 0, 1, 0, 0, 0, 5, 1, 4, 2, 0, 1, 0, 2, 0, 0, 0, 5, 1, 4, 2, 0, 1});
 }
 
 TEST_CASE("The number of clients is bounded; a place that becomes free is given away", "[BRG-020]") {
@@ -283,8 +279,7 @@ TEST_CASE("An address that cannot be served is named with the reason", "[BRG-020
     const auto map = stub::shipped_map();
     const rig::ModbusServer server(map, {});
     const std::string port = std::to_string(server.port());
-    CHECK_THROWS_WITH(rig::ModbusServer(map, {.port = server.port()}),
-                      ContainsSubstring("127.0.0.1:" + port) && ContainsSubstring("in use"));
+    CHECK_THROWS_WITH(rig::ModbusServer(map, {.port = server.port()}), ContainsSubstring("127.0.0.1:" + port) && ContainsSubstring("in use"));
     CHECK_THROWS_WITH(rig::ModbusServer(map, {.address = "localhost"}), ContainsSubstring("numeric IPv4"));
     CHECK_THROWS_WITH(rig::ModbusServer(map, {.address = "192.0.2.1"}), ContainsSubstring("192.0.2.1"));
 }
@@ -300,13 +295,11 @@ TEST_CASE("A port is free again when its server has gone, clients or not", "[BRG
     CHECK(raw::Client(port).ask({4, 0, 0, 0, 1}).size() == 4);
 }
 
-TEST_CASE("A peer that is not on the list is closed unheard and named once; one that is, is served",
-          "[BRG-020]") {
+TEST_CASE("A peer that is not on the list is closed unheard and named once; one that is, is served", "[BRG-020]") {
     const rig::RegisterMap map = stub::shipped_map();
     std::mutex mutex;
     std::vector<std::string> refused;
-    const rig::ServerOptions options{.allow = {"127.0.0.1", "127.0.0.3"},
-                                     .on_refused = [&](const std::string& peer) {
+    const rig::ServerOptions options{.allow = {"127.0.0.1", "127.0.0.3"}, .on_refused = [&](const std::string& peer) {
                                          const std::lock_guard lock(mutex);
                                          refused.push_back(peer);
                                      }};
@@ -333,6 +326,5 @@ TEST_CASE("Unless told otherwise only this machine's own address is served; no l
     CHECK(eventually([&] { return usual.counters().refused == 1; }));
     const rig::ModbusServer closed(map, {.allow = {}});
     CHECK(raw::Client(closed.port()).receive().empty());
-    CHECK_THROWS_WITH(rig::ModbusServer(map, {.allow = {"plc.local"}}),
-                      ContainsSubstring("plc.local") && ContainsSubstring("numeric IPv4"));
+    CHECK_THROWS_WITH(rig::ModbusServer(map, {.allow = {"plc.local"}}), ContainsSubstring("plc.local") && ContainsSubstring("numeric IPv4"));
 }

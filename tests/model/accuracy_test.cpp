@@ -29,10 +29,7 @@ class Worst {
         residual_ = std::max(residual_, c.residual);
         ++runs_;
     }
-    ~Worst() {
-        SUCCEED(what_ << ": " << runs_ << " runs, worst error of v " << v_ << ", of omega " << omega_
-                      << ", energy residual " << residual_);
-    }
+    ~Worst() { SUCCEED(what_ << ": " << runs_ << " runs, worst error of v " << v_ << ", of omega " << omega_ << ", energy residual " << residual_); }
     Worst(const Worst&) = delete;
     Worst& operator=(const Worst&) = delete;
 
@@ -44,8 +41,7 @@ class Worst {
 
 }  // namespace
 
-TEST_CASE("pressure profiles: speeds, energies and distances agree with the reference on all 32 scenarios",
-          "[RIG-001][RIG-050]") {
+TEST_CASE("pressure profiles: speeds, energies and distances agree with the reference on all 32 scenarios", "[RIG-001][RIG-050]") {
     Worst worst("pressure profiles, 1 ms");
     const auto scenarios = all_scenarios();
     REQUIRE(scenarios.size() == 32);

@@ -16,8 +16,7 @@ TEST_CASE("energy: the books of every closed-loop stop close to a millionth", "[
                 options.choice.maneuver = maneuver;
                 options.law = law;
                 const plant_sim::Scenario s = plant_sim::load_scenario(options);
-                const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig,
-                                                                      s.session, study::Link::rounded);
+                const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
                 CAPTURE(law, surface, maneuver);
                 CHECK(result.figures.standstill);
                 CHECK(std::abs(result.figures.energy_residual) <= 1e-6);

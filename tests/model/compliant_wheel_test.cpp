@@ -18,11 +18,7 @@ constexpr double kWeight_N = kMass_kg * 9.80665, kLift = 3.6, kGain_m3 = 1.04e-3
 constexpr FrictionLaw kTyre{1.0686, 15.0, 0.5};
 
 WheelParameters wheel(const Compliance& compliance) {
-    return {.mass_kg = kMass_kg,
-            .inertia_kgm2 = kInertia_kgm2,
-            .free_radius_m = kFree_m,
-            .stiffness_Npm = kStiffness_Npm,
-            .compliance = compliance};
+    return {.mass_kg = kMass_kg, .inertia_kgm2 = kInertia_kgm2, .free_radius_m = kFree_m, .stiffness_Npm = kStiffness_Npm, .compliance = compliance};
 }
 
 BrakeTorque brake() {
@@ -50,8 +46,7 @@ double flooded_grip(double v_mps) {
     const double s = std::clamp((V - 0.85 * floats) / (0.15 * floats), 0.0, 1.0);
     const double left = 1.0 - s * s * (3.0 - 2.0 * s);
     const double best = std::log(kTyre.c1 * kTyre.c2 / kTyre.c3) / kTyre.c2;
-    return (left * wet + (1.0 - left) * 0.05) /
-           (kTyre.c1 * (1.0 - std::exp(-kTyre.c2 * best)) - kTyre.c3 * best);
+    return (left * wet + (1.0 - left) * 0.05) / (kTyre.c1 * (1.0 - std::exp(-kTyre.c2 * best)) - kTyre.c3 * best);
 }
 
 /// Written from the definitions of compliance.hpp, not from the code: forces first, then Newton.
@@ -67,8 +62,7 @@ struct Reference {
         const double axle = leg ? y[1] : y[0], belt = ring ? y[5] : y[3];
         const double kinematic = 1.0 - belt * r / axle;
         const auto mu = [](double s) {
-            return (s < 0 ? -1.0 : 1.0) *
-                   (kTyre.c1 * (1.0 - std::exp(-kTyre.c2 * std::abs(s))) - kTyre.c3 * std::abs(s));
+            return (s < 0 ? -1.0 : 1.0) * (kTyre.c1 * (1.0 - std::exp(-kTyre.c2 * std::abs(s))) - kTyre.c3 * std::abs(s));
         };
         const double slip = c.relaxation.length_m > 0.0 ? y[6] : kinematic;
         const double F_x = F_z * mu(slip) * (flooded ? flooded_grip(axle) : 1.0);
@@ -76,8 +70,7 @@ struct Reference {
         const double pi = std::numbers::pi;
         const double J_b = kInertia_kgm2 * c.ring.belt_share, J_r = kInertia_kgm2 - J_b;
         const double w = 2 * pi * c.ring.frequency_Hz;
-        const double k = w * w * J_r * J_b / kInertia_kgm2,
-                     d = 2 * c.ring.damping * w * J_r * J_b / kInertia_kgm2;
+        const double k = w * w * J_r * J_b / kInertia_kgm2, d = 2 * c.ring.damping * w * J_r * J_b / kInertia_kgm2;
         const double S = ring ? k * y[4] + d * (y[3] - y[5]) : 0.0;
         const double w_leg = 2 * pi * c.leg.frequency_Hz, m_leg = c.leg.mass_kg;
         const double leg_N = leg ? m_leg * w_leg * (w_leg * y[2] + 2 * c.leg.damping * (y[1] - y[0])) : 0.0;
@@ -87,8 +80,7 @@ struct Reference {
         dy[3] = ring ? -(T_b + S) / J_r : (r * F_x - T_b) / kInertia_kgm2;
         dy[4] = ring ? y[3] - y[5] : 0.0;
         dy[5] = ring ? (S + r * F_x) / J_b : 0.0;
-        const double slope = (kTyre.c1 * kTyre.c2 * std::exp(-kTyre.c2 * std::abs(slip)) - kTyre.c3) /
-                             (kTyre.c1 * kTyre.c2 - kTyre.c3);
+        const double slope = (kTyre.c1 * kTyre.c2 * std::exp(-kTyre.c2 * std::abs(slip)) - kTyre.c3) / (kTyre.c1 * kTyre.c2 - kTyre.c3);
         const double sigma = std::max(c.relaxation.length_m * slope, c.relaxation.floor_m);
         dy[6] = c.relaxation.length_m > 0.0 ? (axle - belt * r - axle * y[6]) / sigma : 0.0;
         dy[7] = T_b * y[3];
@@ -104,28 +96,19 @@ struct Case {
     double pressure_share = 1.0;  ///< of pressure_Pa(): a flooded road holds less
     int steps = 600;
 };
-const std::vector<Case> kCases{
-    {"ring, soft", {.ring = {0.45, 50.0, 0.03}, .relaxation = {}, .leg = {}}},
-    {"ring, stiff", {.ring = {0.25, 120.0, 0.10}, .relaxation = {}, .leg = {}}},
-    {"relaxation, short", {.ring = {}, .relaxation = {0.03, 0.02}, .leg = {}}},
-    {"relaxation, long", {.ring = {}, .relaxation = {0.6, 0.02}, .leg = {}}},
-    {"leg", {.ring = {}, .relaxation = {}, .leg = {120.0, 12.0, 0.05}}},
-    {"all at once", {.ring = {0.35, 80.0, 0.06}, .relaxation = {0.2, 0.05}, .leg = {120.0, 8.0, 0.02}}}};
+const std::vector<Case> kCases{{"ring, soft", {.ring = {0.45, 50.0, 0.03}, .relaxation = {}, .leg = {}}},
+                               {"ring, stiff", {.ring = {0.25, 120.0, 0.10}, .relaxation = {}, .leg = {}}},
+                               {"relaxation, short", {.ring = {}, .relaxation = {0.03, 0.02}, .leg = {}}},
+                               {"relaxation, long", {.ring = {}, .relaxation = {0.6, 0.02}, .leg = {}}},
+                               {"leg", {.ring = {}, .relaxation = {}, .leg = {120.0, 12.0, 0.05}}},
+                               {"all at once", {.ring = {0.35, 80.0, 0.06}, .relaxation = {0.2, 0.05}, .leg = {120.0, 8.0, 0.02}}}};
 
-const Surface kFlooded{.name = "flooded",
-                       .c1 = kTyre.c1,
-                       .c2 = kTyre.c2,
-                       .c3 = kTyre.c3,
-                       .wet = WetGrip(kTyre_psi, Texture::smooth, 0.05)};
+const Surface kFlooded{.name = "flooded", .c1 = kTyre.c1, .c2 = kTyre.c2, .c3 = kTyre.c3, .wet = WetGrip(kTyre_psi, Texture::smooth, 0.05)};
 // From 95 knots, where 101 are those of hydroplaning, down to where a third more friction is back.
 const std::vector<Case> kFloodedCases{
     {"static", {}, true, 0.14, 3000},
     {"ring", {.ring = {0.35, 80.0, 0.06}, .relaxation = {}, .leg = {}}, true, 0.14, 3000},
-    {"all at once",
-     {.ring = {0.35, 80.0, 0.06}, .relaxation = {0.2, 0.05}, .leg = {120.0, 8.0, 0.02}},
-     true,
-     0.14,
-     3000}};
+    {"all at once", {.ring = {0.35, 80.0, 0.06}, .relaxation = {0.2, 0.05}, .leg = {120.0, 8.0, 0.02}}, true, 0.14, 3000}};
 
 void check_against_reference(const std::vector<Case>& cases) {
     for (const Case& one : cases) {
@@ -138,8 +121,7 @@ void check_against_reference(const std::vector<Case>& cases) {
         CompliantWheel mine(wheel(one.compliance), brake(), kTyre);
         if (one.flooded) mine.set_surface(kFlooded, true);
         mine.settle(state);
-        Vector y{state.v_mps, state.v_mps, 0.0, state.omega_radps, 0.0, state.omega_radps, 0.0,
-                 0.0,         0.0,         0.0};
+        Vector y{state.v_mps, state.v_mps, 0.0, state.omega_radps, 0.0, state.omega_radps, 0.0, 0.0, 0.0, 0.0};
 
         namespace ode = boost::numeric::odeint;
         const auto stepper = ode::make_controlled(1e-12, 1e-12, ode::runge_kutta_fehlberg78<Vector>());
@@ -150,12 +132,10 @@ void check_against_reference(const std::vector<Case>& cases) {
         for (int i = 0; i < one.steps; ++i) {
             const double t0 = i * kStep_s, t1 = t0 + kStep_s;
             const auto rate = [&](double t) { return (pressure(t + 1e-6) - pressure(t - 1e-6)) / 2e-6; };
-            const PressureArc arc =
-                PressureArc::hermite(pressure(t0), rate(t0), pressure(t1), rate(t1), kStep_s);
+            const PressureArc arc = PressureArc::hermite(pressure(t0), rate(t0), pressure(t1), rate(t1), kStep_s);
             mine.advance(state, arc, {kWeight_N, 0.0, kLift}, kStep_s);
             ode::integrate_adaptive(stepper, reference, y, t0, t1, 1e-5);
-            worst = std::max({worst, std::abs(state.v_mps / y[0] - 1.0),
-                              std::abs(state.omega_radps - y[3]) * kFree_m / y[0]});
+            worst = std::max({worst, std::abs(state.v_mps / y[0] - 1.0), std::abs(state.omega_radps - y[3]) * kFree_m / y[0]});
         }
         CHECK(worst < 1e-6);
         CHECK(state.energy_brake_J == Approx(y[7]).epsilon(1e-6));
@@ -171,13 +151,11 @@ TEST_CASE("a compliant wheel agrees with a tight reference integration", "[RIG-2
     check_against_reference(kCases);
 }
 
-TEST_CASE("so does a wheel whose friction depends on speed, on a rigid and on a compliant tyre",
-          "[RIG-262]") {
+TEST_CASE("so does a wheel whose friction depends on speed, on a rigid and on a compliant tyre", "[RIG-262]") {
     check_against_reference(kFloodedCases);
 }
 
-TEST_CASE("the books close where friction depends on speed, through floating, locks and releases",
-          "[RIG-262]") {
+TEST_CASE("the books close where friction depends on speed, through floating, locks and releases", "[RIG-262]") {
     for (const Case& one : kFloodedCases) {
         INFO(one.name);
         WheelState state;
@@ -247,8 +225,7 @@ TEST_CASE("a belt that swings under a locked rim, far beyond slip 1, takes few s
     CHECK(mine.steps() < 60UL * kMs);
 }
 
-TEST_CASE("off the ground, rim and belt swing at the mode that was asked for, and die out as asked",
-          "[RIG-250]") {
+TEST_CASE("off the ground, rim and belt swing at the mode that was asked for, and die out as asked", "[RIG-250]") {
     const Compliance c{.ring = {0.35, 70.0, 0.05}, .relaxation = {}, .leg = {}};
     CompliantWheel mine(wheel(c), BrakeTorque(), kTyre, 1e-10);
     WheelState state;
@@ -293,9 +270,7 @@ TEST_CASE("a tyre that hardly gives way is the paper's", "[RIG-250]") {
 }
 
 TEST_CASE("compliance that cannot be is refused", "[RIG-250]") {
-    const auto refused = [](const Compliance& c) {
-        CHECK_THROWS_AS(CompliantWheel(wheel(c), brake(), kTyre), std::invalid_argument);
-    };
+    const auto refused = [](const Compliance& c) { CHECK_THROWS_AS(CompliantWheel(wheel(c), brake(), kTyre), std::invalid_argument); };
     refused({.ring = {1.0, 70.0, 0.05}, .relaxation = {}, .leg = {}});
     refused({.ring = {0.3, 0.0, 0.05}, .relaxation = {}, .leg = {}});
     refused({.ring = {}, .relaxation = {0.3, 0.0}, .leg = {}});

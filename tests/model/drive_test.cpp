@@ -91,24 +91,20 @@ TEST_CASE("drive: every bad input names its line", "[RIG-090]") {
         CHECK_THAT(error.what(), ContainsSubstring("in.csv"));
         CHECK(error.line() == bad.line);
     }
-    CHECK_THAT(refusal_of([] { return study::read_profile("no/such.csv"); }).what(),
-               ContainsSubstring("no/such.csv"));
+    CHECK_THAT(refusal_of([] { return study::read_profile("no/such.csv"); }).what(), ContainsSubstring("no/such.csv"));
     CHECK_THROWS_AS(study::read_profile("config"), settings::Error);
 }
 
-TEST_CASE("drive: what is well-formed is read, with blank lines, spaces, CRLF and a byte order mark",
-          "[RIG-090]") {
+TEST_CASE("drive: what is well-formed is read, with blank lines, spaces, CRLF and a byte order mark", "[RIG-090]") {
     const auto p = read("\xEF\xBB\xBFtime_s , current_mA\r\n\r\n-1.5, 3\r\n 0 ,4e0\r\n2.5,12.25");
     CHECK(p.input == DriveInput::current_mA);
     CHECK(p.time_s == std::vector<double>{-1.5, 0.0, 2.5});
     CHECK(p.value == std::vector<double>{3.0, 4.0, 12.25});
     CHECK(read("time_s,pressure_Pa\n0,0\n1,2e6\n").input == DriveInput::pressure_Pa);
     // A start between two milliseconds is kept.
-    const auto rows = table(
-        study::drive(plant::load_rig("config", {}).rig, read("time_s,pressure_Pa\n0.0005,0\n0.0035,0\n")));
+    const auto rows = table(study::drive(plant::load_rig("config", {}).rig, read("time_s,pressure_Pa\n0.0005,0\n0.0035,0\n")));
     REQUIRE(rows.size() == 4);
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        CHECK(rows[i][kTime] == Approx(0.0005 + 1e-3 * static_cast<double>(i)).epsilon(1e-12));
+    for (std::size_t i = 0; i < rows.size(); ++i) CHECK(rows[i][kTime] == Approx(0.0005 + 1e-3 * static_cast<double>(i)).epsilon(1e-12));
 }
 
 TEST_CASE("drive: the table is the motion that the reference integrates", "[RIG-001]") {
@@ -128,13 +124,11 @@ TEST_CASE("drive: the table is the motion that the reference integrates", "[RIG-
         std::size_t at = 0;
         reference::Options options;
         options.longest_s = 60.0;
-        reference::integrate(rig, reference::Input::pressure, triangles.pressure_Pa, options,
-                             [&](const reference::Motion& truth) {
-                                 const auto& row = rows.at(at++);
-                                 worst_v = std::max(worst_v, std::abs(row[kSpeed] / truth.v_mps - 1.0));
-                                 worst_omega =
-                                     std::max(worst_omega, std::abs(row[kOmega] / truth.omega_radps - 1.0));
-                             });
+        reference::integrate(rig, reference::Input::pressure, triangles.pressure_Pa, options, [&](const reference::Motion& truth) {
+            const auto& row = rows.at(at++);
+            worst_v = std::max(worst_v, std::abs(row[kSpeed] / truth.v_mps - 1.0));
+            worst_omega = std::max(worst_omega, std::abs(row[kOmega] / truth.omega_radps - 1.0));
+        });
         CHECK(worst_v <= 1e-4);
         CHECK(worst_omega <= 1e-4);
     }
@@ -153,23 +147,19 @@ TEST_CASE("drive: the columns obey the equations row by row", "[RIG-001]") {
         REQUIRE(r[kTime] == Approx(0.25 + 1e-3 * static_cast<double>(i)).margin(1e-9));
         REQUIRE(r[kPressure] == Approx(std::min(4e6 * (r[kTime] - 0.25), 4e6)).margin(1.0));
         if (r[kSpeed] < 1.0) continue;
-        REQUIRE(r[kF_z] ==
-                Approx(rig.load.base_N - rig.load.lift_Ns2pm2 * r[kSpeed] * r[kSpeed]).epsilon(1e-8));
-        REQUIRE(r[kRadius] ==
-                Approx(rig.wheel.free_radius_m - r[kF_z] / rig.wheel.stiffness_Npm).epsilon(1e-8));
+        REQUIRE(r[kF_z] == Approx(rig.load.base_N - rig.load.lift_Ns2pm2 * r[kSpeed] * r[kSpeed]).epsilon(1e-8));
+        REQUIRE(r[kRadius] == Approx(rig.wheel.free_radius_m - r[kF_z] / rig.wheel.stiffness_Npm).epsilon(1e-8));
         REQUIRE(r[kSlip] == Approx(1.0 - r[kOmega] * r[kRadius] / r[kSpeed]).margin(1e-7));
         REQUIRE(r[kF_x] == Approx(r[kF_z] * r[kMu]).epsilon(1e-8).margin(1e-6));
         REQUIRE(r[kMu] == Approx(plant::friction(rig.surface, r[kSlip]).mu).margin(1e-7));
     }
-    const double start_J = 0.5 * rig.wheel.mass_kg * std::pow(rows[0][kSpeed], 2) +
-                           0.5 * rig.wheel.inertia_kgm2 * std::pow(rows[0][kOmega], 2);
+    const double start_J = 0.5 * rig.wheel.mass_kg * std::pow(rows[0][kSpeed], 2) + 0.5 * rig.wheel.inertia_kgm2 * std::pow(rows[0][kOmega], 2);
     CHECK(rows.back()[kBrake] + rows.back()[kTyre] == Approx(start_J).epsilon(2e-6));
 }
 
 TEST_CASE("drive: driven by current it is the valve in front of the same plant", "[RIG-001]") {
     const plant::RigParameters rig = plant::load_rig("config", {}).rig;
-    const auto rows =
-        table(study::drive(rig, read("time_s,current_mA\n0,0\n0.5,3\n1.5,12\n2.5,12\n2.501,0\n3.5,0\n")));
+    const auto rows = table(study::drive(rig, read("time_s,current_mA\n0,0\n0.5,3\n1.5,12\n2.5,12\n2.501,0\n3.5,0\n")));
     REQUIRE(rows.size() == 3501);
     plant::Valve valve(rig.valve, 1e-3);
     plant::Rig plant(rig, 1e-3, 9);
@@ -183,8 +173,7 @@ TEST_CASE("drive: driven by current it is the valve in front of the same plant",
     for (std::size_t i = 1; i < rows.size(); ++i) {
         const double from = current(static_cast<double>(i - 1) * 1e-3);
         const double to = current(static_cast<double>(i) * 1e-3);
-        static_cast<void>(
-            valve.advance(rig.pressure_map.pressure_Pa(from), rig.pressure_map.pressure_Pa(to)));
+        static_cast<void>(valve.advance(rig.pressure_map.pressure_Pa(from), rig.pressure_map.pressure_Pa(to)));
         plant.advance_current(from, to);
         REQUIRE(rows[i][kPressure] == Approx(valve.pressure_Pa()).epsilon(1e-6).margin(5.0));
         REQUIRE(rows[i][kSpeed] == Approx(plant.wheel().v_mps).epsilon(1e-8));
@@ -203,17 +192,15 @@ TEST_CASE("drive: a step or a knot between two rows of output acts at its own ti
         profile.time_s = {0.0, at_s, at_s + 1e-6, 1.5, 1.5004, 2.0};
         profile.value = {0.1 * peak, 0.1 * peak, 0.8 * peak, 0.6 * peak, 0.2 * peak, 0.2 * peak};
         reference::Profile knots;
-        for (std::size_t i = 0; i < profile.time_s.size(); ++i)
-            knots.push_back({profile.time_s[i], profile.value[i]});
+        for (std::size_t i = 0; i < profile.time_s.size(); ++i) knots.push_back({profile.time_s[i], profile.value[i]});
         const auto rows = table(study::drive(rig, profile));
         std::size_t at = 0;
         double worst = 0.0;
         reference::Options options;
         options.longest_s = 2.0;
-        reference::integrate(
-            rig, reference::Input::pressure, knots, options, [&](const reference::Motion& truth) {
-                worst = std::max(worst, std::abs(rows.at(at++)[kOmega] / truth.omega_radps - 1.0));
-            });
+        reference::integrate(rig, reference::Input::pressure, knots, options, [&](const reference::Motion& truth) {
+            worst = std::max(worst, std::abs(rows.at(at++)[kOmega] / truth.omega_radps - 1.0));
+        });
         CHECK(worst <= 1e-4);
     }
 }

@@ -27,8 +27,7 @@ struct FlywheelAndWheel {
         const double F_z = rig.load.base_N;
         const double r = rig.wheel.free_radius_m - F_z / rig.wheel.stiffness_Npm;
         const double slip = (R_f * flywheel - wheel * r) / (R_f * flywheel);
-        const double F_x =
-            F_z * (rig.surface.c1 * (1.0 - std::exp(-rig.surface.c2 * slip)) - rig.surface.c3 * slip);
+        const double F_x = F_z * (rig.surface.c1 * (1.0 - std::exp(-rig.surface.c2 * slip)) - rig.surface.c3 * slip);
         return {-R_f * F_x / J_f, (r * F_x - torque_Nm) / rig.wheel.inertia_kgm2};
     }
     void step(double torque_Nm, double h) {
@@ -68,8 +67,7 @@ TEST_CASE("flywheel: J_f and R_f act as the mass J_f / R_f^2 on the rim", "[RIG-
     }
     const double r = plant.forces().radius_m;
     // Slip is small and steady: (m + J / r^2) r a = T.
-    CHECK((rig.wheel.mass_kg + rig.wheel.inertia_kgm2 / (r * r)) * r *
-              (rig.brake_on_mps - plant.wheel().v_mps) / 4.0 ==
+    CHECK((rig.wheel.mass_kg + rig.wheel.inertia_kgm2 / (r * r)) * r * (rig.brake_on_mps - plant.wheel().v_mps) / 4.0 ==
           Approx(torque_Nm).epsilon(0.005));
 }
 
@@ -83,8 +81,7 @@ TEST_CASE("loading device: a first-order lag on touchdown and on lift-off", "[RI
         plant.touch_down();
         for (int i = 1; i <= 200; ++i) {
             plant.advance_pressure(0.0, 0.0);
-            CHECK(plant.forces().F_z_N ==
-                  Approx(rig.load.base_N * (1.0 - std::exp(-i * step_s / 0.1))).epsilon(1e-10));
+            CHECK(plant.forces().F_z_N == Approx(rig.load.base_N * (1.0 - std::exp(-i * step_s / 0.1))).epsilon(1e-10));
         }
         const double loaded_N = plant.forces().F_z_N;
         plant.lift_off();
@@ -112,9 +109,8 @@ TEST_CASE("loading device: follows eq. (2) of a landing with its lag behind", "[
         CHECK(wanted_N - f.F_z_N == Approx(late_N).epsilon(0.1));
     }
     const double start_J = 0.5 * rig.wheel.mass_kg * rig.brake_on_mps * rig.brake_on_mps;
-    const double r_0 = rig.wheel.free_radius_m -
-                       (rig.load.base_N - rig.load.lift_Ns2pm2 * rig.brake_on_mps * rig.brake_on_mps) /
-                           rig.wheel.stiffness_Npm;
+    const double r_0 =
+        rig.wheel.free_radius_m - (rig.load.base_N - rig.load.lift_Ns2pm2 * rig.brake_on_mps * rig.brake_on_mps) / rig.wheel.stiffness_Npm;
     const double start_wheel_J = 0.5 * rig.wheel.inertia_kgm2 * std::pow(rig.brake_on_mps / r_0, 2);
     const double lost = start_J + start_wheel_J - plant.kinetic_energy_J();
     CHECK(std::abs(lost - plant.wheel().energy_brake_J - plant.wheel().energy_tyre_J) <= 1e-6 * lost);
@@ -135,8 +131,7 @@ TEST_CASE("endurance: one stop meets Table III within a standard deviation", "[R
     options.choice.maneuver = plant::kEndurance;
     options.law = "deceleration";
     const plant_sim::Scenario s = plant_sim::load_scenario(options);
-    const study::RunResult result =
-        study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
+    const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
     const study::StopFigures& f = result.figures;
     CHECK(f.standstill);
     CHECK(std::abs(f.mean_torque_Nm - 630.37) <= 4.65);

@@ -43,8 +43,7 @@ std::vector<Entry> entries_of(const std::vector<std::string>& lines) {
         if (content.starts_with("[")) table = content.substr(1, content.find(']') - 1);
         const auto equals = content.find('=');
         if (equals == std::string::npos) continue;
-        entries.push_back({i, table, trimmed(content.substr(0, equals)), trimmed(content.substr(equals + 1)),
-                           lines[i].substr(content.size())});
+        entries.push_back({i, table, trimmed(content.substr(0, equals)), trimmed(content.substr(equals + 1)), lines[i].substr(content.size())});
     }
     return entries;
 }
@@ -71,9 +70,7 @@ struct Damage {
 };
 
 const std::vector<Damage>& damages() {
-    const auto with_value = [](const std::string& value) {
-        return [value](const Entry& e) { return e.key + " = " + value; };
-    };
+    const auto with_value = [](const std::string& value) { return [value](const Entry& e) { return e.key + " = " + value; }; };
     static const std::vector<Damage> kDamages{
         {"missing", [](const Entry&) { return std::string("# gone"); }, false},
         {"misspelt", [](const Entry& e) { return e.key + "q = " + e.value; }, false},
@@ -84,30 +81,15 @@ const std::vector<Damage>& damages() {
         {"a number for text", [](const Entry& e) { return is_text(e) ? e.key + " = 1.0" : ""; }, true},
         {"another word", [](const Entry& e) { return is_text(e) ? e.key + " = \"nonsense\"" : ""; }, true},
         {"no word", [](const Entry& e) { return is_text(e) ? e.key + " = \"\"" : ""; }, true},
-        {"far above", [](const Entry& e) { return is_text(e) || is_array(e) ? "" : e.key + " = 1e30"; },
-         true},
-        {"far below", [](const Entry& e) { return is_text(e) || is_array(e) ? "" : e.key + " = -1e30"; },
-         true},
+        {"far above", [](const Entry& e) { return is_text(e) || is_array(e) ? "" : e.key + " = 1e30"; }, true},
+        {"far below", [](const Entry& e) { return is_text(e) || is_array(e) ? "" : e.key + " = -1e30"; }, true},
         {"no number", [](const Entry& e) { return is_text(e) || is_array(e) ? "" : e.key + " = nan"; }, true},
         {"infinite", [](const Entry& e) { return is_text(e) || is_array(e) ? "" : e.key + " = inf"; }, true},
         {"an empty array", [](const Entry& e) { return is_array(e) ? e.key + " = []" : ""; }, true},
-        {"one element less",
-         [](const Entry& e) {
-             return is_array(e) ? e.key + " = " + e.value.substr(0, e.value.rfind(',')) + "]" : "";
-         },
-         false},
-        {"an element far above",
-         [](const Entry& e) {
-             return is_array(e) ? e.key + " = [1e30" + e.value.substr(e.value.find(',')) : "";
-         },
-         true},
-        {"an element of text",
-         [](const Entry& e) {
-             return is_array(e) ? e.key + " = [\"x\"" + e.value.substr(e.value.find(',')) : "";
-         },
-         true},
-        {"an array for a number",
-         [](const Entry& e) { return is_array(e) ? "" : e.key + " = [" + e.value + "]"; }, true},
+        {"one element less", [](const Entry& e) { return is_array(e) ? e.key + " = " + e.value.substr(0, e.value.rfind(',')) + "]" : ""; }, false},
+        {"an element far above", [](const Entry& e) { return is_array(e) ? e.key + " = [1e30" + e.value.substr(e.value.find(',')) : ""; }, true},
+        {"an element of text", [](const Entry& e) { return is_array(e) ? e.key + " = [\"x\"" + e.value.substr(e.value.find(',')) : ""; }, true},
+        {"an array for a number", [](const Entry& e) { return is_array(e) ? "" : e.key + " = [" + e.value + "]"; }, true},
     };
     return kDamages;
 }
@@ -168,35 +150,27 @@ int damage_all(const std::string& file, const std::function<void(const fs::path&
 }  // namespace
 
 TEST_CASE("loader: every key of the plant's files, damaged in every way, is refused by name", "[RIG-090]") {
-    for (const std::string file :
-         {"surfaces.toml", "maneuvers.toml", "landing_gear.toml", "flywheel_rig.toml"}) {
+    for (const std::string file : {"surfaces.toml", "maneuvers.toml", "landing_gear.toml", "flywheel_rig.toml"}) {
         // The rig is read whole, whatever the maneuver needs.
         for (const std::string maneuver : {"heavy", plant::kEndurance}) {
             plant::ManeuverChoice choice;
             choice.maneuver = maneuver;
-            CHECK(damage_all(file, [&](const fs::path& directory) {
-                      (void)plant::load_rig(directory, choice);
-                  }) > 100);
+            CHECK(damage_all(file, [&](const fs::path& directory) { (void)plant::load_rig(directory, choice); }) > 100);
         }
     }
 }
 
-TEST_CASE("loader: every key of the controller's files, damaged in every way, is refused by name",
-          "[RIG-090]") {
+TEST_CASE("loader: every key of the controller's files, damaged in every way, is refused by name", "[RIG-090]") {
     for (const std::string file : {"controller.toml", "controller_endurance.toml"}) {
-        CHECK(damage_all(file, [&](const fs::path& directory) {
-                  (void)antiskid::load_controller_config(directory / file);
-              }) > 100);
+        CHECK(damage_all(file, [&](const fs::path& directory) { (void)antiskid::load_controller_config(directory / file); }) > 100);
     }
 }
 
 TEST_CASE("loader: a missing file is named", "[RIG-090]") {
-    for (const std::string file :
-         {"surfaces.toml", "maneuvers.toml", "landing_gear.toml", "flywheel_rig.toml"}) {
+    for (const std::string file : {"surfaces.toml", "maneuvers.toml", "landing_gear.toml", "flywheel_rig.toml"}) {
         const ConfigCopy config;
         fs::remove(config.path() / file);
-        CHECK(refusal_of([&] { return plant::load_rig(config.path(), {}); }).file() ==
-              (config.path() / file).string());
+        CHECK(refusal_of([&] { return plant::load_rig(config.path(), {}); }).file() == (config.path() / file).string());
     }
 }
 
@@ -205,14 +179,12 @@ TEST_CASE("loader: an unknown surface or maneuver names those there are", "[RIG-
     choice.surface = "gravel";
     const auto surface = refusal_of([&] { return plant::load_rig("config", choice); });
     CHECK_THAT(surface.what(), ContainsSubstring("config/surfaces.toml"));
-    for (const std::string& name : plant::surface_names("config"))
-        CHECK_THAT(surface.what(), ContainsSubstring(name));
+    for (const std::string& name : plant::surface_names("config")) CHECK_THAT(surface.what(), ContainsSubstring(name));
     choice.surface = "ice";
     choice.maneuver = "ditching";
     const auto maneuver = refusal_of([&] { return plant::load_rig("config", choice); });
     CHECK_THAT(maneuver.what(), ContainsSubstring("config/maneuvers.toml"));
-    for (const std::string& name : plant::maneuver_names("config"))
-        CHECK_THAT(maneuver.what(), ContainsSubstring(name));
+    for (const std::string& name : plant::maneuver_names("config")) CHECK_THAT(maneuver.what(), ContainsSubstring(name));
     CHECK_THAT(maneuver.what(), ContainsSubstring(plant::kEndurance));
 }
 
@@ -225,29 +197,23 @@ TEST_CASE("loader: what cannot be simulated is refused", "[RIG-090]") {
         plant::ManeuverChoice fast;
         fast.maneuver = "light";
         fast.speed_mps = 115.0;
-        CHECK_THAT(refusal_of([&] { return plant::load_rig("config", fast); }).what(),
-                   ContainsSubstring("lift_area_m2"));
+        CHECK_THAT(refusal_of([&] { return plant::load_rig("config", fast); }).what(), ContainsSubstring("lift_area_m2"));
     }
     SECTION("a tyre that the load flattens to the rim") {
         const ConfigCopy config;
         config.replace("landing_gear.toml", "stiffness_Npm = 2.7e6", "stiffness_Npm = 1e5");
-        CHECK_THAT(refusal_of([&] { return plant::load_rig(config.path(), {}); }).what(),
-                   ContainsSubstring("stiffness_Npm"));
+        CHECK_THAT(refusal_of([&] { return plant::load_rig(config.path(), {}); }).what(), ContainsSubstring("stiffness_Npm"));
         plant::ManeuverChoice heavy;
         heavy.mass_kg = 99000.0;
-        CHECK_THAT(refusal_of([&] { return plant::load_rig("config", heavy); }).what(),
-                   ContainsSubstring("stiffness_Npm"));
+        CHECK_THAT(refusal_of([&] { return plant::load_rig("config", heavy); }).what(), ContainsSubstring("stiffness_Npm"));
         const ConfigCopy bench;
         bench.replace("flywheel_rig.toml", "stiffness_Npm = 2.7e6", "stiffness_Npm = 5e4");
-        CHECK_THAT(refusal_of([&] { return plant::load_rig(bench.path(), {}); }).what(),
-                   ContainsSubstring("stiffness_Npm"));
+        CHECK_THAT(refusal_of([&] { return plant::load_rig(bench.path(), {}); }).what(), ContainsSubstring("stiffness_Npm"));
     }
     SECTION("a brake whose friction would turn negative") {
         const ConfigCopy config;
-        config.replace("landing_gear.toml", "heavy = [1.22, -1.02, 0.72, 0.20]",
-                       "heavy = [1.22, -9.02, 0.72, 0.20]");
-        CHECK_THAT(refusal_of([&] { return plant::load_rig(config.path(), {}); }).what(),
-                   ContainsSubstring("heavy"));
+        config.replace("landing_gear.toml", "heavy = [1.22, -1.02, 0.72, 0.20]", "heavy = [1.22, -9.02, 0.72, 0.20]");
+        CHECK_THAT(refusal_of([&] { return plant::load_rig(config.path(), {}); }).what(), ContainsSubstring("heavy"));
         plant::ManeuverChoice worn;
         worn.friction = 0.011;
         CHECK_THROWS_AS(plant::load_rig("config", worn), std::invalid_argument);
@@ -274,17 +240,14 @@ TEST_CASE("loader: what cannot be simulated is refused", "[RIG-090]") {
         put(config.path() / "surfaces.toml", "[surfaces]\n");
         CHECK_THROWS_AS(plant::load_rig(config.path(), {}), settings::Error);
         const ConfigCopy other;
-        put(other.path() / "maneuvers.toml",
-            "[maneuvers]\n[reference]\nmaneuver = \"heavy\"\nsurface = \"ice\"\nslip_reference = 0.2\n");
+        put(other.path() / "maneuvers.toml", "[maneuvers]\n[reference]\nmaneuver = \"heavy\"\nsurface = \"ice\"\nslip_reference = 0.2\n");
         CHECK_THROWS_AS(plant::load_rig(other.path(), {}), settings::Error);
     }
     SECTION("an unknown table or key anywhere") {
-        for (const std::string file :
-             {"surfaces.toml", "maneuvers.toml", "landing_gear.toml", "flywheel_rig.toml"}) {
+        for (const std::string file : {"surfaces.toml", "maneuvers.toml", "landing_gear.toml", "flywheel_rig.toml"}) {
             const ConfigCopy config;
             put(config.path() / file, content_of(config.path() / file) + "\n[extra]\nthing = 1\n");
-            CHECK_THAT(refusal_of([&] { return plant::load_rig(config.path(), {}); }).what(),
-                       ContainsSubstring("extra"));
+            CHECK_THAT(refusal_of([&] { return plant::load_rig(config.path(), {}); }).what(), ContainsSubstring("extra"));
         }
     }
 }

@@ -9,15 +9,12 @@
 namespace {
 
 plant::Wheel wheel_of(const plant::RigParameters& rig) {
-    return plant::Wheel(
-        rig.wheel, plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps),
-        rig.surface);
+    return plant::Wheel(rig.wheel, plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps), rig.surface);
 }
 
 }  // namespace
 
-TEST_CASE("a locked wheel holds exactly, gives the brake no energy, and spins up after release",
-          "[RIG-050]") {
+TEST_CASE("a locked wheel holds exactly, gives the brake no energy, and spins up after release", "[RIG-050]") {
     for (const NamedScenario& s : all_scenarios()) {
         CAPTURE(s.name);
         plant::Rig rig(s.loaded.rig, 1e-3, 1);
@@ -95,15 +92,13 @@ TEST_CASE("in the air the brake stops the wheel and does not turn it back; the s
     CHECK(rig.wheel().omega_radps == 0.0);
     CHECK(rig.wheel().v_mps == v);
     // The brake took what the wheel had.
-    CHECK(rig.wheel().energy_brake_J ==
-          Approx(0.5 * parameters.wheel.inertia_kgm2 * omega * omega).epsilon(1e-6));
+    CHECK(rig.wheel().energy_brake_J == Approx(0.5 * parameters.wheel.inertia_kgm2 * omega * omega).epsilon(1e-6));
     rig.touch_down();
     for (int i = 0; i < 300; ++i) rig.advance_pressure(0.0, 0.0);
     CHECK(rig.forces().slip < 0.01);
 }
 
-TEST_CASE("any state, any input: finite, no energy from nothing, no wheel turning back, no time lost",
-          "[RIG-001]") {
+TEST_CASE("any state, any input: finite, no energy from nothing, no wheel turning back, no time lost", "[RIG-001]") {
     plant::Random random(20260102);
     const auto share = [&] { return static_cast<double>(random.bits() >> 11U) * 0x1p-53; };
     const auto scenarios = all_scenarios();
@@ -112,8 +107,7 @@ TEST_CASE("any state, any input: finite, no energy from nothing, no wheel turnin
         const plant::RigParameters& rig = scenarios.at(random.bits() % scenarios.size()).loaded.rig;
         plant::Wheel wheel = wheel_of(rig);
         const bool air = share() < 0.1;
-        const plant::LoadArc load =
-            air ? plant::LoadArc{} : plant::LoadArc{rig.load.base_N, 0.0, rig.load.lift_Ns2pm2};
+        const plant::LoadArc load = air ? plant::LoadArc{} : plant::LoadArc{rig.load.base_N, 0.0, rig.load.lift_Ns2pm2};
         plant::WheelState state;
         // Speeds of every size, many of them low.
         state.v_mps = rig.brake_on_mps * std::pow(share(), 3.0) + 0.051;
@@ -127,8 +121,7 @@ TEST_CASE("any state, any input: finite, no energy from nothing, no wheel turnin
             const double to = share() < 0.3 ? from : full_Pa * share();
             const plant::WheelState before = state;
             wheel.advance(state, plant::PressureArc::linear(from, to), load, h);
-            CAPTURE(run, i, rig.surface.name, air, h, from, to, before.v_mps, before.omega_radps, before.held,
-                    state.v_mps, state.omega_radps);
+            CAPTURE(run, i, rig.surface.name, air, h, from, to, before.v_mps, before.omega_radps, before.held, state.v_mps, state.omega_radps);
             from = to;
             const double energy_before = wheel.kinetic_energy_J(before);
             REQUIRE(std::isfinite(state.v_mps));
@@ -139,16 +132,13 @@ TEST_CASE("any state, any input: finite, no energy from nothing, no wheel turnin
             // Only a wheel that turns too fast can push.
             if (before.omega_radps * r <= before.v_mps) REQUIRE(state.v_mps <= before.v_mps);
             // Of what there is; at walking pace, where a step holds hundreds of the wheel's time constants, of the whole stop's energy.
-            const double scale_J = before.v_mps > 5.0
-                                       ? energy_before
-                                       : 0.5 * rig.wheel.mass_kg * rig.brake_on_mps * rig.brake_on_mps;
+            const double scale_J = before.v_mps > 5.0 ? energy_before : 0.5 * rig.wheel.mass_kg * rig.brake_on_mps * rig.brake_on_mps;
             const double tiny_J = 1e-9 * scale_J;
             REQUIRE(wheel.kinetic_energy_J(state) <= energy_before + tiny_J);
             REQUIRE(state.energy_brake_J >= before.energy_brake_J - tiny_J);
             REQUIRE(state.energy_tyre_J >= before.energy_tyre_J - tiny_J);
             const double lost = energy_before - wheel.kinetic_energy_J(state);
-            const double spent =
-                state.energy_brake_J - before.energy_brake_J + state.energy_tyre_J - before.energy_tyre_J;
+            const double spent = state.energy_brake_J - before.energy_brake_J + state.energy_tyre_J - before.energy_tyre_J;
             worst_residual = std::max(worst_residual, std::abs(lost - spent) / scale_J);
             REQUIRE(std::abs(lost - spent) <= 1e-6 * scale_J);
             if (state.held) REQUIRE(state.omega_radps == 0.0);
@@ -157,8 +147,7 @@ TEST_CASE("any state, any input: finite, no energy from nothing, no wheel turnin
                 const double low = std::min(before.v_mps, state.v_mps);
                 const double high = std::max(before.v_mps, state.v_mps);
                 REQUIRE(state.distance_m - before.distance_m >= h * low * (1.0 - 1e-6));
-                if (before.omega_radps * r <= before.v_mps)
-                    REQUIRE(state.distance_m - before.distance_m <= h * high * (1.0 + 1e-6));
+                if (before.omega_radps * r <= before.v_mps) REQUIRE(state.distance_m - before.distance_m <= h * high * (1.0 + 1e-6));
             }
             if (state.v_mps <= plant::Wheel::kSlowest_mps) break;
         }
@@ -180,8 +169,7 @@ TEST_CASE("a load that drifts is followed: energies close, steps of any size agr
         for (int i = 0; i < std::lround(1.0 / h); ++i) {
             // 10 kN up and down in half a second each: the sledge of a rig at work.
             const double next_N = 20000.0 + 10000.0 * std::min(2.0 * (i + 1) * h, 2.0 - 2.0 * (i + 1) * h);
-            wheel.advance(state, plant::PressureArc::linear(pressure_Pa, pressure_Pa),
-                          {load_N, next_N - load_N, 0.0}, h);
+            wheel.advance(state, plant::PressureArc::linear(pressure_Pa, pressure_Pa), {load_N, next_N - load_N, 0.0}, h);
             load_N = next_N;
         }
         const double lost = start_J - wheel.kinetic_energy_J(state);

@@ -22,8 +22,7 @@ void check_all(std::size_t first, std::size_t count, double tolerance) {
                 CAPTURE(s.name, p.name, input == Input::valve);
                 reference::Options options;
                 options.longest_s = p.longest_s;
-                const Comparison c =
-                    compare_open_loop(s.loaded.rig, input, p.pressure_Pa, options, tolerance);
+                const Comparison c = compare_open_loop(s.loaded.rig, input, p.pressure_Pa, options, tolerance);
                 CHECK(c.v <= 1e-4);
                 CHECK(c.omega <= 1e-4);
                 CHECK(c.residual <= 1e-6);
@@ -32,15 +31,13 @@ void check_all(std::size_t first, std::size_t count, double tolerance) {
                 worst.residual = std::max(worst.residual, c.residual);
             }
         }
-        SUCCEED("worst error of v " << worst.v << ", of omega " << worst.omega << ", residual "
-                                    << worst.residual);
+        SUCCEED("worst error of v " << worst.v << ", of omega " << worst.omega << ", residual " << worst.residual);
     }
 }
 
 }  // namespace
 
-TEST_CASE("open loop: below the peak long steps agree with the reference, at their ends and between",
-          "[RIG-001]") {
+TEST_CASE("open loop: below the peak long steps agree with the reference, at their ends and between", "[RIG-001]") {
     check_all(0, 2, OpenLoop::kCoarse);
 }
 

@@ -21,8 +21,7 @@ std::vector<plant::Surface> surfaces() {
 
 }  // namespace
 
-TEST_CASE("tyre: every surface peaks where its coefficients say, and where the published table says",
-          "[RIG-020]") {
+TEST_CASE("tyre: every surface peaks where its coefficients say, and where the published table says", "[RIG-020]") {
     struct Published {
         const char* name;
         double slip, mu;
@@ -62,8 +61,7 @@ TEST_CASE("tyre: eq. (4) for slip, its odd extension for overspeed, slope as by 
             CHECK(odd.mu == -f.mu);
             CHECK(odd.mu_1 == f.mu_1);
             const double d = 1e-4 * lambda;
-            const double slope =
-                (plant::friction(s, lambda + d).mu - plant::friction(s, lambda - d).mu) / (2.0 * d);
+            const double slope = (plant::friction(s, lambda + d).mu - plant::friction(s, lambda - d).mu) / (2.0 * d);
             CHECK(f.mu_1 == Approx(slope).epsilon(1e-5).margin(1e-6 * s.c1 * s.c2));
         }
         CHECK(plant::friction(s, 0.0).mu == 0.0);
@@ -81,27 +79,21 @@ TEST_CASE("tyre: a curve without c3 never falls; its peak is at slip 1", "[RIG-0
 }
 
 TEST_CASE("brake: k_b is eq. (5) with a friction curve brought to the given mean", "[RIG-020]") {
-    const plant::BrakeGeometry geometry{
-        .piston_area_m2 = 8.04e-4, .pistons = 6, .surfaces = 6, .effective_radius_m = 0.12};
+    const plant::BrakeGeometry geometry{.piston_area_m2 = 8.04e-4, .pistons = 6, .surfaces = 6, .effective_radius_m = 0.12};
     CHECK(geometry.gain_m3() == Approx(8.04e-4 * 6 * 6 * 0.12).epsilon(1e-15));
     constexpr double kSpeed_mps = 61.0;
-    for (const plant::FrictionCurve& curve : {plant::FrictionCurve{0.33, -0.048, -0.018, 0.0},
-                                              plant::FrictionCurve{0.366, -0.306, 0.216, 0.06}}) {
+    for (const plant::FrictionCurve& curve : {plant::FrictionCurve{0.33, -0.048, -0.018, 0.0}, plant::FrictionCurve{0.366, -0.306, 0.216, 0.06}}) {
         for (const double mean : {0.30, 0.22, 0.4}) {
             CAPTURE(mean);
             const plant::BrakeTorque brake(geometry, curve, mean, kSpeed_mps);
-            const auto shape = [&](double x) {
-                return curve[0] + x * (curve[1] + x * (curve[2] + x * curve[3]));
-            };
+            const auto shape = [&](double x) { return curve[0] + x * (curve[1] + x * (curve[2] + x * curve[3])); };
             // Simpson's rule is exact for a cubic.
             const auto k_b = [&](double x) { return brake.gain(x * kSpeed_mps).k_b; };
-            CHECK((k_b(0.0) + 4.0 * k_b(0.5) + k_b(1.0)) / 6.0 ==
-                  Approx(mean * geometry.gain_m3()).epsilon(1e-13));
+            CHECK((k_b(0.0) + 4.0 * k_b(0.5) + k_b(1.0)) / 6.0 == Approx(mean * geometry.gain_m3()).epsilon(1e-13));
             for (double x = 0.05; x < 1.0; x += 0.05) {
                 CAPTURE(x);
                 // Biased, not scaled.
-                CHECK(k_b(x) - k_b(0.0) ==
-                      Approx((shape(x) - shape(0.0)) * geometry.gain_m3()).margin(1e-15));
+                CHECK(k_b(x) - k_b(0.0) == Approx((shape(x) - shape(0.0)) * geometry.gain_m3()).margin(1e-15));
                 const double d = 1e-5;
                 const double slope = (k_b(x + d) - k_b(x - d)) / (2.0 * d * kSpeed_mps);
                 CHECK(brake.gain(x * kSpeed_mps).k_b1 == Approx(slope).epsilon(1e-6).margin(1e-12));

@@ -30,9 +30,7 @@ struct HardConfig {
         }
         put(directory / "landing_gear.toml", text);
     }
-    [[nodiscard]] plant::RigParameters rig(const plant::ManeuverChoice& choice = {}) const {
-        return plant::load_rig(directory.path(), choice).rig;
-    }
+    [[nodiscard]] plant::RigParameters rig(const plant::ManeuverChoice& choice = {}) const { return plant::load_rig(directory.path(), choice).rig; }
     TemporaryDirectory directory;
 };
 
@@ -45,8 +43,7 @@ plant::LoadedRig on_runway(const std::string& text, const std::filesystem::path&
 
 }  // namespace
 
-TEST_CASE("wet friction is the polynomials' value, in exact fractions at 0, 50, 100 and 150 knots",
-          "[RIG-262]") {
+TEST_CASE("wet friction is the polynomials' value, in exact fractions at 0, 50, 100 and 150 knots", "[RIG-262]") {
     struct Printed {
         double psi;
         Texture texture;
@@ -54,14 +51,13 @@ TEST_CASE("wet friction is the polynomials' value, in exact fractions at 0, 50, 
     };
     // a x^3 + b x^2 + c x + d and its like of order five, x = 0, 0.5, 1, 1.5, in rational arithmetic. A wrong coefficient would be wrong
     // here, too.
-    for (const Printed& p : {Printed{50.0, Texture::smooth, 0.883, 0.529625, 0.303, 0.176875},
-                             Printed{100.0, Texture::smooth, 0.804, 0.4760375, 0.2753, 0.1690125},
-                             Printed{200.0, Texture::smooth, 0.692, 0.4218625, 0.2529, 0.1602875},
-                             Printed{300.0, Texture::smooth, 0.614, 0.3692375, 0.2259, 0.1539125},
-                             Printed{50.0, Texture::grooved, 0.859, 0.66284375, 0.349, 0.24878125},
-                             Printed{100.0, Texture::grooved, 0.807, 0.63439375, 0.3516, 0.24530625},
-                             Printed{200.0, Texture::grooved, 0.701, 0.56893125, 0.3478, 0.23054375},
-                             Printed{300.0, Texture::grooved, 0.614, 0.48789875, 0.31286, 0.20757125}}) {
+    for (const Printed& p :
+         {Printed{50.0, Texture::smooth, 0.883, 0.529625, 0.303, 0.176875}, Printed{100.0, Texture::smooth, 0.804, 0.4760375, 0.2753, 0.1690125},
+          Printed{200.0, Texture::smooth, 0.692, 0.4218625, 0.2529, 0.1602875}, Printed{300.0, Texture::smooth, 0.614, 0.3692375, 0.2259, 0.1539125},
+          Printed{50.0, Texture::grooved, 0.859, 0.66284375, 0.349, 0.24878125},
+          Printed{100.0, Texture::grooved, 0.807, 0.63439375, 0.3516, 0.24530625},
+          Printed{200.0, Texture::grooved, 0.701, 0.56893125, 0.3478, 0.23054375},
+          Printed{300.0, Texture::grooved, 0.614, 0.48789875, 0.31286, 0.20757125}}) {
         CAPTURE(p.psi, p.texture == Texture::smooth);
         const WetGrip grip(p.psi, p.texture);
         CHECK(grip.at(0.0).mu == Approx(p.at_0).epsilon(1e-12));
@@ -71,8 +67,7 @@ TEST_CASE("wet friction is the polynomials' value, in exact fractions at 0, 50, 
     }
 }
 
-TEST_CASE("wet friction falls with speed and with tyre pressure, and grooves help above 20 knots",
-          "[RIG-262]") {
+TEST_CASE("wet friction falls with speed and with tyre pressure, and grooves help above 20 knots", "[RIG-262]") {
     for (double knots = 20.0; knots < 170.0; knots += 1.0) {
         CAPTURE(knots);
         const double v = knots * kKnot_mps;
@@ -84,8 +79,7 @@ TEST_CASE("wet friction falls with speed and with tyre pressure, and grooves hel
                 const WetGrip::Most here = grip.at(v);
                 CHECK(here.mu > 0.05);
                 CHECK(here.mu_v < 0.0);
-                CHECK(here.mu_v ==
-                      Approx((grip.at(v + 1e-3).mu - grip.at(v - 1e-3).mu) / 2e-3).epsilon(1e-6));
+                CHECK(here.mu_v == Approx((grip.at(v + 1e-3).mu - grip.at(v - 1e-3).mu) / 2e-3).epsilon(1e-6));
                 if (texture == Texture::smooth) CHECK(here.mu < softer);
                 softer = here.mu;
                 CHECK(WetGrip(psi, Texture::grooved).at(v).mu > WetGrip(psi, Texture::smooth).at(v).mu);
@@ -101,14 +95,11 @@ TEST_CASE("between the printed pressures friction is linear; beyond them there i
             CHECK(WetGrip(230.0, texture).at(v).mu == Approx(0.7 * low + 0.3 * high).epsilon(1e-12));
         }
     }
-    for (const double psi : {49.9, 300.1, 0.0, -1.0, std::nan("")})
-        CHECK_THROWS_AS(WetGrip(psi, Texture::smooth), std::invalid_argument);
-    for (const double mu : {-0.01, 0.11, std::nan("")})
-        CHECK_THROWS_AS(WetGrip(100.0, Texture::smooth, mu), std::invalid_argument);
+    for (const double psi : {49.9, 300.1, 0.0, -1.0, std::nan("")}) CHECK_THROWS_AS(WetGrip(psi, Texture::smooth), std::invalid_argument);
+    for (const double mu : {-0.01, 0.11, std::nan("")}) CHECK_THROWS_AS(WetGrip(100.0, Texture::smooth, mu), std::invalid_argument);
 }
 
-TEST_CASE("on a flooded runway friction is gone at 9 sqrt(p) knots, for a wheel that stands at 7.7 sqrt(p)",
-          "[RIG-262]") {
+TEST_CASE("on a flooded runway friction is gone at 9 sqrt(p) knots, for a wheel that stands at 7.7 sqrt(p)", "[RIG-262]") {
     for (const double psi : {50.0, 81.0, 144.0, 300.0}) {
         const WetGrip wet(psi, Texture::smooth), flooded(psi, Texture::smooth, 0.04);
         for (const bool spun_up : {true, false}) {
@@ -125,8 +116,7 @@ TEST_CASE("on a flooded runway friction is gone at 9 sqrt(p) knots, for a wheel 
                 CHECK(below.mu_v == Approx(above.mu_v).margin(1e-6));
             }
             for (double v = 0.86 * floats_mps; v < 0.99 * floats_mps; v += 0.3) {
-                const double slope =
-                    (flooded.at(v + 1e-4, spun_up).mu - flooded.at(v - 1e-4, spun_up).mu) / 2e-4;
+                const double slope = (flooded.at(v + 1e-4, spun_up).mu - flooded.at(v - 1e-4, spun_up).mu) / 2e-4;
                 CHECK(flooded.at(v, spun_up).mu_v == Approx(slope).epsilon(1e-5));
                 CHECK(slope < 0.0);
             }
@@ -136,12 +126,11 @@ TEST_CASE("on a flooded runway friction is gone at 9 sqrt(p) knots, for a wheel 
 
 TEST_CASE("a wheel that touches down between the two speeds floats until it has spun up", "[RIG-262]") {
     const TemporaryDirectory directory;
-    plant::RigParameters rig =
-        on_runway(
-            "[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 100, texture = \"smooth\", "
-            "flooded = true, flooded_mu = 0.02}\n",
-            directory / "r.toml")
-            .rig;
+    plant::RigParameters rig = on_runway(
+                                   "[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 100, texture = \"smooth\", "
+                                   "flooded = true, flooded_mu = 0.02}\n",
+                                   directory / "r.toml")
+                                   .rig;
     const WetGrip grip = *rig.surface.wet;
     rig.brake_on_mps = 0.5 * (0.85 * grip.hydroplaning_mps(true) + grip.hydroplaning_mps(false));
     plant::Rig landing(rig, 1e-3, 1);
@@ -150,17 +139,13 @@ TEST_CASE("a wheel that touches down between the two speeds floats until it has 
     const double curve = plant::friction(rig.surface, 1.0).mu / plant::peak(rig.surface).mu;
     CHECK(landing.forces().mu == Approx(0.02 * curve).epsilon(0.05));
     for (int i = 0; i < 3000; ++i) landing.advance_current(0.0);
-    CHECK(landing.wheel().omega_radps * landing.forces().radius_m ==
-          Approx(landing.wheel().v_mps).epsilon(1e-3));
+    CHECK(landing.wheel().omega_radps * landing.forces().radius_m == Approx(landing.wheel().v_mps).epsilon(1e-3));
     CHECK(plant::peak(landing.surface(), landing.wheel().v_mps).mu > 0.2);
 }
 
 TEST_CASE("a wheel held from touchdown on a wet runway stops where the quadrature says", "[RIG-262]") {
     const TemporaryDirectory directory;
-    plant::RigParameters rig =
-        on_runway("[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 160, texture = \"grooved\"}\n",
-                  directory / "r.toml")
-            .rig;
+    plant::RigParameters rig = on_runway("[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 160, texture = \"grooved\"}\n", directory / "r.toml").rig;
     rig.load.lift_Ns2pm2 = 0.0;
     plant::Rig stop(rig, 1e-3, 1);
     stop.touch_down();
@@ -178,12 +163,10 @@ TEST_CASE("a wheel held from touchdown on a wet runway stops where the quadratur
     }
     metres *= (from_mps - to_mps) / kParts / 3.0;
     CHECK(stop.wheel().distance_m == Approx(metres).epsilon(1e-7));
-    CHECK(stop.kinetic_energy_J() + stop.wheel().energy_tyre_J ==
-          Approx(0.5 * rig.wheel.mass_kg * from_mps * from_mps).epsilon(1e-9));
+    CHECK(stop.kinetic_energy_J() + stop.wheel().energy_tyre_J == Approx(0.5 * rig.wheel.mass_kg * from_mps * from_mps).epsilon(1e-9));
 }
 
-TEST_CASE("a runway's file: surfaces by name, wet ones by the regulation, counted from touchdown",
-          "[RIG-262]") {
+TEST_CASE("a runway's file: surfaces by name, wet ones by the regulation, counted from touchdown", "[RIG-262]") {
     const TemporaryDirectory directory;
     const plant::LoadedRig loaded = on_runway(
         "[[patch]]\nfrom_m = 0.0\nsurface = \"dry_asphalt\"\n"
@@ -213,9 +196,7 @@ TEST_CASE("a runway's file: surfaces by name, wet ones by the regulation, counte
             const double before_m = rig.wheel().distance_m - began_m;
             rig.advance_current(0.0);
             const std::string& under = rig.surface().name;
-            CHECK(under == (before_m < 30.0   ? "dry_asphalt"
-                            : before_m < 60.0 ? "wet smooth at 120 psi"
-                                              : "wet grooved at 120 psi"));
+            CHECK(under == (before_m < 30.0 ? "dry_asphalt" : before_m < 60.0 ? "wet smooth at 120 psi" : "wet grooved at 120 psi"));
         }
         rig.lift_off();
     }
@@ -230,21 +211,17 @@ TEST_CASE("every mistake in a runway's file is refused with file, line and key",
     for (const Mistake& m : {
              Mistake{"", 0, "patch"},
              Mistake{"[[patch]]\nfrom_m = 5.0\nsurface = \"ice\"\n", 2, "begins at 0"},
-             Mistake{"[[patch]]\nfrom_m = 0\nsurface = \"ice\"\n[[patch]]\nfrom_m = 0.0\nsurface = \"ice\"\n",
-                     5, "behind the patch before it"},
+             Mistake{"[[patch]]\nfrom_m = 0\nsurface = \"ice\"\n[[patch]]\nfrom_m = 0.0\nsurface = \"ice\"\n", 5, "behind the patch before it"},
              Mistake{"[[patch]]\nfrom_m = 0\n", 1, "expected surface"},
              Mistake{"[[patch]]\nfrom_m = 0\nsurface = \"ice\"\nwet = {}\n", 4, "one of them"},
              Mistake{"[[patch]]\nfrom_m = 0\nsurface = \"grass\"\n", 3, "wet_cobblestone"},
              Mistake{"[[patch]]\nfrom_m = 0\nlength_m = 3\nsurface = \"ice\"\n", 3, "length_m"},
              Mistake{"[[patch]]\nfrom_m = 0\nwet = {texture = \"smooth\"}\n", 3, "tyre_pressure_psi"},
-             Mistake{"[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 40, texture = \"smooth\"}\n", 3,
-                     "50 to 300"},
-             Mistake{"[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 90, texture = \"rough\"}\n", 3,
-                     "grooved"},
-             Mistake{
-                 "[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 90, texture = \"smooth\", flooded_mu = "
-                 "0.03}\n",
-                 3, "flooded = true"},
+             Mistake{"[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 40, texture = \"smooth\"}\n", 3, "50 to 300"},
+             Mistake{"[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 90, texture = \"rough\"}\n", 3, "grooved"},
+             Mistake{"[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 90, texture = \"smooth\", flooded_mu = "
+                     "0.03}\n",
+                     3, "flooded = true"},
              Mistake{"[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 90, texture = \"smooth\", flooded = "
                      "true, "
                      "flooded_mu = 0.3}\n",
@@ -252,10 +229,9 @@ TEST_CASE("every mistake in a runway's file is refused with file, line and key",
              Mistake{"[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 90, texture = \"smooth\", curve = "
                      "\"mud\"}\n",
                      3, "mud"},
-             Mistake{
-                 "[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 90, texture = \"smooth\", peak_slip = "
-                 "0.03}\n",
-                 3, "later peak"},
+             Mistake{"[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 90, texture = \"smooth\", peak_slip = "
+                     "0.03}\n",
+                     3, "later peak"},
          }) {
         CAPTURE(m.text);
         const TemporaryDirectory directory;
@@ -308,8 +284,7 @@ TEST_CASE("tyre, leg, teeth and line stand in the rig's file; without them it is
     CHECK(relaxing.rig(on_flywheel).wheel.compliance.relaxation.length_m == 0.2);
     const HardConfig line("delay_ms = 6.0", "line_ms = 4.0\ndelay_ms = 6.0");
     CHECK(line.rig().valve.line_s == Approx(4e-3).epsilon(1e-15));
-    const auto teeth =
-        HardConfig("[wheel.encoder]", "[wheel.encoder]\npitch_error = 0.01\neccentricity = 0.002").rig();
+    const auto teeth = HardConfig("[wheel.encoder]", "[wheel.encoder]\npitch_error = 0.01\neccentricity = 0.002").rig();
     CHECK(teeth.wheel_encoder.pitch_error == 0.01);
     CHECK(teeth.wheel_encoder.eccentricity == 0.002);
     CHECK(teeth.flywheel_encoder.pitch_error == 0.0);
@@ -324,16 +299,11 @@ TEST_CASE("tyre, leg, teeth and line that cannot be are refused by name", "[RIG-
              Mistake{"\n[tyre]\n", "", "tyre.model"},
              Mistake{"\n[tyre]\nmodel = \"brush\"\n", "", "tyre.model"},
              Mistake{"\n[tyre]\nmodel = \"static\"\nbelt_share = 0.3\n", "", "tyre.belt_share"},
-             Mistake{"\n[tyre]\nmodel = \"ring\"\nfrequency_Hz = 80\ndamping = 0.06\n", "",
-                     "tyre.belt_share"},
-             Mistake{"\n[tyre]\nmodel = \"ring\"\nbelt_share = 1.0\nfrequency_Hz = 80\ndamping = 0.06\n", "",
-                     "tyre.belt_share"},
-             Mistake{"\n[tyre]\nmodel = \"ring\"\nbelt_share = 0.3\nfrequency_Hz = 0\ndamping = 0.06\n", "",
-                     "tyre.frequency_Hz"},
-             Mistake{"\n[tyre]\nmodel = \"ring\"\nbelt_share = 0.3\nfrequency_Hz = 80\ndamping = -0.1\n", "",
-                     "tyre.damping"},
-             Mistake{"\n[tyre]\nmodel = \"relaxation\"\nlength_m = 3.0\nfloor_m = 0.02\n", "",
-                     "tyre.length_m"},
+             Mistake{"\n[tyre]\nmodel = \"ring\"\nfrequency_Hz = 80\ndamping = 0.06\n", "", "tyre.belt_share"},
+             Mistake{"\n[tyre]\nmodel = \"ring\"\nbelt_share = 1.0\nfrequency_Hz = 80\ndamping = 0.06\n", "", "tyre.belt_share"},
+             Mistake{"\n[tyre]\nmodel = \"ring\"\nbelt_share = 0.3\nfrequency_Hz = 0\ndamping = 0.06\n", "", "tyre.frequency_Hz"},
+             Mistake{"\n[tyre]\nmodel = \"ring\"\nbelt_share = 0.3\nfrequency_Hz = 80\ndamping = -0.1\n", "", "tyre.damping"},
+             Mistake{"\n[tyre]\nmodel = \"relaxation\"\nlength_m = 3.0\nfloor_m = 0.02\n", "", "tyre.length_m"},
              Mistake{"\n[tyre]\nmodel = \"relaxation\"\nlength_m = 0.3\n", "", "tyre.floor_m"},
              Mistake{"\n[leg]\nmass_kg = 120\nfrequency_Hz = 12\n", "", "leg.damping"},
              Mistake{"\n[leg]\nmass_kg = 120\nfrequency_Hz = 0.1\ndamping = 0.1\n", "", "leg.frequency_Hz"},

@@ -27,9 +27,7 @@ struct Shaft {
     [[nodiscard]] double omega(double t) const { return omega_0 + acceleration * t; }
     [[nodiscard]] double angle(double t) const { return t * (omega_0 + 0.5 * acceleration * t); }
     /// When it has turned by `angle`.
-    [[nodiscard]] double time_of(double angle) const {
-        return 2.0 * angle / (omega_0 + std::sqrt(omega_0 * omega_0 + 2.0 * acceleration * angle));
-    }
+    [[nodiscard]] double time_of(double angle) const { return 2.0 * angle / (omega_0 + std::sqrt(omega_0 * omega_0 + 2.0 * acceleration * angle)); }
 };
 
 /// Sum of squares of N standard normals lies within 5 of its standard deviations.
@@ -39,8 +37,7 @@ bool plausible_variance(double variance, double expected, double count, double k
 
 }  // namespace
 
-TEST_CASE("encoder: counts are the exact angle, edge times the closed form at constant acceleration",
-          "[RIG-070]") {
+TEST_CASE("encoder: counts are the exact angle, edge times the closed form at constant acceleration", "[RIG-070]") {
     for (const Shaft shaft : {Shaft{190.0, 0.0}, Shaft{190.0, -60.0}, Shaft{5.0, 900.0}, Shaft{40.0, -9.0}}) {
         CAPTURE(shaft.omega_0, shaft.acceleration);
         plant::Encoder encoder(kClean);
@@ -50,14 +47,12 @@ TEST_CASE("encoder: counts are the exact angle, edge times the closed form at co
         for (int i = 1; i <= 1500; ++i) {
             const double now = i * kStep_s;
             if (shaft.omega(now) < 2.0) break;
-            encoder.advance(shaft.angle(now), shaft.omega(now - kStep_s), shaft.omega(now), now, kStep_s,
-                            random);
+            encoder.advance(shaft.angle(now), shaft.omega(now - kStep_s), shaft.omega(now), now, kStep_s, random);
             const auto edges = static_cast<std::uint32_t>(std::floor(shaft.angle(now) / kToothPitch_rad));
             REQUIRE(encoder.edge_count() == edges);
             if (edges == last) continue;
             last = edges;
-            worst_s =
-                std::max(worst_s, std::abs(encoder.edge_time_s() - shaft.time_of(edges * kToothPitch_rad)));
+            worst_s = std::max(worst_s, std::abs(encoder.edge_time_s() - shaft.time_of(edges * kToothPitch_rad)));
         }
         CHECK(last > 200);
         CHECK(worst_s < 1e-11);
@@ -77,25 +72,20 @@ TEST_CASE("encoder: on the plant its last edge and count tell the speed", "[RIG-
         if (i % 100 != 0) continue;
         const plant::Encoder& e = rig.flywheel_encoder();
         if (i > 100) {
-            const double mean = (e.edge_count() - count) * kToothPitch_rad / (e.edge_time_s() - time) *
-                                parameters.flywheel_radius_m;
+            const double mean = (e.edge_count() - count) * kToothPitch_rad / (e.edge_time_s() - time) * parameters.flywheel_radius_m;
             // At constant deceleration the mean over 0.1 s is the speed half-way.
             const double then = rig.wheel().v_mps + 0.5 * (0.1 + rig.time_s() - e.edge_time_s()) * 3.4;
             CHECK(mean == Approx(then).epsilon(0.01));
-            CHECK(e.speed_radps(rig.time_s()) * parameters.flywheel_radius_m ==
-                  Approx(rig.wheel().v_mps).epsilon(0.01));
+            CHECK(e.speed_radps(rig.time_s()) * parameters.flywheel_radius_m == Approx(rig.wheel().v_mps).epsilon(0.01));
         }
         count = e.edge_count();
         time = e.edge_time_s();
-        CHECK(count == static_cast<std::uint32_t>(std::floor(
-                           rig.wheel().distance_m / parameters.flywheel_radius_m / kToothPitch_rad)));
-        CHECK(rig.wheel_encoder().edge_count() ==
-              static_cast<std::uint32_t>(std::floor(rig.wheel().angle_rad / kToothPitch_rad)));
+        CHECK(count == static_cast<std::uint32_t>(std::floor(rig.wheel().distance_m / parameters.flywheel_radius_m / kToothPitch_rad)));
+        CHECK(rig.wheel_encoder().edge_count() == static_cast<std::uint32_t>(std::floor(rig.wheel().angle_rad / kToothPitch_rad)));
     }
 }
 
-TEST_CASE("encoder: jitter has the given deviation and no bias; stamps never run back nor ahead of now",
-          "[RIG-070]") {
+TEST_CASE("encoder: jitter has the given deviation and no bias; stamps never run back nor ahead of now", "[RIG-070]") {
     constexpr double kJitter_s = 5e-6;
     const Shaft shaft{150.0, 0.0};
     plant::Encoder encoder(with_jitter(kJitter_s));
@@ -173,8 +163,8 @@ TEST_CASE("sensors: the same seed gives the same readings, another seed others",
         std::vector<double> all;
         for (int i = 0; i < 500; ++i) {
             rig.advance_current(10.0);
-            all.insert(all.end(), {rig.wheel_encoder().edge_time_s(), rig.flywheel_encoder().edge_time_s(),
-                                   rig.measured_pressure_Pa(), rig.wheel().omega_radps});
+            all.insert(all.end(), {rig.wheel_encoder().edge_time_s(), rig.flywheel_encoder().edge_time_s(), rig.measured_pressure_Pa(),
+                                   rig.wheel().omega_radps});
         }
         return all;
     };
@@ -216,20 +206,18 @@ TEST_CASE("transducer: range, resolution, noise", "[RIG-070]") {
 
 TEST_CASE("random: SplitMix64 as published", "[RIG-070]") {
     plant::Random from_zero(0);
-    for (const std::uint64_t expected : {0xE220A8397B1DCDAFULL, 0x6E789E6AA1B965F4ULL, 0x06C45D188009454FULL,
-                                         0xF88BB8A8724C81ECULL, 0x1B39896A51A8749BULL}) {
+    for (const std::uint64_t expected :
+         {0xE220A8397B1DCDAFULL, 0x6E789E6AA1B965F4ULL, 0x06C45D188009454FULL, 0xF88BB8A8724C81ECULL, 0x1B39896A51A8749BULL}) {
         CHECK(from_zero.bits() == expected);
     }
     plant::Random random(1234567);
     for (const std::uint64_t expected :
-         {6457827717110365317ULL, 3203168211198807973ULL, 9817491932198370423ULL, 4593380528125082431ULL,
-          16408922859458223821ULL}) {
+         {6457827717110365317ULL, 3203168211198807973ULL, 9817491932198370423ULL, 4593380528125082431ULL, 16408922859458223821ULL}) {
         CHECK(random.bits() == expected);
     }
 }
 
-TEST_CASE("random: noise has mean 0, deviation 1, no third moment, its bound and nearly the normal law",
-          "[RIG-070]") {
+TEST_CASE("random: noise has mean 0, deviation 1, no third moment, its bound and nearly the normal law", "[RIG-070]") {
     plant::Random random(20260105);
     constexpr int kCount = 1000000;
     std::vector<double> draws(kCount);
@@ -263,8 +251,7 @@ TEST_CASE("random: noise has mean 0, deviation 1, no third moment, its bound and
     CHECK(worst < 0.01);
 }
 
-TEST_CASE("teeth that stand in the wrong place move their stamps, not their number nor the mean speed",
-          "[RIG-070]") {
+TEST_CASE("teeth that stand in the wrong place move their stamps, not their number nor the mean speed", "[RIG-070]") {
     plant::EncoderParameters off = kClean;
     off.pitch_error = 0.02;
     off.eccentricity = 0.003;

@@ -31,8 +31,7 @@ TEST_CASE("low speed: accurate at 1 ms and 5 ms on every surface", "[RIG-001]") 
                 reference::Options options;
                 options.until_mps = 1.0;
                 options.longest_s = 3.0;
-                const reference::Profile steps{{0.0, 0.0},        {0.05, 0.0},       {0.05, 0.5 * peak},
-                                               {0.1, 0.5 * peak}, {0.1, 0.1 * peak}, {0.15, 0.8 * peak}};
+                const reference::Profile steps{{0.0, 0.0}, {0.05, 0.0}, {0.05, 0.5 * peak}, {0.1, 0.5 * peak}, {0.1, 0.1 * peak}, {0.15, 0.8 * peak}};
                 const Comparison c = compare(rig, reference::Input::pressure, steps, step_s, options);
                 CHECK(c.v <= 1e-4);
                 CHECK(c.omega <= 1e-4);
@@ -46,9 +45,7 @@ TEST_CASE("low speed: accurate at 1 ms and 5 ms on every surface", "[RIG-001]") 
 TEST_CASE("low speed: a disturbed wheel returns to its slip without oscillation", "[RIG-001]") {
     for (const NamedScenario& s : all_scenarios()) {
         const plant::RigParameters& rig = s.loaded.rig;
-        plant::Wheel wheel(
-            rig.wheel, plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps),
-            rig.surface);
+        plant::Wheel wheel(rig.wheel, plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps), rig.surface);
         const plant::LoadArc load{rig.load.base_N, 0.0, rig.load.lift_Ns2pm2};
         for (const double v : {5.5, 2.0}) {
             for (const double step_s : {1e-3, 5e-3}) {

@@ -12,8 +12,7 @@
 namespace {
 
 constexpr double kFull_Pa = 2.07e7;
-constexpr plant::ValveParameters kValve{
-    .natural_frequency_radps = 2.0 * std::numbers::pi * 20.0, .damping = 0.8, .delay_s = 6e-3};
+constexpr plant::ValveParameters kValve{.natural_frequency_radps = 2.0 * std::numbers::pi * 20.0, .damping = 0.8, .delay_s = 6e-3};
 
 /// Response of eq. (6) to a unit step at time zero, before the delay.
 double step_response(const plant::ValveParameters& valve, double t) {
@@ -32,8 +31,7 @@ double ramp_response(const plant::ValveParameters& valve, double t) {
     const double decay = valve.damping * w;
     const double w_d = w * std::sqrt(1.0 - valve.damping * valve.damping);
     const double lag = 2.0 * valve.damping / w;
-    return t - lag +
-           std::exp(-decay * t) * (lag * std::cos(w_d * t) + (lag * decay - 1.0) / w_d * std::sin(w_d * t));
+    return t - lag + std::exp(-decay * t) * (lag * std::cos(w_d * t) + (lag * decay - 1.0) / w_d * std::sin(w_d * t));
 }
 
 /// The same behind a line, by the residues of w^2 a / ((s - p1) (s - p2) (s - p3) s), a = -p3 = 1 / line_s.
@@ -98,8 +96,7 @@ TEST_CASE("valve: the step response behind a line, whatever its lag, the delay a
                     const double truth = kFull_Pa * step_behind_line(parameters, i * step_s);
                     worst = std::max(worst, std::abs(valve.pressure_Pa() - truth));
                     const plant::PressureArc& begins = valve.first_s() > 0.0 ? arcs.first : arcs.second;
-                    seam = std::max({seam, std::abs(begins.at(0.0) - last),
-                                     std::abs(arcs.second.at(1.0) - valve.pressure_Pa())});
+                    seam = std::max({seam, std::abs(begins.at(0.0) - last), std::abs(arcs.second.at(1.0) - valve.pressure_Pa())});
                     last = valve.pressure_Pa();
                 }
                 CHECK(worst < 1e-9 * kFull_Pa);
@@ -109,8 +106,7 @@ TEST_CASE("valve: the step response behind a line, whatever its lag, the delay a
     }
 }
 
-TEST_CASE("valve: a line that hardly lags is none; a ramp comes later by its lag; one below zero is refused",
-          "[RIG-040]") {
+TEST_CASE("valve: a line that hardly lags is none; a ramp comes later by its lag; one below zero is refused", "[RIG-040]") {
     plant::ValveParameters parameters = kValve;
     plant::Valve bare(parameters, 1e-3);
     parameters.line_s = 1e-7;
@@ -142,8 +138,7 @@ TEST_CASE("valve: exact for an input that is linear in time", "[RIG-040]") {
             double worst = 0.0;
             for (int i = 1; i * step_s < 0.15; ++i) {
                 static_cast<void>(valve.advance(kRate * (i - 1) * step_s, kRate * i * step_s));
-                worst = std::max(
-                    worst, std::abs(valve.pressure_Pa() - kRate * ramp_response(parameters, i * step_s)));
+                worst = std::max(worst, std::abs(valve.pressure_Pa() - kRate * ramp_response(parameters, i * step_s)));
             }
             CHECK(worst < 1e-9 * kRate * 0.15);
         }
@@ -188,8 +183,7 @@ TEST_CASE("valve: within a step the pressure follows the closed form to a millio
                     const double truth = kFull_Pa * step_response(parameters, start + x * valve.first_s());
                     worst = std::max(worst, std::abs(arcs.first.at(x) - truth));
                 }
-                const double truth =
-                    kFull_Pa * step_response(parameters, start + valve.first_s() + x * valve.second_s());
+                const double truth = kFull_Pa * step_response(parameters, start + valve.first_s() + x * valve.second_s());
                 worst = std::max(worst, std::abs(arcs.second.at(x) - truth));
             }
         }
@@ -276,8 +270,7 @@ TEST_CASE("valve: play before the map shows as two branches", "[STUDY-100]") {
     plant::Rig rig(parameters, 1e-3, 1);
     rig.start_at_rest();
     const auto settle = [&rig](double from_mA, double to_mA) {
-        for (int i = 0; i <= 1000; ++i)
-            rig.advance_current(from_mA + (to_mA - from_mA) * std::min(1.0, i / 200.0));
+        for (int i = 0; i <= 1000; ++i) rig.advance_current(from_mA + (to_mA - from_mA) * std::min(1.0, i / 200.0));
         return rig.pressure_Pa();
     };
     const plant::PressureMap& map = parameters.pressure_map;

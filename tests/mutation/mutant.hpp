@@ -132,8 +132,7 @@ template <int Number, typename T>
 /// What a function returns that returns nothing of worth: zero, no, an empty structure.
 struct Nothing {
     template <typename T>
-    constexpr operator T()
-        const {  // NOLINT(google-explicit-constructor): it is what is returned in place of a T
+    constexpr operator T() const {  // NOLINT(google-explicit-constructor): it is what is returned in place of a T
         if constexpr (std::is_default_constructible_v<T>) {
             return T{};
         } else {

@@ -20,8 +20,7 @@ using can_test::TempDir;
 const std::string kHead = "title = \"T\"\n";
 
 std::string section(const std::string& id, const std::string& commands, const std::string& more = "") {
-    return "[[section]]\nid = \"" + id + "\"\ntitle = \"S <" + id + ">\"\ncommands = \"\"\"\n" + commands +
-           "\n\"\"\"\n" + more;
+    return "[[section]]\nid = \"" + id + "\"\ntitle = \"S <" + id + ">\"\ncommands = \"\"\"\n" + commands + "\n\"\"\"\n" + more;
 }
 
 std::string refusal(const std::string& text) {
@@ -41,12 +40,7 @@ std::filesystem::path program(const std::string& name) {
 }
 
 paper::RunOptions options(const TempDir& dir, unsigned jobs) {
-    return {.out = dir.path() / "out",
-            .config = "config",
-            .quick = false,
-            .jobs = jobs,
-            .program = program,
-            .progress = {}};
+    return {.out = dir.path() / "out", .config = "config", .quick = false, .jobs = jobs, .program = program, .progress = {}};
 }
 
 /// A PNG of one white dot.
@@ -58,8 +52,7 @@ const std::string kDot(
 
 std::size_t count(const std::string& text, const std::string& what) {
     std::size_t n = 0;
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + what.size()))
-        ++n;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + what.size())) ++n;
     return n;
 }
 
@@ -67,15 +60,14 @@ std::size_t count(const std::string& text, const std::string& what) {
 
 TEST_CASE("a report's sections are read, and mistakes refused with line and key", "[STUDY-185]") {
     const TempDir dir;
-    const paper::Contents c = paper::load_contents(dir.write(
-        "r.toml",
-        kHead +
-            section("a", "  one {here}\n\n two ",
-                    "show = [2]\n[[section.picture]]\nfile = \"p.png\"\ncaption = \"P\"\n"
-                    "command = 1\n[[section.picture]]\nfile = \"q.png\"\ncaption = \"Q\"\n") +
-            section("b", "three",
-                    "after = \"a\"\n[[section.compare]]\nquantity = \"x\"\nsource = \"Table I\"\npaper = "
-                    "1\nfile = \"f\"\nat = \"/x\"\n")));
+    const paper::Contents c =
+        paper::load_contents(dir.write("r.toml", kHead +
+                                                     section("a", "  one {here}\n\n two ",
+                                                             "show = [2]\n[[section.picture]]\nfile = \"p.png\"\ncaption = \"P\"\n"
+                                                             "command = 1\n[[section.picture]]\nfile = \"q.png\"\ncaption = \"Q\"\n") +
+                                                     section("b", "three",
+                                                             "after = \"a\"\n[[section.compare]]\nquantity = \"x\"\nsource = \"Table I\"\npaper = "
+                                                             "1\nfile = \"f\"\nat = \"/x\"\n")));
     REQUIRE(c.sections.size() == 2);
     CHECK(c.sections[0].commands == std::vector<std::string>{"one {here}", "two"});
     CHECK(c.sections[0].shown == std::vector<std::size_t>{1});
@@ -84,28 +76,19 @@ TEST_CASE("a report's sections are read, and mistakes refused with line and key"
     CHECK(c.sections[1].after == "a");
     CHECK(c.sections[1].comparisons[0].printed == 1.0);
     CHECK_THAT(refusal(kHead), ContainsSubstring("section"));
-    CHECK_THAT(refusal(kHead + section("a", "x") + section("a", "x")),
-               ContainsSubstring("there are two sections 'a'"));
-    CHECK_THAT(refusal(kHead + section("../a", "x")),
-               ContainsSubstring("report.toml:3: section[0].id: names a directory"));
-    CHECK_THAT(refusal(kHead + section("a", "x", "after = \"z\"\n")),
-               ContainsSubstring("'z' is no section above"));
+    CHECK_THAT(refusal(kHead + section("a", "x") + section("a", "x")), ContainsSubstring("there are two sections 'a'"));
+    CHECK_THAT(refusal(kHead + section("../a", "x")), ContainsSubstring("report.toml:3: section[0].id: names a directory"));
+    CHECK_THAT(refusal(kHead + section("a", "x", "after = \"z\"\n")), ContainsSubstring("'z' is no section above"));
     CHECK_THAT(refusal(kHead + section("a", "  ")), ContainsSubstring("no command"));
-    CHECK_THAT(refusal(kHead + section("a", "x", "quick_commands = \"\"\"\nx\ny\n\"\"\"\n")),
-               ContainsSubstring("as many as commands"));
+    CHECK_THAT(refusal(kHead + section("a", "x", "quick_commands = \"\"\"\nx\ny\n\"\"\"\n")), ContainsSubstring("as many as commands"));
     CHECK_THAT(refusal(kHead + section("a", "x", "show = [2]\n")), ContainsSubstring("show"));
     CHECK_THAT(refusal(kHead + section("a", "x", "pictures = 3\n")), ContainsSubstring("pictures"));
 }
 
-TEST_CASE(
-    "commands run after what they build on; 1 is an answer, 2 ends a section and those that wait for it",
-    "[STUDY-185]") {
-    const std::string text = kHead + section("no", "false\ntouch {here}/went_on") +
-                             section("bad", "sh {out}/../two\ntouch {here}/went_on") +
-                             section("waits", "touch {here}/ran", "after = \"bad\"\n") +
-                             section("first", "sh {out}/../slow {here}/made") +
-                             section("second", "cat {out}/first/made", "after = \"first\"\n") +
-                             section("gone", "nowhere x");
+TEST_CASE("commands run after what they build on; 1 is an answer, 2 ends a section and those that wait for it", "[STUDY-185]") {
+    const std::string text = kHead + section("no", "false\ntouch {here}/went_on") + section("bad", "sh {out}/../two\ntouch {here}/went_on") +
+                             section("waits", "touch {here}/ran", "after = \"bad\"\n") + section("first", "sh {out}/../slow {here}/made") +
+                             section("second", "cat {out}/first/made", "after = \"first\"\n") + section("gone", "nowhere x");
     for (const unsigned jobs : {1U, 4U}) {
         const TempDir dir;
         dir.write("two", "echo said >&2\nexit 2\n");
@@ -141,8 +124,7 @@ TEST_CASE(
 TEST_CASE("the quick form has its own commands, and a configuration of its own reaches them", "[STUDY-185]") {
     const TempDir dir;
     const paper::Contents contents = paper::load_contents(
-        dir.write("r.toml", kHead + section("a", "echo slow --config {config}",
-                                            "quick_commands = \"echo quick --config {config}\"\n")));
+        dir.write("r.toml", kHead + section("a", "echo slow --config {config}", "quick_commands = \"echo quick --config {config}\"\n")));
     paper::RunOptions o = options(dir, 1);
     CHECK(paper::run_sections(contents, o)[0].commands[0].output == "slow\n");
     o.quick = true;
@@ -153,8 +135,7 @@ TEST_CASE("the quick form has its own commands, and a configuration of its own r
 }
 
 TEST_CASE("figures are found in results by name, index, member and size", "[STUDY-185]") {
-    const std::string json =
-        R"({"a": {"b": [1.5, {"c": 2}]}, "rows": [{"r": 0.23, "v": 1}, {"r": 0.24, "v": 2, "n": "x"}]})";
+    const std::string json = R"({"a": {"b": [1.5, {"c": 2}]}, "rows": [{"r": 0.23, "v": 1}, {"r": 0.24, "v": 2, "n": "x"}]})";
     CHECK(paper::value_at(json, "/a/b/0") == 1.5);
     CHECK(paper::value_at(json, "/a/b/1/c") == 2.0);
     CHECK(paper::value_at(json, "/rows[r=0.24]/v") == 2.0);
@@ -180,15 +161,13 @@ TEST_CASE("base64 is that of RFC 4648, and text cannot become markup", "[STUDY-1
     CHECK(paper::escaped("a\xFF z") == "a\xEF\xBF\xBD z");
 }
 
-TEST_CASE("tables that a command prints in Markdown are tables in the page, all else is as printed",
-          "[STUDY-185]") {
+TEST_CASE("tables that a command prints in Markdown are tables in the page, all else is as printed", "[STUDY-185]") {
     CHECK(paper::output_html("").empty());
     CHECK(paper::output_html("a  <b>\n c\n") == "<pre>a  &lt;b&gt;\n c</pre>\n");
     CHECK(paper::output_html("before\n\n| a | b & c |\n|---|---:|\n| 1 |  |\n\nafter") ==
           "<pre>before</pre>\n<table class=\"output\">\n<thead><tr><th>a</th><th>b &amp; c</th></tr>\n"
           "</thead>\n<tbody>\n<tr><td>1</td><td></td></tr>\n</tbody></table>\n<pre>after</pre>\n");
-    CHECK(paper::output_html("| x |\n| y |") ==
-          "<table class=\"output\">\n<tbody>\n<tr><td>x</td></tr>\n<tr><td>y</td></tr>\n</tbody></table>\n");
+    CHECK(paper::output_html("| x |\n| y |") == "<table class=\"output\">\n<tbody>\n<tr><td>x</td></tr>\n<tr><td>y</td></tr>\n</tbody></table>\n");
 }
 
 TEST_CASE("the page holds pictures, differences and every no; it needs nothing else", "[STUDY-185]") {
@@ -200,41 +179,34 @@ TEST_CASE("the page holds pictures, differences and every no; it needs nothing e
         "\"/length\"\ndecimals = 2\n[[section.compare]]\nquantity = \"width\"\nsource = \"Fig. 5\"\npaper = "
         "1\nfile = \"r.json\"\nat = "
         "\"/width\"\n";
-    const paper::Contents contents = paper::load_contents(dir.write(
-        "r.toml",
-        kHead +
-            section("yes",
-                    "cp {out}/../dot.png {here}/a.png\ncp {out}/../r.json {here}/r.json\necho <b>shown</b>",
-                    "show = [3]\ntext = \"first\\n\\nsecond\"\n[[section.picture]]\nfile = "
-                    "\"a.png\"\ncaption = \"A & "
-                    "B\"\ncommand = 1\n[[section.picture]]\nfile = \"b.png\"\ncaption = \"missing\"\n" +
-                        compare) +
-            section("no", "false")));
+    const paper::Contents contents = paper::load_contents(
+        dir.write("r.toml", kHead +
+                                section("yes", "cp {out}/../dot.png {here}/a.png\ncp {out}/../r.json {here}/r.json\necho <b>shown</b>",
+                                        "show = [3]\ntext = \"first\\n\\nsecond\"\n[[section.picture]]\nfile = "
+                                        "\"a.png\"\ncaption = \"A & "
+                                        "B\"\ncommand = 1\n[[section.picture]]\nfile = \"b.png\"\ncaption = \"missing\"\n" +
+                                            compare) +
+                                section("no", "false")));
     dir.write("r.json", R"({"length": 463.11})");
     const auto results = paper::run_sections(contents, options(dir, 2));
     const auto rows = paper::compared(results);
     REQUIRE(rows.size() == 2);
     CHECK(rows[0].ours == 463.11);
     CHECK_FALSE(rows[1].ours.has_value());
-    const paper::PageHead head{
-        .version = "1.2.3", .config_hash = "abc", .command = "rig-lab report", .quick = true};
+    const paper::PageHead head{.version = "1.2.3", .config_hash = "abc", .command = "rig-lab report", .quick = true};
     const std::string html = paper::to_html(contents, results, rows, head);
     CHECK_THAT(html, ContainsSubstring("src=\"data:image/png;base64," + paper::base64(kDot) + "\""));
     CHECK_THAT(html, ContainsSubstring("width=\"1\" height=\"1\""));
     CHECK_THAT(html, ContainsSubstring("alt=\"A &amp; B\""));
     CHECK_THAT(html, ContainsSubstring("<p>first</p>\n<p>second</p>"));
     CHECK_THAT(html, ContainsSubstring("The picture b.png is not there"));
-    CHECK_THAT(
-        html,
-        ContainsSubstring(
-            ">464.22</td><td class=\"n\">463.11</td><td class=\"n\">-1.11</td><td class=\"n\">-0.24 %</td>"));
+    CHECK_THAT(html, ContainsSubstring(">464.22</td><td class=\"n\">463.11</td><td class=\"n\">-1.11</td><td class=\"n\">-0.24 %</td>"));
     CHECK_THAT(html, ContainsSubstring("width: r.json: nothing at /width"));
     CHECK_THAT(html, ContainsSubstring("The answer of this study is no"));
     CHECK_THAT(html, ContainsSubstring("&lt;b&gt;shown&lt;/b&gt;"));
     CHECK_THAT(html, ContainsSubstring("quick form"));
     CHECK_THAT(html, ContainsSubstring("1.2.3"));
-    for (const char* foreign : {"http:", "https:", "<script", "@import", "url(", "<link", "<iframe"})
-        CHECK(count(html, foreign) == 0);
+    for (const char* foreign : {"http:", "https:", "<script", "@import", "url(", "<link", "<iframe"}) CHECK(count(html, foreign) == 0);
     CHECK(count(html, "src=") == 1);
     const auto json = nlohmann::json::parse(paper::to_json(results, rows, head));
     CHECK(json["config_hash"] == "abc");
@@ -255,7 +227,6 @@ TEST_CASE("the shipped report has every figure and table that is reproduced", "[
             CHECK((line.find("{here}") != std::string::npos));
         }
     }
-    for (const char* what : {"Fig. 3", "Fig. 5", "Fig. 6", "Fig. 7", "Fig. 8", "Fig. 9", "Fig. 11", "Fig. 12",
-                             "Fig. 13", "Fig. 14", "Table III"})
+    for (const char* what : {"Fig. 3", "Fig. 5", "Fig. 6", "Fig. 7", "Fig. 8", "Fig. 9", "Fig. 11", "Fig. 12", "Fig. 13", "Fig. 14", "Table III"})
         CHECK_THAT(titles, ContainsSubstring(what));
 }

@@ -33,8 +33,7 @@ TEST_CASE("the shipped machinery is read, benches apart", "[RIG-090]") {
     CHECK(plc::machinery_file("config") == kFile);
 }
 
-TEST_CASE("every number of the machinery that is missing, misspelt, no number or out of range is refused",
-          "[RIG-090]") {
+TEST_CASE("every number of the machinery that is missing, misspelt, no number or out of range is refused", "[RIG-090]") {
     std::istringstream shipped(content_of(kFile));
     std::string line;
     int keys = 0;

@@ -15,8 +15,8 @@ double time_to_speed_s(const plc::Drive& drive, double mass_kg, double radius_m,
     constexpr int kParts = 200000;
     const double dv = v_mps / kParts;
     const auto slowness = [&](double v) {
-        const double force = std::min(drive.torque_Nm / radius_m, v > 0.0 ? drive.power_W / v : 1e300) -
-                             drive.drag.bearing_N - drive.drag.windage_Ns2pm2 * v * v;
+        const double force =
+            std::min(drive.torque_Nm / radius_m, v > 0.0 ? drive.power_W / v : 1e300) - drive.drag.bearing_N - drive.drag.windage_Ns2pm2 * v * v;
         return mass_kg / force;
     };
     double time = 0.0;
@@ -40,15 +40,13 @@ TEST_CASE("the drive accelerates by its torque, then by its power, and holds the
     // Constant torque, as long as the power allows it; the drag is a thousandth here and taken from the next step's own value.
     const double torque_mps = 0.5 * drive.power_W / (drive.torque_Nm / radius_m);
     REQUIRE(op.until([&op, torque_mps] { return op.v() > torque_mps; }, 60.0));
-    CHECK(op.rig.time_s() - start_s == Approx(time_to_speed_s(drive, mass_kg, radius_m, op.v()) -
-                                              time_to_speed_s(drive, mass_kg, radius_m, start_mps))
-                                           .epsilon(1e-5));
+    CHECK(op.rig.time_s() - start_s ==
+          Approx(time_to_speed_s(drive, mass_kg, radius_m, op.v()) - time_to_speed_s(drive, mass_kg, radius_m, start_mps)).epsilon(1e-5));
     // Into the power limit, short of the set-point by what the speed loop rounds off.
     const double near_mps = set_mps - 3.0 * drive.response_s;
     REQUIRE(op.until([&op, near_mps] { return op.v() > near_mps; }, 60.0));
-    CHECK(op.rig.time_s() - start_s == Approx(time_to_speed_s(drive, mass_kg, radius_m, op.v()) -
-                                              time_to_speed_s(drive, mass_kg, radius_m, start_mps))
-                                           .epsilon(1e-4));
+    CHECK(op.rig.time_s() - start_s ==
+          Approx(time_to_speed_s(drive, mass_kg, radius_m, op.v()) - time_to_speed_s(drive, mass_kg, radius_m, start_mps)).epsilon(1e-4));
     double fastest = 0.0;
     REQUIRE(op.until(
         [&op, &fastest, set_mps] {
@@ -92,8 +90,7 @@ TEST_CASE("without drive the flywheel coasts down by bearings and windage", "[RI
     SECTION("it comes to rest and stays there") {
         const plant::CoastDown end = plant::coast_down(drag, m, 1.0, 1e5);
         CHECK(end.v_mps == 0.0);
-        CHECK(end.distance_m ==
-              Approx(0.5 * m / drag.windage_Ns2pm2 * std::log1p(drag.windage_Ns2pm2 / drag.bearing_N)));
+        CHECK(end.distance_m == Approx(0.5 * m / drag.windage_Ns2pm2 * std::log1p(drag.windage_Ns2pm2 / drag.bearing_N)));
         CHECK(plant::coast_down(drag, m, 0.0, 10.0).distance_m == 0.0);
     }
     SECTION("the served rig, step by step") {

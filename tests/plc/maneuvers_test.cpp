@@ -22,16 +22,15 @@ TEST_CASE("several maneuvers one after the other: books closed, energy counted o
         CHECK(stop_J > 0.93 * kinetic_J);
         before_J = op.rig.cumulative_energy_J();
         const plant::Rig& rig = op.rig.rig();
-        const double residual = rig.kinetic_energy_J() + rig.wheel().energy_brake_J +
-                                rig.wheel().energy_tyre_J + rig.energy_drag_J() - rig.energy_drive_J();
+        const double residual =
+            rig.kinetic_energy_J() + rig.wheel().energy_brake_J + rig.wheel().energy_tyre_J + rig.energy_drag_J() - rig.energy_drive_J();
         CHECK(std::abs(residual) < 1e-6 * rig.energy_drive_J());
     }
 }
 
 TEST_CASE("eq. (7) finds the friction that the brake had, on a rig that has braked before", "[RIG-230]") {
     plc::ServedRigOptions options = plc::load_served_rig("config", Bench::endurance);
-    options.brake.emplace(plc_test::loaded(Bench::endurance).wear, wear::ConditionalRule{},
-                          wear::BrakeState{});
+    options.brake.emplace(plc_test::loaded(Bench::endurance).wear, wear::ConditionalRule{}, wear::BrakeState{});
     Operator op(Bench::endurance, options, 1);
     for (const double taken_J : {10e6, 480e6}) {
         op.rig.take_up({.seed = 1, .maneuvers = 0, .c_e_J = taken_J});
@@ -57,8 +56,7 @@ TEST_CASE("eq. (7) finds the friction that the brake had, on a rig that has brak
         }
         const double found = torque / pressure / op.plant.rig.brake.gain_m3();
         CHECK(found == Approx(expected / pressure).epsilon(1e-3));
-        CHECK(found ==
-              Approx(given).epsilon(0.02));  // a stop at constant pressure is a little longer at its end
+        CHECK(found == Approx(given).epsilon(0.02));  // a stop at constant pressure is a little longer at its end
         op.wish({});
         REQUIRE(op.until([&op] { return op.rig.idle(); }, 30.0));
     }
@@ -94,8 +92,7 @@ TEST_CASE("cool-down at once is cool-down step by step", "[RIG-230]") {
     CHECK(jump.rig.brake_temperature_C() == Approx(steps.rig.brake_temperature_C()).epsilon(1e-9));
     CHECK(jump.rig.brake_temperature_C() < hot_C - 5.0);
     CHECK(jump.v() == Approx(steps.v()).margin(1e-6));
-    CHECK(jump.measured(plc_test::Measured::plc_watchdog) ==
-          Approx(steps.measured(plc_test::Measured::plc_watchdog)).margin(1.0));
+    CHECK(jump.measured(plc_test::Measured::plc_watchdog) == Approx(steps.measured(plc_test::Measured::plc_watchdog)).margin(1.0));
     // The bridge was alive: no trip, and it goes on.
     jump.run(1.0);
     CHECK(jump.measured(plc_test::Measured::plc_state) == 0.0);
@@ -115,8 +112,7 @@ TEST_CASE("no time passes at once on a rig that is not idle", "[RIG-230]") {
     op.run(1.0);
     CHECK(op.rig.pass_idle(10.0) == 0.0);
     CHECK(op.rig.time_s() == Approx(before_s + 1.0));
-    for (const double nonsense :
-         {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (const double nonsense : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
         Operator idle(Bench::endurance);
         CHECK(idle.rig.pass_idle(nonsense) == 0.0);
     }

@@ -19,10 +19,8 @@ inline plant::LoadedRig loaded(plc::Bench bench) {
 
 class Operator {
   public:
-    explicit Operator(plc::Bench bench, std::uint64_t seed = 1)
-        : Operator(bench, plc::load_served_rig("config", bench), seed) {}
-    Operator(plc::Bench bench, const plc::ServedRigOptions& options, std::uint64_t seed)
-        : plant(loaded(bench)), rig(plant, options, seed) {}
+    explicit Operator(plc::Bench bench, std::uint64_t seed = 1) : Operator(bench, plc::load_served_rig("config", bench), seed) {}
+    Operator(plc::Bench bench, const plc::ServedRigOptions& options, std::uint64_t seed) : plant(loaded(bench)), rig(plant, options, seed) {}
 
     struct Wish {
         bool drive = false;

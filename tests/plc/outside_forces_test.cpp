@@ -12,8 +12,7 @@ plant::RigParameters parameters() {
 }
 
 double residual_J(const plant::Rig& rig, double start_J) {
-    return rig.kinetic_energy_J() + rig.wheel().energy_brake_J + rig.wheel().energy_tyre_J +
-           rig.energy_drag_J() - rig.energy_drive_J() - start_J;
+    return rig.kinetic_energy_J() + rig.wheel().energy_brake_J + rig.wheel().energy_tyre_J + rig.energy_drag_J() - rig.energy_drive_J() - start_J;
 }
 
 }  // namespace
@@ -37,8 +36,7 @@ TEST_CASE("a constant force accelerates the free flywheel uniformly, encoder inc
     const double edges = rig.wheel().distance_m * teeth_per_m;
     CHECK(rig.flywheel_encoder().edge_count() == Approx(edges - blind_m * teeth_per_m).margin(1.5));
     const double last_edge_s = std::sqrt(2.0 * std::floor(edges) / teeth_per_m / a);
-    CHECK(rig.flywheel_encoder().edge_time_s() ==
-          Approx(last_edge_s).margin(5.0 * p.flywheel_encoder.jitter_s));
+    CHECK(rig.flywheel_encoder().edge_time_s() == Approx(last_edge_s).margin(5.0 * p.flywheel_encoder.jitter_s));
 }
 
 TEST_CASE("drag stops flywheel and wheel, and never turns them back", "[RIG-200]") {
@@ -68,9 +66,8 @@ TEST_CASE("the books close with drive, drag, brake and tyre at once", "[RIG-200]
             rig.touch_down();
         else
             rig.lift_off();
-        rig.set_outside_forces({.drive_N = t < 20.0 ? 2500.0 : 300.0,
-                                .drag_N = rig.wheel().v_mps > 0.0 ? 20.0 : 0.0,
-                                .wheel_drag_Nm = rim ? 0.0 : 2.0});
+        rig.set_outside_forces(
+            {.drive_N = t < 20.0 ? 2500.0 : 300.0, .drag_N = rig.wheel().v_mps > 0.0 ? 20.0 : 0.0, .wheel_drag_Nm = rim ? 0.0 : 2.0});
         rig.advance_current(t > 25.0 && t < 38.0 ? 15.0 : 0.0);
         largest_J = std::max(largest_J, rig.kinetic_energy_J());
         REQUIRE(std::abs(residual_J(rig, 0.0)) < 1e-6 * std::max(largest_J, 1e3));
@@ -135,8 +132,7 @@ TEST_CASE("idle time at once is idle time step by step", "[RIG-200]") {
     CHECK(jump.wheel().distance_m == Approx(steps.wheel().distance_m).epsilon(1e-7));
     CHECK(jump.energy_drag_J() == Approx(steps.energy_drag_J()).epsilon(1e-6));
     CHECK(jump.flywheel_encoder().edge_count() == Approx(steps.flywheel_encoder().edge_count()).margin(1.0));
-    CHECK(jump.flywheel_encoder().edge_time_s() ==
-          Approx(steps.flywheel_encoder().edge_time_s()).margin(5e-3));
+    CHECK(jump.flywheel_encoder().edge_time_s() == Approx(steps.flywheel_encoder().edge_time_s()).margin(5e-3));
     SECTION("a rig that is not idle lets no time pass") {
         jump.touch_down();
         const double before_s = jump.time_s();

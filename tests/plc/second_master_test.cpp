@@ -31,8 +31,7 @@ rig::RegisterMap patient_map() {
 
 class ClientPlc final : public rig::Plc {
   public:
-    ClientPlc(const rig::RegisterMap& map, std::uint16_t port)
-        : client_(map, rig::TcpServer{"127.0.0.1", port}) {}
+    ClientPlc(const rig::RegisterMap& map, std::uint16_t port) : client_(map, rig::TcpServer{"127.0.0.1", port}) {}
     void command(const rig::CommandedValues& wanted) override { client_.command(wanted); }
     [[nodiscard]] rig::Snapshot snapshot() const override { return client_.snapshot(); }
 
@@ -54,8 +53,7 @@ struct Bench {
     ClientPlc client{map, server.port()};
     FakeFeed feed;
     FakeBus bus;
-    rig::Node node{layout, 1e-3, {.registers_s = 30.0, .commit_s = 30.0, .watchdog_s = 30.0},
-                   client, feed, bus};
+    rig::Node node{layout, 1e-3, {.registers_s = 30.0, .commit_s = 30.0, .watchdog_s = 30.0}, client, feed, bus};
     sequencer::Sequencer sequencer{rig::plan(scenario, 1, 1)};
     bridge_test::Time now = 1s;
     double encoder_scale = 1.0;  ///< of the flywheel's encoder on the bus
@@ -82,8 +80,7 @@ struct Bench {
 
 class SecondMaster {
   public:
-    explicit SecondMaster(const Bench& bench)
-        : map_(bench.map), context_(modbus_new_tcp("127.0.0.1", bench.server.port())) {
+    explicit SecondMaster(const Bench& bench) : map_(bench.map), context_(modbus_new_tcp("127.0.0.1", bench.server.port())) {
         modbus_set_slave(context_.get(), map_.unit_id);
         REQUIRE(modbus_connect(context_.get()) == 0);
     }
@@ -93,13 +90,11 @@ class SecondMaster {
 
     void spin_up(double speed_mps, std::uint16_t commit) {
         rig::RegisterImage image(map_.commanded, map_.word_order);
-        REQUIRE((image.write(map_.field(Commanded::drive_enable), 1.0) &&
-                 image.write(map_.field(Commanded::flywheel_speed_mps), speed_mps) &&
+        REQUIRE((image.write(map_.field(Commanded::drive_enable), 1.0) && image.write(map_.field(Commanded::flywheel_speed_mps), speed_mps) &&
                  image.write(map_.field(Commanded::commit), commit)));
         const std::uint16_t first = map_.field(Commanded::drive_enable).address;
         const auto count = static_cast<std::size_t>(map_.field(Commanded::commit).address - first) + 1U;
-        REQUIRE(modbus_write_registers(context_.get(), first, static_cast<int>(count),
-                                       image.words(first, count).data()) == static_cast<int>(count));
+        REQUIRE(modbus_write_registers(context_.get(), first, static_cast<int>(count), image.words(first, count).data()) == static_cast<int>(count));
     }
 
   private:
@@ -109,9 +104,7 @@ class SecondMaster {
 
 }  // namespace
 
-TEST_CASE(
-    "A second master that commands 75 m/s in the spin-up of a 49 m/s landing ends it, and commands nothing",
-    "[BRG-136]") {
+TEST_CASE("A second master that commands 75 m/s in the spin-up of a 49 m/s landing ends it, and commands nothing", "[BRG-136]") {
     Bench b;
     SecondMaster other(b);
     REQUIRE(b.until([&] { return b.served.plc().orders().drive && b.fastest_mps > 1.0; }));
@@ -130,8 +123,7 @@ TEST_CASE(
     CHECK(b.fastest_mps < 49.0);
 }
 
-TEST_CASE("An encoder with a wrong number of teeth ends the spin-up before the speed is wrong by much",
-          "[BRG-136]") {
+TEST_CASE("An encoder with a wrong number of teeth ends the spin-up before the speed is wrong by much", "[BRG-136]") {
     Bench b;
     b.encoder_scale = 0.75;
     REQUIRE(b.until([&] { return b.sequencer.over(); }));

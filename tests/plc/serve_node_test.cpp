@@ -25,20 +25,17 @@ TEST_CASE("the served rig sends its sensors and SYNC, and nothing that is the br
     for (const Role role : {Role::wheel, Role::flywheel, Role::pressure})
         CHECK(static_cast<double>(s.count(role)) == Approx(static_cast<double>(periods)).margin(1.0));
     CHECK(s.count(Role::sync) == (lockstep ? periods : 0));
-    for (const Role role : {Role::maneuver, Role::rig_heartbeat, Role::load_cells, Role::emergency_stop})
-        CHECK(s.count(role) == 0);
+    for (const Role role : {Role::maneuver, Role::rig_heartbeat, Role::load_cells, Role::emergency_stop}) CHECK(s.count(role) == 0);
     // Never faster than real time.
     CHECK(s.clock.now() >= (static_cast<std::int64_t>(periods) - 1) * kMillisecond);
 }
 
 TEST_CASE("the brake is handed out after each maneuver, to a reporter on another thread", "[RIG-300]") {
     plc::ServedRigOptions options = plc::load_served_rig("config", Bench::endurance);
-    options.brake.emplace(plc_test::loaded(Bench::endurance).wear, wear::ConditionalRule{},
-                          wear::BrakeState{.seed = 4});
+    options.brake.emplace(plc_test::loaded(Bench::endurance).wear, wear::ConditionalRule{}, wear::BrakeState{.seed = 4});
     Stand s;
     plc::ServedRig rig(s.op.plant, options, 1);
-    plant_sim::ServeNode node(rig, s.layout, s.bus, s.clock, kMillisecond,
-                              [&s](plc::ServedRig& r) { s.exchange(r); });
+    plant_sim::ServeNode node(rig, s.layout, s.bus, s.clock, kMillisecond, [&s](plc::ServedRig& r) { s.exchange(r); });
     s.end_s = 24.0;
     s.current_mA = 20.0;
     s.on_period = [&] {
@@ -48,9 +45,7 @@ TEST_CASE("the brake is handed out after each maneuver, to a reporter on another
         if (at(9.0) || at(21.0)) s.op.wish({});
     };
     std::vector<wear::BrakeState> kept;
-    antiskid::rt::SupervisedCan idle([&]() -> std::unique_ptr<antiskid::can::Bus> {
-        return std::make_unique<WaitingBus>(s.hub.connect(), s.clock);
-    });
+    antiskid::rt::SupervisedCan idle([&]() -> std::unique_ptr<antiskid::can::Bus> { return std::make_unique<WaitingBus>(s.hub.connect(), s.clock); });
     std::vector<std::string> said;
     {
         const plant_sim::ServeReporter reporter(
@@ -66,8 +61,7 @@ TEST_CASE("the brake is handed out after each maneuver, to a reporter on another
     CHECK(kept[0].c_e_J > 100.0);
     CHECK(kept[1].c_e_J > kept[0].c_e_J);
     CHECK(kept[1] == rig.brake()->state());
-    CHECK(std::count_if(said.begin(), said.end(),
-                        [](const std::string& line) { return line.ends_with("s: second"); }) == 1);
+    CHECK(std::count_if(said.begin(), said.end(), [](const std::string& line) { return line.ends_with("s: second"); }) == 1);
 }
 
 TEST_CASE("the valve command of the period acts in it", "[RIG-270]") {
@@ -98,9 +92,7 @@ TEST_CASE("lockstep over the bus is the rig in process, bit for bit", "[RIG-270]
     CHECK(twin.v() > 5.0);
 }
 
-TEST_CASE(
-    "a silent controller: the driver holds for 20 ms of rig time, then gives no current; the rig goes on",
-    "[RIG-270]") {
+TEST_CASE("a silent controller: the driver holds for 20 ms of rig time, then gives no current; the rig goes on", "[RIG-270]") {
     const bool lockstep = GENERATE(true, false);
     Stand s;
     s.current_mA = 20.0;
@@ -120,8 +112,7 @@ TEST_CASE(
             s.answers = false;
             silent_from_s = now_s;
         }
-        if (silent_from_s >= 0.0 && dropped_at_s < 0.0 && s.op.rig.rig().pressure_Pa() < 9e6)
-            dropped_at_s = now_s;
+        if (silent_from_s >= 0.0 && dropped_at_s < 0.0 && s.op.rig.rig().pressure_Pa() < 9e6) dropped_at_s = now_s;
     };
     const Time before = s.clock.now();
     if (lockstep)
@@ -157,12 +148,10 @@ TEST_CASE("a controller that comes back is heard again, and has caught up when i
     };
     s.node.run_lockstep(s.stop);
     CHECK(s.node.state().controller_heard);
-    CHECK(s.op.rig.rig().pressure_Pa() ==
-          Approx(s.op.plant.rig.pressure_map.pressure_Pa(15.0)).epsilon(1e-6));
+    CHECK(s.op.rig.rig().pressure_Pa() == Approx(s.op.plant.rig.pressure_map.pressure_Pa(15.0)).epsilon(1e-6));
 }
 
-TEST_CASE("the interface goes down and comes back: the rig goes on without current, and sends again",
-          "[RIG-270]") {
+TEST_CASE("the interface goes down and comes back: the rig goes on without current, and sends again", "[RIG-270]") {
     const bool lockstep = GENERATE(true, false);
     Stand s;
     s.current_mA = 20.0;

@@ -46,9 +46,7 @@ TEST_CASE("refusal, trip, reset, a lost interface and its return are said once e
     std::vector<std::string> said;
     const auto has_said = [&](const std::string& what) {
         const std::lock_guard lock(mutex);
-        return std::count_if(said.begin(), said.end(), [&what](const std::string& line) {
-            return line.find(what) != std::string::npos;
-        });
+        return std::count_if(said.begin(), said.end(), [&what](const std::string& line) { return line.find(what) != std::string::npos; });
     };
 
     std::atomic<bool> stop{false};

@@ -26,8 +26,7 @@ struct TurnTaker {
             since = s.clock.now();
         }
         // The clock moves by the rig's own looking.
-        if (s.clock.now() - since >= takes && at_sync % 10 == 1 && !gone)
-            done = rig::turn_number(static_cast<std::uint32_t>(at_sync - 1), 10);
+        if (s.clock.now() - since >= takes && at_sync % 10 == 1 && !gone) done = rig::turn_number(static_cast<std::uint32_t>(at_sync - 1), 10);
         return done;
     }
 
@@ -49,16 +48,14 @@ TEST_CASE("the rig's time waits for the turn of a bridge in lockstep, each tenth
     s.on_period = [&] {
         // The registers of the period are taken over after the turn.
         const std::uint64_t sync = s.count(Role::sync);
-        if (sync % 10 == 1 && bridge.done != rig::turn_number(static_cast<std::uint32_t>(sync - 1), 10))
-            early.push_back(sync);
+        if (sync % 10 == 1 && bridge.done != rig::turn_number(static_cast<std::uint32_t>(sync - 1), 10)) early.push_back(sync);
     };
     s.node.run_lockstep(s.stop, 100 * kMillisecond, {.done = [&] { return bridge.look(); }});
     CHECK(early.empty());
     CHECK(s.clock.now() > 100 * 40 * kMillisecond);
 }
 
-TEST_CASE("a bridge in lockstep that does not answer is given up, and waited for again when it is back",
-          "[RIG-290]") {
+TEST_CASE("a bridge in lockstep that does not answer is given up, and waited for again when it is back", "[RIG-290]") {
     Stand s;
     TurnTaker bridge(s);
     s.end_s = 3.0;
@@ -77,8 +74,7 @@ TEST_CASE("a bridge in lockstep that says good-bye is not waited for", "[RIG-290
     CHECK(s.clock.now() < kSecond + 200 * kMillisecond);
 }
 
-TEST_CASE("all three begin together: the first sample and SYNC are said until the controller answers",
-          "[RIG-290]") {
+TEST_CASE("all three begin together: the first sample and SYNC are said until the controller answers", "[RIG-290]") {
     Stand s;
     s.answers = false;
     std::vector<Frame> first;
@@ -95,9 +91,7 @@ TEST_CASE("all three begin together: the first sample and SYNC are said until th
         turn = rig::kJoined;
     };
     TurnTaker bridge(s);
-    s.node.run_lockstep(
-        s.stop, 100 * kMillisecond,
-        {.done = [&] { return turn == rig::kNoTurns ? turn : bridge.look(); }, .together = true});
+    s.node.run_lockstep(s.stop, 100 * kMillisecond, {.done = [&] { return turn == rig::kNoTurns ? turn : bridge.look(); }, .together = true});
     CHECK(sent_before_joining == 0);
     REQUIRE(first.size() == 12);
     for (std::size_t i = 4; i < 12; ++i) {

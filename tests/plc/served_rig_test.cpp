@@ -76,8 +76,7 @@ TEST_CASE("the load follows eq. (2) behind its lag, once enabled", "[RIG-200]") 
     const double v = op.v();
     const double a = op.rig.rig().forces().F_x_N / op.plant.rig.wheel.mass_kg;
     const double behind_N = law.lag_s * 2.0 * law.lift_Ns2pm2 * v * a;
-    CHECK(law.base_N - law.lift_Ns2pm2 * v * v - op.rig.rig().forces().F_z_N ==
-          Approx(behind_N).epsilon(0.05).margin(30.0));
+    CHECK(law.base_N - law.lift_Ns2pm2 * v * v - op.rig.rig().forces().F_z_N == Approx(behind_N).epsilon(0.05).margin(30.0));
     CHECK(op.measured(Measured::vertical_load_N) == Approx(op.rig.rig().forces().F_z_N).margin(200.0));
 }
 
@@ -183,8 +182,7 @@ TEST_CASE("gauges: seeded noise of the given size, no bias, resolution kept", "[
     CHECK(std::sqrt(squares / kReadings) == Approx(deviation).epsilon(0.05));
 }
 
-TEST_CASE("same seed and commands: the same bits; another seed: another noise on the same plant",
-          "[RIG-230]") {
+TEST_CASE("same seed and commands: the same bits; another seed: another noise on the same plant", "[RIG-230]") {
     const auto run = [](std::uint64_t seed, std::vector<double>& noisy) {
         Operator op(Bench::endurance, seed);
         REQUIRE(on_rim_at(op, 20.0, true));

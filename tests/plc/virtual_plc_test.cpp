@@ -17,8 +17,7 @@ namespace {
 constexpr unsigned kGood = 0b1111;
 
 struct Panel {
-    plc::VirtualPlc plc{
-        {.speed_max_mps = 70.0, .force_max_N = 40e3, .lift_max_Ns2pm2 = 10.0, .watchdog_s = 0.5}};
+    plc::VirtualPlc plc{{.speed_max_mps = 70.0, .force_max_N = 40e3, .lift_max_Ns2pm2 = 10.0, .watchdog_s = 0.5}};
     rig::CommandedValues c{};
     unsigned good = kGood;
     double rim_mps = 0.0;
@@ -49,9 +48,7 @@ struct Panel {
         REQUIRE(commit());
     }
     void all_off() {
-        for (const auto q :
-             {Commanded::drive_enable, Commanded::sledge_advance, Commanded::load_enable, Commanded::reset})
-            rig::at(c, q) = 0.0;
+        for (const auto q : {Commanded::drive_enable, Commanded::sledge_advance, Commanded::load_enable, Commanded::reset}) rig::at(c, q) = 0.0;
     }
 };
 
@@ -93,17 +90,13 @@ TEST_CASE("a refused commit changes nothing and says so", "[RIG-210]") {
         double value;
         Refusal refusal;
     };
-    const auto bad = GENERATE(
-        Case{Commanded::drive_enable, 2.0, Refusal::value},
-        Case{Commanded::sledge_advance, 0.5, Refusal::value},
-        Case{Commanded::load_enable, -1.0, Refusal::value}, Case{Commanded::reset, 7.0, Refusal::value},
-        Case{Commanded::flywheel_speed_mps, std::numeric_limits<double>::quiet_NaN(), Refusal::value},
-        Case{Commanded::load_base_N, std::numeric_limits<double>::infinity(), Refusal::value},
-        Case{Commanded::flywheel_speed_mps, 70.1, Refusal::range},
-        Case{Commanded::flywheel_speed_mps, -0.1, Refusal::range},
-        Case{Commanded::load_base_N, 40.1e3, Refusal::range},
-        Case{Commanded::load_base_N, -1.0, Refusal::range},
-        Case{Commanded::load_lift_Ns2pm2, 10.1, Refusal::range});
+    const auto bad = GENERATE(Case{Commanded::drive_enable, 2.0, Refusal::value}, Case{Commanded::sledge_advance, 0.5, Refusal::value},
+                              Case{Commanded::load_enable, -1.0, Refusal::value}, Case{Commanded::reset, 7.0, Refusal::value},
+                              Case{Commanded::flywheel_speed_mps, std::numeric_limits<double>::quiet_NaN(), Refusal::value},
+                              Case{Commanded::load_base_N, std::numeric_limits<double>::infinity(), Refusal::value},
+                              Case{Commanded::flywheel_speed_mps, 70.1, Refusal::range}, Case{Commanded::flywheel_speed_mps, -0.1, Refusal::range},
+                              Case{Commanded::load_base_N, 40.1e3, Refusal::range}, Case{Commanded::load_base_N, -1.0, Refusal::range},
+                              Case{Commanded::load_lift_Ns2pm2, 10.1, Refusal::range});
     p[Commanded::flywheel_speed_mps] = 40.0;
     p[bad.quantity] = bad.value;
     CHECK_FALSE(p.commit());
@@ -175,10 +168,8 @@ TEST_CASE("each interlock trips: everything off, at once, until reset", "[RIG-21
         Interlock interlock;
         Trip trip;
     };
-    const auto opened = GENERATE(Case{Interlock::emergency_stop_clear, Trip::emergency_stop},
-                                 Case{Interlock::guard_closed, Trip::guard_open},
-                                 Case{Interlock::hydraulics_ready, Trip::hydraulics_lost},
-                                 Case{Interlock::drive_healthy, Trip::drive_fault});
+    const auto opened = GENERATE(Case{Interlock::emergency_stop_clear, Trip::emergency_stop}, Case{Interlock::guard_closed, Trip::guard_open},
+                                 Case{Interlock::hydraulics_ready, Trip::hydraulics_lost}, Case{Interlock::drive_healthy, Trip::drive_fault});
     Panel p;
     p.enable_drive();
     p[Commanded::sledge_advance] = 1.0;
@@ -199,8 +190,7 @@ TEST_CASE("each interlock trips: everything off, at once, until reset", "[RIG-21
     CHECK_FALSE(p.plc.orders().drive);
 }
 
-TEST_CASE("the bridge's watchdog trips after its time, not before, and not before it has moved once",
-          "[RIG-214]") {
+TEST_CASE("the bridge's watchdog trips after its time, not before, and not before it has moved once", "[RIG-214]") {
     Panel p;
     p.alive = false;
     p.scan(1000);
@@ -292,12 +282,10 @@ TEST_CASE("the PLC's own watchdog counts every scan, modulo 65536", "[RIG-210]")
     CHECK(p.plc.watchdog() == 3);
 }
 
-TEST_CASE("any garbage in the registers leaves the PLC in one of its states, with orders in range",
-          "[RIG-210]") {
+TEST_CASE("any garbage in the registers leaves the PLC in one of its states, with orders in range", "[RIG-210]") {
     Panel p;
     std::uint64_t x = 88172645463325252ULL;
-    const std::array<double, 8> values{0.0, 1.0,     -1.0, 1e9,
-                                       0.5, 65536.0, 50.0, std::numeric_limits<double>::quiet_NaN()};
+    const std::array<double, 8> values{0.0, 1.0, -1.0, 1e9, 0.5, 65536.0, 50.0, std::numeric_limits<double>::quiet_NaN()};
     for (int i = 0; i < 200000; ++i) {
         x ^= x << 13U;
         x ^= x >> 7U;

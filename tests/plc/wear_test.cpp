@@ -16,8 +16,7 @@ Operator worn(Bench bench, const wear::BrakeState& state, std::uint64_t seed = 5
 
 }  // namespace
 
-TEST_CASE("friction of each maneuver is the model's at the energy taken so far; lift-off ends it",
-          "[RIG-300]") {
+TEST_CASE("friction of each maneuver is the model's at the energy taken so far; lift-off ends it", "[RIG-300]") {
     const auto bench = GENERATE(Bench::landing, Bench::endurance);
     Operator op = worn(bench, {.seed = 5, .maneuvers = 7, .c_e_J = 50e6});
     wear::BrakeState expected = op.rig.brake()->state();
@@ -56,8 +55,7 @@ TEST_CASE("a brake that is taken up again meets the friction of one that never w
     CHECK(other.rig.mean_friction() != whole.rig.mean_friction());
 }
 
-TEST_CASE("a brake worn beyond all use keeps a friction curve above zero, and no rig fails over it",
-          "[RIG-300]") {
+TEST_CASE("a brake worn beyond all use keeps a friction curve above zero, and no rig fails over it", "[RIG-300]") {
     Operator op = worn(Bench::endurance, {.seed = 5, .maneuvers = 0, .c_e_J = 1e12});
     REQUIRE(op.rig.brake()->extrapolates());
     op.wish({.drive = true, .speed_mps = 10.0});

@@ -146,8 +146,7 @@ TEST_CASE("an interface that is bad in one respect fails that check alone", "[RT
 TEST_CASE("what a virtual interface or a driver cannot tell is skipped, never passed", "[RT-130]") {
     CanLink link = good_link();
     link.errors.reset();
-    CHECK(named(can_link_checks(link, "can0", 1'000'000), "CAN error counters").verdict ==
-          preflight::Verdict::skipped);
+    CHECK(named(can_link_checks(link, "can0", 1'000'000), "CAN error counters").verdict == preflight::Verdict::skipped);
 
     CanLink vcan;
     vcan.there = vcan.is_can = vcan.up = true;
@@ -196,8 +195,7 @@ TEST_CASE("a message that is cut off, or whose lengths lie, is read no further t
     }
 }
 
-TEST_CASE("this machine's kernel is asked: the loopback is no CAN, and what is not there is not there",
-          "[RT-130]") {
+TEST_CASE("this machine's kernel is asked: the loopback is no CAN, and what is not there is not there", "[RT-130]") {
     const CanLink lo = preflight::can_link("lo");
     CHECK(lo.refusal.empty());
     CHECK(lo.there);

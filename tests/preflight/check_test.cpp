@@ -17,10 +17,8 @@ namespace {
 
 preflight::Report sample() {
     preflight::Report report{.program = "p", .interface = "can0", .config_hash = "abc", .checks = {}};
-    report.checks.push_back(
-        preflight::judged("one", true, {.measured = "m1", .required = "r1", .remedy = "c1"}));
-    report.checks.push_back(preflight::judged(
-        "two", false, {.measured = "m2", .required = "r2", .remedy = "c2"}, preflight::Verdict::warn));
+    report.checks.push_back(preflight::judged("one", true, {.measured = "m1", .required = "r1", .remedy = "c1"}));
+    report.checks.push_back(preflight::judged("two", false, {.measured = "m2", .required = "r2", .remedy = "c2"}, preflight::Verdict::warn));
     report.checks.push_back(preflight::skipped("three", "not asked for", "r3"));
     return report;
 }
@@ -31,8 +29,7 @@ TEST_CASE("a report passes with warnings and skipped checks, not with a failed o
     preflight::Report report = sample();
     CHECK(preflight::passed(report));
     CHECK(preflight::deliver(report, "") == 0);
-    report.checks.push_back(
-        preflight::judged("four", false, {.measured = "m4", .required = "r4", .remedy = "c4"}));
+    report.checks.push_back(preflight::judged("four", false, {.measured = "m4", .required = "r4", .remedy = "c4"}));
     CHECK_FALSE(preflight::passed(report));
     CHECK(preflight::deliver(report, "") == 1);
     CHECK_THAT(preflight::table(report), ContainsSubstring("FAIL     four"));
@@ -41,14 +38,13 @@ TEST_CASE("a report passes with warnings and skipped checks, not with a failed o
 
 TEST_CASE("the table has a line a check, and the remedy of those that did not pass", "[RT-130]") {
     const std::string text = preflight::table(sample());
-    CHECK_THAT(text, ContainsSubstring("pass     one") && ContainsSubstring("warn     two") &&
-                         ContainsSubstring("skipped  three") && ContainsSubstring("-> c2"));
+    CHECK_THAT(text, ContainsSubstring("pass     one") && ContainsSubstring("warn     two") && ContainsSubstring("skipped  three") &&
+                         ContainsSubstring("-> c2"));
     CHECK_THAT(text, !ContainsSubstring("c1"));
     CHECK_THAT(text, ContainsSubstring("0 FAIL, 1 warn, 1 skipped, 1 pass"));
 }
 
-TEST_CASE("JSON has verdict, measured, required, remedy and figures, also of text that is not UTF-8",
-          "[RT-130]") {
+TEST_CASE("JSON has verdict, measured, required, remedy and figures, also of text that is not UTF-8", "[RT-130]") {
     preflight::Report report = sample();
     report.checks[0].figures = {{"max_us", 12.5}};
     report.checks[1].measured = "can\xff";
@@ -62,8 +58,7 @@ TEST_CASE("JSON has verdict, measured, required, remedy and figures, also of tex
 }
 
 TEST_CASE("JSON goes to a file; a place that cannot be written is an error", "[RT-130]") {
-    const auto file =
-        std::filesystem::temp_directory_path() / ("check_" + std::to_string(getpid()) + ".json");
+    const auto file = std::filesystem::temp_directory_path() / ("check_" + std::to_string(getpid()) + ".json");
     CHECK(preflight::deliver(sample(), file.string()) == 0);
     std::ifstream in(file);
     CHECK(nlohmann::json::parse(in)["program"] == "p");

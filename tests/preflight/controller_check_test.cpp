@@ -45,23 +45,21 @@ struct CheckBench {
         options.check->timing_s = 1;
     }
     preflight::Report run() {
-        const preflight::Doors doors{
-            .machine = [](const auto&) { return sound_machine(); },
-            .link = [](const auto&) { return preflight_test::sound_link(); },
-            .open = [this](std::span<const std::uint16_t>) -> std::unique_ptr<can::Bus> {
-                if (!refusal.empty()) throw std::runtime_error(refusal);
-                return std::make_unique<Ear>(rig.ear);
-            },
-            .clock = rig.clock,
-            .on_loop_thread = [](control::Time, const std::function<void()>& work) { work(); }};
+        const preflight::Doors doors{.machine = [](const auto&) { return sound_machine(); },
+                                     .link = [](const auto&) { return preflight_test::sound_link(); },
+                                     .open = [this](std::span<const std::uint16_t>) -> std::unique_ptr<can::Bus> {
+                                         if (!refusal.empty()) throw std::runtime_error(refusal);
+                                         return std::make_unique<Ear>(rig.ear);
+                                     },
+                                     .clock = rig.clock,
+                                     .on_loop_thread = [](control::Time, const std::function<void()>& work) { work(); }};
         return preflight::controller_report(options, doors, stop);
     }
     [[nodiscard]] std::vector<float> commands() const {
         can::Observer observer(rig.setup.layout);
         std::vector<float> currents;
         for (const can::Frame& frame : rig.heard)
-            if (observer.accept(frame) == can::Role::valve)
-                currents.push_back(observer.view().controller.current_mA);
+            if (observer.accept(frame) == can::Role::valve) currents.push_back(observer.view().controller.current_mA);
         return currents;
     }
 
@@ -73,8 +71,7 @@ struct CheckBench {
 
 }  // namespace
 
-TEST_CASE("a sound machine and a rig at rest: fit, nothing sent, the valve step not counted as passed",
-          "[RT-130]") {
+TEST_CASE("a sound machine and a rig at rest: fit, nothing sent, the valve step not counted as passed", "[RT-130]") {
     CheckBench bench;
     const preflight::Report report = bench.run();
     CHECK(wrong(report.checks).empty());
@@ -84,8 +81,7 @@ TEST_CASE("a sound machine and a rig at rest: fit, nothing sent, the valve step 
     CHECK(bench.rig.heard.empty());
 }
 
-TEST_CASE("the valve step moves the valve by a little, and the safe current is the last on the bus",
-          "[RT-130]") {
+TEST_CASE("the valve step moves the valve by a little, and the safe current is the last on the bus", "[RT-130]") {
     CheckBench bench;
     bench.options.check->valve_step = true;
     const preflight::Report report = bench.run();
@@ -98,8 +94,7 @@ TEST_CASE("the valve step moves the valve by a little, and the safe current is t
     for (std::size_t i = commands.size() - 3; i < commands.size(); ++i) CHECK(commands[i] == 0.0F);
 }
 
-TEST_CASE("the valve is not touched unless everything stands, is released, is heard and nobody else commands",
-          "[RT-130]") {
+TEST_CASE("the valve is not touched unless everything stands, is released, is heard and nobody else commands", "[RT-130]") {
     CheckBench bench;
     bench.options.check->valve_step = true;
     const char* why = "";
@@ -128,9 +123,7 @@ TEST_CASE("the valve is not touched unless everything stands, is released, is he
         why = "the emergency stop is pressed";
     }
     SECTION("a sensor that is not heard") {
-        bench.rig.disturb = [&](const can::Frame& f) {
-            return f.id != bench.rig.setup.layout[can::Role::pressure].id;
-        };
+        bench.rig.disturb = [&](const can::Frame& f) { return f.id != bench.rig.setup.layout[can::Role::pressure].id; };
         why = "no pressure frames";
     }
     SECTION("a sensor that is damaged") {
@@ -151,8 +144,7 @@ TEST_CASE("the valve is not touched unless everything stands, is released, is he
     CHECK(bench.rig.heard.empty());
 }
 
-TEST_CASE("a wheel that begins to turn during the step, and the operator, end it with the safe current",
-          "[RT-130]") {
+TEST_CASE("a wheel that begins to turn during the step, and the operator, end it with the safe current", "[RT-130]") {
     CheckBench bench;
     bench.options.check->valve_step = true;
     SECTION("wheel") {

@@ -76,17 +76,14 @@ TEST_CASE("frames that are damaged, lost, late or too few fail the check of thei
         CHECK_THAT(named(checks, "pressure frames").measured, ContainsSubstring("0 good"));
     }
     SECTION("one lost in a hundred") {
-        rig.disturb = [&](const can::Frame& frame) {
-            return frame.id != id_of(rig, can::Role::flywheel) || ++count % 100 != 0;
-        };
+        rig.disturb = [&](const can::Frame& frame) { return frame.id != id_of(rig, can::Role::flywheel) || ++count % 100 != 0; };
         CHECK(wrong_frames(rig) == Wrong{"flywheel frames: fail"});
     }
     SECTION("a pause longer than the controller bears") {
         rig.disturb = [&](const can::Frame& frame) {
             if (frame.id != id_of(rig, can::Role::wheel)) return true;
             ++count;
-            return count < 700 ||
-                   count > 730;  // 30 frames are two turns of the counter: none is missed by it
+            return count < 700 || count > 730;  // 30 frames are two turns of the counter: none is missed by it
         };
         const auto checks = frame_checks(listened(rig), rig.setup, "can0");
         CHECK(wrong(checks) == Wrong{"wheel frames: fail"});
@@ -157,8 +154,7 @@ TEST_CASE("a link that fails and a second controller are named", "[RT-130]") {
         };
         const Heard heard = listened(rig);
         CHECK(wrong(frame_checks(heard, rig.setup, "can0")) == Wrong{"only controller: fail"});
-        CHECK(preflight::why_not_to_move_the_valve(heard, rig.setup.control) ==
-              "another controller commands the valve");
+        CHECK(preflight::why_not_to_move_the_valve(heard, rig.setup.control) == "another controller commands the valve");
     }
 }
 

@@ -51,9 +51,7 @@ struct Bad {
 /// A folder with the files given, gone with the object.
 class Tree {
   public:
-    Tree() : root_(std::filesystem::temp_directory_path() / ("machine_" + std::to_string(getpid()))) {
-        std::filesystem::remove_all(root_);
-    }
+    Tree() : root_(std::filesystem::temp_directory_path() / ("machine_" + std::to_string(getpid()))) { std::filesystem::remove_all(root_); }
     ~Tree() { std::filesystem::remove_all(root_); }
     Tree(const Tree&) = delete;
     Tree& operator=(const Tree&) = delete;
@@ -78,8 +76,7 @@ TEST_CASE("a machine that is good in every respect passes every check", "[RT-130
 
 TEST_CASE("a machine that is bad in one respect fails that check alone", "[RT-130]") {
     const std::vector<Bad> machines{
-        {[](auto& m) { m.realtime_kernel = false, m.kernel = "#1 SMP PREEMPT_DYNAMIC"; },
-         {"kernel preemption: warn"}},
+        {[](auto& m) { m.realtime_kernel = false, m.kernel = "#1 SMP PREEMPT_DYNAMIC"; }, {"kernel preemption: warn"}},
         {[](auto& m) { m.realtime_kernel = false, m.kernel = "#1 SMP"; }, {"kernel preemption: fail"}},
         {[](auto& m) { m.fifo_granted = false; }, {"scheduler rights: fail"}},
         {[](auto& m) { m.memory_locked = false; }, {"memory lock: fail"}},

@@ -49,8 +49,7 @@ class RigAtRest {
         ++periods_;
         hub.set_time(clock.now());
         take_commands();
-        const float wanted =
-            valve_gain * control::valve_pressure_Pa(setup.control.valve, port_.controller().current_mA);
+        const float wanted = valve_gain * control::valve_pressure_Pa(setup.control.valve, port_.controller().current_mA);
         valve_.update(wanted, 0.0F, false);
         sample.pressure_Pa = valve_.now().pressure_Pa + pressure_offset_Pa;
         largest_Pa = std::max(largest_Pa, sample.pressure_Pa);

@@ -58,8 +58,7 @@ Played play(const Valve& valve, const Change& change = {}) {
 }
 
 bool fails_by(const Played& played, const std::string& words) {
-    return played.check.verdict == preflight::Verdict::fail &&
-           played.check.measured.find(words) != std::string::npos;
+    return played.check.verdict == preflight::Verdict::fail && played.check.measured.find(words) != std::string::npos;
 }
 
 }  // namespace
@@ -86,8 +85,7 @@ TEST_CASE("a valve that answers too much, too little, too late or not at all fai
     CHECK(fails_by(play({.gain = 3.0F}), "twice what was asked"));
 }
 
-TEST_CASE("whatever moves, stops or falls silent during the step ends it at once at the safe current",
-          "[RT-130]") {
+TEST_CASE("whatever moves, stops or falls silent during the step ends it at once at the safe current", "[RT-130]") {
     const auto at = [](int when, const std::function<void(control::Sensors&)>& what) {
         return [when, what](control::Sensors& sensors, int period) {
             if (period >= when) what(sensors);

@@ -13,8 +13,7 @@ namespace preflight_test {
 namespace preflight = antiskid::preflight;
 
 inline preflight::Check named(const preflight::Checks& checks, const std::string& name) {
-    const auto found =
-        std::find_if(checks.begin(), checks.end(), [&](const auto& check) { return check.name == name; });
+    const auto found = std::find_if(checks.begin(), checks.end(), [&](const auto& check) { return check.name == name; });
     REQUIRE(found != checks.end());
     return *found;
 }
@@ -23,8 +22,7 @@ inline preflight::Check named(const preflight::Checks& checks, const std::string
 inline std::vector<std::string> wrong(const preflight::Checks& checks) {
     std::vector<std::string> found;
     for (const preflight::Check& check : checks) {
-        if (check.verdict == preflight::Verdict::pass || check.verdict == preflight::Verdict::skipped)
-            continue;
+        if (check.verdict == preflight::Verdict::pass || check.verdict == preflight::Verdict::skipped) continue;
         CHECK_FALSE(check.remedy.empty());
         found.push_back(check.name + ": " + std::string(preflight::name(check.verdict)));
     }

@@ -29,9 +29,7 @@ std::vector<Frame> recorded(const std::vector<Frame>& sent, Time set_at, Time by
     constexpr Time kLook = 2ms;
     const Time first = sent.front().received;
     Clocks clocks{.set_at = set_at, .by = by, .now = {}};
-    antiskid::can::WallClockOffset stamps([&] {
-        return antiskid::can::ClockReading{clocks.offset(clocks.now), clocks.now};
-    });
+    antiskid::can::WallClockOffset stamps([&] { return antiskid::can::ClockReading{clocks.offset(clocks.now), clocks.now}; });
     rig::StampLabel label(clocks.offset(Time{}));
     std::vector<Frame> record;
     Time read{};
@@ -59,8 +57,7 @@ rig::Figures figures(const std::vector<Frame>& record) {
 
 }  // namespace
 
-TEST_CASE("a wall clock that is set, in any phase, forward or back, changes no figure of a landing",
-          "[BRG-200]") {
+TEST_CASE("a wall clock that is set, in any phase, forward or back, changes no figure of a landing", "[BRG-200]") {
     const ClosedForm c;
     const std::vector<Frame> sent = Recording(c, false).frames;
     const rig::Figures sound = figures(recorded(sent, 1h, Time{}));
@@ -71,8 +68,7 @@ TEST_CASE("a wall clock that is set, in any phase, forward or back, changes no f
         for (const Time by : {Time{1s}, Time{1h}, Time{-1s}, Time{-1h}}) {
             CAPTURE(at_s, by.count());
             const rig::Figures set = figures(recorded(sent, Time{std::llround(at_s * 1e9)}, by));
-            for (const rig::FigureField& field : rig::kFigureFields)
-                CHECK(set.*field.value == Approx(sound.*field.value).epsilon(1e-4).margin(1e-9));
+            for (const rig::FigureField& field : rig::kFigureFields) CHECK(set.*field.value == Approx(sound.*field.value).epsilon(1e-4).margin(1e-9));
         }
     }
 }

@@ -55,8 +55,7 @@ struct ClosedForm {
     [[nodiscard]] double change_at_s() const { return (v0_mps - change_mps) / a1_mps2; }
     [[nodiscard]] double duration_s() const { return change_at_s() + change_mps / a2_mps2; }
     [[nodiscard]] double length_m() const {
-        return (v0_mps * v0_mps - change_mps * change_mps) / (2.0 * a1_mps2) +
-               change_mps * change_mps / (2.0 * a2_mps2);
+        return (v0_mps * v0_mps - change_mps * change_mps) / (2.0 * a1_mps2) + change_mps * change_mps / (2.0 * a2_mps2);
     }
     [[nodiscard]] double rest_s() const { return before_s + duration_s(); }
     [[nodiscard]] double speed(double t) const {
@@ -70,9 +69,7 @@ struct ClosedForm {
         const double braking = x - v0_mps * before_s;
         if (braking <= 0.0) return x / v0_mps;
         const double first = (v0_mps * v0_mps - change_mps * change_mps) / (2.0 * a1_mps2);
-        const auto time = [](double v, double a, double way) {
-            return 2.0 * way / (v + std::sqrt(std::max(v * v - 2.0 * a * way, 0.0)));
-        };
+        const auto time = [](double v, double a, double way) { return 2.0 * way / (v + std::sqrt(std::max(v * v - 2.0 * a * way, 0.0))); };
         if (braking < first) return before_s + time(v0_mps, a1_mps2, braking);
         return before_s + change_at_s() + time(change_mps, a2_mps2, braking - first);
     }
@@ -97,9 +94,8 @@ class Edges {
     antiskid::can::SpeedSample at(double t, double clock_s) {
         while (next_ < times_.size() && times_[next_] <= t) ++next_;
         const double stamp = next_ == 0 ? 0.0 : times_[next_ - 1];
-        return {.edge_count = static_cast<std::uint32_t>(next_ + 65'000),
-                .edge_time = Time{std::llround((stamp + clock_s) * 1e9)},
-                .speed_radps = 0.0F};
+        return {
+            .edge_count = static_cast<std::uint32_t>(next_ + 65'000), .edge_time = Time{std::llround((stamp + clock_s) * 1e9)}, .speed_radps = 0.0F};
     }
     [[nodiscard]] double last_s() const { return times_.back(); }
 
@@ -136,11 +132,9 @@ class Recording {
             sample.load_cells = {.vertical_N = static_cast<float>(c.load_N),
                                  .longitudinal_N = braking ? static_cast<float>(c.force_N) : 0.0F,
                                  .brake_torque_Nm = braking ? static_cast<float>(c.torque_Nm) : 0.0F};
-            sample.maneuver_state = {
-                .phase = phase(c, t), .number = c.number, .brake_temperature_C = temperature(t)};
+            sample.maneuver_state = {.phase = phase(c, t), .number = c.number, .brake_temperature_C = temperature(t)};
             if (change) change(t, sample);
-            std::int64_t stamp =
-                1'436'509'053'000'000'000 + std::int64_t{n} * 1'000'000 + (sync ? 0 : late(random));
+            std::int64_t stamp = 1'436'509'053'000'000'000 + std::int64_t{n} * 1'000'000 + (sync ? 0 : late(random));
             const auto add = [&](std::span<const Frame> some) {
                 for (Frame frame : some) {
                     frame.received = Time{stamp += 60'000};

@@ -38,8 +38,7 @@ std::vector<Frame> through(const std::vector<Frame>& sent, const Disturbance& d,
             heard.push_back(frame);
         }
     }
-    std::stable_sort(heard.begin(), heard.end(),
-                     [](const Frame& a, const Frame& b) { return a.received < b.received; });
+    std::stable_sort(heard.begin(), heard.end(), [](const Frame& a, const Frame& b) { return a.received < b.received; });
     return heard;
 }
 
@@ -49,12 +48,10 @@ class Listener {
     void hear(const Frame& frame) {
         const antiskid::can::Layout& layout = can_test::ours();
         const antiskid::can::Payload payload(frame.data);
-        if (frame.id == layout[Role::maneuver_state].id)
-            braking_ = braking_ || payload.read(layout.maneuver_state.phase) == 4;
+        if (frame.id == layout[Role::maneuver_state].id) braking_ = braking_ || payload.read(layout.maneuver_state.phase) == 4;
         if (frame.id != layout[Role::flywheel].id) return;
         const auto edges = static_cast<std::uint16_t>(payload.read(layout.flywheel.edge_count));
-        if (edges_ && braking_)
-            length_m_ += kPitch_m * static_cast<std::int16_t>(static_cast<std::uint16_t>(edges - *edges_));
+        if (edges_ && braking_) length_m_ += kPitch_m * static_cast<std::int16_t>(static_cast<std::uint16_t>(edges - *edges_));
         edges_ = edges;
     }
     [[nodiscard]] double length_m() const { return length_m_; }
@@ -92,13 +89,10 @@ double worst_m(const Disturbance& disturbance) {
 
 }  // namespace
 
-TEST_CASE("frames that are lost, doubled or overtaken leave the length within 0.16 m of a listener's",
-          "[BRG-200]") {
-    for (const Disturbance& d :
-         {Disturbance{}, Disturbance{.lost = 0.001}, Disturbance{.lost = 0.01}, Disturbance{.lost = 0.05},
-          Disturbance{.twice = 0.2}, Disturbance{.late = 0.01, .late_ms = 2.0},
-          Disturbance{.late = 0.1, .late_ms = 2.0},
-          Disturbance{.lost = 0.005, .twice = 0.005, .late = 1.0, .late_ms = 2.0}}) {
+TEST_CASE("frames that are lost, doubled or overtaken leave the length within 0.16 m of a listener's", "[BRG-200]") {
+    for (const Disturbance& d : {Disturbance{}, Disturbance{.lost = 0.001}, Disturbance{.lost = 0.01}, Disturbance{.lost = 0.05},
+                                 Disturbance{.twice = 0.2}, Disturbance{.late = 0.01, .late_ms = 2.0}, Disturbance{.late = 0.1, .late_ms = 2.0},
+                                 Disturbance{.lost = 0.005, .twice = 0.005, .late = 1.0, .late_ms = 2.0}}) {
         CAPTURE(d.lost, d.twice, d.late, d.late_ms);
         CHECK(worst_m(d) < 2.5 * kPitch_m);
     }

@@ -36,10 +36,7 @@ std::vector<std::string> lines(const std::filesystem::path& path) {
 
 CapturedFrame captured(std::uint32_t id, std::uint8_t length, std::int64_t us) {
     CapturedFrame out;
-    out.frame = {.id = id,
-                 .length = length,
-                 .data = {0xDE, 0xAD, 0xBE, 0xEF, 1, 2, 3, 4},
-                 .received = Time{us * 1000 + 789}};
+    out.frame = {.id = id, .length = length, .data = {0xDE, 0xAD, 0xBE, 0xEF, 1, 2, 3, 4}, .received = Time{us * 1000 + 789}};
     return out;
 }
 
@@ -104,12 +101,9 @@ TEST_CASE("bus.log has what candump would have written", "[BRG-210]") {
         CHECK(log.frames() == 6);
         CHECK(log.error().empty());
     }
-    const std::vector<std::string> expected{"(1436509053.650713) vcan0 007#",
-                                            "(1436509053.650714) vcan0 123#DEADBEEF",
-                                            "(1436509053.999999) vcan0 00000123#DEADBEEF01020304",
-                                            "(1436509054.000000) vcan0 123#R",
-                                            "(1436509054.000000) vcan0 123#R8",
-                                            "(1436509054.000001) vcan0 20000040#DEADBEEF01020304"};
+    const std::vector<std::string> expected{
+        "(1436509053.650713) vcan0 007#",  "(1436509053.650714) vcan0 123#DEADBEEF", "(1436509053.999999) vcan0 00000123#DEADBEEF01020304",
+        "(1436509054.000000) vcan0 123#R", "(1436509054.000000) vcan0 123#R8",       "(1436509054.000001) vcan0 20000040#DEADBEEF01020304"};
     CHECK(lines(path) == expected);
     CHECK_THROWS_WITH(BusLog(path, "vcan0"), ContainsSubstring("bus.log: File exists"));
     CHECK_THROWS_WITH(BusLog("/proc/no/bus.log", "vcan0"), ContainsSubstring("/proc/no"));
@@ -139,8 +133,7 @@ TEST_CASE("every recorded frame comes back from its line", "[BRG-210]") {
             frame.extended = kind == 1;
             frame.remote = kind == 2;
             frame.error = kind == 3;
-            frame.frame.id =
-                static_cast<std::uint32_t>(random()) % (kind == 0 || kind == 2 ? 0x800U : 0x20000000U);
+            frame.frame.id = static_cast<std::uint32_t>(random()) % (kind == 0 || kind == 2 ? 0x800U : 0x20000000U);
             frame.frame.length = frame.error ? 8 : static_cast<std::uint8_t>(random() % 9);
             for (std::uint8_t& byte : frame.frame.data) byte = static_cast<std::uint8_t>(random());
             log.write(frame);
@@ -155,13 +148,10 @@ TEST_CASE("every recorded frame comes back from its line", "[BRG-210]") {
         const auto* line = std::get_if<antiskid::can::CandumpLine>(&parsed);
         REQUIRE(line != nullptr);
         const CapturedFrame& frame = sent[i];
-        same = same && line->interface == "can1" &&
-               line->time.count() == frame.frame.received.count() / 1000 * 1000 &&
-               line->frame.id == frame.frame.id && line->frame.length == frame.frame.length &&
-               line->extended == frame.extended && line->remote == frame.remote &&
-               line->error == frame.error &&
-               (frame.remote || std::equal(frame.frame.payload().begin(), frame.frame.payload().end(),
-                                           line->frame.payload().begin()));
+        same = same && line->interface == "can1" && line->time.count() == frame.frame.received.count() / 1000 * 1000 &&
+               line->frame.id == frame.frame.id && line->frame.length == frame.frame.length && line->extended == frame.extended &&
+               line->remote == frame.remote && line->error == frame.error &&
+               (frame.remote || std::equal(frame.frame.payload().begin(), frame.frame.payload().end(), line->frame.payload().begin()));
     }
     CHECK(same);
 }
@@ -178,8 +168,7 @@ TEST_CASE("figures rebuilt from bus.log have the bits of the live ones", "[BRG-2
             BusLog log(path, "vcan0");
             std::mt19937 random(211);
             for (Frame frame : recording.frames) {
-                frame.received +=
-                    Time{static_cast<std::int64_t>(random() % 1000)};  // the kernel stamps nanoseconds
+                frame.received += Time{static_cast<std::int64_t>(random() % 1000)};  // the kernel stamps nanoseconds
                 log.write({.frame = frame});
                 live.accept(frame);
             }
@@ -193,8 +182,7 @@ TEST_CASE("figures rebuilt from bus.log have the bits of the live ones", "[BRG-2
         CHECK(live.figures().standstill);
         for (const rig::FigureField& field : rig::kFigureFields) {
             INFO(field.key);
-            CHECK(std::bit_cast<std::uint64_t>(live.figures().*field.value) ==
-                  std::bit_cast<std::uint64_t>(again.figures().*field.value));
+            CHECK(std::bit_cast<std::uint64_t>(live.figures().*field.value) == std::bit_cast<std::uint64_t>(again.figures().*field.value));
         }
         CHECK(again.faults() == live.faults());
     }
@@ -209,13 +197,11 @@ TEST_CASE("a full disk is said, with how much is missing; what was written stays
     {
         const FileLimit limit(kBytes);
         BusLog log(path, "vcan0");
-        for (std::uint64_t i = 0; i < kFrames; ++i)
-            log.write(captured(0x123, 8, static_cast<std::int64_t>(i)));
+        for (std::uint64_t i = 0; i < kFrames; ++i) log.write(captured(0x123, 8, static_cast<std::int64_t>(i)));
         CHECK_FALSE(log.finish());
         missing = log.missing();
         CHECK(log.frames() == kFrames);
-        CHECK_THAT(log.error(), ContainsSubstring(path.string() + ": File too large; " +
-                                                  std::to_string(missing) + " lines are missing"));
+        CHECK_THAT(log.error(), ContainsSubstring(path.string() + ": File too large; " + std::to_string(missing) + " lines are missing"));
     }
     const auto text = lines(path);
     CHECK(text.size() + missing == kFrames);
@@ -239,12 +225,11 @@ TEST_CASE("Modbus samples are a table with units", "[BRG-210]") {
     }
     const auto text = lines(path);
     REQUIRE(text.size() == 3);
-    CHECK(
-        text[0] ==
-        "time_s,map_version,plc_watchdog,plc_state,applied_commit,refused_commit,interlocks,flywheel_speed_"
-        "mps,"
-        "sledge_position_m,wheel_on_rim,loading_force_N,vertical_load_N,longitudinal_force_N,brake_torque_Nm,"
-        "brake_temperature_C,hydraulic_pressure_Pa");
+    CHECK(text[0] ==
+          "time_s,map_version,plc_watchdog,plc_state,applied_commit,refused_commit,interlocks,flywheel_speed_"
+          "mps,"
+          "sledge_position_m,wheel_on_rim,loading_force_N,vertical_load_N,longitudinal_force_N,brake_torque_Nm,"
+          "brake_temperature_C,hydraulic_pressure_Pa");
     CHECK(text[1].starts_with("1436509053.000713,0,1.1,2.2,3.3"));
     CHECK_THAT(text[2], ContainsSubstring("1436509053.100000,") && ContainsSubstring(",-2048,"));
     CHECK(std::count(text[1].begin(), text[1].end(), ',') == std::count(text[0].begin(), text[0].end(), ','));
@@ -266,8 +251,7 @@ TEST_CASE("a summary comes back bit for bit", "[BRG-210]") {
         write_summary(path, s);
         const rig::Summary r = rig::read_summary(path);
         for (const rig::FigureField& field : rig::kFigureFields) {
-            CHECK(std::bit_cast<std::uint64_t>(r.figures.*field.value) ==
-                  std::bit_cast<std::uint64_t>(s.figures.*field.value));
+            CHECK(std::bit_cast<std::uint64_t>(r.figures.*field.value) == std::bit_cast<std::uint64_t>(s.figures.*field.value));
         }
         CHECK(r.cumulative_energy_J == s.cumulative_energy_J);
         CHECK(r.figures.standstill == s.figures.standstill);
@@ -283,8 +267,7 @@ TEST_CASE("a summary comes back bit for bit", "[BRG-210]") {
         CHECK(r.version == s.version);
         CHECK(r.config_hash == s.config_hash);
     }
-    CHECK_THAT(rig::summary_table(some_summary()), ContainsSubstring("mean torque             0 N m") &&
-                                                       ContainsSubstring("wheel_lost, bus_off") &&
+    CHECK_THAT(rig::summary_table(some_summary()), ContainsSubstring("mean torque             0 N m") && ContainsSubstring("wheel_lost, bus_off") &&
                                                        ContainsSubstring("51000, 3 dropped"));
 }
 
@@ -293,17 +276,14 @@ TEST_CASE("a summary that is none is refused by file and key", "[BRG-210]") {
     const auto path = dir.write("summary.json", "");
     const auto refused = [&](const std::string& text, const std::string& why) {
         dir.write("summary.json", text);
-        CHECK_THROWS_WITH(rig::read_summary(path),
-                          ContainsSubstring("summary.json") && ContainsSubstring(why));
+        CHECK_THROWS_WITH(rig::read_summary(path), ContainsSubstring("summary.json") && ContainsSubstring(why));
     };
-    CHECK_THROWS_WITH(rig::read_summary(path.parent_path() / "none.json"),
-                      ContainsSubstring("none.json: cannot be opened"));
+    CHECK_THROWS_WITH(rig::read_summary(path.parent_path() / "none.json"), ContainsSubstring("none.json: cannot be opened"));
     refused("", "is no whole JSON object");
     refused("[]", "is no whole JSON object");
     write_summary(path, some_summary());
     const std::string whole = can_test::contents(path);
-    for (std::size_t cut : {std::size_t{1}, whole.size() / 2, whole.size() - 3})
-        refused(whole.substr(0, cut), "is no whole JSON object");
+    for (std::size_t cut : {std::size_t{1}, whole.size() / 2, whole.size() - 3}) refused(whole.substr(0, cut), "is no whole JSON object");
     const auto with = [&](const char* key, const nlohmann::ordered_json& value) {
         auto json = nlohmann::ordered_json::parse(whole);
         json[key] = value;
@@ -314,8 +294,7 @@ TEST_CASE("a summary that is none is refused by file and key", "[BRG-210]") {
         json.erase(key);
         return json.dump();
     };
-    refused(with("format", "antiskid maneuver summary 9"),
-            "format: expected \"antiskid maneuver summary 1\"");
+    refused(with("format", "antiskid maneuver summary 9"), "format: expected \"antiskid maneuver summary 1\"");
     refused(with("number", -1), "number: expected a whole number");
     refused(with("number", 1.5), "number: expected a whole number");
     refused(with("number", std::numeric_limits<std::uint64_t>::max()), "number: expected a smaller number");

@@ -20,17 +20,10 @@ std::filesystem::path ledger_in(const TempDir& dir) {
 }
 
 Campaign brake7() {
-    return {.name = "brake7",
-            .scenario = "endurance",
-            .seed = 7,
-            .planned = 9,
-            .config_hash = "abc",
-            .version = "0.1.0",
-            .created = "t0"};
+    return {.name = "brake7", .scenario = "endurance", .seed = 7, .planned = 9, .config_hash = "abc", .version = "0.1.0", .created = "t0"};
 }
 
-Summary of(std::int64_t number, double energy_J, const Ledger& ledger,
-           const std::string& outcome = "finished") {
+Summary of(std::int64_t number, double energy_J, const Ledger& ledger, const std::string& outcome = "finished") {
     Summary s;
     s.campaign = "brake7";
     s.number = number;
@@ -59,8 +52,7 @@ std::string table(const std::filesystem::path& path) {
     REQUIRE(sqlite3_open(path.c_str(), &database) == SQLITE_OK);
     std::string text;
     const auto add = [](void* out, int count, char** cells, char**) {
-        for (int i = 0; i < count; ++i)
-            static_cast<std::string*>(out)->append(cells[i] == nullptr ? "NULL" : cells[i]).append("|");
+        for (int i = 0; i < count; ++i) static_cast<std::string*>(out)->append(cells[i] == nullptr ? "NULL" : cells[i]).append("|");
         return 0;
     };
     REQUIRE(sqlite3_exec(database, "SELECT * FROM maneuvers ORDER BY id", add, &text, nullptr) == SQLITE_OK);
@@ -70,8 +62,7 @@ std::string table(const std::filesystem::path& path) {
 
 }  // namespace
 
-TEST_CASE("what a dead bridge had braked counts once its log was metered, and the number is run again",
-          "[BRG-220]") {
+TEST_CASE("what a dead bridge had braked counts once its log was metered, and the number is run again", "[BRG-220]") {
     const TempDir dir;
     const auto path = ledger_in(dir);
     {
@@ -82,17 +73,16 @@ TEST_CASE("what a dead bridge had braked counts once its log was metered, and th
     }
     {
         Ledger ledger(path);
-        const Resumed resumed = ledger.open_campaign(
-            brake7(), IfChanged::refuse, [&](const Attempt& left) -> std::optional<Summary> {
-                CHECK(left.number == 2);
-                CHECK(left.folder == path.parent_path() / "brake7/0002");
-                Summary s;
-                s.outcome = "unfinished";
-                s.figures.energy_brake_J = 1.5e6;
-                s.figures.brake_on_mps = 50.0;
-                s.warnings = {"log_damaged: unfinished_line 1"};
-                return s;
-            });
+        const Resumed resumed = ledger.open_campaign(brake7(), IfChanged::refuse, [&](const Attempt& left) -> std::optional<Summary> {
+            CHECK(left.number == 2);
+            CHECK(left.folder == path.parent_path() / "brake7/0002");
+            Summary s;
+            s.outcome = "unfinished";
+            s.figures.energy_brake_J = 1.5e6;
+            s.figures.brake_on_mps = 50.0;
+            s.warnings = {"log_damaged: unfinished_line 1"};
+            return s;
+        });
         CHECK(resumed.unfinished == std::vector<std::int64_t>{2});
         CHECK(ledger.cumulative_energy_J() == 3.5e6);
         CHECK(*ledger.next_number() == 2);
@@ -122,8 +112,7 @@ TEST_CASE("energy that does not balance is in its row, and not in the sum", "[BR
     CHECK(counted_energy_J(s) == 59.754e6);
     s.warnings = {"encoder_restarted: wheel 1"};
     CHECK(counted_energy_J(s) == 59.754e6);
-    s.warnings.push_back(std::string(kEnergyUnbalanced) +
-                         ": brake and tyre took 60 MJ of 3 MJ kinetic energy");
+    s.warnings.push_back(std::string(kEnergyUnbalanced) + ": brake and tyre took 60 MJ of 3 MJ kinetic energy");
     CHECK(counted_energy_J(s) == 0.0);
     const TempDir dir;
     s.scenario = "x";
@@ -144,8 +133,7 @@ TEST_CASE("an amendment moves every sum that stands on the maneuver, and overwri
     const std::string before = table(path);
     CHECK_THROWS_WITH(ledger.amend(2, 1, {.counted_J = 3e6, .who = "", .made = "t", .why = "so"}),
                       ContainsSubstring("maneuver 2, attempt 1 is amended only with who and why"));
-    CHECK_THROWS_WITH(ledger.amend(2, 1, {.counted_J = 3e6, .who = "me", .made = "t", .why = ""}),
-                      ContainsSubstring("only with who and why"));
+    CHECK_THROWS_WITH(ledger.amend(2, 1, {.counted_J = 3e6, .who = "me", .made = "t", .why = ""}), ContainsSubstring("only with who and why"));
     CHECK_THROWS_WITH(ledger.amend(2, 2, {.counted_J = 3e6, .who = "me", .made = "t", .why = "so"}),
                       ContainsSubstring("maneuver 2, attempt 2 is not in campaign 'brake7'"));
     ledger.amend(2, 1, {.counted_J = 3e6, .who = "A. Rossi", .made = "t9", .why = "encoder node restarted"});

@@ -86,8 +86,7 @@ TEST_CASE("a campaign goes through its maneuvers, each in a row with all its fig
         CHECK(rows[i].state == RowState::finished);
         const Summary& s = rows[i].summary;
         CHECK(s.number == entered[i].number);
-        for (const FigureField& field : kFigureFields)
-            CHECK(s.figures.*field.value == entered[i].figures.*field.value);
+        for (const FigureField& field : kFigureFields) CHECK(s.figures.*field.value == entered[i].figures.*field.value);
         CHECK(s.figures.standstill);
         CHECK(s.cumulative_energy_J == entered[i].cumulative_energy_J);
         CHECK(s.faults == entered[i].faults);
@@ -194,27 +193,23 @@ TEST_CASE("a campaign is not resumed as another one unless told so", "[BRG-223]"
     Campaign changed = longer;
     changed.seed = 8;
     changed.config_hash = "def";
-    CHECK_THROWS_WITH(
-        ledger.open_campaign(changed, IfChanged::refuse),
-        ContainsSubstring("ledger.sqlite: campaign 'endurance' was begun otherwise: seed was 7, is 8; config "
-                          "hash was abc, is def"));
+    CHECK_THROWS_WITH(ledger.open_campaign(changed, IfChanged::refuse),
+                      ContainsSubstring("ledger.sqlite: campaign 'endurance' was begun otherwise: seed was 7, is 8; config "
+                                        "hash was abc, is def"));
     CHECK(read_campaigns(path)[0].seed == 7);
     CHECK(ledger.open_campaign(changed, IfChanged::go_on).changed.size() == 2);
     CHECK(read_campaigns(path)[0].config_hash == "def");
     for (const char* bad : {"", "a/b", "../x", "."}) {
         changed.name = bad;
-        CHECK_THROWS_WITH(ledger.open_campaign(changed, IfChanged::go_on),
-                          ContainsSubstring("is no campaign name"));
+        CHECK_THROWS_WITH(ledger.open_campaign(changed, IfChanged::go_on), ContainsSubstring("is no campaign name"));
     }
     changed.name = "second";
     CHECK(ledger.open_campaign(changed, IfChanged::refuse).created);
     CHECK(ledger.next_number() == 1);
     CHECK(read_campaigns(path).size() == 2);
     changed.seed = std::uint64_t{1} << 63U;
-    CHECK_THROWS_WITH(ledger.open_campaign(changed, IfChanged::go_on),
-                      ContainsSubstring("seed: must be below 2^63"));
-    CHECK_THROWS_WITH(read_ledger(path, "third"),
-                      ContainsSubstring("has no campaign 'third'; it has endurance, second"));
+    CHECK_THROWS_WITH(ledger.open_campaign(changed, IfChanged::go_on), ContainsSubstring("seed: must be below 2^63"));
+    CHECK_THROWS_WITH(read_ledger(path, "third"), ContainsSubstring("has no campaign 'third'; it has endurance, second"));
 }
 
 TEST_CASE("one bridge at a time; readers may look", "[BRG-223]") {
@@ -223,8 +218,7 @@ TEST_CASE("one bridge at a time; readers may look", "[BRG-223]") {
     {
         Ledger ledger(path);
         ledger.open_campaign(some_campaign(), IfChanged::refuse);
-        CHECK_THROWS_WITH(Ledger(path), ContainsSubstring("is held by another program (process " +
-                                                          std::to_string(getpid())));
+        CHECK_THROWS_WITH(Ledger(path), ContainsSubstring("is held by another program (process " + std::to_string(getpid())));
         static_cast<void>(ledger.begin(1, "t"));
         CHECK(read_ledger(path, "endurance").size() == 1);
         ledger.finish(summary_of(1, ledger));
@@ -253,8 +247,8 @@ TEST_CASE("foreign, newer and damaged files are refused by name, and left as the
     }
     const std::string whole = can_test::contents(path);
     sql(path, "PRAGMA user_version = 99");
-    CHECK_THROWS_WITH(Ledger(path), ContainsSubstring("ledger of schema 99; this program knows schema") &&
-                                        ContainsSubstring("and older: use the newer"));
+    CHECK_THROWS_WITH(Ledger(path),
+                      ContainsSubstring("ledger of schema 99; this program knows schema") && ContainsSubstring("and older: use the newer"));
     CHECK_THROWS_WITH(read_ledger(path, "endurance"), ContainsSubstring("ledger of schema 99"));
 
     std::string damaged = whole;
@@ -265,17 +259,14 @@ TEST_CASE("foreign, newer and damaged files are refused by name, and left as the
     CHECK_THROWS_WITH(Ledger(path), ContainsSubstring("ledger.sqlite: is damaged"));
 
     std::string claims = whole;  // the schema's first row: 4 GB long, found by the fuzzer
-    const auto row = static_cast<std::size_t>(static_cast<unsigned char>(whole[108]) << 8U |
-                                              static_cast<unsigned char>(whole[109]));
+    const auto row = static_cast<std::size_t>(static_cast<unsigned char>(whole[108]) << 8U | static_cast<unsigned char>(whole[109]));
     claims.replace(row, 5, "\x8F\xFF\xFF\xFF\x7F");
     std::ofstream(path, std::ios::binary) << claims;
     CHECK_THROWS_WITH(Ledger(path), ContainsSubstring("ledger.sqlite: is damaged"));
 
-    CHECK_THROWS_WITH(read_ledger(text.parent_path() / "none.sqlite", "x"),
-                      ContainsSubstring("none.sqlite: no such ledger"));
+    CHECK_THROWS_WITH(read_ledger(text.parent_path() / "none.sqlite", "x"), ContainsSubstring("none.sqlite: no such ledger"));
     CHECK_FALSE(std::filesystem::exists(text.parent_path() / "none.sqlite"));
-    const auto empty =
-        dir.write("empty.sqlite", "");  // a bridge that was killed before it had made the tables
+    const auto empty = dir.write("empty.sqlite", "");  // a bridge that was killed before it had made the tables
     CHECK_NOTHROW(Ledger(empty).open_campaign(some_campaign(), IfChanged::refuse));
     CHECK_THROWS_AS(Ledger("/proc/no/ledger.sqlite"), LedgerError);
 }
@@ -306,8 +297,7 @@ TEST_CASE("a disk without room is an error that says so; the ledger stays whole"
         }
         setrlimit(RLIMIT_FSIZE, &before);
         std::signal(SIGXFSZ, handler);
-        CHECK_THAT(error, ContainsSubstring(path.string()) &&
-                              ContainsSubstring("the disk refused it; the ledger is as it was before"));
+        CHECK_THAT(error, ContainsSubstring(path.string()) && ContainsSubstring("the disk refused it; the ledger is as it was before"));
         CHECK(finished > 50);
         CHECK(ledger.finished_count() == finished);
         ledger.mark_unfinished();
@@ -316,8 +306,7 @@ TEST_CASE("a disk without room is an error that says so; the ledger stays whole"
         ledger.finish(summary_of(*ledger.next_number(), ledger));
     }
     std::int64_t entered = 0;
-    for (const LedgerRow& row : read_ledger(path, "endurance"))
-        entered += row.state == RowState::finished ? 1 : 0;
+    for (const LedgerRow& row : read_ledger(path, "endurance")) entered += row.state == RowState::finished ? 1 : 0;
     CHECK(entered == finished + 1);
 }
 
@@ -346,9 +335,7 @@ TEST_CASE("a finished maneuver keeps what was thought of its brake", "[BRG-500]"
     CHECK_THROWS_WITH(ledger.judge(5, {}), ContainsSubstring("maneuver 5 is not finished"));
 }
 
-TEST_CASE(
-    "a ledger of schema 1 is read as it is, and brought to the newest when it is written; nothing is lost",
-    "[BRG-223]") {
+TEST_CASE("a ledger of schema 1 is read as it is, and brought to the newest when it is written; nothing is lost", "[BRG-223]") {
     // Two maneuvers and an aborted third, as the program of that schema wrote them.
     const TempDir dir;
     const auto path = dir.write("old.sqlite", "");
@@ -384,8 +371,7 @@ TEST_CASE(
         CHECK(read[i].summary.started == migrated[i].summary.started);
         CHECK(read[i].summary.config_hash == migrated[i].summary.config_hash);
         CHECK(read[i].summary.cumulative_energy_J == migrated[i].summary.cumulative_energy_J);
-        for (const FigureField& field : kFigureFields)
-            CHECK(read[i].summary.figures.*field.value == migrated[i].summary.figures.*field.value);
+        for (const FigureField& field : kFigureFields) CHECK(read[i].summary.figures.*field.value == migrated[i].summary.figures.*field.value);
     }
     // As printed in the dump.
     CHECK(migrated[0].summary.figures.mean_torque_Nm == 631.3551978069459);

@@ -22,13 +22,8 @@ void say(const std::string& text) {
 int main(int argc, char** argv) try {
     if (argc != 3) return 2;
     rig::Ledger ledger(argv[1]);
-    const rig::Campaign campaign{.name = "killed",
-                                 .scenario = "endurance",
-                                 .seed = 1,
-                                 .planned = std::stoll(argv[2]),
-                                 .config_hash = "abc",
-                                 .version = "0",
-                                 .created = "now"};
+    const rig::Campaign campaign{
+        .name = "killed", .scenario = "endurance", .seed = 1, .planned = std::stoll(argv[2]), .config_hash = "abc", .version = "0", .created = "now"};
     const rig::Resumed resumed = ledger.open_campaign(campaign, rig::IfChanged::refuse);
     for (const std::int64_t number : resumed.adopted) say("adopted " + std::to_string(number));
     for (const std::int64_t number : resumed.unfinished) say("unfinished " + std::to_string(number));

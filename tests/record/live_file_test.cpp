@@ -52,8 +52,7 @@ TEST_CASE("lines of a live file come to the kernel by themselves, in order", "[B
     CHECK_THROWS_WITH(LiveFile(path), ContainsSubstring("bus.log: File exists"));
 }
 
-TEST_CASE("a disk that stands still holds nobody up; what the queue does not hold is counted and named",
-          "[BRG-220]") {
+TEST_CASE("a disk that stands still holds nobody up; what the queue does not hold is counted and named", "[BRG-220]") {
     const TempDir dir;
     const auto path = dir.write("x", "").parent_path() / "bus.log";
     std::atomic<bool> stands{true}, waits{false};
@@ -68,15 +67,13 @@ TEST_CASE("a disk that stands still holds nobody up; what the queue does not hol
     for (int i = 0; i < 100; ++i) file.line(text);
     CHECK(file.lines() == 100);
     CHECK(file.missing() == 80);
-    CHECK_THAT(file.error(),
-               ContainsSubstring("bus.log: the disk does not keep up, the queue was full; 80 lines"));
+    CHECK_THAT(file.error(), ContainsSubstring("bus.log: the disk does not keep up, the queue was full; 80 lines"));
     stands = false;
     CHECK_FALSE(file.finish());
     CHECK(lines(path) == std::vector<std::string>(20, text));
 }
 
-TEST_CASE("the stamps of a record go on as the monotonic clock does, whoever sets the wall clock",
-          "[BRG-200]") {
+TEST_CASE("the stamps of a record go on as the monotonic clock does, whoever sets the wall clock", "[BRG-200]") {
     const Time offset{1'700'000'000'000'000'000};
     rig::StampLabel label(offset);
     const Time noise{20'000};

@@ -33,20 +33,17 @@ void check(const ClosedForm& c, const Figures& f, double late_s) {
     CHECK(f.mean_pressure_Pa == Approx(c.pressure_Pa).epsilon(1e-3));
     CHECK(f.mean_friction == Approx(c.torque_Nm / c.pressure_Pa / kRig.brake_gain_m3).epsilon(1e-3));
     const double omega = (1.0 - c.slip) * c.v0_mps / c.radius_m();
-    CHECK(f.energy_brake_J ==
-          Approx(c.torque_Nm * (1.0 - c.slip) / c.radius_m() * c.length_m()).epsilon(1e-3));
+    CHECK(f.energy_brake_J == Approx(c.torque_Nm * (1.0 - c.slip) / c.radius_m() * c.length_m()).epsilon(1e-3));
     // The way of slip is 3 % of the length; an edge at either end is an error of 0.3 % of that.
     CHECK(f.energy_tyre_J == Approx(c.force_N * c.slip * c.length_m()).epsilon(0.005));
-    CHECK(f.kinetic_energy_J == Approx(0.5 * kRig.flywheel_mass_kg * c.v0_mps * c.v0_mps +
-                                       0.5 * kRig.wheel_inertia_kgm2 * omega * omega)
-                                    .epsilon(5e-4));
+    CHECK(f.kinetic_energy_J ==
+          Approx(0.5 * kRig.flywheel_mass_kg * c.v0_mps * c.v0_mps + 0.5 * kRig.wheel_inertia_kgm2 * omega * omega).epsilon(5e-4));
     CHECK(f.j_mu == Approx(c.force_N / c.load_N / kRig.peak_friction).epsilon(1e-3));
 }
 
 bool same_bits(const Figures& a, const Figures& b) {
     for (const rig::FigureField& field : rig::kFigureFields) {
-        if (std::bit_cast<std::uint64_t>(a.*field.value) != std::bit_cast<std::uint64_t>(b.*field.value))
-            return false;
+        if (std::bit_cast<std::uint64_t>(a.*field.value) != std::bit_cast<std::uint64_t>(b.*field.value)) return false;
     }
     return a.standstill == b.standstill;
 }
@@ -77,15 +74,11 @@ TEST_CASE("standstill is found within 20 ms, without bias, wherever the teeth st
     // Table III; a hard stop; the brake let go of at drop-out, either way; the phase before rest and long after it; an encoder that
     // sees every edge; stamps and teeth as of a real one.
     for (const Case& one :
-         {Case{"Table III", 3.242, 3.242, 0.05, 1e-6, 10.0, 0.0},
-          Case{"hard", 9.0, 9.0, 0.05, 1e-6, 10.0, 0.0}, Case{"soft", 1.5, 1.5, 0.05, 1e-6, 10.0, 0.0},
-          Case{"harder below drop-out", 3.242, 9.0, 0.05, 1e-6, 10.0, 0.0},
-          Case{"softer below drop-out", 9.0, 3.242, 0.05, 1e-6, 10.0, 0.0},
-          Case{"phase early", 3.242, 3.242, -0.03, 1e-6, 10.0, 0.0},
-          Case{"phase late", 3.242, 3.242, 0.7, 1e-6, 10.0, 0.0},
-          Case{"every edge seen", 3.242, 3.242, 0.05, 1e-6, 0.01, 0.0},
-          Case{"coarse stamps", 3.242, 3.242, 0.05, 20e-6, 10.0, 0.0},
-          Case{"teeth off by 0.3 %", 3.242, 3.242, 0.05, 1e-6, 10.0, 0.003}}) {
+         {Case{"Table III", 3.242, 3.242, 0.05, 1e-6, 10.0, 0.0}, Case{"hard", 9.0, 9.0, 0.05, 1e-6, 10.0, 0.0},
+          Case{"soft", 1.5, 1.5, 0.05, 1e-6, 10.0, 0.0}, Case{"harder below drop-out", 3.242, 9.0, 0.05, 1e-6, 10.0, 0.0},
+          Case{"softer below drop-out", 9.0, 3.242, 0.05, 1e-6, 10.0, 0.0}, Case{"phase early", 3.242, 3.242, -0.03, 1e-6, 10.0, 0.0},
+          Case{"phase late", 3.242, 3.242, 0.7, 1e-6, 10.0, 0.0}, Case{"every edge seen", 3.242, 3.242, 0.05, 1e-6, 0.01, 0.0},
+          Case{"coarse stamps", 3.242, 3.242, 0.05, 20e-6, 10.0, 0.0}, Case{"teeth off by 0.3 %", 3.242, 3.242, 0.05, 1e-6, 10.0, 0.003}}) {
         INFO(one.what);
         double bias = 0.0;
         double bias_m = 0.0;
@@ -111,8 +104,7 @@ TEST_CASE("standstill is found within 20 ms, without bias, wherever the teeth st
     }
 }
 
-TEST_CASE("by SYNC number the kernel's stamps do not matter, and a number said twice or left out neither",
-          "[BRG-200]") {
+TEST_CASE("by SYNC number the kernel's stamps do not matter, and a number said twice or left out neither", "[BRG-200]") {
     ClosedForm c;
     c.v0_mps = 20.0;
     const Recording recording(c, true);
@@ -135,8 +127,7 @@ TEST_CASE("by SYNC number the kernel's stamps do not matter, and a number said t
     CHECK(thinned.figures().duration_s == Approx(expected.duration_s).margin(0.002));
 }
 
-TEST_CASE("SYNC numbers that are corrupted, overtaken, missing for long or begun anew cost their own time",
-          "[BRG-200]") {
+TEST_CASE("SYNC numbers that are corrupted, overtaken, missing for long or begun anew cost their own time", "[BRG-200]") {
     ClosedForm c;
     c.v0_mps = 20.0;
     const Recording recording(c, true);
@@ -156,8 +147,7 @@ TEST_CASE("SYNC numbers that are corrupted, overtaken, missing for long or begun
     for (const Frame& frame : recording.frames) {
         const bool is_sync = frame.id == sync;
         if (is_sync) ++n;
-        const auto number =
-            static_cast<std::uint64_t>(antiskid::can::Payload(frame.data).read(layout.sync_counter));
+        const auto number = static_cast<std::uint64_t>(antiskid::can::Payload(frame.data).read(layout.sync_counter));
         const std::uint64_t bit = std::uint64_t{1} << (random() % 16U);
         corrupted.accept(is_sync && n % 50 == 0 ? numbered(frame, number ^ bit) : frame);
         if (!(is_sync && n > 1000 && n <= 1200)) silent.accept(frame);
@@ -174,8 +164,7 @@ TEST_CASE("SYNC numbers that are corrupted, overtaken, missing for long or begun
     CHECK(overtaken.figures().duration_s == Approx(expected.duration_s).margin(0.003));
     CHECK(silent.figures().duration_s == Approx(expected.duration_s).margin(0.003));
     CHECK(anew.figures().duration_s == Approx(expected.duration_s).margin(0.003));
-    for (const BusMeter* meter : {&corrupted, &overtaken, &silent, &anew})
-        CHECK(meter->figures().length_m == Approx(expected.length_m).margin(0.05));
+    for (const BusMeter* meter : {&corrupted, &overtaken, &silent, &anew}) CHECK(meter->figures().length_m == Approx(expected.length_m).margin(0.05));
 }
 
 TEST_CASE("SYNC numbers go on across the roll-over of their field", "[BRG-200]") {
@@ -220,8 +209,7 @@ TEST_CASE("frames that are missing are told, and cost little", "[BRG-200]") {
     check(c, meter.figures(), 0.002);
 }
 
-TEST_CASE("an aborted maneuver has its figures to the abort, a maneuver without a brake has none",
-          "[BRG-200]") {
+TEST_CASE("an aborted maneuver has its figures to the abort, a maneuver without a brake has none", "[BRG-200]") {
     rig::Meter meter(kRig);
     rig::MeterSample sample;
     sample.vertical_N = 20'000.0;
@@ -271,14 +259,8 @@ TEST_CASE("sensors that report speed are measured, too", "[BRG-200]") {
         const bool braking = Recording::begun(c, t) && v > 0.0;
         meter.feed({.time_s = t,
                     .phase = Recording::phase(c, t),
-                    .wheel = {.edges = false,
-                              .edge_count = 0,
-                              .edge_time = {},
-                              .speed_radps = (1.0 - c.slip) * v / c.radius_m()},
-                    .flywheel = {.edges = false,
-                                 .edge_count = 0,
-                                 .edge_time = {},
-                                 .speed_radps = v / kRig.flywheel_radius_m},
+                    .wheel = {.edges = false, .edge_count = 0, .edge_time = {}, .speed_radps = (1.0 - c.slip) * v / c.radius_m()},
+                    .flywheel = {.edges = false, .edge_count = 0, .edge_time = {}, .speed_radps = v / kRig.flywheel_radius_m},
                     .pressure_Pa = braking ? c.pressure_Pa : 0.0,
                     .vertical_N = c.load_N,
                     .longitudinal_N = braking ? c.force_N : 0.0,
@@ -306,8 +288,7 @@ TEST_CASE("samples rounded as on the bus give what the frames give", "[BRG-200]"
     rig::Meter meter(kRig);
     rig::MeterSample sample;
     const auto shaft = [](const antiskid::can::SpeedSample& s) {
-        return rig::ShaftSample{
-            .edges = true, .edge_count = s.edge_count, .edge_time = s.edge_time, .speed_radps = 0.0};
+        return rig::ShaftSample{.edges = true, .edge_count = s.edge_count, .edge_time = s.edge_time, .speed_radps = 0.0};
     };
     const auto steps = static_cast<std::uint32_t>((c.rest_s() + c.standstill_s + 0.5) * 1000.0);
     for (std::uint32_t n = 1; n <= steps; ++n) {
@@ -336,6 +317,5 @@ TEST_CASE("samples rounded as on the bus give what the frames give", "[BRG-200]"
 
 TEST_CASE("phases have the same codes and names on the bus and in the sequencer", "[CAN-100]") {
     REQUIRE(antiskid::can::kPhaseNames.size() == sequencer::kPhaseCount);
-    for (std::uint8_t i = 0; i < sequencer::kPhaseCount; ++i)
-        CHECK(antiskid::can::kPhaseNames[i] == name(static_cast<sequencer::Phase>(i)));
+    for (std::uint8_t i = 0; i < sequencer::kPhaseCount; ++i) CHECK(antiskid::can::kPhaseNames[i] == name(static_cast<sequencer::Phase>(i)));
 }

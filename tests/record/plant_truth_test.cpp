@@ -72,8 +72,7 @@ Both run(const plant_sim::ScenarioOptions& options, const Hole& hole = {}) {
         const bool missing = braking_s >= hole.from_s && braking_s < hole.to_s;
         if (!missing || (hole.load_cells_only && !of_cells)) meter.accept(frame);
     };
-    const auto on_step = [&](const study::RigSession& session, const antiskid::can::ControllerView& /*view*/,
-                             double /*mA*/) {
+    const auto on_step = [&](const study::RigSession& session, const antiskid::can::ControllerView& /*view*/, double /*mA*/) {
         if (phase != study::Phase::braking && session.pilot().phase() == study::Phase::braking) {
             both.brake_on_mps = session.rig().wheel().v_mps;
             both.kinetic_J = session.rig().kinetic_energy_J();
@@ -85,8 +84,7 @@ Both run(const plant_sim::ScenarioOptions& options, const Hole& hole = {}) {
         std::array<Frame, RigPort::kMostFrames> due;
         for (std::size_t i = 0, count = bridge.due_frames(sample, due); i < count; ++i) hear(due[i]);
     };
-    both.truth =
-        run_in_process(s.controller, s.layout, r, s.session, study::Link::frames, on_step, hear).figures;
+    both.truth = run_in_process(s.controller, s.layout, r, s.session, study::Link::frames, on_step, hear).figures;
     both.measured = meter.figures();
     both.faults = meter.faults();
     both.warnings = meter.warnings();
@@ -133,16 +131,13 @@ TEST_CASE("endurance stops: the meter's figures are the plant's", "[BRG-200]") {
     }
 }
 
-TEST_CASE("where the load cells are silent, the speeds say what the brake took, and that is said",
-          "[BRG-200]") {
-    std::vector<plant_sim::ScenarioOptions> stops{
-        scenarios::options({"dry_asphalt", "endurance"}, "deceleration")};
+TEST_CASE("where the load cells are silent, the speeds say what the brake took, and that is said", "[BRG-200]") {
+    std::vector<plant_sim::ScenarioOptions> stops{scenarios::options({"dry_asphalt", "endurance"}, "deceleration")};
     for (const char* surface : {"dry_asphalt", "wet_asphalt", "snow"})
-        for (const char* maneuver : {"light", "heavy"})
-            stops.push_back(scenarios::options({surface, maneuver}));
+        for (const char* maneuver : {"light", "heavy"}) stops.push_back(scenarios::options({surface, maneuver}));
     for (const plant_sim::ScenarioOptions& stop : stops) {
-        for (const Hole& hole : {Hole{0.0, 1e9}, Hole{0.0, 3.0}, Hole{1.0, 3.0}, Hole{2.0, 1e9},
-                                 Hole{0.05, 1.0, false}, Hole{1.5, 2.5, false}, Hole{0.3, 0.5}}) {
+        for (const Hole& hole :
+             {Hole{0.0, 1e9}, Hole{0.0, 3.0}, Hole{1.0, 3.0}, Hole{2.0, 1e9}, Hole{0.05, 1.0, false}, Hole{1.5, 2.5, false}, Hole{0.3, 0.5}}) {
             CAPTURE(stop.choice.surface, stop.choice.maneuver, hole.from_s, hole.to_s, hole.load_cells_only);
             const Both b = run(stop, hole);
             // In a hole of everything only its mean slip is known.

@@ -38,14 +38,13 @@ void finish_next(Ledger& ledger) {
 
 TEST_CASE("Texts of people are one line of UTF-8", "[BRG-270]") {
     CHECK_NOTHROW(check_text("--notes", "Zoë, \"Ω\" 刹车 😀"));
-    for (const char* const bad : {"a\nb", "a\tb", "\x7f", "\xC3", "\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80",
-                                  "\xF0\x80\x80\x80", "\xF4\x90\x80\x80", "\xF5\x80\x80\x80", "\x80"}) {
+    for (const char* const bad : {"a\nb", "a\tb", "\x7f", "\xC3", "\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80", "\xF0\x80\x80\x80", "\xF4\x90\x80\x80",
+                                  "\xF5\x80\x80\x80", "\x80"}) {
         INFO(bad);
         CHECK_THROWS_WITH(check_text("--notes", bad), ContainsSubstring("--notes: byte "));
     }
     CHECK_NOTHROW(check_text("--disc", std::string(kLongestText, 'x')));
-    CHECK_THROWS_WITH(check_text("--disc", std::string(kLongestText + 1, 'x')),
-                      ContainsSubstring("too long"));
+    CHECK_THROWS_WITH(check_text("--disc", std::string(kLongestText + 1, 'x')), ContainsSubstring("too long"));
     Specimen specimen;
     specimen.operator_name = "a\rb";
     CHECK_THROWS_WITH(check_texts(specimen), ContainsSubstring("--operator"));
@@ -65,15 +64,13 @@ TEST_CASE("Each maneuver keeps the specimen that was said when it began", "[BRG-
     const auto path = dir.write("x", "").parent_path() / "campaign.sqlite";
     {
         Ledger ledger(path);
-        ledger.open_campaign(campaign_of({.brake = "B1", .disc = "D7", .operator_name = "Rossi"}),
-                             IfChanged::refuse);
+        ledger.open_campaign(campaign_of({.brake = "B1", .disc = "D7", .operator_name = "Rossi"}), IfChanged::refuse);
         finish_next(ledger);
     }
     Ledger ledger(path);
     // What is not said again stays.
     ledger.open_campaign(campaign_of({.tyre = "T2", .notes = "new tyre"}), IfChanged::refuse);
-    CHECK(ledger.specimen() ==
-          Specimen{.brake = "B1", .disc = "D7", .tyre = "T2", .operator_name = "Rossi", .notes = "new tyre"});
+    CHECK(ledger.specimen() == Specimen{.brake = "B1", .disc = "D7", .tyre = "T2", .operator_name = "Rossi", .notes = "new tyre"});
     finish_next(ledger);
     const auto rows = read_ledger(path, "brake7");
     CHECK(rows[0].summary.specimen == Specimen{.brake = "B1", .disc = "D7", .operator_name = "Rossi"});
@@ -88,10 +85,8 @@ TEST_CASE("Another brake or disc in a campaign is refused unless it is meant", "
     Ledger ledger(path);
     ledger.open_campaign(campaign_of({.disc = "D7"}), IfChanged::refuse);
     CHECK_NOTHROW(ledger.open_campaign(campaign_of({.brake = "B1"}), IfChanged::refuse));
-    CHECK_THROWS_WITH(ledger.open_campaign(campaign_of({.disc = "D8"}), IfChanged::refuse),
-                      ContainsSubstring("disc was D7, is D8"));
-    CHECK_THROWS_WITH(ledger.open_campaign(campaign_of({.brake = "B2"}), IfChanged::refuse),
-                      ContainsSubstring("brake was B1, is B2"));
+    CHECK_THROWS_WITH(ledger.open_campaign(campaign_of({.disc = "D8"}), IfChanged::refuse), ContainsSubstring("disc was D7, is D8"));
+    CHECK_THROWS_WITH(ledger.open_campaign(campaign_of({.brake = "B2"}), IfChanged::refuse), ContainsSubstring("brake was B1, is B2"));
     CHECK(read_campaigns(path)[0].specimen == Specimen{.brake = "B1", .disc = "D7"});
     const Resumed resumed = ledger.open_campaign(campaign_of({.disc = "D8"}), IfChanged::go_on);
     CHECK(resumed.changed == std::vector<std::string>{"disc was D7, is D8"});
@@ -142,12 +137,7 @@ TEST_CASE("A summary keeps its specimen, and an older one has none", "[BRG-270]"
     s.number = 1;
     s.scenario = "light";
     s.outcome = "finished";
-    s.specimen = {.brake = "B1",
-                  .disc = "D\"7\\",
-                  .tyre = "T",
-                  .specimen = "S",
-                  .operator_name = "Zoë",
-                  .notes = "a, b"};
+    s.specimen = {.brake = "B1", .disc = "D\"7\\", .tyre = "T", .specimen = "S", .operator_name = "Zoë", .notes = "a, b"};
     write_summary(path, s);
     CHECK(read_summary(path).specimen == s.specimen);
     CHECK_THAT(summary_table(s), ContainsSubstring("notes                   a, b"));

@@ -22,8 +22,7 @@ rig::Summary judged(const Verdict& verdict) {
     return s;
 }
 
-const Verdict kVerdicts[] = {std::nullopt, Verdict{std::in_place},
-                             Verdict{std::vector<std::string>{"mean_load_N", "length_m"}}};
+const Verdict kVerdicts[] = {std::nullopt, Verdict{std::in_place}, Verdict{std::vector<std::string>{"mean_load_N", "length_m"}}};
 
 }  // namespace
 
@@ -36,8 +35,7 @@ TEST_CASE("a summary keeps the verdict; one of a time that knew none is not judg
     }
     CHECK(rig::off_conditions(judged(kVerdicts[2])));
     CHECK_FALSE((rig::off_conditions(judged(kVerdicts[0])) || rig::off_conditions(judged(kVerdicts[1]))));
-    CHECK_THAT(rig::summary_table(judged(kVerdicts[2])),
-               ContainsSubstring("out_of_tolerance: mean_load_N, length_m"));
+    CHECK_THAT(rig::summary_table(judged(kVerdicts[2])), ContainsSubstring("out_of_tolerance: mean_load_N, length_m"));
     CHECK_THAT(rig::summary_table(judged(kVerdicts[1])), ContainsSubstring("within tolerance"));
     CHECK_THAT(rig::summary_table(judged(kVerdicts[0])), !ContainsSubstring("tolerance"));
     std::string text = can_test::contents(path);
@@ -72,7 +70,6 @@ TEST_CASE("a ledger's row keeps the verdict, and a bridge that died leaves it in
         rig::Ledger ledger(path);
         CHECK(ledger.open_campaign(campaign, rig::IfChanged::refuse).adopted == std::vector<std::int64_t>{2});
         CHECK_FALSE(ledger.next_number().has_value());  // it finished, whatever it was
-        for (const rig::LedgerRow& row : rig::read_ledger(path, "endurance"))
-            CHECK(row.summary.out_of_tolerance == verdict);
+        for (const rig::LedgerRow& row : rig::read_ledger(path, "endurance")) CHECK(row.summary.out_of_tolerance == verdict);
     }
 }

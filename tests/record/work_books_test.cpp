@@ -18,8 +18,7 @@ WorkBooks books(double until_s, double from_s, double to_s, double again_s) {
     for (int n = 1; n <= static_cast<int>(std::lround(until_s * 1000.0)); ++n) {
         const double t = 1e-3 * n;
         CellReading reading = n % 10 == 0 ? CellReading::fresh : CellReading::none;
-        if (t > from_s && t < to_s && reading == CellReading::fresh)
-            reading = t < from_s + again_s ? CellReading::repeated : CellReading::none;
+        if (t > from_s && t < to_s && reading == CellReading::fresh) reading = t < from_s + again_s ? CellReading::repeated : CellReading::none;
         if (books.add(t, reading, {.brake_J = 100.0 * (t - knot_s)}, {.brake_J = 0.2})) knot_s = t;
     }
     return books;
@@ -37,8 +36,7 @@ TEST_CASE("readings that come late or are said again now and then are believed",
     CHECK(books(3.0, 1.0, 2.0, 1.0).by_speeds().brake_J == 0.0);  // a constant torque is no silence
 }
 
-TEST_CASE("a silence is the speeds' from the newest reading on that was new, to where readings are back",
-          "[BRG-200]") {
+TEST_CASE("a silence is the speeds' from the newest reading on that was new, to where readings are back", "[BRG-200]") {
     for (const double again_s : {0.0, 0.05, 0.1}) {
         CAPTURE(again_s);
         const WorkBooks ended = books(3.0, 1.0, 2.0, again_s);

@@ -70,11 +70,9 @@ TEST_CASE("Every type and word order is coded as written down", "[BRG-001]") {
         REQUIRE(encode(f, WordOrder::little, value, words));
         CHECK(words == swapped(abcd));
 
-        const double tolerance =
-            f.type == RegisterType::float32 ? 1e-7 * std::abs(value) : 1e-9 * std::abs(value);
+        const double tolerance = f.type == RegisterType::float32 ? 1e-7 * std::abs(value) : 1e-9 * std::abs(value);
         CHECK(decode(f, WordOrder::big, abcd).value == Approx(value).margin(tolerance).epsilon(0.0));
-        CHECK(decode(f, WordOrder::little, swapped(abcd)).value ==
-              Approx(value).margin(tolerance).epsilon(0.0));
+        CHECK(decode(f, WordOrder::little, swapped(abcd)).value == Approx(value).margin(tolerance).epsilon(0.0));
         CHECK(decode(f, WordOrder::big, abcd).quality == ValueQuality::good);
     }
 }
@@ -141,18 +139,13 @@ TEST_CASE("Reading reports what cannot be", "[BRG-001]") {
 TEST_CASE("Any value comes back within half a step", "[BRG-001]") {
     std::mt19937_64 random(20261121);
     std::uniform_real_distribution<double> share(0.0, 1.0);
-    constexpr std::array kTypes{RegisterType::u16, RegisterType::i16, RegisterType::u32,
-                                RegisterType::float32};
+    constexpr std::array kTypes{RegisterType::u16, RegisterType::i16, RegisterType::u32, RegisterType::float32};
     for (int i = 0; i < 100'000; ++i) {
         const auto type = kTypes[static_cast<std::size_t>(i) % 4];
         const double scale = std::pow(10.0, -4.0 + 8.0 * share(random)) * (share(random) < 0.2 ? -1.0 : 1.0);
         const double offset = type == RegisterType::float32 ? 0.0 : 1000.0 * (share(random) - 0.5);
-        const double least = type == RegisterType::i16       ? -30000.0
-                             : type == RegisterType::float32 ? -1e6
-                                                             : 0.0;
-        const double greatest = type == RegisterType::u32       ? 4e9
-                                : type == RegisterType::float32 ? 1e6
-                                                                : 30000.0;
+        const double least = type == RegisterType::i16 ? -30000.0 : type == RegisterType::float32 ? -1e6 : 0.0;
+        const double greatest = type == RegisterType::u32 ? 4e9 : type == RegisterType::float32 ? 1e6 : 30000.0;
         const double ends[] = {least * scale + offset, greatest * scale + offset};
         const Field f = field(type, std::min(ends[0], ends[1]), std::max(ends[0], ends[1]), scale, offset);
         const double value = f.min + (f.max - f.min) * share(random);
@@ -176,8 +169,7 @@ TEST_CASE("Interlock bits stand where the map says", "[BRG-001]") {
     CHECK(rig::interlocks_from_register(map, 0x8001) == 0b0110);
     CHECK(rig::interlocks_from_register(map, 0x7F76) == 0);  // only bits that mean nothing
     CHECK(rig::interlocks_to_register(map, 0b1111) == 0x8089);
-    for (unsigned bits = 0; bits < 16; ++bits)
-        CHECK(rig::interlocks_from_register(map, rig::interlocks_to_register(map, bits)) == bits);
+    for (unsigned bits = 0; bits < 16; ++bits) CHECK(rig::interlocks_from_register(map, rig::interlocks_to_register(map, bits)) == bits);
 
     rig::RegisterImage inputs(map.measured, map.word_order);
     rig::MeasuredValues values{};
@@ -188,9 +180,7 @@ TEST_CASE("Interlock bits stand where the map says", "[BRG-001]") {
 }
 
 TEST_CASE("Blocks cover all registers, none beside them, in the fewest requests", "[BRG-001]") {
-    const auto at = [](std::uint16_t address, RegisterType type) {
-        return Field{"x", address, type, 1.0, 0.0, 0.0, 1.0, ""};
-    };
+    const auto at = [](std::uint16_t address, RegisterType type) { return Field{"x", address, type, 1.0, 0.0, 0.0, 1.0, ""}; };
     using Blocks = std::vector<rig::Block>;
     const auto u16 = RegisterType::u16;
     const auto f32 = RegisterType::float32;

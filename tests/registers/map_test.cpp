@@ -32,8 +32,7 @@ std::string edited(const std::string& table, const std::string& from, const std:
 std::uint32_t line_of(const std::string& text, const std::string& table, const std::string& needle) {
     const auto place = text.find(needle, text.find("[" + table + "]"));
     REQUIRE(place != std::string::npos);
-    return 1 + static_cast<std::uint32_t>(
-                   std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(place), '\n'));
+    return 1 + static_cast<std::uint32_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(place), '\n'));
 }
 
 settings::Error refusal_of_map(const std::string& text) {
@@ -43,8 +42,7 @@ settings::Error refusal_of_map(const std::string& text) {
 }
 
 /// The map with `from` replaced in `table` is refused at the line of `to`, for `key`, and says `message`.
-void check_refused(const std::string& table, const std::string& from, const std::string& to,
-                   const std::string& key, const std::string& message) {
+void check_refused(const std::string& table, const std::string& from, const std::string& to, const std::string& key, const std::string& message) {
     CAPTURE(table, from, to);
     const std::string text = edited(table, from, to);
     const auto error = refusal_of_map(text);
@@ -73,10 +71,8 @@ TEST_CASE("The shipped map gives every quantity its place", "[BRG-001]") {
     CHECK(map.bridge_timeout == std::chrono::milliseconds(500));
     CHECK(map.plc_timeout == std::chrono::milliseconds(300));
     CHECK(map.serial.parity == 'N');
-    for (std::size_t i = 0; i < rig::kMeasuredCount; ++i)
-        CHECK(map.measured[i].name == rig::name(static_cast<Measured>(i)));
-    for (std::size_t i = 0; i < rig::kCommandedCount; ++i)
-        CHECK(map.commanded[i].name == rig::name(static_cast<Commanded>(i)));
+    for (std::size_t i = 0; i < rig::kMeasuredCount; ++i) CHECK(map.measured[i].name == rig::name(static_cast<Measured>(i)));
+    for (std::size_t i = 0; i < rig::kCommandedCount; ++i) CHECK(map.commanded[i].name == rig::name(static_cast<Commanded>(i)));
     CHECK(map.field(Measured::brake_torque_Nm).address == 18);
     CHECK(map.field(Measured::brake_torque_Nm).type == RegisterType::float32);
     CHECK(map.field(Measured::brake_temperature_C).scale == 0.1);
@@ -111,18 +107,13 @@ TEST_CASE("Every key that is missing, misspelt or of another type is refused wit
         const auto error = refusal_of_map(text);
         CHECK(error.line() == line_of(text, "input.vertical_load", key + "y "));
     }
-    check_refused("input.vertical_load", "address = 14", "address = \"14\"", "input.vertical_load.address",
-                  "integer");
+    check_refused("input.vertical_load", "address = 14", "address = \"14\"", "input.vertical_load.address", "integer");
     check_refused("input.vertical_load", "\"float32\"", "\"float\"", "input.vertical_load.type", "float32");
     check_refused("input.vertical_load", "[-5.0e3, 100.0e3]", "[-5.0e3]", "input.vertical_load.range", "2");
-    check_refused("input.vertical_load", "[-5.0e3, 100.0e3]", "[1.0, -1.0]", "input.vertical_load.range[1]",
-                  "not above");
-    check_refused("watchdog", "plc_timeout_ms = 300", "plc_timeout_ms = 0", "watchdog.plc_timeout_ms",
-                  "out of range");
-    check_refused("watchdog", "plc_timeout_ms = 300", "plc_timeout_s = 0.3", "watchdog.plc_timeout_s",
-                  "plc_timeout_ms");
-    check_refused("link", "backoff_max_ms = 2000", "backoff_max_ms = 50", "link.backoff_max_ms",
-                  "backoff_min_ms");
+    check_refused("input.vertical_load", "[-5.0e3, 100.0e3]", "[1.0, -1.0]", "input.vertical_load.range[1]", "not above");
+    check_refused("watchdog", "plc_timeout_ms = 300", "plc_timeout_ms = 0", "watchdog.plc_timeout_ms", "out of range");
+    check_refused("watchdog", "plc_timeout_ms = 300", "plc_timeout_s = 0.3", "watchdog.plc_timeout_s", "plc_timeout_ms");
+    check_refused("link", "backoff_max_ms = 2000", "backoff_max_ms = 50", "link.backoff_max_ms", "backoff_min_ms");
     check_refused("link", "poll_ms = 20", "poll_ms = 400", "link.poll_ms", "third");
     check_refused("serial", "baud = 115200", "baud = 100000", "serial.baud", "standard");
     check_refused("serial", "\"none\"", "\"mark\"", "serial.parity", "even");
@@ -142,20 +133,14 @@ TEST_CASE("The header is checked", "[BRG-001]") {
 }
 
 TEST_CASE("Addresses beyond the space, and overlaps, are refused", "[BRG-001]") {
-    check_refused("input.brake_torque", "address = 18", "address = 65536", "input.brake_torque.address",
-                  "65535");
-    check_refused("input.brake_torque", "address = 18", "address = -1", "input.brake_torque.address",
-                  "0 to 65535");
-    check_refused("input.brake_torque", "address = 18", "address = 65535", "input.brake_torque.address",
-                  "65535");
+    check_refused("input.brake_torque", "address = 18", "address = 65536", "input.brake_torque.address", "65535");
+    check_refused("input.brake_torque", "address = 18", "address = -1", "input.brake_torque.address", "0 to 65535");
+    check_refused("input.brake_torque", "address = 18", "address = 65535", "input.brake_torque.address", "65535");
     check_refused("input.brake_torque", "address = 18", "address = 17", "input.brake_torque.address",
                   "overlaps input.longitudinal_force at 16 to 17");
-    check_refused("input.brake_torque", "address = 18", "address = 6", "input.brake_torque.address",
-                  "overlaps input.wheel_on_rim at 6");
-    check_refused("holding.commit", "address = 11", "address = 10", "holding.commit.address",
-                  "holding.load_lift");
-    check_refused("virtual.hang_s", "address = 101", "address = 11", "virtual.hang_s.address",
-                  "holding.commit");
+    check_refused("input.brake_torque", "address = 18", "address = 6", "input.brake_torque.address", "overlaps input.wheel_on_rim at 6");
+    check_refused("holding.commit", "address = 11", "address = 10", "holding.commit.address", "holding.load_lift");
+    check_refused("virtual.hang_s", "address = 101", "address = 11", "virtual.hang_s.address", "holding.commit");
 
     // The same address in both spaces is no overlap, nor are the last registers of the space one too far.
     const TemporaryDirectory directory;
@@ -169,8 +154,7 @@ TEST_CASE("The turn of a bridge in lockstep is a virtual PLC's alone: a map may 
     put(directory / "registers.toml", whole.substr(0, whole.find("[virtual.bridge_turn]")));
     CHECK_FALSE(load_register_map(directory / "registers.toml").bridge_turn);
     CHECK(load_register_map("config/registers.toml").bridge_turn.value().address == 102);
-    check_refused("virtual.bridge_turn", "address = 102", "address = 11", "virtual.bridge_turn.address",
-                  "holding.commit");
+    check_refused("virtual.bridge_turn", "address = 102", "address = 11", "virtual.bridge_turn.address", "holding.commit");
     check_refused("virtual.bridge_turn", "65535]", "32767]", "virtual.bridge_turn.range", "65535");
 }
 
@@ -180,21 +164,18 @@ TEST_CASE("Ranges that the type cannot hold are refused", "[BRG-001]") {
     check_refused("input.hydraulic_pressure", "35.0e6]", "655.36e6]", range, "0 to 655350000");
     check_refused("input.hydraulic_pressure", "[0.0,", "[-1.0e4,", range, "0 to 655350000");
     check_refused("input.brake_temperature", "1500.0]", "3276.8]", "input.brake_temperature.range", "3276.7");
-    check_refused("input.brake_temperature", "[-40.0", "[-3276.9", "input.brake_temperature.range",
-                  "-3276.8");
+    check_refused("input.brake_temperature", "[-40.0", "[-3276.9", "input.brake_temperature.range", "-3276.8");
     check_refused("input.sledge_position", "1.0]", "3.3]", "input.sledge_position.range", "3.2767");
     check_refused("input.vertical_load", "100.0e3]", "1.0e39]", "input.vertical_load.range", "hold");
     check_refused("holding.load_base", "[0.0,", "[1.0,", "holding.load_base.range", "0");
     check_refused("holding.commit", "65535]", "32767]", "holding.commit.range", "65535");
     check_refused("holding.drive_enable", "[0, 1]", "[-1, 1]", "holding.drive_enable.range", "0 to 65535");
-    check_refused("input.map_version", "[1, 65535]", "[2, 65535]", "input.map_version.range",
-                  "map_version 1");
+    check_refused("input.map_version", "[1, 65535]", "[2, 65535]", "input.map_version.range", "map_version 1");
     check_refused("virtual.hang_s", "[0.0,", "[0.5,", "virtual.hang_s.range", "begin at 0");
 }
 
 TEST_CASE("Scale and unit must make sense", "[BRG-001]") {
-    check_refused("input.hydraulic_pressure", "scale = 1.0e4", "scale = 0.0",
-                  "input.hydraulic_pressure.scale", "0");
+    check_refused("input.hydraulic_pressure", "scale = 1.0e4", "scale = 0.0", "input.hydraulic_pressure.scale", "0");
     check_refused("input.hydraulic_pressure", "\"Pa\"", "\"bar\"", "input.hydraulic_pressure.unit", "'Pa'");
     check_refused("input.plc_state", "\"u16\"", "\"float32\"", "input.plc_state.type", "u16");
     check_refused("input.plc_watchdog", "type", "scale = 2.0\ntype", "input.plc_watchdog.scale", "none");
@@ -205,8 +186,6 @@ TEST_CASE("Scale and unit must make sense", "[BRG-001]") {
 }
 
 TEST_CASE("Two interlocks cannot share a bit", "[BRG-001]") {
-    check_refused("interlocks", "drive_healthy = 3", "drive_healthy = 1", "interlocks.drive_healthy",
-                  "guard_closed");
-    check_refused("interlocks", "drive_healthy = 3", "drive_healthy = 16", "interlocks.drive_healthy",
-                  "0 to 15");
+    check_refused("interlocks", "drive_healthy = 3", "drive_healthy = 1", "interlocks.drive_healthy", "guard_closed");
+    check_refused("interlocks", "drive_healthy = 3", "drive_healthy = 16", "interlocks.drive_healthy", "0 to 15");
 }

@@ -48,13 +48,7 @@ std::filesystem::path fresh(const char* name) {
 }
 
 rig::Campaign campaign(std::int64_t planned) {
-    return {.name = "pair",
-            .scenario = "heavy",
-            .seed = 1,
-            .planned = planned,
-            .config_hash = "h",
-            .version = "v",
-            .created = "t"};
+    return {.name = "pair", .scenario = "heavy", .seed = 1, .planned = planned, .config_hash = "h", .version = "v", .created = "t"};
 }
 
 }  // namespace
@@ -101,20 +95,17 @@ TEST_CASE("the references follow from the rows alone, each as what it is", "[BRG
     CHECK(shares.after(rows).last_reading() == regulation::Reading::measured);
     CHECK(shares.after(rows).brake_used_J() > 2.95e9 + cumulative_J + 15e6);
     // A sum that goes back without a reason is.
-    std::vector<LedgerRow> back{row(RowState::finished, 0.24, 0.23, 8e6),
-                                row(RowState::finished, 0.24, 0.23, 7e6)};
+    std::vector<LedgerRow> back{row(RowState::finished, 0.24, 0.23, 8e6), row(RowState::finished, 0.24, 0.23, 7e6)};
     CHECK(shares.after(back).last_reading() == regulation::Reading::counter_back);
 }
 
 TEST_CASE("a campaign that cannot be regulated is refused with the file", "[BRG-510]") {
     const RegulationConfig config = shipped();
-    CHECK_THROWS_WITH(
-        WearRegulation(config, endurance_test::setup("endurance").scenario),
-        ContainsSubstring("endurance.toml") && ContainsSubstring("law.law") && ContainsSubstring("slip"));
+    CHECK_THROWS_WITH(WearRegulation(config, endurance_test::setup("endurance").scenario),
+                      ContainsSubstring("endurance.toml") && ContainsSubstring("law.law") && ContainsSubstring("slip"));
     rig::Scenario heavy = endurance_test::setup("heavy").scenario;
     heavy.choice.surface = "grass";
-    CHECK_THROWS_WITH(WearRegulation(config, heavy),
-                      ContainsSubstring("regulation.toml") && ContainsSubstring("grass"));
+    CHECK_THROWS_WITH(WearRegulation(config, heavy), ContainsSubstring("regulation.toml") && ContainsSubstring("grass"));
     heavy.choice.surface = "snow";
     heavy.rig.wear.life_J = 1e9;
     CHECK_THROWS_WITH(WearRegulation(config, heavy), ContainsSubstring("plan.brake_taken_J"));
@@ -145,8 +136,7 @@ TEST_CASE("the brake's life is what its friction foretells; without friction it 
             const double c_e_J = shares.plan().brake_taken_J + taken_J;
             const double friction = curve(c_e_J * brake.life_J / life_J / brake.scale.energy);
             rows.back().summary.figures.brake_on_mps = 61.0;
-            rows.back().summary.figures.mean_friction =
-                measured(plant::measured_friction(scenario.rig.rig.friction_curve, friction, 5.0 / 61.0));
+            rows.back().summary.figures.mean_friction = measured(plant::measured_friction(scenario.rig.rig.friction_curve, friction, 5.0 / 61.0));
         }
         return rows;
     };
@@ -157,10 +147,8 @@ TEST_CASE("the brake's life is what its friction foretells; without friction it 
     CHECK(none.missed() == 0);  // the energies are measured all the same
     RegulationConfig without = shipped();
     without.forecast_widest = 0.0;
-    CHECK(WearRegulation(without, scenario)
-              .after(campaign_of([](double friction) { return friction; }))
-              .plan()
-              .brake_life_J == shares.plan().brake_life_J);
+    CHECK(WearRegulation(without, scenario).after(campaign_of([](double friction) { return friction; })).plan().brake_life_J ==
+          shares.plan().brake_life_J);
 }
 
 TEST_CASE("the ledger keeps the reference in force", "[BRG-510]") {
@@ -182,12 +170,10 @@ TEST_CASE("view and status show reference, shares and landings to the limits", "
     const WearRegulation shares(shipped(), endurance_test::setup("heavy").scenario);
     const regulation::Regulator one = shares.after({row(RowState::finished, 0.24, 0.231, 6.4e6)});
     const std::string text = rig::line(one);
-    CHECK_THAT(text, ContainsSubstring("slip reference 0.260") && ContainsSubstring("0.231 measured") &&
-                         ContainsSubstring("0.281 wanted") && ContainsSubstring("(brake)") &&
-                         ContainsSubstring("early"));  // 256 heavy landings bring more than is left
+    CHECK_THAT(text, ContainsSubstring("slip reference 0.260") && ContainsSubstring("0.231 measured") && ContainsSubstring("0.281 wanted") &&
+                         ContainsSubstring("(brake)") && ContainsSubstring("early"));  // 256 heavy landings bring more than is left
     rig::ViewModel view;
-    view.campaign =
-        rig::CampaignView{.number = 2, .finished = 1, .planned = 3, .left_s = {}, .regulation = text};
+    view.campaign = rig::CampaignView{.number = 2, .finished = 1, .planned = 3, .left_s = {}, .regulation = text};
     CHECK(rig::screen(view, 200).at(1) == text);
     view.campaign->regulation.clear();
     CHECK(rig::screen(view, 200).size() == 6);
@@ -203,8 +189,7 @@ TEST_CASE("view and status show reference, shares and landings to the limits", "
         summary.outcome = "finished";
         ledger.finish(summary);
     }
-    CHECK_THAT(rig::status_text(folder / "campaign.sqlite"),
-               !ContainsSubstring("regulation:") && ContainsSubstring(" 0.240"));
+    CHECK_THAT(rig::status_text(folder / "campaign.sqlite"), !ContainsSubstring("regulation:") && ContainsSubstring(" 0.240"));
     std::filesystem::create_directories(folder / "pair");
     rig::write_regulation(rig::regulation_file(folder, "pair"), one);
     CHECK_THAT(rig::status_text(folder / "campaign.sqlite"), ContainsSubstring("regulation: " + text));
@@ -251,8 +236,7 @@ TEST_CASE("a regulated campaign in one process: rows, references, resumption", "
     CHECK(after.landings() == kPlanned);
     CHECK(after.missed() == 0);
     CHECK(rows[0].slip_reference == 0.24);
-    CHECK(rows[4].slip_reference ==
-          Approx(0.32).margin(0.011));  // by steps of 0.02 towards 0.315 of the energy
+    CHECK(rows[4].slip_reference == Approx(0.32).margin(0.011));  // by steps of 0.02 towards 0.315 of the energy
     CHECK(after.measured_share() == Approx(rows[4].slip_reference * 0.97).margin(0.02));
     CHECK(after.brake_used_J() - config.plan.brake_taken_J == Approx(taken_J));
 }

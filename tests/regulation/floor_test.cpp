@@ -39,8 +39,7 @@ TEST_CASE("the allowed range is where a walk from the default first meets the fl
         FloorTable table{.reference = {0.06, 0.1, 0.15, 0.22, 0.26, 0.3, 0.4, 0.5}, .rows = {}};
         for (const char* name : {"a", "b", "c"}) {
             FloorTable::Row row{name, {}};
-            for (const double x : table.reference)
-                row.j_mu.push_back(x > 0.2 && x < 0.28 ? 0.95 : j(generator));
+            for (const double x : table.reference) row.j_mu.push_back(x > 0.2 && x < 0.28 ? 0.95 : j(generator));
             table.rows.push_back(row);
         }
         const std::vector<std::string> all{"a", "b", "c"};
@@ -54,16 +53,13 @@ TEST_CASE("the allowed range is where a walk from the default first meets the fl
     CHECK(bounded > 100);
 }
 
-TEST_CASE("a surface that is unknown, or on which the default is below the floor, is refused by name",
-          "[STUDY-167]") {
+TEST_CASE("a surface that is unknown, or on which the default is below the floor, is refused by name", "[STUDY-167]") {
     const FloorTable table{.reference = {0.1, 0.3}, .rows = {{"ice", {0.99, 0.99}}, {"cobble", {0.5, 0.9}}}};
     const std::vector<std::string> cobble{"ice", "cobble"};
     const std::vector<std::string> grass{"grass"};
     const std::vector<std::string> ice{"ice"};
-    CHECK_THROWS_WITH(allowed(table, cobble, 0.85, 0.24),
-                      ContainsSubstring("cobble") && ContainsSubstring("0.780"));
-    CHECK_THROWS_WITH(allowed(table, grass, 0.85, 0.24),
-                      ContainsSubstring("grass") && ContainsSubstring("ice, cobble"));
+    CHECK_THROWS_WITH(allowed(table, cobble, 0.85, 0.24), ContainsSubstring("cobble") && ContainsSubstring("0.780"));
+    CHECK_THROWS_WITH(allowed(table, grass, 0.85, 0.24), ContainsSubstring("grass") && ContainsSubstring("ice, cobble"));
     CHECK_THROWS_AS(allowed(table, ice, 0.85, 0.4), std::invalid_argument);
     CHECK(allowed(table, ice, 0.85, 0.24) == Range{0.1, 0.3});
     CHECK(allowed(table, cobble, 0.7, 0.24).lowest == Approx(0.2));

@@ -23,8 +23,7 @@ constexpr regulation::Range kRange{0.18, 0.38};
 
 /// The shipped model, scaled so that its campaign of 488 MJ is this life.
 wear::BrakeWear brake(double life_J) {
-    static const auto kModel =
-        std::make_shared<const wear::Model>(wear::read_model("config/wear/model.json"));
+    static const auto kModel = std::make_shared<const wear::Model>(wear::read_model("config/wear/model.json"));
     return {.model = kModel, .scale = {.energy = life_J / 488e6}, .life_J = life_J, .file = {}};
 }
 
@@ -32,14 +31,10 @@ wear::BrakeWear brake(double life_J) {
 Stop landed(const Draw& draw, double reference, double friction) {
     REQUIRE(friction > 0.0);
     const double energy_J = toy::Landings::kEnergy_J[draw.scenario];
-    const double share =
-        0.01 + 0.93 * reference + 0.01 * (static_cast<double>(draw.sensor_seed % 201U) / 100.0 - 1.0);
+    const double share = 0.01 + 0.93 * reference + 0.01 * (static_cast<double>(draw.sensor_seed % 201U) / 100.0 - 1.0);
     const double off = std::abs(reference - 0.24);
-    return {.measured = {.reference = reference,
-                         .kinetic_J = energy_J,
-                         .brake_J = (1.0 - share) * energy_J,
-                         .tyre_J = share * energy_J,
-                         .j_mu = 1.0 - off},
+    return {.measured =
+                {.reference = reference, .kinetic_J = energy_J, .brake_J = (1.0 - share) * energy_J, .tyre_J = share * energy_J, .j_mu = 1.0 - off},
             .measured_friction = friction,
             .brake_J = (1.0 - share) * energy_J,
             .tyre_J = share * energy_J,
@@ -50,15 +45,13 @@ Stop landed(const Draw& draw, double reference, double friction) {
 std::vector<Stop> landed_all(std::span<const regulation::LandingRequest> requests) {
     std::vector<Stop> stops;
     stops.reserve(requests.size());
-    for (const regulation::LandingRequest& request : requests)
-        stops.push_back(landed(request.draw, request.reference, request.mean_friction));
+    for (const regulation::LandingRequest& request : requests) stops.push_back(landed(request.draw, request.reference, request.mean_friction));
     return stops;
 }
 
 std::vector<regulation::PolicyLives> fleet(const regulation::Plan& plan, regulation::FleetOptions options) {
     options.scenarios = toy::Landings::kEnergy_J.size();
-    return regulation::run_fleet(plan, {}, kRange,
-                                 {{"regulated", std::nullopt}, {"fixed 0.24", 0.24}, {"fixed 0.30", 0.30}},
+    return regulation::run_fleet(plan, {}, kRange, {{"regulated", std::nullopt}, {"fixed 0.24", 0.24}, {"fixed 0.30", 0.30}},
                                  brake(plan.brake_life_J), options, landed_all);
 }
 
@@ -71,8 +64,7 @@ std::vector<bool> feasible(const std::vector<regulation::PolicyLives>& all) {
 
 }  // namespace
 
-TEST_CASE("landings are drawn evenly, the same for every policy; balanced ones each equally often",
-          "[STUDY-167]") {
+TEST_CASE("landings are drawn evenly, the same for every policy; balanced ones each equally often", "[STUDY-167]") {
     const auto draws = regulation::draw_life(3, 5, 6400, 256, 32, Mix::random, 0.25);
     std::map<std::size_t, int> counts;
     int measured = 0;
@@ -94,12 +86,10 @@ TEST_CASE("landings are drawn evenly, the same for every policy; balanced ones e
     counts.clear();
     for (const Draw& draw : balanced) ++counts[draw.scenario];
     CHECK(std::all_of(counts.begin(), counts.end(), [](const auto& c) { return c.second == 8; }));
-    CHECK_FALSE(std::is_sorted(balanced.begin(), balanced.end(),
-                               [](const Draw& a, const Draw& b) { return a.scenario < b.scenario; }));
+    CHECK_FALSE(std::is_sorted(balanced.begin(), balanced.end(), [](const Draw& a, const Draw& b) { return a.scenario < b.scenario; }));
 }
 
-TEST_CASE("both limits are met where that is feasible, together where not; fixed references do neither",
-          "[STUDY-167]") {
+TEST_CASE("both limits are met where that is feasible, together where not; fixed references do neither", "[STUDY-167]") {
     const regulation::Plan plan = toy::plan(256, 0.32);
     const auto all = fleet(plan, {.lives = 40, .seed = 9, .worst_stops = true});
     const std::vector<bool> possible = feasible(all);
@@ -108,8 +98,7 @@ TEST_CASE("both limits are met where that is feasible, together where not; fixed
     // The landings' own scatter: 36 % over the square root of 256, so 62 % of lives bring the planned energy within 2 %.
     CHECK(regulated.feasible > 15);
     CHECK(regulated.feasible < 35);
-    CHECK(regulated.met >=
-          regulated.feasible - 1);  // a life at the very edge of the tolerance may slip over it
+    CHECK(regulated.met >= regulated.feasible - 1);  // a life at the very edge of the tolerance may slip over it
     CHECK(regulated.together == 40);
     CHECK(regulated.worst_other_left < 0.01);
     CHECK(regulated.floor_held);
@@ -120,15 +109,14 @@ TEST_CASE("both limits are met where that is feasible, together where not; fixed
         // Energy is energy: brake and tyre have taken what the landings brought.
         double brought_J = 0.0;
         for (std::size_t i = 0; i < 256; ++i)
-            brought_J += life.rows[i].brake_J - (i == 0 ? 0.0 : life.rows[i - 1].brake_J) +
-                         life.rows[i].tyre_J - (i == 0 ? 0.0 : life.rows[i - 1].tyre_J);
+            brought_J +=
+                life.rows[i].brake_J - (i == 0 ? 0.0 : life.rows[i - 1].brake_J) + life.rows[i].tyre_J - (i == 0 ? 0.0 : life.rows[i - 1].tyre_J);
         CHECK(life.brought == Approx(brought_J / (plan.brake_life_J + plan.tyre_life_J)));
         CHECK(life.brake_at_plan * 0.68 + life.tyre_at_plan * 0.32 == Approx(life.brought));
     }
 }
 
-TEST_CASE("with every scenario equally often the plan is feasible in every life, and met in every one",
-          "[STUDY-167]") {
+TEST_CASE("with every scenario equally often the plan is feasible in every life, and met in every one", "[STUDY-167]") {
     const regulation::Plan plan = toy::plan(256, 0.28);
     const auto all = fleet(plan, {.lives = 20, .seed = 4, .mix = Mix::balanced, .missing = 0.1});
     const regulation::Summary regulated = summary(all[0], feasible(all), plan.tolerance);
@@ -136,9 +124,7 @@ TEST_CASE("with every scenario equally often the plan is feasible in every life,
     CHECK(regulated.met == 20);
 }
 
-TEST_CASE(
-    "brakes that last differently are met together where inspections tell, and not by a fixed reference",
-    "[STUDY-167]") {
+TEST_CASE("brakes that last differently are met together where inspections tell, and not by a fixed reference", "[STUDY-167]") {
     const regulation::Plan plan = toy::plan(256, 0.30);
     const regulation::FleetOptions options{.lives = 20, .seed = 4, .brake_deviation = 0.05, .inspection = 32};
     const auto all = fleet(plan, options);
@@ -147,8 +133,7 @@ TEST_CASE(
     CHECK(summary(all[2], possible, plan.tolerance).together < 12);
 }
 
-TEST_CASE("a share that is out of reach is no feasible life, and the limit that was forecast comes first",
-          "[STUDY-167]") {
+TEST_CASE("a share that is out of reach is no feasible life, and the limit that was forecast comes first", "[STUDY-167]") {
     const auto all = fleet(toy::plan(256, 0.45), {.lives = 3, .seed = 2});
     for (const Life& life : all[0].lives) {
         CHECK_FALSE(life.feasible);
@@ -160,9 +145,8 @@ TEST_CASE("a share that is out of reach is no feasible life, and the limit that 
 
 TEST_CASE("a stop beyond the worst reference's is noticed", "[STUDY-167]") {
     const regulation::Plan plan = toy::plan(20, 0.3);
-    regulation::LivingPair pair(
-        plan, {}, kRange, regulation::draw_life(1, 1, 40, 20, 4, Mix::random, 0.0),
-        {.fixed = {}, .brake = brake(plan.brake_life_J), .rule = {}, .worst_stops = true});
+    regulation::LivingPair pair(plan, {}, kRange, regulation::draw_life(1, 1, 40, 20, 4, Mix::random, 0.0),
+                                {.fixed = {}, .brake = brake(plan.brake_life_J), .rule = {}, .worst_stops = true});
     for (int landing = 0; !pair.over(); ++landing) {
         std::vector<Stop> stops = landed_all(pair.requests());
         REQUIRE(stops.size() == 3);
@@ -182,11 +166,7 @@ TEST_CASE("a surface that nobody reckoned with bounds the references once it was
     for (std::size_t i = 0; i < kFirst; ++i) draws[i].scenario %= 3;
     draws[kFirst].scenario = 3;
     regulation::LivingPair pair(plan, {}, kWide, draws,
-                                {.fixed = {},
-                                 .brake = brake(plan.brake_life_J),
-                                 .rule = {},
-                                 .allowed_on = allowed_on,
-                                 .worst_stops = true});
+                                {.fixed = {}, .brake = brake(plan.brake_life_J), .rule = {}, .allowed_on = allowed_on, .worst_stops = true});
     while (!pair.over()) pair.landed(landed_all(pair.requests()));
     const Life life = pair.life();
     for (std::size_t i = 0; i < life.rows.size(); ++i) {
@@ -218,8 +198,7 @@ TEST_CASE("without inspections the brake's own friction tells how long it lasts"
     options.inspection = 32;
     const auto inspected = fleet(plan, options);
     CHECK(summary(inspected[0], possible, plan.tolerance).together == 5);
-    CHECK(inspected[0].lives[0].rows.back().brake_life_J ==
-          plan.brake_taken_J + inspected[0].lives[0].brake_budget_J);
+    CHECK(inspected[0].lives[0].rows.back().brake_life_J == plan.brake_taken_J + inspected[0].lives[0].brake_budget_J);
 }
 
 TEST_CASE("a life is not forecast from what is no friction, nor from too little", "[STUDY-167]") {
@@ -271,11 +250,8 @@ TEST_CASE("the same seed gives the same lives, and they end when told to", "[STU
 
 TEST_CASE("what goes wrong in a landing comes out", "[STUDY-167]") {
     const regulation::FleetOptions options{.lives = 2, .scenarios = 4};
-    const auto broken = [](std::span<const regulation::LandingRequest>) -> std::vector<Stop> {
-        throw std::runtime_error("the aircraft is gone");
-    };
-    CHECK_THROWS_WITH(regulation::run_fleet(toy::plan(64, 0.3), {}, kRange, {{"regulated", std::nullopt}},
-                                            brake(1e9), options, broken),
+    const auto broken = [](std::span<const regulation::LandingRequest>) -> std::vector<Stop> { throw std::runtime_error("the aircraft is gone"); };
+    CHECK_THROWS_WITH(regulation::run_fleet(toy::plan(64, 0.3), {}, kRange, {{"regulated", std::nullopt}}, brake(1e9), options, broken),
                       ContainsSubstring("gone"));
 }
 

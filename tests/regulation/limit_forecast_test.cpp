@@ -49,10 +49,8 @@ TEST_CASE("what will happen is said: feasible, early, late, which limit comes fi
     CHECK(forecast_of(toy::plan(250, 0.3, 1.1 * toy::Landings::kMean_J)).verdict == Verdict::late);
     CHECK(forecast_of(toy::plan(250, 0.45)).verdict == Verdict::brake_first);
     CHECK(forecast_of(toy::plan(250, 0.10)).verdict == Verdict::tyre_first);
-    CHECK_THAT(sentence(forecast_of(good), good),
-               ContainsSubstring("feasible: both limits near landing 250"));
-    CHECK_THAT(sentence(forecast_of(toy::plan(250, 0.10)), good),
-               ContainsSubstring("not feasible") && ContainsSubstring("tyre's limit comes first"));
+    CHECK_THAT(sentence(forecast_of(good), good), ContainsSubstring("feasible: both limits near landing 250"));
+    CHECK_THAT(sentence(forecast_of(toy::plan(250, 0.10)), good), ContainsSubstring("not feasible") && ContainsSubstring("tyre's limit comes first"));
 }
 
 TEST_CASE("the landings at which limits come are those of many lives", "[STUDY-167]") {

@@ -26,8 +26,7 @@ class Changed {
         REQUIRE(text.find(what) != std::string::npos);
         text.replace(text.find(what), what.size(), by);
         std::ofstream(file_) << text;
-        std::filesystem::copy_file("config/regulation_floor.toml", here / "regulation_floor.toml",
-                                   std::filesystem::copy_options::overwrite_existing);
+        std::filesystem::copy_file("config/regulation_floor.toml", here / "regulation_floor.toml", std::filesystem::copy_options::overwrite_existing);
     }
     [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 
@@ -82,8 +81,7 @@ TEST_CASE("surfaces to reckon with are all, unless the file names them; each alo
     std::string text = contents(few.file());
     text.replace(text.find("default = 0.24"), 14, "default = 0.10");
     std::ofstream(few.file()) << text;
-    CHECK_THROWS_WITH(regulation::load_regulation_config(few.file()),
-                      ContainsSubstring("on dry_cobblestone J_mu"));
+    CHECK_THROWS_WITH(regulation::load_regulation_config(few.file()), ContainsSubstring("on dry_cobblestone J_mu"));
 }
 
 TEST_CASE("a forecast is asked for by its table, and left out without it", "[STUDY-167]") {
@@ -107,14 +105,12 @@ TEST_CASE("what cannot be is refused with file, line and key", "[STUDY-167]") {
     CHECK_THROWS_WITH(regulation::plan_of(config, 1e9, 5e6, 1e6), ContainsSubstring("plan.brake_taken_J"));
     CHECK_THROWS_WITH(config.range("grass"), ContainsSubstring("grass") && ContainsSubstring("snow"));
     const Changed missing("regulation_floor.toml\"", "no_such_floor.toml\"");
-    CHECK_THROWS_WITH(regulation::load_regulation_config(missing.file()),
-                      ContainsSubstring("no_such_floor.toml"));
+    CHECK_THROWS_WITH(regulation::load_regulation_config(missing.file()), ContainsSubstring("no_such_floor.toml"));
 }
 
 TEST_CASE("a characterisation comes back as it was written", "[STUDY-167]") {
     const regulation::Characterisation c{
-        .floor = {.reference = {0.1, 0.24, 0.5},
-                  .rows = {{"snow", {0.9912, 0.9443, 0.8}}, {"ice", {0.99, 0.98, 0.97}}}},
+        .floor = {.reference = {0.1, 0.24, 0.5}, .rows = {{"snow", {0.9912, 0.9443, 0.8}}, {"ice", {0.99, 0.98, 0.97}}}},
         .tyre_share = {0.1061, 0.2339, 0.48}};
     const auto file = std::filesystem::temp_directory_path() / "regulation_characterised.toml";
     std::ofstream(file) << regulation::to_toml(c, "rig-lab regulate");

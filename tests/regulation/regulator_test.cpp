@@ -31,16 +31,13 @@ double apart(const Regulator& r) {
 Regulator lived(const Plan& plan, const toy::Plant& plant, unsigned seed, const Rules& rules = {}) {
     Regulator regulator(plan, rules, kRange);
     toy::Landings landings(plant, seed);
-    while (regulator.brake_left_J() > 0.0 && regulator.tyre_left_J() > 0.0)
-        regulator.after(landings.next(regulator.reference()));
+    while (regulator.brake_left_J() > 0.0 && regulator.tyre_left_J() > 0.0) regulator.after(landings.next(regulator.reference()));
     return regulator;
 }
 
 }  // namespace
 
-TEST_CASE(
-    "brake and tyre reach their limits together, whatever landings come and whatever share a slip gives",
-    "[STUDY-167]") {
+TEST_CASE("brake and tyre reach their limits together, whatever landings come and whatever share a slip gives", "[STUDY-167]") {
     for (const double share : {0.22, 0.28, 0.33}) {
         for (const double slope : {0.8, 0.95, 1.1}) {
             const toy::Plant plant{.offset = 0.01, .slope = slope, .noise = 0.03};
@@ -50,15 +47,13 @@ TEST_CASE(
                 CAPTURE(share, slope, seed, end.landings());
                 CHECK(apart(end) < 0.02);
                 // Together at the planned landing: its scatter is that of the landings' energies, 4 sigma.
-                CHECK(std::abs(end.landings() - 250) <
-                      4.0 * std::sqrt(250.0) * toy::Landings::kDeviation_J / toy::Landings::kMean_J);
+                CHECK(std::abs(end.landings() - 250) < 4.0 * std::sqrt(250.0) * toy::Landings::kDeviation_J / toy::Landings::kMean_J);
             }
         }
     }
 }
 
-TEST_CASE("the error in the remaining ratio obeys D' = (1 - W/R) D - e W, and so shrinks with every landing",
-          "[STUDY-167]") {
+TEST_CASE("the error in the remaining ratio obeys D' = (1 - W/R) D - e W, and so shrinks with every landing", "[STUDY-167]") {
     const Plan plan = toy::plan(200, 0.30);
     const double ratio = plan.tyre_life_J / (plan.tyre_life_J + plan.brake_life_J);
     // Wide bounds and steps, no noise, a slope that is exactly what the regulator expects at first: no saturation, e = 0.
@@ -111,11 +106,9 @@ TEST_CASE("a brake life that is revised on the way is met all the same", "[STUDY
     CHECK(r.landings() < 250);
 }
 
-TEST_CASE("whatever is measured, the reference stays in its range and moves by one step at most",
-          "[STUDY-167]") {
+TEST_CASE("whatever is measured, the reference stays in its range and moves by one step at most", "[STUDY-167]") {
     std::mt19937 generator(17);
-    const std::vector<double> odd{kNaN, std::numeric_limits<double>::infinity(), -1.0, 0.0, 1e300, 5e6, 1e6,
-                                  0.3};
+    const std::vector<double> odd{kNaN, std::numeric_limits<double>::infinity(), -1.0, 0.0, 1e300, 5e6, 1e6, 0.3};
     const Rules rules{.step = 0.013};
     for (int repeat = 0; repeat < 50; ++repeat) {
         Regulator r(toy::plan(100, 0.3), rules, kRange);
@@ -179,8 +172,7 @@ TEST_CASE("measurements that cannot be are named, hold the reference, and are no
     }
 }
 
-TEST_CASE("without measurements it goes back to the default, step by step, and takes up again when they come",
-          "[STUDY-167]") {
+TEST_CASE("without measurements it goes back to the default, step by step, and takes up again when they come", "[STUDY-167]") {
     const Rules rules{.step = 0.01, .patience = 4};
     Regulator r(toy::plan(250, 0.33), rules, kRange);
     toy::Landings landings({}, 6);
@@ -200,9 +192,7 @@ TEST_CASE("without measurements it goes back to the default, step by step, and t
     CHECK(r.missed() == 0);
 }
 
-TEST_CASE(
-    "one landing in ten lost: the limits are still reached together, the wear counter tells what they took",
-    "[STUDY-167]") {
+TEST_CASE("one landing in ten lost: the limits are still reached together, the wear counter tells what they took", "[STUDY-167]") {
     for (unsigned seed = 1; seed <= 20; ++seed) {
         Regulator r(toy::plan(250, 0.29), {}, kRange);
         toy::Landings landings({}, seed);
@@ -222,8 +212,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a measured J_mu below the floor moves the bound towards the default, never past it",
-          "[STUDY-167]") {
+TEST_CASE("a measured J_mu below the floor moves the bound towards the default, never past it", "[STUDY-167]") {
     Regulator r(toy::plan(250, 0.45), {.step = 0.02, .j_mu_floor = 0.85}, kRange);
     toy::Landings landings({.noise = 0.0}, 8);
     for (int i = 0; i < 30; ++i) r.after(landings.next(r.reference()));

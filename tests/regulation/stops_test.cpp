@@ -27,8 +27,7 @@ TEST_CASE("energies as the meter counts them are the plant's, and what the aircr
     }
 }
 
-TEST_CASE("landings side by side do not depend on the threads, nor on what lands beside them",
-          "[STUDY-160]") {
+TEST_CASE("landings side by side do not depend on the threads, nor on what lands beside them", "[STUDY-160]") {
     const LandingSites sites = plant_sim::load_sites("config");
     std::vector<regulation::LandingRequest> requests;
     for (const std::size_t site : {0U, 3U, 10U, 16U, 9U, 5U, 1U, 8U, 4U, 11U, 12U})
@@ -50,8 +49,7 @@ TEST_CASE("landings side by side do not depend on the threads, nor on what lands
         }
         CHECK(std::isnan(together[i].measured.tyre_J) == !requests[i].metered);
     }
-    const std::vector<regulation::LandingRequest> never{
-        {.draw = {.scenario = 0, .sensor_seed = 1}, .reference = 0.2, .mean_friction = 1e-6}};
+    const std::vector<regulation::LandingRequest> never{{.draw = {.scenario = 0, .sensor_seed = 1}, .reference = 0.2, .mean_friction = 1e-6}};
     CHECK_THROWS(land(sites, never, 1));
 }
 
@@ -64,24 +62,20 @@ TEST_CASE("the shipped table of J_mu is what these landings give", "[STUDY-167]"
     const regulation::Characterisation made = characterise(sites, options);
     const auto& grid = config.floor.reference;
     for (std::size_t i = 0; i < 2; ++i) {
-        const auto at = std::find_if(grid.begin(), grid.end(),
-                                     [&](double x) { return std::abs(x - options.references[i]) < 1e-9; });
+        const auto at = std::find_if(grid.begin(), grid.end(), [&](double x) { return std::abs(x - options.references[i]) < 1e-9; });
         REQUIRE(at != grid.end());
         for (const auto& row : made.floor.rows) {
             const auto* shipped = config.floor.find(row.surface);
             REQUIRE(shipped != nullptr);
             CAPTURE(row.surface, *at);
-            CHECK(row.j_mu[i] ==
-                  Approx(shipped->j_mu[static_cast<std::size_t>(at - grid.begin())]).margin(0.002));
+            CHECK(row.j_mu[i] == Approx(shipped->j_mu[static_cast<std::size_t>(at - grid.begin())]).margin(0.002));
         }
     }
 }
 
-TEST_CASE("a short life in closed loop: brake and tyre are used up together, no stop beyond the floor's",
-          "[STUDY-167]") {
+TEST_CASE("a short life in closed loop: brake and tyre are used up together, no stop beyond the floor's", "[STUDY-167]") {
     LandingSites sites = plant_sim::load_sites("config");
-    std::erase_if(sites.sites,
-                  [](const auto& s) { return s.surface != "dry_concrete" && s.surface != "damp_asphalt"; });
+    std::erase_if(sites.sites, [](const auto& s) { return s.surface != "dry_concrete" && s.surface != "damp_asphalt"; });
     const regulation::RegulationConfig config = regulation::load_regulation_config("config/regulation.toml");
     const wear::BrakeWear brake = sites.sites.front().rig.wear;
     regulation::Plan plan = regulation::plan_of(config, brake.life_J, sites.mean_J(), sites.deviation_J());
@@ -89,14 +83,9 @@ TEST_CASE("a short life in closed loop: brake and tyre are used up together, no 
     const double left_J = 48 * sites.mean_J();
     plan.brake_taken_J = plan.brake_life_J - 0.72 * left_J;
     plan.tyre_life_J = 0.28 * left_J;
-    regulation::FleetOptions options{.lives = 1,
-                                     .seed = 3,
-                                     .mix = regulation::Mix::balanced,
-                                     .missing = 0.0,
-                                     .scenarios = sites.sites.size()};
-    const auto all = run_fleet(
-        plan, config.rules, config.range(), {{"regulated", std::nullopt}}, brake, options,
-        [&sites](std::span<const regulation::LandingRequest> requests) { return land(sites, requests, 2); });
+    regulation::FleetOptions options{.lives = 1, .seed = 3, .mix = regulation::Mix::balanced, .missing = 0.0, .scenarios = sites.sites.size()};
+    const auto all = run_fleet(plan, config.rules, config.range(), {{"regulated", std::nullopt}}, brake, options,
+                               [&sites](std::span<const regulation::LandingRequest> requests) { return land(sites, requests, 2); });
     const regulation::Life& life = all.front().lives.front();
     CAPTURE(life.brake_at_plan, life.tyre_at_plan, life.brought);
     CHECK(life.feasible);

@@ -28,11 +28,7 @@ class Landings {
         const double energy_J = kEnergy_J[static_cast<std::size_t>(generator_() % kEnergy_J.size())];
         const double u = static_cast<double>(generator_() % 2001U) / 1000.0 - 1.0;
         const double share = plant_.offset + plant_.slope * reference + plant_.noise * u;
-        return {.reference = reference,
-                .kinetic_J = energy_J,
-                .brake_J = (1.0 - share) * energy_J,
-                .tyre_J = share * energy_J,
-                .j_mu = 0.95};
+        return {.reference = reference, .kinetic_J = energy_J, .brake_J = (1.0 - share) * energy_J, .tyre_J = share * energy_J, .j_mu = 0.95};
     }
 
   private:

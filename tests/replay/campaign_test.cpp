@@ -38,20 +38,17 @@ class Ran {
         maneuver(ledger, 54.70, "finished");
         maneuver(ledger, 54.95, "finished");
     }
-    [[nodiscard]] std::filesystem::path file() const {
-        return dir.write("x", "").parent_path() / "ledger.sqlite";
-    }
+    [[nodiscard]] std::filesystem::path file() const { return dir.write("x", "").parent_path() / "ledger.sqlite"; }
     [[nodiscard]] std::filesystem::path folder() const { return file().parent_path() / "night"; }
 
     [[nodiscard]] rig::CampaignTable rebuilt() const { return rebuilt(file()); }
     /// Empty: without one.
     [[nodiscard]] rig::CampaignTable rebuilt(const std::filesystem::path& ledger) const {
-        const rig::CampaignSources sources{
-            .layout = can_test::ours(),
-            .parameters = [](const std::string&) { return record_test::kRig; },
-            .ledger = ledger.empty() ? std::vector<rig::LedgerRow>{} : rig::read_ledger(ledger, "night"),
-            .with_ledger = !ledger.empty(),
-            .warnings = [](const std::string& name) { return rig::LogWarnings(name, {}); }};
+        const rig::CampaignSources sources{.layout = can_test::ours(),
+                                           .parameters = [](const std::string&) { return record_test::kRig; },
+                                           .ledger = ledger.empty() ? std::vector<rig::LedgerRow>{} : rig::read_ledger(ledger, "night"),
+                                           .with_ledger = !ledger.empty(),
+                                           .warnings = [](const std::string& name) { return rig::LogWarnings(name, {}); }};
         return rig::rebuild_campaign(rig::maneuver_folders(folder()), sources);
     }
 
@@ -73,8 +70,7 @@ class Ran {
         for (std::size_t i = 0; i < frames; ++i) log += replay_test::line(recording.frames[i]);
         std::ofstream(attempt.folder / "bus.log", std::ios::binary) << log.substr(0, log.size() - 9);
         rig::LogWarnings warnings("bus.log", {});
-        const rig::MeteredLog metered = rig::meter_log(rig::log_in(attempt.folder), can_test::ours(),
-                                                       record_test::kRig, rig::LogEnd::left, warnings);
+        const rig::MeteredLog metered = rig::meter_log(rig::log_in(attempt.folder), can_test::ours(), record_test::kRig, rig::LogEnd::left, warnings);
         REQUIRE(metered.counts);
         REQUIRE(metered.warnings.size() == 2);
         CHECK_THAT(metered.warnings[0], ContainsSubstring("ends_in_braking: at 4."));
@@ -89,9 +85,7 @@ class Ran {
         ledger.mark_unfinished(summary);
         energy_J += cut_off_J = metered.figures.energy_brake_J;
         const double v = 4.6 / form.v0_mps;
-        CHECK(cut_off_J ==
-              Approx((1.0 - v * v) * form.torque_Nm * (1.0 - form.slip) / form.radius_m() * form.length_m())
-                  .epsilon(2e-3));
+        CHECK(cut_off_J == Approx((1.0 - v * v) * form.torque_Nm * (1.0 - form.slip) / form.radius_m() * form.length_m()).epsilon(2e-3));
     }
     void maneuver(rig::Ledger& ledger, double v0_mps, const std::string& outcome) {
         const rig::Attempt attempt = ledger.begin(*ledger.next_number(), "now");
@@ -140,22 +134,20 @@ TEST_CASE("the campaign's table from the raw logs is that of summaries and ledge
     CHECK(table.different() == 0);
     CHECK(table.rows[2].summary.outcome == "unfinished");
     CHECK(table.rows.back().summary.cumulative_energy_J == ran.energy_J);
-    CHECK(table.rows[0].summary.figures.mean_friction ==
-          Approx(630.0 / 2.0e6 / record_test::kRig.brake_gain_m3).epsilon(1e-3));
+    CHECK(table.rows[0].summary.figures.mean_friction == Approx(630.0 / 2.0e6 / record_test::kRig.brake_gain_m3).epsilon(1e-3));
     const auto json = nlohmann::json::parse(rig::to_json(table, "night"));
     CHECK(json["rows"][4]["cumulative_energy_J"].get<double>() == ran.energy_J);
     CHECK(replay_test::lines_of(rig::to_csv(table)).size() == 6);
     CHECK(ran.rebuilt({}).different() == 0);
 }
 
-TEST_CASE("a log that ends with the wheel on the rim says how much the brake may have taken after it",
-          "[BRG-261]") {
+TEST_CASE("a log that ends with the wheel on the rim says how much the brake may have taken after it", "[BRG-261]") {
     const TempDir dir;
     const record_test::ClosedForm form;
     const record_test::Recording recording(form, true);
     const double wheel_radps = form.v0_mps * (1.0 - form.slip) / form.radius_m();
-    const double whole_MJ = 0.5e-6 * (record_test::kRig.flywheel_mass_kg * form.v0_mps * form.v0_mps +
-                                      record_test::kRig.wheel_inertia_kgm2 * wheel_radps * wheel_radps);
+    const double whole_MJ =
+        0.5e-6 * (record_test::kRig.flywheel_mass_kg * form.v0_mps * form.v0_mps + record_test::kRig.wheel_inertia_kgm2 * wheel_radps * wheel_radps);
     const auto cut_at = [&](double time_s, rig::LogEnd end = rig::LogEnd::left) {
         std::string log;
         const double share = time_s / (form.rest_s() + 0.55);
@@ -169,10 +161,9 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
     const rig::MeteredLog before = cut_at(1.0);
     CHECK(before.counts);
     CHECK(before.figures.energy_brake_J == 0.0);
-    CHECK(before.warnings ==
-          std::vector<std::string>{fmt::format("ends_in_settling: at 54.9 m/s, and the brake may have taken "
-                                               "up to {:.3g} MJ that are in no record",
-                                               whole_MJ)});
+    CHECK(before.warnings == std::vector<std::string>{fmt::format("ends_in_settling: at 54.9 m/s, and the brake may have taken "
+                                                                  "up to {:.3g} MJ that are in no record",
+                                                                  whole_MJ)});
     const rig::MeteredLog within = cut_at(form.before_s + 0.5 * form.duration_s());
     CHECK_THAT(within.warnings.at(0), ContainsSubstring(fmt::format("up to {:.2g}", 0.25 * whole_MJ)));
     CHECK(cut_at(form.rest_s() + 0.2).warnings.empty());
@@ -186,8 +177,7 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
         coasting.v0_mps = v_mps;
         coasting.change_mps = std::min(coasting.change_mps, 0.5 * v_mps);
         const record_test::Recording found(coasting, true);
-        const std::size_t first = static_cast<std::size_t>(from_s / (coasting.rest_s() + 0.55) *
-                                                           static_cast<double>(found.frames.size()));
+        const std::size_t first = static_cast<std::size_t>(from_s / (coasting.rest_s() + 0.55) * static_cast<double>(found.frames.size()));
         std::string log;
         for (std::size_t i = first; i < first + 3000; ++i) {
             antiskid::can::Frame frame = found.frames[i];
@@ -202,11 +192,10 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
     CHECK(coasts.figures.energy_brake_J == Approx(0.88e6 * lost_MJ).epsilon(1e-3));
     CHECK(coasts.figures.energy_tyre_J == Approx(0.12e6 * lost_MJ).epsilon(1e-3));
     CHECK(coasts.figures.kinetic_energy_J == Approx(1e6 * lost_MJ).epsilon(1e-3));
-    CHECK(coasts.warnings.at(0) ==
-          fmt::format("ends_in_settling: at 54.9 m/s, the rim still at 54.0 m/s when the next bridge "
-                      "came, by which {:.3g} MJ count, and the brake may have taken up to {:.3g} MJ that are "
-                      "in no record",
-                      coasts.figures.energy_brake_J * 1e-6, coasts.figures.energy_tyre_J * 1e-6));
+    CHECK(coasts.warnings.at(0) == fmt::format("ends_in_settling: at 54.9 m/s, the rim still at 54.0 m/s when the next bridge "
+                                               "came, by which {:.3g} MJ count, and the brake may have taken up to {:.3g} MJ that are "
+                                               "in no record",
+                                               coasts.figures.energy_brake_J * 1e-6, coasts.figures.energy_tyre_J * 1e-6));
     const rig::MeteredLog late = found_after(30.0, 54.0, 0.0);
     const rig::MeteredLog braked = found_after(3.0, 54.0, form.before_s + 0.05);
     const rig::MeteredLog slow = found_after(3.0, 4.5, 0.0);
@@ -216,8 +205,7 @@ TEST_CASE("a log that ends with the wheel on the rim says how much the brake may
     }
     CHECK_THAT(late.warnings.at(0), ContainsSubstring(fmt::format("up to {:.3g} MJ", lost_MJ)));
     for (const double later_s : {3600.0, -3600.0})
-        CHECK_THAT(found_after(later_s, 54.0, 0.0).warnings.at(0),
-                   ContainsSubstring(fmt::format("up to {:.3g} MJ", whole_MJ)));
+        CHECK_THAT(found_after(later_s, 54.0, 0.0).warnings.at(0), ContainsSubstring(fmt::format("up to {:.3g} MJ", whole_MJ)));
 }
 
 TEST_CASE("a ledger that is rebuilt from the folders is the one that was lost", "[BRG-261]") {
@@ -245,16 +233,13 @@ TEST_CASE("a ledger that is rebuilt from the folders is the one that was lost", 
         CHECK(rows[i].summary.warnings == old[i].summary.warnings);
         CHECK(rows[i].health.reason == old[i].health.reason);
         CHECK(rows[i].amendments.size() == old[i].amendments.size());
-        CHECK(rows[i].summary.cumulative_energy_J ==
-              Approx(old[i].summary.cumulative_energy_J).epsilon(1e-12));
-        for (const rig::FigureField& field : rig::kFigureFields)
-            CHECK(rows[i].summary.figures.*field.value == old[i].summary.figures.*field.value);
+        CHECK(rows[i].summary.cumulative_energy_J == Approx(old[i].summary.cumulative_energy_J).epsilon(1e-12));
+        for (const rig::FigureField& field : rig::kFigureFields) CHECK(rows[i].summary.figures.*field.value == old[i].summary.figures.*field.value);
     }
     CHECK_THROWS_WITH(rig::write_ledger(file, campaign, table, old), ContainsSubstring("is there already"));
 }
 
-TEST_CASE("an unfinished attempt whose log was never metered is where a ledger differs from its folders",
-          "[BRG-261]") {
+TEST_CASE("an unfinished attempt whose log was never metered is where a ledger differs from its folders", "[BRG-261]") {
     const Ran ran;
     const auto file = ran.file().parent_path() / "older.sqlite";
     {
@@ -271,8 +256,7 @@ TEST_CASE("an unfinished attempt whose log was never metered is where a ledger d
         }
     }
     const std::string said = rig::to_text(ran.rebuilt(file));
-    CHECK_THAT(said, ContainsSubstring(fmt::format("DIFFERS: {:.6g} MJ are in its log, none in the ledger",
-                                                   ran.cut_off_J * 1e-6)));
+    CHECK_THAT(said, ContainsSubstring(fmt::format("DIFFERS: {:.6g} MJ are in its log, none in the ledger", ran.cut_off_J * 1e-6)));
     CHECK_THAT(said, ContainsSubstring("DIFFERS: cumulative_energy_J is "));
 }
 
@@ -305,8 +289,7 @@ TEST_CASE("folders and ledger that do not belong together are told", "[BRG-340]"
     CHECK_THROWS_WITH(rig::maneuver_folders("/nowhere"), ContainsSubstring("is no directory"));
 }
 
-TEST_CASE("the exported table has the specimen of each maneuver as noted, and counts energy disc by disc",
-          "[BRG-270]") {
+TEST_CASE("the exported table has the specimen of each maneuver as noted, and counts energy disc by disc", "[BRG-270]") {
     const Ran ran({.disc = "D7", .notes = "a, \"b\""});
     {
         rig::Ledger ledger(ran.file());
@@ -319,17 +302,14 @@ TEST_CASE("the exported table has the specimen of each maneuver as noted, and co
     CHECK(table.rows[3].disc_energy_J == table.rows[3].summary.cumulative_energy_J);
     CHECK(table.rows[4].disc_energy_J == Approx(table.rows[4].summary.figures.energy_brake_J));
     const auto lines = replay_test::lines_of(rig::to_csv(table));
-    CHECK_THAT(lines[0],
-               ContainsSubstring(
-                   ",brake_serial,disc_serial,tyre_serial,specimen_serial,operator,notes,disc_energy_J"));
+    CHECK_THAT(lines[0], ContainsSubstring(",brake_serial,disc_serial,tyre_serial,specimen_serial,operator,notes,disc_energy_J"));
     CHECK_THAT(lines[1], ContainsSubstring(",,D7,,,,\"a, \"\"b\"\"\","));
     CHECK_THAT(lines[5], ContainsSubstring(",,D8,,,,\"a, \"\"b\"\"; changed\","));
     CHECK_THAT(rig::to_text(table), ContainsSubstring("from here on: disc D8"));
     CHECK(nlohmann::json::parse(rig::to_json(table, "night"))["rows"][4]["disc_serial"] == "D8");
     // A ledger that is rebuilt has texts and notes once.
     const auto rebuilt = ran.dir.write("x", "").parent_path() / "rebuilt.sqlite";
-    rig::write_ledger(rebuilt, rig::read_campaigns(ran.file()).front(), table,
-                      rig::read_ledger(ran.file(), "night"));
+    rig::write_ledger(rebuilt, rig::read_campaigns(ran.file()).front(), table, rig::read_ledger(ran.file(), "night"));
     const auto rows = rig::read_ledger(rebuilt, "night");
     REQUIRE(rows.size() == 5);
     CHECK(rows[2].summary.specimen == rig::Specimen{.disc = "D7", .notes = "a, \"b\""});

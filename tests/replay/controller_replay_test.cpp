@@ -45,10 +45,9 @@ std::string joined(const std::vector<std::string>& lines) {
 
 TEST_CASE("lockstep logs of every law and layout: no command frame differs", "[BRG-310]") {
     const TempDir dir;
-    std::vector<plant_sim::ScenarioOptions> runs{
-        scenarios::options({"dry_asphalt", "heavy"}), scenarios::options({"snow", "medium_a"}, "threshold"),
-        scenarios::options({"dry_concrete", "endurance"}, "deceleration"),
-        scenarios::options({"wet_asphalt", "light"})};
+    std::vector<plant_sim::ScenarioOptions> runs{scenarios::options({"dry_asphalt", "heavy"}), scenarios::options({"snow", "medium_a"}, "threshold"),
+                                                 scenarios::options({"dry_concrete", "endurance"}, "deceleration"),
+                                                 scenarios::options({"wet_asphalt", "light"})};
     runs.back().dbc = "config/foreign.dbc";
     runs.back().binding = "config/foreign_binding.toml";
     for (const auto& options : runs) {
@@ -63,13 +62,11 @@ TEST_CASE("lockstep logs of every law and layout: no command frame differs", "[B
         CHECK(commands.only_replayed == 0);
         CHECK(report.same());
         CHECK_FALSE(report.first);
-        for (const Role role : {Role::status, Role::faults, Role::controller_heartbeat})
-            CHECK(report.count(role).different == 0);
+        for (const Role role : {Role::status, Role::faults, Role::controller_heartbeat}) CHECK(report.count(role).different == 0);
         CHECK(report.steps == commands.compared);
         CHECK(report.unsynchronised == 0);
         CHECK(report.steps_before_log == 0);
-        const auto packed =
-            replay(write_gzip(dir.write("x", "").parent_path() / "a.gz", text), setup_of(options));
+        const auto packed = replay(write_gzip(dir.write("x", "").parent_path() / "a.gz", text), setup_of(options));
         CHECK(packed.count(Role::valve).compared == commands.compared);
         CHECK(packed.same());
     }
@@ -182,9 +179,7 @@ TEST_CASE("a log that begins within a session of the controller", "[BRG-310]") {
         CHECK(commands.only_recorded == 0);
         CHECK(commands.only_replayed == 0);
         // Brake-on comes 1.5 s later: of what the log lacks the estimators still remember less than a last digit, which the law's integrals keep.
-        if (report.largest)
-            CHECK(std::abs(rig::current_difference_mA(*report.largest, setup.layout)) <
-                  1.5 * setup.layout.valve_current_mA.scale);
+        if (report.largest) CHECK(std::abs(rig::current_difference_mA(*report.largest, setup.layout)) < 1.5 * setup.layout.valve_current_mA.scale);
         CHECK(report.count(Role::status).settling < 20);  // it has passed its test when it is armed at 0.2 s
         const auto& status = report.count(Role::status);  // the same last digits, in the slip that it tells
         CHECK(status.different < status.compared / 100);
@@ -240,6 +235,5 @@ TEST_CASE("steps without SYNC and the closing commands of the controller", "[BRG
 
 TEST_CASE("a log without commands is refused, not called the same", "[BRG-310]") {
     const TempDir dir;
-    CHECK_THROWS_WITH(replay(dir.write("bus.log", "(1.000000) vcan0 110#0011\n"), setup_of({})),
-                      ContainsSubstring("no valve command"));
+    CHECK_THROWS_WITH(replay(dir.write("bus.log", "(1.000000) vcan0 110#0011\n"), setup_of({})), ContainsSubstring("no valve command"));
 }

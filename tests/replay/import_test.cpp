@@ -28,13 +28,12 @@ struct Truth {
         auto options = scenarios::options({"dry_asphalt", "endurance"}, "deceleration");
         std::int64_t step = 0;
         const auto result = scenarios::run(
-            options, study::Link::rounded,
-            [&](const study::RigSession& session, const antiskid::can::ControllerView&, double current_mA) {
+            options, study::Link::rounded, [&](const study::RigSession& session, const antiskid::can::ControllerView&, double current_mA) {
                 const plant::Rig& rig = session.rig();
                 const plant::Forces f = rig.forces();
                 if (++step % 2 == 0 && rig.time_s() > 1.2)
-                    rows.push_back({rig.time_s(), rig.wheel().omega_radps, rig.wheel().v_mps,
-                                    rig.pressure_Pa(), f.F_z_N, f.brake_torque_Nm, current_mA});
+                    rows.push_back(
+                        {rig.time_s(), rig.wheel().omega_radps, rig.wheel().v_mps, rig.pressure_Pa(), f.F_z_N, f.brake_torque_Nm, current_mA});
             });
         figures = result.figures;
     }
@@ -53,15 +52,12 @@ std::string german(double value, int decimals) {
     return text;
 }
 
-const std::string kHead =
-    "Pruefstand 3;;;;;\nZeit;n_Rad;v_Schwungrad;p_Bremse;F_z;M_Bremse\ns;1/min;km/h;bar;kN;Nm\n";
+const std::string kHead = "Pruefstand 3;;;;;\nZeit;n_Rad;v_Schwungrad;p_Bremse;F_z;M_Bremse\ns;1/min;km/h;bar;kN;Nm\n";
 
 /// `pressure`: from Pa to what the column has.
 std::string csv_row(const Row& r, double shift_s, double pressure = 1e-5) {
-    return fmt::format("{};{};{};{};{};{}\n", german(r.time_s + shift_s, 4),
-                       german(r.wheel_radps * 30.0 / std::numbers::pi, 4), german(r.v_mps * 3.6, 5),
-                       german(r.pressure_Pa * pressure, 4), german(r.load_N * 1e-3, 4),
-                       german(r.torque_Nm, 3));
+    return fmt::format("{};{};{};{};{};{}\n", german(r.time_s + shift_s, 4), german(r.wheel_radps * 30.0 / std::numbers::pi, 4),
+                       german(r.v_mps * 3.6, 5), german(r.pressure_Pa * pressure, 4), german(r.load_N * 1e-3, 4), german(r.torque_Nm, 3));
 }
 
 /// Two stops one after the other.
@@ -73,26 +69,21 @@ std::string two_stops(double pressure = 1e-5) {
 }
 
 struct Import {
-    Import(const std::filesystem::path& file, const rig::ImportMap& with, const rig::Specimen& specimen = {})
-        : map(with) {
-        const rig::ImportSettings settings{.file = file,
-                                           .map = map,
-                                           .out = out,
-                                           .rig = {.layout = can_test::ours(),
-                                                   .meter = meter,
-                                                   .plan = scenario.mean,
-                                                   .with_valve = map.channels[6].has_value(),
-                                                   .number = 0},
-                                           .specimen = specimen,
-                                           .config_hash = "x"};
+    Import(const std::filesystem::path& file, const rig::ImportMap& with, const rig::Specimen& specimen = {}) : map(with) {
+        const rig::ImportSettings settings{
+            .file = file,
+            .map = map,
+            .out = out,
+            .rig = {.layout = can_test::ours(), .meter = meter, .plan = scenario.mean, .with_valve = map.channels[6].has_value(), .number = 0},
+            .specimen = specimen,
+            .config_hash = "x"};
         rig::ImportNotes notes("r.csv", [this](const std::string& text) { said += text + "\n"; });
         report = rig::import_recording(settings, notes);
         counts = notes.counts();
     }
     TempDir dir;
     rig::Scenario scenario = rig::load_scenario("config/scenarios/endurance.toml");
-    rig::MeterParameters meter =
-        rig::meter_parameters(scenario, antiskid::load_controller_config(scenario.controller));
+    rig::MeterParameters meter = rig::meter_parameters(scenario, antiskid::load_controller_config(scenario.controller));
     std::filesystem::path out = dir.write("x", "").parent_path() / "night";
     rig::ImportMap map;
     rig::ImportReport report;
@@ -133,15 +124,13 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
     CHECK_THAT(import.said, ContainsSubstring("r.csv:" + std::to_string(truth().rows.size() + 4)));
     const rig::Summary summary = rig::read_summary(import.out / "0002/summary.json");
     CHECK(summary.number == 2);
-    CHECK(summary.cumulative_energy_J == import.report.maneuvers[0].figures.energy_brake_J +
-                                             import.report.maneuvers[1].figures.energy_brake_J);
+    CHECK(summary.cumulative_energy_J == import.report.maneuvers[0].figures.energy_brake_J + import.report.maneuvers[1].figures.energy_brake_J);
     // Every verb works on it: the campaign is its own summaries, the plant finds the braking.
-    const rig::CampaignSources sources{
-        .layout = can_test::ours(),
-        .parameters = [&](const std::string&) { return import.meter; },
-        .ledger = {},
-        .with_ledger = false,
-        .warnings = [](const std::string& name) { return rig::LogWarnings(name, {}); }};
+    const rig::CampaignSources sources{.layout = can_test::ours(),
+                                       .parameters = [&](const std::string&) { return import.meter; },
+                                       .ledger = {},
+                                       .with_ledger = false,
+                                       .warnings = [](const std::string& name) { return rig::LogWarnings(name, {}); }};
     CHECK(rig::rebuild_campaign(rig::maneuver_folders(import.out), sources).different() == 0);
     rig::LogWarnings warnings("bus.log", {});
     rig::LogOptions options;
@@ -155,32 +144,23 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
     CHECK_FALSE(warnings.any());
 }
 
-TEST_CASE("what is said of the specimen at an import is that of every maneuver in it, exports included",
-          "[BRG-270]") {
+TEST_CASE("what is said of the specimen at an import is that of every maneuver in it, exports included", "[BRG-270]") {
     const TempDir dir;
     rig::ImportMap map = example();
     map.after_s = 0.1;
-    const rig::Specimen said{.brake = "B12",
-                             .disc = "D7",
-                             .tyre = "T3",
-                             .specimen = "S-2026-4",
-                             .operator_name = "A. Rossi",
-                             .notes = "by night"};
+    const rig::Specimen said{.brake = "B12", .disc = "D7", .tyre = "T3", .specimen = "S-2026-4", .operator_name = "A. Rossi", .notes = "by night"};
     const Import import(dir.write("r.csv", two_stops()), map, said);
     REQUIRE(import.report.maneuvers.size() == 2);
-    for (const auto& maneuver : import.report.maneuvers)
-        CHECK(rig::read_summary(maneuver.folder / "summary.json").specimen == said);
-    const rig::CampaignSources sources{
-        .layout = can_test::ours(),
-        .parameters = [&](const std::string&) { return import.meter; },
-        .ledger = {},
-        .with_ledger = false,
-        .warnings = [](const std::string& name) { return rig::LogWarnings(name, {}); }};
+    for (const auto& maneuver : import.report.maneuvers) CHECK(rig::read_summary(maneuver.folder / "summary.json").specimen == said);
+    const rig::CampaignSources sources{.layout = can_test::ours(),
+                                       .parameters = [&](const std::string&) { return import.meter; },
+                                       .ledger = {},
+                                       .with_ledger = false,
+                                       .warnings = [](const std::string& name) { return rig::LogWarnings(name, {}); }};
     const std::string csv = rig::to_csv(rig::rebuild_campaign(rig::maneuver_folders(import.out), sources));
     CHECK_THAT(csv, ContainsSubstring(",B12,D7,T3,S-2026-4,A. Rossi,by night,"));
     // Nothing is written of a text that would not be one line.
-    CHECK_THROWS_WITH(Import(dir.write("r.csv", two_stops()), map, {.notes = "two\nlines"}),
-                      ContainsSubstring("control character"));
+    CHECK_THROWS_WITH(Import(dir.write("r.csv", two_stops()), map, {.notes = "two\nlines"}), ContainsSubstring("control character"));
 }
 
 TEST_CASE("MATLAB files give the same maneuvers", "[BRG-350]") {
@@ -192,16 +172,14 @@ TEST_CASE("MATLAB files give the same maneuvers", "[BRG-350]") {
             std::vector<double> values;
             for (const Row& row : rows) values.push_back(row.*member * factor);
             std::array<std::size_t, 2> dims{values.size(), 1};
-            matvar_t* const variable =
-                Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims.data(), values.data(), 0);
+            matvar_t* const variable = Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims.data(), values.data(), 0);
             const int status = Mat_VarWrite(file, variable, MAT_COMPRESSION_ZLIB);
             Mat_VarFree(variable);
             return status == 0;
         };
-        const bool all = put("Zeit", &Row::time_s, 1.0) &&
-                         put("n_Rad", &Row::wheel_radps, 30.0 / std::numbers::pi) &&
-                         put("v_Schwungrad", &Row::v_mps, 3.6) && put("p_Bremse", &Row::pressure_Pa, 1e-5) &&
-                         put("F_z", &Row::load_N, 1e-3) && put("M_Bremse", &Row::torque_Nm, 1.0);
+        const bool all = put("Zeit", &Row::time_s, 1.0) && put("n_Rad", &Row::wheel_radps, 30.0 / std::numbers::pi) &&
+                         put("v_Schwungrad", &Row::v_mps, 3.6) && put("p_Bremse", &Row::pressure_Pa, 1e-5) && put("F_z", &Row::load_N, 1e-3) &&
+                         put("M_Bremse", &Row::torque_Nm, 1.0);
         Mat_Close(file);
         return all;
     };
@@ -217,10 +195,8 @@ TEST_CASE("MATLAB files give the same maneuvers", "[BRG-350]") {
         check(import.report.maneuvers[0].figures);
     }
     map.channels[5]->column = "M";
-    CHECK_THROWS_WITH(Import(folder / "five.mat", map),
-                      ContainsSubstring("no variable 'M'; there are: Zeit, n_Rad"));
-    CHECK_THROWS_WITH(Import(dir.write("no.mat", "text"), map),
-                      ContainsSubstring("cannot be read as a MATLAB file"));
+    CHECK_THROWS_WITH(Import(folder / "five.mat", map), ContainsSubstring("no variable 'M'; there are: Zeit, n_Rad"));
+    CHECK_THROWS_WITH(Import(dir.write("no.mat", "text"), map), ContainsSubstring("cannot be read as a MATLAB file"));
 }
 
 TEST_CASE("what is wrong in a recording is reported with row and column", "[BRG-350]") {
@@ -275,8 +251,7 @@ TEST_CASE("gaps and resets of time end a maneuver, the next is whole", "[BRG-350
 TEST_CASE("swapped units end the import with the likely one, and nothing is written", "[BRG-350]") {
     const TempDir dir;
     const auto file = dir.write("r.csv", two_stops());
-    const auto refused = [&](std::size_t channel, const char* unit, const char* quantity_of,
-                             const std::string& words) {
+    const auto refused = [&](std::size_t channel, const char* unit, const char* quantity_of, const std::string& words) {
         rig::ImportMap map = example();
         map.channels[channel]->unit_name = unit;
         map.channels[channel]->unit = *antiskid::can::find_unit(quantity_of);
@@ -295,9 +270,7 @@ TEST_CASE("swapped units end the import with the likely one, and nothing is writ
     CHECK_THROWS_WITH(Import(file, map), ContainsSubstring("likely unit: Nm"));
 }
 
-TEST_CASE(
-    "a pressure in another unit than the map's shows in the friction, which is named with the likely unit",
-    "[BRG-261]") {
+TEST_CASE("a pressure in another unit than the map's shows in the friction, which is named with the likely unit", "[BRG-261]") {
     const TempDir dir;
     rig::ImportMap map = example();
     map.unit_row = 0;
@@ -305,17 +278,15 @@ TEST_CASE(
     // MPa that are taken for bar, and bar for psi.
     const Import tenth(dir.write("r.csv", two_stops(1e-6)), map);
     CHECK_THAT(tenth.said, ContainsSubstring("friction_implausible: mean mu_b 2.9") &&
-                               ContainsSubstring("is the brake's; is column 'p_Bremse' in MPa") &&
-                               ContainsSubstring("not bar?"));
+                               ContainsSubstring("is the brake's; is column 'p_Bremse' in MPa") && ContainsSubstring("not bar?"));
     CHECK(tenth.counts.at("figures") == 2);
     CHECK(rig::read_summary(tenth.out / "0001/summary.json").warnings.size() == 1);
     map.channels[2]->unit_name = "psi";
     map.channels[2]->unit = *antiskid::can::find_unit("psi");
     map.released_Pa = 1e4;
     map.brake_on_Pa = 2e4;
-    CHECK_THAT(
-        Import(dir.write("r.csv", two_stops()), map).said,
-        ContainsSubstring("mean mu_b 4.") && ContainsSubstring("is column 'p_Bremse' in bar, not psi?"));
+    CHECK_THAT(Import(dir.write("r.csv", two_stops()), map).said,
+               ContainsSubstring("mean mu_b 4.") && ContainsSubstring("is column 'p_Bremse' in bar, not psi?"));
 }
 
 TEST_CASE("maps are refused with file, line and key", "[BRG-350]") {
@@ -323,8 +294,7 @@ TEST_CASE("maps are refused with file, line and key", "[BRG-350]") {
     const std::string good = can_test::contents("config/import_example.toml");
     const auto refused = [&](const std::string& from, const std::string& to, const std::string& words) {
         INFO(to);
-        CHECK_THROWS_WITH(rig::load_import_map(dir.write("map.toml", can_test::replaced(good, from, to))),
-                          ContainsSubstring(words));
+        CHECK_THROWS_WITH(rig::load_import_map(dir.write("map.toml", can_test::replaced(good, from, to))), ContainsSubstring(words));
     };
     refused("unit = \"bar\"", "unit = \"baar\"", "pressure.unit: 'baar' is none of");
     refused("unit = \"bar\"", "unit = \"km/h\"", "is none of");
@@ -337,6 +307,5 @@ TEST_CASE("maps are refused with file, line and key", "[BRG-350]") {
     const auto file = dir.write("r.csv", two_stops());
     rig::ImportMap map = example();
     map.channels[0]->column = "n";
-    CHECK_THROWS_WITH(Import(file, map),
-                      ContainsSubstring("no column 'n'; there are: Zeit, n_Rad, v_Schwungrad"));
+    CHECK_THROWS_WITH(Import(file, map), ContainsSubstring("no column 'n'; there are: Zeit, n_Rad, v_Schwungrad"));
 }

@@ -35,8 +35,8 @@ void expect(const Reading& reading, const std::vector<rig::Frame>& frames) {
     REQUIRE(reading.frames.size() == frames.size());
     for (std::size_t i = 0; i < frames.size(); ++i) {
         const rig::Frame& got = reading.frames[i].frame;
-        if (got.id == frames[i].id && got.length == frames[i].length && got.data == frames[i].data &&
-            got.received == frames[i].received && reading.frames[i].line == i + 1)
+        if (got.id == frames[i].id && got.length == frames[i].length && got.data == frames[i].data && got.received == frames[i].received &&
+            reading.frames[i].line == i + 1)
             continue;
         FAIL("frame " << i << " differs");
     }
@@ -63,8 +63,7 @@ TEST_CASE("a log gives its frames in order, plain and gzip alike, over many bloc
 TEST_CASE("whatever a log may hold is named with its line", "[BRG-300]") {
     const TempDir dir;
     const std::string good = "(1000000000.000100) vcan0 110#0011\n";
-    const auto names = [&](const std::string& bad, LogTrouble trouble, const std::string& words,
-                           std::size_t frames = 2) {
+    const auto names = [&](const std::string& bad, LogTrouble trouble, const std::string& words, std::size_t frames = 2) {
         INFO(bad.substr(0, 80));
         const Reading reading(dir.write("bus.log", good + bad + good));
         CHECK(reading.frames.size() == frames);
@@ -128,8 +127,7 @@ TEST_CASE("a log that is cut off gives all before the cut and says so", "[BRG-30
     const Reading torn(dir.write("bus.log", text.substr(0, text.size() - 30)));
     CHECK(torn.frames.size() == 19'999);
     CHECK(torn.said.size() == 1);
-    const std::string packed =
-        can_test::contents(write_gzip(dir.write("z", "").parent_path() / "a.gz", text));
+    const std::string packed = can_test::contents(write_gzip(dir.write("z", "").parent_path() / "a.gz", text));
     const Reading cut(dir.write("cut.gz", packed.substr(0, packed.size() / 2)));
     CHECK(cut.warnings.count(LogTrouble::damaged_file) == 1);
     CHECK(cut.frames.size() > 5'000);
@@ -154,16 +152,15 @@ TEST_CASE("another interface is read where it is asked for", "[BRG-300]") {
 
 TEST_CASE("a log that is not there is named with the reason", "[BRG-300]") {
     rig::LogWarnings warnings("x", {});
-    CHECK_THROWS_WITH(rig::LogReader("/nowhere/bus.log", {}, warnings),
-                      ContainsSubstring("/nowhere/bus.log: cannot be read: No such file"));
+    CHECK_THROWS_WITH(rig::LogReader("/nowhere/bus.log", {}, warnings), ContainsSubstring("/nowhere/bus.log: cannot be read: No such file"));
     CHECK_THROWS_WITH(rig::LogReader("/tmp", {}, warnings), ContainsSubstring("is a directory"));
 }
 
 TEST_CASE("mutated logs: every line is a frame or a counted warning", "[BRG-300]") {
     const TempDir dir;
     std::mt19937_64 random(303);
-    constexpr std::array kOfAll{LogTrouble::malformed_line, LogTrouble::long_line, LogTrouble::not_text,
-                                LogTrouble::fd_frame, LogTrouble::other_interface};
+    constexpr std::array kOfAll{LogTrouble::malformed_line, LogTrouble::long_line, LogTrouble::not_text, LogTrouble::fd_frame,
+                                LogTrouble::other_interface};
     const std::string alphabet = std::string("0123456789ABCDEFabcdefRT#().\r\n \t") + '\0' + "\xFF\x80xvcan";
     for (int round = 0; round < 300; ++round) {
         std::vector<rig::Frame> frames;
@@ -171,8 +168,7 @@ TEST_CASE("mutated logs: every line is a frame or a counted warning", "[BRG-300]
         const std::size_t changes = 1 + random() % 200;
         for (std::size_t i = 0; i < changes; ++i) {
             const std::size_t at = random() % text.size();
-            const char with =
-                random() % 4 == 0 ? static_cast<char>(random()) : alphabet[random() % alphabet.size()];
+            const char with = random() % 4 == 0 ? static_cast<char>(random()) : alphabet[random() % alphabet.size()];
             switch (random() % 4) {
                 case 0:
                     text.insert(at, 1, with);
@@ -186,17 +182,14 @@ TEST_CASE("mutated logs: every line is a frame or a counted warning", "[BRG-300]
             if (text.empty()) text.push_back('\n');
         }
         if (round % 10 == 0) text.insert(random() % text.size(), 9'000, 'z');
-        const auto file = round % 2 == 0 ? dir.write("bus.log", text)
-                                         : write_gzip(dir.write("x", "").parent_path() / "m.gz", text);
+        const auto file = round % 2 == 0 ? dir.write("bus.log", text) : write_gzip(dir.write("x", "").parent_path() / "m.gz", text);
         const Reading reading(file);
         std::uint64_t dropped = 0;
         for (const LogTrouble trouble : kOfAll) dropped += reading.warnings.count(trouble);
-        const auto lines = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n')) +
-                           (text.back() == '\n' ? 0U : 1U);
+        const auto lines = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n')) + (text.back() == '\n' ? 0U : 1U);
         INFO("round " << round << ": " << reading.warnings.summary());
         REQUIRE(reading.frames.size() + dropped == lines);
-        for (const std::string& said : reading.said)
-            REQUIRE(std::all_of(said.begin(), said.end(), [](char c) { return c >= ' ' && c <= '~'; }));
+        for (const std::string& said : reading.said) REQUIRE(std::all_of(said.begin(), said.end(), [](char c) { return c >= ' ' && c <= '~'; }));
     }
 }
 
@@ -208,8 +201,7 @@ TEST_CASE("the fast form of a line and the general one agree on every mutation",
         std::vector<rig::Frame> frames;
         std::string text = random_log(random, 1, frames);
         text.pop_back();
-        if (random() % 2 == 0)
-            text[random() % text.size()] = "0123456789ABCDEFabcdefg#(). x/:@G`"[random() % 34];
+        if (random() % 2 == 0) text[random() % text.size()] = "0123456789ABCDEFabcdefg#(). x/:@G`"[random() % 34];
         if (random() % 8 == 0) text.erase(random() % text.size(), 1);
         // A carriage return is accepted by the general form only.
         const auto fast = antiskid::can::parse_candump(text);
@@ -220,10 +212,9 @@ TEST_CASE("the fast form of a line and the general one agree on every mutation",
         const auto* a = std::get_if<CandumpLine>(&fast);
         if (a == nullptr) continue;
         const auto* b = std::get_if<CandumpLine>(&general);
-        REQUIRE((a->time == b->time && a->interface == b->interface && a->frame.id == b->frame.id &&
-                 a->frame.length == b->frame.length && a->frame.data == b->frame.data &&
-                 a->frame.received == b->frame.received && a->extended == b->extended &&
-                 a->remote == b->remote && a->error == b->error));
+        REQUIRE((a->time == b->time && a->interface == b->interface && a->frame.id == b->frame.id && a->frame.length == b->frame.length &&
+                 a->frame.data == b->frame.data && a->frame.received == b->frame.received && a->extended == b->extended && a->remote == b->remote &&
+                 a->error == b->error));
         ++both;
     }
     CHECK(both > 100'000);

@@ -17,8 +17,7 @@ using can_test::TempDir;
 
 inline std::string line(const antiskid::can::Frame& frame, const std::string& interface = "vcan0") {
     std::array<char, antiskid::can::kCandumpLineMost> text{};
-    return std::string(text.data(), antiskid::can::format_candump(frame.received, interface, frame, text)) +
-           "\n";
+    return std::string(text.data(), antiskid::can::format_candump(frame.received, interface, frame, text)) + "\n";
 }
 
 inline std::filesystem::path write_gzip(const std::filesystem::path& path, const std::string& text) {

@@ -13,8 +13,7 @@
 namespace {
 
 const std::filesystem::path kSeeds = "tests/fuzz/corpus/mat";
-constexpr std::array kGood{"cell",   "complex", "compressed", "compressed_struct", "double", "int16",
-                           "matrix", "sparse",  "struct",     "version4"};
+constexpr std::array kGood{"cell", "complex", "compressed", "compressed_struct", "double", "int16", "matrix", "sparse", "struct", "version4"};
 
 std::string with_word(std::string file, std::size_t at, std::uint32_t word) {
     std::memcpy(file.data() + at, &word, sizeof word);
@@ -49,8 +48,7 @@ std::string compressed(const std::string& file) {
     const std::string variable = file.substr(128);
     std::string packed(compressBound(variable.size()), '\0');
     uLongf size = packed.size();
-    compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(variable.data()),
-             variable.size());
+    compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(variable.data()), variable.size());
     packed.resize(size);
     const std::string tag = with_word(std::string(8, '\0'), 0, 15);
     return file.substr(0, 128) + with_word(tag, 4, static_cast<std::uint32_t>(size)) + packed;
@@ -143,8 +141,7 @@ TEST_CASE("so is one within a struct, a cell, a sparse matrix or what is compres
     const std::string packed = seed("compressed");
     CHECK_THAT(refusal(with_word(packed, 132, word_of(packed, 132) - 8).substr(0, packed.size() - 8)),
                ContainsSubstring("r.mat: byte 128, inflated byte"));
-    CHECK_THAT(refusal(with_word(packed, 140, 0)),
-               ContainsSubstring("the file ends there, or cannot be inflated"));
+    CHECK_THAT(refusal(with_word(packed, 140, 0)), ContainsSubstring("the file ends there, or cannot be inflated"));
     // Version 4: type, rows, columns, complex, length of the name.
     lies("version4", 4, 0x20000000, "r.mat: cannot be read as a MATLAB file");
     lies("version4", 12, 1, "cannot be read");
@@ -156,18 +153,15 @@ TEST_CASE("so is one within a struct, a cell, a sparse matrix or what is compres
     CHECK_THAT(refusal(four + "123"), ContainsSubstring("byte 38: the file ends within the head"));
     // Found by the fuzzer: lengths in one order of bytes, a type that says the other.
     using std::string_literals::operator""s;
-    CHECK_THAT(refusal("\0\0\0\1\0\0\0\0\0\x1e\0\2\0\0\0\0\0\0\0\5\0\0\0\0\0"s),
-               ContainsSubstring("cannot be read as a MATLAB file"));
+    CHECK_THAT(refusal("\0\0\0\1\0\0\0\0\0\x1e\0\2\0\0\0\0\0\0\0\5\0\0\0\0\0"s), ContainsSubstring("cannot be read as a MATLAB file"));
     CHECK_NOTHROW(check("\0\0\3\xe8\0\0\0\1\0\0\0\1\0\0\0\0\0\0\0\2p\0\0\0\0\0\0\0\0\0"s));
     // An object within a struct, whose name matio reads as dimensions: 8 GB of them.
     const std::string object = with_word(seed("struct"), 224, 17);
-    CHECK_THAT(refusal(with_word(object, 236, 0xFFFD0008)),
-               ContainsSubstring("r.mat: byte 128, its byte 104: expected the empty name of an object"));
+    CHECK_THAT(refusal(with_word(object, 236, 0xFFFD0008)), ContainsSubstring("r.mat: byte 128, its byte 104: expected the empty name of an object"));
     CHECK_THAT(refusal(""), ContainsSubstring("cannot be read as a MATLAB file"));
 }
 
-TEST_CASE("whatever one word of a file claims, it is refused by name or holds no more than it did",
-          "[BRG-350]") {
+TEST_CASE("whatever one word of a file claims, it is refused by name or holds no more than it did", "[BRG-350]") {
     const can_test::TempDir dir;
     for (const char* const name : kGood) {
         const std::string good = seed(name);

@@ -47,8 +47,7 @@ class Notes final : public rig::FrameSender {
 struct Show {
     explicit Show(const std::string& text) : file(dir.write("bus.log", text)) {}
     void run(const rig::PlayOptions& options = {}) {
-        rig::play([&] { return std::make_unique<rig::LogReader>(file, rig::LogOptions{}, warnings); },
-                  options, bus, clock, stop, report);
+        rig::play([&] { return std::make_unique<rig::LogReader>(file, rig::LogOptions{}, warnings); }, options, bus, clock, stop, report);
     }
     TempDir dir;
     std::filesystem::path file;
@@ -105,8 +104,7 @@ TEST_CASE("speed factor, loops and filter", "[BRG-330]") {
 }
 
 TEST_CASE("time that goes backwards: at once, and on from there", "[BRG-330]") {
-    Show show(
-        "(100.000000) can0 001#\n(100.100000) can0 002#\n(50.000000) can0 003#\n(50.100000) can0 004#\n");
+    Show show("(100.000000) can0 001#\n(100.100000) can0 002#\n(50.000000) can0 003#\n(50.100000) can0 004#\n");
     show.run();
     REQUIRE(show.bus.sent.size() == 4);
     CHECK(show.bus.sent[2].at == Time{100ms});
@@ -115,8 +113,7 @@ TEST_CASE("time that goes backwards: at once, and on from there", "[BRG-330]") {
 }
 
 TEST_CASE("error frames are not sent; what the bus does not take is counted", "[BRG-330]") {
-    Show show(
-        "(1.0) can0 20000040#0000000000000000\n(1.0) can0 7FF#\n(1.0) can0 123##1AA\n(1.0) can0 123#\n");
+    Show show("(1.0) can0 20000040#0000000000000000\n(1.0) can0 7FF#\n(1.0) can0 123##1AA\n(1.0) can0 123#\n");
     show.run();
     CHECK(show.report.error_frames == 1);
     CHECK(show.report.sent == 1);

@@ -40,8 +40,7 @@ TEST_CASE("a grid has every stop once, whatever the number of draws", "[STUDY-60
         const SurfaceChange c = change_at(basis, i);
         CHECK(basis.landings[c.from].maneuver == basis.landings[c.to].maneuver);
         CHECK(basis.landings[c.from].surface != basis.landings[c.to].surface);
-        changes.emplace(basis.landings[c.from].surface, basis.landings[c.to].surface,
-                        basis.landings[c.from].maneuver, c.speed_mps);
+        changes.emplace(basis.landings[c.from].surface, basis.landings[c.to].surface, basis.landings[c.from].maneuver, c.speed_mps);
     }
     CHECK(changes.size() == plan.stops());
 
@@ -64,8 +63,7 @@ TEST_CASE("a grid has every stop once, whatever the number of draws", "[STUDY-60
 TEST_CASE("the surface changes about at the speed of the grid, 1.5 s after brake-on", "[STUDY-602]") {
     Plan plan = grid("changes");
     std::erase_if(plan.basis.landings, [](const Landing& landing) {
-        return landing.surface != "dry_asphalt" && landing.surface != "wet_cobblestone" &&
-               landing.surface != "snow";
+        return landing.surface != "dry_asphalt" && landing.surface != "wet_cobblestone" && landing.surface != "snow";
     });
     REQUIRE(plan.stops() == std::size_t{3} * 2 * 2 * 3);
     const std::vector<Row> rows = run(plan, {.threads = 2});
@@ -88,8 +86,7 @@ TEST_CASE("a summary of changes counts what its rows say", "[STUDY-602]") {
     for (std::size_t i = 0; i < plan.stops(); ++i) {
         Row row = made_up(Family::changes, i);
         // 0.001 to 0.1 s, but for four: 0.4 and 0.401 s, never, too brief to judge; and one that ended before its change.
-        row.regrip =
-            Regrip{.speed_mps = 40.0, .judged_s = 2.0, .regained_s = 1e-3 * static_cast<double>(i % 100 + 1)};
+        row.regrip = Regrip{.speed_mps = 40.0, .judged_s = 2.0, .regained_s = 1e-3 * static_cast<double>(i % 100 + 1)};
         if (i == 20) row.regrip->regained_s = 0.4;
         if (i == 21) row.regrip->regained_s = 0.401;
         if (i == 22) row.regrip->regained_s.reset();
@@ -103,8 +100,7 @@ TEST_CASE("a summary of changes counts what its rows say", "[STUDY-602]") {
     CHECK(all.measured == 250);
     CHECK(all.in_time == 248);
     CHECK(all.never == 1);
-    CHECK(all.median_s ==
-          Approx(0.044));  // 3 each up to 0.020 and from 0.026 on, 2 between: the 125th of 250
+    CHECK(all.median_s == Approx(0.044));  // 3 each up to 0.020 and from 0.026 on, 2 between: the 125th of 250
     CHECK(std::isinf(all.worst_s));
     CHECK(all.worst == 22);
     const auto json = changes_json(plan, rows);
@@ -138,9 +134,7 @@ TEST_CASE("brake-on: shares of the held reference and of the fastest landing's t
         CHECK(s.stops == 14);
         CHECK(s.mean_j_mu == Approx(0.9));
         CHECK(s.least_share.has_value() == (s.law < 2));
-        CHECK(s.most_travel_ratio == Approx(s.speed_mps == 61.0                 ? 1.0
-                                            : s.law == 1 && s.speed_mps == 12.0 ? 4.0
-                                                                                : 2.0));
+        CHECK(s.most_travel_ratio == Approx(s.speed_mps == 61.0 ? 1.0 : s.law == 1 && s.speed_mps == 12.0 ? 4.0 : 2.0));
     }
     // Held at the peak at 61 m/s nearly everything is offered, less what the fall at low speed takes of the last metres.
     const BrakeOnShare fast = share_of(plan, rows, rows[98 + 6]);
@@ -153,6 +147,5 @@ TEST_CASE("brake-on: shares of the held reference and of the fastest landing's t
     CHECK(json["stops"].size() == 294);
     CHECK(json["stops"][98]["travel_ratio"] == 4.0);
     CHECK(json["stops"][293]["held_j_mu"].is_null());
-    CHECK_THAT(brake_on_table(plan, rows),
-               ContainsSubstring("| threshold | 12.0 | 0 | 0.9000 | none is held | | |"));
+    CHECK_THAT(brake_on_table(plan, rows), ContainsSubstring("| threshold | 12.0 | 0 | 0.9000 | none is held | | |"));
 }

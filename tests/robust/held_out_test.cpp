@@ -6,8 +6,7 @@
 
 using namespace robust;
 
-TEST_CASE("on tyres, legs and speeds it was not made from the slip law keeps the brakes and the grip",
-          "[STUDY-602]") {
+TEST_CASE("on tyres, legs and speeds it was not made from the slip law keeps the brakes and the grip", "[STUDY-602]") {
     // Tuned on seed 1. Each family has all landings once.
     PlanOptions options;
     options.families = {"ring", "relaxation", "leg", "speed"};

@@ -52,8 +52,7 @@ TEST_CASE("with the fall it is what an integration over time gives", "[STUDY-602
                 if (v < from) slip = v < to ? low : low + (0.24 - low) * (v - to) / (from - to);
                 had += mu(s, slip) * v * kStep_s;
                 most += mu(s, peak) * v * kStep_s;
-                v -= mu(s, slip) * (rig.load.base_N - rig.load.lift_Ns2pm2 * v * v) / rig.wheel.mass_kg *
-                     kStep_s;
+                v -= mu(s, slip) * (rig.load.base_N - rig.load.lift_Ns2pm2 * v * v) / rig.wheel.mass_kg * kStep_s;
             }
             INFO(landing.surface << " " << landing.maneuver << " " << brake_on_mps);
             CHECK(held_j_mu(rig, c, 0.24, 5.0) == Approx(had / most).epsilon(2e-4));

@@ -16,13 +16,11 @@ const plant::Surface kDry{.name = "dry", .c1 = 1.2801, .c2 = 23.99, .c3 = 0.52};
 const plant::Surface kSnow{.name = "snow", .c1 = 0.1946, .c2 = 94.129, .c3 = 0.0646};
 
 /// 0.2 s of dry runway at its peak, then snow, of whose friction `share` is had so long after the change. The aircraft keeps `v_mps`.
-std::optional<Regrip> after_change(const std::function<double(double since_s)>& share,
-                                   double looked_at_s = 3.0, double v_mps = 40.0) {
+std::optional<Regrip> after_change(const std::function<double(double since_s)>& share, double looked_at_s = 3.0, double v_mps = 40.0) {
     RegripMeter meter(kPeriod_s);
     for (int i = 0; i < 200; ++i) meter.update(kDry, v_mps, plant::peak(kDry).mu);
     const int periods = static_cast<int>(std::lround(looked_at_s / kPeriod_s));
-    for (int i = 1; i <= periods; ++i)
-        meter.update(kSnow, v_mps, share(i * kPeriod_s) * plant::peak(kSnow).mu);
+    for (int i = 1; i <= periods; ++i) meter.update(kSnow, v_mps, share(i * kPeriod_s) * plant::peak(kSnow).mu);
     return meter.regrip();
 }
 
@@ -56,12 +54,9 @@ TEST_CASE("friction that is had in passing, or lost again, does not count", "[ST
     CHECK_FALSE(lost_at_last->regained_s);
 }
 
-TEST_CASE("a reference that swings counts by its mean: one window of too little is too little",
-          "[STUDY-602]") {
+TEST_CASE("a reference that swings counts by its mean: one window of too little is too little", "[STUDY-602]") {
     // 8 Hz. Its mean over 0.1 s swings by a fifth of the amplitude: sin(pi 0.8) / (pi 0.8) = 0.234.
-    const auto swing = [](double mean) {
-        return [mean](double t) { return t < 0.25 ? 0.5 : mean + 0.03 * std::sin(50.265482 * t); };
-    };
+    const auto swing = [](double mean) { return [mean](double t) { return t < 0.25 ? 0.5 : mean + 0.03 * std::sin(50.265482 * t); }; };
     const auto enough = after_change(swing(0.965));
     REQUIRE(enough->regained_s);
     CHECK(*enough->regained_s >= 0.25);

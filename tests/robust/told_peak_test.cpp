@@ -34,8 +34,7 @@ TEST_CASE("on one surface it is the slip law with that number, bit for bit", "[S
         for (const Row& row : rows) {
             const Draw d = draw(plan.basis, row.family, plan.seed, row.number);
             INFO(describe(plan.basis, d));
-            study::SessionOptions number =
-                session(plan, {.name = "slip", .law = antiskid::control::Law::wheel_slip}, row.number);
+            study::SessionOptions number = session(plan, {.name = "slip", .law = antiskid::control::Law::wheel_slip}, row.number);
             number.plan.slip_reference = plant::peak(d.rig.surface).slip;
             CHECK(number.plan.slip_reference == Approx(peak_of(d.rig.surface)).epsilon(1e-12));
             const auto stop = [&](const study::SessionOptions& options, study::Link link) {
@@ -50,8 +49,7 @@ TEST_CASE("on one surface it is the slip law with that number, bit for bit", "[S
     }
 }
 
-TEST_CASE("on patches the pilot gives the peak of the surface under the wheel, at every period",
-          "[STUDY-602]") {
+TEST_CASE("on patches the pilot gives the peak of the surface under the wheel, at every period", "[STUDY-602]") {
     const Plan plan = told("patches");
     const Draw d = draw(plan.basis, Family::patches, plan.seed, 12);
     std::size_t periods = 0, wrong = 0;
@@ -62,8 +60,7 @@ TEST_CASE("on patches the pilot gives the peak of the surface under the wheel, a
         ++periods;
         given.insert(now);
     };
-    const auto run = study::run_in_process(plan.controller, plan.layout, d.rig,
-                                           session(plan, plan.laws.front(), 12), study::Link::rounded, watch);
+    const auto run = study::run_in_process(plan.controller, plan.layout, d.rig, session(plan, plan.laws.front(), 12), study::Link::rounded, watch);
     CHECK(run.figures.standstill);
     CHECK(periods > 3000);
     CHECK(wrong == 0);

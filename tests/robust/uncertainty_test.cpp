@@ -50,8 +50,7 @@ TEST_CASE("a draw takes what its family says, within the ranges, and leaves the 
             } else {
                 CHECK(ring.belt_share == 0.0);
             }
-            CHECK((relaxation.length_m > 0.0) ==
-                  (family == Family::relaxation || (all && ring.belt_share == 0.0)));
+            CHECK((relaxation.length_m > 0.0) == (family == Family::relaxation || (all && ring.belt_share == 0.0)));
             if (relaxation.length_m > 0.0) CHECK(within(relaxation.length_m, u.relaxation_m));
             CHECK((leg.mass_kg > 0.0) == (family == Family::leg || all));
             if (leg.mass_kg > 0.0) {
@@ -61,11 +60,9 @@ TEST_CASE("a draw takes what its family says, within the ranges, and leaves the 
             }
             const bool changed = family == Family::parameters || all;
             CHECK((d.rig.valve.delay_s != was.valve.delay_s) == changed);
-            CHECK(within(d.rig.wheel.inertia_kgm2 / was.wheel.inertia_kgm2,
-                         changed ? u.wheel_inertia : Interval{1, 1}));
-            CHECK(within(
-                d.rig.brake.gain_m3() / was.brake.gain_m3(),
-                changed ? Interval{u.brake_gain.low - 1e-9, u.brake_gain.high + 1e-9} : Interval{1, 1}));
+            CHECK(within(d.rig.wheel.inertia_kgm2 / was.wheel.inertia_kgm2, changed ? u.wheel_inertia : Interval{1, 1}));
+            CHECK(within(d.rig.brake.gain_m3() / was.brake.gain_m3(),
+                         changed ? Interval{u.brake_gain.low - 1e-9, u.brake_gain.high + 1e-9} : Interval{1, 1}));
             CHECK((d.rig.wheel_encoder.pitch_error > 0.0) == changed);
             CHECK(d.rig.runway.patches.empty() == !(family == Family::patches || all));
             CHECK((d.rig.brake_on_mps != was.brake_on_mps) == (family == Family::speed));

@@ -37,8 +37,7 @@ rig::Scenario changed(const std::string& name, const std::string& acceptance) {
 
 }  // namespace
 
-TEST_CASE("a scenario that scatters is held to three deviations of its own scatter, about what was drawn",
-          "[BRG-140]") {
+TEST_CASE("a scenario that scatters is held to three deviations of its own scatter, about what was drawn", "[BRG-140]") {
     const rig::Scenario s = from_config("endurance");
     const sequencer::Plan plan = rig::plan(s, 5, 17);
     REQUIRE(plan.load_base_N != s.mean.load_base_N);
@@ -52,8 +51,7 @@ TEST_CASE("a scenario that scatters is held to three deviations of its own scatt
         const char* key;
     };
     // Of duration and length: 16.92 s and 464.1 m times the printed relative deviations' sums of squares, 0.9 and 1.07 %.
-    for (const Edge& edge : {Edge{&rig::Figures::brake_on_mps, 0.18, "brake_on_mps"},
-                             Edge{&rig::Figures::mean_load_N, 198.9, "mean_load_N"},
+    for (const Edge& edge : {Edge{&rig::Figures::brake_on_mps, 0.18, "brake_on_mps"}, Edge{&rig::Figures::mean_load_N, 198.9, "mean_load_N"},
                              Edge{&rig::Figures::duration_s, good.duration_s * 0.0090079, "duration_s"},
                              Edge{&rig::Figures::length_m, good.length_m * 0.0106508, "length_m"}}) {
         CAPTURE(edge.key);
@@ -69,8 +67,7 @@ TEST_CASE("a scenario that scatters is held to three deviations of its own scatt
     off.mean_load_N = 16'505.0;
     off.length_m = 652.0;
     CHECK(rig::out_of_tolerance(bands, off) == Keys{"mean_load_N", "length_m"});
-    CHECK_THAT(rig::what_is_outside(bands, off),
-               ContainsSubstring("mean load 16505 N (") && ContainsSubstring(", length 652 m ("));
+    CHECK_THAT(rig::what_is_outside(bands, off), ContainsSubstring("mean load 16505 N (") && ContainsSubstring(", length 652 m ("));
     off = good;
     off.duration_s = std::numeric_limits<double>::quiet_NaN();
     CHECK(rig::out_of_tolerance(bands, off) == Keys{"duration_s"});
@@ -82,8 +79,7 @@ TEST_CASE("every shipped scenario says what speed and load its maneuvers may hav
         CAPTURE(s.name);
         const auto bands = rig::acceptance(s, s.mean);
         const auto band = [&](const std::string& key) {
-            return std::find_if(bands.begin(), bands.end(),
-                                [&](const rig::Band& b) { return b.figure->key == key; });
+            return std::find_if(bands.begin(), bands.end(), [&](const rig::Band& b) { return b.figure->key == key; });
         };
         REQUIRE(band("brake_on_mps") != bands.end());
         CHECK(band("brake_on_mps")->least < s.mean.speed_mps);
@@ -95,8 +91,7 @@ TEST_CASE("every shipped scenario says what speed and load its maneuvers may hav
 }
 
 TEST_CASE("a band that the file declares stands instead of the scatter's", "[BRG-140]") {
-    const rig::Scenario s =
-        changed("endurance", "\n[acceptance]\nlength_m = [400.0, 500.0]\nmean_friction = [0.1, 0.4]\n");
+    const rig::Scenario s = changed("endurance", "\n[acceptance]\nlength_m = [400.0, 500.0]\nmean_friction = [0.1, 0.4]\n");
     const auto bands = rig::acceptance(s, s.mean);
     rig::Figures f = as_planned(s.mean);
     f.mean_friction = 0.3;
@@ -113,9 +108,7 @@ TEST_CASE("without scatter or bands nothing is judged", "[BRG-140]") {
 }
 
 TEST_CASE("a band that is none is refused with file, line and key", "[BRG-120]") {
-    const auto refused = [](const std::string& line) {
-        return refusal_of([&] { return changed("light", "\n[acceptance]\n" + line + "\n"); });
-    };
+    const auto refused = [](const std::string& line) { return refusal_of([&] { return changed("light", "\n[acceptance]\n" + line + "\n"); }); };
     CHECK_THAT(refused("length_m = [100.0]").key(), ContainsSubstring("acceptance.length_m"));
     CHECK_THAT(refused("length_m = [200.0, 100.0]").key(), ContainsSubstring("acceptance.length_m"));
     CHECK_THAT(refused("length_ft = [100.0, 200.0]").key(), ContainsSubstring("acceptance.length_ft"));

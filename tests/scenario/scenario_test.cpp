@@ -35,17 +35,15 @@ settings::Error refused(const std::string& name, const std::string& from, const 
 
 TEST_CASE("the shipped scenarios are those of Table II, Fig. 5, Table III and an open loop", "[BRG-120]") {
     std::set<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator("config/scenarios"))
-        names.insert(entry.path().stem().string());
-    CHECK(names == std::set<std::string>{"light", "medium_a", "medium_b", "heavy", "rejected_takeoff",
-                                         "open_loop", "endurance", "ramp", "step", "sweep", "slow_braking",
-                                         "below_peak"});
+    for (const auto& entry : std::filesystem::directory_iterator("config/scenarios")) names.insert(entry.path().stem().string());
+    CHECK(names == std::set<std::string>{"light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance", "ramp", "step",
+                                         "sweep", "slow_braking", "below_peak"});
     struct Landing {
         const char* name;
         double mass_kg, speed_mps;
     };
-    for (const Landing& l : {Landing{"light", 2800.0, 49.0}, Landing{"medium_a", 3150.0, 52.0},
-                             Landing{"medium_b", 3300.0, 53.0}, Landing{"heavy", 4450.0, 61.0}}) {
+    for (const Landing& l :
+         {Landing{"light", 2800.0, 49.0}, Landing{"medium_a", 3150.0, 52.0}, Landing{"medium_b", 3300.0, 53.0}, Landing{"heavy", 4450.0, 61.0}}) {
         const Scenario s = shipped(l.name);
         CHECK(s.name == l.name);
         CHECK(s.mean.speed_mps == l.speed_mps);
@@ -111,8 +109,7 @@ TEST_CASE("what is drawn has the mean and deviation asked for, each for itself",
     double sum[3] = {}, squares[3] = {}, speed_load = 0.0, speed_before = 0.0, serial = 0.0;
     for (int i = 1; i <= kMany; ++i) {
         const auto p = rig::plan(s, 3, i);
-        const double x[3] = {(p.speed_mps - s.mean.speed_mps) / s.scatter.speed_mps,
-                             (p.load_base_N - s.mean.load_base_N) / s.scatter.load_N,
+        const double x[3] = {(p.speed_mps - s.mean.speed_mps) / s.scatter.speed_mps, (p.load_base_N - s.mean.load_base_N) / s.scatter.load_N,
                              (p.deceleration_mps2 - s.mean.deceleration_mps2) / s.scatter.deceleration_mps2};
         for (int k = 0; k < 3; ++k) {
             sum[k] += x[k];
@@ -133,11 +130,10 @@ TEST_CASE("what is drawn has the mean and deviation asked for, each for itself",
 
 TEST_CASE("the files for the hash are those that were read", "[BRG-120]") {
     const Scenario s = shipped("heavy");
-    for (const char* name : {"heavy.toml", "sequencer.toml", "maneuvers.toml", "surfaces.toml",
-                             "landing_gear.toml", "flywheel_rig.toml", "model.json"}) {
+    for (const char* name :
+         {"heavy.toml", "sequencer.toml", "maneuvers.toml", "surfaces.toml", "landing_gear.toml", "flywheel_rig.toml", "model.json"}) {
         INFO(name);
-        CHECK(std::count_if(s.files.begin(), s.files.end(),
-                            [&](const auto& f) { return f.filename() == name; }) == 1);
+        CHECK(std::count_if(s.files.begin(), s.files.end(), [&](const auto& f) { return f.filename() == name; }) == 1);
     }
     CHECK(s.files.size() == 7);
 }
@@ -157,25 +153,17 @@ TEST_CASE("a wrong scenario is refused with file, line and key", "[BRG-120]") {
     CHECK(line_of(unknown) > 0);
     CHECK_THAT(unknown.what(), ContainsSubstring("slip_ref"));
 
-    CHECK_THAT(refused("heavy", "slip_reference = 0.24", "slip_reference = 0.9").what(),
-               ContainsSubstring("0.9"));
+    CHECK_THAT(refused("heavy", "slip_reference = 0.24", "slip_reference = 0.9").what(), ContainsSubstring("0.9"));
     CHECK(refused("heavy", "slip_reference = 0.24", "slip_reference = 0.9").key() == "law.slip_reference");
     CHECK_THAT(refused("heavy", "law = \"slip\"", "law = \"slipp\"").what(), ContainsSubstring("slip"));
-    CHECK_THAT(refused("heavy", "name = \"heavy\"", "name = \"hevy\"").what(),
-               ContainsSubstring("there are"));
-    CHECK_THAT(refused("heavy", "surface = \"dry_asphalt\"", "surface = \"mud\"").what(),
-               ContainsSubstring("wet_asphalt"));
+    CHECK_THAT(refused("heavy", "name = \"heavy\"", "name = \"hevy\"").what(), ContainsSubstring("there are"));
+    CHECK_THAT(refused("heavy", "surface = \"dry_asphalt\"", "surface = \"mud\"").what(), ContainsSubstring("wet_asphalt"));
     CHECK(refused("heavy", "title", "titel").line() > 0);
-    CHECK_THAT(refused("endurance", "cool_to_C = 60.0", "cool_to_C = 90.0").what(),
-               ContainsSubstring("brake_on_limit_C"));
-    CHECK_THAT(refused("open_loop", "current_mA = [3.0, 8.0", "current_mA = [8.0").what(),
-               ContainsSubstring("as many points"));
-    CHECK_THAT(refused("open_loop", "[0.0, 1.0, 2.0", "[0.0, 2.0, 1.0").what(),
-               ContainsSubstring("current_time_s"));
-    CHECK_THAT(refused("heavy", "law = \"slip\"", "law = \"deceleration\"").what(),
-               ContainsSubstring("deceleration_mps2"));
-    CHECK_THAT(refused("endurance", "speed_deviation_mps = 0.18", "speed_deviation_mps = -1").what(),
-               ContainsSubstring("speed_deviation_mps"));
+    CHECK_THAT(refused("endurance", "cool_to_C = 60.0", "cool_to_C = 90.0").what(), ContainsSubstring("brake_on_limit_C"));
+    CHECK_THAT(refused("open_loop", "current_mA = [3.0, 8.0", "current_mA = [8.0").what(), ContainsSubstring("as many points"));
+    CHECK_THAT(refused("open_loop", "[0.0, 1.0, 2.0", "[0.0, 2.0, 1.0").what(), ContainsSubstring("current_time_s"));
+    CHECK_THAT(refused("heavy", "law = \"slip\"", "law = \"deceleration\"").what(), ContainsSubstring("deceleration_mps2"));
+    CHECK_THAT(refused("endurance", "speed_deviation_mps = 0.18", "speed_deviation_mps = -1").what(), ContainsSubstring("speed_deviation_mps"));
     CHECK_THAT(refused("endurance", "[scatter]", "[scater]").what(), ContainsSubstring("scat"));
     CHECK_THROWS_AS(rig::load_scenario("config/scenarios/nothing.toml"), settings::Error);
     CHECK_THROWS_AS(rig::load_scenario("config/scenarios/heavy.toml", "nowhere"), settings::Error);
@@ -185,8 +173,7 @@ TEST_CASE("a sweep is a sine of steadily rising frequency behind the points", "[
     const Scenario s = shipped("sweep");
     const auto& points = s.mean.current;
     const auto at = [&points](double time_s) {
-        const auto it = std::find_if(points.begin(), points.end(),
-                                     [time_s](const auto& p) { return p.time_s > time_s - 1e-6; });
+        const auto it = std::find_if(points.begin(), points.end(), [time_s](const auto& p) { return p.time_s > time_s - 1e-6; });
         REQUIRE(it != points.end());
         CHECK(it->time_s == Approx(time_s));
         return it->current_mA;
@@ -204,27 +191,22 @@ TEST_CASE("a sweep is a sine of steadily rising frequency behind the points", "[
     CHECK(crossings >= 28);
     CHECK(crossings <= 31);
 
-    CHECK_THAT(refused("sweep", "begin_s = 7.0", "begin_s = 5.0").what(),
-               ContainsSubstring("begin_s") && ContainsSubstring("behind the last"));
+    CHECK_THAT(refused("sweep", "begin_s = 7.0", "begin_s = 5.0").what(), ContainsSubstring("begin_s") && ContainsSubstring("behind the last"));
     CHECK_THAT(refused("sweep", "to_Hz = 15.0", "to_Hz = 40.0").what(), ContainsSubstring("to_Hz"));
-    CHECK_THAT(refused("sweep", "amplitude_mA = 4.0", "amplitude_mA = 19.0").what(),
-               ContainsSubstring("amplitude_mA"));
+    CHECK_THAT(refused("sweep", "amplitude_mA = 4.0", "amplitude_mA = 19.0").what(), ContainsSubstring("amplitude_mA"));
     CHECK_THAT(refused("sweep", "from_Hz", "from_hz").what(), ContainsSubstring("from_hz"));
 }
 
-TEST_CASE("a scenario on a runway: its file beside the rig's, and no J_mu from what the bridge measures",
-          "[STUDY-070]") {
+TEST_CASE("a scenario on a runway: its file beside the rig's, and no J_mu from what the bridge measures", "[STUDY-070]") {
     const TemporaryDirectory directory;
     const auto file = directory / "wet.toml";
-    put(file, replaced(content_of("config/scenarios/heavy.toml"), "surface = \"dry_asphalt\"",
-                       "runway = \"runways/wet_middle.toml\""));
+    put(file, replaced(content_of("config/scenarios/heavy.toml"), "surface = \"dry_asphalt\"", "runway = \"runways/wet_middle.toml\""));
     const Scenario s = rig::load_scenario(file);
     CHECK(s.rig.rig.runway.patches.size() == 3);
     CHECK(s.choice.road() == "wet_middle");
     CHECK(std::find(s.files.begin(), s.files.end(), "config/runways/wet_middle.toml") != s.files.end());
     CHECK(rig::meter_parameters(s.rig, 1e-3).peak_friction == 0.0);
     CHECK(rig::meter_parameters(shipped("heavy").rig, 1e-3).peak_friction > 1.0);
-    CHECK(refused("heavy", "surface = \"dry_asphalt\"", "surface = \"ice\"\nrunway = \"x.toml\"").key() ==
-          "maneuver.runway");
+    CHECK(refused("heavy", "surface = \"dry_asphalt\"", "surface = \"ice\"\nrunway = \"x.toml\"").key() == "maneuver.runway");
     CHECK(refused("heavy", "surface = \"dry_asphalt\"", "").key() == "maneuver.surface");
 }

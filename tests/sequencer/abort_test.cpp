@@ -76,8 +76,7 @@ void check_end(Reached& r, Abort cause) {
 
 }  // namespace
 
-TEST_CASE("what a second controller did to the first is named after it, once it is told from it",
-          "[BRG-460]") {
+TEST_CASE("what a second controller did to the first is named after it, once it is told from it", "[BRG-460]") {
     for (const Mishap& mishap : kMishaps) {
         CAPTURE(mishap.what);
         Reached r(Phase::braking);
@@ -126,8 +125,7 @@ TEST_CASE("every cause in every phase: safe in the same step, and a safe end", "
     }
 }
 
-TEST_CASE("in idle a cause keeps the maneuver from starting, and is named when idle's limit passes",
-          "[BRG-110]") {
+TEST_CASE("in idle a cause keeps the maneuver from starting, and is named when idle's limit passes", "[BRG-110]") {
     for (const Mishap& mishap : kMishaps) {
         INFO(mishap.what);
         Sequencer s(landing());
@@ -232,8 +230,7 @@ TEST_CASE("of several causes the one nearest to the root is named, and the first
     Reached r(Phase::braking);
     Inputs in = r.rig.inputs;
     for (const Mishap& mishap : kMishaps) {
-        if (std::string(mishap.what) != "stale registers" && mishap.cause != Abort::plc_silent)
-            mishap.strike(in);
+        if (std::string(mishap.what) != "stale registers" && mishap.cause != Abort::plc_silent) mishap.strike(in);
     }
     CHECK(r.next(in).abort == Abort::emergency_stop);
     in.plc_fresh = false;
@@ -299,26 +296,23 @@ Inputs disturbed(Inputs in, plant::Random& random, unsigned one_in) {
         value = nonsense[random.bits() % 8];
     };
     for (bool* flag :
-         {&in.plc_fresh, &in.plc_ready, &in.commit_refused, &in.commit_late, &in.foreign_command,
-          &in.two_senders, &in.emergency_stop_clear, &in.guard_closed, &in.hydraulics_ready,
-          &in.drive_healthy, &in.wheel_on_rim, &in.bus_up, &in.sensors_fresh, &in.controller_fresh,
+         {&in.plc_fresh, &in.plc_ready, &in.commit_refused, &in.commit_late, &in.foreign_command, &in.two_senders, &in.emergency_stop_clear,
+          &in.guard_closed, &in.hydraulics_ready, &in.drive_healthy, &in.wheel_on_rim, &in.bus_up, &in.sensors_fresh, &in.controller_fresh,
           &in.controller_standby, &in.controller_armed, &in.controller_safe, &in.abort_requested}) {
         if (hit()) *flag = !*flag;
     }
-    for (double* value : {&in.flywheel_mps, &in.sledge_m, &in.load_N, &in.brake_temperature_C, &in.rim_mps,
-                          &in.wheel_radps, &in.wheel_rim_mps, &in.pressure_Pa})
+    for (double* value :
+         {&in.flywheel_mps, &in.sledge_m, &in.load_N, &in.brake_temperature_C, &in.rim_mps, &in.wheel_radps, &in.wheel_rim_mps, &in.pressure_Pa})
         number(*value);
     return in;
 }
 
 bool danger(const Inputs& in) {
-    return in.abort_requested || !in.plc_fresh || !in.plc_ready || in.commit_refused || in.commit_late ||
-           !in.emergency_stop_clear || !in.guard_closed || !in.hydraulics_ready || !in.drive_healthy ||
-           in.foreign_command || in.two_senders || in.flywheel_mps > 60.0 || !in.bus_up ||
-           !in.sensors_fresh || !in.controller_fresh || in.controller_safe || !std::isfinite(in.rim_mps) ||
-           !std::isfinite(in.wheel_radps) || !std::isfinite(in.flywheel_mps) || !std::isfinite(in.sledge_m) ||
-           !std::isfinite(in.load_N) || !std::isfinite(in.brake_temperature_C) ||
-           !std::isfinite(in.wheel_rim_mps) || !std::isfinite(in.pressure_Pa);
+    return in.abort_requested || !in.plc_fresh || !in.plc_ready || in.commit_refused || in.commit_late || !in.emergency_stop_clear ||
+           !in.guard_closed || !in.hydraulics_ready || !in.drive_healthy || in.foreign_command || in.two_senders || in.flywheel_mps > 60.0 ||
+           !in.bus_up || !in.sensors_fresh || !in.controller_fresh || in.controller_safe || !std::isfinite(in.rim_mps) ||
+           !std::isfinite(in.wheel_radps) || !std::isfinite(in.flywheel_mps) || !std::isfinite(in.sledge_m) || !std::isfinite(in.load_N) ||
+           !std::isfinite(in.brake_temperature_C) || !std::isfinite(in.wheel_rim_mps) || !std::isfinite(in.pressure_Pa);
 }
 
 /// What holds for any outputs.
@@ -329,8 +323,7 @@ void check_always(const Outputs& out, const Inputs& in, Phase before) {
     REQUIRE_FALSE((brakes && !(out.arm && advances)));
     REQUIRE_FALSE((out.weight_on_wheels && !in.wheel_on_rim));
     REQUIRE_FALSE((out.current_mA > 0.0 && !brakes));
-    REQUIRE(
-        (std::isfinite(out.demand_Pa) && std::isfinite(out.current_mA) && std::isfinite(out.load_base_N)));
+    REQUIRE((std::isfinite(out.demand_Pa) && std::isfinite(out.current_mA) && std::isfinite(out.load_base_N)));
     if (danger(in) || out.phase >= Phase::finished) REQUIRE(safe(out));
     if (brakes) REQUIRE((out.phase == Phase::braking || out.phase == Phase::standstill));
     // One phase forward, or to the abort; never back, never out of an end.
@@ -364,8 +357,7 @@ TEST_CASE("random inputs on a rig that obeys: nothing unsafe, never", "[BRG-110]
             const Inputs in = disturbed(rig.inputs, random, one_in);
             const Outputs out = s.step(in, now);
             check_always(out, in, before);
-            if (out.phase == Phase::aborting && before != Phase::aborting)
-                ++left_for_abort[static_cast<std::size_t>(before)];
+            if (out.phase == Phase::aborting && before != Phase::aborting) ++left_for_abort[static_cast<std::size_t>(before)];
             before = out.phase;
             rig.advance(out, kStep_s);
             now += kStep_s * static_cast<double>(1U + random.bits() % 10U);  // 10 to 100 ms apart

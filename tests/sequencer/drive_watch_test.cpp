@@ -54,8 +54,7 @@ TEST_CASE("PLC and encoder may differ in the rim's speed for a moment, not for l
     }
 }
 
-TEST_CASE("sensors that are lost are no other speed, however much longer than mismatch_s they are waited for",
-          "[BRG-400]") {
+TEST_CASE("sensors that are lost are no other speed, however much longer than mismatch_s they are waited for", "[BRG-400]") {
     const Phase phase = GENERATE(Phase::spin_up, Phase::settling, Phase::braking);
     CAPTURE(sequencer::name(phase));
     Reached r(phase);
@@ -87,8 +86,7 @@ TEST_CASE("speeds that differ are named though the encoder falls silent now and 
     CHECK(heard <= 52);
 }
 
-TEST_CASE("an old reading of the PLC is no other speed: it may be off by what a tyre can have done since",
-          "[BRG-110]") {
+TEST_CASE("an old reading of the PLC is no other speed: it may be off by what a tyre can have done since", "[BRG-110]") {
     const double off_mps = GENERATE(5.59, 5.61);
     Reached r(Phase::braking);
     Inputs in = r.rig.inputs;

@@ -22,9 +22,8 @@ TEST_CASE("a maneuver goes through every phase once, in order, to its end", "[BR
         if (seen.empty() || seen.back() != out.phase) seen.push_back(out.phase);
         return s.over();
     });
-    const std::vector<Phase> all{Phase::idle,     Phase::spin_up,   Phase::touchdown,
-                                 Phase::settling, Phase::braking,   Phase::standstill,
-                                 Phase::retract,  Phase::cool_down, Phase::finished};
+    const std::vector<Phase> all{Phase::idle,       Phase::spin_up, Phase::touchdown, Phase::settling, Phase::braking,
+                                 Phase::standstill, Phase::retract, Phase::cool_down, Phase::finished};
     CHECK(seen == all);
     CHECK(last.abort == Abort::none);
     CHECK(safe(last));
@@ -102,10 +101,9 @@ TEST_CASE("brake-on comes at the prescribed speed, at once where it has been pas
     struct Case {
         double coasting_mps, loss_mps2, wheel_share, expected_mps;
     };
-    const auto c =
-        GENERATE(Case{0.05, 0.02, 0.003, 50.0},   // as planned
-                 Case{0.06, 0.02, 0.010, 49.66},  // a heavier wheel than the plan's: below when settled
-                 Case{0.0, 0.0, 0.003, 50.0});    // no drag at all
+    const auto c = GENERATE(Case{0.05, 0.02, 0.003, 50.0},   // as planned
+                            Case{0.06, 0.02, 0.010, 49.66},  // a heavier wheel than the plan's: below when settled
+                            Case{0.0, 0.0, 0.003, 50.0});    // no drag at all
     Plan plan = landing();
     plan.coasting_mps = c.coasting_mps;
     Sequencer s(plan);
@@ -119,15 +117,13 @@ TEST_CASE("brake-on comes at the prescribed speed, at once where it has been pas
     CHECK(rig.inputs.flywheel_mps <= plan.speed_mps + plan.speed_tolerance_mps);
 }
 
-TEST_CASE(
-    "the set-point is what leaves the prescribed speed after touchdown, whatever the wheel does before it",
-    "[BRG-100]") {
+TEST_CASE("the set-point is what leaves the prescribed speed after touchdown, whatever the wheel does before it", "[BRG-100]") {
     // From a standing rig to one that an abort in settling has left: rim and wheel as they coast.
     struct Left {
         double rim_mps, wheel_mps;
     };
-    const auto left = GENERATE(Left{0.0, 0.0}, Left{30.0, 29.8}, Left{30.0, 0.0}, Left{48.0, 48.0},
-                               Left{50.0, 50.0}, Left{50.02, 49.0}, Left{0.0, 20.0});
+    const auto left =
+        GENERATE(Left{0.0, 0.0}, Left{30.0, 29.8}, Left{30.0, 0.0}, Left{48.0, 48.0}, Left{50.0, 50.0}, Left{50.02, 49.0}, Left{0.0, 20.0});
     CAPTURE(left.rim_mps, left.wheel_mps);
     Sequencer s(landing());
     RigModel rig;
@@ -141,8 +137,7 @@ TEST_CASE(
     CHECK(rig.inputs.flywheel_mps == Approx(50.0).margin(0.02 + lost_mps));
 }
 
-TEST_CASE("the set-point follows a wheel that slows down in few steps, each of half the tolerance",
-          "[BRG-100]") {
+TEST_CASE("the set-point follows a wheel that slows down in few steps, each of half the tolerance", "[BRG-100]") {
     const Plan plan = landing();
     Sequencer s(plan);
     RigModel rig;
@@ -155,8 +150,7 @@ TEST_CASE("the set-point follows a wheel that slows down in few steps, each of h
         const Outputs out = s.step(rig.inputs, now += kStep_s);
         REQUIRE(out.phase == Phase::spin_up);
         set_points.insert(out.flywheel_set_mps);
-        const double exact_mps =
-            50.0 + plan.wheel_share * (50.0 - kWheelRadius_m * rig.inputs.wheel_radps) + plan.coasting_mps;
+        const double exact_mps = 50.0 + plan.wheel_share * (50.0 - kWheelRadius_m * rig.inputs.wheel_radps) + plan.coasting_mps;
         REQUIRE(std::abs(out.flywheel_set_mps - exact_mps) <= 0.5 * plan.speed_tolerance_mps);
         rig.advance(out, kStep_s);
         rig.inputs.controller_standby = rig.inputs.controller_armed = false;
@@ -166,8 +160,7 @@ TEST_CASE("the set-point follows a wheel that slows down in few steps, each of h
     CHECK(set_points.size() <= 17);
 }
 
-TEST_CASE("no brake-on far below the prescribed speed, nor above it, nor before the wheel has settled",
-          "[BRG-100]") {
+TEST_CASE("no brake-on far below the prescribed speed, nor above it, nor before the wheel has settled", "[BRG-100]") {
     const auto mishap = GENERATE(0, 1, 2, 3, 4);
     Sequencer s(landing());
     RigModel rig;
@@ -215,9 +208,7 @@ TEST_CASE("open loop: the current counts from brake-on, linear between points an
     RigModel rig;
     double now = 0.0;
     const double on = (run_to(s, rig, now, Phase::braking), now);
-    const auto at = [&](double t) {
-        return run(s, rig, now, [&](const Outputs&) { return now >= on + t - 1e-9; }).current_mA;
-    };
+    const auto at = [&](double t) { return run(s, rig, now, [&](const Outputs&) { return now >= on + t - 1e-9; }).current_mA; };
     CHECK(at(0.0) == 4.0);
     CHECK(at(0.5) == Approx(4.0));
     CHECK(at(0.75) == Approx(7.0).margin(0.13));
@@ -228,8 +219,8 @@ TEST_CASE("open loop: the current counts from brake-on, linear between points an
 }
 
 TEST_CASE("every phase has a time limit", "[BRG-110]") {
-    const Phase phase = GENERATE(Phase::idle, Phase::spin_up, Phase::touchdown, Phase::settling,
-                                 Phase::braking, Phase::standstill, Phase::retract, Phase::cool_down);
+    const Phase phase =
+        GENERATE(Phase::idle, Phase::spin_up, Phase::touchdown, Phase::settling, Phase::braking, Phase::standstill, Phase::retract, Phase::cool_down);
     Plan plan = landing();
     plan.idle_limit_s = 5.0;
     plan.spin_up_limit_s = 20.0;

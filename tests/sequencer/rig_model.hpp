@@ -58,18 +58,15 @@ class RigModel {
         inputs.sledge_m = std::clamp(inputs.sledge_m + (out.sledge_advance ? 0.1 : -0.1) * h, 0.0, 0.25);
         const bool touches = inputs.sledge_m >= 0.25;
         if (touches && !inputs.wheel_on_rim)  // the momentum is shared out
-            inputs.flywheel_mps = (inputs.flywheel_mps + wheel_share * kWheelRadius_m * inputs.wheel_radps) /
-                                  (1.0 + wheel_share);
+            inputs.flywheel_mps = (inputs.flywheel_mps + wheel_share * kWheelRadius_m * inputs.wheel_radps) / (1.0 + wheel_share);
         inputs.wheel_on_rim = touches;
         const double v = inputs.rim_mps = inputs.flywheel_mps;
-        inputs.wheel_radps =
-            touches ? v / kWheelRadius_m : std::max(0.0, inputs.wheel_radps - wheel_loss_radps2 * h);
+        inputs.wheel_radps = touches ? v / kWheelRadius_m : std::max(0.0, inputs.wheel_radps - wheel_loss_radps2 * h);
         const double law_N = out.load_enable ? out.load_base_N - out.load_lift_Ns2pm2 * v * v : 500.0;
         inputs.load_N = touches ? inputs.load_N + (law_N - inputs.load_N) * std::min(1.0, h / 0.1) : 0.0;
         inputs.wheel_rim_mps = kWheelRadius_m * inputs.wheel_radps;
         inputs.pressure_Pa = brakes ? 8e6 : 0.0;
-        inputs.brake_temperature_C = brakes ? inputs.brake_temperature_C + 30.0 * h
-                                            : std::max(20.0, inputs.brake_temperature_C - 5.0 * h);
+        inputs.brake_temperature_C = brakes ? inputs.brake_temperature_C + 30.0 * h : std::max(20.0, inputs.brake_temperature_C - 5.0 * h);
         armed_ = out.arm && !out.emergency_stop && (armed_ || inputs.controller_standby);
         inputs.controller_armed = armed_;
         inputs.controller_standby = !armed_;
@@ -115,8 +112,8 @@ struct Reached {
 
 /// What every output of a safe end must be.
 inline bool safe(const Outputs& out) {
-    return !out.drive_enable && out.flywheel_set_mps == 0.0 && !out.sledge_advance && !out.load_enable &&
-           !out.arm && out.demand_Pa == 0.0 && out.current_mA == 0.0;
+    return !out.drive_enable && out.flywheel_set_mps == 0.0 && !out.sledge_advance && !out.load_enable && !out.arm && out.demand_Pa == 0.0 &&
+           out.current_mA == 0.0;
 }
 
 }  // namespace sequencer_test

@@ -15,8 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 std::size_t entries(const fs::path& directory) {
-    return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(directory), fs::directory_iterator()));
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(directory), fs::directory_iterator()));
 }
 
 std::string refused(const fs::path& path, std::string_view bytes = "x") {

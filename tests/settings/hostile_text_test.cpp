@@ -57,8 +57,7 @@ TEST_CASE("byte order mark, line ends and unicode are taken as TOML says", "[CFG
 }
 
 TEST_CASE("depth is bounded before the stack is", "[CFG-021]") {
-    const auto refused = [](const std::string& before, std::size_t count, const std::string& part,
-                            const std::string& after) {
+    const auto refused = [](const std::string& before, std::size_t count, const std::string& part, const std::string& after) {
         return refused_line(std::string("\n").append(before).append(repeated(count, part)).append(after));
     };
     CHECK(refused("a = ", 2000, "[", repeated(2000, "]")) == 2);
@@ -94,10 +93,8 @@ TEST_CASE("whatever the bytes are, the reader answers with a document or an Erro
             static_cast<void>(wheel->find_text("name"));
             static_cast<void>(wheel->find_numbers("p_Pa", {.strictly_increasing = true}));
         }
-        for (const auto& signal : root.tables("signal", {.min = 0}))
-            static_cast<void>(signal.find_integer<std::uint8_t>("id"));
-        for (const auto& surface : root.tables("surfaces", {.min = 0}))
-            static_cast<void>(surface.find_table("c"));
+        for (const auto& signal : root.tables("signal", {.min = 0})) static_cast<void>(signal.find_integer<std::uint8_t>("id"));
+        for (const auto& surface : root.tables("surfaces", {.min = 0})) static_cast<void>(surface.find_table("c"));
         doc.finish();
     };
     std::mt19937 random(20261121);

@@ -11,9 +11,8 @@ TEST_CASE("a file is loaded with its path in every message", "[CFG-021]") {
     put(path, text);
     const auto doc = settings::Document::load(path);
     CHECK(doc.bytes() == text);
-    CHECK(refusal_of([&] {
-              return doc.root().table("wheel").number("inertia_kgm2", {.min = 0.01, .max = 100.0});
-          }).what() == path.string() + ":2: wheel.inertia_kgm2: 900 is out of range 0.01 to 100");
+    CHECK(refusal_of([&] { return doc.root().table("wheel").number("inertia_kgm2", {.min = 0.01, .max = 100.0}); }).what() ==
+          path.string() + ":2: wheel.inertia_kgm2: 900 is out of range 0.01 to 100");
 
     put(path, "");
     CHECK_NOTHROW(settings::Document::load(path).finish());
@@ -52,6 +51,5 @@ TEST_CASE("the size limit is 16 MiB, to the byte", "[CFG-021]") {
     std::filesystem::resize_file(directory / "big", kLimit);
     CHECK(settings::read_file(directory / "big").size() == kLimit);
     std::filesystem::resize_file(directory / "big", kLimit + 1);
-    CHECK(refusal_of([&] { return settings::read_file(directory / "big"); }).message() ==
-          "is larger than 16 MiB");
+    CHECK(refusal_of([&] { return settings::read_file(directory / "big"); }).message() == "is larger than 16 MiB");
 }

@@ -7,8 +7,7 @@
 namespace {
 
 std::string_view nearest_surface(std::string_view word) {
-    static constexpr std::array<std::string_view, 5> kSurfaces{"dry_asphalt", "dry_concrete", "wet_asphalt",
-                                                               "snow", "ice"};
+    static constexpr std::array<std::string_view, 5> kSurfaces{"dry_asphalt", "dry_concrete", "wet_asphalt", "snow", "ice"};
     return settings::nearest(word, kSurfaces);
 }
 

@@ -13,8 +13,7 @@ double mean_over_stop(const std::vector<double>& c) {
 void check_friction_curves(const settings::Table& brake) {
     for (const auto* const friction_class : {"light", "medium", "heavy"}) {
         CAPTURE(friction_class);
-        const auto c =
-            brake.table("relative_friction").numbers(friction_class, {.count = {.min = 4, .max = 4}});
+        const auto c = brake.table("relative_friction").numbers(friction_class, {.count = {.min = 4, .max = 4}});
         CHECK(mean_over_stop(c) == Approx(1.0).epsilon(1e-12));
         for (int step = 0; step <= 64; ++step) {
             const double x = step / 64.0;
@@ -36,8 +35,8 @@ void check_valve(const settings::Table& valve) {
 }
 
 double brake_gain_m3(const settings::Table& brake) {
-    return brake.number("friction") * brake.number("piston_area_m2") * brake.number("pistons") *
-           brake.number("surfaces") * brake.number("effective_radius_m");
+    return brake.number("friction") * brake.number("piston_area_m2") * brake.number("pistons") * brake.number("surfaces") *
+           brake.number("effective_radius_m");
 }
 
 }  // namespace
@@ -90,8 +89,7 @@ TEST_CASE("landing gear and maneuvers agree with each other", "[CFG-028]") {
     check_valve(gear.root().table("valve"));
 
     const auto environment = gear.root().table("environment");
-    const double lift_Ns2pm2 =
-        0.5 * environment.number("air_density_kgpm3") * gear.root().table("aircraft").number("lift_area_m2");
+    const double lift_Ns2pm2 = 0.5 * environment.number("air_density_kgpm3") * gear.root().table("aircraft").number("lift_area_m2");
     const auto doc = settings::Document::load("config/maneuvers.toml");
     const auto maneuvers = doc.root().tables("maneuvers", {.min = 4, .max = 4});
     for (const auto& maneuver : maneuvers) {
@@ -102,10 +100,7 @@ TEST_CASE("landing gear and maneuvers agree with each other", "[CFG-028]") {
     }
     const auto reference = doc.root().table("reference");
     CHECK(doc.root().table("maneuvers").has(reference.text("maneuver")));
-    CHECK(settings::Document::load("config/surfaces.toml")
-              .root()
-              .table("surfaces")
-              .has(reference.text("surface")));
+    CHECK(settings::Document::load("config/surfaces.toml").root().table("surfaces").has(reference.text("surface")));
     CHECK(reference.number("slip_reference") == 0.24);
     CHECK_NOTHROW(doc.finish());
 }
@@ -124,19 +119,14 @@ TEST_CASE("the flywheel rig meets every row of Table III", "[CFG-028]") {
     const double radius_m = wheel.number("free_radius_m") - load_N / wheel.number("stiffness_Npm");
     CHECK(radius_m == Approx(0.30).epsilon(1e-5));
     const double flywheel_radius_m = root.table("flywheel").number("radius_m");
-    const double mass_kg =
-        root.table("flywheel").number("inertia_kgm2") / (flywheel_radius_m * flywheel_radius_m);
-    const double mass_radius_kgm =
-        (mass_kg + wheel.number("inertia_kgm2") / (radius_m * radius_m)) * radius_m;
+    const double mass_kg = root.table("flywheel").number("inertia_kgm2") / (flywheel_radius_m * flywheel_radius_m);
+    const double mass_radius_kgm = (mass_kg + wheel.number("inertia_kgm2") / (radius_m * radius_m)) * radius_m;
     CHECK(std::abs(mass_radius_kgm - 194.4) <= 0.05);
 
     // Well inside one standard deviation of the printed means.
-    CHECK(std::abs(mass_radius_kgm * deceleration_mps2 - campaign.number("torque_Nm")) <=
-          0.1 * campaign.number("torque_deviation_Nm"));
-    CHECK(std::abs(speed_mps / deceleration_mps2 - duration_s) <=
-          0.1 * campaign.number("duration_deviation_s"));
-    CHECK(std::abs(0.5 * speed_mps * duration_s - campaign.number("length_m")) <=
-          0.1 * campaign.number("length_deviation_m"));
+    CHECK(std::abs(mass_radius_kgm * deceleration_mps2 - campaign.number("torque_Nm")) <= 0.1 * campaign.number("torque_deviation_Nm"));
+    CHECK(std::abs(speed_mps / deceleration_mps2 - duration_s) <= 0.1 * campaign.number("duration_deviation_s"));
+    CHECK(std::abs(0.5 * speed_mps * duration_s - campaign.number("length_m")) <= 0.1 * campaign.number("length_deviation_m"));
 
     const auto brake = root.table("brake");
     const double pressure_Pa = campaign.number("torque_Nm") / brake_gain_m3(brake);

@@ -16,8 +16,7 @@ TEST_CASE("named tables come in the order of the file, with their names", "[CFG-
 }
 
 TEST_CASE("an array of tables comes in order, and its elements are named by their index", "[CFG-001]") {
-    const auto doc =
-        parsed("[can]\n[[can.signal]]\nid = 1\n[[can.signal]]\nid = 2\n[[can.signal]]\nid = 'x'\n");
+    const auto doc = parsed("[can]\n[[can.signal]]\nid = 1\n[[can.signal]]\nid = 2\n[[can.signal]]\nid = 'x'\n");
     const auto signals = doc.root().table("can").tables("signal");
     REQUIRE(signals.size() == 3);
     CHECK(signals[0].integer("id") == 1);
@@ -36,11 +35,9 @@ TEST_CASE("tables are counted, and nothing else may stand among them", "[CFG-001
     CHECK(refused("t = 1") == "plant.toml: s: missing");
     CHECK(refused("s = []") == "plant.toml:1: s: the number of tables, 0 is below 1");
     CHECK(refused("\n[s]") == "plant.toml:2: s: the number of tables, 0 is below 1");
-    CHECK(refused("s = [{}, {}]", {.max = 1}) ==
-          "plant.toml:1: s: the number of tables, 2 is out of range 1 to 1");
+    CHECK(refused("s = [{}, {}]", {.max = 1}) == "plant.toml:1: s: the number of tables, 2 is out of range 1 to 1");
     CHECK(refused("s = [{}, 3]") == "plant.toml:1: s: expected an array of tables only, got the integer 3");
-    CHECK(refused("[s.a]\nx = 1\n[s]\nstray = 2") ==
-          "plant.toml:4: s.stray: expected a table, got the integer 2");
+    CHECK(refused("[s.a]\nx = 1\n[s]\nstray = 2") == "plant.toml:4: s.stray: expected a table, got the integer 2");
 }
 
 TEST_CASE("a check of the caller fails at the line of its key", "[CFG-001]") {

@@ -66,8 +66,7 @@ TEST_CASE("an unread key is found in every corner of the document", "[CFG-001]")
 
 TEST_CASE("an unknown key that resembles a known one is told so", "[CFG-001]") {
     const auto doc = parsed("[wheeel]\n[wheel]\nteeth = 60\ntteeth = 61\nc1 = 1\nc2 = 2\n");
-    CHECK(refusal_of([&] { return doc.root().table("weel"); }).what() ==
-          std::string("plant.toml:2: weel: missing; is 'wheel' a slip of it?"));
+    CHECK(refusal_of([&] { return doc.root().table("weel"); }).what() == std::string("plant.toml:2: weel: missing; is 'wheel' a slip of it?"));
     const auto wheel = doc.root().table("wheel");
     CHECK(wheel.integer("teeth") == 60);
     CHECK(wheel.number("c1") == 1.0);
@@ -86,8 +85,7 @@ TEST_CASE("a known key that is missing is a likelier meaning than one that is th
 }
 
 TEST_CASE("a missing key names itself, its table and what may stand in its place", "[CFG-001]") {
-    CHECK(missing(parsed("\n[wheel]\nx = 1\n"), "inertia_kgm2") ==
-          "plant.toml:2: wheel.inertia_kgm2: missing");
+    CHECK(missing(parsed("\n[wheel]\nx = 1\n"), "inertia_kgm2") == "plant.toml:2: wheel.inertia_kgm2: missing");
     CHECK(missing(parsed("\n[wheel]\nx = 1\ninertai_kgm2 = 1.3\n"), "inertia_kgm2") ==
           "plant.toml:4: wheel.inertia_kgm2: missing; is 'inertai_kgm2' a slip of it?");
     CHECK(missing(parsed("wheels = {}\n"), "x") == "plant.toml:1: wheel: missing; is 'wheels' a slip of it?");
@@ -99,12 +97,9 @@ TEST_CASE("a missing key names itself, its table and what may stand in its place
 }
 
 TEST_CASE("a key in another unit is a refused unit, not a missing and an unknown key", "[CFG-001]") {
-    CHECK(missing(parsed("[wheel]\nmass_lb = 6000\n"), "mass_kg") ==
-          "plant.toml:2: wheel.mass_lb: unit: expected mass_kg, got mass_lb");
-    CHECK(missing(parsed("[wheel]\nmass = 6000\n"), "mass_kg") ==
-          "plant.toml:2: wheel.mass: unit: expected mass_kg, got mass");
-    CHECK(missing(parsed("[wheel]\nmass_limit = 6000\n"), "mass_kg") ==
-          "plant.toml:1: wheel.mass_kg: missing");
+    CHECK(missing(parsed("[wheel]\nmass_lb = 6000\n"), "mass_kg") == "plant.toml:2: wheel.mass_lb: unit: expected mass_kg, got mass_lb");
+    CHECK(missing(parsed("[wheel]\nmass = 6000\n"), "mass_kg") == "plant.toml:2: wheel.mass: unit: expected mass_kg, got mass");
+    CHECK(missing(parsed("[wheel]\nmass_limit = 6000\n"), "mass_kg") == "plant.toml:1: wheel.mass_kg: missing");
 
     const auto doc = parsed("pressure_psi = 3000\n");
     CHECK(doc.root().find_number("pressure_Pa") == std::nullopt);

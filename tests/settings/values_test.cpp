@@ -31,8 +31,7 @@ std::string refused_integer(const std::string& value, const settings::IntegerRan
 }
 
 enum class Law { slip, threshold };
-constexpr std::array<settings::Choice<Law>, 2> kLaws{
-    {{"wheel_slip", Law::slip}, {"threshold", Law::threshold}}};
+constexpr std::array<settings::Choice<Law>, 2> kLaws{{{"wheel_slip", Law::slip}, {"threshold", Law::threshold}}};
 
 }  // namespace
 
@@ -52,8 +51,7 @@ TEST_CASE("both ends of a range are allowed and nothing beyond them", "[CFG-001]
     CHECK(number("100", range) == 100.0);
     CHECK(refused_number("900", range) == "900 is out of range 0.01 to 100");
     CHECK(refused_number("100.00000000000001", range) == "100.00000000000001 is out of range 0.01 to 100");
-    CHECK(refused_number("0.009999999999999998", range) ==
-          "0.009999999999999998 is out of range 0.01 to 100");
+    CHECK(refused_number("0.009999999999999998", range) == "0.009999999999999998 is out of range 0.01 to 100");
     CHECK(refused_number("-1", {.min = 0.0}) == "-1 is below 0");
     CHECK(refused_number("7", {.max = 5.5}) == "7 is above 5.5");
 }
@@ -76,16 +74,12 @@ TEST_CASE("a value of another type is refused and shown", "[CFG-001]") {
 
     const auto doc = parsed("a = 1\nb = 'true'\nc = false\nd = ''\n");
     const auto root = doc.root();
-    CHECK(refusal_of([&] { return root.boolean("a"); }).message() ==
-          "expected true or false, got the integer 1");
-    CHECK(refusal_of([&] { return root.boolean("b"); }).message() ==
-          "expected true or false, got the string 'true'");
+    CHECK(refusal_of([&] { return root.boolean("a"); }).message() == "expected true or false, got the integer 1");
+    CHECK(refusal_of([&] { return root.boolean("b"); }).message() == "expected true or false, got the string 'true'");
     CHECK(refusal_of([&] { return root.text("c"); }).message() == "expected a string, got the boolean false");
-    CHECK(refusal_of([&] { return root.text("d"); }).message() ==
-          "expected a string of at least one character");
+    CHECK(refusal_of([&] { return root.text("d"); }).message() == "expected a string of at least one character");
     CHECK(refusal_of([&] { return root.table("a"); }).message() == "expected a table, got the integer 1");
-    CHECK(refusal_of([&] { return root.numbers("a"); }).message() ==
-          "expected an array of numbers, got the integer 1");
+    CHECK(refusal_of([&] { return root.numbers("a"); }).message() == "expected an array of numbers, got the integer 1");
     CHECK(refusal_of([&] { return root.tables("a"); }).message() == "expected tables, got the integer 1");
 }
 
@@ -115,10 +109,8 @@ TEST_CASE("a choice is one of its names, and a near miss is pointed at", "[CFG-0
     CHECK(refusal_of([&] { return root.choice<Law>("b", kLaws); }).what() ==
           std::string("plant.toml:2: b: the string 'treshold' is not one of 'wheel_slip', 'threshold'; "
                       "did you mean 'threshold'?"));
-    CHECK(refusal_of([&] { return root.choice<Law>("c", kLaws); }).message() ==
-          "the string 'pid' is not one of 'wheel_slip', 'threshold'");
-    CHECK(refusal_of([&] { return root.choice<Law>("d", kLaws); }).message() ==
-          "expected one of 'wheel_slip', 'threshold', got the integer 1");
+    CHECK(refusal_of([&] { return root.choice<Law>("c", kLaws); }).message() == "the string 'pid' is not one of 'wheel_slip', 'threshold'");
+    CHECK(refusal_of([&] { return root.choice<Law>("d", kLaws); }).message() == "expected one of 'wheel_slip', 'threshold', got the integer 1");
 }
 
 TEST_CASE("every element of an array of numbers is checked, with its own line", "[CFG-001]") {
@@ -131,18 +123,14 @@ TEST_CASE("every element of an array of numbers is checked, with its own line", 
     const auto refused = [&](const std::string& array, const settings::NumbersRule& rule = {}) {
         return std::string(refusal_of([&] { return numbers(array, rule); }).what());
     };
-    CHECK(refused("[\n 1,\n 2,\n true,\n]") ==
-          "plant.toml:5: valve.p_Pa[2]: expected a number, got the boolean true");
+    CHECK(refused("[\n 1,\n 2,\n true,\n]") == "plant.toml:5: valve.p_Pa[2]: expected a number, got the boolean true");
     CHECK(refused("[1, nan]") == "plant.toml:2: valve.p_Pa[1]: expected a finite number, got nan");
     CHECK(refused("[1, [2]]") == "plant.toml:2: valve.p_Pa[1]: expected a number, got an array");
     CHECK(refused("[0, 5]", {.range = {.max = 4.0}}) == "plant.toml:2: valve.p_Pa[1]: 5 is above 4");
     CHECK(refused("[]") == "plant.toml:2: valve.p_Pa: the number of numbers, 0 is below 1");
-    CHECK(refused("[1, 2, 3]", {.count = {.min = 4, .max = 9}}) ==
-          "plant.toml:2: valve.p_Pa: the number of numbers, 3 is out of range 4 to 9");
-    CHECK(refused("[1, 2, 2]", {.strictly_increasing = true}) ==
-          "plant.toml:2: valve.p_Pa[2]: 2 is not above 2, the number before it");
-    CHECK(refused("[1, 3, 2]", {.strictly_increasing = true}) ==
-          "plant.toml:2: valve.p_Pa[2]: 2 is not above 3, the number before it");
+    CHECK(refused("[1, 2, 3]", {.count = {.min = 4, .max = 9}}) == "plant.toml:2: valve.p_Pa: the number of numbers, 3 is out of range 4 to 9");
+    CHECK(refused("[1, 2, 2]", {.strictly_increasing = true}) == "plant.toml:2: valve.p_Pa[2]: 2 is not above 2, the number before it");
+    CHECK(refused("[1, 3, 2]", {.strictly_increasing = true}) == "plant.toml:2: valve.p_Pa[2]: 2 is not above 3, the number before it");
 }
 
 TEST_CASE("an optional value may be missing but not wrong", "[CFG-001]") {

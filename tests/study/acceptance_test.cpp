@@ -6,8 +6,7 @@
 
 using scenarios::Name;
 
-TEST_CASE("slip reference 0.24: tracked, no lock, friction used, books closed, on all 32 scenarios",
-          "[STUDY-001]") {
+TEST_CASE("slip reference 0.24: tracked, no lock, friction used, books closed, on all 32 scenarios", "[STUDY-001]") {
     double sum = 0.0;
     const auto names = scenarios::all();
     REQUIRE(names.size() == 32);
@@ -40,8 +39,7 @@ TEST_CASE("the same holds with another seed of every sensor", "[STUDY-001]") {
     CHECK(sum / 32.0 >= 0.958);
 }
 
-TEST_CASE("the slip law beats the threshold law on every surface whose friction at 0.24 lets it",
-          "[STUDY-001]") {
+TEST_CASE("the slip law beats the threshold law on every surface whose friction at 0.24 lets it", "[STUDY-001]") {
     struct Sums {
         double j_mu = 0.0;
         double distance_m = 0.0;
@@ -57,19 +55,18 @@ TEST_CASE("the slip law beats the threshold law on every surface whose friction 
         }
     }
     for (const auto& [surface, ours] : slip) {
-        INFO(surface << ": slip law " << ours.j_mu << ", " << ours.distance_m << " m; threshold law "
-                     << threshold[surface].j_mu << ", " << threshold[surface].distance_m << " m");
+        INFO(surface << ": slip law " << ours.j_mu << ", " << ours.distance_m << " m; threshold law " << threshold[surface].j_mu << ", "
+                     << threshold[surface].distance_m << " m");
         if (surface == "snow" || surface == "dry_cobblestone") continue;
         CHECK(ours.j_mu > threshold[surface].j_mu);
         CHECK(ours.distance_m < threshold[surface].distance_m);
     }
-    // Dry cobblestone peaks at 0.40, where a law that cycles gets more than 0.24 has. Snow peaks at slip 0.06: whoever holds 0.24 exactly gets 0.942 of it, less than a law that cycles below. There the slip law is
-    // held to its reference: it must reach what 0.24 offers.
+    // Dry cobblestone peaks at 0.40, where a law that cycles gets more than 0.24 has. Snow peaks at slip 0.06: whoever holds 0.24 exactly gets 0.942
+    // of it, less than a law that cycles below. There the slip law is held to its reference: it must reach what 0.24 offers.
     auto options = scenarios::options({"snow", "heavy"});
     const plant::Surface snow = plant_sim::load_scenario(options).plant.rig.surface;
     CHECK(slip["snow"].j_mu >= plant::friction(snow, 0.24).mu / plant::peak(snow).mu);
-    const plant::Surface cobble =
-        plant_sim::load_scenario(scenarios::options({"dry_cobblestone", "heavy"})).plant.rig.surface;
+    const plant::Surface cobble = plant_sim::load_scenario(scenarios::options({"dry_cobblestone", "heavy"})).plant.rig.surface;
     CHECK(slip["dry_cobblestone"].j_mu >= 0.96 * plant::friction(cobble, 0.24).mu / plant::peak(cobble).mu);
 }
 
@@ -103,8 +100,7 @@ TEST_CASE("a reference far past the peak is reached without a lock, and tracked"
                 const plant::Surface road = plant_sim::load_scenario(options).plant.rig.surface;
                 const double held = plant::friction(road, reference).mu / plant::peak(road).mu;
                 int locked_periods = 0;
-                const auto count = [&](const study::RigSession& session,
-                                       const antiskid::can::ControllerView& view, double) {
+                const auto count = [&](const study::RigSession& session, const antiskid::can::ControllerView& view, double) {
                     const bool fast = session.rig().wheel().v_mps > 20.0;  // down to where tracking is judged
                     if (fast && view.state == antiskid::control::State::locked_wheel) ++locked_periods;
                 };
@@ -130,22 +126,19 @@ TEST_CASE("a worn and a fierce brake are held as well", "[STUDY-001]") {
             CHECK(run.figures.longest_lock_s <= 0.050);
             // Where full pressure cannot give the torque that the road takes at 0.24, no controller can hold it.
             const plant::RigParameters& p = s.plant.rig;
-            const double road_Nm =
-                plant::friction(p.surface, 0.24).mu * p.load.base_N * p.wheel.free_radius_m;
+            const double road_Nm = plant::friction(p.surface, 0.24).mu * p.load.base_N * p.wheel.free_radius_m;
             const double brake_Nm = 0.85 * friction * p.brake.gain_m3() * s.plant.full_pressure_Pa;
             if (brake_Nm > road_Nm) CHECK(run.figures.tracked_share >= 0.95);
         }
     }
 }
 
-TEST_CASE("the low-speed schedule of the reference can be switched off: the paper's exact law",
-          "[STUDY-001]") {
+TEST_CASE("the low-speed schedule of the reference can be switched off: the paper's exact law", "[STUDY-001]") {
     auto options = scenarios::options({"wet_cobblestone", "light"});
     plant_sim::Scenario s = plant_sim::load_scenario(options);
     s.controller.slip.low_speed_mps = 0.0F;
     float lowest = 1.0F;
-    const auto watch = [&](const study::RigSession& session, const antiskid::can::ControllerView& view,
-                           double) {
+    const auto watch = [&](const study::RigSession& session, const antiskid::can::ControllerView& view, double) {
         if (view.state == antiskid::control::State::braking && session.rig().wheel().v_mps < 20.0) {
             lowest = std::min(lowest, view.slip_reference);
         }
@@ -168,8 +161,7 @@ TEST_CASE("period 2 and 5 ms stop the aircraft, too", "[STUDY-001]") {
                 s.controller.slip.low_speed_mps *= 1.2F;
             }
             s.session.period_s = static_cast<double>(period_s);
-            const auto run =
-                study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames);
+            const auto run = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames);
             CHECK(run.faults.empty());
             CHECK(run.figures.standstill);
             CHECK(run.figures.tracked_share >= 0.9);

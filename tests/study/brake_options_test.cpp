@@ -15,8 +15,7 @@ plant_sim::ScenarioOptions landing() {
 /// As `virtual-rig` and `rig-lab stop` do.
 double landed(const plant_sim::ScenarioOptions& options) {
     const plant_sim::Scenario s = plant_sim::load_scenario(options);
-    const study::RunResult run =
-        study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
+    const study::RunResult run = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
     s.keep_brake(options, run.figures.energy_brake_J);
     return s.plant.rig.mean_friction;
 }
@@ -86,11 +85,8 @@ TEST_CASE("landings one after the other wear the kept brake as one object would"
 
 TEST_CASE("beyond the model's data it is said that and how the model goes on", "[RIG-300]") {
     const wear::BrakeWear wear = plant_sim::load_scenario(landing()).plant.wear;
-    const auto notice = [&](const char* arguments) {
-        return plant_sim::extrapolation_notice(asked(arguments).brake_of(wear, 1));
-    };
+    const auto notice = [&](const char* arguments) { return plant_sim::extrapolation_notice(asked(arguments).brake_of(wear, 1)); };
     CHECK(notice("--brake new").empty());
     CHECK(notice("--brake worn").empty());
-    CHECK_THAT(notice("--brake 4000"),
-               ContainsSubstring("4000.0 MJ") && ContainsSubstring(wear::kHowItExtrapolates));
+    CHECK_THAT(notice("--brake 4000"), ContainsSubstring("4000.0 MJ") && ContainsSubstring(wear::kHowItExtrapolates));
 }

@@ -38,8 +38,7 @@ double resolution_mps(double speed_mps) {
 
 TEST_CASE("on a log of the virtual rig speed and slip agree to the resolution of its sensors", "[BRG-320]") {
     const TempDir dir;
-    for (const auto& options : {stop("heavy", "dry_asphalt", 0.06), stop("light", "dry_asphalt", 0.06),
-                                stop("endurance", "dry_asphalt", 0.0)}) {
+    for (const auto& options : {stop("heavy", "dry_asphalt", 0.06), stop("light", "dry_asphalt", 0.06), stop("endurance", "dry_asphalt", 0.0)}) {
         INFO(options.choice.maneuver);
         const rig::Validation v = validate(dir.write("bus.log", landing(options)), options);
         REQUIRE(v.braked);

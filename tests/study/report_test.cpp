@@ -12,9 +12,8 @@ TEST_CASE("result.json has the keys that users read, and the faults by name", "[
     report.faults.insert(antiskid::control::Fault::wheel_lost);
     report.seed = 7;
     const auto json = nlohmann::json::parse(study::to_json(report));
-    for (const char* key : {"stop_distance_m", "duration_s", "j_mu", "energy_brake_J", "energy_tyre_J",
-                            "energy_residual", "peak_slip", "valve_travel_mAps", "frames_sent", "frames_lost",
-                            "overruns", "seed", "version", "config_hash"}) {
+    for (const char* key : {"stop_distance_m", "duration_s", "j_mu", "energy_brake_J", "energy_tyre_J", "energy_residual", "peak_slip",
+                            "valve_travel_mAps", "frames_sent", "frames_lost", "overruns", "seed", "version", "config_hash"}) {
         INFO(key);
         CHECK(json.contains(key));
     }

@@ -94,8 +94,7 @@ TEST_CASE("lockstep over a bus gives the figures of the run in process", "[STUDY
     Bench bench(options);
     AnsweringBus bus(bench.near, bench.clock, [&bench] { bench.answer(); });
     plant_sim::RigNode node(bench.session, bench.scenario.layout, bus, bench.clock, bench.step);
-    const auto result =
-        node.run_lockstep(kSecond, kSecond, bench.stop, [](const auto&, const auto&, double) {});
+    const auto result = node.run_lockstep(kSecond, kSecond, bench.stop, [](const auto&, const auto&, double) {});
     CHECK(result.ending == plant_sim::Ending::done);
     CHECK(result.frames_lost == 0);
     const auto in_process = scenarios::run(options, study::Link::frames);
@@ -110,8 +109,7 @@ TEST_CASE("a controller that falls silent ends the run, and the message says who
     bench.dies_at = 1000;
     AnsweringBus bus(bench.near, bench.clock, [&bench] { bench.answer(); });
     plant_sim::RigNode node(bench.session, bench.scenario.layout, bus, bench.clock, bench.step);
-    const auto result =
-        node.run_lockstep(kSecond, 10 * kSecond, bench.stop, [](const auto&, const auto&, double) {});
+    const auto result = node.run_lockstep(kSecond, 10 * kSecond, bench.stop, [](const auto&, const auto&, double) {});
     CHECK(result.ending == plant_sim::Ending::silent);
     CHECK_THAT(result.reason, ContainsSubstring("antiskid-controller did not answer SYNC 1000"));
 }
@@ -120,12 +118,10 @@ TEST_CASE("a controller that is never there ends the run after the patience", "[
     Bench bench(scenarios::options({"wet_asphalt", "light"}));
     AnsweringBus bus(bench.near, bench.clock, [] {});
     plant_sim::RigNode lockstep(bench.session, bench.scenario.layout, bus, bench.clock, bench.step);
-    CHECK(lockstep.run_lockstep(kSecond, 3 * kSecond, bench.stop, [](const auto&, const auto&, double) {})
-              .ending == plant_sim::Ending::silent);
+    CHECK(lockstep.run_lockstep(kSecond, 3 * kSecond, bench.stop, [](const auto&, const auto&, double) {}).ending == plant_sim::Ending::silent);
     CHECK(bench.clock.now() >= 3 * kSecond);
     plant_sim::RigNode realtime(bench.session, bench.scenario.layout, bus, bench.clock, bench.step);
-    CHECK(realtime.run_realtime(kSecond, bench.stop, [](const auto&, const auto&, double) {}).ending ==
-          plant_sim::Ending::silent);
+    CHECK(realtime.run_realtime(kSecond, bench.stop, [](const auto&, const auto&, double) {}).ending == plant_sim::Ending::silent);
 }
 
 TEST_CASE("the interface going down ends the run with its reason", "[STUDY-051]") {
@@ -137,8 +133,7 @@ TEST_CASE("the interface going down ends the run with its reason", "[STUDY-051]"
             bench.near.set_link(false, false);
     });
     plant_sim::RigNode node(bench.session, bench.scenario.layout, bus, bench.clock, bench.step);
-    const auto result =
-        node.run_lockstep(kSecond, kSecond, bench.stop, [](const auto&, const auto&, double) {});
+    const auto result = node.run_lockstep(kSecond, kSecond, bench.stop, [](const auto&, const auto&, double) {});
     CHECK(result.ending == plant_sim::Ending::link_down);
     CHECK_THAT(result.reason, ContainsSubstring("interface went down"));
 }

@@ -38,8 +38,7 @@ TEST_CASE("on a wet runway J_mu counts against the friction available at each sp
     CHECK(std::abs(meter.figures(rig).energy_residual) < 1e-9);
 }
 
-TEST_CASE("the shipped wet runways in closed loop: books close, grooves stop earlier, J_mu stays below 1",
-          "[STUDY-602][RIG-262]") {
+TEST_CASE("the shipped wet runways in closed loop: books close, grooves stop earlier, J_mu stays below 1", "[STUDY-602][RIG-262]") {
     double smooth_m = 0.0;
     for (const std::string name : {"wet_smooth", "wet_grooved", "wet_middle"}) {
         INFO(name);
@@ -54,15 +53,12 @@ TEST_CASE("the shipped wet runways in closed loop: books close, grooves stop ear
     }
 }
 
-TEST_CASE("on a runway the trajectory has the place and what is available there; on one surface nothing more",
-          "[STUDY-030]") {
+TEST_CASE("on a runway the trajectory has the place and what is available there; on one surface nothing more", "[STUDY-030]") {
     const auto csv_of = [](const plant_sim::ScenarioOptions& o) {
         study::Trajectory rows(!o.choice.runway.empty());
         static_cast<void>(scenarios::run(
             o, study::Link::rounded,
-            [&rows](const study::RigSession& session, const antiskid::can::ControllerView& view, double mA) {
-                rows.record(session, view, mA);
-            }));
+            [&rows](const study::RigSession& session, const antiskid::can::ControllerView& view, double mA) { rows.record(session, view, mA); }));
         return std::string(rows.csv());
     };
     const std::string plain = csv_of(scenarios::options({"ice", "light"}));

@@ -19,8 +19,7 @@ struct Name {
 inline std::vector<Name> all() {
     std::vector<Name> names;
     for (const std::string& surface : plant::surface_names(kConfig)) {
-        for (const std::string& maneuver : plant::maneuver_names(kConfig))
-            names.push_back({surface, maneuver});
+        for (const std::string& maneuver : plant::maneuver_names(kConfig)) names.push_back({surface, maneuver});
     }
     return names;
 }
@@ -34,8 +33,7 @@ inline plant_sim::ScenarioOptions options(const Name& name, const std::string& l
     return o;
 }
 
-inline study::RunResult run(const plant_sim::ScenarioOptions& o, study::Link link = study::Link::rounded,
-                            const study::StepObserver& on_step = {},
+inline study::RunResult run(const plant_sim::ScenarioOptions& o, study::Link link = study::Link::rounded, const study::StepObserver& on_step = {},
                             const study::FrameObserver& on_frame = {}) {
     const plant_sim::Scenario s = plant_sim::load_scenario(o);
     return study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, link, on_step, on_frame);

@@ -60,8 +60,7 @@ TEST_CASE("side by side: every result is that of the maneuver alone, bit for bit
         const study::Maneuver& m = maneuvers[i];
         CHECK(told[i] == 1);
         CHECK(together[i].steps > 1000);
-        CHECK(together[i] ==
-              study::run_in_process(m.controller, layout, m.rig, m.options, study::Link::rounded));
+        CHECK(together[i] == study::run_in_process(m.controller, layout, m.rig, m.options, study::Link::rounded));
     }
 }
 
@@ -78,8 +77,6 @@ TEST_CASE("side by side: what a caller throws ends the run; no maneuvers are non
         given = true;
         return one.front();
     };
-    CHECK_THROWS_AS(
-        study::run_side_by_side(
-            layout, once, [](std::size_t, const study::RunResult&) { throw std::runtime_error("full"); }),
-        std::runtime_error);
+    CHECK_THROWS_AS(study::run_side_by_side(layout, once, [](std::size_t, const study::RunResult&) { throw std::runtime_error("full"); }),
+                    std::runtime_error);
 }

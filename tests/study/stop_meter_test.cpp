@@ -14,9 +14,7 @@ plant::RigParameters heavy() {
 }
 }  // namespace
 
-TEST_CASE(
-    "a wheel locked from the start: all energy to the tyre, J_mu = mu(1) / mu_max, distance in closed form",
-    "[STUDY-030]") {
+TEST_CASE("a wheel locked from the start: all energy to the tyre, J_mu = mu(1) / mu_max, distance in closed form", "[STUDY-030]") {
     plant::RigParameters p = heavy();
     p.load.lift_Ns2pm2 = 0.0;  // constant load: constant deceleration
     plant::Rig rig(p, 1e-3, 1);
@@ -43,8 +41,7 @@ TEST_CASE(
     CHECK(f.mean_load_N == Approx(p.load.base_N).epsilon(1e-9));
 }
 
-TEST_CASE("a stop that begins below the speeds that tracking is measured at has no share of it",
-          "[STUDY-030]") {
+TEST_CASE("a stop that begins below the speeds that tracking is measured at has no share of it", "[STUDY-030]") {
     plant::RigParameters p = heavy();
     p.brake_on_mps = p.touchdown_mps = 16.667;
     plant::Rig rig(p, 1e-3, 1);
@@ -104,8 +101,7 @@ TEST_CASE("the valve's travel counts from brake-on to drop-out, against the time
     CHECK(*f.valve_travel_mAps == Approx(400.0).epsilon(1e-3));
 }
 
-TEST_CASE("a stop without a valve current has no travel; every landing under a controller has",
-          "[STUDY-030]") {
+TEST_CASE("a stop without a valve current has no travel; every landing under a controller has", "[STUDY-030]") {
     plant::Rig rig(heavy(), 1e-3, 1);
     rig.start_rolling();
     study::StopMeter meter(0.24, 5.0);
@@ -123,8 +119,7 @@ TEST_CASE("a stop without a valve current has no travel; every landing under a c
     // As the observer of a run sees the currents, whatever carries them.
     for (const auto link : {study::Link::rounded, study::Link::frames}) {
         double last_mA = 0.0, travel_mA = 0.0, seconds = 0.0;
-        const auto watch = [&](const study::RigSession& s, const antiskid::can::ControllerView&,
-                               double current_mA) {
+        const auto watch = [&](const study::RigSession& s, const antiskid::can::ControllerView&, double current_mA) {
             if (s.pilot().phase() == study::Phase::braking && s.rig().wheel().v_mps > 5.0) {
                 travel_mA += std::abs(current_mA - last_mA);
                 seconds += 1e-3;
@@ -146,8 +141,7 @@ TEST_CASE("wheel-slip efficiency: the printed formula at its corners", "[STUDY-0
     CHECK(study::slip_efficiency(1.0, 1.0) == 1.0);  // a curve without an interior peak
 }
 
-TEST_CASE("a slip that is held: efficiency and the tyre's share of the energy are those of that slip",
-          "[STUDY-030]") {
+TEST_CASE("a slip that is held: efficiency and the tyre's share of the energy are those of that slip", "[STUDY-030]") {
     constexpr double kSlip = 0.24;
     auto options = scenarios::options({"wet_asphalt", "heavy"});
     const auto run = scenarios::run(options);

@@ -50,10 +50,8 @@ TEST_CASE("a torque that is held stops the flywheel as eq. (1) says, whatever th
         // (m + J / r^2) r a = T; the wheel slips by half a percent.
         const double a_mps2 = kTableThree.mean_torque_Nm / (kMass_kg * kRadius_m);
         CHECK(stop.duration_s == Approx(kTableThree.brake_on_mps / a_mps2).epsilon(0.005));
-        CHECK(stop.length_m ==
-              Approx(0.5 * kTableThree.brake_on_mps * kTableThree.brake_on_mps / a_mps2).epsilon(0.005));
-        CHECK(stop.energy_brake_J ==
-              Approx(0.5 * kMass_kg * kTableThree.brake_on_mps * kTableThree.brake_on_mps).epsilon(0.01));
+        CHECK(stop.length_m == Approx(0.5 * kTableThree.brake_on_mps * kTableThree.brake_on_mps / a_mps2).epsilon(0.005));
+        CHECK(stop.energy_brake_J == Approx(0.5 * kMass_kg * kTableThree.brake_on_mps * kTableThree.brake_on_mps).epsilon(0.01));
         // At constant torque eq. (7) is the harmonic mean of the light curve over time, which at constant deceleration is over speed, down
         // to drop-out: below the brake's mean.
         constexpr int kParts = 1000;
@@ -75,19 +73,16 @@ TEST_CASE("a brake too worn for the torque gives what full pressure gives", "[RI
     CHECK_THROWS_AS(study::stop_by_torque(bench(), {.brake_on_mps = 0.0}), std::invalid_argument);
 }
 
-TEST_CASE("Fig. 9 through the plant: energy is the recorded, friction has the recorded trend and scatter",
-          "[RIG-300]") {
+TEST_CASE("Fig. 9 through the plant: energy is the recorded, friction has the recorded trend and scatter", "[RIG-300]") {
     const wear::Campaign campaign = recorded(200, 41);
     wear::FitSettings settings;
     settings.most_components = 8;
     settings.starts = 5;
-    const auto model = std::make_shared<const wear::Model>(
-        wear::model_of(campaign, wear::fit(campaign, settings), settings));
+    const auto model = std::make_shared<const wear::Model>(wear::model_of(campaign, wear::fit(campaign, settings), settings));
     constexpr wear::ConditionalRule kRule{wear::Variance::exact, wear::Choice::mixture};
     const wear::WearingBrake brake({model, {}, 195e6, {}}, kRule, {.seed = 2});
     std::size_t calls = 0;
-    const study::TorqueReplay replay =
-        study::replay_torques(campaign, bench(), brake, [&](std::size_t done) { CHECK(done == ++calls); });
+    const study::TorqueReplay replay = study::replay_torques(campaign, bench(), brake, [&](std::size_t done) { CHECK(done == ++calls); });
     REQUIRE(replay.simulated.points.size() == 200);
     CHECK(calls == 200);
     CHECK(replay.short_of_pressure == 0);
@@ -98,8 +93,7 @@ TEST_CASE("Fig. 9 through the plant: energy is the recorded, friction has the re
     for (const wear::EnergyBand& band : c.bands) {
         CAPTURE(band.from_J, band.mean_error, band.deviation_recorded, band.deviation_simulated);
         // Four standard errors of the difference of two means.
-        const double error = std::hypot(band.deviation_recorded, band.deviation_simulated) /
-                             std::sqrt(static_cast<double>(band.maneuvers));
+        const double error = std::hypot(band.deviation_recorded, band.deviation_simulated) / std::sqrt(static_cast<double>(band.maneuvers));
         CHECK(std::abs(band.mean_error) < 4.0 * error);
         off += band.mean_error;
         variance += error * error;

@@ -32,8 +32,7 @@ Landing landing(const Name& name, double life_J, double part) {
     const plant::RigParameters& p = s.plant.rig;
     return {study::run_in_process(s.controller, s.layout, p, s.session, study::Link::rounded),
             p.mean_friction,
-            plant::least_friction(p.friction_curve, p.mean_friction) * p.brake.gain_m3() *
-                s.plant.full_pressure_Pa,
+            plant::least_friction(p.friction_curve, p.mean_friction) * p.brake.gain_m3() * s.plant.full_pressure_Pa,
             plant::friction(p.surface, 0.24).mu * p.load.base_N * p.wheel.free_radius_m,
             s.plant.full_pressure_Pa,
             p.brake.gain_m3()};
@@ -52,8 +51,8 @@ TEST_CASE("slip reference 0.24 holds its acceptance figures from a new brake to 
             for (const std::string& maneuver : plant::maneuver_names(scenarios::kConfig)) {
                 const Landing l = landing({surface, maneuver}, life_J, part);
                 const study::StopFigures& f = l.run.figures;
-                INFO(surface << ", " << maneuver << ", " << part << " of life, mu_b " << l.friction
-                             << ", J_mu " << f.j_mu << ", tracked " << f.tracked_share.value_or(0.0));
+                INFO(surface << ", " << maneuver << ", " << part << " of life, mu_b " << l.friction << ", J_mu " << f.j_mu << ", tracked "
+                             << f.tracked_share.value_or(0.0));
                 CHECK((part < 0.05 ? l.friction > 0.28 : l.friction < 0.27));
                 CHECK(f.standstill);
                 CHECK(l.run.faults.empty());
@@ -81,8 +80,7 @@ TEST_CASE("slip reference 0.24 holds its acceptance figures from a new brake to 
             }
         }
     }
-    INFO("mean J_mu " << sum / able << " over " << able << " stops; " << short_of_torque
-                      << " more ask for torque that the brake has no longer");
+    INFO("mean J_mu " << sum / able << " over " << able << " stops; " << short_of_torque << " more ask for torque that the brake has no longer");
     CHECK(sum / able >= 0.958);
     CHECK(able >= 60);
     CHECK(short_of_torque > 0);

@@ -7,15 +7,9 @@ namespace made_up {
 
 /// `figures(reference, landing)` for every stop; reference 0 is the threshold law.
 template <typename Figures>
-sweep::StopsTable table(std::vector<double> references, std::size_t landings, const Figures& figures,
-                        bool threshold = true) {
+sweep::StopsTable table(std::vector<double> references, std::size_t landings, const Figures& figures, bool threshold = true) {
     sweep::StopsTable t{.name = "made up"};
-    t.identity = {.version = "1",
-                  .config_hash = "h",
-                  .seed = 1,
-                  .references = std::move(references),
-                  .landings = landings,
-                  .threshold = threshold};
+    t.identity = {.version = "1", .config_hash = "h", .seed = 1, .references = std::move(references), .landings = landings, .threshold = threshold};
     for (std::size_t i = 0; i < t.identity.stops(); ++i) {
         const std::size_t r = i / landings;
         sweep::Row row;

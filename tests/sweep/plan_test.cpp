@@ -10,8 +10,7 @@
 #include "tests/catch.hpp"
 #include "tests/study/team_of_threads.hpp"
 
-TEST_CASE("the paper's sweep: 32 scenarios, 45 references, 100 landings, 4,500 stops and the threshold law's",
-          "[STUDY-148]") {
+TEST_CASE("the paper's sweep: 32 scenarios, 45 references, 100 landings, 4,500 stops and the threshold law's", "[STUDY-148]") {
     const sweep::Plan plan = sweep::load_plan({});
     CHECK(plan.scenarios.size() == 32);
     CHECK(plan.references.size() == 45);
@@ -34,11 +33,8 @@ TEST_CASE("the paper's sweep: 32 scenarios, 45 references, 100 landings, 4,500 s
     }
 }
 
-TEST_CASE("landings are drawn each by itself: more of them change none, another seed changes all",
-          "[STUDY-148]") {
-    const auto friction = [](double c_e_J, wear::Generator& generator) {
-        return 0.3 - 1e-11 * c_e_J + 1e-3 * wear::normal(generator);
-    };
+TEST_CASE("landings are drawn each by itself: more of them change none, another seed changes all", "[STUDY-148]") {
+    const auto friction = [](double c_e_J, wear::Generator& generator) { return 0.3 - 1e-11 * c_e_J + 1e-3 * wear::normal(generator); };
     const sweep::BrakeLife brake{.life_J = 4e9, .friction = friction};
     const auto few = sweep::draw_landings(7, 10, 32, brake);
     const auto many = sweep::draw_landings(7, 1000, 32, brake);
@@ -76,8 +72,7 @@ TEST_CASE("friction is drawn from the brake's wear model at the wear that was dr
     double low = 1.0;
     double high = 0.0;
     for (const sweep::Landing& landing : plan.landings) {
-        const double expected =
-            wear::expected_friction_at(*rig.wear.model, rig.wear.scale, {}, landing.c_e_J);
+        const double expected = wear::expected_friction_at(*rig.wear.model, rig.wear.scale, {}, landing.c_e_J);
         off += (landing.mean_friction - expected) / 2000.0;
         low = std::min(low, landing.mean_friction);
         high = std::max(high, landing.mean_friction);

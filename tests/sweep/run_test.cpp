@@ -33,8 +33,7 @@ const std::string& reference_csv() {
 }
 
 struct Scratch {
-    std::filesystem::path path =
-        std::filesystem::temp_directory_path() / ("sweep_test_" + std::to_string(::getpid()));
+    std::filesystem::path path = std::filesystem::temp_directory_path() / ("sweep_test_" + std::to_string(::getpid()));
     Scratch() { std::filesystem::create_directories(path); }
     ~Scratch() { std::filesystem::remove_all(path); }
     Scratch(const Scratch&) = delete;
@@ -53,8 +52,7 @@ TEST_CASE("the number of threads and the order of work change no byte", "[STUDY-
     std::vector<std::size_t> in_order(plan.stops());
     std::iota(in_order.begin(), in_order.end(), std::size_t{0});
     CHECK(csv_of(plan, sweep::run(plan, in_order, {.threads = 1})) == reference_csv());
-    CHECK(csv_of(plan, sweep::run(plan, study::order_of_work(plan.stops()), {.threads = 5})) ==
-          reference_csv());
+    CHECK(csv_of(plan, sweep::run(plan, study::order_of_work(plan.stops()), {.threads = 5})) == reference_csv());
     const sweep::Plan other = small::plan(2);
     CHECK(csv_of(other, sweep::run(other, in_order, {.threads = 2})) != reference_csv());
 }
@@ -77,13 +75,11 @@ TEST_CASE("what a stop or an observer throws ends the run and comes out of it", 
     const auto full_disk = [&seen](const sweep::Row&) {
         if (++seen == 2) throw std::runtime_error("no space left on device");
     };
-    CHECK_THROWS_WITH(sweep::run(plan, numbers, {.threads = 3, .on_row = full_disk}),
-                      "no space left on device");
+    CHECK_THROWS_WITH(sweep::run(plan, numbers, {.threads = 3, .on_row = full_disk}), "no space left on device");
     CHECK(seen < plan.stops());
 }
 
-TEST_CASE("a sweep that is stopped or killed goes on: nothing twice, nothing lost, the same bytes",
-          "[STUDY-148]") {
+TEST_CASE("a sweep that is stopped or killed goes on: nothing twice, nothing lost, the same bytes", "[STUDY-148]") {
     const Scratch scratch;
     const auto part = scratch.path / "new" / "stops.part";
     const sweep::Plan plan = small::plan(1, many_references());
@@ -181,6 +177,5 @@ TEST_CASE("a process with another plan than the leader's refuses to work", "[STU
     sweep::Plan other = plan;
     other.config_hash = "another";
     threads::Member member(wire, 1, 2);
-    CHECK_THROWS_WITH(sweep::run_together(other, {}, member),
-                      ContainsSubstring("another sweep than the leading one"));
+    CHECK_THROWS_WITH(sweep::run_together(other, {}, member), ContainsSubstring("another sweep than the leading one"));
 }

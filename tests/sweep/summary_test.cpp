@@ -12,8 +12,7 @@ namespace {
 
 /// The one check of that name.
 const sweep::Check& named(const sweep::Summary& summary, const std::string& name) {
-    const auto found = std::find_if(summary.checks.begin(), summary.checks.end(),
-                                    [&name](const sweep::Check& check) { return check.name == name; });
+    const auto found = std::find_if(summary.checks.begin(), summary.checks.end(), [&name](const sweep::Check& check) { return check.name == name; });
     REQUIRE(found != summary.checks.end());
     return *found;
 }
@@ -66,9 +65,7 @@ TEST_CASE("means and standard error over the landings, law by law", "[STUDY-148]
     CHECK(s.references[0].tracked_tyre_share == Approx(0.25));
     CHECK(s.threshold->j_mu == Approx(0.81).epsilon(1e-14));
     const auto json = nlohmann::json::parse(sweep::to_json(s));
-    for (const char* key :
-         {"study", "version", "config_hash", "seed", "landings", "stops", "checks", "passed"})
-        CHECK(json.contains(key));
+    for (const char* key : {"study", "version", "config_hash", "seed", "landings", "stops", "checks", "passed"}) CHECK(json.contains(key));
     CHECK(json["references"][0]["j_mu"] == s.references[0].j_mu);
     CHECK(json["threshold"]["j_mu"] == s.threshold->j_mu);
 }
@@ -109,8 +106,7 @@ TEST_CASE("what the paper shows passes; each thing that is not so fails by its n
                     if (r.stop.threshold) r.figures.standstill = false;
                 }),
                 "all_stop");
-    CHECK_FALSE(
-        named(with([](sweep::Row& r) { r.figures.j_mu = 1.0 - r.figures.j_mu; }), "j_mu_trend").passed);
+    CHECK_FALSE(named(with([](sweep::Row& r) { r.figures.j_mu = 1.0 - r.figures.j_mu; }), "j_mu_trend").passed);
 }
 
 TEST_CASE("what few landings cannot show is said, not passed and not failed", "[STUDY-148]") {

@@ -53,8 +53,7 @@ TEST_CASE("a table reads back to the last bit", "[STUDY-148]") {
     CHECK(sweep::to_csv(table.identity, table.rows) == csv());
 }
 
-TEST_CASE("a line without an end is passed over; anything else that is wrong is named by line and column",
-          "[STUDY-148]") {
+TEST_CASE("a line without an end is passed over; anything else that is wrong is named by line and column", "[STUDY-148]") {
     const std::string good = csv();
     const auto cut = sweep::parse_stops("t", good.substr(0, good.size() - 5));
     CHECK(cut.rows.size() == 2);
@@ -73,10 +72,8 @@ TEST_CASE("a line without an end is passed over; anything else that is wrong is 
     refuses(replaced(good, "0.30000000000000004", "nan"), "t.csv:3: j_mu: 'nan': expected a number");
     refuses(replaced(good, "wheel_lost", "wheel_stolen"), "t.csv:4: faults");
     refuses(replaced(good, "\n1,slip", "\n0,slip"), "t.csv:4: stop: 0 stands in the table twice");
-    refuses(replaced(good, "\n1,slip", "\n99,slip"),
-            "t.csv:4: stop: 99 stands in the table twice, or is not");
-    refuses(replaced(good, "\n1,slip,0.1", "\n1,slip,0.2"),
-            "t.csv:4: stop: 1 has another law, reference or landing");
+    refuses(replaced(good, "\n1,slip", "\n99,slip"), "t.csv:4: stop: 99 stands in the table twice, or is not");
+    refuses(replaced(good, "\n1,slip,0.1", "\n1,slip,0.2"), "t.csv:4: stop: 1 has another law, reference or landing");
     refuses(good + "3,slip,0.1\n", "t.csv:6: landing: the line ends before it");
     refuses(replaced(good, "\n1,slip", ",7\n1,slip"), "t.csv:3: the line has more fields");
 }

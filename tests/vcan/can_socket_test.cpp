@@ -66,9 +66,7 @@ TEST_CASE("error frames are counted; bus-off lasts until the chip restarts or fr
     SocketCan bus("vcan0", kWanted);
     SocketCan other("vcan0", {});
     using Status = antiskid::can::LinkStatus;
-    const auto errors = [](std::uint32_t count) {
-        return [count](const Status& status) { return status.error_frames == count; };
-    };
+    const auto errors = [](std::uint32_t count) { return [count](const Status& status) { return status.error_frames == count; }; };
     shell("cansend vcan0 20000004#0004000000000000");
     CHECK(await_status(bus, errors(1)));
     CHECK(bus.status().up);
@@ -142,8 +140,7 @@ TEST_CASE("a full transmit queue gives frames up, counts them, and never sends t
     }
 }
 
-TEST_CASE("newest_only: after a jam one call's frames are old, and right behind them comes the newest",
-          "[CAN-058]") {
+TEST_CASE("newest_only: after a jam one call's frames are old, and right behind them comes the newest", "[CAN-058]") {
     const Interface slow("vcan6");
     SocketCan b("vcan6", kWanted);
     SocketCan a("vcan6", kWanted, {.newest_only = true});
@@ -170,8 +167,7 @@ TEST_CASE("newest_only: after a jam one call's frames are old, and right behind 
     for (std::size_t i = 0; i < arrived.size(); ++i) CHECK(arrived[i] == taken[i / 2]);
 }
 
-TEST_CASE("of one period's frames only that which is waited for ends the wait, and all of them are there",
-          "[CAN-058]") {
+TEST_CASE("of one period's frames only that which is waited for ends the wait, and all of them are there", "[CAN-058]") {
     SocketCan a("vcan0", kWanted);
     SocketCan b("vcan0", kWanted, {.wakes = kWanted[1]});
     std::array<Frame, 4> frames;
@@ -255,16 +251,13 @@ TEST_CASE("both ports agree over a real bus as they do without one", "[CAN-058][
         sample.wheel.edge_count += step % 5;
         sample.wheel.edge_time += kStep;
         sample.pressure_Pa = 500.0F * static_cast<float>(step);
-        for (std::size_t count = rig.due_frames(sample, frames), i = 0; i < count; ++i)
-            REQUIRE(rig_bus.send(frames[i]));
+        for (std::size_t count = rig.due_frames(sample, frames), i = 0; i < count; ++i) REQUIRE(rig_bus.send(frames[i]));
         REQUIRE(rig_bus.send(rig.sync(step)));
         while (port.sync_count() <= step) {
             REQUIRE(controller_bus.wait(kPatience));
-            for (std::size_t count = controller_bus.receive(frames), i = 0; i < count; ++i)
-                port.accept(frames[i]);
+            for (std::size_t count = controller_bus.receive(frames), i = 0; i < count; ++i) port.accept(frames[i]);
         }
-        same = same && port.sync_number() == step &&
-               port.sensors().wheel.edge_count == sample.wheel.edge_count &&
+        same = same && port.sync_number() == step && port.sensors().wheel.edge_count == sample.wheel.edge_count &&
                port.sensors().pressure.pressure_Pa == sample.pressure_Pa;
         control::Command command;
         command.current_mA = 0.02F * static_cast<float>(step);
@@ -275,12 +268,10 @@ TEST_CASE("both ports agree over a real bus as they do without one", "[CAN-058][
             REQUIRE(rig_bus.wait(kPatience));
             for (std::size_t count = rig_bus.receive(frames), i = 0; i < count; ++i) rig.accept(frames[i]);
         }
-        same = same && rig.controller().current_mA == static_cast<float>(ours().valve_current_mA.rounded(
-                                                          static_cast<double>(command.current_mA)));
+        same = same && rig.controller().current_mA == static_cast<float>(ours().valve_current_mA.rounded(static_cast<double>(command.current_mA)));
     }
     CHECK(same);
-    for (const Role role :
-         {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver, Role::rig_heartbeat, Role::sync}) {
+    for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver, Role::rig_heartbeat, Role::sync}) {
         CHECK(port.stats(role).rejected() == 0);
         CHECK(port.stats(role).lost == 0);
     }

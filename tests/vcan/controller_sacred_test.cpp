@@ -49,9 +49,7 @@ TEST_CASE("over a real socket the loop does nothing forbidden", "[RT-050]") {
     constexpr int kPeriods = 10'000;
     const auto source = GENERATE(rt::ClockSource::sync, rt::ClockSource::timer);
     const rt::Setup setup = default_setup();
-    rt::SupervisedCan socket([&setup] {
-        return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span());
-    });
+    rt::SupervisedCan socket([&setup] { return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span()); });
     RigEnd rig(setup);
     StepClock clock;
     WaitingBus bus(socket, clock);
@@ -88,15 +86,12 @@ TEST_CASE("over a real socket the loop does nothing forbidden", "[RT-050]") {
     CHECK(statistics.frames_unsent == 0);
     CHECK(session->port().stats(can::Role::wheel).accepted == kPeriods);
     CHECK(rig.port().stats(can::Role::valve).rejected() == 0);
-    if (source == rt::ClockSource::sync)
-        CHECK(statistics.steps_in_state[static_cast<std::size_t>(control::State::braking)] > 1000);
+    if (source == rt::ClockSource::sync) CHECK(statistics.steps_in_state[static_cast<std::size_t>(control::State::braking)] > 1000);
 }
 
 TEST_CASE("by the machine's own clock, too", "[RT-050]") {
     const rt::Setup setup = default_setup();
-    rt::SupervisedCan socket([&setup] {
-        return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span());
-    });
+    rt::SupervisedCan socket([&setup] { return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span()); });
     rt::MonotonicClock clock;
     rt::Options options;
     options.clock = GENERATE(rt::ClockSource::sensors, rt::ClockSource::timer);

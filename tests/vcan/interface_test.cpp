@@ -18,18 +18,15 @@ using namespace real_bus;
 
 TEST_CASE("an interface that cannot be used is refused with the command that mends it", "[CAN-080]") {
     CHECK_THROWS_WITH(SocketCan("vcan77", kWanted),
-                      ContainsSubstring("CAN interface 'vcan77' does not exist") &&
-                          ContainsSubstring("ip link add dev vcan77 type vcan"));
+                      ContainsSubstring("CAN interface 'vcan77' does not exist") && ContainsSubstring("ip link add dev vcan77 type vcan"));
     CHECK_THROWS_WITH(SocketCan("can77", kWanted),
-                      ContainsSubstring("'can77' does not exist") &&
-                          ContainsSubstring("ip link set can77 up type can bitrate 1000000"));
+                      ContainsSubstring("'can77' does not exist") && ContainsSubstring("ip link set can77 up type can bitrate 1000000"));
     CHECK_THROWS_WITH(SocketCan("lo", kWanted), ContainsSubstring("'lo' is no CAN interface"));
     CHECK_THROWS_WITH(SocketCan("", kWanted), ContainsSubstring("is no interface name"));
     CHECK_THROWS_WITH(SocketCan("sixteen-letters.", kWanted), ContainsSubstring("1 to 15 characters"));
     const Interface down("vcan5");
     shell("ip link set vcan5 down");
-    CHECK_THROWS_WITH(SocketCan("vcan5", kWanted),
-                      ContainsSubstring("'vcan5' is down") && ContainsSubstring("`ip link set vcan5 up`"));
+    CHECK_THROWS_WITH(SocketCan("vcan5", kWanted), ContainsSubstring("'vcan5' is down") && ContainsSubstring("`ip link set vcan5 up`"));
 }
 
 TEST_CASE("an interface that goes down is reported, and used again when it comes up", "[CAN-080]") {

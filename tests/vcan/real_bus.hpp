@@ -45,16 +45,15 @@ inline Frame numbered(std::uint16_t id, std::uint32_t number) {
 }
 
 inline std::uint32_t number_of(const Frame& frame) {
-    return std::uint32_t{frame.data[0]} | std::uint32_t{frame.data[1]} << 8U |
-           std::uint32_t{frame.data[2]} << 16U | std::uint32_t{frame.data[3]} << 24U;
+    return std::uint32_t{frame.data[0]} | std::uint32_t{frame.data[1]} << 8U | std::uint32_t{frame.data[2]} << 16U |
+           std::uint32_t{frame.data[3]} << 24U;
 }
 
 /// Everything that is there now.
 inline std::vector<Frame> drain(Bus& bus) {
     std::vector<Frame> all;
     std::array<Frame, 16> batch;
-    while (const std::size_t count = bus.receive(batch))
-        all.insert(all.end(), batch.begin(), batch.begin() + count);
+    while (const std::size_t count = bus.receive(batch)) all.insert(all.end(), batch.begin(), batch.begin() + count);
     return all;
 }
 

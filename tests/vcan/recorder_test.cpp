@@ -33,8 +33,7 @@ void shell(const std::string& command) {
 
 class Interface {
   public:
-    explicit Interface(std::string interface, const std::string& then = "true")
-        : name_(std::move(interface)) {
+    explicit Interface(std::string interface, const std::string& then = "true") : name_(std::move(interface)) {
         shell("ip link add dev " + name_ + " type vcan && " + then + " && ip link set " + name_ + " up");
     }
     Interface(const Interface&) = delete;
@@ -95,8 +94,7 @@ TEST_CASE("the recorder has every frame that candump has, line for line, stamp f
     const auto theirs = folder / "candump.log";
     const auto ours = folder / "bus.log";
     // Their filter: every identifier and every error frame.
-    shell("candump -L -r 8000000 vcan0,0:0,#FFFFFFFF > " + theirs.string() + " & echo $! > " +
-          folder.string() + "/pid; sleep 1");
+    shell("candump -L -r 8000000 vcan0,0:0,#FFFFFFFF > " + theirs.string() + " & echo $! > " + folder.string() + "/pid; sleep 1");
     Capture capture("vcan0");
     BusLog log(ours, "vcan0");
     SocketCan own("vcan0", {});
@@ -126,8 +124,7 @@ TEST_CASE("what the kernel drops before the recorder is told to the last frame",
     std::uint64_t received = 0;
     for (int round = 0; round < 3; ++round) {
         for (std::uint32_t i = 0; i < 300; ++i) REQUIRE(sender.send(numbered(i)));
-        for (auto frames = capture.receive(); !frames.empty(); frames = capture.receive())
-            received += frames.size();
+        for (auto frames = capture.receive(); !frames.empty(); frames = capture.receive()) received += frames.size();
     }
     // Nothing follows the last drops, and yet they are known.
     CHECK(capture.status().dropped > 0);
@@ -192,22 +189,14 @@ TEST_CASE("a really full disk costs the log its tail and nothing else", "[BRG-21
     const auto text = lines(path);
     CHECK(text.size() + log.missing() == 10'000);
     CHECK(text.size() > 4000);
-    CHECK(std::all_of(text.begin(), text.end(), [](const std::string& line) {
-        return std::holds_alternative<CandumpLine>(parse_candump(line));
-    }));
+    CHECK(std::all_of(text.begin(), text.end(), [](const std::string& line) { return std::holds_alternative<CandumpLine>(parse_candump(line)); }));
 }
 
 TEST_CASE("a really full disk leaves the ledger as it was, and with room it goes on", "[BRG-220]") {
     const SmallDisk disk("100k");
     const auto path = disk.path() / "ledger.sqlite";
     rig::Ledger ledger(path);
-    ledger.open_campaign({.name = "a",
-                          .scenario = "s",
-                          .seed = 1,
-                          .planned = 10'000,
-                          .config_hash = "h",
-                          .version = "0",
-                          .created = "now"},
+    ledger.open_campaign({.name = "a", .scenario = "s", .seed = 1, .planned = 10'000, .config_hash = "h", .version = "0", .created = "now"},
                          rig::IfChanged::refuse);
     std::int64_t finished = 0;
     const auto one = [&] {

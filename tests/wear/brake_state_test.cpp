@@ -44,8 +44,7 @@ TEST_CASE("every byte of a kept brake that is damaged is noticed", "[WEAR-011]")
         } catch (const settings::Error& error) {
             CHECK(error.file() == "brake.json");
         }
-        CHECK_THROWS_AS(wear::brake_state_from_json("brake.json", json.substr(0, i), shipped_wear()),
-                        settings::Error);
+        CHECK_THROWS_AS(wear::brake_state_from_json("brake.json", json.substr(0, i), shipped_wear()), settings::Error);
     }
 }
 
@@ -53,16 +52,12 @@ TEST_CASE("a kept brake says what is wrong with it", "[WEAR-011]") {
     const std::string json = wear::to_json(kState, shipped_wear());
     CHECK_THAT(refusal(""), ContainsSubstring("brake.json: no JSON"));
     CHECK_THAT(refusal("[]"), ContainsSubstring("must be an object"));
-    CHECK_THAT(refusal(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
-               ContainsSubstring("format_version: 2 is not the version"));
+    CHECK_THAT(refusal(replaced(json, "\"format_version\": 1", "\"format_version\": 2")), ContainsSubstring("format_version: 2 is not the version"));
     CHECK_THAT(refusal(replaced(json, "brake state", "wear model")), ContainsSubstring("format: must be"));
-    CHECK_THAT(refusal(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": 138")),
-               ContainsSubstring("check_sum: does not fit"));
-    CHECK_THAT(refusal(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": -1")),
-               ContainsSubstring("maneuvers: must be an integer"));
+    CHECK_THAT(refusal(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": 138")), ContainsSubstring("check_sum: does not fit"));
+    CHECK_THAT(refusal(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": -1")), ContainsSubstring("maneuvers: must be an integer"));
     CHECK_THAT(refusal(replaced(json, "\"seed\"", "\"sead\"")), ContainsSubstring("seed: is missing"));
-    CHECK_THAT(refusal(json, shipped_wear({.energy = 8.0})),
-               ContainsSubstring("wear_hash: this brake was kept with another wear model or scale"));
+    CHECK_THAT(refusal(json, shipped_wear({.energy = 8.0})), ContainsSubstring("wear_hash: this brake was kept with another wear model or scale"));
     wear::BrakeWear other = shipped_wear();
     wear::Model model = *other.model;
     model.data.maneuvers = 499;

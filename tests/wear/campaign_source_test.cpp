@@ -15,8 +15,7 @@ namespace {
 /// A directory of its own, gone afterwards.
 class Folder {
   public:
-    explicit Folder(const std::string& name)
-        : path_(std::filesystem::temp_directory_path() / (name + std::to_string(::getpid()))) {
+    explicit Folder(const std::string& name) : path_(std::filesystem::temp_directory_path() / (name + std::to_string(::getpid()))) {
         std::filesystem::create_directories(path_);
     }
     ~Folder() {
@@ -32,8 +31,8 @@ class Folder {
     std::filesystem::path path_;
 };
 
-void enter(rig::Ledger& ledger, const std::string& campaign, std::int64_t number, const std::string& outcome,
-           double c_e_J, double friction, const std::vector<std::string>& out_of_tolerance = {}) {
+void enter(rig::Ledger& ledger, const std::string& campaign, std::int64_t number, const std::string& outcome, double c_e_J, double friction,
+           const std::vector<std::string>& out_of_tolerance = {}) {
     (void)ledger.begin(number, "2026-01-01T00:00:00Z");
     rig::Summary s;
     s.campaign = campaign;
@@ -77,15 +76,12 @@ TEST_CASE("a ledger is a campaign", "[WEAR-001]") {
         ledger.open_campaign(campaign("second"), rig::IfChanged::refuse);
         enter(ledger, "second", 1, "finished", 1.0e6, 0.31);
     }
-    CHECK_THROWS_WITH(plant_sim::load_campaign(folder.path(), ""),
-                      ContainsSubstring("choose one with --campaign: first, second"));
-    CHECK_THROWS_WITH(plant_sim::load_campaign(folder.path(), "second"),
-                      ContainsSubstring("one maneuver only"));
+    CHECK_THROWS_WITH(plant_sim::load_campaign(folder.path(), ""), ContainsSubstring("choose one with --campaign: first, second"));
+    CHECK_THROWS_WITH(plant_sim::load_campaign(folder.path(), "second"), ContainsSubstring("one maneuver only"));
     CHECK_THROWS_WITH(plant_sim::load_campaign(folder.path(), "third"), ContainsSubstring("third"));
 }
 
-TEST_CASE("maneuvers out of tolerance are left out unless they are asked for; their energy is not",
-          "[WEAR-001]") {
+TEST_CASE("maneuvers out of tolerance are left out unless they are asked for; their energy is not", "[WEAR-001]") {
     const Folder folder("wear_off");
     {
         rig::Ledger ledger(folder / "ledger.sqlite", {.durable = false});
@@ -110,8 +106,7 @@ TEST_CASE("what is no ledger is read as CSV", "[WEAR-001]") {
     const Folder folder("wear_csv");
     std::ofstream(folder / "data.csv") << "cumulative_energy_MJ,mean_friction\n1,0.3\n2,0.29\n";
     CHECK(plant_sim::load_campaign(folder / "data.csv", "").points.size() == 2);
-    CHECK_THROWS_WITH(plant_sim::load_campaign(folder / "data.csv", "x"),
-                      ContainsSubstring("--campaign is for ledgers"));
+    CHECK_THROWS_WITH(plant_sim::load_campaign(folder / "data.csv", "x"), ContainsSubstring("--campaign is for ledgers"));
     CHECK_THROWS_AS(plant_sim::load_campaign(folder.path(), ""), settings::Error);
 }
 
@@ -145,11 +140,9 @@ TEST_CASE("a landing's energy and the torque reserve are those of the configurat
     CHECK(c.mix[2].name == "medium_b");
     CHECK(c.mix[2].share == Approx(0.375));
     CHECK(c.mix[2].energy_J == Approx(0.5 * 3300.0 * 53.0 * 53.0 * 0.76 / 8.0));
-    CHECK_THROWS_WITH(plant_sim::configured_mix("config", "lihgt=1", 0.24),
-                      ContainsSubstring("no maneuver 'lihgt'"));
+    CHECK_THROWS_WITH(plant_sim::configured_mix("config", "lihgt=1", 0.24), ContainsSubstring("no maneuver 'lihgt'"));
     CHECK_THROWS_WITH(plant_sim::configured_mix("config", "light", 0.24), ContainsSubstring("is no share"));
-    CHECK_THROWS_WITH(plant_sim::configured_mix("config", "light=-1", 0.24),
-                      ContainsSubstring("is no share"));
+    CHECK_THROWS_WITH(plant_sim::configured_mix("config", "light=-1", 0.24), ContainsSubstring("is no share"));
 
     // Heavy: 4450 kg. At the limit the torque at the speed named is that of full pressure, by the heavy curve of landing_gear.toml shifted to the
     // mean, and a dry runway's 1.17 F_z r.
@@ -167,8 +160,7 @@ TEST_CASE("a landing's energy and the torque reserve are those of the configurat
     CHECK(r.friction < 0.30);
 }
 
-TEST_CASE("of a ledger whose disc was changed the newest disc is a campaign, with the energy that it took",
-          "[WEAR-001]") {
+TEST_CASE("of a ledger whose disc was changed the newest disc is a campaign, with the energy that it took", "[WEAR-001]") {
     const Folder folder("wear_discs");
     {
         rig::Ledger ledger(folder / "ledger.sqlite", {.durable = false});

@@ -34,8 +34,7 @@ constexpr double kGain_m3 = 3.47e-3;
 constexpr double kBrakeOn_mps = 50.0;
 
 /// A stop with falling pressure and a deceleration that is not constant, 20 ms a sample.
-wear::RecordedStop stop_of(const Curve& curve, const Scatter& scatter, std::uint64_t seed,
-                           std::uint64_t number) {
+wear::RecordedStop stop_of(const Curve& curve, const Scatter& scatter, std::uint64_t seed, std::uint64_t number) {
     wear::Generator generator = wear::generator_of(seed, number);
     const double mean = 0.3 * (1.0 + 0.1 * wear::normal(generator));
     const double tilt = scatter.shape * wear::normal(generator);
@@ -48,15 +47,13 @@ wear::RecordedStop stop_of(const Curve& curve, const Scatter& scatter, std::uint
         const double f = at(curve, x) + tilt * (x - 1.0 / 2.0) + bend * (x * x - 1.0 / 3.0);
         const double pressure = (i < 5 ? 0.2 * i : 1.0) * (6e6 + 3e6 * x);
         stop.samples.push_back({0.02 * i, v, pressure, kGain_m3 * pressure * mean * (f + noise)});
-        noise = scatter.memory * noise +
-                scatter.sample * std::sqrt(1.0 - scatter.memory * scatter.memory) * wear::normal(generator);
+        noise = scatter.memory * noise + scatter.sample * std::sqrt(1.0 - scatter.memory * scatter.memory) * wear::normal(generator);
         v -= 0.02 * (9.0 + 4.0 * x);
     }
     return stop;
 }
 
-std::vector<wear::RecordedStop> stops_of(const Curve& curve, const Scatter& scatter, std::uint64_t seed,
-                                         std::uint64_t count) {
+std::vector<wear::RecordedStop> stops_of(const Curve& curve, const Scatter& scatter, std::uint64_t seed, std::uint64_t count) {
     std::vector<wear::RecordedStop> stops;
     for (std::uint64_t i = 1; i <= count; ++i) stops.push_back(stop_of(curve, scatter, seed, i));
     return stops;
@@ -77,22 +74,19 @@ std::string refusal(const std::vector<wear::RecordedStop>& stops) {
 
 double greatest_difference(const wear::FrictionDynamics& a, const Curve& b) {
     double greatest = 0.0;
-    for (int i = 0; i <= 100; ++i)
-        greatest = std::max(greatest, std::abs(a.at(i / 100.0) - at(b, i / 100.0)));
+    for (int i = 0; i <= 100; ++i) greatest = std::max(greatest, std::abs(a.at(i / 100.0) - at(b, i / 100.0)));
     return greatest;
 }
 
 }  // namespace
 
-TEST_CASE("without scatter the curve comes back exactly, with the mean 1 and each stop's own mean",
-          "[WEAR-040]") {
+TEST_CASE("without scatter the curve comes back exactly, with the mean 1 and each stop's own mean", "[WEAR-040]") {
     for (const Curve& truth : {kFlat, kLine, kLight, kMedium, kHeavy}) {
         const wear::FrictionDynamics found = wear::learn_dynamics(stops_of(truth, {0.0, 0.0, 0.0}, 3, 5), {});
         for (std::size_t k = 0; k < truth.size(); ++k) CHECK(found.curve[k] == Approx(truth[k]).margin(1e-6));
         CHECK(mean_of(found.curve) == Approx(1.0).epsilon(1e-12));
         for (const wear::StopShape& stop : found.stops) {
-            wear::Generator generator =
-                wear::generator_of(3, static_cast<std::uint64_t>(&stop - found.stops.data()) + 1);
+            wear::Generator generator = wear::generator_of(3, static_cast<std::uint64_t>(&stop - found.stops.data()) + 1);
             CHECK(stop.mean_friction == Approx(0.3 * (1.0 + 0.1 * wear::normal(generator))).epsilon(1e-6));
         }
     }
@@ -104,12 +98,10 @@ TEST_CASE("the order is found", "[WEAR-040]") {
         Curve truth;
         std::size_t order;
     };
-    for (const Case& c :
-         {Case{kFlat, 0}, Case{kLine, 1}, Case{kMedium, 2}, Case{kLight, 2}, Case{kHeavy, 3}}) {
+    for (const Case& c : {Case{kFlat, 0}, Case{kLine, 1}, Case{kMedium, 2}, Case{kLight, 2}, Case{kHeavy, 3}}) {
         int right = 0;
         for (int seed = 1; seed <= kSeeds; ++seed) {
-            const auto order =
-                wear::learn_dynamics(stops_of(c.truth, {}, static_cast<std::uint64_t>(seed), 6), {}).order;
+            const auto order = wear::learn_dynamics(stops_of(c.truth, {}, static_cast<std::uint64_t>(seed), 6), {}).order;
             right += order == c.order ? 1 : 0;
         }
         INFO("order " << c.order << ": " << right << " of " << kSeeds);
@@ -118,9 +110,7 @@ TEST_CASE("the order is found", "[WEAR-040]") {
 }
 
 // Each stop has a shape of its own, and its samples remember each other: intervals that counted samples would be several times too narrow.
-TEST_CASE(
-    "95 % intervals hold the truth in 90 to 99 % of draws, though samples are correlated and stops differ",
-    "[WEAR-040]") {
+TEST_CASE("95 % intervals hold the truth in 90 to 99 % of draws, though samples are correlated and stops differ", "[WEAR-040]") {
     constexpr int kSeeds = 100;
     constexpr std::array<double, 3> kAt{0.0, 0.5, 1.0};
     std::array<int, kAt.size()> held{};
@@ -128,8 +118,8 @@ TEST_CASE(
     double errors = 0.0;
     for (int seed = 1; seed <= kSeeds; ++seed) {
         wear::DynamicsSettings settings;
-        const wear::FrictionDynamics found = wear::learn_dynamics(
-            stops_of(kMedium, {0.01, 0.9, 0.03}, static_cast<std::uint64_t>(seed), 8), settings);
+        const wear::FrictionDynamics found =
+            wear::learn_dynamics(stops_of(kMedium, {0.01, 0.9, 0.03}, static_cast<std::uint64_t>(seed), 8), settings);
         CHECK(found.by_stops);
         for (std::size_t i = 0; i < kAt.size(); ++i) {
             const double error = std::abs(found.at(kAt[i]) - at(kMedium, kAt[i]));
@@ -170,16 +160,14 @@ TEST_CASE("spikes and a torque cell that slips do not move the curve", "[WEAR-04
     // A cell that drifts through the whole stop leaves no curve to share.
     auto drifting = clean;
     for (std::size_t i = 0; i < drifting[4].samples.size(); ++i)
-        drifting[4].samples[i].brake_torque_Nm *=
-            1.0 + 4.0 * static_cast<double>(i) / static_cast<double>(samples.size());
+        drifting[4].samples[i].brake_torque_Nm *= 1.0 + 4.0 * static_cast<double>(i) / static_cast<double>(samples.size());
     const wear::FrictionDynamics without = wear::learn_dynamics(drifting, {});
     CHECK_FALSE(without.stops[4].used);
     CHECK(without.stops[3].used);
     CHECK(greatest_difference(without, kHeavy) < 0.01);
 }
 
-TEST_CASE("one stop is enough for a curve, and says that its intervals come from bands of speed",
-          "[WEAR-040]") {
+TEST_CASE("one stop is enough for a curve, and says that its intervals come from bands of speed", "[WEAR-040]") {
     const wear::FrictionDynamics found = wear::learn_dynamics(stops_of(kMedium, {}, 5, 1), {});
     CHECK_FALSE(found.by_stops);
     CHECK(found.order == 2);

@@ -58,11 +58,10 @@ TEST_CASE("the log-likelihood of EM never falls, and is that of the mixture it e
                 double greatest_fall = 0.0;
                 wear::EmSettings settings;
                 settings.covariance_floor = floor;
-                const wear::EmRun run = wear::em(points, wear::random_start(points, m, 0, floor, generator),
-                                                 settings, [&](double now) {
-                                                     greatest_fall = std::max(greatest_fall, before - now);
-                                                     before = now;
-                                                 });
+                const wear::EmRun run = wear::em(points, wear::random_start(points, m, 0, floor, generator), settings, [&](double now) {
+                    greatest_fall = std::max(greatest_fall, before - now);
+                    before = now;
+                });
                 INFO(m << " components, floor " << floor);
                 CHECK(run.converged);
                 // The first start is wider than the floor allows to be optimal; rounding is 1e-12 of some 1000.
@@ -118,12 +117,10 @@ TEST_CASE("one component is mean and covariance of the points", "[WEAR-003]") {
 
 TEST_CASE("more components never explain less", "[WEAR-003]") {
     const wear::Fit fit = wear::fit(physical::campaign(physical::laws()[1], 2), small(15, 2));
-    for (std::size_t i = 1; i < fit.orders.size(); ++i)
-        CHECK(fit.orders[i].log_likelihood > fit.orders[i - 1].log_likelihood - 1e-3);
+    for (std::size_t i = 1; i < fit.orders.size(); ++i) CHECK(fit.orders[i].log_likelihood > fit.orders[i - 1].log_likelihood - 1e-3);
 }
 
-TEST_CASE("BIC finds the four components of a known mixture in at least 45 of 50 draws of 500 points",
-          "[WEAR-003]") {
+TEST_CASE("BIC finds the four components of a known mixture in at least 45 of 50 draws of 500 points", "[WEAR-003]") {
     // M up to 8 and 3 starts each (and the splits) to 1e-6, instead of 15, 100 and 1e-8.
     int four = 0;
     for (std::uint64_t seed = 1; seed <= 50; ++seed) {
@@ -131,8 +128,7 @@ TEST_CASE("BIC finds the four components of a known mixture in at least 45 of 50
         wear::FitSettings settings = small(8, 3);
         settings.seed = seed;
         settings.em.tolerance = 1e-6;
-        four +=
-            wear::fit(known::drawn(known::four(), 500, generator), settings).best().components == 4 ? 1 : 0;
+        four += wear::fit(known::drawn(known::four(), 500, generator), settings).best().components == 4 ? 1 : 0;
     }
     CAPTURE(four);
     CHECK(four >= 45);
@@ -142,8 +138,7 @@ TEST_CASE("no component collapses onto points or a line", "[WEAR-003]") {
     // Half of the campaign lies on a straight line exactly, and friction takes few values.
     wear::Campaign campaign;
     campaign.source = "line";
-    for (int i = 1; i <= 200; ++i)
-        campaign.points.push_back({i * 1e6, i <= 100 ? 0.3 - 1e-4 * i : 0.25 + 0.01 * (i % 3)});
+    for (int i = 1; i <= 200; ++i) campaign.points.push_back({i * 1e6, i <= 100 ? 0.3 - 1e-4 * i : 0.25 + 0.01 * (i % 3)});
     for (const double floor : {1e-6, 1e-4}) {
         wear::FitSettings settings = small(15, 2);
         settings.em.tolerance = 1e-6;
@@ -157,11 +152,8 @@ TEST_CASE("no component collapses onto points or a line", "[WEAR-003]") {
                 double mean = 0.0;
                 double yy = 0.0;
                 for (const wear::Point& p : campaign.points) mean += p.mean_friction / 200.0;
-                for (const wear::Point& p : campaign.points)
-                    yy += (p.mean_friction - mean) * (p.mean_friction - mean) / 200.0;
-                const double det =
-                    (c.variance_c_e_J2 * c.variance_friction - c.covariance_J * c.covariance_J) / 3.3332e15 /
-                    yy;
+                for (const wear::Point& p : campaign.points) yy += (p.mean_friction - mean) * (p.mean_friction - mean) / 200.0;
+                const double det = (c.variance_c_e_J2 * c.variance_friction - c.covariance_J * c.covariance_J) / 3.3332e15 / yy;
                 const double trace = xx + c.variance_friction / yy;
                 const double least = 0.5 * trace - std::sqrt(std::max(0.0, 0.25 * trace * trace - det));
                 CHECK(least > 0.99 * floor);
@@ -174,8 +166,7 @@ TEST_CASE("a fit that the data do not bear is refused", "[WEAR-001]") {
     const wear::Campaign campaign = physical::campaign({}, 1);
     wear::Campaign few = campaign;
     few.points.resize(30);
-    CHECK_THROWS_WITH(wear::fit(few, small(6, 1)),
-                      ContainsSubstring("30 maneuvers are too few for 6 components"));
+    CHECK_THROWS_WITH(wear::fit(few, small(6, 1)), ContainsSubstring("30 maneuvers are too few for 6 components"));
     CHECK_THROWS_WITH(wear::fit(few, small(6, 1)), ContainsSubstring("at most 5 can be learnt"));
     CHECK_NOTHROW(wear::fit(few, small(5, 1)));
     wear::Campaign bad = campaign;

@@ -11,8 +11,7 @@
 #include "tests/wear/physical_campaign.hpp"
 #include "tests/wear/small_fit.hpp"
 
-TEST_CASE("the model is the same bytes whatever the number of threads, and another with another seed",
-          "[WEAR-003]") {
+TEST_CASE("the model is the same bytes whatever the number of threads, and another with another seed", "[WEAR-003]") {
     const wear::Campaign campaign = physical::campaign({}, 4);
     const auto bytes = [&](unsigned threads, std::uint64_t seed) {
         wear::FitSettings settings = small(6, 8);

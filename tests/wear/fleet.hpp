@@ -12,9 +12,7 @@ namespace physical {
 
 inline BrakeLaw brake_of_fleet(std::uint64_t seed) {
     wear::Generator generator = wear::generator_of(seed, 1);
-    const auto times = [&](double mean, double relative) {
-        return mean * std::exp(relative * wear::normal(generator));
-    };
+    const auto times = [&](double mean, double relative) { return mean * std::exp(relative * wear::normal(generator)); };
     BrakeLaw law;
     law.plateau += 0.006 * wear::normal(generator);
     law.run_in = times(law.run_in, 0.20);

@@ -49,15 +49,13 @@ TEST_CASE("the table of a mean curve is the model's conditional mean, beyond the
     const wear::Model model = wear::read_population("config/wear/model.json").population.models.at(0);
     const wear::MeanCurve curve(model);
     for (double c_e_J = 0.0; c_e_J < 900e6; c_e_J += 3.7e6) {
-        const double exact =
-            wear::friction_given_energy(model, c_e_J, {wear::Variance::exact, wear::Choice::mixture}).mean();
+        const double exact = wear::friction_given_energy(model, c_e_J, {wear::Variance::exact, wear::Choice::mixture}).mean();
         // Between two points of the table a straight line is off by step^2 curvature / 8: 6e-6 where run-in bends most.
         CHECK(curve(c_e_J) == Approx(exact).margin(1e-5).epsilon(0));
     }
 }
 
-TEST_CASE("the filter is the exact posterior: that of the joint normal distribution of all maneuvers",
-          "[WEAR-050]") {
+TEST_CASE("the filter is the exact posterior: that of the joint normal distribution of all maneuvers", "[WEAR-050]") {
     // One hypothesis, four points at 1 MJ each: the density of all is that of a normal distribution in four dimensions with covariances of
     // offset (and its walk), autoregression and noise, written down here without any recursion.
     const wear::Population p = line_population();
@@ -68,8 +66,7 @@ TEST_CASE("the filter is the exact posterior: that of the joint normal distribut
     for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n; ++j) {
             const double walked_MJ = std::min(i, j);
-            c[i][j] = 0.01 * 0.01 + 2e-4 * 2e-4 * walked_MJ + 0.002 * 0.002 * std::pow(0.6, std::abs(i - j)) +
-                      (i == j ? 0.002 * 0.002 : 0.0);
+            c[i][j] = 0.01 * 0.01 + 2e-4 * 2e-4 * walked_MJ + 0.002 * 0.002 * std::pow(0.6, std::abs(i - j)) + (i == j ? 0.002 * 0.002 : 0.0);
         }
     }
     double expected = 0.0;  // Cholesky: log density of the whole
@@ -117,12 +114,10 @@ TEST_CASE("hypotheses are weighed by Bayes' rule", "[WEAR-050]") {
     }
     for (int i = 1; i <= 30; ++i) filter.learn({10e6 * i, 0.25 - 4.3e-4 * (10.0 * i - 200.0)});
     REQUIRE(filter.hypotheses().size() == 2);
-    CHECK(filter.hypotheses()[0].weight ==
-          Approx(likelihood[0] / (likelihood[0] + likelihood[1])).epsilon(1e-6));
+    CHECK(filter.hypotheses()[0].weight == Approx(likelihood[0] / (likelihood[0] + likelihood[1])).epsilon(1e-6));
 }
 
-TEST_CASE("on a straight line landings left are normal, with mean and deviation of the closed form",
-          "[WEAR-050]") {
+TEST_CASE("on a straight line landings left are normal, with mean and deviation of the closed form", "[WEAR-050]") {
     wear::Population p = line_population();
     p.scatter.drift_per_root_MJ = 0.0;
     wear::BrakeFilter filter(p);
@@ -145,8 +140,7 @@ TEST_CASE("on a straight line landings left are normal, with mean and deviation 
     const wear::Forecast heavy = wear::forecast(filter, 100e6, {{"2 MJ", 1.0, 2e6, 0.0}}, s);
     CHECK(*heavy.landings_left[1] == Approx(0.5 * *f.landings_left[1]).margin(1.5));
     // A mix takes its mean.
-    const wear::Forecast mixed =
-        wear::forecast(filter, 100e6, {{"light", 0.5, 1e6, 0.0}, {"heavy", 0.5, 3e6, 0.0}}, s);
+    const wear::Forecast mixed = wear::forecast(filter, 100e6, {{"light", 0.5, 1e6, 0.0}, {"heavy", 0.5, 3e6, 0.0}}, s);
     CHECK(*mixed.landings_left[1] == Approx(0.5 * *f.landings_left[1]).margin(2.5));
     // Same seed, same draws.
     CHECK(wear::forecast(filter, 100e6, kOneMJ, s).landings_left == f.landings_left);
@@ -179,8 +173,7 @@ TEST_CASE("already crossed, never crossed and beyond the data are said", "[WEAR-
     CHECK_THROWS_AS(wear::forecast(filter, 0.0, kOneMJ, with_limit(0.0)), std::invalid_argument);
 }
 
-TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interval holds 70 to 90 %",
-          "[WEAR-050]") {
+TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interval holds 70 to 90 %", "[WEAR-050]") {
     // The population was learnt from the brakes of seeds 1000 to 1039; the truth here is the law's own friction without scatter.
     constexpr double kLimit = 0.2;
     std::vector<wear::HeldOut> brakes;
@@ -214,8 +207,7 @@ TEST_CASE("back-test: of 120 brakes that nobody has learnt from, the 80 % interv
     CHECK(wear::back_test(sure, brakes, s).pooled.coverage() < 0.6);
 }
 
-TEST_CASE("a population is learnt from campaigns, finds their scatter, and comes back from its file",
-          "[WEAR-050]") {
+TEST_CASE("a population is learnt from campaigns, finds their scatter, and comes back from its file", "[WEAR-050]") {
     std::vector<wear::Campaign> campaigns;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         // A straight line, an offset each, and scatter whose parameters are known.
@@ -225,8 +217,7 @@ TEST_CASE("a population is learnt from campaigns, finds their scatter, and comes
         const double offset = 0.01 * wear::normal(generator);
         double remembered = 0.004 * wear::normal(generator);
         for (int i = 1; i <= 600; ++i) {
-            c.points.push_back(
-                {1e6 * i, 0.3 - 2e-4 * i + offset + remembered + 0.001 * wear::normal(generator)});
+            c.points.push_back({1e6 * i, 0.3 - 2e-4 * i + offset + remembered + 0.001 * wear::normal(generator)});
             remembered = 0.6 * remembered + 0.004 * 0.8 * wear::normal(generator);
         }
         campaigns.push_back(std::move(c));
@@ -267,15 +258,11 @@ TEST_CASE("a population file that is none is refused, naming file and key", "[WE
     };
     CHECK_THAT(refusal(json, "{", ""), ContainsSubstring("p.json: no JSON"));
     CHECK_THAT(refusal(json, "wear population", "wear folk"), ContainsSubstring("p.json: format: must be"));
-    CHECK_THAT(refusal(json, "\"format_version\": 1", "\"format_version\": 9"),
-               ContainsSubstring("9 is not the version"));
-    CHECK_THAT(refusal(json, "\"memory\": 0.6", "\"memory\": 1.6"),
-               ContainsSubstring("memory: 1.6 must be within"));
+    CHECK_THAT(refusal(json, "\"format_version\": 1", "\"format_version\": 9"), ContainsSubstring("9 is not the version"));
+    CHECK_THAT(refusal(json, "\"memory\": 0.6", "\"memory\": 1.6"), ContainsSubstring("memory: 1.6 must be within"));
     CHECK_THAT(refusal(json, "\"fresh\"", "\"stale\""), ContainsSubstring("scatter.fresh: is missing"));
-    CHECK_THAT(refusal(json, "\"sudden\": 6.0", "\"sudden\": -6.0"),
-               ContainsSubstring("health_limits.sudden"));
-    CHECK_THAT(refusal(json, "\"weight\": 1.0", "\"weight\": 0.5"),
-               ContainsSubstring("p.json: models[0]: components"));
+    CHECK_THAT(refusal(json, "\"sudden\": 6.0", "\"sudden\": -6.0"), ContainsSubstring("health_limits.sudden"));
+    CHECK_THAT(refusal(json, "\"weight\": 1.0", "\"weight\": 0.5"), ContainsSubstring("p.json: models[0]: components"));
     // A single model will do.
     CHECK(wear::read_population("config/wear/model.json").population.members.size() == 1);
 }

@@ -25,8 +25,7 @@ const wear::Population& shipped() {
 
 std::vector<wear::Campaign> fleet(std::uint64_t first, std::uint64_t count) {
     std::vector<wear::Campaign> out;
-    for (std::uint64_t seed = first; seed < first + count; ++seed)
-        out.push_back(physical::worn_out(seed).campaign);
+    for (std::uint64_t seed = first; seed < first + count; ++seed) out.push_back(physical::worn_out(seed).campaign);
     return out;
 }
 
@@ -63,17 +62,15 @@ TEST_CASE("healthy brakes are seldom called abnormal", "[WEAR-060]") {
     CHECK(static_cast<double>(t.suspected_maneuvers) < 0.02 * static_cast<double>(t.maneuvers));
 }
 
-TEST_CASE("glazing, a sudden drop and a dragging piston are flagged within the stated number of maneuvers",
-          "[WEAR-060]") {
+TEST_CASE("glazing, a sudden drop and a dragging piston are flagged within the stated number of maneuvers", "[WEAR-060]") {
     const std::vector<wear::Campaign> healthy = fleet(80000, 60);
     struct Promise {
         Fault fault;
         double size;
         std::size_t ninety;
     };
-    for (const Promise& p :
-         {Promise{Fault::glazing, 0.20, 60}, Promise{Fault::drop, 0.10, 12}, Promise{Fault::drop, 0.20, 3},
-          Promise{Fault::drag, 0.10, 12}, Promise{Fault::drag, 0.20, 3}}) {
+    for (const Promise& p : {Promise{Fault::glazing, 0.20, 60}, Promise{Fault::drop, 0.10, 12}, Promise{Fault::drop, 0.20, 3},
+                             Promise{Fault::drag, 0.10, 12}, Promise{Fault::drag, 0.20, 3}}) {
         const wear::FaultTrial t = wear::try_fault(shipped(), healthy, p.fault, p.size, 1);
         CAPTURE(wear::name(p.fault), p.size, t.flagged, t.campaigns, t.median, t.ninety);
         CHECK(t.campaigns >= 57);
@@ -82,8 +79,7 @@ TEST_CASE("glazing, a sudden drop and a dragging piston are flagged within the s
     }
 }
 
-TEST_CASE("limits flag the stated share of the brakes that they were made from, by both tests together",
-          "[WEAR-060]") {
+TEST_CASE("limits flag the stated share of the brakes that they were made from, by both tests together", "[WEAR-060]") {
     // Gradual and sudden agree on some brakes and differ on others.
     std::vector<wear::HealthLimits> greatest;
     wear::Generator generator = wear::generator_of(3, 0);
@@ -92,9 +88,8 @@ TEST_CASE("limits flag the stated share of the brakes that they were made from, 
         greatest.push_back({10.0 + both + wear::normal(generator), 5.0 + both + wear::normal(generator)});
     }
     const auto flagged = [](const std::vector<wear::HealthLimits>& brakes, const wear::HealthLimits& limits) {
-        return std::count_if(brakes.begin(), brakes.end(), [&](const wear::HealthLimits& g) {
-            return g.gradual >= limits.gradual || g.sudden >= limits.sudden;
-        });
+        return std::count_if(brakes.begin(), brakes.end(),
+                             [&](const wear::HealthLimits& g) { return g.gradual >= limits.gradual || g.sudden >= limits.sudden; });
     };
     CHECK(flagged(greatest, wear::calibrated(greatest)) == 10);
     std::vector<wear::HealthLimits> others;
@@ -142,13 +137,11 @@ TEST_CASE("a fault is put in as it is described", "[WEAR-060]") {
     CHECK(glazing.points[120].c_e_J == healthy.points[120].c_e_J);
 }
 
-TEST_CASE("with a single model its own brake is healthy for all of its life, and its drop is flagged",
-          "[WEAR-060]") {
+TEST_CASE("with a single model its own brake is healthy for all of its life, and its drop is flagged", "[WEAR-060]") {
     const wear::Population p = wear::read_population("config/wear/model.json").population;
     int flagged = 0;
     for (std::uint64_t seed = 1001; seed <= 1020; ++seed) {
-        wear::WearingBrake brake({std::make_shared<const wear::Model>(p.models.at(0)), {}, 488e6, {}}, {},
-                                 {seed, 0, 0.0});
+        wear::WearingBrake brake({std::make_shared<const wear::Model>(p.models.at(0)), {}, 488e6, {}}, {}, {seed, 0, 0.0});
         wear::HealthMonitor monitor(p);
         wear::HealthMonitor dropped(p);
         for (int i = 0; i < 480; ++i) {

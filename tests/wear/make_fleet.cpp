@@ -17,10 +17,8 @@
 
 namespace {
 
-wear::Campaign drawn(const std::shared_ptr<const wear::Model>& model, wear::Choice choice,
-                     std::uint64_t seed) {
-    wear::WearingBrake brake({model, {}, model->data.last_c_e_J, {}}, {wear::Variance::exact, choice},
-                             {seed, 0, 0.0});
+wear::Campaign drawn(const std::shared_ptr<const wear::Model>& model, wear::Choice choice, std::uint64_t seed) {
+    wear::WearingBrake brake({model, {}, model->data.last_c_e_J, {}}, {wear::Variance::exact, choice}, {seed, 0, 0.0});
     wear::Campaign campaign;
     for (std::size_t i = 0; i < model->data.maneuvers; ++i) {
         const double friction = brake.next_friction();
@@ -43,12 +41,10 @@ int main(int argc, char** argv) try {
     std::filesystem::create_directories(directory);
     std::shared_ptr<const wear::Model> model;
     if (argc == 6) model = std::make_shared<const wear::Model>(wear::read_model(argv[4]));
-    const wear::Choice choice =
-        argc == 6 && std::string_view(argv[5]) == "mixture" ? wear::Choice::mixture : wear::Choice::nearest;
+    const wear::Choice choice = argc == 6 && std::string_view(argv[5]) == "mixture" ? wear::Choice::mixture : wear::Choice::nearest;
     for (std::uint64_t seed = first; seed < first + count; ++seed)
-        settings::write_file(
-            directory / fmt::format("brake_{:06}.csv", seed),
-            wear::to_csv(model ? drawn(model, choice, seed) : physical::worn_out(seed).campaign));
+        settings::write_file(directory / fmt::format("brake_{:06}.csv", seed),
+                             wear::to_csv(model ? drawn(model, choice, seed) : physical::worn_out(seed).campaign));
     return 0;
 } catch (const std::exception& e) {
     fmt::print(stderr, "wear-fleet: {}\n", e.what());

@@ -26,9 +26,7 @@ double printed_density(const Mixture& mixture, const Point& x) {
         const double det = c.variance_c_e_J2 * c.variance_friction - c.covariance_J * c.covariance_J;
         const double dc = x.c_e_J - c.mean_c_e_J;
         const double dm = x.mean_friction - c.mean_friction;
-        const double q =
-            (c.variance_friction * dc * dc - 2.0 * c.covariance_J * dc * dm + c.variance_c_e_J2 * dm * dm) /
-            det;
+        const double q = (c.variance_friction * dc * dc - 2.0 * c.covariance_J * dc * dm + c.variance_c_e_J2 * dm * dm) / det;
         sum += c.weight * std::exp(-0.5 * q) / std::sqrt(std::pow(2.0 * std::numbers::pi, 2) * det);
     }
     return sum;
@@ -93,8 +91,7 @@ TEST_CASE("a mixture that is none is refused", "[WEAR-003]") {
     refused([](Component& c) { c.weight = 0.0; });
     refused([](Component& c) { c.mean_friction = std::nan(""); });
     refused([](Component& c) { c.variance_friction = 0.0; });
-    refused(
-        [](Component& c) { c.covariance_J = std::sqrt(c.variance_c_e_J2 * c.variance_friction) * 1.001; });
+    refused([](Component& c) { c.covariance_J = std::sqrt(c.variance_c_e_J2 * c.variance_friction) * 1.001; });
 }
 
 TEST_CASE("BIC counts 6 M - 1 parameters", "[WEAR-003]") {
@@ -107,8 +104,7 @@ TEST_CASE("the exact conditional agrees with numerical integration of the joint 
     const Mixture mixture = known::four();
     for (const double a_MJ : {0.0, 15.0, 60.0, 100.0, 220.0, 225.0, 300.0, 430.0, 440.0, 490.0}) {
         const Integrated truth = integrated(mixture, a_MJ * 1e6);
-        const wear::Conditional c =
-            wear::friction_given_energy(mixture, a_MJ * 1e6, {wear::Variance::exact, wear::Choice::mixture});
+        const wear::Conditional c = wear::friction_given_energy(mixture, a_MJ * 1e6, {wear::Variance::exact, wear::Choice::mixture});
         INFO(a_MJ << " MJ");
         CHECK(c.mean() == Approx(truth.mean).epsilon(1e-8));
         CHECK(c.variance() == Approx(truth.variance).epsilon(1e-6));
@@ -120,10 +116,8 @@ TEST_CASE("for one component eq. (14) with 1 - rho^2 is exact, the printed 1 - r
         const Mixture one({known::component(1.0, 200.0, 50.0, 0.25, 0.01, rho)});
         const double a_J = 260e6;
         const Integrated truth = integrated(one, a_J);
-        const wear::Conditional exact =
-            wear::friction_given_energy(one, a_J, {wear::Variance::exact, wear::Choice::nearest});
-        const wear::Conditional printed =
-            wear::friction_given_energy(one, a_J, {wear::Variance::printed, wear::Choice::nearest});
+        const wear::Conditional exact = wear::friction_given_energy(one, a_J, {wear::Variance::exact, wear::Choice::nearest});
+        const wear::Conditional printed = wear::friction_given_energy(one, a_J, {wear::Variance::printed, wear::Choice::nearest});
         CHECK(exact.mean() == Approx(truth.mean).epsilon(1e-9));
         CHECK(exact.variance() == Approx(truth.variance).epsilon(1e-7));
         CHECK(exact.mean() == Approx(0.25 + 0.01 / 50e6 * rho * 60e6));
@@ -139,8 +133,7 @@ TEST_CASE("nearest asks the component whose mean is nearest in energy, mixture a
     // Between 130 and 320 MJ the middle is 225 MJ, however wide the components are.
     CHECK(nearest(224.9).mean() == Approx(0.262 - 0.70 * 0.006 / 40.0 * 94.9));
     CHECK(nearest(225.1).mean() == Approx(0.240 + 0.60 * 0.005 / 60.0 * 94.9));
-    const wear::Conditional all =
-        wear::friction_given_energy(mixture, 224.9e6, {wear::Variance::exact, wear::Choice::mixture});
+    const wear::Conditional all = wear::friction_given_energy(mixture, 224.9e6, {wear::Variance::exact, wear::Choice::mixture});
     double weights = 0.0;
     for (const auto& term : all.terms) weights += term.weight;
     CHECK(weights == Approx(1.0));
@@ -161,8 +154,7 @@ TEST_CASE("samples reproduce the mixture", "[WEAR-003]") {
         friction.push_back(p.mean_friction);
         // If energy and friction belong together, friction's place in its conditional distribution is uniform.
         conditional.push_back(
-            wear::friction_given_energy(mixture, p.c_e_J, {wear::Variance::exact, wear::Choice::mixture})
-                .cumulative(p.mean_friction));
+            wear::friction_given_energy(mixture, p.c_e_J, {wear::Variance::exact, wear::Choice::mixture}).cumulative(p.mean_friction));
     }
     const auto marginal = [&](auto of) {
         return [&mixture, of](double x) {
@@ -172,9 +164,8 @@ TEST_CASE("samples reproduce the mixture", "[WEAR-003]") {
         };
     };
     const double bound = kolmogorov::bound_at_0_001(kCount);
-    CHECK(kolmogorov::distance(energy, marginal([](const Component& c, double x) {
-                                   return c.weight * normal_cdf(x, c.mean_c_e_J, c.variance_c_e_J2);
-                               })) < bound);
+    CHECK(kolmogorov::distance(
+              energy, marginal([](const Component& c, double x) { return c.weight * normal_cdf(x, c.mean_c_e_J, c.variance_c_e_J2); })) < bound);
     CHECK(kolmogorov::distance(friction, marginal([](const Component& c, double x) {
                                    return c.weight * normal_cdf(x, c.mean_friction, c.variance_friction);
                                })) < bound);
@@ -186,24 +177,22 @@ TEST_CASE("samples reproduce the mixture", "[WEAR-003]") {
     wear::Generator again = wear::generator_of(20, 0);
     for (std::size_t i = 0; i < kCount; ++i) {
         const Point p = mixture.sample(again);
-        off.push_back(wear::friction_given_energy(Mixture(wrong), p.c_e_J,
-                                                  {wear::Variance::exact, wear::Choice::mixture})
-                          .cumulative(p.mean_friction));
+        off.push_back(
+            wear::friction_given_energy(Mixture(wrong), p.c_e_J, {wear::Variance::exact, wear::Choice::mixture}).cumulative(p.mean_friction));
     }
     CHECK(kolmogorov::distance(off, [](double u) { return u; }) > bound);
 }
 
 TEST_CASE("draws of the conditional have its distribution", "[WEAR-003]") {
     const Mixture mixture = known::four();
-    for (const auto& rule : {wear::ConditionalRule{wear::Variance::exact, wear::Choice::mixture},
-                             wear::ConditionalRule{wear::Variance::exact, wear::Choice::nearest},
-                             wear::ConditionalRule{wear::Variance::printed, wear::Choice::nearest}}) {
+    for (const auto& rule :
+         {wear::ConditionalRule{wear::Variance::exact, wear::Choice::mixture}, wear::ConditionalRule{wear::Variance::exact, wear::Choice::nearest},
+          wear::ConditionalRule{wear::Variance::printed, wear::Choice::nearest}}) {
         const wear::Conditional c = wear::friction_given_energy(mixture, 60e6, rule);
         wear::Generator generator = wear::generator_of(21, 0);
         std::vector<double> draws;
         draws.reserve(20000);
         for (int i = 0; i < 20000; ++i) draws.push_back(c.sample(generator));
-        CHECK(kolmogorov::distance(draws, [&](double x) { return c.cumulative(x); }) <
-              kolmogorov::bound_at_0_001(draws.size()));
+        CHECK(kolmogorov::distance(draws, [&](double x) { return c.cumulative(x); }) < kolmogorov::bound_at_0_001(draws.size()));
     }
 }

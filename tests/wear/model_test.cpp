@@ -52,22 +52,17 @@ TEST_CASE("a model file that is none is refused, naming file and key", "[WEAR-01
     CHECK_THAT(model_refusal(""), ContainsSubstring("model.json: no JSON"));
     CHECK_THAT(model_refusal(json.substr(0, json.size() / 2)), ContainsSubstring("model.json: no JSON"));
     CHECK_THAT(model_refusal("[]"), ContainsSubstring("model.json: must be an object"));
-    CHECK_THAT(model_refusal(replaced(json, "antiskid wear model", "other")),
-               ContainsSubstring("model.json: format: must be"));
+    CHECK_THAT(model_refusal(replaced(json, "antiskid wear model", "other")), ContainsSubstring("model.json: format: must be"));
     CHECK_THAT(model_refusal(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
                ContainsSubstring("format_version: 2 is not the version"));
-    CHECK_THAT(model_refusal(replaced(json, "\"maneuvers\"", "\"landings\"")),
-               ContainsSubstring("model.json: data.maneuvers: is missing"));
-    CHECK_THAT(model_refusal(replaced(json, "\"starts\": 5", "\"starts\": \"5\"")),
-               ContainsSubstring("search.starts: must be an integer"));
+    CHECK_THAT(model_refusal(replaced(json, "\"maneuvers\"", "\"landings\"")), ContainsSubstring("model.json: data.maneuvers: is missing"));
+    CHECK_THAT(model_refusal(replaced(json, "\"starts\": 5", "\"starts\": \"5\"")), ContainsSubstring("search.starts: must be an integer"));
     CHECK_THAT(model_refusal(replaced(json, "\"tolerance\": 1e-08", "\"tolerance\": -1")),
                ContainsSubstring("search.tolerance: -1 must be positive"));
     CHECK_THAT(model_refusal(replaced(json, "\"seed\"", "\"extra\": 1, \"seed\"")),
                ContainsSubstring("search: has a key that this format does not know"));
-    CHECK_THAT(model_refusal(replaced(json, "\"weight\": 0.", "\"weight\": 0.9")),
-               ContainsSubstring("components: the weights add up to"));
-    CHECK_THAT(model_refusal(replaced(json, "\"weight\": ", "\"weight\": -")),
-               ContainsSubstring("components[0].weight"));
+    CHECK_THAT(model_refusal(replaced(json, "\"weight\": 0.", "\"weight\": 0.9")), ContainsSubstring("components: the weights add up to"));
+    CHECK_THAT(model_refusal(replaced(json, "\"weight\": ", "\"weight\": -")), ContainsSubstring("components[0].weight"));
 }
 
 TEST_CASE("beyond its data the model says so, and goes on as it says", "[WEAR-009]") {

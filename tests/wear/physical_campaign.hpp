@@ -40,13 +40,11 @@ inline double maneuver_energy_J(wear::Generator& generator) {
 inline double expected_friction(const BrakeLaw& law, double worn_J) {
     const double life = worn_J / law.lining_J;
     const double core = std::max(0.0, (life - 1.0 + law.core_share) / law.core_share);
-    return law.plateau + law.run_in / (1.0 + std::pow(worn_J / law.run_in_J, 1.5)) - law.loss * life -
-           law.core_loss * core * core;
+    return law.plateau + law.run_in / (1.0 + std::pow(worn_J / law.run_in_J, 1.5)) - law.loss * life - law.core_loss * core * core;
 }
 
 /// `expected`: takes what each maneuver's friction would have been without scatter.
-inline wear::Campaign campaign(const BrakeLaw& law, std::uint64_t seed,
-                               std::vector<double>* expected = nullptr) {
+inline wear::Campaign campaign(const BrakeLaw& law, std::uint64_t seed, std::vector<double>* expected = nullptr) {
     wear::Generator generator = wear::generator_of(seed, 0);
     wear::Campaign out;
     out.source = "physical law";
@@ -55,12 +53,10 @@ inline wear::Campaign campaign(const BrakeLaw& law, std::uint64_t seed,
     double worn_J = 0.0;
     double c_e_J = 0.0;
     for (int i = 0; i < law.maneuvers; ++i) {
-        temperature =
-            law.memory * temperature + std::sqrt(1.0 - law.memory * law.memory) * wear::normal(generator);
+        temperature = law.memory * temperature + std::sqrt(1.0 - law.memory * law.memory) * wear::normal(generator);
         following = std::clamp(following, temperature - law.play, temperature + law.play);
         const double energy_J = maneuver_energy_J(generator);
-        const double friction = expected_friction(law, worn_J) + law.per_temperature * following +
-                                law.measurement * wear::normal(generator);
+        const double friction = expected_friction(law, worn_J) + law.per_temperature * following + law.measurement * wear::normal(generator);
         if (expected != nullptr) expected->push_back(expected_friction(law, worn_J));
         // A hot brake wears faster: the energy axis is not the wear axis.
         worn_J += energy_J * (1.0 + 0.05 * temperature);

@@ -19,9 +19,8 @@ using namespace replay_test;
 
 namespace {
 
-const std::map<std::string, wear::Curve> kTruth{{"light", {1.10, -0.16, -0.06, 0.0}},
-                                                {"medium", {1.15, -0.60, 0.45, 0.0}},
-                                                {"heavy", {1.22, -1.02, 0.72, 0.20}}};
+const std::map<std::string, wear::Curve> kTruth{
+    {"light", {1.10, -0.16, -0.06, 0.0}}, {"medium", {1.15, -0.60, 0.45, 0.0}}, {"heavy", {1.22, -1.02, 0.72, 0.20}}};
 
 double at(const wear::Curve& c, double x) {
     return c[0] + x * (c[1] + x * (c[2] + x * c[3]));
@@ -39,8 +38,7 @@ double truth_at(const std::string& name, double x, double measured_mps, double p
     return at(c, std::min(x * per, 1.0)) / mean;
 }
 
-std::string landing_of(const std::string& maneuver, std::uint64_t seed,
-                       const std::string& surface = "dry_asphalt") {
+std::string landing_of(const std::string& maneuver, std::uint64_t seed, const std::string& surface = "dry_asphalt") {
     auto o = scenarios::options({surface, maneuver});
     o.seed = seed;
     return landing(o);
@@ -78,8 +76,7 @@ TEST_CASE("curves learnt from bus logs of the virtual rig are its own", "[WEAR-0
         for (int i = 0; i <= 20; ++i) {
             const double x = i / 20.0;
             INFO("x " << x);
-            const double error = std::abs(found.at(x) - truth_at(c.friction_class, x, c.stops[0].brake_on_mps,
-                                                                 prescribed.at(c.friction_class)));
+            const double error = std::abs(found.at(x) - truth_at(c.friction_class, x, c.stops[0].brake_on_mps, prescribed.at(c.friction_class)));
             CHECK(error < 2.0 * found.half_width_at(x) + kResolution);
             held += error <= found.half_width_at(x) + kResolution ? 1 : 0;
             CHECK(found.half_width_at(x) < 0.005);
@@ -108,23 +105,20 @@ TEST_CASE("a folder's summary says which maneuver it was; what was aborted is pa
     CHECK(classes[0].stops.size() == 2);
     REQUIRE(said.size() == 1);
     CHECK_THAT(said[0], ContainsSubstring("load lost"));
-    CHECK_THROWS_WITH(plant_sim::load_stops({{"", write_log(dir, "alone", log).parent_path()}}, files),
-                      ContainsSubstring("write e.g. light="));
+    CHECK_THROWS_WITH(plant_sim::load_stops({{"", write_log(dir, "alone", log).parent_path()}}, files), ContainsSubstring("write e.g. light="));
     CHECK_THROWS_WITH(plant_sim::load_stops({{"leight", dir.path()}}, files),
                       ContainsSubstring("neither a friction class (light, medium, heavy) nor a maneuver"));
-    CHECK_THROWS_WITH(plant_sim::load_stops({{"light", dir.path() / "nowhere"}}, files),
-                      ContainsSubstring("is not there"));
-    CHECK_THROWS_WITH(plant_sim::load_stops({{"light", write_log(dir, "cut", log.substr(0, 40000))}}, files),
-                      ContainsSubstring("no braking in it"));
+    CHECK_THROWS_WITH(plant_sim::load_stops({{"light", dir.path() / "nowhere"}}, files), ContainsSubstring("is not there"));
+    CHECK_THROWS_WITH(plant_sim::load_stops({{"light", write_log(dir, "cut", log.substr(0, 40000))}}, files), ContainsSubstring("no braking in it"));
 }
 
 TEST_CASE("a CSV is a stop when its columns say so", "[WEAR-040]") {
     const std::string head = "time_s,speed_mps,pressure_Pa,brake_torque_Nm\n";
-    const wear::RecordedStop stop = plant_sim::parse_stop(
-        "a.csv",
-        "# "
-        "said\nnote,pressure_Pa,time_s,brake_torque_Nm,speed_mps\nx,0,0,0,51\nx,0,1,0,50\n\nx,1e6,2,900,49\n",
-        3e-3);
+    const wear::RecordedStop stop =
+        plant_sim::parse_stop("a.csv",
+                              "# "
+                              "said\nnote,pressure_Pa,time_s,brake_torque_Nm,speed_mps\nx,0,0,0,51\nx,0,1,0,50\n\nx,1e6,2,900,49\n",
+                              3e-3);
     REQUIRE(stop.samples.size() == 3);
     CHECK(stop.brake_on_mps == 50.0);
     CHECK(stop.samples[2].brake_torque_Nm == 900.0);
@@ -138,8 +132,7 @@ TEST_CASE("a CSV is a stop when its columns say so", "[WEAR-040]") {
     };
     CHECK_THAT(refusal(""), ContainsSubstring("a.csv: empty"));
     CHECK_THAT(refusal(head), ContainsSubstring("no row"));
-    CHECK_THAT(refusal("time_s,speed,pressure_Pa,brake_torque_Nm\n"),
-               ContainsSubstring("a.csv:1: speed_mps: no such column"));
+    CHECK_THAT(refusal("time_s,speed,pressure_Pa,brake_torque_Nm\n"), ContainsSubstring("a.csv:1: speed_mps: no such column"));
     CHECK_THAT(refusal(head + "0,50,1e6,nan\n"), ContainsSubstring("a.csv:2: brake_torque_Nm: 'nan'"));
     CHECK_THAT(refusal(head + "0,50,1e6\n"), ContainsSubstring("a.csv:2: has 3 fields"));
     CHECK_THAT(refusal(head + "1,50,1e6,9\n0,50,1e6,9\n"), ContainsSubstring("a.csv:3: time_s"));
@@ -156,31 +149,23 @@ TEST_CASE("the plant takes learnt curves over, class by class, and refuses what 
     plant::ManeuverChoice choice;
     choice.friction_curves = dir.write("curves.toml", plant_sim::to_toml({learnt}, {"c", "d"}));
     const plant::LoadedRig with = plant::load_rig("config", choice);
-    for (std::size_t k = 0; k < 4; ++k)
-        CHECK(with.rig.friction_curve[k] == Approx(0.30 * learnt.found.curve[k]));
+    for (std::size_t k = 0; k < 4; ++k) CHECK(with.rig.friction_curve[k] == Approx(0.30 * learnt.found.curve[k]));
     CHECK(with.friction_class == "heavy");
     CHECK(std::count(with.files.begin(), with.files.end(), choice.friction_curves) == 1);
     choice.maneuver = "light";
     CHECK(plant::load_rig("config", choice).rig.friction_curve[0] == Approx(0.30 * 1.10));
-    choice.friction_curves =
-        dir.write("zero.toml", "[brake.relative_friction]\nheavy = [1.0, -2.0, 0.0, 0.0]\n");
-    CHECK_THROWS_WITH(plant::load_rig("config", choice),
-                      ContainsSubstring("zero.toml:2: brake.relative_friction.heavy: falls to zero"));
-    choice.friction_curves =
-        dir.write("none.toml", "[brake.relative_friction]\nhaevy = [1.0, 0.0, 0.0, 0.0]\n");
-    CHECK_THROWS_WITH(plant::load_rig("config", choice),
-                      ContainsSubstring("none.toml:2: brake.relative_friction.haevy"));
+    choice.friction_curves = dir.write("zero.toml", "[brake.relative_friction]\nheavy = [1.0, -2.0, 0.0, 0.0]\n");
+    CHECK_THROWS_WITH(plant::load_rig("config", choice), ContainsSubstring("zero.toml:2: brake.relative_friction.heavy: falls to zero"));
+    choice.friction_curves = dir.write("none.toml", "[brake.relative_friction]\nhaevy = [1.0, 0.0, 0.0, 0.0]\n");
+    CHECK_THROWS_WITH(plant::load_rig("config", choice), ContainsSubstring("none.toml:2: brake.relative_friction.haevy"));
     choice.friction_curves = dir.write("empty.toml", "[brake.relative_friction]\n");
-    CHECK_THROWS_WITH(plant::load_rig("config", choice),
-                      ContainsSubstring("expected one or more of light, medium, heavy"));
+    CHECK_THROWS_WITH(plant::load_rig("config", choice), ContainsSubstring("expected one or more of light, medium, heavy"));
 }
 
 TEST_CASE("the report's JSON has what was learnt", "[WEAR-011]") {
     const TempDir dir;
-    const auto classes =
-        plant_sim::load_stops({{"medium", write_log(dir, "one", landing_of("medium_a", 4))}}, quiet());
-    plant_sim::ClassDynamics learnt{classes.at(0), wear::learn_dynamics(classes.at(0).stops, {}),
-                                    kTruth.at("medium")};
+    const auto classes = plant_sim::load_stops({{"medium", write_log(dir, "one", landing_of("medium_a", 4))}}, quiet());
+    plant_sim::ClassDynamics learnt{classes.at(0), wear::learn_dynamics(classes.at(0).stops, {}), kTruth.at("medium")};
     const auto json = nlohmann::json::parse(plant_sim::to_json({learnt}, {"c", "d"}));
     CHECK(json["config_hash"] == "c");
     CHECK(json["classes"][0]["class"] == "medium");

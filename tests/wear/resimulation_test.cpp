@@ -33,8 +33,7 @@ TEST_CASE("the campaign simulated again has its trend and scatter", "[WEAR-009]"
             all += band.maneuvers;
             CAPTURE(band.from_J, band.mean_error, band.deviation_recorded, band.deviation_simulated);
             // Four standard errors of the difference of two means; draws are made one maneuver early in energy.
-            const double error = std::hypot(band.deviation_recorded, band.deviation_simulated) /
-                                 std::sqrt(static_cast<double>(band.maneuvers));
+            const double error = std::hypot(band.deviation_recorded, band.deviation_simulated) / std::sqrt(static_cast<double>(band.maneuvers));
             CHECK(std::abs(band.mean_error) < 4.0 * error);
         }
         CHECK(all == 500);
@@ -49,8 +48,7 @@ TEST_CASE("the measures notice a brake that is another", "[WEAR-009]") {
     const wear::Campaign recorded = physical::campaign(physical::laws()[0], 35);
     const wear::Campaign other = physical::campaign(physical::laws()[2], 35);
     const wear::Model model = fitted(other);
-    const wear::Comparison c =
-        wear::compare(recorded, wear::resimulated(recorded, model, kMixture, 1), model, kMixture);
+    const wear::Comparison c = wear::compare(recorded, wear::resimulated(recorded, model, kMixture, 1), model, kMixture);
     CHECK(c.coverage_90 < 0.8);
     CHECK(c.ks_probability < 0.001);
 }

@@ -29,8 +29,7 @@ std::string made_up_campaign() {
         "maneuver,mean_friction,cumulative_energy_MJ\n";
     const wear::Campaign campaign = physical::campaign(physical::shipped_law(), 1);
     for (std::size_t i = 0; i < campaign.points.size(); ++i)
-        fmt::format_to(std::back_inserter(csv), "{},{:.5f},{:.4f}\n", i + 1, campaign.points[i].mean_friction,
-                       campaign.points[i].c_e_J * 1e-6);
+        fmt::format_to(std::back_inserter(csv), "{},{:.5f},{:.4f}\n", i + 1, campaign.points[i].mean_friction, campaign.points[i].c_e_J * 1e-6);
     return csv;
 }
 

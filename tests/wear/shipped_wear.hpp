@@ -7,6 +7,5 @@
 
 /// A brake of the shipped model, with the life of its campaign.
 inline wear::BrakeWear shipped_wear(const wear::BrakeScale& scale = {}) {
-    return {std::make_shared<const wear::Model>(wear::read_model("config/wear/model.json")), scale, 488e6,
-            "config/wear/model.json"};
+    return {std::make_shared<const wear::Model>(wear::read_model("config/wear/model.json")), scale, 488e6, "config/wear/model.json"};
 }

@@ -26,13 +26,11 @@ BrakeWear loaded(const std::string& text, const std::filesystem::path& directory
     return wear;
 }
 
-const std::string kGood =
-    "[brake.wear]\nmodel = \"wear/model.json\"\nenergy_scale = 8.0\nfriction_scale = 1.1\nlife_J = 3.9e9\n";
+const std::string kGood = "[brake.wear]\nmodel = \"wear/model.json\"\nenergy_scale = 8.0\nfriction_scale = 1.1\nlife_J = 3.9e9\n";
 
 }  // namespace
 
-TEST_CASE("a brake of another size wears by the same model over its own energy, with its own friction",
-          "[WEAR-009]") {
+TEST_CASE("a brake of another size wears by the same model over its own energy, with its own friction", "[WEAR-009]") {
     const BrakeWear small = shipped_wear();
     const BrakeWear large = shipped_wear({.energy = 8.0, .friction = 1.2});
     std::vector<double> draws;
@@ -44,10 +42,8 @@ TEST_CASE("a brake of another size wears by the same model over its own energy, 
         draws.push_back(ours);
     }
     const wear::Conditional c = wear::friction_given_energy(*small.model, 200e6, kExactMixture);
-    CHECK(kolmogorov::distance(draws, [&](double x) { return c.cumulative(x / 1.2); }) <
-          kolmogorov::bound_at_0_001(draws.size()));
-    CHECK(wear::expected_friction_at(*large.model, large.scale, kExactMixture, 1600e6) ==
-          Approx(1.2 * c.mean()).epsilon(1e-12));
+    CHECK(kolmogorov::distance(draws, [&](double x) { return c.cumulative(x / 1.2); }) < kolmogorov::bound_at_0_001(draws.size()));
+    CHECK(wear::expected_friction_at(*large.model, large.scale, kExactMixture, 1600e6) == Approx(1.2 * c.mean()).epsilon(1e-12));
     CHECK_FALSE(WearingBrake(large, {}, {1, 0, 488e6 * 8.0}).extrapolates());
     CHECK(WearingBrake(large, {}, {1, 0, 490e6 * 8.0}).extrapolates());
     CHECK_FALSE(WearingBrake(large, {}, {}).extrapolates());
@@ -100,20 +96,16 @@ TEST_CASE("[brake.wear] is read whole or refused with its key", "[WEAR-011]") {
     const TemporaryDirectory directory;
     std::filesystem::create_directory(directory / "wear");
     put(directory / "wear/model.json", content_of("config/wear/model.json").substr(0, 300));
-    CHECK(refusal_of([&] { return loaded(kGood, directory.path()); }).file() ==
-          (directory / "wear/model.json").string());
+    CHECK(refusal_of([&] { return loaded(kGood, directory.path()); }).file() == (directory / "wear/model.json").string());
 }
 
-TEST_CASE("both rigs' brakes start at their nominal friction and are worn at the end of their life",
-          "[WEAR-011]") {
+TEST_CASE("both rigs' brakes start at their nominal friction and are worn at the end of their life", "[WEAR-011]") {
     for (const char* maneuver : {"heavy", plant::kEndurance}) {
         CAPTURE(maneuver);
         plant::ManeuverChoice choice;
         choice.maneuver = maneuver;
         const plant::LoadedRig rig = plant::load_rig("config", choice);
-        const auto at = [&](double c_e_J) {
-            return wear::expected_friction_at(*rig.wear.model, rig.wear.scale, kExactMixture, c_e_J);
-        };
+        const auto at = [&](double c_e_J) { return wear::expected_friction_at(*rig.wear.model, rig.wear.scale, kExactMixture, c_e_J); };
         CHECK(at(0.0) == Approx(rig.rig.mean_friction).margin(0.01));
         CHECK(at(rig.wear.life_J) > 0.17);
         CHECK(at(rig.wear.life_J) < 0.20);

@@ -22,9 +22,7 @@ class Refusal {
   public:
     explicit Refusal(const fs::path& path) : file_(path.string()) {}
     [[noreturn]] void because(const std::string& why) const { throw Error(file_, 0, "", why); }
-    [[noreturn]] void of_system(const std::string& what, int code) const {
-        because(what + ": " + std::strerror(code));
-    }
+    [[noreturn]] void of_system(const std::string& what, int code) const { because(what + ": " + std::strerror(code)); }
 
   private:
     std::string file_;
@@ -33,8 +31,7 @@ class Refusal {
 /// Removed when it goes, unless it was renamed first.
 class TemporaryFile {
   public:
-    TemporaryFile(const fs::path& directory, const Refusal& refusal)
-        : path_(fresh(directory, refusal)), file_(descriptor_) {}
+    TemporaryFile(const fs::path& directory, const Refusal& refusal) : path_(fresh(directory, refusal)), file_(descriptor_) {}
     ~TemporaryFile() {
         if (!path_.empty()) ::unlink(path_.c_str());
     }
@@ -60,8 +57,7 @@ class TemporaryFile {
     /// The name does not build on the target's, which may already be as long as the file system allows.
     fs::path fresh(const fs::path& directory, const Refusal& refusal) {
         for (int attempt = 0;; ++attempt) {
-            auto path =
-                directory / (".write-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".tmp");
+            auto path = directory / (".write-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".tmp");
             descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
             if (descriptor_ >= 0) return path;
             if (errno != EEXIST) refusal.of_system("cannot be written in its directory", errno);
@@ -85,8 +81,7 @@ void create_directories(const fs::path& directory, const Refusal& refusal) {
     std::deque<fs::path> missing;
     for (auto path = directory; !fs::exists(path); path = path.parent_path()) missing.push_front(path);
     for (const auto& path : missing) {
-        if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST)
-            refusal.of_system("directory " + path.string() + " cannot be created", errno);
+        if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) refusal.of_system("directory " + path.string() + " cannot be created", errno);
         sync_directory(path.parent_path(), refusal);
     }
 }

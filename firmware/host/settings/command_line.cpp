@@ -44,8 +44,7 @@ std::string unknown_word(const CLI::App& app) {
     const std::vector<const CLI::App*> verbs = app.get_subcommands([](const CLI::App*) { return true; });
     for (const CLI::App* const verb : verbs) known.push_back(verb->get_name());
     const bool is_verb = !verbs.empty() && app.get_subcommands().empty();
-    return (is_verb ? "there is no '" : "nothing takes '") + printable(words.front()) + "'" +
-           suggestion(word, known);
+    return (is_verb ? "there is no '" : "nothing takes '") + printable(words.front()) + "'" + suggestion(word, known);
 }
 
 CLI::Option* checked(CLI::Option* option, const char* type, bool (*good)(const fs::path&), const char* why) {
@@ -79,8 +78,7 @@ std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
         if (error.get_exit_code() == 0) return app.exit(error);
         const std::string unknown = unknown_word(app);
         const std::string name = full_name(innermost(app));
-        (void)std::fprintf(stderr, "%s: %s\nSee %s --help.\n", name.c_str(),
-                           unknown.empty() ? error.what() : unknown.c_str(), name.c_str());
+        (void)std::fprintf(stderr, "%s: %s\nSee %s --help.\n", name.c_str(), unknown.empty() ? error.what() : unknown.c_str(), name.c_str());
         return 2;
     }
 }
@@ -108,14 +106,12 @@ CLI::Option* existing_path(CLI::Option* option) {
 }
 
 CLI::Option* add_config_directory(CLI::App& app, fs::path& directory) {
-    return existing_directory(app.add_option("--config", directory, "configuration files"))
-        ->capture_default_str();
+    return existing_directory(app.add_option("--config", directory, "configuration files"))->capture_default_str();
 }
 
 void add_layout_files(CLI::App& app, fs::path& dbc, fs::path& binding) {
     existing_file(app.add_option("--dbc", dbc, "bus layout (default: CONFIG/antiskid.dbc)"));
-    existing_file(app.add_option("--binding", binding,
-                                 "binding of the layout (default: CONFIG/antiskid_binding.toml)"));
+    existing_file(app.add_option("--binding", binding, "binding of the layout (default: CONFIG/antiskid_binding.toml)"));
 }
 
 CLI::Option* add_out(CLI::App& app, std::filesystem::path& directory, const std::string& what) {
@@ -125,13 +121,11 @@ CLI::Option* add_out(CLI::App& app, std::filesystem::path& directory, const std:
 
 CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& default_is) {
     constexpr unsigned kMost = 1024;
-    return app.add_option("--threads", threads, "results do not depend on it (default: " + default_is + ")")
-        ->check(CLI::Range(1U, kMost));
+    return app.add_option("--threads", threads, "results do not depend on it (default: " + default_is + ")")->check(CLI::Range(1U, kMost));
 }
 
 CLI::Option* add_json(CLI::App& app, std::string& where, const std::string& what) {
-    return app.add_option("--json", where, what + " as JSON; - for standard output instead of the table")
-        ->type_name("FILE");
+    return app.add_option("--json", where, what + " as JSON; - for standard output instead of the table")->type_name("FILE");
 }
 
 void deliver(const std::string& where, std::string_view text) {

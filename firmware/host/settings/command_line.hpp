@@ -26,8 +26,7 @@ CLI::Option* one_of(CLI::Option* option, std::vector<std::string> words);
 
 /// A value by its name. What `value` holds is the default.
 template <typename T>
-CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value,
-                        const std::vector<std::pair<std::string, T>>& choices,
+CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const std::vector<std::pair<std::string, T>>& choices,
                         const std::string& description) {
     std::vector<std::string> words;
     words.reserve(choices.size());

@@ -52,8 +52,7 @@ struct Table::Scope {
 
     [[noreturn]] void refuse(std::uint32_t line, std::string_view key, const std::string& message) const;
     [[noreturn]] void refuse_unknown(std::string_view key) const;
-    [[noreturn]] void refuse_type(const toml::node& node, std::string_view key,
-                                  std::string_view expected) const;
+    [[noreturn]] void refuse_type(const toml::node& node, std::string_view key, std::string_view expected) const;
 };
 
 /// A key that nobody asked for.

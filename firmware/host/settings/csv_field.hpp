@@ -10,8 +10,8 @@ namespace settings {
 
 /// By RFC 4180: in quotes, its own ones doubled, where it holds a separator, a quote or a line end, begins with # or has blanks at an end.
 [[nodiscard]] inline std::string csv_field(std::string_view text) {
-    const bool plain = text.find_first_of(",\"\r\n") == std::string_view::npos && !text.starts_with('#') &&
-                       !text.starts_with(' ') && !text.ends_with(' ');
+    const bool plain =
+        text.find_first_of(",\"\r\n") == std::string_view::npos && !text.starts_with('#') && !text.starts_with(' ') && !text.ends_with(' ');
     if (plain) return std::string(text);
     std::string quoted = "\"";
     for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
@@ -32,13 +32,11 @@ inline void split_csv(std::string_view line, char separator, std::vector<std::st
         const std::size_t begin = line.find_first_not_of(' ', from);
         const bool quoted = begin != std::string_view::npos && line[begin] == '"';
         std::size_t closing = quoted ? line.find('"', begin + 1) : from;
-        while (quoted && closing != std::string_view::npos && line.substr(closing).starts_with("\"\""))
-            closing = line.find('"', closing + 2);
+        while (quoted && closing != std::string_view::npos && line.substr(closing).starts_with("\"\"")) closing = line.find('"', closing + 2);
         if (closing == std::string_view::npos) closing = from;
         const std::size_t end = std::min(line.find(separator, closing), line.size());
         std::string_view field = trimmed(line.substr(from, end - from));
-        if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
-            field = field.substr(1, field.size() - 2);
+        if (field.size() >= 2 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
         fields.push_back(field);
         from = end + 1;
     }

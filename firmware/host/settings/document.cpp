@@ -16,8 +16,7 @@ void refuse_long_lines(std::string_view text, const std::string& name) {
     std::uint32_t line = 1;
     while (!text.empty()) {
         const auto length = std::min(text.find('\n'), text.size());
-        if (length > kLongestLine)
-            throw Error(name, line, "", "the line is longer than " + std::to_string(kLongestLine) + " bytes");
+        if (length > kLongestLine) throw Error(name, line, "", "the line is longer than " + std::to_string(kLongestLine) + " bytes");
         text.remove_prefix(std::min(length + 1, text.size()));
         ++line;
     }
@@ -57,8 +56,7 @@ void Document::finish() const {
         pending.pop_back();
         table.scope_->inspect(unknown, pending);
     }
-    const auto first = std::min_element(unknown.begin(), unknown.end(),
-                                        [](const auto& a, const auto& b) { return a.place < b.place; });
+    const auto first = std::min_element(unknown.begin(), unknown.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
     if (first != unknown.end()) first->scope.refuse_unknown(first->key);
 }
 

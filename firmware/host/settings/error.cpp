@@ -6,8 +6,7 @@ namespace settings {
 
 namespace {
 
-std::string composed(const std::string& file, std::uint32_t line, const std::string& key,
-                     const std::string& message) {
+std::string composed(const std::string& file, std::uint32_t line, const std::string& key, const std::string& message) {
     std::string what = file;
     if (line != 0) what.append(":").append(std::to_string(line));
     what += ": ";

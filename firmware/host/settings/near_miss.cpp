@@ -43,8 +43,7 @@ std::size_t edits_between(const std::string& a, const std::string& b) {
             }
             const std::size_t substitution = at(i - 1, j - 1) + (a[i - 1] == b[j - 1] ? 0 : 1);
             at(i, j) = std::min({at(i - 1, j) + 1, at(i, j - 1) + 1, substitution});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-                at(i, j) = std::min(at(i, j), at(i - 2, j - 2) + 1);
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) at(i, j) = std::min(at(i, j), at(i - 2, j - 2) + 1);
         }
     }
     return edits.back();
@@ -53,13 +52,11 @@ std::size_t edits_between(const std::string& a, const std::string& b) {
 /// Units that key names end in, those that are right somewhere and those that people bring along.
 bool is_unit(std::string_view word) {
     static constexpr std::array<std::string_view, 77> kUnits{
-        "s",   "ms",  "us",   "ns",    "min",   "h",   "Hz",   "kHz", "MHz",  "m",      "mm",
-        "cm",  "km",  "um",   "in",    "ft",    "m2",  "mm2",  "cm2", "in2",  "m3",     "mm3",
-        "cm3", "kg",  "g",    "t",     "lb",    "lbs", "slug", "N",   "kN",   "daN",    "lbf",
-        "kgf", "Nm",  "kNm",  "ftlb",  "Pa",    "kPa", "MPa",  "hPa", "bar",  "mbar",   "psi",
-        "A",   "mA",  "uA",   "V",     "mV",    "W",   "kW",   "hp",  "J",    "kJ",     "MJ",
-        "rad", "deg", "rev",  "radps", "degps", "rpm", "rps",  "mps", "kmh",  "kph",    "kt",
-        "kts", "mph", "mps2", "kgm2",  "kgpm3", "Npm", "pct",  "K",   "Paps", "radps2", "mps3"};
+        "s",   "ms",  "us",  "ns",  "min",  "h",    "Hz",    "kHz", "MHz", "m",   "mm",    "cm",     "km",   "um",  "in",  "ft",
+        "m2",  "mm2", "cm2", "in2", "m3",   "mm3",  "cm3",   "kg",  "g",   "t",   "lb",    "lbs",    "slug", "N",   "kN",  "daN",
+        "lbf", "kgf", "Nm",  "kNm", "ftlb", "Pa",   "kPa",   "MPa", "hPa", "bar", "mbar",  "psi",    "A",    "mA",  "uA",  "V",
+        "mV",  "W",   "kW",  "hp",  "J",    "kJ",   "MJ",    "rad", "deg", "rev", "radps", "degps",  "rpm",  "rps", "mps", "kmh",
+        "kph", "kt",  "kts", "mph", "mps2", "kgm2", "kgpm3", "Npm", "pct", "K",   "Paps",  "radps2", "mps3"};
     return std::find(kUnits.begin(), kUnits.end(), word) != kUnits.end();
 }
 
@@ -92,8 +89,8 @@ bool differs_in_unit(std::string_view expected, std::string_view got) {
     if (end_of_stem == std::string_view::npos || !is_unit(expected.substr(end_of_stem + 1))) return false;
     const auto stem = expected.substr(0, end_of_stem);
     if (got == stem) return true;
-    return got != expected && got.starts_with(stem) && got.size() > stem.size() + 1 &&
-           got[stem.size()] == '_' && is_unit(got.substr(stem.size() + 1));
+    return got != expected && got.starts_with(stem) && got.size() > stem.size() + 1 && got[stem.size()] == '_' &&
+           is_unit(got.substr(stem.size() + 1));
 }
 
 std::string printable(std::string_view word) {
@@ -109,8 +106,7 @@ std::string printable(std::string_view word) {
         const auto next = i + 1 < word.size() ? static_cast<unsigned char>(word[i + 1]) : 0U;
         if (byte < 0x20U || byte == 0x7FU) {
             escape(byte);
-        } else if (byte == 0xC2U && next >= 0x80U &&
-                   next < 0xA0U) {  // UTF-8 of the control characters U+0080 to U+009F
+        } else if (byte == 0xC2U && next >= 0x80U && next < 0xA0U) {  // UTF-8 of the control characters U+0080 to U+009F
             escape(byte);
             escape(static_cast<unsigned char>(next));
             ++i;

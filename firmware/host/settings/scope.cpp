@@ -13,8 +13,7 @@ std::string shortened(std::string_view text) {
     constexpr std::size_t kMostBytes = 60;
     if (text.size() <= kMostBytes) return printable(text);
     auto end = kMostBytes;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
-        --end;  // not inside a UTF-8 character
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // not inside a UTF-8 character
     return printable(text.substr(0, end)) + "...";
 }
 
@@ -25,10 +24,7 @@ std::string wrong_unit(std::string_view expected, std::string_view got) {
 }  // namespace
 
 std::string spelt(std::string_view key) {
-    const auto is_bare = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-               c == '-';
-    };
+    const auto is_bare = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
     if (!key.empty() && std::all_of(key.begin(), key.end(), is_bare)) return std::string(key);
     return std::string("\"").append(printable(key)).append("\"");
 }
@@ -67,11 +63,9 @@ const toml::node& Table::Scope::get(std::string_view key) const {
     if (const auto* node = find(key)) return *node;
     const auto candidates = unknown_keys();
     for (const auto candidate : candidates) {
-        if (differs_in_unit(key, candidate))
-            refuse(line_of(candidate), candidate, wrong_unit(key, candidate));
+        if (differs_in_unit(key, candidate)) refuse(line_of(candidate), candidate, wrong_unit(key, candidate));
     }
-    if (const auto near = nearest(key, candidates); !near.empty())
-        refuse(line_of(near), key, "missing; is '" + printable(near) + "' a slip of it?");
+    if (const auto near = nearest(key, candidates); !near.empty()) refuse(line_of(near), key, "missing; is '" + printable(near) + "' a slip of it?");
     refuse(line(), key, "missing");
 }
 
@@ -84,8 +78,7 @@ void Table::Scope::inspect(std::vector<Unknown>& unknown, std::vector<Table>& kn
             known_tables.push_back(below(*one, key.str()));
         } else if (const auto* many = node.as_array()) {
             for (std::size_t index = 0; index < many->size(); ++index) {
-                if (const auto* element = many->get(index)->as_table())
-                    known_tables.push_back(below(*element, key.str(), index));
+                if (const auto* element = many->get(index)->as_table()) known_tables.push_back(below(*element, key.str(), index));
             }
         }
     }
@@ -97,8 +90,7 @@ Table Table::Scope::below(const toml::table& node, std::string_view key) const {
 
 Table Table::Scope::below(const toml::table& node, std::string_view key, std::size_t index) const {
     const auto position = std::string("[").append(std::to_string(index)).append("]");
-    return Table(std::make_shared<const Scope>(
-        Scope{content, &node, std::string(key) + position, path_of(key) + position}));
+    return Table(std::make_shared<const Scope>(Scope{content, &node, std::string(key) + position, path_of(key) + position}));
 }
 
 std::string Table::Scope::path_of(std::string_view key) const {
@@ -145,8 +137,7 @@ void Table::Scope::refuse_unknown(std::string_view key) const {
                (near.empty() ? "" : "; did you mean '" + printable(near) + "'?"));
 }
 
-void Table::Scope::refuse_type(const toml::node& node, std::string_view key,
-                               std::string_view expected) const {
+void Table::Scope::refuse_type(const toml::node& node, std::string_view key, std::string_view expected) const {
     refuse(node.source().begin.line, key, "expected " + std::string(expected) + ", got " + described(node));
 }
 

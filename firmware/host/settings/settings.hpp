@@ -91,15 +91,11 @@ class Table {
     }
 
     [[nodiscard]] bool boolean(std::string_view key) const;
-    [[nodiscard]] std::optional<bool> find_boolean(std::string_view key) const {
-        return has(key) ? std::optional(boolean(key)) : std::nullopt;
-    }
+    [[nodiscard]] std::optional<bool> find_boolean(std::string_view key) const { return has(key) ? std::optional(boolean(key)) : std::nullopt; }
 
     /// A string of at least one character.
     [[nodiscard]] std::string text(std::string_view key) const;
-    [[nodiscard]] std::optional<std::string> find_text(std::string_view key) const {
-        return has(key) ? std::optional(text(key)) : std::nullopt;
-    }
+    [[nodiscard]] std::optional<std::string> find_text(std::string_view key) const { return has(key) ? std::optional(text(key)) : std::nullopt; }
 
     /// A string that is one of the names of `options`:
     ///     static constexpr std::array<settings::Choice<Law>, 2> kLaws{{{"wheel_slip", Law::wheel_slip},
@@ -111,23 +107,19 @@ class Table {
         return options[index_of_choice(key, names)].value;
     }
     template <typename T>
-    [[nodiscard]] std::optional<T> find_choice(std::string_view key,
-                                               std::span<const Choice<T>> options) const {
+    [[nodiscard]] std::optional<T> find_choice(std::string_view key, std::span<const Choice<T>> options) const {
         return has(key) ? std::optional(choice<T>(key, options)) : std::nullopt;
     }
 
     /// An array of numbers, each as for number().
     [[nodiscard]] std::vector<double> numbers(std::string_view key, const NumbersRule& rule = {}) const;
-    [[nodiscard]] std::optional<std::vector<double>> find_numbers(std::string_view key,
-                                                                  const NumbersRule& rule = {}) const {
+    [[nodiscard]] std::optional<std::vector<double>> find_numbers(std::string_view key, const NumbersRule& rule = {}) const {
         return has(key) ? std::optional(numbers(key, rule)) : std::nullopt;
     }
 
     /// `[wheel]`, or `wheel = { ... }`.
     [[nodiscard]] Table table(std::string_view key) const;
-    [[nodiscard]] std::optional<Table> find_table(std::string_view key) const {
-        return has(key) ? std::optional(table(key)) : std::nullopt;
-    }
+    [[nodiscard]] std::optional<Table> find_table(std::string_view key) const { return has(key) ? std::optional(table(key)) : std::nullopt; }
 
     /// The tables under `key`, in file order: an array of tables (`[[signal]]`), or named ones
     /// (`[signal.speed]`, see name()). A missing key is as good as no tables, so it is refused unless
@@ -159,13 +151,11 @@ class Table {
     [[nodiscard]] static constexpr IntegerRange narrowed(const IntegerRange& range) {
         using Limits = std::numeric_limits<T>;
         constexpr bool above = std::cmp_greater(Limits::max(), std::numeric_limits<std::int64_t>::max());
-        constexpr std::int64_t max =
-            above ? std::numeric_limits<std::int64_t>::max() : static_cast<std::int64_t>(Limits::max());
+        constexpr std::int64_t max = above ? std::numeric_limits<std::int64_t>::max() : static_cast<std::int64_t>(Limits::max());
         return {std::max(range.min, static_cast<std::int64_t>(Limits::min())), std::min(range.max, max)};
     }
     [[nodiscard]] std::int64_t integer_within(std::string_view key, const IntegerRange& range) const;
-    [[nodiscard]] std::size_t index_of_choice(std::string_view key,
-                                              std::span<const std::string_view> names) const;
+    [[nodiscard]] std::size_t index_of_choice(std::string_view key, std::span<const std::string_view> names) const;
 
     std::shared_ptr<const Scope> scope_;
 };

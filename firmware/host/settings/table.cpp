@@ -41,8 +41,7 @@ std::string wrong_count(std::size_t count, const Count& allowed, const std::stri
 template <typename Refuse>
 double number_of(const toml::node& node, const Range& range, const Refuse& refuse) {
     if (!node.is_number()) refuse("expected a number, got " + described(node));
-    const double value =
-        node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
+    const double value = node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
     if (!std::isfinite(value)) refuse("expected a finite number, got " + shown(value));
     if (const auto reason = out_of(value, shown(value), range); !reason.empty()) refuse(reason);
     return value;
@@ -58,9 +57,7 @@ std::string listed(std::span<const std::string_view> names) {
 
 double Table::number(std::string_view key, const Range& range) const {
     const auto& node = scope_->get(key);
-    return number_of(node, range, [&](const std::string& message) {
-        scope_->refuse(node.source().begin.line, key, message);
-    });
+    return number_of(node, range, [&](const std::string& message) { scope_->refuse(node.source().begin.line, key, message); });
 }
 
 std::int64_t Table::integer_within(std::string_view key, const IntegerRange& range) const {
@@ -92,8 +89,7 @@ std::size_t Table::index_of_choice(std::string_view key, std::span<const std::st
     const auto found = std::find(names.begin(), names.end(), word);
     if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
     const auto near = nearest(word, names);
-    fail(key, described(node) + " is not one of " + listed(names) +
-                  (near.empty() ? "" : "; did you mean '" + std::string(near) + "'?"));
+    fail(key, described(node) + " is not one of " + listed(names) + (near.empty() ? "" : "; did you mean '" + std::string(near) + "'?"));
 }
 
 std::vector<double> Table::numbers(std::string_view key, const NumbersRule& rule) const {
@@ -103,16 +99,14 @@ std::vector<double> Table::numbers(std::string_view key, const NumbersRule& rule
     std::vector<double> values;
     for (const auto& element : *array) {
         const auto refuse = [&](const std::string& message) {
-            throw Error(file(), element.source().begin.line,
-                        scope_->path_of(key) + "[" + std::to_string(values.size()) + "]", message);
+            throw Error(file(), element.source().begin.line, scope_->path_of(key) + "[" + std::to_string(values.size()) + "]", message);
         };
         const double value = number_of(element, rule.range, refuse);
         if (rule.strictly_increasing && !values.empty() && value <= values.back())
             refuse(shown(value) + " is not above " + shown(values.back()) + ", the number before it");
         values.push_back(value);
     }
-    if (const auto reason = wrong_count(values.size(), rule.count, "numbers"); !reason.empty())
-        fail(key, reason);
+    if (const auto reason = wrong_count(values.size(), rule.count, "numbers"); !reason.empty()) fail(key, reason);
     return values;
 }
 

@@ -26,8 +26,7 @@ long set_extended(const int process, const iovec& part) {
     iovec all{registers, sizeof registers};
     std::uint64_t in_use = 0;
     const bool cut_off = part.iov_len >= kInUse + sizeof in_use && part.iov_len <= sizeof registers &&
-                         syscall(SYS_ptrace, PTRACE_GETREGSET, process, kExtended, &all) == 0 &&
-                         all.iov_len > part.iov_len;
+                         syscall(SYS_ptrace, PTRACE_GETREGSET, process, kExtended, &all) == 0 && all.iov_len > part.iov_len;
     if (!cut_off) return syscall(SYS_ptrace, PTRACE_SETREGSET, process, kExtended, &part);
     std::memcpy(registers, part.iov_base, part.iov_len);
     std::memcpy(&in_use, registers + kInUse, sizeof in_use);

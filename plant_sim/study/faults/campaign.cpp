@@ -32,8 +32,7 @@ class SoundStops {
 
 }  // namespace
 
-std::vector<Row> run_campaign(const Plan& plan, std::span<const std::size_t> numbers,
-                              const CampaignOptions& options) {
+std::vector<Row> run_campaign(const Plan& plan, std::span<const std::size_t> numbers, const CampaignOptions& options) {
     std::vector<std::optional<Row>> rows(numbers.size());
     SoundStops sound(plan);
     std::mutex mutex;

@@ -27,8 +27,7 @@ struct Result {
     double begun_mps = 0.0;
 };
 /// `sound` is that of `c`. `on_step` may be empty.
-[[nodiscard]] Result run_one(const Plan& plan, const Case& c, const Sound& sound,
-                             const study::StepObserver& on_step = {});
+[[nodiscard]] Result run_one(const Plan& plan, const Case& c, const Sound& sound, const study::StepObserver& on_step = {});
 
 struct Row {
     Case run;
@@ -36,14 +35,12 @@ struct Row {
 };
 
 struct CampaignOptions {
-    unsigned threads = 1;  ///< at least 1; results do not depend on it
-    const std::atomic<bool>* stop =
-        nullptr;  ///< once true, runs that have begun are finished and no other is
+    unsigned threads = 1;                              ///< at least 1; results do not depend on it
+    const std::atomic<bool>* stop = nullptr;           ///< once true, runs that have begun are finished and no other is
     std::function<void(std::size_t done)> progress{};  ///< by any thread, one at a time
 };
 
 /// Runs `numbers` of the plan; those that are finished, in the order given. Throws as run_sound.
-[[nodiscard]] std::vector<Row> run_campaign(const Plan& plan, std::span<const std::size_t> numbers,
-                                            const CampaignOptions& options);
+[[nodiscard]] std::vector<Row> run_campaign(const Plan& plan, std::span<const std::size_t> numbers, const CampaignOptions& options);
 
 }  // namespace faults

@@ -15,8 +15,7 @@ std::vector<Pair> all_pairs() {
         for (const Kind kind : kinds) pairs.push_back({signal, kind});
     };
     constexpr std::array kFrame{drop, delay, jitter, corrupt, replayed, duplicated, reordered, wrong_counter};
-    constexpr std::array kEncoder{freeze,     bias,          noise,      spike,
-                                  saturation, missing_tooth, wrong_sign, clock_step};
+    constexpr std::array kEncoder{freeze, bias, noise, spike, saturation, missing_tooth, wrong_sign, clock_step};
     constexpr std::array kValue{freeze, bias, noise, spike, saturation, wrong_sign};
     constexpr std::array kSwitch{freeze, noise, spike, wrong_sign};
     constexpr std::array kCode{bias, spike, saturation};

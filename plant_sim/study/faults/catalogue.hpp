@@ -28,10 +28,9 @@ enum class Signal : std::uint8_t {
     valve,           ///< its hydraulics
     controller,      ///< its loop, its interface, its clock
 };
-inline constexpr std::array<std::string_view, 15> kSignalNames{
-    "wheel",          "flywheel",      "pressure",         "maneuver", "demand",
-    "slip_reference", "arm",           "weight_on_wheels", "law",      "heartbeat",
-    "emergency_stop", "valve_command", "valve_current",    "valve",    "controller"};
+inline constexpr std::array<std::string_view, 15> kSignalNames{"wheel",          "flywheel",      "pressure",         "maneuver", "demand",
+                                                               "slip_reference", "arm",           "weight_on_wheels", "law",      "heartbeat",
+                                                               "emergency_stop", "valve_command", "valve_current",    "valve",    "controller"};
 
 enum class Kind : std::uint8_t {
     // of a frame
@@ -61,9 +60,8 @@ enum class Kind : std::uint8_t {
     bus_off,
 };
 inline constexpr std::array<std::string_view, 21> kKindNames{
-    "drop",          "delay",  "jitter", "corrupt", "replayed",   "duplicated", "reordered",
-    "wrong_counter", "freeze", "bias",   "noise",   "spike",      "saturation", "missing_tooth",
-    "wrong_sign",    "stuck",  "slow",   "leaking", "clock_step", "overrun",    "bus_off"};
+    "drop",  "delay",      "jitter",        "corrupt",    "replayed", "duplicated", "reordered", "wrong_counter", "freeze",  "bias",   "noise",
+    "spike", "saturation", "missing_tooth", "wrong_sign", "stuck",    "slow",       "leaking",   "clock_step",    "overrun", "bus_off"};
 
 [[nodiscard]] constexpr std::string_view name(Signal signal) {
     return kSignalNames[static_cast<std::size_t>(signal)];
@@ -91,8 +89,7 @@ struct Pair {
 struct Fault {
     Pair what{};
     double strength = 0.0;  ///< 0 to 1, even
-    double share =
-        1.0;  ///< of frames or periods that are hit, 0.02 to 1, even in its logarithm; many are hit all
+    double share = 1.0;     ///< of frames or periods that are hit, 0.02 to 1, even in its logarithm; many are hit all
     bool negative = false;  ///< of a bias, a spike, a step; which variant of a kind that has two
     double lasts_s = 0.0;   ///< 5 ms to 1 s, even in its logarithm, or kForGood
     static constexpr double kForGood = 1e9;

@@ -15,8 +15,7 @@ FrameFault::FrameFault(const Fault& fault, const antiskid::can::Layout& layout, 
     : fault_(fault), message_(layout[role]), most_delay_(role == antiskid::can::Role::valve ? 20.0 : 200.0) {}
 
 void FrameFault::arrive(const Frame& frame, std::int64_t period) {
-    const auto later = std::find_if(under_way_.begin(), under_way_.end(),
-                                    [period](const Arrival& a) { return a.period > period; });
+    const auto later = std::find_if(under_way_.begin(), under_way_.end(), [period](const Arrival& a) { return a.period > period; });
     under_way_.insert(later, {period, frame});
 }
 
@@ -54,8 +53,7 @@ void FrameFault::hit(Frame frame, std::int64_t period, plant::Random& random) {
             held_ = frame;
             return;
         case Kind::wrong_counter: {
-            const std::uint64_t counter =
-                fault_.negative ? 0 : random.bits() % message_.protection.counter_modulo;
+            const std::uint64_t counter = fault_.negative ? 0 : random.bits() % message_.protection.counter_modulo;
             return arrive(with_counter(frame, counter), period);
         }
         default:

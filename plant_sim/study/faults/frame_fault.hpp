@@ -34,8 +34,7 @@ class FrameFault {
   private:
     void hit(antiskid::can::Frame frame, std::int64_t period, plant::Random& random);
     void arrive(const antiskid::can::Frame& frame, std::int64_t period);
-    [[nodiscard]] antiskid::can::Frame with_counter(const antiskid::can::Frame& frame,
-                                                    std::uint64_t counter) const;
+    [[nodiscard]] antiskid::can::Frame with_counter(const antiskid::can::Frame& frame, std::uint64_t counter) const;
 
     struct Arrival {
         std::int64_t period = 0;

@@ -26,8 +26,8 @@ void Judge::observe(const Observation& seen) {
     if (unasked_s_ > 0.0) most_unasked_Pa_ = std::max(most_unasked_Pa_, unasked_Pa);
     if (unasked_s_ > bounds_.unasked_s) raise(Hazard::unasked_pressure);
 
-    const bool locked = !given_up && seen.slip > bounds_.lock_slip && seen.v_mps > bounds_.lock_above_mps &&
-                        seen.pressure_Pa > bounds_.lock_pressure_Pa;
+    const bool locked =
+        !given_up && seen.slip > bounds_.lock_slip && seen.v_mps > bounds_.lock_above_mps && seen.pressure_Pa > bounds_.lock_pressure_Pa;
     lock_s_ = locked ? lock_s_ + seen.period_s : 0.0;
     longest_lock_s_ = std::max(longest_lock_s_, lock_s_);
     if (lock_s_ > bounds_.lock_s) raise(Hazard::locked_wheel);
@@ -35,32 +35,24 @@ void Judge::observe(const Observation& seen) {
     not_safe_yet_ = seen.state == State::safe && !driver_safe ? not_safe_yet_ + 1 : 0;
     if (not_safe_yet_ > bounds_.safe_within_periods) raise(Hazard::late_safe);
 
-    const bool stopped =
-        seen.state == State::safe && seen.named.contains(antiskid::control::Fault::emergency_stop);
+    const bool stopped = seen.state == State::safe && seen.named.contains(antiskid::control::Fault::emergency_stop);
     stop_heard_ = stop_heard_ || stopped;
-    if (expected_.emergency_stop && !stop_heard_ && passed_s_ > bounds_.stop_within_s)
-        raise(Hazard::stop_not_heard);
+    if (expected_.emergency_stop && !stop_heard_ && passed_s_ > bounds_.stop_within_s) raise(Hazard::stop_not_heard);
 }
 
 Verdict Judge::verdict(bool stood) const {
-    Verdict v{.hazard = hazard_,
-              .named = named_,
-              .named_after_s = named_after_s_,
-              .longest_lock_s = longest_lock_s_,
-              .most_unasked_Pa = most_unasked_Pa_};
+    Verdict v{
+        .hazard = hazard_, .named = named_, .named_after_s = named_after_s_, .longest_lock_s = longest_lock_s_, .most_unasked_Pa = most_unasked_Pa_};
     const double sound_m = expected_.sound_distance_m - begun_at_m_;
     const double took_m = now_m_ - begun_at_m_;
     v.distance_share = sound_m > 0.0 ? took_m / sound_m : 1.0;
-    const auto within = [&](double share) {
-        return stood && took_m <= share * sound_m + bounds_.distance_slack_m;
-    };
+    const auto within = [&](double share) { return stood && took_m <= share * sound_m + bounds_.distance_slack_m; };
     const bool kept = expected_.changed_wish || within(bounds_.handled_share);
     // A controller that never gives permission says so by its state, and no sequencer touches down on that; one that is silent is named
     // by those who listen.
     const bool withheld = !permitted_ || fell_silent_;
     const bool degraded = lock_protection_ && within(bounds_.degraded_share);
-    if (hazard_ == Hazard::none && named_.empty() && !kept && !withheld && !degraded)
-        v.hazard = Hazard::silent_loss;
+    if (hazard_ == Hazard::none && named_.empty() && !kept && !withheld && !degraded) v.hazard = Hazard::silent_loss;
     if (v.hazard != Hazard::none)
         v.outcome = Outcome::unsafe;
     else if (!named_.empty())

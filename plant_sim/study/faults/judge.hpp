@@ -37,19 +37,17 @@ inline constexpr std::array<std::string_view, 6> kHazardNames{"none",      "unas
 
 /// The criteria.
 struct Bounds {
-    double handled_share =
-        1.15;  ///< distance from the fault's begin to standstill against the sound run's, at most
+    double handled_share = 1.15;  ///< distance from the fault's begin to standstill against the sound run's, at most
     double degraded_share = 1.5;
-    double distance_slack_m = 1.0;    ///< added to both
-    double unasked_Pa = 1e6;          ///< pressure above what is asked for ...
-    double unasked_s = 0.25;          ///< ... for so long
-    double lock_slip = 0.95;          ///< a locked wheel ...
-    double lock_pressure_Pa = 0.5e6;  ///< ... under pressure ...
-    double lock_above_mps = 6.0;      ///< ... at a speed above ...
-    double lock_s = 0.25;             ///< ... for so long
-    std::uint32_t safe_within_periods =
-        21;  ///< from the controller's safe state to the safe current at the valve's driver
-    double stop_within_s = 0.5;  ///< from the emergency stop to State::safe
+    double distance_slack_m = 1.0;           ///< added to both
+    double unasked_Pa = 1e6;                 ///< pressure above what is asked for ...
+    double unasked_s = 0.25;                 ///< ... for so long
+    double lock_slip = 0.95;                 ///< a locked wheel ...
+    double lock_pressure_Pa = 0.5e6;         ///< ... under pressure ...
+    double lock_above_mps = 6.0;             ///< ... at a speed above ...
+    double lock_s = 0.25;                    ///< ... for so long
+    std::uint32_t safe_within_periods = 21;  ///< from the controller's safe state to the safe current at the valve's driver
+    double stop_within_s = 0.5;              ///< from the emergency stop to State::safe
 };
 
 /// The plant's true state and what the controller says, once a period.
@@ -59,8 +57,7 @@ struct Observation {
     double v_mps = 0.0;
     double slip = 0.0;
     double pressure_Pa = 0.0;
-    double asked_Pa =
-        0.0;  ///< as the sequencer sends it: no demand where it does not arm, or the wheel carries no load
+    double asked_Pa = 0.0;   ///< as the sequencer sends it: no demand where it does not arm, or the wheel carries no load
     double driver_mA = 0.0;  ///< the current that the valve's driver was told
     antiskid::control::State state{};
     antiskid::control::FaultSet named;

@@ -81,9 +81,7 @@ bool Beginning::now(const study::RigSession& session) {
     constexpr double kBuildUp_s = 0.3;
     constexpr double kHeld_s = 0.3;
     const auto after = [&](double from_s, double lasts_s) { return time_s >= from_s + at_ * lasts_s; };
-    const auto below = [&](double from, double to) {
-        return braking && v <= brake_on_mps * (from + at_ * (to - from));
-    };
+    const auto below = [&](double from, double to) { return braking && v <= brake_on_mps * (from + at_ * (to - from)); };
     switch (phase_) {
         case Phase::self_test:
             return after(kSelfTestBegins_s, plan.arm_s - kSelfTestBegins_s);

@@ -31,8 +31,8 @@ enum class Phase : std::uint8_t {
     drop_out,    ///< below the drop-out speed
     standstill,  ///< held, then released
 };
-inline constexpr std::array<std::string_view, 9> kPhaseNames{
-    "self_test", "approach", "touchdown", "rolling", "build_up", "fast", "slow", "drop_out", "standstill"};
+inline constexpr std::array<std::string_view, 9> kPhaseNames{"self_test", "approach", "touchdown", "rolling",   "build_up",
+                                                             "fast",      "slow",     "drop_out",  "standstill"};
 [[nodiscard]] constexpr std::string_view name(Phase phase) {
     return kPhaseNames[static_cast<std::size_t>(phase)];
 }
@@ -65,9 +65,7 @@ struct Plan {
     std::string config_hash;
     std::string version;
 
-    [[nodiscard]] std::size_t runs() const {
-        return catalogue().size() * kPhaseNames.size() * surfaces.size() * repetitions;
-    }
+    [[nodiscard]] std::size_t runs() const { return catalogue().size() * kPhaseNames.size() * surfaces.size() * repetitions; }
     /// `number` below runs().
     [[nodiscard]] Case at(std::size_t number) const;
     [[nodiscard]] study::SessionOptions session(const Case& c) const;

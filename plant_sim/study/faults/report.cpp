@@ -45,21 +45,16 @@ std::string to_csv(const Plan& plan, std::span<const Row> rows) {
     std::string csv =
         "run,signal,kind,phase,surface,repetition,strength,share,negative,lasts_s,begun_s,begun_mps,outcome,"
         "hazard,named,named_after_s,distance_share,longest_lock_s,most_unasked_Pa\n";
-    const auto number = [](double value, bool there) {
-        return there ? fmt::format("{:.4f}", value) : std::string();
-    };
+    const auto number = [](double value, bool there) { return there ? fmt::format("{:.4f}", value) : std::string(); };
     for (const auto& [run, result] : rows) {
         const Verdict& v = result.verdict;
         const bool begun = result.begun_s >= 0.0;
-        fmt::format_to(std::back_inserter(csv),
-                       "{},{},{},{},{},{},{:.4f},{:.4f},{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.0f}\n",
-                       run.number, name(run.fault.what.signal), name(run.fault.what.kind), name(run.phase),
-                       plan.surfaces[run.surface].name, run.repetition, run.fault.strength, run.fault.share,
-                       run.fault.negative ? 1 : 0,
-                       number(run.fault.lasts_s, run.fault.lasts_s < Fault::kForGood),
-                       number(result.begun_s, begun), number(result.begun_mps, begun), name(v.outcome),
-                       name(v.hazard), text_of(v.named), number(v.named_after_s, v.named_after_s >= 0.0),
-                       v.distance_share, v.longest_lock_s, v.most_unasked_Pa);
+        fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{:.4f},{:.4f},{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.0f}\n", run.number,
+                       name(run.fault.what.signal), name(run.fault.what.kind), name(run.phase), plan.surfaces[run.surface].name, run.repetition,
+                       run.fault.strength, run.fault.share, run.fault.negative ? 1 : 0,
+                       number(run.fault.lasts_s, run.fault.lasts_s < Fault::kForGood), number(result.begun_s, begun), number(result.begun_mps, begun),
+                       name(v.outcome), name(v.hazard), text_of(v.named), number(v.named_after_s, v.named_after_s >= 0.0), v.distance_share,
+                       v.longest_lock_s, v.most_unasked_Pa);
     }
     return csv;
 }
@@ -118,10 +113,9 @@ std::string to_json(const Plan& plan, std::span<const Row> rows) {
 }
 
 std::string describe(const Plan& plan, const Case& run) {
-    return fmt::format("run {}: {} {}, strength {:.3f}, share {:.3f}{}, {}; {} on {}, repetition {}",
-                       run.number, name(run.fault.what.signal), name(run.fault.what.kind), run.fault.strength,
-                       run.fault.share, run.fault.negative ? ", negative" : "", duration(run.fault.lasts_s),
-                       name(run.phase), plan.surfaces[run.surface].name, run.repetition);
+    return fmt::format("run {}: {} {}, strength {:.3f}, share {:.3f}{}, {}; {} on {}, repetition {}", run.number, name(run.fault.what.signal),
+                       name(run.fault.what.kind), run.fault.strength, run.fault.share, run.fault.negative ? ", negative" : "",
+                       duration(run.fault.lasts_s), name(run.phase), plan.surfaces[run.surface].name, run.repetition);
 }
 
 std::string describe(const Result& result) {
@@ -129,11 +123,9 @@ std::string describe(const Result& result) {
     std::string text{name(v.outcome)};
     if (v.hazard != Hazard::none) text += fmt::format(" ({})", name(v.hazard));
     if (result.begun_s < 0.0) return text + ": the stop ended before the fault began";
-    text += fmt::format(": began at {:.3f} s and {:.1f} m/s; named {}", result.begun_s, result.begun_mps,
-                        text_of(v.named));
+    text += fmt::format(": began at {:.3f} s and {:.1f} m/s; named {}", result.begun_s, result.begun_mps, text_of(v.named));
     if (v.named_after_s >= 0.0) text += fmt::format(" after {:.3f} s", v.named_after_s);
-    return text + fmt::format("; {:.3f} of the sound stop's distance, longest lock under pressure {:.3f} s",
-                              v.distance_share, v.longest_lock_s);
+    return text + fmt::format("; {:.3f} of the sound stop's distance, longest lock under pressure {:.3f} s", v.distance_share, v.longest_lock_s);
 }
 
 std::string to_table(const Plan& plan, std::span<const Row> rows, std::size_t most) {
@@ -144,11 +136,9 @@ std::string to_table(const Plan& plan, std::span<const Row> rows, std::size_t mo
         ++signals[row.run.fault.what.signal][outcome];
         ++all[outcome];
     }
-    std::string text =
-        fmt::format("  {:<18}{:>9}{:>9}{:>9}{:>9}\n", "signal", "handled", "degraded", "safe", "UNSAFE");
+    std::string text = fmt::format("  {:<18}{:>9}{:>9}{:>9}{:>9}\n", "signal", "handled", "degraded", "safe", "UNSAFE");
     const auto line = [&text](std::string_view head, const Counts& c) {
-        fmt::format_to(std::back_inserter(text), "  {:<18}{:>9}{:>9}{:>9}{:>9}\n", head, c[0], c[1], c[2],
-                       c[3]);
+        fmt::format_to(std::back_inserter(text), "  {:<18}{:>9}{:>9}{:>9}{:>9}\n", head, c[0], c[1], c[2], c[3]);
     };
     for (const auto& [signal, counts] : signals) line(name(signal), counts);
     line("all", all);

@@ -75,9 +75,7 @@ class Bench {
     [[nodiscard]] bool heard() const { return driver_.hears(); }
     /// Demand as it is sent; none where it is not armed or the wheel carries no load.
     [[nodiscard]] double asked_Pa() const {
-        return asked_.arm && asked_.weight_on_wheels
-                   ? plan_.layout.maneuver.demand_Pa.rounded(static_cast<double>(asked_.demand_Pa))
-                   : 0.0;
+        return asked_.arm && asked_.weight_on_wheels ? plan_.layout.maneuver.demand_Pa.rounded(static_cast<double>(asked_.demand_Pa)) : 0.0;
     }
 
     void cycle(bool active) {
@@ -181,10 +179,10 @@ Sound run_sound(const Plan& plan, const Case& c) {
     sound.distance_m = bench.session().figures().stop_distance_m;
     sound.lasts_s = bench.session().rig().time_s();
     if (!sound.named.empty() || !bench.session().rig().standstill())
-        throw std::runtime_error(fmt::format(
-            "the stop on {}, sensor seed {}, names faults or does not come to rest without any fault: "
-            "nothing can be said about it with one",
-            plan.surfaces[c.surface].name, c.sensor_seed));
+        throw std::runtime_error(
+            fmt::format("the stop on {}, sensor seed {}, names faults or does not come to rest without any fault: "
+                        "nothing can be said about it with one",
+                        plan.surfaces[c.surface].name, c.sensor_seed));
     return sound;
 }
 

@@ -41,27 +41,21 @@ void SampleFault::apply_law(antiskid::can::ManeuverSample& maneuver, plant::Rand
     unsigned wrong = law;
     if (fault_.what.kind == Kind::bias) wrong = (law + 1U) % kLaws;
     if (fault_.what.kind == Kind::saturation) wrong = fault_.negative ? kLaws : 7U;
-    if (fault_.what.kind == Kind::spike && uniform(random) < fault_.share)
-        wrong = static_cast<unsigned>(random.bits() % kLaws);
+    if (fault_.what.kind == Kind::spike && uniform(random) < fault_.share) wrong = static_cast<unsigned>(random.bits() % kLaws);
     maneuver.law = static_cast<Law>(wrong);
 }
 
-void SampleFault::apply(antiskid::can::RigSample& sample, const study::RigSession& session, bool active,
-                        plant::Random& random) {
+void SampleFault::apply(antiskid::can::RigSample& sample, const study::RigSession& session, bool active, plant::Random& random) {
     const plant::Rig& rig = session.rig();
     const double now_s = rig.time_s();
-    const auto number = [&](float& value) {
-        value = static_cast<float>(value_.apply(static_cast<double>(value), active, random));
-    };
+    const auto number = [&](float& value) { value = static_cast<float>(value_.apply(static_cast<double>(value), active, random)); };
     if (of_frame(fault_.what.kind) && fault_.what.signal != Signal::emergency_stop) return;
     switch (fault_.what.signal) {
         case Signal::wheel:
-            sample.wheel =
-                encoder_.apply(sample.wheel, rig.wheel().omega_radps, now_s, period_s_, active, random);
+            sample.wheel = encoder_.apply(sample.wheel, rig.wheel().omega_radps, now_s, period_s_, active, random);
             break;
         case Signal::flywheel:
-            sample.flywheel = encoder_.apply(sample.flywheel, rig.wheel().v_mps / flywheel_radius_m_, now_s,
-                                             period_s_, active, random);
+            sample.flywheel = encoder_.apply(sample.flywheel, rig.wheel().v_mps / flywheel_radius_m_, now_s, period_s_, active, random);
             break;
         case Signal::pressure:
             number(sample.pressure_Pa);
@@ -76,16 +70,13 @@ void SampleFault::apply(antiskid::can::RigSample& sample, const study::RigSessio
             sample.maneuver.arm = switch_.apply(sample.maneuver.arm, active, random);
             break;
         case Signal::weight_on_wheels:
-            sample.maneuver.weight_on_wheels =
-                switch_.apply(sample.maneuver.weight_on_wheels, active, random);
+            sample.maneuver.weight_on_wheels = switch_.apply(sample.maneuver.weight_on_wheels, active, random);
             break;
         case Signal::law:
             if (active) apply_law(sample.maneuver, random);
             break;
         case Signal::emergency_stop:
-            if (active)
-                pressed_until_s_ =
-                    std::max(pressed_until_s_, now_s + (pressed_until_s_ < 0.0 ? kPressed_s : 0.0));
+            if (active) pressed_until_s_ = std::max(pressed_until_s_, now_s + (pressed_until_s_ < 0.0 ? kPressed_s : 0.0));
             sample.emergency_stop = active || now_s < pressed_until_s_;
             break;
         default:

@@ -15,8 +15,7 @@ class SampleFault {
     static constexpr double kPressed_s = 0.5;
 
     SampleFault(const Fault& fault, const plant::RigParameters& rig, double period_s);
-    void apply(antiskid::can::RigSample& sample, const study::RigSession& session, bool active,
-               plant::Random& random);
+    void apply(antiskid::can::RigSample& sample, const study::RigSession& session, bool active, plant::Random& random);
 
   private:
     void apply_law(antiskid::can::ManeuverSample& maneuver, plant::Random& random) const;

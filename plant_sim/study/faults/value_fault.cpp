@@ -70,13 +70,10 @@ double EncoderFault::wrong_speed(double speed_radps, plant::Random& random) cons
             wrong = speed_radps * (1.0 + between(0.01, 0.3, fault_.strength) * random.noise());
             break;
         case Kind::spike:
-            if (uniform(random) < fault_.share)
-                wrong = speed_radps * (1.0 + sign * between(0.2, 10.0, fault_.strength));
+            if (uniform(random) < fault_.share) wrong = speed_radps * (1.0 + sign * between(0.2, 10.0, fault_.strength));
             break;
         case Kind::saturation:
-            wrong = fault_.negative
-                        ? full_radps_
-                        : std::min(speed_radps, between(0.05, 0.9, fault_.strength) * full_radps_);
+            wrong = fault_.negative ? full_radps_ : std::min(speed_radps, between(0.05, 0.9, fault_.strength) * full_radps_);
             break;
         default:
             break;
@@ -107,8 +104,7 @@ SpeedSample EncoderFault::without_teeth(const SpeedSample& sample, double speed_
     return seen;
 }
 
-SpeedSample EncoderFault::apply(const SpeedSample& sample, double speed_radps, double now_s, double period_s,
-                                bool active, plant::Random& random) {
+SpeedSample EncoderFault::apply(const SpeedSample& sample, double speed_radps, double now_s, double period_s, bool active, plant::Random& random) {
     if (!active) {
         SpeedSample after = sample;
         after.edge_count += ahead_by_;

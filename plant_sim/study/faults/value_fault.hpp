@@ -56,19 +56,16 @@ class SwitchFault {
 class EncoderFault {
   public:
     /// `full_radps`: the speed at full scale.
-    EncoderFault(const Fault& fault, double teeth, double full_radps)
-        : fault_(fault), teeth_(teeth), full_radps_(full_radps) {}
+    EncoderFault(const Fault& fault, double teeth, double full_radps) : fault_(fault), teeth_(teeth), full_radps_(full_radps) {}
     /// `speed_radps`: of the shaft. Call once a period of `period_s`.
-    [[nodiscard]] antiskid::can::SpeedSample apply(const antiskid::can::SpeedSample& sample,
-                                                   double speed_radps, double now_s, double period_s,
+    [[nodiscard]] antiskid::can::SpeedSample apply(const antiskid::can::SpeedSample& sample, double speed_radps, double now_s, double period_s,
                                                    bool active, plant::Random& random);
 
   private:
     [[nodiscard]] double wrong_speed(double speed_radps, plant::Random& random) const;
     void begin(const antiskid::can::SpeedSample& sample);
     void turn(double speed_radps, double now_s, double period_s);
-    [[nodiscard]] antiskid::can::SpeedSample without_teeth(const antiskid::can::SpeedSample& sample,
-                                                           double speed_radps) const;
+    [[nodiscard]] antiskid::can::SpeedSample without_teeth(const antiskid::can::SpeedSample& sample, double speed_radps) const;
 
     Fault fault_;
     double teeth_;

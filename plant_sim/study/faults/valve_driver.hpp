@@ -14,16 +14,15 @@ class ValveDriver {
     static constexpr std::uint32_t kMostRefused = 20;
 
     /// Once a period, after the frames of that period.
-    void update(const antiskid::can::ControllerView& controller, const antiskid::can::MessageStats& stats,
-                antiskid::control::Time now) {
+    void update(const antiskid::can::ControllerView& controller, const antiskid::can::MessageStats& stats, antiskid::control::Time now) {
         const std::uint32_t more = stats.rejected() - rejected_;
         rejected_ = stats.rejected();
         refused_ += more < kMostRefused ? more : kMostRefused;
         if (stats.accepted != accepted_ && refused_ > 0) --refused_;
         accepted_ = stats.accepted;
         if (refused_ > 2 * kMostRefused) refused_ = 2 * kMostRefused;
-        hears_ = controller.command_received != antiskid::control::kNever &&
-                 now - controller.command_received <= kSilence && refused_ <= kMostRefused;
+        hears_ =
+            controller.command_received != antiskid::control::kNever && now - controller.command_received <= kSilence && refused_ <= kMostRefused;
         current_mA_ = hears_ ? static_cast<double>(controller.current_mA) : 0.0;
     }
     [[nodiscard]] bool hears() const { return hears_; }

@@ -16,8 +16,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-MatrixXd jacobian(const LeastSquares& problem, const Residuals& residuals, const VectorXd& theta,
-                  Index rows) {
+MatrixXd jacobian(const LeastSquares& problem, const Residuals& residuals, const VectorXd& theta, Index rows) {
     constexpr double kStep = 1e-4;
     MatrixXd j(rows, theta.size());
     VectorXd above(rows), below(rows);
@@ -89,25 +88,20 @@ void check_information(const MatrixXd& normal, std::span<const std::string> name
     constexpr double kLeast = 1e-12;
     const VectorXd size = normal.diagonal().cwiseSqrt();
     for (Index i = 0; i < size.size(); ++i) {
-        if (!(size[i] > 0.0))
-            throw NotIdentifiable("the recordings do not depend on " + names[static_cast<std::size_t>(i)]);
+        if (!(size[i] > 0.0)) throw NotIdentifiable("the recordings do not depend on " + names[static_cast<std::size_t>(i)]);
     }
     const MatrixXd correlation = size.cwiseInverse().asDiagonal() * normal * size.cwiseInverse().asDiagonal();
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(correlation);
     if (solver.eigenvalues()[0] > kLeast) return;
     Index worst = 0;
     solver.eigenvectors().col(0).cwiseAbs().maxCoeff(&worst);
-    throw NotIdentifiable("the recordings cannot tell " + names[static_cast<std::size_t>(worst)] +
-                          " from the other parameters");
+    throw NotIdentifiable("the recordings cannot tell " + names[static_cast<std::size_t>(worst)] + " from the other parameters");
 }
 
 }  // namespace
 
 Estimate scaled(const Estimate& e, double factor) {
-    return {.value = e.value * factor,
-            .deviation = e.deviation * factor,
-            .low = e.low * factor,
-            .high = e.high * factor};
+    return {.value = e.value * factor, .deviation = e.deviation * factor, .low = e.low * factor, .high = e.high * factor};
 }
 
 Estimate Fit::combination(const VectorXd& gradient, int of) const {
@@ -139,8 +133,7 @@ Fit fit(const LeastSquares& problem, std::span<const std::string> names, const R
             MatrixXd damped = normal;
             damped.diagonal() += damping * (normal.diagonal().array() + 1e-12 * normal.trace()).matrix();
             const VectorXd step = -damped.ldlt().solve(gradient);
-            const VectorXd trial =
-                (out.theta + step.cwiseProduct(problem.scale)).cwiseMax(problem.least).cwiseMin(problem.most);
+            const VectorXd trial = (out.theta + step.cwiseProduct(problem.scale)).cwiseMax(problem.least).cwiseMin(problem.most);
             residuals(trial, trial_residuals);
             const double trial_cost = trial_residuals.squaredNorm();
             const double moved = (trial - out.theta).cwiseQuotient(problem.scale).norm();
@@ -167,11 +160,9 @@ Fit fit(const LeastSquares& problem, std::span<const std::string> names, const R
     const MatrixXd normal = j.transpose() * j;
     check_information(normal, names);
     const MatrixXd bread = normal.ldlt().solve(MatrixXd::Identity(normal.rows(), normal.cols()));
-    const MatrixXd scores =
-        problem.whitened ? MatrixXd(out.residuals) : batched_scores(j, out.residuals, problem.batch);
+    const MatrixXd scores = problem.whitened ? MatrixXd(out.residuals) : batched_scores(j, out.residuals, problem.batch);
     out.lags = lags_for(scores);
-    const MatrixXd middle =
-        problem.whitened ? long_run_of_stationary(j, out.residuals, out.lags) : long_run(scores, out.lags);
+    const MatrixXd middle = problem.whitened ? long_run_of_stationary(j, out.residuals, out.lags) : long_run(scores, out.lags);
     const auto n = static_cast<double>(out.residuals.size());
     const auto p = static_cast<double>(out.theta.size());
     const MatrixXd unit = bread * middle * bread * (n / std::max(n - p, 1.0));

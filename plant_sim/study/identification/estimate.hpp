@@ -51,8 +51,7 @@ using Residuals = std::function<void(const Eigen::VectorXd& theta, Eigen::Vector
 
 struct LeastSquares {
     Eigen::VectorXd start;
-    Eigen::VectorXd
-        scale;  ///< of each parameter: a change by it matters; differences are taken over 1e-4 of it
+    Eigen::VectorXd scale;  ///< of each parameter: a change by it matters; differences are taken over 1e-4 of it
     Eigen::VectorXd least, most;
     int batch = 1;  ///< samples to a batch
     /// The residuals are divided by their whole expected covariance: variance and correlation that are left count as the same everywhere.
@@ -62,7 +61,6 @@ struct LeastSquares {
 
 /// Levenberg-Marquardt with central differences. Throws NotIdentifiable where the residuals do not depend on some combination of parameters,
 /// naming the one of `names` that it is mostly made of.
-[[nodiscard]] Fit fit(const LeastSquares& problem, std::span<const std::string> names,
-                      const Residuals& residuals);
+[[nodiscard]] Fit fit(const LeastSquares& problem, std::span<const std::string> names, const Residuals& residuals);
 
 }  // namespace identification

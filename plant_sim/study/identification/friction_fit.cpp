@@ -44,8 +44,7 @@ LeastSquares problem(const std::vector<FrictionReadings>& runs) {
 /// The readings of one run, with errors that are white about a curve.
 class Weighted {
   public:
-    Weighted(const FrictionReadings& run, const plant::Surface& about, double force_noise_N)
-        : readings_(run.all()) {
+    Weighted(const FrictionReadings& run, const plant::Surface& about, double force_noise_N) : readings_(run.all()) {
         const ReadingCovariance v = run.covariance(about, force_noise_N);
         deviation_ = (v.own.diagonal() + v.common.cwiseAbs2()).cwiseSqrt();
         own_.compute(v.own);
@@ -92,11 +91,11 @@ FrictionFit fit_friction(std::span<const Run> runs, const std::string& surface) 
         seen.push_back(std::move(*readings));
     }
     if (count < 50) {
-        throw NotIdentifiable(fmt::format(
-            "{}: only {} readings of the load cells while braking above {:.0f} m/s; Burckhardt's "
-            "coefficients need landings "
-            "(config/scenarios/slow_braking.toml for low slip, heavy.toml for slip beyond the peak)",
-            surface, count, FrictionReadings::kSlowest_mps));
+        throw NotIdentifiable(
+            fmt::format("{}: only {} readings of the load cells while braking above {:.0f} m/s; Burckhardt's "
+                        "coefficients need landings "
+                        "(config/scenarios/slow_braking.toml for low slip, heavy.toml for slip beyond the peak)",
+                        surface, count, FrictionReadings::kSlowest_mps));
     }
     const double noise_N = force_noise_N(seen);
     LeastSquares least = problem(seen);
@@ -143,11 +142,11 @@ FrictionFit fit_friction(std::span<const Run> runs, const std::string& surface) 
     out.rms = held > 0.0 ? std::sqrt(sum / held) : 0.0;
     const plant::Peak peak = plant::peak(s);
     if (out.largest_slip < 1.1 * peak.slip || out.c3.high - out.c3.low > out.c1.value) {
-        throw NotIdentifiable(fmt::format(
-            "{}: slip is held up to {:.3f} only, the friction's peak lies near {:.3f}: c1 and c3 cannot be "
-            "told apart; "
-            "expected a landing with a slip reference beyond the peak (config/scenarios/heavy.toml)",
-            surface, out.largest_slip, peak.slip));
+        throw NotIdentifiable(
+            fmt::format("{}: slip is held up to {:.3f} only, the friction's peak lies near {:.3f}: c1 and c3 cannot be "
+                        "told apart; "
+                        "expected a landing with a slip reference beyond the peak (config/scenarios/heavy.toml)",
+                        surface, out.largest_slip, peak.slip));
     }
     constexpr double kWorst = 0.3;
     if (out.c2.high - out.c2.low > kWorst * out.c2.value) {

@@ -43,8 +43,7 @@ std::optional<FrictionReadings> FrictionReadings::of(const Run& run, double cell
 }
 
 FrictionReadings::FrictionReadings(const Run& run, const Motion& motion)
-    : radius_share_(motion.free_radius_deviation_m() / motion.free_radius_m()),
-      per_load_(1.0 / (run.rig.stiffness_Npm * motion.free_radius_m())) {
+    : radius_share_(motion.free_radius_deviation_m() / motion.free_radius_m()), per_load_(1.0 / (run.rig.stiffness_Npm * motion.free_radius_m())) {
     constexpr double kHalf_s = 0.5 * kWindow_s;
     std::vector<Borders> wheel, flywheel;
     double last_s = 0.0;
@@ -71,8 +70,7 @@ FrictionReadings::FrictionReadings(const Run& run, const Motion& motion)
         for (std::size_t k = i; k < readings_.size(); ++k) {
             if (apart(wheel[i], wheel[k]) && apart(flywheel[i], flywheel[k])) break;
             const double both = shared(wheel[i], wheel[k]) + shared(flywheel[i], flywheel[k]);
-            const double covariance =
-                (1.0 - readings_[i].slip) * (1.0 - readings_[k].slip) * per_window * per_window * both;
+            const double covariance = (1.0 - readings_[i].slip) * (1.0 - readings_[k].slip) * per_window * per_window * both;
             entries.emplace_back(static_cast<int>(i), static_cast<int>(k), covariance);
             if (k > i) entries.emplace_back(static_cast<int>(k), static_cast<int>(i), covariance);
         }
@@ -94,8 +92,7 @@ ReadingCovariance FrictionReadings::covariance(const plant::Surface& curve, doub
         const double moved = slope[i] * r.moved;
         apiece[i] = longitudinal * longitudinal + vertical * vertical + moved * moved;
     }
-    ReadingCovariance v{.own = slope.asDiagonal() * jitter_ * slope.asDiagonal(),
-                        .common = radius_share_ * by_radius};
+    ReadingCovariance v{.own = slope.asDiagonal() * jitter_ * slope.asDiagonal(), .common = radius_share_ * by_radius};
     v.own.diagonal() += apiece;
     return v;
 }
@@ -108,8 +105,7 @@ double force_noise_N(const std::vector<FrictionReadings>& runs) {
         for (std::size_t i = 1; i + 1 < r.size(); ++i) {
             load_N = std::max(load_N, r[i].load_N);
             if (r[i - 1].held && r[i].held && r[i + 1].held) {
-                differences.push_back(std::abs(r[i - 1].mu - 2.0 * r[i].mu + r[i + 1].mu) * r[i].load_N /
-                                      std::hypot(1.0, r[i].mu));
+                differences.push_back(std::abs(r[i - 1].mu - 2.0 * r[i].mu + r[i + 1].mu) * r[i].load_N / std::hypot(1.0, r[i].mu));
             }
         }
     }

@@ -24,8 +24,7 @@ ordered_json json(const ValveFit& v) {
         points.push_back(std::move(point));
     }
     ordered_json residuals = ordered_json::array();
-    for (const ValveResiduals& r : v.residuals)
-        residuals.push_back({{"recording", r.recording}, {"rms_Pa", r.rms_Pa}});
+    for (const ValveResiduals& r : v.residuals) residuals.push_back({{"recording", r.recording}, {"rms_Pa", r.rms_Pa}});
     return {{"dead_zone_mA", json(v.dead_zone_mA)},
             {"pressure_Pa", points},
             {"hysteresis_mA", json(v.hysteresis_mA)},
@@ -42,16 +41,13 @@ ordered_json json(const ValveFit& v) {
 ordered_json json(const WheelFit& w) {
     ordered_json relative = ordered_json::array();
     for (const Estimate& e : w.relative_friction) relative.push_back(json(e));
-    return {{"inertia_kgm2", json(w.inertia_kgm2)}, {"gain_m3", json(w.gain_m3)},
-            {"friction", json(w.friction)},         {"friction_class", w.friction_class},
-            {"relative_friction", relative},        {"lags_s", w.lags_s}};
+    return {{"inertia_kgm2", json(w.inertia_kgm2)}, {"gain_m3", json(w.gain_m3)},    {"friction", json(w.friction)},
+            {"friction_class", w.friction_class},   {"relative_friction", relative}, {"lags_s", w.lags_s}};
 }
 
 ordered_json json(const FrictionFit& f) {
-    return {{"surface", f.surface}, {"c1", json(f.c1)},
-            {"c2", json(f.c2)},     {"c3", json(f.c3)},
-            {"rms", f.rms},         {"readings", f.slip.size()},
-            {"lags_s", f.lags_s},   {"largest_slip", f.largest_slip}};
+    return {{"surface", f.surface}, {"c1", json(f.c1)},          {"c2", json(f.c2)},   {"c3", json(f.c3)},
+            {"rms", f.rms},         {"readings", f.slip.size()}, {"lags_s", f.lags_s}, {"largest_slip", f.largest_slip}};
 }
 
 }  // namespace
@@ -61,8 +57,7 @@ std::vector<Quantity> quantities(const Identified& found) {
     std::vector<Quantity> all{{"dead zone", "mA", v.dead_zone_mA}};
     all.reserve(v.current_mA.size() + 16);
     for (std::size_t i = 0; i < v.current_mA.size(); ++i)
-        all.push_back(
-            {fmt::format("pressure at {:g} mA", v.current_mA[i]), "MPa", scaled(v.pressure_Pa[i], 1e-6)});
+        all.push_back({fmt::format("pressure at {:g} mA", v.current_mA[i]), "MPa", scaled(v.pressure_Pa[i], 1e-6)});
     all.push_back({"hysteresis", "mA", v.hysteresis_mA});
     all.push_back({"hysteresis", "kPa", scaled(v.hysteresis_Pa, 1e-3)});
     all.push_back({"omega_n / 2 pi", "Hz", v.natural_frequency_Hz});
@@ -74,8 +69,7 @@ std::vector<Quantity> quantities(const Identified& found) {
         all.push_back({"k_b", "1e-3 m3", scaled(w.gain_m3, 1e3)});
         all.push_back({"mean mu_b", "", w.friction});
         for (std::size_t k = 0; k < w.relative_friction.size(); ++k)
-            all.push_back(
-                {fmt::format("mu_b({}), power {}", w.friction_class, k), "", w.relative_friction[k]});
+            all.push_back({fmt::format("mu_b({}), power {}", w.friction_class, k), "", w.relative_friction[k]});
     }
     for (const FrictionFit& f : found.surfaces) {
         all.push_back({f.surface + " c1", "", f.c1});
@@ -88,8 +82,8 @@ std::vector<Quantity> quantities(const Identified& found) {
 std::string to_table(const Identified& found) {
     std::string text = fmt::format("{:<26} {:>12} {:<8} {}\n", "", "estimate", "", "95 % interval");
     for (const Quantity& q : quantities(found)) {
-        fmt::format_to(std::back_inserter(text), "{:<26} {:>12.6g} {:<8} {:.6g} to {:.6g}\n", q.name,
-                       q.estimate.value, q.unit, q.estimate.low, q.estimate.high);
+        fmt::format_to(std::back_inserter(text), "{:<26} {:>12.6g} {:<8} {:.6g} to {:.6g}\n", q.name, q.estimate.value, q.unit, q.estimate.low,
+                       q.estimate.high);
     }
     return text;
 }

@@ -38,7 +38,6 @@ struct ConfigFiles {
 
 /// Copies the directory `from` to `to`, which must not exist, with the identified numbers in place of the old ones: valve, wheel inertia, brake
 /// and surfaces, in the plant's files and in the controller's. Every other byte stays. Throws settings::Error where a key is missing.
-void write_config(const Identified& found, const ConfigFiles& files, const std::filesystem::path& from,
-                  const std::filesystem::path& to);
+void write_config(const Identified& found, const ConfigFiles& files, const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace identification

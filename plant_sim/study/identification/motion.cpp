@@ -23,8 +23,7 @@ std::size_t first_in(const Recording& recording, std::uint8_t wanted, std::size_
 
 }  // namespace
 
-ShaftTrack::ShaftTrack(const Recording& recording, Edges Sample::*shaft, double teeth, std::size_t from,
-                       std::size_t to) {
+ShaftTrack::ShaftTrack(const Recording& recording, Edges Sample::*shaft, double teeth, std::size_t from, std::size_t to) {
     const double per_edge = 2.0 * std::numbers::pi / teeth;
     const auto& samples = recording.samples;
     double offset_s = std::numeric_limits<double>::max();
@@ -42,15 +41,12 @@ ShaftTrack::ShaftTrack(const Recording& recording, Edges Sample::*shaft, double 
         points_.push_back({now.time_s, edges * per_edge});
     }
     if (points_.size() < 2)
-        throw NotIdentifiable(
-            recording.name +
-            ": an encoder has no edges while the rig moves; expected both encoders in the recording");
+        throw NotIdentifiable(recording.name + ": an encoder has no edges while the rig moves; expected both encoders in the recording");
     for (Point& p : points_) p.time_s += offset_s;
 }
 
 ShaftTrack::Place ShaftTrack::place(double time_s) const {
-    const auto next = std::upper_bound(points_.begin(), points_.end(), time_s,
-                                       [](double t, const Point& p) { return t < p.time_s; });
+    const auto next = std::upper_bound(points_.begin(), points_.end(), time_s, [](double t, const Point& p) { return t < p.time_s; });
     if (next == points_.begin()) return {0, 0.0};
     const auto edge = static_cast<std::size_t>(next - points_.begin()) - 1;
     if (next == points_.end()) return {edge, 0.0};
@@ -83,8 +79,7 @@ Motion::Motion(const Run& run, double cell_age_s, std::size_t from, std::size_t 
     for (std::size_t i = from; i < to; ++i) {
         const Sample& s = samples[i];
         if (brake_on_s_ == 0.0 && s.phase == phase::kBraking) brake_on_s_ = s.time_s;
-        if (contact_s_ == 0.0 && i > from && s.wheel.count != samples[i - 1].wheel.count)
-            contact_s_ = s.time_s;
+        if (contact_s_ == 0.0 && i > from && s.wheel.count != samples[i - 1].wheel.count) contact_s_ = s.time_s;
         if (s.cells_new) cells_.push_back({s.time_s - cell_age_s, s.vertical_N, s.longitudinal_N});
     }
     end_s_ = samples[to - 1].time_s;
@@ -102,8 +97,7 @@ Motion::Motion(const Run& run, double cell_age_s, std::size_t from, std::size_t 
     brake_on_mps_ = v_mps(rolling_from_s, brake_on_s_);
     const double omega = omega_radps(rolling_from_s, brake_on_s_);
     if (!(omega > 0.0) || !(brake_on_mps_ > 0.0))
-        throw NotIdentifiable(run.recording.name +
-                              ": the wheel does not turn before brake-on; expected it to roll on the rim");
+        throw NotIdentifiable(run.recording.name + ": the wheel does not turn before brake-on; expected it to roll on the rim");
     double load = 0.0;
     double squares = 0.0;
     double readings = 0.0;
@@ -133,14 +127,11 @@ void Motion::find_contact() {
         const CellReading& b = cells_[i + 1];
         if (a.vertical_N < kSeen * set_N) continue;
         if (b.vertical_N <= a.vertical_N || b.vertical_N >= set_N) return;
-        const double lag_s =
-            (b.time_s - a.time_s) / std::log((set_N - a.vertical_N) / (set_N - b.vertical_N));
+        const double lag_s = (b.time_s - a.time_s) / std::log((set_N - a.vertical_N) / (set_N - b.vertical_N));
         contact_s_ = std::min(contact_s_, a.time_s + lag_s * std::log(1.0 - a.vertical_N / set_N));
         // Between the last reading of nothing and the first of something the load rises from contact on.
-        const auto first = std::find_if(cells_.begin(), cells_.end(),
-                                        [this](const CellReading& c) { return c.time_s > contact_s_; });
-        if (first != cells_.begin() && contact_s_ > (first - 1)->time_s)
-            cells_.insert(first, {contact_s_, 0.0, 0.0});
+        const auto first = std::find_if(cells_.begin(), cells_.end(), [this](const CellReading& c) { return c.time_s > contact_s_; });
+        if (first != cells_.begin() && contact_s_ > (first - 1)->time_s) cells_.insert(first, {contact_s_, 0.0, 0.0});
         return;
     }
 }
@@ -165,11 +156,9 @@ double cell_age_s(std::span<const Run> runs) {
             const double t = cells[i].time_s;
             if (t < on_s) continue;
             if (t > std::min(on_s + kBuildUp_s, motion->end_s() - kHalf_s)) break;
-            impulse_Ns +=
-                0.5 * (cells[i].longitudinal_N + cells[i - 1].longitudinal_N) * (t - cells[i - 1].time_s);
+            impulse_Ns += 0.5 * (cells[i].longitudinal_N + cells[i - 1].longitudinal_N) * (t - cells[i - 1].time_s);
             rows.emplace_back(cells[i].longitudinal_N, impulse_Ns);
-            missing_Ns.push_back(run.rig.mass_kg * (start_mps - motion->v_mps(t - kHalf_s, t + kHalf_s)) -
-                                 impulse_Ns);
+            missing_Ns.push_back(run.rig.mass_kg * (start_mps - motion->v_mps(t - kHalf_s, t + kHalf_s)) - impulse_Ns);
         }
         if (rows.size() < 20) continue;
         const auto n = static_cast<Eigen::Index>(rows.size());
@@ -178,8 +167,7 @@ double cell_age_s(std::span<const Run> runs) {
         const Eigen::Map<const Eigen::VectorXd> y(missing_Ns.data(), n);
         const Eigen::Matrix2d normal = a.transpose() * a;
         const Eigen::Vector2d x = normal.ldlt().solve(a.transpose() * y);
-        const double variance =
-            (y - a * x).squaredNorm() / static_cast<double>(n - 2) * normal.inverse()(0, 0);
+        const double variance = (y - a * x).squaredNorm() / static_cast<double>(n - 2) * normal.inverse()(0, 0);
         if (!(variance > 0.0)) continue;
         weighted += x[0] / variance;
         weights += 1.0 / variance;
@@ -188,8 +176,7 @@ double cell_age_s(std::span<const Run> runs) {
 }
 
 double Motion::load_N(double time_s) const {
-    const auto next = std::upper_bound(cells_.begin(), cells_.end(), time_s,
-                                       [](double t, const CellReading& c) { return t < c.time_s; });
+    const auto next = std::upper_bound(cells_.begin(), cells_.end(), time_s, [](double t, const CellReading& c) { return t < c.time_s; });
     if (next == cells_.begin()) return cells_.front().vertical_N;
     if (next == cells_.end()) return cells_.back().vertical_N;
     const CellReading& a = *(next - 1);

@@ -14,8 +14,7 @@ class ShaftTrack {
   public:
     /// Of `samples` [from, to). The sensor's clock is taken to that of the samples by the smallest distance seen: an edge is read at once at
     /// best.
-    ShaftTrack(const Recording& recording, Edges Sample::*shaft, double teeth, std::size_t from,
-               std::size_t to);
+    ShaftTrack(const Recording& recording, Edges Sample::*shaft, double teeth, std::size_t from, std::size_t to);
 
     /// rad since the first edge. A pause of more than kRest_s between two edges is a shaft at rest.
     [[nodiscard]] double angle(double time_s) const;
@@ -26,9 +25,7 @@ class ShaftTrack {
     };
     [[nodiscard]] Place place(double time_s) const;
     /// Mean over a window, rad/s.
-    [[nodiscard]] double speed(double from_s, double to_s) const {
-        return (angle(to_s) - angle(from_s)) / (to_s - from_s);
-    }
+    [[nodiscard]] double speed(double from_s, double to_s) const { return (angle(to_s) - angle(from_s)) / (to_s - from_s); }
 
   private:
     static constexpr double kRest_s = 0.15;
@@ -48,22 +45,16 @@ class Motion {
     [[nodiscard]] double brake_on_s() const { return brake_on_s_; }
     [[nodiscard]] double end_s() const { return end_s_; }  ///< standstill, as the recording's phase says
     [[nodiscard]] double brake_on_mps() const { return brake_on_mps_; }
-    [[nodiscard]] double free_radius_m() const {
-        return free_radius_m_;
-    }  ///< r_0, from free rolling before brake-on
+    [[nodiscard]] double free_radius_m() const { return free_radius_m_; }  ///< r_0, from free rolling before brake-on
     /// Of free_radius_m(): jitter of the edges and noise of the load over the way that it was found on. All slips of the maneuver share it.
     [[nodiscard]] double free_radius_deviation_m() const { return free_radius_deviation_m_; }
 
-    [[nodiscard]] double v_mps(double from_s, double to_s) const {
-        return flywheel_.speed(from_s, to_s) * R_f_m_;
-    }
+    [[nodiscard]] double v_mps(double from_s, double to_s) const { return flywheel_.speed(from_s, to_s) * R_f_m_; }
     [[nodiscard]] double omega_radps(double from_s, double to_s) const { return wheel_.speed(from_s, to_s); }
     [[nodiscard]] const ShaftTrack& wheel() const { return wheel_; }
     [[nodiscard]] const ShaftTrack& flywheel() const { return flywheel_; }
     [[nodiscard]] double load_N(double time_s) const;  ///< by the load cell, its age taken off
-    [[nodiscard]] double radius_m(double time_s) const {
-        return free_radius_m_ - load_N(time_s) / stiffness_Npm_;
-    }
+    [[nodiscard]] double radius_m(double time_s) const { return free_radius_m_ - load_N(time_s) / stiffness_Npm_; }
     /// Eq. (3) as mean over the window.
     [[nodiscard]] double slip(double from_s, double to_s) const {
         return 1.0 - radius_m(0.5 * (from_s + to_s)) * omega_radps(from_s, to_s) / v_mps(from_s, to_s);

@@ -15,8 +15,7 @@ constexpr double kRamp_mAps = 10.0;  // slower is a ramp
 /// Readings near the points of the map, by the way that they were passed.
 class Branches {
   public:
-    explicit Branches(const std::vector<double>& currents)
-        : currents_(currents), up_(currents.size()), down_(currents.size()) {}
+    explicit Branches(const std::vector<double>& currents) : currents_(currents), up_(currents.size()), down_(currents.size()) {}
 
     void add(const ValveExperiment& e) {
         const auto half = static_cast<std::size_t>(std::llround(0.5 * kSettled_s / e.period_s));
@@ -41,8 +40,7 @@ class Branches {
         std::string missing;
         for (std::size_t i = 1; i < currents_.size(); ++i) {
             const bool last = i + 1 == currents_.size();
-            const bool passed =
-                last ? !up_[i].empty() || !down_[i].empty() : !up_[i].empty() && !down_[i].empty();
+            const bool passed = last ? !up_[i].empty() || !down_[i].empty() : !up_[i].empty() && !down_[i].empty();
             if (!passed) {
                 missing += fmt::format("{}{:g}", missing.empty() ? "" : ", ", currents_[i]);
                 continue;
@@ -52,11 +50,10 @@ class Branches {
             middle[i] = 0.5 * (up + down);
         }
         if (!missing.empty()) {
-            throw NotIdentifiable(
-                "no slow ramp passes " + missing +
-                " mA both upwards and downwards: the static map and its hysteresis need a recording of the "
-                "ramp "
-                "experiment (config/scenarios/ramp.toml), slower than 10 mA/s over the whole map");
+            throw NotIdentifiable("no slow ramp passes " + missing +
+                                  " mA both upwards and downwards: the static map and its hysteresis need a recording of the "
+                                  "ramp "
+                                  "experiment (config/scenarios/ramp.toml), slower than 10 mA/s over the whole map");
         }
         return middle;
     }
@@ -83,19 +80,14 @@ class Branches {
 
 bool shows_valve(const Recording& recording) {
     constexpr double kShortest_s = 2.0;
-    const auto still = std::count_if(recording.samples.begin(), recording.samples.end(),
-                                     [](const Sample& s) { return s.phase == phase::kStandstill; });
+    const auto still =
+        std::count_if(recording.samples.begin(), recording.samples.end(), [](const Sample& s) { return s.phase == phase::kStandstill; });
     return static_cast<double>(still) * recording.period_s >= kShortest_s;
 }
 
 ValveExperiment valve_experiment(const Recording& recording) {
     constexpr double kLongestGap_s = 0.05;
-    ValveExperiment e{.name = recording.name,
-                      .period_s = recording.period_s,
-                      .start_s = 0.0,
-                      .current_mA = {},
-                      .pressure_Pa = {},
-                      .measured = {}};
+    ValveExperiment e{.name = recording.name, .period_s = recording.period_s, .start_s = 0.0, .current_mA = {}, .pressure_Pa = {}, .measured = {}};
     double last_s = 0.0;
     for (const Sample& s : recording.samples) {
         const bool counts = s.phase == phase::kStandstill || s.phase == phase::kRetract;
@@ -104,10 +96,10 @@ ValveExperiment valve_experiment(const Recording& recording) {
         if (!e.current_mA.empty()) {
             const double gap_s = s.time_s - last_s;
             if (gap_s > kLongestGap_s) {
-                throw NotIdentifiable(fmt::format(
-                    "{}: {:.0f} ms without samples at {:.3f} s; expected a recording without gaps of "
-                    "more than {:.0f} ms while the valve works",
-                    e.name, gap_s * 1e3, s.time_s, kLongestGap_s * 1e3));
+                throw NotIdentifiable(
+                    fmt::format("{}: {:.0f} ms without samples at {:.3f} s; expected a recording without gaps of "
+                                "more than {:.0f} ms while the valve works",
+                                e.name, gap_s * 1e3, s.time_s, kLongestGap_s * 1e3));
             }
             for (auto missing = std::llround(gap_s / e.period_s) - 1; missing > 0; --missing) {
                 e.current_mA.push_back(e.current_mA.back());
@@ -132,17 +124,17 @@ void check_range(const ValveExperiment& e, const KnownRig& rig) {
         pinned += e.pressure_Pa[k] >= 0.9995 * rig.gauge_range_Pa ? 1U : 0U;
     }
     if (pinned > 3) {
-        throw NotIdentifiable(fmt::format(
-            "{}: {} readings at the end of the pressure gauge's range ({:.1f} MPa): it saturates; expected a "
-            "gauge that reaches above the supply pressure",
-            e.name, pinned, rig.gauge_range_Pa * 1e-6));
+        throw NotIdentifiable(
+            fmt::format("{}: {} readings at the end of the pressure gauge's range ({:.1f} MPa): it saturates; expected a "
+                        "gauge that reaches above the supply pressure",
+                        e.name, pinned, rig.gauge_range_Pa * 1e-6));
     }
     constexpr double kRounding_mA = 0.01;
     if (most_mA > rig.map_currents.back() + kRounding_mA) {
-        throw NotIdentifiable(fmt::format(
-            "{}: currents up to {:.2f} mA, outside of the map that was asked for ({:.2f} to {:.2f} mA); "
-            "expected --currents up to there",
-            e.name, most_mA, rig.map_currents.front(), rig.map_currents.back()));
+        throw NotIdentifiable(
+            fmt::format("{}: currents up to {:.2f} mA, outside of the map that was asked for ({:.2f} to {:.2f} mA); "
+                        "expected --currents up to there",
+                        e.name, most_mA, rig.map_currents.front(), rig.map_currents.back()));
     }
 }
 
@@ -156,9 +148,7 @@ void check_dynamics(std::span<const ValveExperiment> experiments, double dead_zo
             const double from_mA = e.current_mA[k - window];
             const double to_mA = e.current_mA[k];
             // What happens in the dead zone no gauge sees.
-            if (e.measured[k] == 0 || std::min(from_mA, to_mA) <= dead_zone_mA ||
-                std::abs(to_mA - from_mA) < kMoves_mA)
-                continue;
+            if (e.measured[k] == 0 || std::min(from_mA, to_mA) <= dead_zone_mA || std::abs(to_mA - from_mA) < kMoves_mA) continue;
             ++changes;
             k += window;
         }

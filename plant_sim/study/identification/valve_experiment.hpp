@@ -36,7 +36,6 @@ void check_dynamics(std::span<const ValveExperiment> experiments, double dead_zo
 /// What rising and falling ramps say of the static map, without regard to the lag: pressures, Pa, at rig.map_currents; a start for a fit. Throws
 /// NotIdentifiable where a point of the map has not been passed both ways. The first point, of no pressure, and the last, where a ramp turns,
 /// need one way.
-[[nodiscard]] std::vector<double> ramp_pressures_Pa(std::span<const ValveExperiment> experiments,
-                                                    const KnownRig& rig);
+[[nodiscard]] std::vector<double> ramp_pressures_Pa(std::span<const ValveExperiment> experiments, const KnownRig& rig);
 
 }  // namespace identification

@@ -21,8 +21,7 @@ double middle_slope(const plant::PressureMap& map) {
     const double half_Pa = 0.5 * points.back().pressure_Pa;
     std::size_t i = 1;
     while (i + 1 < points.size() && points[i].pressure_Pa < half_Pa) ++i;
-    return (points[i].pressure_Pa - points[i - 1].pressure_Pa) /
-           (points[i].current_mA - points[i - 1].current_mA);
+    return (points[i].pressure_Pa - points[i - 1].pressure_Pa) / (points[i].current_mA - points[i - 1].current_mA);
 }
 
 void check_known(const Estimate& e, const char* name, const char* unit) {
@@ -41,8 +40,7 @@ plant::PressureMap ValveFit::map() const {
     std::vector<plant::PressureMap::Point> points;
     points.reserve(current_mA.size() + 1);
     points.push_back({dead_zone_mA.value, 0.0});
-    for (std::size_t i = 0; i < current_mA.size(); ++i)
-        points.push_back({current_mA[i], pressure_Pa[i].value});
+    for (std::size_t i = 0; i < current_mA.size(); ++i) points.push_back({current_mA[i], pressure_Pa[i].value});
     return plant::PressureMap(std::move(points));
 }
 
@@ -86,8 +84,7 @@ ValveFit fit_valve(std::span<const Recording> recordings, const KnownRig& rig) {
     out.current_mA = shape.current_mA;
     const int band = static_cast<int>(shape.current_mA.size()) + 1;
     out.dead_zone_mA = found.estimate(0, band);
-    for (Index i = 0; i < shape.pressures(); ++i)
-        out.pressure_Pa.push_back(scaled(found.estimate(1 + i, band), 1e6));
+    for (Index i = 0; i < shape.pressures(); ++i) out.pressure_Pa.push_back(scaled(found.estimate(1 + i, band), 1e6));
     out.hysteresis_mA = found.estimate(shape.hysteresis());
     out.natural_frequency_Hz = scaled(found.estimate(shape.natural_frequency()), 0.5 / std::numbers::pi);
     out.damping = found.estimate(shape.damping());

@@ -28,12 +28,11 @@ struct ValveResiduals {
 };
 
 struct ValveFit {
-    std::vector<double> current_mA;  ///< of the map's points but the first
-    Estimate dead_zone_mA;           ///< the first point: no pressure up to here
-    std::vector<Estimate>
-        pressure_Pa;  ///< at current_mA. 95 % for the dead zone and all of these together: a band for the map
-    Estimate hysteresis_mA;  ///< width between the branches; its interval holds zero where there is none
-    Estimate hysteresis_Pa;  ///< the same as pressure, at the middle of the map
+    std::vector<double> current_mA;     ///< of the map's points but the first
+    Estimate dead_zone_mA;              ///< the first point: no pressure up to here
+    std::vector<Estimate> pressure_Pa;  ///< at current_mA. 95 % for the dead zone and all of these together: a band for the map
+    Estimate hysteresis_mA;             ///< width between the branches; its interval holds zero where there is none
+    Estimate hysteresis_Pa;             ///< the same as pressure, at the middle of the map
     Estimate natural_frequency_Hz, damping, delay_s;
     double rms_Pa = 0.0;
     double residual_correlation = 0.0;  ///< of neighbouring samples

@@ -19,8 +19,7 @@ plant::PressureMap ValveShape::map(const VectorXd& theta) const {
     points.push_back({theta[0], 0.0});
     // A trial of the fit may fall from point to point; the map of a valve does not.
     for (Index i = 0; i < pressures(); ++i) {
-        points.push_back({current_mA[static_cast<std::size_t>(i)],
-                          std::max(theta[1 + i] * 1e6, points.back().pressure_Pa)});
+        points.push_back({current_mA[static_cast<std::size_t>(i)], std::max(theta[1 + i] * 1e6, points.back().pressure_Pa)});
     }
     return plant::PressureMap(std::move(points));
 }
@@ -57,8 +56,7 @@ LeastSquares ValveShape::problem(double dead_zone_mA, const std::vector<double>&
     };
     constexpr double kApart_mA = 0.05;
     set(0, dead_zone_mA, 0.1, 0.0, current_mA.front() - kApart_mA);
-    for (Index i = 0; i < pressures(); ++i)
-        set(1 + i, pressures_Pa[static_cast<std::size_t>(i) + 1] * 1e-6, 0.1, 0.0, 1e3);
+    for (Index i = 0; i < pressures(); ++i) set(1 + i, pressures_Pa[static_cast<std::size_t>(i) + 1] * 1e-6, 0.1, 0.0, 1e3);
     set(hysteresis(), 0.0, 0.1, -10.0, 10.0);
     set(natural_frequency(), kStart_radps, 10.0, 3.0, 1000.0);
     set(damping(), 0.7, 0.1, 0.06, 0.985);
@@ -89,8 +87,7 @@ void ValveModel::choose() {
     for (std::size_t i = 0; i < experiments_.size(); ++i) {
         for (std::size_t k = 0; k < used_[i].size(); ++k) {
             const double p = modelled_[i][k];
-            used_[i][k] =
-                experiments_[i].measured[k] != 0 && p > kNearZero_Pa && p < range_Pa_ - kNearZero_Pa ? 1 : 0;
+            used_[i][k] = experiments_[i].measured[k] != 0 && p > kNearZero_Pa && p < range_Pa_ - kNearZero_Pa ? 1 : 0;
             count_ += used_[i][k];
         }
     }

@@ -19,15 +19,7 @@ Period period(const plant::ValveParameters& valve, double rest_s, double period_
     const double b_pu = b.pu0 + b.pu1;
     const double b_ru = b.ru0 + b.ru1;
     constexpr double kNothing_s = 1e-12;
-    if (rest_s < kNothing_s)
-        return {.pp = b.pp,
-                .pr = b.pr,
-                .p_old = 0.0,
-                .p_new = b_pu,
-                .rp = b.rp,
-                .rr = b.rr,
-                .r_old = 0.0,
-                .r_new = b_ru};
+    if (rest_s < kNothing_s) return {.pp = b.pp, .pr = b.pr, .p_old = 0.0, .p_new = b_pu, .rp = b.rp, .rr = b.rr, .r_old = 0.0, .r_new = b_ru};
     const Transition a = plant::ValveDynamics::transition(valve, rest_s);
     const double a_pu = a.pu0 + a.pu1;
     const double a_ru = a.ru0 + a.ru1;
@@ -43,8 +35,8 @@ Period period(const plant::ValveParameters& valve, double rest_s, double period_
 
 }  // namespace
 
-void valve_response(std::span<const double> current_mA, double period_s, const plant::PressureMap& map,
-                    const plant::ValveParameters& valve, std::span<double> pressure_Pa) {
+void valve_response(std::span<const double> current_mA, double period_s, const plant::PressureMap& map, const plant::ValveParameters& valve,
+                    std::span<double> pressure_Pa) {
     const double whole = std::floor(valve.delay_s / period_s);
     const Period step = period(valve, valve.delay_s - whole * period_s, period_s);
     const auto delay = static_cast<std::size_t>(whole);

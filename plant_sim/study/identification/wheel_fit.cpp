@@ -20,8 +20,7 @@ constexpr double kBefore_s = 1.0;          // of the rim's coasting before conta
 constexpr double kSlowestStart_mps = 6.0;  // of a stop that counts: below, drop-out may lock the wheel
 constexpr double kLeastStop_mps = 20.0;    // a stop from less shows no friction over speed
 constexpr double kSettle_s = 0.05;
-constexpr double kContact_s =
-    5e-3;  // what the instant of contact may be off: half of the time between two load readings
+constexpr double kContact_s = 5e-3;  // what the instant of contact may be off: half of the time between two load readings
 
 /// One window: everything that the balance is linear in.
 struct Row {
@@ -44,8 +43,7 @@ struct Segment {
 
 /// Rim speed linear between the centres of windows.
 double speed_at(const std::vector<Row>& rows, double time_s) {
-    const auto next = std::lower_bound(rows.begin(), rows.end(), time_s,
-                                       [](const Row& r, double t) { return r.time_s < t; });
+    const auto next = std::lower_bound(rows.begin(), rows.end(), time_s, [](const Row& r, double t) { return r.time_s < t; });
     if (next == rows.begin()) return rows.front().v_mps;
     if (next == rows.end()) return rows.back().v_mps;
     const Row& a = *(next - 1);
@@ -101,8 +99,7 @@ double gauge_noise_Pa(const Recording& recording) {
     const auto& s = recording.samples;
     for (std::size_t i = 3; i < s.size(); ++i) {
         if (s[i - 3].phase != phase::kBraking || s[i].phase != phase::kBraking) continue;
-        differences.push_back(std::abs(
-            s[i].pressure_Pa - 3.0 * (s[i - 1].pressure_Pa - s[i - 2].pressure_Pa) - s[i - 3].pressure_Pa));
+        differences.push_back(std::abs(s[i].pressure_Pa - 3.0 * (s[i - 1].pressure_Pa - s[i - 2].pressure_Pa) - s[i - 3].pressure_Pa));
     }
     if (differences.empty()) return 0.0;
     const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
@@ -127,8 +124,8 @@ Eigen::MatrixXd covariance(const Run& run, const Motion& motion, const Segment& 
         walked[i] = walk * std::max(segment.rows[i].time_s - motion.brake_on_s(), 0.0);
     }
     // What the rim lost to drag before contact is as uncertain as the instant of contact, for all windows before it alike.
-    const std::size_t off = static_cast<std::size_t>(std::count_if(
-        segment.rows.begin(), segment.rows.end(), [](const Row& row) { return row.coasting_s < 0.0; }));
+    const std::size_t off =
+        static_cast<std::size_t>(std::count_if(segment.rows.begin(), segment.rows.end(), [](const Row& row) { return row.coasting_s < 0.0; }));
     double contact = 0.0;
     if (off > 1) {
         const Row& first = segment.rows.front();
@@ -143,8 +140,7 @@ Eigen::MatrixXd covariance(const Run& run, const Motion& motion, const Segment& 
             v(i, j) = v(j, i) = walked[static_cast<std::size_t>(j)] + (both_off ? contact * contact : 0.0);
         }
         v(i, i) += (2.0 + kFloor) * border[a];
-        const bool neighbours =
-            i > 0 && segment.rows[a].time_s - segment.rows[a - 1].time_s < 1.5 * kSpeedWindow_s;
+        const bool neighbours = i > 0 && segment.rows[a].time_s - segment.rows[a - 1].time_s < 1.5 * kSpeedWindow_s;
         if (neighbours) {
             v(i, i - 1) -= border[a - 1];
             v(i - 1, i) -= border[a - 1];
@@ -171,8 +167,7 @@ Segment segment(const Run& run, const Motion& motion, bool braking) {
     double momentum = 0.0;
     double last_mps = 0.0;
     const double end_s = braking ? motion.end_s() : motion.brake_on_s() - kSpeedWindow_s;
-    for (double t = std::max(motion.contact_s() - kBefore_s, run.recording.samples.front().time_s);
-         t + kSpeedWindow_s < end_s; t += kSpeedWindow_s) {
+    for (double t = std::max(motion.contact_s() - kBefore_s, run.recording.samples.front().time_s); t + kSpeedWindow_s < end_s; t += kSpeedWindow_s) {
         const double v = motion.v_mps(t, t + kSpeedWindow_s);
         if (braking && t > motion.brake_on_s() && v < kSlowestStart_mps) break;
         const double middle_s = t + 0.5 * kSpeedWindow_s;
@@ -194,8 +189,7 @@ Segment segment(const Run& run, const Motion& motion, bool braking) {
     if (s.rows.empty()) return s;
     add_impulses(run, motion, s);
     // Around contact a window lies on both sides of it.
-    std::erase_if(s.rows,
-                  [&](const Row& row) { return std::abs(row.time_s - motion.contact_s()) < kSettle_s; });
+    std::erase_if(s.rows, [&](const Row& row) { return std::abs(row.time_s - motion.contact_s()) < kSettle_s; });
     s.noise.compute(covariance(run, motion, s));
     return s;
 }
@@ -226,18 +220,15 @@ class Balance {
         Index own = common();
         for (const Segment& s : segments_) {
             const auto count = static_cast<Index>(s.rows.size());
-            for (Index i = 0; i < count; ++i)
-                out[n + i] = error_Nms(s.rows[static_cast<std::size_t>(i)], theta, own);
+            for (Index i = 0; i < count; ++i) out[n + i] = error_Nms(s.rows[static_cast<std::size_t>(i)], theta, own);
             s.noise.matrixL().solveInPlace(out.segment(n, count));
             n += count;
             own += 2;
         }
     }
     [[nodiscard]] double error_Nms(const Row& row, const VectorXd& theta, Index own) const {
-        double balance =
-            row.momentum_Nms + theta[0] * row.omega_radps - theta[own] - theta[own + 1] * row.coasting_s;
-        for (std::size_t k = 0; stops_ && k < kPowers; ++k)
-            balance += theta[1 + static_cast<Index>(k)] * row.impulse[k];
+        double balance = row.momentum_Nms + theta[0] * row.omega_radps - theta[own] - theta[own + 1] * row.coasting_s;
+        for (std::size_t k = 0; stops_ && k < kPowers; ++k) balance += theta[1 + static_cast<Index>(k)] * row.impulse[k];
         return balance;
     }
     [[nodiscard]] std::vector<WheelResiduals> report(const VectorXd& theta) const {
@@ -245,8 +236,7 @@ class Balance {
         all.reserve(segments_.size());
         Index own = common();
         for (const Segment& s : segments_) {
-            WheelResiduals r{
-                .recording = s.name, .braking = s.braking, .time_s = {}, .speed_mps = {}, .error_mps = {}};
+            WheelResiduals r{.recording = s.name, .braking = s.braking, .time_s = {}, .speed_mps = {}, .error_mps = {}};
             for (const Row& row : s.rows) {
                 r.time_s.push_back(row.time_s - s.brake_on_s);
                 r.speed_mps.push_back(row.v_mps);
@@ -302,17 +292,13 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
     least.least = VectorXd::Constant(n, -1e9);
     least.most = VectorXd::Constant(n, 1e9);
     std::vector<std::string> names{"the wheel's inertia"};
-    for (Index i = 1; i < n; ++i)
-        names.emplace_back(i < balance.common() ? "the brake's friction over speed"
-                                                : "the rim's drag before touchdown");
-    const Fit found =
-        fit(least, names, [&balance](const VectorXd& theta, VectorXd& r) { balance.residuals(theta, r); });
+    for (Index i = 1; i < n; ++i) names.emplace_back(i < balance.common() ? "the brake's friction over speed" : "the rim's drag before touchdown");
+    const Fit found = fit(least, names, [&balance](const VectorXd& theta, VectorXd& r) { balance.residuals(theta, r); });
 
     WheelFit out;
     out.inertia_kgm2 = found.estimate(0);
     VectorXd mean = VectorXd::Zero(n);
-    for (std::size_t k = 0; k < kPowers; ++k)
-        mean[1 + static_cast<Index>(k)] = 1.0 / static_cast<double>(k + 1);
+    for (std::size_t k = 0; k < kPowers; ++k) mean[1 + static_cast<Index>(k)] = 1.0 / static_cast<double>(k + 1);
     // A radius that is off makes the flywheel's torque, and so k_b, off by the same share; no residual shows it.
     const Estimate shown = found.combination(mean);
     const double mu = shown.value;
@@ -328,10 +314,7 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
         out.relative_friction[k] = e;
     }
     const double gain = runs.front().rig.brake_gain_m3;
-    out.gain_m3 = {.value = mu * gain,
-                   .deviation = out.friction.deviation * gain,
-                   .low = out.friction.low * gain,
-                   .high = out.friction.high * gain};
+    out.gain_m3 = {.value = mu * gain, .deviation = out.friction.deviation * gain, .low = out.friction.low * gain, .high = out.friction.high * gain};
     out.friction_class = friction_class;
     out.lags_s = found.lags * kSpeedWindow_s;
     out.residuals = balance.report(found.theta);

@@ -24,28 +24,22 @@ class EditedToml {
     }
 
     /// `optional`: a key that is not there is added.
-    void set(const std::string& table, const std::string& key, const std::string& value,
-             const std::string& note, bool optional = false) {
+    void set(const std::string& table, const std::string& key, const std::string& value, const std::string& note, bool optional = false) {
         const std::size_t head = header(table);
         const std::string line = fmt::format("{} = {}  # identified{}", key, value, note);
         for (std::size_t i = head + 1; i < lines_.size() && !lines_[i].starts_with('['); ++i) {
             if (!is_key(lines_[i], key)) continue;
             std::size_t end = i;
-            while (opens(lines_[i]) && lines_[end].find(']') == std::string::npos && end + 1 < lines_.size())
-                ++end;
-            lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                         lines_.begin() + static_cast<std::ptrdiff_t>(end) + 1);
+            while (opens(lines_[i]) && lines_[end].find(']') == std::string::npos && end + 1 < lines_.size()) ++end;
+            lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(i) + 1, lines_.begin() + static_cast<std::ptrdiff_t>(end) + 1);
             lines_[i] = line;
             return;
         }
-        if (!optional)
-            throw settings::Error(file_.string(), static_cast<std::uint32_t>(head + 1), table + "." + key,
-                                  "is missing");
+        if (!optional) throw settings::Error(file_.string(), static_cast<std::uint32_t>(head + 1), table + "." + key, "is missing");
         lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(head) + 1, line);
     }
     void set(const std::string& table, const std::string& key, const Estimate& e, double factor = 1.0) {
-        set(table, key, fmt::format("{:.8g}", e.value * factor),
-            fmt::format(", 95 %: {:.6g} to {:.6g}", e.low * factor, e.high * factor));
+        set(table, key, fmt::format("{:.8g}", e.value * factor), fmt::format(", 95 %: {:.6g} to {:.6g}", e.low * factor, e.high * factor));
     }
     void write() const { settings::write_file(file_, fmt::format("{}\n", fmt::join(lines_, "\n"))); }
 
@@ -95,12 +89,8 @@ void set_valve(EditedToml& file, const ValveFit& v) {
 
 }  // namespace
 
-void write_config(const Identified& found, const ConfigFiles& files, const fs::path& from,
-                  const fs::path& to) {
-    if (fs::exists(to))
-        throw settings::Error(
-            to.string(), 0, "",
-            "exists already; a configuration that was identified gets a directory of its own");
+void write_config(const Identified& found, const ConfigFiles& files, const fs::path& from, const fs::path& to) {
+    if (fs::exists(to)) throw settings::Error(to.string(), 0, "", "exists already; a configuration that was identified gets a directory of its own");
     fs::create_directories(to.parent_path());
     fs::copy(from, to, fs::copy_options::recursive);
     EditedToml plant(to / files.rig);
@@ -109,8 +99,7 @@ void write_config(const Identified& found, const ConfigFiles& files, const fs::p
     set_valve(plant, v);
     set_valve(controller, v);
     const Estimate& full_Pa = v.pressure_Pa.back();
-    controller.set("valve", "full_pressure_Pa", pascals(full_Pa.value),
-                   fmt::format(", 95 %: {:.6g} to {:.6g}", full_Pa.low, full_Pa.high));
+    controller.set("valve", "full_pressure_Pa", pascals(full_Pa.value), fmt::format(", 95 %: {:.6g} to {:.6g}", full_Pa.low, full_Pa.high));
     if (v.hysteresis_mA.low > 0.0)
         plant.set("valve", "hysteresis_mA", fmt::format("{:.6g}", v.hysteresis_mA.value),
                   fmt::format(", 95 %: {:.6g} to {:.6g}", v.hysteresis_mA.low, v.hysteresis_mA.high), true);
@@ -121,8 +110,7 @@ void write_config(const Identified& found, const ConfigFiles& files, const fs::p
         std::vector<std::string> relative;
         relative.reserve(w.relative_friction.size());
         for (const Estimate& e : w.relative_friction) relative.push_back(fmt::format("{:.7g}", e.value));
-        plant.set("brake.relative_friction", w.friction_class, fmt::format("[{}]", fmt::join(relative, ", ")),
-                  "");
+        plant.set("brake.relative_friction", w.friction_class, fmt::format("[{}]", fmt::join(relative, ", ")), "");
         controller.set("wheel", "inertia_kgm2", w.inertia_kgm2);
         controller.set("wheel", "brake_gain_m3", w.gain_m3);
     }

@@ -21,8 +21,7 @@ Margins law_margins(const PeriodicSystem& system, const Scenario& scenario, Comp
     slowest = loop.closed_poles().front();
     const double growth = slowest.real();
     if (std::abs(growth) > kUndecided_per_s && m.stable != (growth < 0.0))
-        throw std::logic_error("Nyquist's count disagrees with the closed loop's eigenvalues on " +
-                               scenario.surface + ", " + scenario.maneuver);
+        throw std::logic_error("Nyquist's count disagrees with the closed loop's eigenvalues on " + scenario.surface + ", " + scenario.maneuver);
     return m;
 }
 
@@ -40,8 +39,7 @@ bool meets(const Margins& m, const Requirement& r) {
     return m.stable && m.phase_deg >= r.phase_deg && m.gain_up_dB >= r.gain_dB && m.gain_down_dB >= r.gain_dB;
 }
 
-std::vector<Cell> study_cells(const std::vector<Scenario>& scenarios,
-                              const antiskid::control::Config& controller, const Pid& pid,
+std::vector<Cell> study_cells(const std::vector<Scenario>& scenarios, const antiskid::control::Config& controller, const Pid& pid,
                               const StudyOptions& options, const Progress& progress) {
     std::vector<Cell> cells;
     cells.reserve(scenarios.size() * static_cast<std::size_t>(options.speeds));
@@ -50,25 +48,21 @@ std::vector<Cell> study_cells(const std::vector<Scenario>& scenarios,
         for (const double v : speed_grid(s.rig.brake_on_mps, s.drop_out_mps, options.speeds)) {
             Cell c;
             c.scenario = i;
-            const double slip = options.low_speed_fall
-                                    ? scheduled_slip(controller.slip, options.slip_reference, v)
-                                    : options.slip_reference;
+            const double slip = options.low_speed_fall ? scheduled_slip(controller.slip, options.slip_reference, v) : options.slip_reference;
             c.at = operating_point(s.rig, v, slip);
             c.printed_pole_radps = c.at.wheel_pole_radps(Linearisation::printed);
             c.full_pole_radps = c.at.wheel_pole_radps(Linearisation::full);
             c.reachable = c.at.pressure_Pa <= s.full_pressure_Pa;
             const LinearWheel wheel = linear_wheel(c.at, Linearisation::full);
             c.swing = wheel.swing();
-            c.limits = limits(fastest_real_pole_radps(wheel), s.rig.valve.delay_s,
-                              static_cast<double>(controller.period_s));
+            c.limits = limits(fastest_real_pole_radps(wheel), s.rig.valve.delay_s, static_cast<double>(controller.period_s));
             c.pid = {margins(pid_loop(pid, s.rig.valve, c.at, Linearisation::printed)),
                      margins(pid_loop(pid, s.rig.valve, c.at, Linearisation::full))};
             const PeriodicSystem law = law_system(controller, s.rig, c.at, Linearisation::full);
             c.edge_periods = law.a.size();
             c.controller_growth_per_s = controller_growth_per_s(law);
             Complex printed_slowest;
-            c.law.printed =
-                law_margins(law_system(controller, s.rig, c.at, Linearisation::printed), s, printed_slowest);
+            c.law.printed = law_margins(law_system(controller, s.rig, c.at, Linearisation::printed), s, printed_slowest);
             c.law.full = law_margins(law, s, c.law_slowest);
             cells.push_back(c);
         }

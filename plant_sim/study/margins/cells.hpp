@@ -23,9 +23,8 @@ struct Scenario {
 
 struct StudyOptions {
     double slip_reference = 0.24;
-    int speeds = 8;  ///< from brake-on down to drop-out
-    bool low_speed_fall =
-        true;  ///< at the reference in force; false: at `slip_reference` at every speed, the paper's exact law
+    int speeds = 8;              ///< from brake-on down to drop-out
+    bool low_speed_fall = true;  ///< at the reference in force; false: at `slip_reference` at every speed, the paper's exact law
     Requirement requirement;
 };
 
@@ -39,16 +38,14 @@ struct Cell {
     OperatingPoint at;
     double printed_pole_radps = 0.0;
     double full_pole_radps = 0.0;
-    bool reachable = true;  ///< the valve's full pressure can hold this slip
-    Limits
-        limits;  ///< of any controller with this period, by the wheel's fastest unstable pole that does not swing
+    bool reachable = true;         ///< the valve's full pressure can hold this slip
+    Limits limits;                 ///< of any controller with this period, by the wheel's fastest unstable pole that does not swing
     std::optional<Complex> swing;  ///< of the wheel by itself, full linearisation, as LinearWheel::swing()
     BothMargins pid;
     BothMargins law;
-    Complex law_slowest;  ///< the closed loop's pole that grows fastest or dies slowest, 1/s and rad/s
-    double controller_growth_per_s =
-        0.0;                       ///< of the law by itself, controller_growth_per_s() of law_loop.hpp
-    std::size_t edge_periods = 1;  ///< periods between two edges of the wheel's encoder, N of law_loop.hpp
+    Complex law_slowest;                   ///< the closed loop's pole that grows fastest or dies slowest, 1/s and rad/s
+    double controller_growth_per_s = 0.0;  ///< of the law by itself, controller_growth_per_s() of law_loop.hpp
+    std::size_t edge_periods = 1;          ///< periods between two edges of the wheel's encoder, N of law_loop.hpp
 };
 
 /// The wheel's own swing grows: beyond the peak a belt that is damped too lightly excites itself.
@@ -62,8 +59,7 @@ struct Cell {
 using Progress = std::function<void(std::size_t done, std::size_t all)>;
 
 /// Cells scenario by scenario, fastest first. Throws std::logic_error if Nyquist's count and the closed loop's eigenvalues ever disagree.
-[[nodiscard]] std::vector<Cell> study_cells(const std::vector<Scenario>& scenarios,
-                                            const antiskid::control::Config& controller, const Pid& pid,
+[[nodiscard]] std::vector<Cell> study_cells(const std::vector<Scenario>& scenarios, const antiskid::control::Config& controller, const Pid& pid,
                                             const StudyOptions& options, const Progress& progress = {});
 
 }  // namespace study::margins

@@ -37,28 +37,20 @@ constexpr std::array<Gain, 8> kGains{{
 
 }  // namespace
 
-LawJudge::LawJudge(const std::vector<Scenario>& scenarios, const TrialStops& trial,
-                   const StudyOptions& options)
+LawJudge::LawJudge(const std::vector<Scenario>& scenarios, const TrialStops& trial, const StudyOptions& options)
     : scenarios_(scenarios), trial_(trial), options_(options) {
     for (std::size_t i = 0; i < scenarios.size(); ++i)
-        for (const double v :
-             speed_grid(scenarios[i].rig.brake_on_mps, scenarios[i].drop_out_mps, options.speeds))
-            places_.push_back({i, v});
-    if (places_.empty() || trial.stops.empty())
-        throw std::invalid_argument("gains cannot be judged without scenarios and stops");
+        for (const double v : speed_grid(scenarios[i].rig.brake_on_mps, scenarios[i].drop_out_mps, options.speeds)) places_.push_back({i, v});
+    if (places_.empty() || trial.stops.empty()) throw std::invalid_argument("gains cannot be judged without scenarios and stops");
     ended_ = std::vector<std::atomic<unsigned>>(places_.size());
 }
 
 double LawJudge::cell(const Config& controller, const Place& place) const {
     const Scenario& s = scenarios_[place.scenario];
-    const double slip = options_.low_speed_fall
-                            ? scheduled_slip(controller.slip, options_.slip_reference, place.speed_mps)
-                            : options_.slip_reference;
-    const PeriodicSystem system =
-        law_system(controller, s.rig, operating_point(s.rig, place.speed_mps, slip), Linearisation::full);
+    const double slip = options_.low_speed_fall ? scheduled_slip(controller.slip, options_.slip_reference, place.speed_mps) : options_.slip_reference;
+    const PeriodicSystem system = law_system(controller, s.rig, operating_point(s.rig, place.speed_mps, slip), Linearisation::full);
     const SampledLoop loop(system);
-    const double growth_per_s =
-        std::max(loop.closed_poles().front().real(), controller_growth_per_s(system) - kIntegrates_per_s);
+    const double growth_per_s = std::max(loop.closed_poles().front().real(), controller_growth_per_s(system) - kIntegrates_per_s);
     if (growth_per_s >= 0.0) return -growth_per_s / (1.0 + growth_per_s) - kUnstable;
     return margins::score(margins(loop, kCoarseWalk), options_.requirement);
 }
@@ -66,8 +58,7 @@ double LawJudge::cell(const Config& controller, const Place& place) const {
 std::vector<std::size_t> LawJudge::hardest_first() const {
     std::vector<std::pair<unsigned, std::size_t>> order;
     order.reserve(places_.size());
-    for (std::size_t i = 0; i < places_.size(); ++i)
-        order.emplace_back(std::numeric_limits<unsigned>::max() - ended_[i].load(), i);
+    for (std::size_t i = 0; i < places_.size(); ++i) order.emplace_back(std::numeric_limits<unsigned>::max() - ended_[i].load(), i);
     std::sort(order.begin(), order.end());
     std::vector<std::size_t> indices;
     indices.reserve(order.size());
@@ -109,8 +100,7 @@ WorstScore LawJudge::margins_of(const Config& controller) const {
 }
 
 Config with_gains(Config config, const std::vector<double>& values) {
-    for (std::size_t i = 0; i < kGains.size(); ++i)
-        config.slip.*kGains[i].in = static_cast<float>(values.at(i));
+    for (std::size_t i = 0; i < kGains.size(); ++i) config.slip.*kGains[i].in = static_cast<float>(values.at(i));
     return config;
 }
 

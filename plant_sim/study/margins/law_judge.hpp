@@ -47,7 +47,6 @@ class LawJudge {
 /// those of the retreat, which no margin sees; not the observer.
 [[nodiscard]] std::vector<std::string> gain_names();
 [[nodiscard]] std::vector<double> gains_of(const antiskid::control::Config& config);
-[[nodiscard]] antiskid::control::Config with_gains(antiskid::control::Config config,
-                                                   const std::vector<double>& values);
+[[nodiscard]] antiskid::control::Config with_gains(antiskid::control::Config config, const std::vector<double>& values);
 
 }  // namespace study::margins

@@ -43,43 +43,38 @@ std::size_t whole_periods(double delay_s, double period_s) {
 /// by the controller's numbers, q = (r k_b / (J v_late)) P; wheel speed as slip, -(r / v_late) omega.
 class Period {
   public:
-    Period(const antiskid::control::Config& config, const plant::RigParameters& rig, const OperatingPoint& at,
-           Linearisation linearisation, std::optional<double> answer_per_s)
+    Period(const antiskid::control::Config& config, const plant::RigParameters& rig, const OperatingPoint& at, Linearisation linearisation,
+           std::optional<double> answer_per_s)
         : law_(config.slip), h_(static_cast<double>(config.period_s)) {
         const auto& valve = config.valve;
         const double delay = static_cast<double>(valve.delay_s);
         whole_ = whole_periods(delay, h_);
         part_ = std::max(delay / h_ - static_cast<double>(whole_), 0.0);
         if (part_ < 1e-3) part_ = 0.0;
-        model_ =
-            lag(static_cast<double>(valve.natural_frequency_radps), static_cast<double>(valve.damping), h_);
+        model_ = lag(static_cast<double>(valve.natural_frequency_radps), static_cast<double>(valve.damping), h_);
         const double l = static_cast<double>(config.estimator.pressure_bandwidth_radps);
         correct_p_ = l * h_ / (1.0 + l * h_);
         correct_r_ = 0.5 * l * correct_p_;
         correct_offset_ = static_cast<double>(config.estimator.valve_offset_radps) * h_;
 
-        const double edge_s =
-            2.0 * kPi * at.radius_m / (rig.wheel_encoder.teeth * (1.0 - at.slip) * at.speed_mps);
+        const double edge_s = 2.0 * kPi * at.radius_m / (rig.wheel_encoder.teeth * (1.0 - at.slip) * at.speed_mps);
         news_every_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(edge_s / h_)));
         edge_age_ = news_every_ == 1 ? std::min(edge_s / h_, 1.0) / 2.0 : 0.5;
         const double interval = static_cast<double>(news_every_) * h_;
         reading_age_ = 0.5 * (interval + h_);
         answer_ = answer_per_s.value_or(at.wheel_pole_radps(linearisation));
         believed_ = answer_ > 0.0 ? static_cast<double>(config.observer.outlook_share) * answer_ : answer_;
-        gain_ =
-            static_cast<double>(law_.k_p_per_s) + static_cast<double>(law_.k_answer) * std::max(answer_, 0.0);
+        gain_ = static_cast<double>(law_.k_p_per_s) + static_cast<double>(law_.k_answer) * std::max(answer_, 0.0);
         correct_ = steady_gains(config, interval);
         deceleration_per_s_ = at.deceleration_mps2 / at.speed_mps;
 
-        const double believed =
-            static_cast<double>(config.wheel.brake_gain_m3) / static_cast<double>(config.wheel.inertia_kgm2);
+        const double believed = static_cast<double>(config.wheel.brake_gain_m3) / static_cast<double>(config.wheel.inertia_kgm2);
         const double true_per_believed = at.brake_gain_m3 / at.inertia_kgm2 / believed;
         pipe_ = whole_periods(rig.valve.delay_s, h_);
         const double broken = std::max(rig.valve.delay_s - static_cast<double>(pipe_) * h_, 0.0);
         const LinearWheel wheel = linear_wheel(at, linearisation);
         wheel_states_ = wheel.a.rows();
-        plant_ = sampled_plant(rig.valve, wheel, true_per_believed,
-                               valve_gain(valve, rig.pressure_map, at.pressure_Pa), h_, broken);
+        plant_ = sampled_plant(rig.valve, wheel, true_per_believed, valve_gain(valve, rig.pressure_map, at.pressure_Pa), h_, broken);
     }
 
     // The state, in this order: commands in the controller's pipe, its valve state, tracker, integral, valve offset; commands in the
@@ -109,9 +104,7 @@ class Period {
         const double change = acting_s(answer) * (from.road + pressed - steady);
         return {from.slip + change + steady * h_, from.road - answer * change};
     }
-    [[nodiscard]] double acting_s(double answer) const {
-        return answer > 0.0 ? h_ / (1.0 + answer * h_) : h_;
-    }
+    [[nodiscard]] double acting_s(double answer) const { return answer > 0.0 ? h_ / (1.0 + answer * h_) : h_; }
 
     /// Gains of the observer that has settled: at the equilibrium nothing moves that would show the answer, and speed and road are a linear
     /// filter by themselves.
@@ -187,8 +180,7 @@ class Period {
         }
         const double balance = steady - there.road;
         const double late_slip = there.slip;
-        const double u = balance - gain_ * late_slip + x[v + 4] -
-                         static_cast<double>(law_.k_d) * (late[0] - balance) -
+        const double u = balance - gain_ * late_slip + x[v + 4] - static_cast<double>(law_.k_d) * (late[0] - balance) -
                          static_cast<double>(law_.k_dd_s) * late[1] - x[v + 5];
         x.segment<2>(v) = valve;
         x[v + 2] = motion.slip;
@@ -208,8 +200,7 @@ class Period {
         const Index moving = 2 + wheel_states_;
         VectorXd motion(moving + 1);
         motion << x.segment(m, moving), 0.0;
-        motion =
-            (plant_.phi * motion + plant_.new_input * x[acting] + plant_.old_input * x[acting + 1]).eval();
+        motion = (plant_.phi * motion + plant_.new_input * x[acting] + plant_.old_input * x[acting + 1]).eval();
         x.segment(m, moving) = motion.head(moving);
         for (Index i = size() - 1; i > means_at(); --i) x[i] = x[i - 1];
         x[means_at()] = motion[moving] / h_;
@@ -230,9 +221,8 @@ class Period {
 
 }  // namespace
 
-PeriodicSystem law_system(const antiskid::control::Config& config, const plant::RigParameters& rig,
-                          const OperatingPoint& at, Linearisation linearisation,
-                          std::optional<double> answer_per_s) {
+PeriodicSystem law_system(const antiskid::control::Config& config, const plant::RigParameters& rig, const OperatingPoint& at,
+                          Linearisation linearisation, std::optional<double> answer_per_s) {
     const Period period(config, rig, at, linearisation, answer_per_s);
     const Index n = period.size();
     PeriodicSystem s;

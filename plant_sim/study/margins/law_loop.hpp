@@ -23,12 +23,10 @@ namespace study::margins {
 
 /// Linearised at `at`: `config` is the controller, `rig` the plant. `answer_per_s` is what the observer takes the road's answer for: the
 /// wheel's pole, unless given.
-[[nodiscard]] PeriodicSystem law_system(const antiskid::control::Config& config,
-                                        const plant::RigParameters& rig, const OperatingPoint& at,
+[[nodiscard]] PeriodicSystem law_system(const antiskid::control::Config& config, const plant::RigParameters& rig, const OperatingPoint& at,
                                         Linearisation linearisation, std::optional<double> answer_per_s = {});
 
 /// falling_reference() of slip_law.hpp.
-[[nodiscard]] double scheduled_slip(const antiskid::control::SlipConfig& config, double slip_reference,
-                                    double speed_mps);
+[[nodiscard]] double scheduled_slip(const antiskid::control::SlipConfig& config, double slip_reference, double speed_mps);
 
 }  // namespace study::margins

@@ -21,9 +21,7 @@ struct Limits {
     double gamma = 1.0;            ///< least peak of |T|
     double phase_deg = 180.0;      ///< no controller has more
     double gain_range_dB = 1e300;  ///< upward and downward margin together are at most this
-    [[nodiscard]] bool allow(const Requirement& r) const {
-        return phase_deg >= r.phase_deg && gain_range_dB >= 2.0 * r.gain_dB;
-    }
+    [[nodiscard]] bool allow(const Requirement& r) const { return phase_deg >= r.phase_deg && gain_range_dB >= 2.0 * r.gain_dB; }
 };
 
 /// `wheel_pole_radps` as OperatingPoint has it: at or above zero nothing is limited. `period_s` 0: a controller in continuous time.

@@ -26,18 +26,15 @@ std::optional<Complex> LinearWheel::swing() const {
 LinearWheel linear_wheel(const OperatingPoint& at, Linearisation linearisation) {
     const plant::RingParameters& ring = at.ring;
     const bool swings = ring.belt_share > 0.0, relaxes = at.relaxation_m > 0.0;
-    if (!swings && !relaxes)
-        return {.a = Eigen::MatrixXd::Constant(1, 1, -at.wheel_pole_radps(linearisation)), .gain = 1.0};
+    if (!swings && !relaxes) return {.a = Eigen::MatrixXd::Constant(1, 1, -at.wheel_pole_radps(linearisation)), .gain = 1.0};
     const Eigen::Index belt = swings ? 1 : 0, twist = 2, tread = swings ? 3 : 1;
     const Eigen::Index slips = relaxes ? tread : belt;  // whose slip makes the road's force
-    LinearWheel w{.a = Eigen::MatrixXd::Zero(tread + (relaxes ? 1 : 0), tread + (relaxes ? 1 : 0)),
-                  .gain = 1.0 / (1.0 - ring.belt_share)};
+    LinearWheel w{.a = Eigen::MatrixXd::Zero(tread + (relaxes ? 1 : 0), tread + (relaxes ? 1 : 0)), .gain = 1.0 / (1.0 - ring.belt_share)};
 
     // The road's force moves the wheel or its belt, and slows the aircraft down.
     const double per_slip = at.load_N * at.mu_1 / (at.mass_kg * at.speed_mps);
     const double on_wheel = per_slip * at.mass_kg * at.radius_m * at.radius_m / at.inertia_kgm2;
-    const double aircraft =
-        linearisation == Linearisation::full ? at.load_N * at.mu / (at.mass_kg * at.speed_mps) : 0.0;
+    const double aircraft = linearisation == Linearisation::full ? at.load_N * at.mu / (at.mass_kg * at.speed_mps) : 0.0;
     w.a(belt, slips) -= on_wheel / (swings ? ring.belt_share : 1.0);
     for (Eigen::Index i = 0; i <= belt; ++i) {
         w.a(i, slips) -= (1.0 - at.slip) * per_slip;

@@ -26,8 +26,7 @@ double bound(double gain, const std::vector<Complex>& zeros, const std::vector<C
 
 DelayLoop::DelayLoop(double gain, std::vector<Complex> zeros, std::vector<Complex> poles, double delay_s)
     : gain_(gain), zeros_(std::move(zeros)), poles_(std::move(poles)), delay_s_(delay_s), end_radps_(1.0) {
-    if (poles_.size() <= zeros_.size())
-        throw std::invalid_argument("a loop with a delay needs more poles than zeros");
+    if (poles_.size() <= zeros_.size()) throw std::invalid_argument("a loop with a delay needs more poles than zeros");
     if (!(delay_s >= 0.0)) throw std::invalid_argument("a delay is not below zero");
     while (bound(gain_, zeros_, poles_, end_radps_) >= kNothing) end_radps_ *= 2.0;
 }
@@ -40,9 +39,8 @@ Complex DelayLoop::value(Complex s) const {
 }
 
 int DelayLoop::unstable_poles() const {
-    return static_cast<int>(std::count_if(poles_.begin(), poles_.end(), [](const Complex& p) {
-        return p.real() > 0.0 && std::abs(p) > kIndent_radps;
-    }));
+    return static_cast<int>(
+        std::count_if(poles_.begin(), poles_.end(), [](const Complex& p) { return p.real() > 0.0 && std::abs(p) > kIndent_radps; }));
 }
 
 double DelayLoop::most_approach(Complex from, Complex to, const std::vector<Complex>& loci) const {

@@ -218,9 +218,7 @@ std::vector<LocusPoint> locus(const Loop& loop, double from_radps, double to_rad
     for (int i = 0; i < count; ++i) {
         const double w = from_radps * std::pow(to_radps / from_radps, static_cast<double>(i) / (count - 1));
         loop.at({0.0, w}, loci);
-        points.push_back({w, *std::max_element(loci.begin(), loci.end(), [](Complex a, Complex b) {
-                              return std::abs(a) < std::abs(b);
-                          })});
+        points.push_back({w, *std::max_element(loci.begin(), loci.end(), [](Complex a, Complex b) { return std::abs(a) < std::abs(b); })});
     }
     return points;
 }

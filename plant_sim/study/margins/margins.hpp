@@ -10,24 +10,17 @@ namespace study::margins {
 
 /// Margins of a stable closed loop. Where it is not stable they mean nothing and are NaN.
 struct Margins {
-    int encirclements = 0;   ///< of -1, counter-clockwise, over the whole axis
-    int unstable_poles = 0;  ///< of L
-    int unstable_closed =
-        0;  ///< closed-loop poles on the right: unstable_poles - encirclements, or on the axis within 1e-9
+    int encirclements = 0;    ///< of -1, counter-clockwise, over the whole axis
+    int unstable_poles = 0;   ///< of L
+    int unstable_closed = 0;  ///< closed-loop poles on the right: unstable_poles - encirclements, or on the axis within 1e-9
     bool stable = false;
 
-    double phase_deg = std::numeric_limits<
-        double>::quiet_NaN();  ///< smallest turn of L, lag or lead, onto -1; 180 if there is none
-    double gain_up_dB = std::numeric_limits<
-        double>::quiet_NaN();  ///< smallest rise in gain that reaches -1; infinite if none up to 60 dB does
-    double gain_down_dB = std::numeric_limits<
-        double>::quiet_NaN();  ///< smallest fall, as a positive number; infinite if none does
-    double modulus =
-        std::numeric_limits<double>::quiet_NaN();  ///< least |1 + L|, the inverse of the peak sensitivity
-    double crossover_radps =
-        std::numeric_limits<double>::quiet_NaN();  ///< |L| = 1 where `phase_deg` is found
-    double upward_radps =
-        std::numeric_limits<double>::quiet_NaN();  ///< where a rise in gain begins to oscillate
+    double phase_deg = std::numeric_limits<double>::quiet_NaN();        ///< smallest turn of L, lag or lead, onto -1; 180 if there is none
+    double gain_up_dB = std::numeric_limits<double>::quiet_NaN();       ///< smallest rise in gain that reaches -1; infinite if none up to 60 dB does
+    double gain_down_dB = std::numeric_limits<double>::quiet_NaN();     ///< smallest fall, as a positive number; infinite if none does
+    double modulus = std::numeric_limits<double>::quiet_NaN();          ///< least |1 + L|, the inverse of the peak sensitivity
+    double crossover_radps = std::numeric_limits<double>::quiet_NaN();  ///< |L| = 1 where `phase_deg` is found
+    double upward_radps = std::numeric_limits<double>::quiet_NaN();     ///< where a rise in gain begins to oscillate
     double downward_radps = std::numeric_limits<double>::quiet_NaN();
 };
 

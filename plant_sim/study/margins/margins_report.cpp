@@ -47,8 +47,7 @@ class Worst {
     }
     /// Three columns.
     [[nodiscard]] std::string text() const {
-        if (unstable_below_ > 0.0)
-            return fmt::format("unstable from {:.0f} m/s | {} | {}", unstable_below_, one(up_), one(down_));
+        if (unstable_below_ > 0.0) return fmt::format("unstable from {:.0f} m/s | {} | {}", unstable_below_, one(up_), one(down_));
         return fmt::format("{} | {} | {}", one(phase_), one(up_), one(down_));
     }
 
@@ -60,9 +59,7 @@ class Worst {
     static void take(At& worst, double value, double speed_mps) {
         if (value < worst.value) worst = {value, speed_mps};
     }
-    static std::string one(const At& a) {
-        return std::isfinite(a.value) ? fmt::format("{:.1f} at {:.0f}", a.value, a.speed_mps) : "-";
-    }
+    static std::string one(const At& a) { return std::isfinite(a.value) ? fmt::format("{:.1f} at {:.0f}", a.value, a.speed_mps) : "-"; }
     At phase_, up_, down_;
     double unstable_below_ = 0.0;
 };
@@ -82,8 +79,7 @@ std::string from_speed(const std::vector<Cell>& cells, std::size_t scenario, con
 
 }  // namespace
 
-std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells,
-                     const ReportHead& head) {
+std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells, const ReportHead& head) {
     const Requirement& r = head.options.requirement;
     std::string t = fmt::format(
         "Worst margins over the speeds from brake-on to drop-out, full linearisation, tyre {}, slip "
@@ -92,8 +88,7 @@ std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<C
         "| surface | maneuver | law: PM (deg) | up (dB) | down (dB) | PID: PM (deg) | up (dB) | down (dB) | "
         "cells below {:.0f} deg or {:.0f} dB: law | PID | "
         "infeasible for any controller |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
-        head.tyre, head.options.slip_reference,
-        head.options.low_speed_fall ? ", falling at low speed" : " at every speed", r.phase_deg, r.gain_dB);
+        head.tyre, head.options.slip_reference, head.options.low_speed_fall ? ", falling at low speed" : " at every speed", r.phase_deg, r.gain_dB);
     const auto law_fails = [&](const Cell& c) { return !meets(c.law.full, r); };
     const auto pid_fails = [&](const Cell& c) { return !meets(c.pid.full, r); };
     const auto infeasible = [&](const Cell& c) { return !c.limits.allow(r); };
@@ -104,9 +99,8 @@ std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<C
             law.add(c.law.full, c.at.speed_mps);
             pid.add(c.pid.full, c.at.speed_mps);
         }
-        fmt::format_to(std::back_inserter(t), "| {} | {} | {} | {} | {} | {} | {} |\n", scenarios[i].surface,
-                       scenarios[i].maneuver, law.text(), pid.text(), from_speed(cells, i, law_fails),
-                       from_speed(cells, i, pid_fails), from_speed(cells, i, infeasible));
+        fmt::format_to(std::back_inserter(t), "| {} | {} | {} | {} | {} | {} | {} |\n", scenarios[i].surface, scenarios[i].maneuver, law.text(),
+                       pid.text(), from_speed(cells, i, law_fails), from_speed(cells, i, pid_fails), from_speed(cells, i, infeasible));
     }
     const auto count = [&](const auto& bad) { return std::count_if(cells.begin(), cells.end(), bad); };
     fmt::format_to(std::back_inserter(t),
@@ -114,38 +108,35 @@ std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<C
                    "{}; PID stable in {}, "
                    "meets in {}; no controller can in {}.\n",
                    cells.size(), count([](const Cell& c) { return c.law.full.stable; }),
-                   count([](const Cell& c) { return c.controller_growth_per_s <= kIntegrates_per_s; }),
-                   r.phase_deg, r.gain_dB, cells.size() - static_cast<std::size_t>(count(law_fails)),
-                   count([](const Cell& c) { return c.pid.full.stable; }),
+                   count([](const Cell& c) { return c.controller_growth_per_s <= kIntegrates_per_s; }), r.phase_deg, r.gain_dB,
+                   cells.size() - static_cast<std::size_t>(count(law_fails)), count([](const Cell& c) { return c.pid.full.stable; }),
                    cells.size() - static_cast<std::size_t>(count(pid_fails)), count(infeasible));
     return t;
 }
 
-std::string to_json(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells,
-                    const ReportHead& head) {
+std::string to_json(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells, const ReportHead& head) {
     ordered_json rows = ordered_json::array();
     for (const Cell& c : cells) {
         const bool limited = c.limits.gamma > 1.0;
-        rows.push_back(
-            {{"surface", scenarios[c.scenario].surface},
-             {"maneuver", scenarios[c.scenario].maneuver},
-             {"speed_mps", c.at.speed_mps},
-             {"slip", c.at.slip},
-             {"pressure_Pa", c.at.pressure_Pa},
-             {"reachable", c.reachable},
-             {"pole_printed_radps", -c.printed_pole_radps},
-             {"pole_full_radps", -c.full_pole_radps},
-             {"wheel_swing_growth_per_s", c.swing ? ordered_json(c.swing->real()) : ordered_json()},
-             {"wheel_swing_radps", c.swing ? ordered_json(c.swing->imag()) : ordered_json()},
-             {"wheel_edge_periods", c.edge_periods},
-             {"law_alone_growth_per_s", c.controller_growth_per_s},
-             {"law_slowest_growth_per_s", c.law_slowest.real()},
-             {"law_slowest_radps", std::abs(c.law_slowest.imag())},
-             {"limit_phase_margin_deg", limited ? ordered_json(c.limits.phase_deg) : ordered_json()},
-             {"limit_gain_range_dB", limited ? ordered_json(c.limits.gain_range_dB) : ordered_json()},
-             {"feasible", c.limits.allow(head.options.requirement)},
-             {"pid", to_json(c.pid)},
-             {"law", to_json(c.law)}});
+        rows.push_back({{"surface", scenarios[c.scenario].surface},
+                        {"maneuver", scenarios[c.scenario].maneuver},
+                        {"speed_mps", c.at.speed_mps},
+                        {"slip", c.at.slip},
+                        {"pressure_Pa", c.at.pressure_Pa},
+                        {"reachable", c.reachable},
+                        {"pole_printed_radps", -c.printed_pole_radps},
+                        {"pole_full_radps", -c.full_pole_radps},
+                        {"wheel_swing_growth_per_s", c.swing ? ordered_json(c.swing->real()) : ordered_json()},
+                        {"wheel_swing_radps", c.swing ? ordered_json(c.swing->imag()) : ordered_json()},
+                        {"wheel_edge_periods", c.edge_periods},
+                        {"law_alone_growth_per_s", c.controller_growth_per_s},
+                        {"law_slowest_growth_per_s", c.law_slowest.real()},
+                        {"law_slowest_radps", std::abs(c.law_slowest.imag())},
+                        {"limit_phase_margin_deg", limited ? ordered_json(c.limits.phase_deg) : ordered_json()},
+                        {"limit_gain_range_dB", limited ? ordered_json(c.limits.gain_range_dB) : ordered_json()},
+                        {"feasible", c.limits.allow(head.options.requirement)},
+                        {"pid", to_json(c.pid)},
+                        {"law", to_json(c.law)}});
     }
     const ordered_json json{
         {"study", "margins"},

@@ -30,8 +30,7 @@ MatrixXcd solve_hessenberg(const MatrixXd& h, Complex z, const MatrixXd& b) {
             m.row(i).tail(n - i).swap(m.row(i + 1).tail(n - i));
             x.row(i).swap(x.row(i + 1));
         }
-        if (m(i, i) == 0.0)
-            continue;  // the whole column is zero: z is a pole, and the division below says so
+        if (m(i, i) == 0.0) continue;  // the whole column is zero: z is a pole, and the division below says so
         const Complex f = m(i + 1, i) / m(i, i);
         if (f == 0.0) continue;
         m.row(i + 1).tail(n - i) -= f * m.row(i).tail(n - i);
@@ -48,9 +47,7 @@ std::vector<Complex> rates(const MatrixXd& monodromy, double h) {
     s.reserve(values.size());
     for (const Complex& v : values)
         if (std::abs(v) > kGone) s.push_back(std::log(v) / h);
-    std::sort(s.begin(), s.end(), [](Complex a, Complex b) {
-        return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag();
-    });
+    std::sort(s.begin(), s.end(), [](Complex a, Complex b) { return a.real() != b.real() ? a.real() > b.real() : a.imag() > b.imag(); });
     return s;
 }
 
@@ -82,9 +79,8 @@ SampledLoop::SampledLoop(const PeriodicSystem& system) : system_(system) {
     into_ = q.transpose() * b;
     out_ = c * q;
     poles_ = rates(monodromy, system.period_s * static_cast<double>(n));
-    unstable_poles_ = static_cast<int>(std::count_if(poles_.begin(), poles_.end(), [](Complex s) {
-        return s.real() > 0.0 && std::abs(s) > kIndent_radps;
-    }));
+    unstable_poles_ =
+        static_cast<int>(std::count_if(poles_.begin(), poles_.end(), [](Complex s) { return s.real() > 0.0 && std::abs(s) > kIndent_radps; }));
 }
 
 double SampledLoop::end_radps() const {
@@ -134,8 +130,7 @@ Complex SampledLoop::response(double frequency_radps) const {
 
 std::vector<Complex> SampledLoop::closed_poles(double gain) const {
     MatrixXd monodromy = MatrixXd::Identity(system_.b.size(), system_.b.size());
-    for (std::size_t i = 0; i < system_.a.size(); ++i)
-        monodromy = ((system_.a[i] + gain * system_.b * system_.c[i]) * monodromy).eval();
+    for (std::size_t i = 0; i < system_.a.size(); ++i) monodromy = ((system_.a[i] + gain * system_.b * system_.c[i]) * monodromy).eval();
     return rates(monodromy, system_.period_s * static_cast<double>(system_.a.size()));
 }
 

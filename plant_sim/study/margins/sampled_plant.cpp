@@ -12,14 +12,13 @@ namespace {
 double slope(const std::vector<plant::PressureMap::Point>& points, double p) {
     std::size_t i = 1;
     while (i + 1 < points.size() && points[i].pressure_Pa < p) ++i;
-    return (points[i].pressure_Pa - points[i - 1].pressure_Pa) /
-           (points[i].current_mA - points[i - 1].current_mA);
+    return (points[i].pressure_Pa - points[i - 1].pressure_Pa) / (points[i].current_mA - points[i - 1].current_mA);
 }
 
 }  // namespace
 
-SampledPlant sampled_plant(const plant::ValveParameters& valve, const LinearWheel& wheel, double per_pressure,
-                           double per_command, double period_s, double broken_s) {
+SampledPlant sampled_plant(const plant::ValveParameters& valve, const LinearWheel& wheel, double per_pressure, double per_command, double period_s,
+                           double broken_s) {
     const Eigen::Index rim = 2, n = wheel.a.rows(), integral = rim + n, input = integral + 1;
     const double w = valve.natural_frequency_radps;
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(input + 1, input + 1);
@@ -33,17 +32,14 @@ SampledPlant sampled_plant(const plant::ValveParameters& valve, const LinearWhee
     const Eigen::MatrixXd first = exponential(a * broken_s);
     const Eigen::MatrixXd second = exponential(a * (period_s - broken_s));
     return {second.topLeftCorner(input, input) * first.topLeftCorner(input, input),
-            second.topLeftCorner(input, input) * first.topRightCorner(input, 1),
-            second.topRightCorner(input, 1)};
+            second.topLeftCorner(input, input) * first.topRightCorner(input, 1), second.topRightCorner(input, 1)};
 }
 
-double valve_gain(const antiskid::control::ValveConfig& believed, const plant::PressureMap& map,
-                  double pressure_Pa) {
+double valve_gain(const antiskid::control::ValveConfig& believed, const plant::PressureMap& map, double pressure_Pa) {
     std::vector<plant::PressureMap::Point> points;
     points.reserve(believed.points);
     for (std::size_t i = 0; i < believed.points; ++i)
-        points.push_back(
-            {static_cast<double>(believed.current_mA[i]), static_cast<double>(believed.pressure_Pa[i])});
+        points.push_back({static_cast<double>(believed.current_mA[i]), static_cast<double>(believed.pressure_Pa[i])});
     return slope(map.points(), pressure_Pa) / slope(points, pressure_Pa);
 }
 

@@ -36,8 +36,7 @@ struct Candidate {
 /// Scores in the order of the candidates.
 class Jury {
   public:
-    Jury(const Score& score, unsigned threads, const SearchProgress& progress)
-        : score_(score), threads_(threads), progress_(progress) {}
+    Jury(const Score& score, unsigned threads, const SearchProgress& progress) : score_(score), threads_(threads), progress_(progress) {}
 
     [[nodiscard]] std::vector<double> judge(const std::vector<Candidate>& candidates, std::size_t all) {
         std::vector<double> scores(candidates.size());
@@ -64,44 +63,36 @@ class Jury {
 double rounded(double value, int digits) {
     const double place = last_place(value, digits);
     // Divided by a whole number where the place is below 1: 4.31e-3 is then the double that the text "0.00431" is.
-    return place < 1.0 ? std::round(value / place) / std::round(1.0 / place)
-                       : std::round(value / place) * place;
+    return place < 1.0 ? std::round(value / place) / std::round(1.0 / place) : std::round(value / place) * place;
 }
 
-Found search(const std::vector<Parameter>& parameters, const Score& score, const SearchOptions& options,
-             const SearchProgress& progress) {
-    if (parameters.empty() || options.population < 4)
-        throw std::invalid_argument("a search needs parameters and a population of four");
+Found search(const std::vector<Parameter>& parameters, const Score& score, const SearchOptions& options, const SearchProgress& progress) {
+    if (parameters.empty() || options.population < 4) throw std::invalid_argument("a search needs parameters and a population of four");
     for (const Parameter& k : parameters)
         if (!(k.low > 0.0 && k.high >= k.low) || (k.start && (*k.start < k.low || *k.start > k.high)))
             throw std::invalid_argument(k.name + ": bounds must be above zero, rising, and hold the start");
     plant::Random random(options.seed);
     const auto members = static_cast<std::size_t>(options.population);
     const std::size_t n = parameters.size();
-    const bool started =
-        std::all_of(parameters.begin(), parameters.end(), [](const Parameter& k) { return k.start; });
+    const bool started = std::all_of(parameters.begin(), parameters.end(), [](const Parameter& k) { return k.start; });
     std::vector<std::vector<double>> place(members, std::vector<double>(n));  // logarithms
     const auto values = [&](const std::vector<double>& x) {
         std::vector<double> v(n);
         for (std::size_t k = 0; k < n; ++k) v[k] = rounded(std::exp(x[k]), options.digits);
         return v;
     };
-    const auto all =
-        static_cast<std::size_t>(options.population) * (static_cast<std::size_t>(options.generations) + 1);
+    const auto all = static_cast<std::size_t>(options.population) * (static_cast<std::size_t>(options.generations) + 1);
     Jury jury(score, options.threads, progress);
     std::vector<Candidate> candidates(members);
     for (std::size_t i = 0; i < members; ++i) {
         for (std::size_t k = 0; k < n; ++k) {
             const double low = std::log(parameters[k].low), high = std::log(parameters[k].high);
-            place[i][k] =
-                i == 0 && started ? std::log(*parameters[k].start) : low + uniform(random) * (high - low);
+            place[i][k] = i == 0 && started ? std::log(*parameters[k].start) : low + uniform(random) * (high - low);
         }
         candidates[i].values = values(place[i]);
     }
     std::vector<double> scores = jury.judge(candidates, all);
-    const auto best = [&scores] {
-        return static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
-    };
+    const auto best = [&scores] { return static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin()); };
     std::vector<std::vector<double>> trials(members);
     for (int g = 0; g < options.generations; ++g) {
         const std::vector<double>& leader = place[best()];
@@ -112,8 +103,7 @@ Found search(const std::vector<Parameter>& parameters, const Score& score, const
             trials[i] = place[i];
             for (std::size_t k = 0; k < n; ++k) {
                 if (uniform(random) > kRecombination && k != always) continue;
-                trials[i][k] = std::clamp(leader[k] + f * (place[a][k] - place[b][k]),
-                                          std::log(parameters[k].low), std::log(parameters[k].high));
+                trials[i][k] = std::clamp(leader[k] + f * (place[a][k] - place[b][k]), std::log(parameters[k].low), std::log(parameters[k].high));
             }
             candidates[i] = {values(trials[i]), scores[i]};
         }
@@ -127,8 +117,8 @@ Found search(const std::vector<Parameter>& parameters, const Score& score, const
     return {values(place[best()]), scores[best()], jury.judged()};
 }
 
-Found climb(const std::vector<Parameter>& parameters, const std::vector<double>& start, const Score& score,
-            double least_gain, const SearchOptions& options, const SearchProgress& progress) {
+Found climb(const std::vector<Parameter>& parameters, const std::vector<double>& start, const Score& score, double least_gain,
+            const SearchOptions& options, const SearchProgress& progress) {
     if (start.size() != parameters.size() || !(least_gain > 0.0))
         throw std::invalid_argument("a climb needs a start for each parameter and a least gain above zero");
     Jury jury(score, options.threads, progress);
@@ -140,13 +130,11 @@ Found climb(const std::vector<Parameter>& parameters, const std::vector<double>&
             const double step = kSteps[size] * last_place(found.values[k], options.digits);
             for (const double change : {-step, step}) {
                 std::vector<double> x = found.values;
-                x[k] =
-                    rounded(std::clamp(x[k] + change, parameters[k].low, parameters[k].high), options.digits);
+                x[k] = rounded(std::clamp(x[k] + change, parameters[k].low, parameters[k].high), options.digits);
                 if (x[k] != found.values[k]) candidates.push_back({std::move(x), found.score + least_gain});
             }
         }
-        const std::vector<double> scores =
-            jury.judge(candidates, static_cast<std::size_t>(jury.judged()) + candidates.size());
+        const std::vector<double> scores = jury.judge(candidates, static_cast<std::size_t>(jury.judged()) + candidates.size());
         found.evaluations = jury.judged();
         const auto best = std::max_element(scores.begin(), scores.end());
         if (best == scores.end() || *best < found.score + least_gain) {

@@ -40,14 +40,13 @@ struct Found {
 
 /// Maximises `score` by differential evolution (Storn and Price, 1997: best/1/bin, F drawn between 0.4 and 0.9, CR 0.9), a generation at a
 /// time. Throws std::invalid_argument for an empty box, and what `score` throws.
-[[nodiscard]] Found search(const std::vector<Parameter>& parameters, const Score& score,
-                           const SearchOptions& options, const SearchProgress& progress = {});
+[[nodiscard]] Found search(const std::vector<Parameter>& parameters, const Score& score, const SearchOptions& options,
+                           const SearchProgress& progress = {});
 
 /// Climbs from `start` by the best single step of one parameter, up or down by 20 of its last significant digit; where none gains `least_gain` or
 /// more by 5, then by 1 of it. Ends where none of all these does. Of `options` the digits and threads count.
-[[nodiscard]] Found climb(const std::vector<Parameter>& parameters, const std::vector<double>& start,
-                          const Score& score, double least_gain, const SearchOptions& options,
-                          const SearchProgress& progress = {});
+[[nodiscard]] Found climb(const std::vector<Parameter>& parameters, const std::vector<double>& start, const Score& score, double least_gain,
+                          const SearchOptions& options, const SearchProgress& progress = {});
 
 /// `value` with so many significant digits; above zero.
 [[nodiscard]] double rounded(double value, int digits);

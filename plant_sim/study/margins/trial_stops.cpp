@@ -24,20 +24,17 @@ void judge(StopsShown& shown, const TrialStops& trial, const std::vector<double>
     shown.mean_j_mu = over_surfaces(sum) / over_surfaces(count);
     shown.violation = std::max(0.0, trial.requirement.mean_j_mu - shown.mean_j_mu) +
                       std::max(0.0, shown.longest_lock_s - trial.requirement.longest_lock_s) +
-                      std::max(0.0, trial.requirement.tracked_share - shown.least_tracked.value_or(0.0)) +
-                      (shown.faults ? 1.0 : 0.0);
+                      std::max(0.0, trial.requirement.tracked_share - shown.least_tracked.value_or(0.0)) + (shown.faults ? 1.0 : 0.0);
     shown.group_j_mu.resize(groups);
     for (std::size_t g = 0; g < groups; ++g) {
         shown.group_j_mu[g] = sum[g] / count[g];
-        shown.violation +=
-            std::max(0.0, trial.least_j_mu[g] - shown.group_j_mu[g]) / static_cast<double>(groups);
+        shown.violation += std::max(0.0, trial.least_j_mu[g] - shown.group_j_mu[g]) / static_cast<double>(groups);
     }
 }
 
 }  // namespace
 
-StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& controller,
-                      double most_violation) {
+StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& controller, double most_violation) {
     StopsShown shown;
     std::vector<double> j_mu(trial.stops.size(), 1.0);
     for (std::size_t first = 0; first < trial.stops.size();) {

@@ -22,8 +22,7 @@ struct TrialStop {
     std::size_t group = 0;  ///< index of TrialStops::groups
     plant::RigParameters rig;
     SessionOptions session;
-    bool friction_counts =
-        true;  ///< its J_mu is one of those that are asked for; otherwise locks, tracking and faults alone count
+    bool friction_counts = true;  ///< its J_mu is one of those that are asked for; otherwise locks, tracking and faults alone count
 };
 
 struct TrialStops {
@@ -31,7 +30,7 @@ struct TrialStops {
     std::vector<std::string> groups;  ///< surfaces first, then families of drawn plants
     std::size_t surfaces = 0;         ///< so many of them
     std::vector<TrialStop> stops;
-    std::size_t first = 0;  ///< so many of them, from the front, decide whether the others are made at all
+    std::size_t first = 0;           ///< so many of them, from the front, decide whether the others are made at all
     std::vector<double> least_j_mu;  ///< of each group, its mean
     StopsRequirement requirement;
 };
@@ -50,7 +49,6 @@ struct StopsShown {
 };
 
 /// Makes the stops until `violation` is above `most_violation`, or all of them.
-[[nodiscard]] StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& controller,
-                                    double most_violation);
+[[nodiscard]] StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& controller, double most_violation);
 
 }  // namespace study::margins

@@ -10,8 +10,7 @@ namespace study::margins {
 namespace {
 
 template <typename LoopAt>
-WorstScore worst(const std::vector<TuningCell>& cells, const Requirement& requirement,
-                 const LoopAt& loop_at) {
+WorstScore worst(const std::vector<TuningCell>& cells, const Requirement& requirement, const LoopAt& loop_at) {
     WorstScore w;
     double least = 1e3;
     for (const TuningCell& c : cells) {
@@ -36,35 +35,27 @@ double score(const Margins& m, const Requirement& r) {
     return std::min({m.phase_deg / r.phase_deg, m.gain_up_dB / r.gain_dB, m.gain_down_dB / r.gain_dB});
 }
 
-std::vector<TuningCell> tuning_cells(const std::vector<Scenario>& scenarios,
-                                     const antiskid::control::Config& controller,
+std::vector<TuningCell> tuning_cells(const std::vector<Scenario>& scenarios, const antiskid::control::Config& controller,
                                      const StudyOptions& options) {
     std::vector<TuningCell> cells;
     for (std::size_t i = 0; i < scenarios.size(); ++i) {
         const Scenario& s = scenarios[i];
         for (const double v : speed_grid(s.rig.brake_on_mps, s.drop_out_mps, options.speeds)) {
-            const double slip = options.low_speed_fall
-                                    ? scheduled_slip(controller.slip, options.slip_reference, v)
-                                    : options.slip_reference;
+            const double slip = options.low_speed_fall ? scheduled_slip(controller.slip, options.slip_reference, v) : options.slip_reference;
             const OperatingPoint at = operating_point(s.rig, v, slip);
-            const Limits l = limits(at.wheel_pole_radps(Linearisation::full), s.rig.valve.delay_s,
-                                    static_cast<double>(controller.period_s));
+            const Limits l = limits(at.wheel_pole_radps(Linearisation::full), s.rig.valve.delay_s, static_cast<double>(controller.period_s));
             if (l.allow(options.requirement)) cells.push_back({i, at});
         }
     }
     return cells;
 }
 
-WorstScore pid_score(const Pid& pid, const std::vector<Scenario>& scenarios,
-                     const std::vector<TuningCell>& cells, const Requirement& requirement) {
-    return worst(cells, requirement, [&](const TuningCell& c) {
-        return pid_loop(pid, scenarios[c.scenario].rig.valve, c.at, Linearisation::full);
-    });
+WorstScore pid_score(const Pid& pid, const std::vector<Scenario>& scenarios, const std::vector<TuningCell>& cells, const Requirement& requirement) {
+    return worst(cells, requirement, [&](const TuningCell& c) { return pid_loop(pid, scenarios[c.scenario].rig.valve, c.at, Linearisation::full); });
 }
 
 std::vector<Parameter> pid_parameters(const Pid& start) {
-    return {around("k_p_per_s", start.k_p_per_s, 5.0, 200.0),
-            around("k_i_per_s2", start.k_i_per_s2, 5.0, 500.0), around("k_d", start.k_d, 0.01, 5.0),
+    return {around("k_p_per_s", start.k_p_per_s, 5.0, 200.0), around("k_i_per_s2", start.k_i_per_s2, 5.0, 500.0), around("k_d", start.k_d, 0.01, 5.0),
             around("schedule", start.schedule, 0.25, 2.0)};
 }
 

@@ -36,16 +36,12 @@ std::string tyre_name(const plant::Compliance& tyre) {
     std::string name;
     const auto add = [&name](const std::string& part) { name += (name.empty() ? "" : ", ") + part; };
     if (tyre.ring.belt_share > 0.0)
-        add(fmt::format("ring {:g} Hz, damping {:g}, belt {:g}", tyre.ring.frequency_Hz, tyre.ring.damping,
-                        tyre.ring.belt_share));
-    if (tyre.relaxation.length_m > 0.0)
-        add(fmt::format("relaxation {:g} m, floor {:g} m", tyre.relaxation.length_m,
-                        tyre.relaxation.floor_m));
+        add(fmt::format("ring {:g} Hz, damping {:g}, belt {:g}", tyre.ring.frequency_Hz, tyre.ring.damping, tyre.ring.belt_share));
+    if (tyre.relaxation.length_m > 0.0) add(fmt::format("relaxation {:g} m, floor {:g} m", tyre.relaxation.length_m, tyre.relaxation.floor_m));
     return name.empty() ? "static" : name;
 }
 
-TyreRow tyre_row(const plant::Compliance& tyre, const std::vector<Cell>& cells,
-                 const Requirement& requirement) {
+TyreRow tyre_row(const plant::Compliance& tyre, const std::vector<Cell>& cells, const Requirement& requirement) {
     TyreRow row{.tyre = tyre, .cells = cells.size(), .swing = {}, .law_slowest = cells.at(0).law_slowest};
     for (const Cell& c : cells) {
         const Margins& m = c.law.full;
@@ -70,13 +66,11 @@ std::string to_table(const std::vector<TyreRow>& rows, const ReportHead& head) {
         "both ways | {:g} dB both ways | wheel swings up by itself | of these stable in the loop | wheel's "
         "fastest swing | "
         "loop's slowest pole |\n|---|---|---|---|---|---|---|---|---|---|\n",
-        head.options.slip_reference,
-        head.options.low_speed_fall ? ", falling at low speed" : " at every speed", r.phase_deg,
-        0.5 * r.gain_dB, r.gain_dB);
+        head.options.slip_reference, head.options.low_speed_fall ? ", falling at low speed" : " at every speed", r.phase_deg, 0.5 * r.gain_dB,
+        r.gain_dB);
     for (const TyreRow& row : rows)
-        fmt::format_to(std::back_inserter(t), "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
-                       tyre_name(row.tyre), row.cells, row.stable, row.phase, row.half_gain, row.gain,
-                       row.excited, row.excited_stable, row.swing ? pole_text(*row.swing) : "-",
+        fmt::format_to(std::back_inserter(t), "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", tyre_name(row.tyre), row.cells, row.stable,
+                       row.phase, row.half_gain, row.gain, row.excited, row.excited_stable, row.swing ? pole_text(*row.swing) : "-",
                        pole_text(row.law_slowest));
     return t;
 }
@@ -124,12 +118,9 @@ std::string excited_table(const std::vector<Scenario>& scenarios, const std::vec
         const plant::ValveParameters& valve = scenarios[i].rig.valve;
         const double w = fastest->swing->imag();
         const Complex answer = valve_answer(valve, w);
-        fmt::format_to(std::back_inserter(rows),
-                       "| {} | {} | {} from {:.1f} to {:.1f} | {} | {} | {} | {:.0f} | {:.0f} |\n",
-                       scenarios[i].surface, scenarios[i].maneuver, count, from_mps, to_mps, stable,
-                       pole_text(*fastest->swing), pole_text(fastest->law_slowest),
-                       20.0 * std::log10(std::abs(answer)),
-                       (std::arg(answer) - w * valve.delay_s) * 180.0 / std::numbers::pi);
+        fmt::format_to(std::back_inserter(rows), "| {} | {} | {} from {:.1f} to {:.1f} | {} | {} | {} | {:.0f} | {:.0f} |\n", scenarios[i].surface,
+                       scenarios[i].maneuver, count, from_mps, to_mps, stable, pole_text(*fastest->swing), pole_text(fastest->law_slowest),
+                       20.0 * std::log10(std::abs(answer)), (std::arg(answer) - w * valve.delay_s) * 180.0 / std::numbers::pi);
     }
     if (rows.empty()) return {};
     return "\nWhere the wheel swings up by itself, and in the cell where it does so fastest what the loop "

@@ -27,8 +27,7 @@ struct TyreRow {
     Complex law_slowest;             ///< the fastest of Cell::law_slowest
 };
 
-[[nodiscard]] TyreRow tyre_row(const plant::Compliance& tyre, const std::vector<Cell>& cells,
-                               const Requirement& requirement);
+[[nodiscard]] TyreRow tyre_row(const plant::Compliance& tyre, const std::vector<Cell>& cells, const Requirement& requirement);
 
 /// Markdown.
 [[nodiscard]] std::string to_table(const std::vector<TyreRow>& rows, const ReportHead& head);
@@ -36,7 +35,6 @@ struct TyreRow {
 
 /// The cells of one tyre that excite themselves, a row a scenario, in Markdown; empty where there are none. With it what
 /// the valve leaves of a command at that frequency.
-[[nodiscard]] std::string excited_table(const std::vector<Scenario>& scenarios,
-                                        const std::vector<Cell>& cells);
+[[nodiscard]] std::string excited_table(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells);
 
 }  // namespace study::margins

@@ -66,8 +66,7 @@ std::string output_html(std::string_view output) {
     std::string out;
     for (auto begin = lines.begin(); begin != lines.end();) {
         const bool tabular = is_table_line(*begin);
-        const auto end = std::find_if(begin, lines.end(),
-                                      [&](std::string_view line) { return is_table_line(line) != tabular; });
+        const auto end = std::find_if(begin, lines.end(), [&](std::string_view line) { return is_table_line(line) != tabular; });
         const std::vector<std::string_view> part(begin, end);
         out += tabular ? table_html(part) : plain_html(part);
         begin = end;

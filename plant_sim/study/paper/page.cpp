@@ -76,8 +76,7 @@ std::string paragraphs(const std::string& text) {
     while (from < text.size()) {
         const std::size_t end = std::min(text.find("\n\n", from), text.size());
         const std::string part = text.substr(from, end - from);
-        if (part.find_first_not_of(" \n") != std::string::npos)
-            fmt::format_to(std::back_inserter(out), "<p>{}</p>\n", escaped(part));
+        if (part.find_first_not_of(" \n") != std::string::npos) fmt::format_to(std::back_inserter(out), "<p>{}</p>\n", escaped(part));
         from = end + 2;
     }
     return out;
@@ -91,15 +90,13 @@ std::optional<std::array<unsigned, 2>> size_of_png(std::string_view bytes) {
     if (!bytes.starts_with(kSignature) || bytes.size() < kEnd) return std::nullopt;
     std::array<unsigned, 2> size{};
     for (std::size_t i = 0; i < 2; ++i)
-        for (std::size_t k = 0; k < 4; ++k)
-            size[i] = (size[i] << 8U) | static_cast<unsigned char>(bytes[kWidthAt + 4 * i + k]);
+        for (std::size_t k = 0; k < 4; ++k) size[i] = (size[i] << 8U) | static_cast<unsigned char>(bytes[kWidthAt + 4 * i + k]);
     return size;
 }
 
 std::string figure(const Picture& picture, const SectionResult& result) {
-    const std::string caption =
-        fmt::format("<figcaption>{}</figcaption>\n<p class=\"made\">{}</p>\n", escaped(picture.caption),
-                    escaped(result.commands[picture.command].line));
+    const std::string caption = fmt::format("<figcaption>{}</figcaption>\n<p class=\"made\">{}</p>\n", escaped(picture.caption),
+                                            escaped(result.commands[picture.command].line));
     try {
         const std::string bytes = bytes_of(result.directory / picture.file);
         const auto size = size_of_png(bytes);
@@ -109,8 +106,7 @@ std::string figure(const Picture& picture, const SectionResult& result) {
             "src=\"data:image/png;base64,{}\">\n{}</figure>\n",
             escaped(picture.caption), (*size)[0], (*size)[1], base64(bytes), caption);
     } catch (const std::runtime_error& e) {
-        return fmt::format("<figure>\n<div class=\"note\">The picture {} {}.</div>\n{}</figure>\n",
-                           escaped(picture.file), e.what(), caption);
+        return fmt::format("<figure>\n<div class=\"note\">The picture {} {}.</div>\n{}</figure>\n", escaped(picture.file), e.what(), caption);
     }
 }
 
@@ -125,8 +121,8 @@ std::string verdict(const SectionResult& result) {
         const char* what = c.status == 1  ? "The answer of this study is no (exit status 1)."
                            : c.status < 0 ? "This command was not run."
                                           : "This command failed; what depends on it is missing.";
-        fmt::format_to(std::back_inserter(out), "<div class=\"note\">{}<p class=\"made\">{}</p>{}</div>\n",
-                       what, escaped(c.line), said.empty() ? "" : "<pre>" + escaped(said) + "</pre>");
+        fmt::format_to(std::back_inserter(out), "<div class=\"note\">{}<p class=\"made\">{}</p>{}</div>\n", what, escaped(c.line),
+                       said.empty() ? "" : "<pre>" + escaped(said) + "</pre>");
     }
     return out;
 }
@@ -149,9 +145,8 @@ std::string comparison_row(const Compared& c) {
         "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{}{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td><td "
         "class=\"n\">{}</td></tr>\n",
-        escaped(w.quantity), escaped(w.unit), escaped(w.source),
-        w.relation.empty() ? "" : escaped(w.relation) + " ", printed(w.printed, w.decimals), ours, difference,
-        share);
+        escaped(w.quantity), escaped(w.unit), escaped(w.source), w.relation.empty() ? "" : escaped(w.relation) + " ", printed(w.printed, w.decimals),
+        ours, difference, share);
 }
 
 std::string comparison_table(const std::vector<Compared>& rows) {
@@ -163,21 +158,17 @@ std::string comparison_table(const std::vector<Compared>& rows) {
     for (const Compared& c : rows) out += comparison_row(c);
     out += "</tbody></table>\n";
     for (const Compared& c : rows)
-        if (!c.ours)
-            fmt::format_to(std::back_inserter(out), "<div class=\"note\">{}: {}</div>\n",
-                           escaped(c.what->quantity), escaped(c.why));
+        if (!c.ours) fmt::format_to(std::back_inserter(out), "<div class=\"note\">{}: {}</div>\n", escaped(c.what->quantity), escaped(c.why));
     return out;
 }
 
 std::string section_html(const SectionResult& result, const std::vector<Compared>& rows) {
     const Section& s = *result.section;
-    std::string out = fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}{}", s.id, escaped(s.title),
-                                  paragraphs(s.text), verdict(result));
+    std::string out = fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}{}", s.id, escaped(s.title), paragraphs(s.text), verdict(result));
     for (const Picture& p : s.pictures) out += figure(p, result);
     std::vector<Compared> own;
     for (const Compared& c : rows)
-        if (c.what >= s.comparisons.data() && c.what < s.comparisons.data() + s.comparisons.size())
-            own.push_back(c);
+        if (c.what >= s.comparisons.data() && c.what < s.comparisons.data() + s.comparisons.size()) own.push_back(c);
     if (!own.empty()) out += comparison_table(own);
     const bool said = result.commands.size() == 1 && !s.pictures.empty();  // under its picture
     for (const std::size_t i : s.shown) {
@@ -188,16 +179,13 @@ std::string section_html(const SectionResult& result, const std::vector<Compared
     }
     out += result.commands.size() > 1 ? "<p class=\"head next\">All commands of this section:</p>\n" : "";
     for (const CommandResult& c : result.commands)
-        if (result.commands.size() > 1)
-            fmt::format_to(std::back_inserter(out), "<p class=\"made\">{}</p>\n", escaped(c.line));
+        if (result.commands.size() > 1) fmt::format_to(std::back_inserter(out), "<p class=\"made\">{}</p>\n", escaped(c.line));
     return out + "</section>\n";
 }
 
 /// The element that `step` names, "name", "12" or "name[key=value]" without its name.
 const Json& element(const Json& at, const std::string& step, std::string_view path) {
-    const auto missing = [&]() -> const Json& {
-        throw std::runtime_error(fmt::format("nothing at {} (no '{}')", path, step));
-    };
+    const auto missing = [&]() -> const Json& { throw std::runtime_error(fmt::format("nothing at {} (no '{}')", path, step)); };
     if (at.is_array()) {
         std::size_t index = 0;
         const auto [end, error] = std::from_chars(step.data(), step.data() + step.size(), index);
@@ -271,8 +259,7 @@ std::string base64(std::string_view bytes) {
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
         const std::size_t left = std::min<std::size_t>(bytes.size() - i, 3);
         unsigned group = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            group = (group << 8U) | (k < left ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+        for (std::size_t k = 0; k < 3; ++k) group = (group << 8U) | (k < left ? static_cast<unsigned char>(bytes[i + k]) : 0U);
         for (std::size_t k = 0; k < 4; ++k) out += k <= left ? kDigits[(group >> (18U - 6U * k)) & 63U] : '=';
     }
     return out;
@@ -308,16 +295,14 @@ std::string escaped(std::string_view text) {
     return out;
 }
 
-std::string to_html(const Contents& contents, const std::vector<SectionResult>& results,
-                    const std::vector<Compared>& rows, const PageHead& head) {
+std::string to_html(const Contents& contents, const std::vector<SectionResult>& results, const std::vector<Compared>& rows, const PageHead& head) {
     std::string out = fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
         "content=\"width=device-width, "
         "initial-scale=1\">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n"
         "<h1>{0}</h1>\n<p class=\"head\">version {2} &middot; configuration {3}</p>\n<p "
         "class=\"made\">{4}</p>\n",
-        escaped(contents.title), kStyle, escaped(head.version), escaped(head.config_hash),
-        escaped(head.command));
+        escaped(contents.title), kStyle, escaped(head.version), escaped(head.config_hash), escaped(head.command));
     if (head.quick)
         out +=
             "<div class=\"note\">This is the quick form: fewer stops, starts and maneuvers than the studies "
@@ -326,8 +311,7 @@ std::string to_html(const Contents& contents, const std::vector<SectionResult>& 
     out += paragraphs(contents.text) + "<nav><ol>\n";
     for (const SectionResult& r : results) {
         const char* state = r.failed() ? " (failed)" : r.answered_yes() ? "" : " (answers no)";
-        fmt::format_to(std::back_inserter(out), "<li><a href=\"#{}\">{}</a>{}</li>\n", r.section->id,
-                       escaped(r.section->title), state);
+        fmt::format_to(std::back_inserter(out), "<li><a href=\"#{}\">{}</a>{}</li>\n", r.section->id, escaped(r.section->title), state);
     }
     out += "</ol></nav>\n";
     if (!rows.empty()) out += "<h2>The paper and this project</h2>\n" + comparison_table(rows);
@@ -335,21 +319,16 @@ std::string to_html(const Contents& contents, const std::vector<SectionResult>& 
     return out + "</main>\n</body>\n</html>\n";
 }
 
-std::string to_json(const std::vector<SectionResult>& results, const std::vector<Compared>& rows,
-                    const PageHead& head) {
+std::string to_json(const std::vector<SectionResult>& results, const std::vector<Compared>& rows, const PageHead& head) {
     Json sections = Json::array();
     for (const SectionResult& r : results) {
         Json commands = Json::array();
-        for (const CommandResult& c : r.commands)
-            commands.push_back({{"command", c.line}, {"status", c.status}});
+        for (const CommandResult& c : r.commands) commands.push_back({{"command", c.line}, {"status", c.status}});
         sections.push_back({{"id", r.section->id}, {"title", r.section->title}, {"commands", commands}});
     }
     Json comparisons = Json::array();
     for (const Compared& c : rows) {
-        Json row{{"quantity", c.what->quantity},
-                 {"unit", c.what->unit},
-                 {"source", c.what->source},
-                 {"paper", c.what->printed}};
+        Json row{{"quantity", c.what->quantity}, {"unit", c.what->unit}, {"source", c.what->source}, {"paper", c.what->printed}};
         row["ours"] = c.ours ? Json(*c.ours) : Json();
         comparisons.push_back(row);
     }

@@ -33,10 +33,9 @@ struct PageHead {
     bool quick = false;
 };
 
-[[nodiscard]] std::string to_html(const Contents& contents, const std::vector<SectionResult>& results,
-                                  const std::vector<Compared>& rows, const PageHead& head);
-[[nodiscard]] std::string to_json(const std::vector<SectionResult>& results,
-                                  const std::vector<Compared>& rows, const PageHead& head);
+[[nodiscard]] std::string to_html(const Contents& contents, const std::vector<SectionResult>& results, const std::vector<Compared>& rows,
+                                  const PageHead& head);
+[[nodiscard]] std::string to_json(const std::vector<SectionResult>& results, const std::vector<Compared>& rows, const PageHead& head);
 
 /// RFC 4648.
 [[nodiscard]] std::string base64(std::string_view bytes);

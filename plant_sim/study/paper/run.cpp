@@ -25,8 +25,7 @@ namespace fs = std::filesystem;
 constexpr int kNotFound = 127;  // as a shell says it
 
 void replace_all(std::string& text, const std::string& what, const std::string& by) {
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
-        text.replace(at, what.size(), by);
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) text.replace(at, what.size(), by);
 }
 
 /// Places are filled in word by word, so that a path with spaces stays one word. `--config {config}` is left out where that is every
@@ -35,8 +34,7 @@ std::vector<std::string> words_of(const std::string& line, const fs::path& here,
     std::vector<std::string> words;
     std::istringstream in(line);
     for (std::string word; in >> word;) {
-        if (word == "{config}" && options.config == settings::config_directory() && !words.empty() &&
-            words.back() == "--config") {
+        if (word == "{config}" && options.config == settings::config_directory() && !words.empty() && words.back() == "--config") {
             words.pop_back();
             continue;
         }
@@ -63,8 +61,7 @@ std::string contents_of(const fs::path& file) {
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-int spawned(const fs::path& program, std::vector<std::string> words, const fs::path& output,
-            const fs::path& errors) {
+int spawned(const fs::path& program, std::vector<std::string> words, const fs::path& output, const fs::path& errors) {
     std::vector<char*> arguments;
     arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
@@ -130,8 +127,7 @@ class Queue {
                 run_section(results_[next], options_);
                 lock.lock();
                 finish(next);
-            } else if (std::none_of(states_.begin(), states_.end(),
-                                    [](State s) { return s == State::waiting; })) {
+            } else if (std::none_of(states_.begin(), states_.end(), [](State s) { return s == State::waiting; })) {
                 return;
             } else {
                 changed_.wait(lock);
@@ -156,9 +152,7 @@ class Queue {
             const std::string& after = results_[i].section->after;
             if (after.empty()) return i;
             const auto before = static_cast<std::size_t>(
-                std::find_if(results_.begin(), results_.end(),
-                             [&](const SectionResult& r) { return r.section->id == after; }) -
-                results_.begin());
+                std::find_if(results_.begin(), results_.end(), [&](const SectionResult& r) { return r.section->id == after; }) - results_.begin());
             if (states_[before] != State::done) continue;
             if (!results_[before].failed()) return i;
             results_[i].commands.front().errors = "not run: the section '" + after + "' failed";
@@ -179,8 +173,7 @@ class Queue {
 void begin_afresh(const fs::path& directory) {
     const fs::path mark = directory / ".report";
     if (fs::exists(directory) && !fs::is_empty(directory) && !fs::exists(mark))
-        throw std::runtime_error(directory.string() +
-                                 " is no report's and would be written over: choose another --out");
+        throw std::runtime_error(directory.string() + " is no report's and would be written over: choose another --out");
     fs::remove_all(directory);
     fs::create_directories(directory);
     std::ofstream(mark) << "Made by rig-lab report, which removes this directory before it makes it again.\n";
@@ -189,13 +182,11 @@ void begin_afresh(const fs::path& directory) {
 }  // namespace
 
 bool SectionResult::answered_yes() const {
-    return std::all_of(commands.begin(), commands.end(),
-                       [](const CommandResult& c) { return c.status == 0; });
+    return std::all_of(commands.begin(), commands.end(), [](const CommandResult& c) { return c.status == 0; });
 }
 
 bool SectionResult::failed() const {
-    return std::any_of(commands.begin(), commands.end(),
-                       [](const CommandResult& c) { return c.status < 0 || c.status > 1; });
+    return std::any_of(commands.begin(), commands.end(), [](const CommandResult& c) { return c.status < 0 || c.status > 1; });
 }
 
 std::vector<SectionResult> run_sections(const Contents& contents, const RunOptions& options) {
@@ -203,8 +194,7 @@ std::vector<SectionResult> run_sections(const Contents& contents, const RunOptio
     results.reserve(contents.sections.size());
     for (const Section& section : contents.sections) {
         std::vector<CommandResult> commands(section.commands.size());
-        for (std::size_t i = 0; i < commands.size(); ++i)
-            commands[i].line = joined(words_of(section.commands[i], options.out / section.id, options));
+        for (std::size_t i = 0; i < commands.size(); ++i) commands[i].line = joined(words_of(section.commands[i], options.out / section.id, options));
         results.push_back({&section, options.out / section.id, std::move(commands)});
         begin_afresh(results.back().directory);
     }

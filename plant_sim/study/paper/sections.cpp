@@ -19,16 +19,14 @@ std::vector<std::string> lines_of(const std::string& text) {
     for (std::size_t from = 0; from < text.size();) {
         const std::size_t end = std::min(text.find('\n', from), text.size());
         const std::size_t first = text.find_first_not_of(kSpace, from);
-        if (first < end)
-            lines.push_back(text.substr(first, text.find_last_not_of(kSpace, end - 1) + 1 - first));
+        if (first < end) lines.push_back(text.substr(first, text.find_last_not_of(kSpace, end - 1) + 1 - first));
         from = end + 1;
     }
     return lines;
 }
 
 bool is_name(const std::string& id) {
-    return std::all_of(id.begin(), id.end(),
-                       [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
+    return std::all_of(id.begin(), id.end(), [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
 }
 
 /// A command by its number from 1; the last one where the key is missing.
@@ -52,11 +50,8 @@ Section section(const Table& t, const std::vector<Section>& earlier) {
     Section s;
     s.id = t.text("id");
     if (!is_name(s.id)) t.fail("id", "names a directory: letters, digits, _ and - only");
-    const auto is = [](const std::string& id) {
-        return [&id](const Section& other) { return other.id == id; };
-    };
-    if (std::any_of(earlier.begin(), earlier.end(), is(s.id)))
-        t.fail("id", "there are two sections '" + s.id + "'");
+    const auto is = [](const std::string& id) { return [&id](const Section& other) { return other.id == id; }; };
+    if (std::any_of(earlier.begin(), earlier.end(), is(s.id))) t.fail("id", "there are two sections '" + s.id + "'");
     s.title = t.text("title");
     s.text = t.find_text("text").value_or("");
     s.after = t.find_text("after").value_or("");
@@ -65,17 +60,12 @@ Section section(const Table& t, const std::vector<Section>& earlier) {
     s.commands = lines_of(t.text("commands"));
     if (s.commands.empty()) t.fail("commands", "has no command; one a line");
     s.quick_commands = lines_of(t.find_text("quick_commands").value_or(""));
-    if (!s.quick_commands.empty() && s.quick_commands.size() != s.commands.size())
-        t.fail("quick_commands", "must be as many as commands");
+    if (!s.quick_commands.empty() && s.quick_commands.size() != s.commands.size()) t.fail("quick_commands", "must be as many as commands");
     const auto last = static_cast<double>(s.commands.size());
-    for (const double shown :
-         t.find_numbers("show", {.range = {.min = 1.0, .max = last}, .count = {.min = 0}})
-             .value_or(std::vector<double>{}))
+    for (const double shown : t.find_numbers("show", {.range = {.min = 1.0, .max = last}, .count = {.min = 0}}).value_or(std::vector<double>{}))
         s.shown.push_back(static_cast<std::size_t>(std::llround(shown)) - 1);
     for (const Table& p : t.tables("picture", {.min = 0}))
-        s.pictures.push_back({.file = p.text("file"),
-                              .caption = p.text("caption"),
-                              .command = command_of(p, "command", s.commands.size())});
+        s.pictures.push_back({.file = p.text("file"), .caption = p.text("caption"), .command = command_of(p, "command", s.commands.size())});
     for (const Table& c : t.tables("compare", {.min = 0})) s.comparisons.push_back(comparison(c));
     return s;
 }
@@ -85,8 +75,7 @@ Section section(const Table& t, const std::vector<Section>& earlier) {
 Contents load_contents(const std::filesystem::path& file) {
     const settings::Document doc = settings::Document::load(file);
     const Table root = doc.root();
-    Contents contents{
-        .title = root.text("title"), .text = root.find_text("text").value_or(""), .sections = {}};
+    Contents contents{.title = root.text("title"), .text = root.find_text("text").value_or(""), .sections = {}};
     for (const Table& t : root.tables("section")) contents.sections.push_back(section(t, contents.sections));
     doc.finish();
     return contents;

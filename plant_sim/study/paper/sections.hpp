@@ -34,7 +34,7 @@ struct Section {
     std::string after;                        ///< id of the section whose results it uses; empty: none
     std::vector<std::string> commands;        ///< with {here}, {out} and {config} for paths
     std::vector<std::string> quick_commands;  ///< of the fast form; empty: the same
-    std::vector<std::size_t> shown;  ///< indices of the commands whose printed tables are in the page
+    std::vector<std::size_t> shown;           ///< indices of the commands whose printed tables are in the page
     std::vector<Picture> pictures;
     std::vector<Comparison> comparisons;
 };

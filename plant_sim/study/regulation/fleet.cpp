@@ -11,8 +11,7 @@ namespace regulation {
 namespace {
 
 /// The brake of one life as it really is: it can take more or less until it is worn out, and wears the slower or faster for it.
-wear::BrakeWear brake_of(const Plan& plan, const wear::BrakeWear& brake, const FleetOptions& options,
-                         std::uint64_t life) {
+wear::BrakeWear brake_of(const Plan& plan, const wear::BrakeWear& brake, const FleetOptions& options, std::uint64_t life) {
     constexpr std::uint64_t kStream = 1U << 20U;  // beyond those of the lives' landings
     wear::Generator generator = wear::generator_of(options.seed, kStream + life);
     const double budget = std::max(1.0 + options.brake_deviation * wear::normal(generator), 0.5);
@@ -22,13 +21,11 @@ wear::BrakeWear brake_of(const Plan& plan, const wear::BrakeWear& brake, const F
     return own;
 }
 
-LivingPair pair_of(const Plan& plan, const Rules& rules, const Range& range, const Policy& policy,
-                   const wear::BrakeWear& brake, const FleetOptions& options, std::uint64_t life) {
+LivingPair pair_of(const Plan& plan, const Rules& rules, const Range& range, const Policy& policy, const wear::BrakeWear& brake,
+                   const FleetOptions& options, std::uint64_t life) {
     constexpr std::size_t kBeyond = 2;  // times the plan: even a life of light landings is over by then
     const auto planned = static_cast<std::size_t>(plan.landings);
-    return {plan, rules, range,
-            draw_life(options.seed, life, kBeyond * planned, planned, options.scenarios, options.mix,
-                      options.missing),
+    return {plan, rules, range, draw_life(options.seed, life, kBeyond * planned, planned, options.scenarios, options.mix, options.missing),
             LifeOptions{.fixed = policy.fixed,
                         .brake = brake_of(plan, brake, options, life),
                         .rule = {},
@@ -41,14 +38,12 @@ LivingPair pair_of(const Plan& plan, const Rules& rules, const Range& range, con
 
 }  // namespace
 
-std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const Range& range,
-                                   const std::vector<Policy>& policies, const wear::BrakeWear& brake,
-                                   const FleetOptions& options, const Lander& land) {
+std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const Range& range, const std::vector<Policy>& policies,
+                                   const wear::BrakeWear& brake, const FleetOptions& options, const Lander& land) {
     std::vector<LivingPair> pairs;  // all policies of the first life, then of the second
     pairs.reserve(static_cast<std::size_t>(options.lives) * policies.size());
     for (std::uint64_t life = 0; life < static_cast<std::uint64_t>(options.lives); ++life) {
-        for (const Policy& policy : policies)
-            pairs.push_back(pair_of(plan, rules, range, policy, brake, options, life));
+        for (const Policy& policy : policies) pairs.push_back(pair_of(plan, rules, range, policy, brake, options, life));
     }
     struct Asked {
         LivingPair* pair;
@@ -81,8 +76,7 @@ std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const R
     all.reserve(policies.size());
     for (std::size_t p = 0; p < policies.size(); ++p) {
         PolicyLives lives{policies[p], {}};
-        for (std::size_t i = p; i < pairs.size(); i += policies.size())
-            lives.lives.push_back(pairs[i].life());
+        for (std::size_t i = p; i < pairs.size(); i += policies.size()) lives.lives.push_back(pairs[i].life());
         all.push_back(std::move(lives));
     }
     return all;
@@ -115,8 +109,7 @@ Summary summary(const PolicyLives& policy, const std::vector<bool>& feasible, do
     return s;
 }
 
-double best_fixed(const Plan& plan, const std::vector<double>& grid, const std::vector<double>& tyre_share,
-                  const Range& range) {
+double best_fixed(const Plan& plan, const std::vector<double>& grid, const std::vector<double>& tyre_share, const Range& range) {
     constexpr double kStep = 0.01;  // as references are set
     const double wanted = plan.tyre_budget_J() / (plan.tyre_budget_J() + plan.brake_budget_J());
     double best = 0.0;
@@ -125,9 +118,8 @@ double best_fixed(const Plan& plan, const std::vector<double>& grid, const std::
     const int last = static_cast<int>(std::floor(range.highest / kStep + 1e-9));
     for (int k = first; k <= last; ++k) {
         const double reference = k * kStep;
-        const auto above =
-            std::clamp<std::ptrdiff_t>(std::upper_bound(grid.begin(), grid.end(), reference) - grid.begin(),
-                                       1, static_cast<std::ptrdiff_t>(grid.size()) - 1);
+        const auto above = std::clamp<std::ptrdiff_t>(std::upper_bound(grid.begin(), grid.end(), reference) - grid.begin(), 1,
+                                                      static_cast<std::ptrdiff_t>(grid.size()) - 1);
         const auto j = static_cast<std::size_t>(above);
         const double t = (reference - grid[j - 1]) / (grid[j] - grid[j - 1]);
         const double share = tyre_share[j - 1] + t * (tyre_share[j] - tyre_share[j - 1]);

@@ -21,10 +21,9 @@ struct FleetOptions {
     int lives = 8;
     std::uint64_t seed = 1;
     Mix mix = Mix::random;
-    double missing = 0.0;  ///< share of landings whose figures are lost
-    double brake_deviation =
-        0.0;             ///< of what a brake really can take more, over the plan's budget, from life to life
-    int inspection = 0;  ///< see LifeOptions, here and below
+    double missing = 0.0;          ///< share of landings whose figures are lost
+    double brake_deviation = 0.0;  ///< of what a brake really can take more, over the plan's budget, from life to life
+    int inspection = 0;            ///< see LifeOptions, here and below
     std::vector<Range> allowed_on{};
     std::optional<LifeForecast> life_forecast{};
     std::size_t scenarios = 0;
@@ -42,16 +41,13 @@ struct PolicyLives {
 using Lander = std::function<std::vector<Stop>(std::span<const LandingRequest>)>;
 
 /// All lives advance together, a landing at a time, so that `land` has many to make at once. Empty when it was stopped.
-[[nodiscard]] std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const Range& range,
-                                                 const std::vector<Policy>& policies,
-                                                 const wear::BrakeWear& brake, const FleetOptions& options,
-                                                 const Lander& land);
+[[nodiscard]] std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const Range& range, const std::vector<Policy>& policies,
+                                                 const wear::BrakeWear& brake, const FleetOptions& options, const Lander& land);
 
 struct Summary {
-    int feasible = 0;  ///< lives in which both limits could be met at the planned landing
-    int met = 0;       ///< of those, lives in which they were
-    int together =
-        0;  ///< lives, feasible or not, in which at the first limit no more than the tolerance was left of the other
+    int feasible = 0;            ///< lives in which both limits could be met at the planned landing
+    int met = 0;                 ///< of those, lives in which they were
+    int together = 0;            ///< lives, feasible or not, in which at the first limit no more than the tolerance was left of the other
     double first_landing = 0.0;  ///< mean
     double other_left = 0.0;     ///< mean
     double worst_other_left = 0.0;
@@ -66,7 +62,6 @@ struct Summary {
 
 /// Of the fixed references on `grid` the one whose mean tyre share `tyre_share` brings both limits nearest to each other: the best that can be
 /// chosen once, with the shares known beforehand.
-[[nodiscard]] double best_fixed(const Plan& plan, const std::vector<double>& grid,
-                                const std::vector<double>& tyre_share, const Range& range);
+[[nodiscard]] double best_fixed(const Plan& plan, const std::vector<double>& grid, const std::vector<double>& tyre_share, const Range& range);
 
 }  // namespace regulation

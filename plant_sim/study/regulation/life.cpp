@@ -48,9 +48,8 @@ void judge(const Plan& plan, const Range& range, Life& life) {
     const double tyre_landing = reached(rows, &LifeRow::tyre_J, life.tyre_budget_J);
     life.first = brake_landing <= tyre_landing ? First::brake : First::tyre;
     life.first_landing = std::min({brake_landing, tyre_landing, static_cast<double>(rows.size())});
-    life.other_left = life.first == First::brake
-                          ? 1.0 - used_at(rows, &LifeRow::tyre_J, life.first_landing) / life.tyre_budget_J
-                          : 1.0 - used_at(rows, &LifeRow::brake_J, life.first_landing) / life.brake_budget_J;
+    life.other_left = life.first == First::brake ? 1.0 - used_at(rows, &LifeRow::tyre_J, life.first_landing) / life.tyre_budget_J
+                                                 : 1.0 - used_at(rows, &LifeRow::brake_J, life.first_landing) / life.brake_budget_J;
     // The share that a reference gave in this very life, for what its ends could have done.
     double slip = 0.0;
     double share = 0.0;
@@ -60,20 +59,18 @@ void judge(const Plan& plan, const Range& range, Life& life) {
     }
     const double share_per_slip = share / slip;
     const double wanted = life.tyre_budget_J / budget_J;
-    life.feasible = std::abs(life.brought - 1.0) <= plan.tolerance &&
-                    wanted >= share_per_slip * range.lowest && wanted <= share_per_slip * range.highest;
-    life.met = std::abs(life.brake_at_plan - 1.0) <= plan.tolerance &&
-               std::abs(life.tyre_at_plan - 1.0) <= plan.tolerance;
+    life.feasible =
+        std::abs(life.brought - 1.0) <= plan.tolerance && wanted >= share_per_slip * range.lowest && wanted <= share_per_slip * range.highest;
+    life.met = std::abs(life.brake_at_plan - 1.0) <= plan.tolerance && std::abs(life.tyre_at_plan - 1.0) <= plan.tolerance;
     life.floor_held = std::all_of(rows.begin(), rows.end(), [](const LifeRow& row) {
-        return row.new_surface || row.worst_distance_m <= 0.0 ||
-               row.distance_m <= row.worst_distance_m * (1.0 + kDistanceNoise);
+        return row.new_surface || row.worst_distance_m <= 0.0 || row.distance_m <= row.worst_distance_m * (1.0 + kDistanceNoise);
     });
 }
 
 }  // namespace
 
-std::vector<Draw> draw_life(std::uint64_t seed, std::uint64_t life, std::size_t count, std::size_t planned,
-                            std::size_t scenarios, Mix mix, double missing) {
+std::vector<Draw> draw_life(std::uint64_t seed, std::uint64_t life, std::size_t count, std::size_t planned, std::size_t scenarios, Mix mix,
+                            double missing) {
     wear::Generator generator = wear::generator_of(seed, life);
     std::vector<Draw> draws(count);
     std::vector<std::size_t> deck;
@@ -84,8 +81,7 @@ std::vector<Draw> draw_life(std::uint64_t seed, std::uint64_t life, std::size_t 
             if (deck.empty()) {
                 deck.reserve(planned);
                 for (std::size_t i = 0; i < planned; ++i) deck.push_back(i % scenarios);
-                for (std::size_t i = deck.size(); i > 1; --i)
-                    std::swap(deck[i - 1], deck[below(generator, i)]);
+                for (std::size_t i = deck.size(); i > 1; --i) std::swap(deck[i - 1], deck[below(generator, i)]);
             }
             draw.scenario = deck.back();
             deck.pop_back();
@@ -96,15 +92,13 @@ std::vector<Draw> draw_life(std::uint64_t seed, std::uint64_t life, std::size_t 
     return draws;
 }
 
-LivingPair::LivingPair(const Plan& plan, const Rules& rules, const Range& range, std::vector<Draw> draws,
-                       const LifeOptions& options)
+LivingPair::LivingPair(const Plan& plan, const Rules& rules, const Range& range, std::vector<Draw> draws, const LifeOptions& options)
     : range_(range),
       draws_(std::move(draws)),
       options_(options),
       regulator_(plan, rules, range),
       life_forecast_(options.life_forecast),
-      brake_(options.brake, options.rule,
-             {.seed = options.brake_seed, .maneuvers = 0, .c_e_J = plan.brake_taken_J}) {
+      brake_(options.brake, options.rule, {.seed = options.brake_seed, .maneuvers = 0, .c_e_J = plan.brake_taken_J}) {
     life_.brake_budget_J = options.brake.life_J - plan.brake_taken_J;
     life_.tyre_budget_J = plan.tyre_budget_J();
     life_.rows.reserve(draws_.size());
@@ -141,8 +135,7 @@ void LivingPair::landed(std::span<const Stop> stops) {
         row.required_share = regulator_.required_share();
         row.brake_life_J = regulator_.plan().brake_life_J;
     }
-    for (const Stop& worst : stops.subspan(1))
-        row.worst_distance_m = std::max(row.worst_distance_m, worst.distance_m);
+    for (const Stop& worst : stops.subspan(1)) row.worst_distance_m = std::max(row.worst_distance_m, worst.distance_m);
     brake_.take(stop.brake_J);
     brake_J_ += stop.brake_J;
     tyre_J_ += stop.tyre_J;

@@ -27,9 +27,8 @@ enum class Mix : std::uint8_t {
 };
 
 /// `count` landings of life `life`; `missing`: share of them whose figures are lost.
-[[nodiscard]] std::vector<Draw> draw_life(std::uint64_t seed, std::uint64_t life, std::size_t count,
-                                          std::size_t planned, std::size_t scenarios, Mix mix,
-                                          double missing);
+[[nodiscard]] std::vector<Draw> draw_life(std::uint64_t seed, std::uint64_t life, std::size_t count, std::size_t planned, std::size_t scenarios,
+                                          Mix mix, double missing);
 
 /// One landing as it was: true, and as it was measured.
 struct Stop {
@@ -54,15 +53,13 @@ struct LifeOptions {
     wear::BrakeWear brake;        ///< as it really is; its life may differ from the plan's
     wear::ConditionalRule rule;
     std::uint64_t brake_seed = 1;
-    int inspection =
-        0;  ///< landings between two inspections of the brake, which tell its true wear and life; 0: none
+    int inspection = 0;  ///< landings between two inspections of the brake, which tell its true wear and life; 0: none
     /// Of each scenario's surface what the floor allows there, learnt with its first landing: Regulator::narrow(). Empty: the range given has
     /// all surfaces in it.
     std::vector<Range> allowed_on{};
     /// Of the brake as planned, where nobody inspects it; none: nobody forecasts its life.
     std::optional<LifeForecast> life_forecast{};
-    bool worst_stops =
-        false;  ///< also land with both ends of the range, to know the distance that the floor stands for
+    bool worst_stops = false;  ///< also land with both ends of the range, to know the distance that the floor stands for
 };
 
 struct LifeRow {
@@ -82,18 +79,16 @@ struct LifeRow {
 enum class First : std::uint8_t { brake, tyre };
 
 struct Life {
-    std::vector<LifeRow> rows;  ///< to the first limit or the planned landing, whichever is later
+    std::vector<LifeRow> rows;                         ///< to the first limit or the planned landing, whichever is later
     double brake_budget_J = 0.0, tyre_budget_J = 0.0;  ///< true, from the plan's begin
     double brake_at_plan = 0.0, tyre_at_plan = 0.0;    ///< used at the planned landing, over the budget
     First first = First::brake;
     double first_landing = 0.0;  ///< at which the first limit was reached, with its fraction
     double other_left = 0.0;     ///< of the other's budget, unused then
     double brought = 0.0;        ///< energy of the planned landings over both budgets
-    bool feasible =
-        false;  ///< some reference in the range could have met both limits at the planned landing, within the tolerance
-    bool met = false;  ///< both were
-    bool floor_held =
-        true;  ///< no stop was longer than at the worse end of the range, by more than kDistanceNoise
+    bool feasible = false;       ///< some reference in the range could have met both limits at the planned landing, within the tolerance
+    bool met = false;            ///< both were
+    bool floor_held = true;      ///< no stop was longer than at the worse end of the range, by more than kDistanceNoise
 };
 
 /// A stop varies by this much with what the controller happens to meet; relative. Past the peak of dry concrete, with a worn brake, sensors'
@@ -107,8 +102,7 @@ inline constexpr double kDistanceNoise = 1e-2;
 class LivingPair {
   public:
     /// `draws` must reach beyond the planned landing; the life ends with them if no limit was reached. Throws as Regulator does.
-    LivingPair(const Plan& plan, const Rules& rules, const Range& range, std::vector<Draw> draws,
-               const LifeOptions& options);
+    LivingPair(const Plan& plan, const Rules& rules, const Range& range, std::vector<Draw> draws, const LifeOptions& options);
 
     [[nodiscard]] bool over() const;
     /// The next landing, and where LifeOptions asks for them the same one at both ends of the range. Not once it is over.

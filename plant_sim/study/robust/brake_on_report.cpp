@@ -26,9 +26,7 @@ BrakeOnSummary stops_at(const Plan& plan, const std::vector<Row>& rows, std::siz
     BrakeOnSummary s{.law = law, .speed_mps = speed_mps, .mean_share = {}, .least_share = {}};
     double shares = 0.0;
     for (const Row& row : rows) {
-        if (row.family != Family::brake_on || row.law != law ||
-            brake_on_at(plan.basis, row.number).speed_mps != speed_mps)
-            continue;
+        if (row.family != Family::brake_on || row.law != law || brake_on_at(plan.basis, row.number).speed_mps != speed_mps) continue;
         ++s.stops;
         s.tripped += row.tripped() ? 1U : 0U;
         s.mean_j_mu += row.figures.j_mu;
@@ -72,18 +70,15 @@ BrakeOnShare share_of(const Plan& plan, const std::vector<Row>& rows, const Row&
         return other.family == Family::brake_on && other.law == row.law && stop.landing == at.landing &&
                stop.speed_mps == plan.basis.uncertainty.brake_on_mps.back();
     });
-    if (fastest != rows.end() && travel_mAps(*fastest) > 0.0)
-        share.travel_ratio = travel_mAps(row) / travel_mAps(*fastest);
+    if (fastest != rows.end() && travel_mAps(*fastest) > 0.0) share.travel_ratio = travel_mAps(row) / travel_mAps(*fastest);
     return share;
 }
 
 std::vector<BrakeOnSummary> summarise_brake_on(const Plan& plan, const std::vector<Row>& rows) {
     std::vector<BrakeOnSummary> all;
-    if (std::find(plan.families.begin(), plan.families.end(), Family::brake_on) == plan.families.end())
-        return all;
+    if (std::find(plan.families.begin(), plan.families.end(), Family::brake_on) == plan.families.end()) return all;
     for (std::size_t law = 0; law < plan.laws.size(); ++law)
-        for (const double speed_mps : plan.basis.uncertainty.brake_on_mps)
-            all.push_back(stops_at(plan, rows, law, speed_mps));
+        for (const double speed_mps : plan.basis.uncertainty.brake_on_mps) all.push_back(stops_at(plan, rows, law, speed_mps));
     return all;
 }
 
@@ -96,40 +91,34 @@ std::string brake_on_table(const Plan& plan, const std::vector<Row>& rows) {
         "| law | brake-on (m/s) | ended safe | mean J_mu | mean share | least share | at least as asked | "
         "valve travel (mA/s) | most over the fastest's |\n|---|---|---|---|---|---|---|---|---|\n";
     for (const BrakeOnSummary& s : all) {
-        fmt::format_to(std::back_inserter(text), "| {} | {:.1f} | {} | {:.4f} |", plan.laws[s.law].name,
-                       s.speed_mps, s.tripped, s.mean_j_mu);
+        fmt::format_to(std::back_inserter(text), "| {} | {:.1f} | {} | {:.4f} |", plan.laws[s.law].name, s.speed_mps, s.tripped, s.mean_j_mu);
         if (s.least_share)
-            fmt::format_to(std::back_inserter(text), " {:.3f} | {:.3f}: {} | {} of {} at {:.2f} |",
-                           *s.mean_share, *s.least_share, stop_is(plan, s.least), s.reached, s.stops,
-                           asked_share(s.speed_mps));
+            fmt::format_to(std::back_inserter(text), " {:.3f} | {:.3f}: {} | {} of {} at {:.2f} |", *s.mean_share, *s.least_share,
+                           stop_is(plan, s.least), s.reached, s.stops, asked_share(s.speed_mps));
         else
             text += " none is held | | |";
-        fmt::format_to(std::back_inserter(text), " {:.0f} | {:.1f}: {} |\n", s.mean_travel_mAps,
-                       s.most_travel_ratio, stop_is(plan, s.most));
+        fmt::format_to(std::back_inserter(text), " {:.0f} | {:.1f}: {} |\n", s.mean_travel_mAps, s.most_travel_ratio, stop_is(plan, s.most));
     }
     return text;
 }
 
 nlohmann::ordered_json brake_on_json(const Plan& plan, const std::vector<Row>& rows) {
-    nlohmann::ordered_json json{{"asked_travel_ratio", kAskedTravelRatio},
-                                {"summaries", nlohmann::ordered_json::array()},
-                                {"stops", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json json{
+        {"asked_travel_ratio", kAskedTravelRatio}, {"summaries", nlohmann::ordered_json::array()}, {"stops", nlohmann::ordered_json::array()}};
     for (const BrakeOnSummary& s : summarise_brake_on(plan, rows))
-        json["summaries"].push_back(
-            {{"law", plan.laws[s.law].name},
-             {"speed_mps", s.speed_mps},
-             {"stops", s.stops},
-             {"ended_safe", s.tripped},
-             {"mean_j_mu", s.mean_j_mu},
-             {"asked_share_of_held", asked_share(s.speed_mps)},
-             {"mean_share_of_held", or_null(s.mean_share)},
-             {"least_share_of_held", or_null(s.least_share)},
-             {"least_is",
-              s.least_share ? nlohmann::ordered_json(stop_is(plan, s.least)) : nlohmann::ordered_json()},
-             {"reached", s.reached},
-             {"mean_valve_travel_mAps", s.mean_travel_mAps},
-             {"most_travel_ratio", s.most_travel_ratio},
-             {"most_travel_is", stop_is(plan, s.most)}});
+        json["summaries"].push_back({{"law", plan.laws[s.law].name},
+                                     {"speed_mps", s.speed_mps},
+                                     {"stops", s.stops},
+                                     {"ended_safe", s.tripped},
+                                     {"mean_j_mu", s.mean_j_mu},
+                                     {"asked_share_of_held", asked_share(s.speed_mps)},
+                                     {"mean_share_of_held", or_null(s.mean_share)},
+                                     {"least_share_of_held", or_null(s.least_share)},
+                                     {"least_is", s.least_share ? nlohmann::ordered_json(stop_is(plan, s.least)) : nlohmann::ordered_json()},
+                                     {"reached", s.reached},
+                                     {"mean_valve_travel_mAps", s.mean_travel_mAps},
+                                     {"most_travel_ratio", s.most_travel_ratio},
+                                     {"most_travel_is", stop_is(plan, s.most)}});
     for (const Row& row : rows) {
         if (row.family != Family::brake_on) continue;
         const BrakeOn at = brake_on_at(plan.basis, row.number);

@@ -15,8 +15,7 @@ namespace robust {
 /// One stop against what it is held to.
 struct BrakeOnShare {
     std::optional<double> held_j_mu;  ///< held_reference.hpp; none: the law holds no slip
-    double travel_ratio =
-        0.0;  ///< valve travel over that of the fastest brake-on of the same landing and law
+    double travel_ratio = 0.0;        ///< valve travel over that of the fastest brake-on of the same landing and law
 };
 [[nodiscard]] BrakeOnShare share_of(const Plan& plan, const std::vector<Row>& rows, const Row& row);
 

@@ -33,8 +33,7 @@ Peer peer_of(const std::string& word) {
     if (word == "threshold") return {.name = word, .law = Law::threshold};
     if (word == "pressure_bias") return {.name = word, .law = Law::pressure_bias};
     if (word == kToldPeak) return {.name = word, .law = Law::wheel_slip, .holds_peak = true};
-    throw std::invalid_argument("unknown law '" + word +
-                                "'; there are slip, peak_slip, threshold, pressure_bias, told_peak");
+    throw std::invalid_argument("unknown law '" + word + "'; there are slip, peak_slip, threshold, pressure_bias, told_peak");
 }
 
 /// As far as the controller takes a reference.
@@ -61,14 +60,9 @@ std::string identity_of(const Plan& plan) {
 
 Row row_of(const Plan& plan, std::size_t stop) {
     auto family = plan.families.begin();
-    for (; stop >= plan.draws_of(*family) * plan.laws.size(); ++family)
-        stop -= plan.draws_of(*family) * plan.laws.size();
-    return Row{.family = *family,
-               .law = stop / plan.draws_of(*family),
-               .number = stop % plan.draws_of(*family),
-               .figures = {},
-               .faults = {},
-               .regrip = {}};
+    for (; stop >= plan.draws_of(*family) * plan.laws.size(); ++family) stop -= plan.draws_of(*family) * plan.laws.size();
+    return Row{
+        .family = *family, .law = stop / plan.draws_of(*family), .number = stop % plan.draws_of(*family), .figures = {}, .faults = {}, .regrip = {}};
 }
 
 /// A stop as processes hand it over: its bytes, since all of them are the same program.
@@ -86,14 +80,12 @@ std::string bytes_of(const Finished& finished) {
 
 Finished read(std::string_view text) {
     Finished finished;
-    if (text.size() != sizeof finished)
-        throw std::invalid_argument("another process is of another version of this program");
+    if (text.size() != sizeof finished) throw std::invalid_argument("another process is of another version of this program");
     std::memcpy(&finished, text.data(), sizeof finished);
     return finished;
 }
 
-void run_share(const Plan& plan, const std::vector<std::size_t>& stops, const RunOptions& options,
-               const study::HandIn& hand_in) {
+void run_share(const Plan& plan, const std::vector<std::size_t>& stops, const RunOptions& options, const study::HandIn& hand_in) {
     std::vector<std::shared_ptr<RegripMeter>> meters(stops.size());
     study::run_many(
         plan.layout, stops.size(),
@@ -102,12 +94,9 @@ void run_share(const Plan& plan, const std::vector<std::size_t>& stops, const Ru
             study::Maneuver maneuver{plan.controller, draw(plan.basis, row.family, plan.seed, row.number).rig,
                                      session(plan, plan.laws[row.law], row.number)};
             if (row.family != Family::changes) return maneuver;
-            const auto meter = meters[i] = std::make_shared<RegripMeter>(
-                std::chrono::duration<double>(study::period_of(plan.controller)).count());
-            maneuver.on_step = [meter](const study::RigSession& s, const antiskid::can::ControllerView&,
-                                       double) {
-                if (s.pilot().phase() == study::Phase::braking)
-                    meter->update(s.rig().surface(), s.rig().wheel().v_mps, s.rig().forces().mu);
+            const auto meter = meters[i] = std::make_shared<RegripMeter>(std::chrono::duration<double>(study::period_of(plan.controller)).count());
+            maneuver.on_step = [meter](const study::RigSession& s, const antiskid::can::ControllerView&, double) {
+                if (s.pilot().phase() == study::Phase::braking) meter->update(s.rig().surface(), s.rig().wheel().v_mps, s.rig().forces().mu);
             };
             return maneuver;
         },
@@ -124,15 +113,12 @@ void run_share(const Plan& plan, const std::vector<std::size_t>& stops, const Ru
 }  // namespace
 
 Plan load_plan(const PlanOptions& o) {
-    const auto or_default = [&](const std::filesystem::path& given, const char* name) {
-        return given.empty() ? o.config / name : given;
-    };
+    const auto or_default = [&](const std::filesystem::path& given, const char* name) { return given.empty() ? o.config / name : given; };
     const auto ranges = or_default(o.ranges, "uncertainty.toml");
     const auto controller = or_default(o.controller, "controller.toml");
     // Loaded before: GCC 12 destroys the members of a braced aggregate twice when a later one throws.
     const auto config = antiskid::load_controller_config(controller);
-    const auto layout =
-        antiskid::can::load_layout(o.config / "antiskid.dbc", o.config / "antiskid_binding.toml");
+    const auto layout = antiskid::can::load_layout(o.config / "antiskid.dbc", o.config / "antiskid_binding.toml");
     Plan plan{.basis = {.uncertainty = load_uncertainty(ranges), .landings = {}, .surfaces = {}},
               .controller = config,
               .layout = layout,
@@ -153,8 +139,7 @@ Plan load_plan(const PlanOptions& o) {
             if (surface != "ice") plan.basis.landings.push_back({surface, maneuver, loaded.rig});
             plan.drop_out_mps = loaded.drop_out_mps;
             plan.demand_Pa = loaded.full_pressure_Pa;
-            if (plan.basis.landings.size() == 1)
-                files.insert(files.end(), loaded.files.begin(), loaded.files.end());
+            if (plan.basis.landings.size() == 1) files.insert(files.end(), loaded.files.begin(), loaded.files.end());
             if (maneuver == std::string("light")) plan.basis.surfaces.push_back(loaded.rig.surface);
         }
     }
@@ -181,8 +166,7 @@ std::optional<double> held_slip(const Plan& plan, const Peer& law, const plant::
 study::SessionOptions session(const Plan& plan, const Peer& law, std::size_t number) {
     study::SessionOptions s;
     s.plan.law = law.law;
-    if (law.law == Law::wheel_slip && law.holds_peak)
-        s.slip_reference = [](const plant::Rig& rig) { return peak_slip(rig.surface()); };
+    if (law.law == Law::wheel_slip && law.holds_peak) s.slip_reference = [](const plant::Rig& rig) { return peak_slip(rig.surface()); };
     s.plan.slip_reference = plan.basis.uncertainty.slip_reference;
     s.plan.demand_Pa = plan.demand_Pa;
     s.period_s = static_cast<double>(plan.controller.period_s);
@@ -193,8 +177,7 @@ study::SessionOptions session(const Plan& plan, const Peer& law, std::size_t num
 
 std::vector<Row> run(const Plan& plan, const RunOptions& options, study::Team& team) {
     const std::string identity = identity_of(plan);
-    if (team.from_leader(identity) != identity)
-        throw std::invalid_argument("this process was given other stops than the leading one");
+    if (team.from_leader(identity) != identity) throw std::invalid_argument("this process was given other stops than the leading one");
     const std::vector<std::size_t> ours = study::share_of(study::order_of_work(plan.stops()), team);
     std::vector<std::optional<Row>> rows(plan.stops());
     std::size_t done = 0;

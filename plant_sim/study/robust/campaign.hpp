@@ -33,8 +33,7 @@ struct PlanOptions {
 struct Peer {
     std::string name;
     antiskid::control::Law law{};
-    bool holds_peak =
-        false;  ///< of the surface under the wheel: told it, or found; otherwise Uncertainty::slip_reference
+    bool holds_peak = false;  ///< of the surface under the wheel: told it, or found; otherwise Uncertainty::slip_reference
 };
 /// The slip law, told at each period where the peak of the surface under the wheel is: what a law that must find it is measured against.
 inline constexpr std::string_view kToldPeak = "told_peak";
@@ -78,8 +77,7 @@ struct RunOptions {
 /// How draw `number` is braked with a law of the plan.
 [[nodiscard]] study::SessionOptions session(const Plan& plan, const Peer& law, std::size_t number);
 /// The slip that a law of the plan holds on a surface, if it holds one.
-[[nodiscard]] std::optional<double> held_slip(const Plan& plan, const Peer& law,
-                                              const plant::Surface& surface);
+[[nodiscard]] std::optional<double> held_slip(const Plan& plan, const Peer& law, const plant::Surface& surface);
 
 /// By this process alone: in the order of families, laws and numbers, whatever the threads. Less than all of them where it was stopped.
 [[nodiscard]] std::vector<Row> run(const Plan& plan, const RunOptions& options);

@@ -26,14 +26,11 @@ struct Group {
 std::vector<Group> groups_of(const Plan& plan) {
     std::vector<Group> groups{{"all", [](const SurfaceChange&) { return true; }}};
     for (const double speed_mps : plan.basis.uncertainty.change_mps)
-        groups.push_back({fmt::format("at {:.0f} m/s", speed_mps),
-                          [speed_mps](const SurfaceChange& c) { return c.speed_mps == speed_mps; }});
+        groups.push_back({fmt::format("at {:.0f} m/s", speed_mps), [speed_mps](const SurfaceChange& c) { return c.speed_mps == speed_mps; }});
     for (const Landing& landing : plan.basis.landings) {
         const std::string of = "to " + landing.surface;
         if (std::any_of(groups.begin(), groups.end(), [&](const Group& g) { return g.of == of; })) continue;
-        groups.push_back({of, [&plan, &landing](const SurfaceChange& c) {
-                              return plan.basis.landings[c.to].surface == landing.surface;
-                          }});
+        groups.push_back({of, [&plan, &landing](const SurfaceChange& c) { return plan.basis.landings[c.to].surface == landing.surface; }});
     }
     return groups;
 }
@@ -42,13 +39,11 @@ double regained_s(const Regrip& regrip) {
     return regrip.regained_s.value_or(kNever_s);
 }
 
-ChangesSummary changes_of(const Plan& plan, const std::vector<Row>& rows, std::size_t law,
-                          const Group& group) {
+ChangesSummary changes_of(const Plan& plan, const std::vector<Row>& rows, std::size_t law, const Group& group) {
     ChangesSummary s{.law = law, .of = group.of};
     std::vector<double> times_s;
     for (const Row& row : rows) {
-        if (row.family != Family::changes || row.law != law || !group.has(change_at(plan.basis, row.number)))
-            continue;
+        if (row.family != Family::changes || row.law != law || !group.has(change_at(plan.basis, row.number))) continue;
         ++s.changes;
         if (!row.regrip || !row.regrip->measured()) continue;
         const double time_s = regained_s(*row.regrip);
@@ -75,13 +70,11 @@ std::string seconds(double time_s) {
 std::string change_is(const Plan& plan, std::size_t number) {
     const SurfaceChange change = change_at(plan.basis, number);
     const Landing& from = plan.basis.landings[change.from];
-    return fmt::format("{} to {}, {}, {:.0f} m/s", from.surface, plan.basis.landings[change.to].surface,
-                       from.maneuver, change.speed_mps);
+    return fmt::format("{} to {}, {}, {:.0f} m/s", from.surface, plan.basis.landings[change.to].surface, from.maneuver, change.speed_mps);
 }
 
 nlohmann::ordered_json summary_json(const Plan& plan, const ChangesSummary& s) {
-    nlohmann::ordered_json json{
-        {"law", plan.laws[s.law].name}, {"of", s.of}, {"changes", s.changes}, {"measured", s.measured}};
+    nlohmann::ordered_json json{{"law", plan.laws[s.law].name}, {"of", s.of}, {"changes", s.changes}, {"measured", s.measured}};
     if (s.measured == 0) return json;
     json["within_0.4_s"] = s.in_time;
     json["never"] = s.never;
@@ -96,8 +89,7 @@ nlohmann::ordered_json summary_json(const Plan& plan, const ChangesSummary& s) {
 
 std::vector<ChangesSummary> summarise_changes(const Plan& plan, const std::vector<Row>& rows) {
     std::vector<ChangesSummary> all;
-    if (std::find(plan.families.begin(), plan.families.end(), Family::changes) == plan.families.end())
-        return all;
+    if (std::find(plan.families.begin(), plan.families.end(), Family::changes) == plan.families.end()) return all;
     const std::vector<Group> groups = groups_of(plan);
     for (std::size_t law = 0; law < plan.laws.size(); ++law)
         for (const Group& group : groups) all.push_back(changes_of(plan, rows, law, group));
@@ -112,24 +104,20 @@ std::string changes_table(const Plan& plan, const std::vector<Row>& rows) {
         "| law | changes | measured | within 0.4 s | median (s) | 90 % (s) | never | worst (s) |\n"
         "|---|---|---|---|---|---|---|---|\n";
     for (const ChangesSummary& s : all) {
-        fmt::format_to(std::back_inserter(text), "| {} | {} | {} of {} |", plan.laws[s.law].name, s.of,
-                       s.measured, s.changes);
+        fmt::format_to(std::back_inserter(text), "| {} | {} | {} of {} |", plan.laws[s.law].name, s.of, s.measured, s.changes);
         if (s.measured == 0)
             text += " not measured | | | | |\n";
         else
             fmt::format_to(std::back_inserter(text), " {:.1f} % | {} | {} | {} | {}: {} |\n",
-                           100.0 * static_cast<double>(s.in_time) / static_cast<double>(s.measured),
-                           seconds(s.median_s), seconds(s.percentile_90_s), s.never, seconds(s.worst_s),
-                           change_is(plan, s.worst));
+                           100.0 * static_cast<double>(s.in_time) / static_cast<double>(s.measured), seconds(s.median_s), seconds(s.percentile_90_s),
+                           s.never, seconds(s.worst_s), change_is(plan, s.worst));
     }
     return text;
 }
 
 nlohmann::ordered_json changes_json(const Plan& plan, const std::vector<Row>& rows) {
-    nlohmann::ordered_json json{{"summaries", nlohmann::ordered_json::array()},
-                                {"changes", nlohmann::ordered_json::array()}};
-    for (const ChangesSummary& s : summarise_changes(plan, rows))
-        json["summaries"].push_back(summary_json(plan, s));
+    nlohmann::ordered_json json{{"summaries", nlohmann::ordered_json::array()}, {"changes", nlohmann::ordered_json::array()}};
+    for (const ChangesSummary& s : summarise_changes(plan, rows)) json["summaries"].push_back(summary_json(plan, s));
     for (const Row& row : rows) {
         if (row.family != Family::changes) continue;
         const SurfaceChange change = change_at(plan.basis, row.number);

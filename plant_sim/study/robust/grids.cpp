@@ -9,8 +9,7 @@ std::vector<std::size_t> beside(const Basis& basis, std::size_t landing) {
     const Landing& from = basis.landings[landing];
     std::vector<std::size_t> others;
     for (std::size_t i = 0; i < basis.landings.size(); ++i)
-        if (basis.landings[i].maneuver == from.maneuver && basis.landings[i].surface != from.surface)
-            others.push_back(i);
+        if (basis.landings[i].maneuver == from.maneuver && basis.landings[i].surface != from.surface) others.push_back(i);
     return others;
 }
 
@@ -30,8 +29,7 @@ Draw with_change(const Basis& basis, const SurfaceChange& change) {
     const study::ManeuverPlan plan;
     double v_mps = change.speed_mps, from_m = 0.0;
     for (int i = 0; i < kSteps; ++i) {
-        v_mps +=
-            most * (rig.load.base_N - rig.load.lift_Ns2pm2 * v_mps * v_mps) / rig.wheel.mass_kg * kStep_s;
+        v_mps += most * (rig.load.base_N - rig.load.lift_Ns2pm2 * v_mps * v_mps) / rig.wheel.mass_kg * kStep_s;
         from_m += v_mps * kStep_s;
     }
     from_m += v_mps * (plan.touchdown_s + plan.settle_s);
@@ -61,9 +59,7 @@ SurfaceChange change_at(const Basis& basis, std::size_t number) {
     const std::size_t landings = basis.landings.size(), from = number % landings;
     const std::vector<std::size_t> others = beside(basis, from);
     const std::size_t rest = number / landings;
-    return {.from = from,
-            .to = others[rest % others.size()],
-            .speed_mps = speeds[rest / others.size() % speeds.size()]};
+    return {.from = from, .to = others[rest % others.size()], .speed_mps = speeds[rest / others.size() % speeds.size()]};
 }
 
 Draw grid_stop(const Basis& basis, Family family, std::size_t number) {

@@ -33,10 +33,8 @@ std::string escaped(std::string_view name) {
 
 std::vector<Row> worst_first(const std::vector<Row>& rows, const Summary& s) {
     std::vector<Row> own;
-    std::copy_if(rows.begin(), rows.end(), std::back_inserter(own),
-                 [&s](const Row& row) { return row.family == s.family && row.law == s.law; });
-    std::stable_sort(own.begin(), own.end(),
-                     [](const Row& a, const Row& b) { return a.figures.j_mu < b.figures.j_mu; });
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(own), [&s](const Row& row) { return row.family == s.family && row.law == s.law; });
+    std::stable_sort(own.begin(), own.end(), [](const Row& a, const Row& b) { return a.figures.j_mu < b.figures.j_mu; });
     return own;
 }
 
@@ -51,14 +49,12 @@ std::string data(const std::vector<Row>& own, std::size_t n) {
         if (own[i].tripped()) safe += point(share, own[i].figures.j_mu);
     }
     all += point(100.0, own.back().figures.j_mu);
-    return study::gnuplot_block(fmt::format("all{}", n), all) +
-           study::gnuplot_block(fmt::format("safe{}", n), safe);
+    return study::gnuplot_block(fmt::format("all{}", n), all) + study::gnuplot_block(fmt::format("safe{}", n), safe);
 }
 
 }  // namespace
 
-void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries,
-               const std::filesystem::path& png) {
+void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries, const std::filesystem::path& png) {
     constexpr std::size_t kColumns = 2;
     constexpr int kWidth = 1000, kPanel = 270, kTitle = 50;
     const std::size_t panels = plan.families.size();
@@ -70,35 +66,26 @@ void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector
     }
     std::string script = kStyle;
     for (std::size_t n = 0; n < summaries.size(); ++n) script += data(worst_first(rows, summaries[n]), n);
-    fmt::format_to(std::back_inserter(script),
-                   "set yrange [{:.1f}:{:.1f}]\nset multiplot layout {},{} title {}\n",
-                   std::floor(least * 10.0) / 10.0, std::ceil(most * 10.0) / 10.0, lines, columns,
-                   study::gnuplot_quoted(
-                       fmt::format("J_{{/Symbol m}} of every stop, worst first: seed {}, slip reference {}",
-                                   plan.seed, plan.basis.uncertainty.slip_reference)));
+    fmt::format_to(std::back_inserter(script), "set yrange [{:.1f}:{:.1f}]\nset multiplot layout {},{} title {}\n", std::floor(least * 10.0) / 10.0,
+                   std::ceil(most * 10.0) / 10.0, lines, columns,
+                   study::gnuplot_quoted(fmt::format("J_{{/Symbol m}} of every stop, worst first: seed {}, slip reference {}", plan.seed,
+                                                     plan.basis.uncertainty.slip_reference)));
     for (std::size_t panel = 0; panel < panels; ++panel) {
         std::string plots;
         for (std::size_t n = 0; n < summaries.size(); ++n) {
             const Summary& s = summaries[n];
             if (s.family != plan.families[panel]) continue;
             const std::size_t style = s.law % 5 + 1;
-            fmt::format_to(std::back_inserter(plots),
-                           "{}$all{} with lines ls {} title '{}, mean {:.3f}' noenhanced",
-                           plots.empty() ? "plot " : ", ", n, style, plan.laws[s.law].name, s.mean_j_mu);
+            fmt::format_to(std::back_inserter(plots), "{}$all{} with lines ls {} title '{}, mean {:.3f}' noenhanced", plots.empty() ? "plot " : ", ",
+                           n, style, plan.laws[s.law].name, s.mean_j_mu);
             if (s.tripped > 0)
-                fmt::format_to(std::back_inserter(plots),
-                               ", $safe{} with points ls {} pt 2 ps 1.1 title '{} ended safe'", n, style,
-                               s.tripped);
+                fmt::format_to(std::back_inserter(plots), ", $safe{} with points ls {} pt 2 ps 1.1 title '{} ended safe'", n, style, s.tripped);
         }
-        fmt::format_to(
-            std::back_inserter(script),
-            "set title '{{/:Bold {}}}, {} stops' offset 0,-0.7\nset ylabel '{}'\nset xlabel '{}'\n{}\n",
-            escaped(name(plan.families[panel])), plan.draws_of(plan.families[panel]),
-            panel % columns == 0 ? "J_{/Symbol m}" : "",
-            panel + columns >= panels ? "share of the stops (%)" : "", plots);
+        fmt::format_to(std::back_inserter(script), "set title '{{/:Bold {}}}, {} stops' offset 0,-0.7\nset ylabel '{}'\nset xlabel '{}'\n{}\n",
+                       escaped(name(plan.families[panel])), plan.draws_of(plan.families[panel]), panel % columns == 0 ? "J_{/Symbol m}" : "",
+                       panel + columns >= panels ? "share of the stops (%)" : "", plots);
     }
-    study::run_gnuplot(png, columns == 1 ? kWidth * 3 / 4 : kWidth, kTitle + kPanel * static_cast<int>(lines),
-                       script + "unset multiplot\n");
+    study::run_gnuplot(png, columns == 1 ? kWidth * 3 / 4 : kWidth, kTitle + kPanel * static_cast<int>(lines), script + "unset multiplot\n");
 }
 
 }  // namespace robust

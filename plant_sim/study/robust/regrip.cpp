@@ -18,14 +18,11 @@ void RegripMeter::update(const plant::Surface& under, double v_mps, double mu) {
 
 std::optional<Regrip> RegripMeter::regrip() const {
     if (!changed_) return std::nullopt;
-    Regrip result{.speed_mps = speed_mps_,
-                  .judged_s = period_s_ * static_cast<double>(shares_.size()),
-                  .regained_s = {}};
+    Regrip result{.speed_mps = speed_mps_, .judged_s = period_s_ * static_cast<double>(shares_.size()), .regained_s = {}};
     const auto window = static_cast<std::size_t>(std::lround(kWindow_s / period_s_));
     const auto enough = [&](std::size_t at) {
         const auto first = shares_.begin() + static_cast<std::ptrdiff_t>(at);
-        return std::accumulate(first, first + static_cast<std::ptrdiff_t>(window), 0.0) >=
-               kShare * static_cast<double>(window);
+        return std::accumulate(first, first + static_cast<std::ptrdiff_t>(window), 0.0) >= kShare * static_cast<double>(window);
     };
     const std::size_t windows = shares_.size() < window ? 0 : shares_.size() - window + 1;
     std::size_t kept = windows;  // the first window from which on all have enough

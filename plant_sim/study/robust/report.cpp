@@ -29,19 +29,16 @@ double distance_m(const Row& row) {
 }
 
 std::optional<std::size_t> told_peak(const Plan& plan) {
-    const auto at = std::find_if(plan.laws.begin(), plan.laws.end(),
-                                 [](const Peer& law) { return law.name == kToldPeak; });
+    const auto at = std::find_if(plan.laws.begin(), plan.laws.end(), [](const Peer& law) { return law.name == kToldPeak; });
     if (at == plan.laws.end()) return std::nullopt;
     return static_cast<std::size_t>(at - plan.laws.begin());
 }
 
 /// `yardstick`: the law that was told.
-std::optional<AgainstToldPeak> against(const std::vector<Row>& rows, const Summary& s,
-                                       std::size_t yardstick) {
+std::optional<AgainstToldPeak> against(const std::vector<Row>& rows, const Summary& s, std::size_t yardstick) {
     std::map<std::size_t, double> told_m;  // by draw
     for (const Row& row : rows)
-        if (row.family == s.family && row.law == yardstick && row.figures.standstill)
-            told_m[row.number] = distance_m(row);
+        if (row.family == s.family && row.law == yardstick && row.figures.standstill) told_m[row.number] = distance_m(row);
     AgainstToldPeak a;
     std::vector<double> ratios;
     for (const Row& row : rows) {
@@ -105,23 +102,19 @@ std::string to_table(const Plan& plan, const std::vector<Row>& rows, const std::
         "| family | law | stops | ended safe | locked | mean J_mu | 1st percentile | worst | valve travel "
         "(mA/s) |";
     if (told) text += " distance over told_peak's: mean | 90 % | 99 % | within 3 % |";
-    text += told ? "\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n"
-                 : "\n|---|---|---|---|---|---|---|---|---|\n";
+    text += told ? "\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n" : "\n|---|---|---|---|---|---|---|---|---|\n";
     for (const Summary& s : summaries) {
-        fmt::format_to(std::back_inserter(text),
-                       "| {} | {} | {} | {} | {} | {:.4f} | {:.3f} | {:.3f} | {:.0f} |", name(s.family),
-                       plan.laws[s.law].name, s.stops, s.tripped, s.locked, s.mean_j_mu, s.percentile_j_mu,
-                       s.worst_j_mu, s.mean_travel_mAps);
+        fmt::format_to(std::back_inserter(text), "| {} | {} | {} | {} | {} | {:.4f} | {:.3f} | {:.3f} | {:.0f} |", name(s.family),
+                       plan.laws[s.law].name, s.stops, s.tripped, s.locked, s.mean_j_mu, s.percentile_j_mu, s.worst_j_mu, s.mean_travel_mAps);
         if (const auto& a = s.against_told_peak)
-            fmt::format_to(std::back_inserter(text), " {} | {} | {} | {:.1f} % of {} |", ratio(a->mean),
-                           ratio(a->percentile_90), ratio(a->percentile_99), 100.0 * a->within, a->draws);
+            fmt::format_to(std::back_inserter(text), " {} | {} | {} | {:.1f} % of {} |", ratio(a->mean), ratio(a->percentile_90),
+                           ratio(a->percentile_99), 100.0 * a->within, a->draws);
         else if (told)
             text += " not measured | | | |";
         text += "\n";
     }
     for (const Summary& s : summaries)
-        fmt::format_to(std::back_inserter(text), "{}, {}: worst: draw {} ({})\n", name(s.family),
-                       plan.laws[s.law].name, s.worst, worst_is(plan, s));
+        fmt::format_to(std::back_inserter(text), "{}, {}: worst: draw {} ({})\n", name(s.family), plan.laws[s.law].name, s.worst, worst_is(plan, s));
     return text + changes_table(plan, rows) + brake_on_table(plan, rows);
 }
 
@@ -146,28 +139,23 @@ std::string to_json(const Plan& plan, const std::vector<Row>& rows, const std::v
                                     {"worst_is", worst_is(plan, s)},
                                     {"mean_valve_travel_mAps", s.mean_travel_mAps}});
         if (const auto& a = s.against_told_peak)
-            json["families"].back()["distance_over_told_peak"] = {
-                {"draws", a->draws},
-                {"mean", or_null(a->mean)},
-                {"percentile_90", or_null(a->percentile_90)},
-                {"percentile_99", or_null(a->percentile_99)},
-                {"within_3_percent", a->within}};
+            json["families"].back()["distance_over_told_peak"] = {{"draws", a->draws},
+                                                                  {"mean", or_null(a->mean)},
+                                                                  {"percentile_90", or_null(a->percentile_90)},
+                                                                  {"percentile_99", or_null(a->percentile_99)},
+                                                                  {"within_3_percent", a->within}};
     }
-    const auto has = [&](Family family) {
-        return std::find(plan.families.begin(), plan.families.end(), family) != plan.families.end();
-    };
+    const auto has = [&](Family family) { return std::find(plan.families.begin(), plan.families.end(), family) != plan.families.end(); };
     if (has(Family::changes)) json["changes"] = changes_json(plan, rows);
     if (has(Family::brake_on)) json["brake_on"] = brake_on_json(plan, rows);
     return json.dump(2) + "\n";
 }
 
 std::string to_csv(const Plan& plan, const std::vector<Row>& rows) {
-    std::string text =
-        "family,law,draw,j_mu,stop_distance_m,longest_lock_s,peak_slip,faults,valve_travel_mAps,what\n";
+    std::string text = "family,law,draw,j_mu,stop_distance_m,longest_lock_s,peak_slip,faults,valve_travel_mAps,what\n";
     for (const Row& row : rows)
-        fmt::format_to(std::back_inserter(text), "{},{},{},{:.6f},{:.3f},{:.4f},{:.4f},{},{:.1f},\"{}\"\n",
-                       name(row.family), plan.laws[row.law].name, row.number, row.figures.j_mu,
-                       row.figures.stop_distance_m, row.figures.longest_lock_s, row.figures.peak_slip,
+        fmt::format_to(std::back_inserter(text), "{},{},{},{:.6f},{:.3f},{:.4f},{:.4f},{},{:.1f},\"{}\"\n", name(row.family), plan.laws[row.law].name,
+                       row.number, row.figures.j_mu, row.figures.stop_distance_m, row.figures.longest_lock_s, row.figures.peak_slip,
                        row.faults.bits(), row.figures.valve_travel_mAps.value_or(0.0),
                        describe(plan.basis, draw(plan.basis, row.family, plan.seed, row.number)));
     return text;

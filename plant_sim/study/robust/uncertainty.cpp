@@ -30,20 +30,15 @@ double within_logarithm(const Interval& range, wear::Generator& generator) {
 }
 
 void add_ring(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
-    rig.wheel.compliance.ring = {.belt_share = within(u.belt_share, g),
-                                 .frequency_Hz = within(u.ring_Hz, g),
-                                 .damping = within(u.ring_damping, g)};
+    rig.wheel.compliance.ring = {.belt_share = within(u.belt_share, g), .frequency_Hz = within(u.ring_Hz, g), .damping = within(u.ring_damping, g)};
 }
 
 void add_relaxation(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
-    rig.wheel.compliance.relaxation = {.length_m = within_logarithm(u.relaxation_m, g),
-                                       .floor_m = u.relaxation_floor_m};
+    rig.wheel.compliance.relaxation = {.length_m = within_logarithm(u.relaxation_m, g), .floor_m = u.relaxation_floor_m};
 }
 
 void add_leg(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
-    rig.wheel.compliance.leg = {.mass_kg = within(u.leg_kg, g),
-                                .frequency_Hz = within(u.leg_Hz, g),
-                                .damping = within(u.leg_damping, g)};
+    rig.wheel.compliance.leg = {.mass_kg = within(u.leg_kg, g), .frequency_Hz = within(u.leg_Hz, g), .damping = within(u.leg_damping, g)};
 }
 
 void change_parameters(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
@@ -65,8 +60,7 @@ void add_patches(const Basis& basis, plant::RigParameters& rig, wear::Generator&
     double from_m = 0.0;
     while (from_m < kLongest_m) {
         from_m += within_logarithm(basis.uncertainty.patch_m, g);
-        const auto which =
-            static_cast<std::size_t>(wear::uniform(g) * static_cast<double>(basis.surfaces.size()));
+        const auto which = static_cast<std::size_t>(wear::uniform(g) * static_cast<double>(basis.surfaces.size()));
         rig.runway.patches.push_back({from_m, basis.surfaces[which]});
     }
 }
@@ -76,35 +70,32 @@ void add_patches(const Basis& basis, plant::RigParameters& rig, wear::Generator&
 Uncertainty load_uncertainty(const std::filesystem::path& file) {
     const settings::Document doc = settings::Document::load(file);
     const Table root = doc.root();
-    const Table landing = root.table("landing"), ring = root.table("ring"),
-                relaxation = root.table("relaxation"), leg = root.table("leg"),
-                parameters = root.table("parameters"), patches = root.table("patches"),
-                changes = root.table("changes"), brake_on = root.table("brake_on");
-    constexpr settings::Range kFactor{.min = 0.1, .max = 10.0}, kDamping{.min = 0.0, .max = 1.0},
-        kGrid_mps{.min = 6.0, .max = 61.0};
+    const Table landing = root.table("landing"), ring = root.table("ring"), relaxation = root.table("relaxation"), leg = root.table("leg"),
+                parameters = root.table("parameters"), patches = root.table("patches"), changes = root.table("changes"),
+                brake_on = root.table("brake_on");
+    constexpr settings::Range kFactor{.min = 0.1, .max = 10.0}, kDamping{.min = 0.0, .max = 1.0}, kGrid_mps{.min = 6.0, .max = 61.0};
     const Interval delay_ms = interval(parameters, "delay_ms", {.min = 0.0, .max = 100.0});
-    Uncertainty u{
-        .slip_reference = landing.number("slip_reference", {.min = 0.0, .max = 0.5}),
-        .speed_mps = interval(landing, "speed_mps", {.min = 6.0, .max = 120.0}),
-        .belt_share = interval(ring, "belt_share", {.min = 0.01, .max = 0.9}),
-        .ring_Hz = interval(ring, "frequency_Hz", {.min = 5.0, .max = 1000.0}),
-        .ring_damping = interval(ring, "damping", kDamping),
-        .relaxation_m = interval(relaxation, "length_m", {.min = 0.001, .max = 2.0}),
-        .relaxation_floor_m = relaxation.number("floor_m", {.min = 0.001, .max = 2.0}),
-        .leg_kg = interval(leg, "mass_kg", {.min = 1.0, .max = 1000.0}),
-        .leg_Hz = interval(leg, "frequency_Hz", {.min = 1.0, .max = 100.0}),
-        .leg_damping = interval(leg, "damping", kDamping),
-        .wheel_inertia = interval(parameters, "wheel_inertia", kFactor),
-        .brake_gain = interval(parameters, "brake_gain", kFactor),
-        .valve_frequency = interval(parameters, "valve_frequency", kFactor),
-        .delay_s = {delay_ms.low * 1e-3, delay_ms.high * 1e-3},
-        .hysteresis_mA = interval(parameters, "hysteresis_mA", {.min = 0.0, .max = 20.0}),
-        .load = interval(parameters, "load", {.min = 0.5, .max = 2.0}),
-        .pitch_error = interval(parameters, "pitch_error", {.min = 0.0, .max = 0.3}),
-        .eccentricity = interval(parameters, "eccentricity", {.min = 0.0, .max = 0.1}),
-        .patch_m = interval(patches, "length_m", {.min = 1.0, .max = 10000.0}),
-        .change_mps = changes.numbers("speed_mps", {.range = kGrid_mps}),
-        .brake_on_mps = brake_on.numbers("speed_mps", {.range = kGrid_mps, .strictly_increasing = true})};
+    Uncertainty u{.slip_reference = landing.number("slip_reference", {.min = 0.0, .max = 0.5}),
+                  .speed_mps = interval(landing, "speed_mps", {.min = 6.0, .max = 120.0}),
+                  .belt_share = interval(ring, "belt_share", {.min = 0.01, .max = 0.9}),
+                  .ring_Hz = interval(ring, "frequency_Hz", {.min = 5.0, .max = 1000.0}),
+                  .ring_damping = interval(ring, "damping", kDamping),
+                  .relaxation_m = interval(relaxation, "length_m", {.min = 0.001, .max = 2.0}),
+                  .relaxation_floor_m = relaxation.number("floor_m", {.min = 0.001, .max = 2.0}),
+                  .leg_kg = interval(leg, "mass_kg", {.min = 1.0, .max = 1000.0}),
+                  .leg_Hz = interval(leg, "frequency_Hz", {.min = 1.0, .max = 100.0}),
+                  .leg_damping = interval(leg, "damping", kDamping),
+                  .wheel_inertia = interval(parameters, "wheel_inertia", kFactor),
+                  .brake_gain = interval(parameters, "brake_gain", kFactor),
+                  .valve_frequency = interval(parameters, "valve_frequency", kFactor),
+                  .delay_s = {delay_ms.low * 1e-3, delay_ms.high * 1e-3},
+                  .hysteresis_mA = interval(parameters, "hysteresis_mA", {.min = 0.0, .max = 20.0}),
+                  .load = interval(parameters, "load", {.min = 0.5, .max = 2.0}),
+                  .pitch_error = interval(parameters, "pitch_error", {.min = 0.0, .max = 0.3}),
+                  .eccentricity = interval(parameters, "eccentricity", {.min = 0.0, .max = 0.1}),
+                  .patch_m = interval(patches, "length_m", {.min = 1.0, .max = 10000.0}),
+                  .change_mps = changes.numbers("speed_mps", {.range = kGrid_mps}),
+                  .brake_on_mps = brake_on.numbers("speed_mps", {.range = kGrid_mps, .strictly_increasing = true})};
     doc.finish();
     return u;
 }
@@ -135,23 +126,17 @@ std::string describe(const Basis& basis, const Draw& d) {
     const Landing& landing = basis.landings[d.landing];
     const auto& [ring, relaxation, leg] = d.rig.wheel.compliance;
     std::string text = fmt::format("{} {}", landing.maneuver, landing.surface);
-    if (ring.belt_share > 0.0)
-        text += fmt::format(", ring {:.1f} Hz damping {:.3f} belt {:.2f}", ring.frequency_Hz, ring.damping,
-                            ring.belt_share);
+    if (ring.belt_share > 0.0) text += fmt::format(", ring {:.1f} Hz damping {:.3f} belt {:.2f}", ring.frequency_Hz, ring.damping, ring.belt_share);
     if (relaxation.length_m > 0.0) text += fmt::format(", relaxation {:.3f} m", relaxation.length_m);
-    if (leg.mass_kg > 0.0)
-        text += fmt::format(", leg {:.0f} kg {:.1f} Hz damping {:.3f}", leg.mass_kg, leg.frequency_Hz,
-                            leg.damping);
+    if (leg.mass_kg > 0.0) text += fmt::format(", leg {:.0f} kg {:.1f} Hz damping {:.3f}", leg.mass_kg, leg.frequency_Hz, leg.damping);
     const plant::RigParameters& plain = landing.rig;
     if (d.rig.valve.delay_s != plain.valve.delay_s)
         text += fmt::format(
             ", J x{:.2f}, k_b x{:.2f}, valve {:.0f} Hz delay {:.1f} ms hysteresis {:.1f} mA, load x{:.2f}, "
             "wheel's teeth {:.1f} % eccentric {:.2f} %, flywheel's teeth {:.1f} % eccentric {:.2f} %",
-            d.rig.wheel.inertia_kgm2 / plain.wheel.inertia_kgm2,
-            d.rig.brake.piston_area_m2 / plain.brake.piston_area_m2,
-            d.rig.valve.natural_frequency_radps / 6.283185307179586, d.rig.valve.delay_s * 1e3,
-            d.rig.valve.hysteresis_mA, d.rig.load.base_N / plain.load.base_N,
-            d.rig.wheel_encoder.pitch_error * 100.0, d.rig.wheel_encoder.eccentricity * 100.0,
+            d.rig.wheel.inertia_kgm2 / plain.wheel.inertia_kgm2, d.rig.brake.piston_area_m2 / plain.brake.piston_area_m2,
+            d.rig.valve.natural_frequency_radps / 6.283185307179586, d.rig.valve.delay_s * 1e3, d.rig.valve.hysteresis_mA,
+            d.rig.load.base_N / plain.load.base_N, d.rig.wheel_encoder.pitch_error * 100.0, d.rig.wheel_encoder.eccentricity * 100.0,
             d.rig.flywheel_encoder.pitch_error * 100.0, d.rig.flywheel_encoder.eccentricity * 100.0);
     if (d.rig.brake_on_mps != plain.brake_on_mps) text += fmt::format(", {:.1f} m/s", d.rig.brake_on_mps);
     constexpr std::size_t kShown = 4;

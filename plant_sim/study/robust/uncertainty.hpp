@@ -13,20 +13,9 @@
 namespace robust {
 
 /// Which ranges a draw takes; `changes` and `brake_on` take none, they are grids (grids.hpp).
-enum class Family : std::uint8_t {
-    paper,
-    ring,
-    relaxation,
-    leg,
-    parameters,
-    patches,
-    speed,
-    all,
-    changes,
-    brake_on
-};
-inline constexpr std::array<std::string_view, 10> kFamilyNames{
-    "paper", "ring", "relaxation", "leg", "parameters", "patches", "speed", "all", "changes", "brake_on"};
+enum class Family : std::uint8_t { paper, ring, relaxation, leg, parameters, patches, speed, all, changes, brake_on };
+inline constexpr std::array<std::string_view, 10> kFamilyNames{"paper",   "ring",  "relaxation", "leg",     "parameters",
+                                                               "patches", "speed", "all",        "changes", "brake_on"};
 inline constexpr std::size_t kDrawnFamilies = 8;  ///< of them, from the front
 [[nodiscard]] constexpr std::string_view name(Family family) {
     return kFamilyNames[static_cast<std::size_t>(family)];
@@ -44,8 +33,7 @@ struct Uncertainty {
     Interval relaxation_m;
     double relaxation_floor_m = 0.0;
     Interval leg_kg, leg_Hz, leg_damping;
-    Interval wheel_inertia, brake_gain, valve_frequency, delay_s, hysteresis_mA, load, pitch_error,
-        eccentricity;
+    Interval wheel_inertia, brake_gain, valve_frequency, delay_s, hysteresis_mA, load, pitch_error, eccentricity;
     Interval patch_m;
     std::vector<double> change_mps;    ///< of the grid `changes`
     std::vector<double> brake_on_mps;  ///< of the grid `brake_on`, slowest first

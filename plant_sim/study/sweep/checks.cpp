@@ -19,9 +19,7 @@ constexpr std::size_t kEnoughForTrends = 5;  // references
 constexpr std::size_t kEnoughLandings = 40;
 
 const Means* at(const std::vector<Means>& all, double reference) {
-    const auto found = std::find_if(all.begin(), all.end(), [reference](const Means& m) {
-        return std::abs(m.slip_reference - reference) < 1e-9;
-    });
+    const auto found = std::find_if(all.begin(), all.end(), [reference](const Means& m) { return std::abs(m.slip_reference - reference) < 1e-9; });
     return found == all.end() ? nullptr : &*found;
 }
 
@@ -58,28 +56,22 @@ Hill hill(const std::vector<Means>& all, const Figure& figure) {
 }
 
 void check_trends(Summary& s, bool possible) {
-    const std::string j_mu =
-        "mean J_mu rises with the reference to one peak, falls beyond it, and is steeper before";
-    const std::string distance =
-        "mean distance falls to one least value, rises beyond it, and is steeper before";
+    const std::string j_mu = "mean J_mu rises with the reference to one peak, falls beyond it, and is steeper before";
+    const std::string distance = "mean distance falls to one least value, rises beyond it, and is steeper before";
     if (!possible) {
         s.unchecked.insert(s.unchecked.end(), {j_mu, distance});
         return;
     }
-    const auto add = [&s](const char* name, const std::string& demand, const Hill& h, double tolerance,
-                          const char* unit) {
+    const auto add = [&s](const char* name, const std::string& demand, const Hill& h, double tolerance, const char* unit) {
         const bool inside = h.top > 0 && h.top + 1 < s.references.size();
         s.checks.push_back(
             {name, demand,
-             fmt::format(
-                 "peak at {:.2f}, slopes {:.3g} and {:.3g}{} per 0.01, worst step against it {:.2g}{}",
-                 s.references[h.top].slip_reference, h.steepness_before * 0.01, -h.steepness_after * 0.01,
-                 unit, h.worst, unit),
+             fmt::format("peak at {:.2f}, slopes {:.3g} and {:.3g}{} per 0.01, worst step against it {:.2g}{}", s.references[h.top].slip_reference,
+                         h.steepness_before * 0.01, -h.steepness_after * 0.01, unit, h.worst, unit),
              inside && h.worst <= tolerance && h.steepness_before > h.steepness_after});
     };
     add("j_mu_trend", j_mu, hill(s.references, [](const Means& m) { return m.j_mu; }), 0.0005, "");
-    add("distance_trend", distance, hill(s.references, [](const Means& m) { return -m.stop_distance_m; }),
-        0.5, " m");
+    add("distance_trend", distance, hill(s.references, [](const Means& m) { return -m.stop_distance_m; }), 0.5, " m");
 }
 
 void check_energies(Summary& s) {
@@ -95,10 +87,8 @@ void check_energies(Summary& s) {
         s.unchecked.push_back(above);
     else
         s.checks.push_back({"brake_above_tyre", above,
-                            fmt::format("{:.3f} and {:.3f} MJ at {:.2f}",
-                                        (wrong != nullptr ? wrong : last)->energy_brake_J * 1e-6,
-                                        (wrong != nullptr ? wrong : last)->energy_tyre_J * 1e-6,
-                                        (wrong != nullptr ? wrong : last)->slip_reference),
+                            fmt::format("{:.3f} and {:.3f} MJ at {:.2f}", (wrong != nullptr ? wrong : last)->energy_brake_J * 1e-6,
+                                        (wrong != nullptr ? wrong : last)->energy_tyre_J * 1e-6, (wrong != nullptr ? wrong : last)->slip_reference),
                             wrong == nullptr});
 
     const std::string moves = "energy moves from brake to tyre with every step of the reference";
@@ -111,21 +101,17 @@ void check_energies(Summary& s) {
     for (std::size_t i = 1; i < s.references.size(); ++i) {
         const Means& a = s.references[i - 1];
         const Means& b = s.references[i];
-        const double moved_J =
-            std::min(a.energy_brake_J - b.energy_brake_J, b.energy_tyre_J - a.energy_tyre_J);
+        const double moved_J = std::min(a.energy_brake_J - b.energy_brake_J, b.energy_tyre_J - a.energy_tyre_J);
         if (moved_J < least_J) {
             least_J = moved_J;
             at_reference = b.slip_reference;
         }
     }
-    s.checks.push_back({"energy_monotone", moves,
-                        fmt::format("least step {:.1f} kJ, at {:.2f}", least_J * 1e-3, at_reference),
-                        least_J > 0.0});
+    s.checks.push_back({"energy_monotone", moves, fmt::format("least step {:.1f} kJ, at {:.2f}", least_J * 1e-3, at_reference), least_J > 0.0});
 }
 
 void check_share(Summary& s, bool possible) {
-    const std::string demand =
-        fmt::format("tyre share within {:.2f} of the reference while the slip is tracked", kShareBand);
+    const std::string demand = fmt::format("tyre share within {:.2f} of the reference while the slip is tracked", kShareBand);
     double worst = 0.0;
     const Means* at_worst = nullptr;
     for (const Means& m : s.references) {
@@ -140,8 +126,8 @@ void check_share(Summary& s, bool possible) {
         return;
     }
     s.checks.push_back({"tyre_share", demand,
-                        fmt::format("worst {:.4f}, at {:.2f} ({} of {} landings tracked)", worst,
-                                    at_worst->slip_reference, at_worst->tracked_landings, at_worst->landings),
+                        fmt::format("worst {:.4f}, at {:.2f} ({} of {} landings tracked)", worst, at_worst->slip_reference,
+                                    at_worst->tracked_landings, at_worst->landings),
                         worst <= kShareBand});
 }
 
@@ -149,15 +135,13 @@ void check_share(Summary& s, bool possible) {
 
 void check(Summary& s) {
     const std::string enough = fmt::format("mean J_mu at {:.2f} at least {:.3f}", kPaperReference, kLeastJmu);
-    const std::string near =
-        fmt::format("mean J_mu at {:.2f} within {:.3f} of the best reference's", kPaperReference, kNearBest);
+    const std::string near = fmt::format("mean J_mu at {:.2f} within {:.3f} of the best reference's", kPaperReference, kNearBest);
     const bool enough_landings = s.references.front().landings >= kEnoughLandings;
     if (const Means* paper = at(s.references, kPaperReference); paper != nullptr && enough_landings) {
         s.checks.push_back({"j_mu", enough, fmt::format("{:.4f}", paper->j_mu), paper->j_mu >= kLeastJmu});
         const double gap = s.references[s.best].j_mu - paper->j_mu;
         s.checks.push_back({"near_best", near,
-                            fmt::format("{:.4f} below {:.4f} at {:.2f}", gap, s.references[s.best].j_mu,
-                                        s.references[s.best].slip_reference),
+                            fmt::format("{:.4f} below {:.4f} at {:.2f}", gap, s.references[s.best].j_mu, s.references[s.best].slip_reference),
                             gap <= kNearBest});
     } else {
         s.unchecked.insert(s.unchecked.end(), {enough, near});
@@ -171,10 +155,8 @@ void check(Summary& s) {
         return sum;
     };
     const std::size_t bad = count(&Means::faults) + count(&Means::not_at_rest);
-    s.checks.push_back(
-        {"all_stop", "every stop ends at rest and without a fault",
-         fmt::format("{} with a fault, {} not at rest", count(&Means::faults), count(&Means::not_at_rest)),
-         bad == 0});
+    s.checks.push_back({"all_stop", "every stop ends at rest and without a fault",
+                        fmt::format("{} with a fault, {} not at rest", count(&Means::faults), count(&Means::not_at_rest)), bad == 0});
 }
 
 }  // namespace sweep

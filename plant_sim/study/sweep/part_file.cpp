@@ -35,31 +35,23 @@ std::string text_of(const std::filesystem::path& path) {
 void check(const StopsTable& found, const Plan& plan) {
     const std::string differs = difference(found.identity, identity_of(plan));
     if (!differs.empty())
-        throw settings::Error(
-            found.name, 1, "",
-            fmt::format("left by another sweep: {}; remove it to begin anew, or give another --out",
-                        differs));
+        throw settings::Error(found.name, 1, "", fmt::format("left by another sweep: {}; remove it to begin anew, or give another --out", differs));
     for (const Row& row : found.rows) {
         if (row.stop != plan.stop(row.stop.number))
-            throw settings::Error(
-                found.name, 0, "stop",
-                fmt::format("{} is another stop in this sweep; remove the file to begin anew",
-                            row.stop.number));
+            throw settings::Error(found.name, 0, "stop",
+                                  fmt::format("{} is another stop in this sweep; remove the file to begin anew", row.stop.number));
     }
 }
 
 }  // namespace
 
-PartFile::PartFile(std::filesystem::path path, const Plan& plan)
-    : path_(std::move(path)), file_(opened(path_)) {
+PartFile::PartFile(std::filesystem::path path, const Plan& plan) : path_(std::move(path)), file_(opened(path_)) {
     if (!file_.is_open()) fail(path_);
-    if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0)
-        throw std::runtime_error(path_.string() + ": another sweep is at work on it");
+    if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0) throw std::runtime_error(path_.string() + ": another sweep is at work on it");
     const std::string first_lines = head(identity_of(plan));
     const std::string there = text_of(path_);
     // A program killed before its first lines were whole has not begun.
-    const bool begun =
-        !there.empty() && !(there.size() < first_lines.size() && first_lines.starts_with(there));
+    const bool begun = !there.empty() && !(there.size() < first_lines.size() && first_lines.starts_with(there));
     StopsTable found;
     if (begun) {
         found = parse_stops(path_.string(), there);

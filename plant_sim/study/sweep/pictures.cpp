@@ -15,8 +15,8 @@ set style line 2 lc rgb '#c55a11' lw 2 pt 5 ps 0.6
 )";
 
 std::string point(const Means& m) {
-    return fmt::format("{:.4f} {:.6f} {:.6f} {:.7f} {:.4f}\n", m.slip_reference, m.energy_brake_J * 1e-6,
-                       m.energy_tyre_J * 1e-6, m.j_mu, m.stop_distance_m);
+    return fmt::format("{:.4f} {:.6f} {:.6f} {:.7f} {:.4f}\n", m.slip_reference, m.energy_brake_J * 1e-6, m.energy_tyre_J * 1e-6, m.j_mu,
+                       m.stop_distance_m);
 }
 
 /// Blocks $means, $labels (a few references), $paper (0.24) and $threshold: reference, brake MJ, tyre MJ, J_mu, distance.
@@ -29,8 +29,7 @@ std::string data(const Summary& s) {
         if (end || std::lround(m.slip_reference * 100.0) % 10 == 0) labels += point(m);
         if (m.slip_reference == kPaperReference) paper += point(m);
     }
-    return study::gnuplot_block("means", means) + study::gnuplot_block("labels", labels) +
-           study::gnuplot_block("paper", paper) +
+    return study::gnuplot_block("means", means) + study::gnuplot_block("labels", labels) + study::gnuplot_block("paper", paper) +
            study::gnuplot_block("threshold", s.threshold ? point(*s.threshold) : "");
 }
 
@@ -53,25 +52,22 @@ plot $means using {x}:4 with linespoints ls 1 title 'J_{{/Symbol m}}', \
 }
 
 std::string title_of(const Summary& s) {
-    return study::gnuplot_quoted(
-        fmt::format("{} landings for each slip reference, seed {}", s.identity.landings, s.identity.seed));
+    return study::gnuplot_quoted(fmt::format("{} landings for each slip reference, seed {}", s.identity.landings, s.identity.seed));
 }
 
 }  // namespace
 
 void draw_fig13(const Summary& s, const std::filesystem::path& png) {
-    const std::string script =
-        kStyle + data(s) +
-        "set key outside top center horizontal\nset tmargin 5\nset offsets graph 0.02, graph 0.02, graph "
-        "0.08, graph 0.02\n"
-        "set multiplot layout 2,1\nset title " +
-        title_of(s) + "\n" +
-        // Brake energy falls as the reference rises: the axis is turned so that the reference rises to the right in both.
-        "set label 1 'slip reference rises {/Symbol \\256}' at graph 0.55, graph 0.5 center tc rgb "
-        "'#555555'\n"
-        "set xrange [*:*] reverse\n" +
-        panel(2, "brake") + "unset title\nset xrange [*:*] noreverse\n" + panel(3, "tyre") +
-        "unset multiplot\n";
+    const std::string script = kStyle + data(s) +
+                               "set key outside top center horizontal\nset tmargin 5\nset offsets graph 0.02, graph 0.02, graph "
+                               "0.08, graph 0.02\n"
+                               "set multiplot layout 2,1\nset title " +
+                               title_of(s) + "\n" +
+                               // Brake energy falls as the reference rises: the axis is turned so that the reference rises to the right in both.
+                               "set label 1 'slip reference rises {/Symbol \\256}' at graph 0.55, graph 0.5 center tc rgb "
+                               "'#555555'\n"
+                               "set xrange [*:*] reverse\n" +
+                               panel(2, "brake") + "unset title\nset xrange [*:*] noreverse\n" + panel(3, "tyre") + "unset multiplot\n";
     study::run_gnuplot(png, 1000, 1100, script);
 }
 

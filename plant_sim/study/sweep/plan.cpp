@@ -46,15 +46,13 @@ study::SessionOptions Plan::session(std::size_t number) const {
     return session;
 }
 
-std::vector<Landing> draw_landings(std::uint64_t seed, std::size_t count, std::size_t scenarios,
-                                   const BrakeLife& brake) {
+std::vector<Landing> draw_landings(std::uint64_t seed, std::size_t count, std::size_t scenarios, const BrakeLife& brake) {
     std::vector<Landing> landings;
     landings.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
         wear::Generator generator = wear::generator_of(seed, i);
         Landing landing;
-        landing.scenario =
-            static_cast<std::size_t>(wear::uniform(generator) * static_cast<double>(scenarios));
+        landing.scenario = static_cast<std::size_t>(wear::uniform(generator) * static_cast<double>(scenarios));
         landing.sensor_seed = generator() >> 32U;
         landing.c_e_J = wear::uniform(generator) * brake.life_J;
         landing.mean_friction = brake.friction(landing.c_e_J, generator);

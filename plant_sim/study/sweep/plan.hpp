@@ -46,8 +46,7 @@ struct BrakeLife {
 
 /// What one stop of the sweep is. Everything that a table of stops says beside figures.
 struct Stop {
-    std::size_t number =
-        0;  ///< 0 to Plan::stops() - 1: reference by reference, the threshold law last; in each, landing by landing
+    std::size_t number = 0;       ///< 0 to Plan::stops() - 1: reference by reference, the threshold law last; in each, landing by landing
     bool threshold = false;       ///< by the threshold law, which knows no reference
     double slip_reference = 0.0;  ///< 0 for the threshold law
     std::size_t landing = 0;
@@ -72,9 +71,7 @@ struct Plan {
     std::string config_hash;  ///< of every file in force
     std::string version;
 
-    [[nodiscard]] std::size_t stops() const {
-        return (references.size() + (threshold ? 1 : 0)) * landings.size();
-    }
+    [[nodiscard]] std::size_t stops() const { return (references.size() + (threshold ? 1 : 0)) * landings.size(); }
     /// `number` below stops().
     [[nodiscard]] Stop stop(std::size_t number) const;
     /// The plant and the pilot of that stop.
@@ -83,7 +80,6 @@ struct Plan {
 };
 
 /// `count` landings, every scenario as likely as any other.
-[[nodiscard]] std::vector<Landing> draw_landings(std::uint64_t seed, std::size_t count, std::size_t scenarios,
-                                                 const BrakeLife& brake);
+[[nodiscard]] std::vector<Landing> draw_landings(std::uint64_t seed, std::size_t count, std::size_t scenarios, const BrakeLife& brake);
 
 }  // namespace sweep

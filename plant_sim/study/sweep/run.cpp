@@ -8,8 +8,7 @@
 namespace sweep {
 
 Row run_one(const Plan& plan, std::size_t number) {
-    const study::RunResult result = study::run_in_process(plan.controller, plan.layout, plan.rig(number),
-                                                          plan.session(number), study::Link::rounded);
+    const study::RunResult result = study::run_in_process(plan.controller, plan.layout, plan.rig(number), plan.session(number), study::Link::rounded);
     return {.stop = plan.stop(number), .figures = result.figures, .faults = result.faults};
 }
 
@@ -27,8 +26,7 @@ std::vector<Row> run(const Plan& plan, std::span<const std::size_t> numbers, con
             rows.push_back(std::move(row));
         },
         {.threads = options.threads, .stop = options.stop});
-    std::sort(rows.begin(), rows.end(),
-              [](const Row& a, const Row& b) { return a.stop.number < b.stop.number; });
+    std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.stop.number < b.stop.number; });
     return rows;
 }
 

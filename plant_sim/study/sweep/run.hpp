@@ -19,11 +19,9 @@ struct Row {
 };
 
 struct RunOptions {
-    unsigned threads = 1;  ///< at least 1; figures do not depend on it
-    const std::atomic<bool>* stop =
-        nullptr;  ///< once true, stops that have begun are finished and no other is
-    std::function<void(const Row&)>
-        on_row{};  ///< called with each finished stop, one at a time, by any thread
+    unsigned threads = 1;                      ///< at least 1; figures do not depend on it
+    const std::atomic<bool>* stop = nullptr;   ///< once true, stops that have begun are finished and no other is
+    std::function<void(const Row&)> on_row{};  ///< called with each finished stop, one at a time, by any thread
 };
 
 /// Stop `number` of the plan alone.

@@ -35,8 +35,7 @@ Plan load_plan(const PlanOptions& options) {
     }
     files.insert(files.end(), {controller, dbc, binding});
     plan.config_hash = settings::hash(files);
-    const BrakeLife brake{.life_J = wear.life_J,
-                          .friction = [&wear](double c_e_J, wear::Generator& generator) {
+    const BrakeLife brake{.life_J = wear.life_J, .friction = [&wear](double c_e_J, wear::Generator& generator) {
                               return wear::friction_at(*wear.model, wear.scale, {}, c_e_J, generator);
                           }};
     plan.landings = draw_landings(options.seed, options.landings, plan.scenarios.size(), brake);

@@ -22,8 +22,7 @@ using settings::Error;
 using study::StopFigures;
 
 constexpr std::string_view kFormat = "# antiskid sweep 1 ";
-constexpr std::string_view kStopColumns =
-    "stop,law,slip_reference,landing,surface,maneuver,c_e_J,mean_friction,sensor_seed,standstill,faults";
+constexpr std::string_view kStopColumns = "stop,law,slip_reference,landing,surface,maneuver,c_e_J,mean_friction,sensor_seed,standstill,faults";
 
 struct Figure {
     std::string_view name;
@@ -34,8 +33,7 @@ struct Figure {
 
 template <auto Member>
 constexpr Figure figure(std::string_view name) {
-    return {name, [](const StopFigures& f) -> std::optional<double> { return f.*Member; },
-            [](StopFigures& f, double value) { f.*Member = value; },
+    return {name, [](const StopFigures& f) -> std::optional<double> { return f.*Member; }, [](StopFigures& f, double value) { f.*Member = value; },
             std::is_same_v<decltype(Member), std::optional<double> StopFigures::*>};
 }
 
@@ -69,8 +67,7 @@ std::string column_names() {
 /// One line's fields, taken from left to right; every refusal names file, line and column.
 class Fields {
   public:
-    Fields(const std::string& name, std::uint32_t line, std::string_view text)
-        : name_(name), line_(line), left_(text) {}
+    Fields(const std::string& name, std::uint32_t line, std::string_view text) : name_(name), line_(line), left_(text) {}
 
     std::string_view next(std::string_view column) {
         if (done_) throw Error(name_, line_, std::string(column), "the line ends before it");
@@ -108,8 +105,7 @@ class Fields {
 
     [[noreturn]] void refuse(std::string_view column, std::string_view got, std::string_view expected) const {
         constexpr std::size_t kShown = 40;
-        throw Error(name_, line_, std::string(column),
-                    fmt::format("'{}': expected {}", got.substr(0, kShown), expected));
+        throw Error(name_, line_, std::string(column), fmt::format("'{}': expected {}", got.substr(0, kShown), expected));
     }
 
   private:
@@ -124,12 +120,9 @@ antiskid::control::FaultSet faults_of(Fields& fields) {
     const std::string_view all = fields.next("faults");
     for (std::string_view left = all; left != "none";) {
         const auto space = left.find(' ');
-        const auto* known = std::find(antiskid::can::kFaultNames.begin(), antiskid::can::kFaultNames.end(),
-                                      left.substr(0, space));
-        if (known == antiskid::can::kFaultNames.end())
-            fields.refuse("faults", all, "names of faults, or none");
-        faults.insert(
-            static_cast<antiskid::control::Fault>(std::distance(antiskid::can::kFaultNames.begin(), known)));
+        const auto* known = std::find(antiskid::can::kFaultNames.begin(), antiskid::can::kFaultNames.end(), left.substr(0, space));
+        if (known == antiskid::can::kFaultNames.end()) fields.refuse("faults", all, "names of faults, or none");
+        faults.insert(static_cast<antiskid::control::Fault>(std::distance(antiskid::can::kFaultNames.begin(), known)));
         if (space == std::string_view::npos) break;
         left.remove_prefix(space + 1);
     }
@@ -138,8 +131,7 @@ antiskid::control::FaultSet faults_of(Fields& fields) {
 
 void check_identity(const std::string& name, const Identity& id) {
     constexpr std::size_t kMost = 100'000'000;
-    const bool increasing = std::adjacent_find(id.references.begin(), id.references.end(),
-                                               std::greater_equal<>()) == id.references.end();
+    const bool increasing = std::adjacent_find(id.references.begin(), id.references.end(), std::greater_equal<>()) == id.references.end();
     if (id.landings == 0 || id.landings > kMost || id.references.size() > kMost / id.landings || !increasing)
         throw Error(name, 1, "references", "no sweep has such references and landings");
 }
@@ -156,40 +148,31 @@ Identity identity_of(const Plan& plan) {
 }
 
 std::string difference(const Identity& got, const Identity& wanted) {
-    if (got.version != wanted.version)
-        return fmt::format("version {} instead of {}", got.version, wanted.version);
-    if (got.config_hash != wanted.config_hash)
-        return fmt::format("configuration {} instead of {}", got.config_hash, wanted.config_hash);
+    if (got.version != wanted.version) return fmt::format("version {} instead of {}", got.version, wanted.version);
+    if (got.config_hash != wanted.config_hash) return fmt::format("configuration {} instead of {}", got.config_hash, wanted.config_hash);
     if (got.seed != wanted.seed) return fmt::format("seed {} instead of {}", got.seed, wanted.seed);
-    if (got.landings != wanted.landings)
-        return fmt::format("{} landings instead of {}", got.landings, wanted.landings);
+    if (got.landings != wanted.landings) return fmt::format("{} landings instead of {}", got.landings, wanted.landings);
     if (got.references != wanted.references)
-        return fmt::format("other slip references ({} from {} to {} instead of {} from {} to {})",
-                           got.references.size(), got.references.empty() ? 0.0 : got.references.front(),
-                           got.references.empty() ? 0.0 : got.references.back(), wanted.references.size(),
-                           wanted.references.empty() ? 0.0 : wanted.references.front(),
+        return fmt::format("other slip references ({} from {} to {} instead of {} from {} to {})", got.references.size(),
+                           got.references.empty() ? 0.0 : got.references.front(), got.references.empty() ? 0.0 : got.references.back(),
+                           wanted.references.size(), wanted.references.empty() ? 0.0 : wanted.references.front(),
                            wanted.references.empty() ? 0.0 : wanted.references.back());
     if (got.threshold != wanted.threshold)
-        return got.threshold ? "with the threshold law instead of without"
-                             : "without the threshold law instead of with it";
+        return got.threshold ? "with the threshold law instead of without" : "without the threshold law instead of with it";
     return {};
 }
 
 std::string head(const Identity& identity) {
-    const nlohmann::ordered_json json{{"version", identity.version},   {"config_hash", identity.config_hash},
-                                      {"seed", identity.seed},         {"references", identity.references},
-                                      {"landings", identity.landings}, {"threshold", identity.threshold}};
+    const nlohmann::ordered_json json{{"version", identity.version},       {"config_hash", identity.config_hash}, {"seed", identity.seed},
+                                      {"references", identity.references}, {"landings", identity.landings},       {"threshold", identity.threshold}};
     return fmt::format("{}{}\n{}", kFormat, json.dump(), column_names());
 }
 
 std::string line(const Row& row) {
     const Stop& s = row.stop;
-    std::string out = fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{}", s.number, s.threshold ? "threshold" : "slip", s.slip_reference,
-        s.landing, s.surface, s.maneuver, s.c_e_J, s.mean_friction, s.sensor_seed,
-        row.figures.standstill ? "yes" : "no",
-        row.faults.empty() ? "none"
-                           : fmt::format("{}", fmt::join(antiskid::can::fault_names(row.faults), " ")));
+    std::string out = fmt::format("{},{},{},{},{},{},{},{},{},{},{}", s.number, s.threshold ? "threshold" : "slip", s.slip_reference, s.landing,
+                                  s.surface, s.maneuver, s.c_e_J, s.mean_friction, s.sensor_seed, row.figures.standstill ? "yes" : "no",
+                                  row.faults.empty() ? "none" : fmt::format("{}", fmt::join(antiskid::can::fault_names(row.faults), " ")));
     for (const Figure& figure : kFigures) out.append(",").append(field(figure.get(row.figures)));
     out.push_back('\n');
     return out;
@@ -218,8 +201,7 @@ Row parse_row(const std::string& name, std::uint32_t line_number, std::string_vi
     row.faults = faults_of(fields);
     for (const Figure& figure : kFigures) {
         const std::string_view shown = fields.next(figure.name);
-        if (!shown.empty() || !figure.may_be_empty)
-            figure.set(row.figures, fields.number<double>(figure.name, shown));
+        if (!shown.empty() || !figure.may_be_empty) figure.set(row.figures, fields.number<double>(figure.name, shown));
     }
     fields.finish();
     return row;
@@ -238,9 +220,7 @@ StopsTable parse_stops(const std::string& name, std::string_view csv) {
         ++number;
         if (number == 1) {
             if (!text.starts_with(kFormat))
-                throw Error(name, 1, "",
-                            "this is no table of a sweep's stops; its first line begins with '" +
-                                std::string(kFormat) + "'");
+                throw Error(name, 1, "", "this is no table of a sweep's stops; its first line begins with '" + std::string(kFormat) + "'");
             try {
                 const auto json = nlohmann::json::parse(text.substr(kFormat.size()));
                 table.identity = {.version = json.at("version").get<std::string>(),
@@ -257,27 +237,20 @@ StopsTable parse_stops(const std::string& name, std::string_view csv) {
             continue;
         }
         if (number == 2) {
-            if (std::string(text) + "\n" != column_names())
-                throw Error(name, 2, "", "other columns than this version's: " + column_names());
+            if (std::string(text) + "\n" != column_names()) throw Error(name, 2, "", "other columns than this version's: " + column_names());
             continue;
         }
         Row row = parse_row(name, number, text);
         const std::size_t reference = row.stop.number / table.identity.landings;
         if (row.stop.number >= seen.size() || seen[row.stop.number])
-            throw Error(
-                name, number, "stop",
-                fmt::format("{} stands in the table twice, or is not of this sweep", row.stop.number));
+            throw Error(name, number, "stop", fmt::format("{} stands in the table twice, or is not of this sweep", row.stop.number));
         seen[row.stop.number] = true;
-        if (row.stop.landing != row.stop.number % table.identity.landings ||
-            row.stop.threshold != (reference == table.identity.references.size()) ||
+        if (row.stop.landing != row.stop.number % table.identity.landings || row.stop.threshold != (reference == table.identity.references.size()) ||
             row.stop.slip_reference != (row.stop.threshold ? 0.0 : table.identity.references[reference]))
-            throw Error(
-                name, number, "stop",
-                fmt::format("{} has another law, reference or landing in this sweep", row.stop.number));
+            throw Error(name, number, "stop", fmt::format("{} has another law, reference or landing in this sweep", row.stop.number));
         table.rows.push_back(std::move(row));
     }
-    if (number < 2)
-        throw Error(name, 0, "", "this is no table of a sweep's stops: its first two lines are not whole");
+    if (number < 2) throw Error(name, 0, "", "this is no table of a sweep's stops: its first two lines are not whole");
     return table;
 }
 

@@ -53,19 +53,14 @@ nlohmann::ordered_json json_of(const Means& m) {
                  {"energy_tyre_J", m.energy_tyre_J},
                  {"tyre_share", m.tyre_share},
                  {"slip_efficiency", m.slip_efficiency}});
-    if (m.slip_reference > 0.0)
-        json.update({{"tracked_landings", m.tracked_landings}, {"tracked_tyre_share", m.tracked_tyre_share}});
-    json.update({{"longest_lock_s", m.longest_lock_s},
-                 {"lock_s", m.lock_s},
-                 {"stops_with_faults", m.faults},
-                 {"stops_not_at_rest", m.not_at_rest}});
+    if (m.slip_reference > 0.0) json.update({{"tracked_landings", m.tracked_landings}, {"tracked_tyre_share", m.tracked_tyre_share}});
+    json.update({{"longest_lock_s", m.longest_lock_s}, {"lock_s", m.lock_s}, {"stops_with_faults", m.faults}, {"stops_not_at_rest", m.not_at_rest}});
     return json;
 }
 
 std::string row_of(const std::string& name, const Means& m) {
-    return fmt::format("{:>10} {:>8.4f} {:>10.1f} {:>10.3f} {:>9.3f} {:>8.3f} {:>10.3f} {:>9.0f}\n", name,
-                       m.j_mu, m.stop_distance_m, m.energy_brake_J * 1e-6, m.energy_tyre_J * 1e-6,
-                       m.tyre_share, m.slip_efficiency, m.longest_lock_s * 1e3);
+    return fmt::format("{:>10} {:>8.4f} {:>10.1f} {:>10.3f} {:>9.3f} {:>8.3f} {:>10.3f} {:>9.0f}\n", name, m.j_mu, m.stop_distance_m,
+                       m.energy_brake_J * 1e-6, m.energy_tyre_J * 1e-6, m.tyre_share, m.slip_efficiency, m.longest_lock_s * 1e3);
 }
 
 }  // namespace
@@ -91,15 +86,10 @@ std::string to_json(const Summary& s) {
     nlohmann::ordered_json references = nlohmann::ordered_json::array();
     for (const Means& m : s.references) references.push_back(json_of(m));
     nlohmann::ordered_json checks = nlohmann::ordered_json::array();
-    for (const Check& c : s.checks)
-        checks.push_back(
-            {{"name", c.name}, {"demand", c.demand}, {"measured", c.measured}, {"passed", c.passed}});
-    nlohmann::ordered_json json{
-        {"study", "sweep"},        {"version", s.identity.version},   {"config_hash", s.identity.config_hash},
-        {"seed", s.identity.seed}, {"landings", s.identity.landings}, {"stops", s.identity.stops()}};
-    if (!s.references.empty())
-        json["best"] = {{"slip_reference", s.references[s.best].slip_reference},
-                        {"j_mu", s.references[s.best].j_mu}};
+    for (const Check& c : s.checks) checks.push_back({{"name", c.name}, {"demand", c.demand}, {"measured", c.measured}, {"passed", c.passed}});
+    nlohmann::ordered_json json{{"study", "sweep"},        {"version", s.identity.version},   {"config_hash", s.identity.config_hash},
+                                {"seed", s.identity.seed}, {"landings", s.identity.landings}, {"stops", s.identity.stops()}};
+    if (!s.references.empty()) json["best"] = {{"slip_reference", s.references[s.best].slip_reference}, {"j_mu", s.references[s.best].j_mu}};
     json["references"] = references;
     if (s.threshold) json["threshold"] = json_of(*s.threshold);
     json["checks"] = checks;
@@ -109,12 +99,10 @@ std::string to_json(const Summary& s) {
 }
 
 std::string to_table(const Summary& s) {
-    std::string t =
-        fmt::format("{} stops: {} slip references x {} landings{}\n", s.identity.stops(), s.references.size(),
-                    s.identity.landings, s.threshold ? ", and the same landings by the threshold law" : "");
-    fmt::format_to(std::back_inserter(t), "{:>10} {:>8} {:>10} {:>10} {:>9} {:>8} {:>10} {:>9}\n",
-                   "reference", "J_mu", "distance_m", "brake_MJ", "tyre_MJ", "share", "efficiency",
-                   "lock_ms");
+    std::string t = fmt::format("{} stops: {} slip references x {} landings{}\n", s.identity.stops(), s.references.size(), s.identity.landings,
+                                s.threshold ? ", and the same landings by the threshold law" : "");
+    fmt::format_to(std::back_inserter(t), "{:>10} {:>8} {:>10} {:>10} {:>9} {:>8} {:>10} {:>9}\n", "reference", "J_mu", "distance_m", "brake_MJ",
+                   "tyre_MJ", "share", "efficiency", "lock_ms");
     constexpr std::size_t kFew = 12;
     for (std::size_t i = 0; i < s.references.size(); ++i) {
         const double reference = s.references[i].slip_reference;
@@ -125,12 +113,9 @@ std::string to_table(const Summary& s) {
     }
     if (s.threshold) t += row_of("threshold", *s.threshold);
     t += "* greatest mean J_mu. share: the tyre's, of the energy of both.\n";
-    for (const Check& c : s.checks)
-        fmt::format_to(std::back_inserter(t), "{}  {}: {}\n", c.passed ? "ok    " : "FAILED", c.demand,
-                       c.measured);
+    for (const Check& c : s.checks) fmt::format_to(std::back_inserter(t), "{}  {}: {}\n", c.passed ? "ok    " : "FAILED", c.demand, c.measured);
     for (const std::string& demand : s.unchecked)
-        fmt::format_to(std::back_inserter(t), "--      {}: not judged with so few references or landings\n",
-                       demand);
+        fmt::format_to(std::back_inserter(t), "--      {}: not judged with so few references or landings\n", demand);
     return t;
 }
 

@@ -26,11 +26,10 @@ struct Means {
     /// Landings in which the slip stayed within 0.05 of the reference over 95 % of the distance from 0.5 s after brake-on down to 20 m/s.
     /// A worn brake that cannot skid its wheel on a dry runway is not one of them.
     std::size_t tracked_landings = 0;
-    double tracked_tyre_share =
-        0.0;  ///< the tyre's share of the energy over that distance, mean of those landings
-    double longest_lock_s = 0.0;  ///< the longest of all
-    double lock_s = 0.0;          ///< mean of each stop's longest
-    std::size_t faults = 0;       ///< stops with any
+    double tracked_tyre_share = 0.0;  ///< the tyre's share of the energy over that distance, mean of those landings
+    double longest_lock_s = 0.0;      ///< the longest of all
+    double lock_s = 0.0;              ///< mean of each stop's longest
+    std::size_t faults = 0;           ///< stops with any
     std::size_t not_at_rest = 0;
 };
 

@@ -26,9 +26,7 @@ void work_on(const Plan& plan, const Work& work, const std::vector<Row>& done, s
     study::work_together(
         team,
         [&](const study::HandIn& hand_in) {
-            (void)run(plan, ours, {.threads = work.threads, .stop = work.stop, .on_row = [&](const Row& row) {
-                                       hand_in(line(row));
-                                   }});
+            (void)run(plan, ours, {.threads = work.threads, .stop = work.stop, .on_row = [&](const Row& row) { hand_in(line(row)); }});
         },
         take);
 }
@@ -43,16 +41,14 @@ std::vector<Row> lead(const Plan& plan, const Work& work, study::Team& team) {
         rows.push_back(parse_row("a finished stop", 1, text.substr(0, text.size() - 1)));
         if (work.progress) work.progress(rows.size(), plan.stops(), before);
     });
-    std::sort(rows.begin(), rows.end(),
-              [](const Row& a, const Row& b) { return a.stop.number < b.stop.number; });
+    std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.stop.number < b.stop.number; });
     return rows;
 }
 
 void follow(const Plan& plan, const Work& work, study::Team& team) {
     const StopsTable begun = parse_stops("the leading process", team.from_leader({}));
     const std::string differs = difference(identity_of(plan), begun.identity);
-    if (!differs.empty())
-        throw std::invalid_argument("this process was given another sweep than the leading one: " + differs);
+    if (!differs.empty()) throw std::invalid_argument("this process was given another sweep than the leading one: " + differs);
     work_on(plan, work, begun.rows, team, {});
 }
 

@@ -25,21 +25,18 @@ double cost_of(const Tariff& tariff, const Offer& o) {
 void check(const StopsTable& sweep, const TradeOptions& options) {
     const auto refuse = [](const std::string& what) { throw std::invalid_argument(what); };
     if (const auto* price = std::get_if<Prices>(&options.tariff)) {
-        if (!(price->brake_per_MJ >= 0.0 && price->tyre_per_MJ >= 0.0 && std::isfinite(price->brake_per_MJ) &&
-              std::isfinite(price->tyre_per_MJ)))
+        if (!(price->brake_per_MJ >= 0.0 && price->tyre_per_MJ >= 0.0 && std::isfinite(price->brake_per_MJ) && std::isfinite(price->tyre_per_MJ)))
             refuse("the prices of a megajoule must be finite and not negative");
     } else {
         const Lives& life = std::get<Lives>(options.tariff);
-        if (!(life.brake_MJ > 0.0 && life.tyre_MJ > 0.0 && std::isfinite(life.brake_MJ) &&
-              std::isfinite(life.tyre_MJ)))
+        if (!(life.brake_MJ > 0.0 && life.tyre_MJ > 0.0 && std::isfinite(life.brake_MJ) && std::isfinite(life.tyre_MJ)))
             refuse("the lives of brake and tyre must be finite and above 0 MJ");
     }
     if (options.resamples < 1 || options.resamples > 1'000'000) refuse("resamples must be from 1 to 1000000");
-    if (sweep.identity.references.size() < 2)
-        refuse(fmt::format("{}: a trade needs a sweep of at least two slip references", sweep.name));
+    if (sweep.identity.references.size() < 2) refuse(fmt::format("{}: a trade needs a sweep of at least two slip references", sweep.name));
     if (sweep.rows.size() != sweep.identity.stops())
-        refuse(fmt::format("{} has {} of {} stops; the command that made it goes on where it ended",
-                           sweep.name, sweep.rows.size(), sweep.identity.stops()));
+        refuse(fmt::format("{} has {} of {} stops; the command that made it goes on where it ended", sweep.name, sweep.rows.size(),
+                           sweep.identity.stops()));
 }
 
 /// The landings of a sweep, each `weights` times.
@@ -71,8 +68,7 @@ class Sample {
         for (std::size_t i = 0; i < references.size(); ++i) means.push_back(mean(i, weights));
         std::vector<Offer> all;
         for (std::size_t i = 0; i + 1 < means.size(); ++i) {
-            const auto steps =
-                static_cast<int>(std::ceil((references[i + 1] - references[i]) / Trade::kStep - 1e-6));
+            const auto steps = static_cast<int>(std::ceil((references[i + 1] - references[i]) / Trade::kStep - 1e-6));
             for (int k = 0; k < steps; ++k) all.push_back(between(means[i], means[i + 1], k, steps));
         }
         all.push_back(means.back());
@@ -97,8 +93,7 @@ class Sample {
 };
 
 bool within(const Offer& o, const Bounds& bounds) {
-    return !(bounds.least_j_mu && o.j_mu < *bounds.least_j_mu) &&
-           !(bounds.most_distance_m && o.stop_distance_m > *bounds.most_distance_m);
+    return !(bounds.least_j_mu && o.j_mu < *bounds.least_j_mu) && !(bounds.most_distance_m && o.stop_distance_m > *bounds.most_distance_m);
 }
 
 /// The cheapest within the bounds; of equally cheap ones that with the greatest J_mu. The end where there is none.
@@ -121,8 +116,7 @@ Decides deciding(const std::vector<Offer>& offers, std::size_t best, const Bound
     if (offers[best].cost == 0.0) return Decides::no_cost;
     for (const std::size_t next : {best - 1, best + 1}) {  // before the first wraps round to beyond the last
         if (next >= offers.size() || offers[next].cost >= offers[best].cost * (1.0 - kSame)) continue;
-        return bounds.least_j_mu && offers[next].j_mu < *bounds.least_j_mu ? Decides::least_j_mu
-                                                                           : Decides::most_distance;
+        return bounds.least_j_mu && offers[next].j_mu < *bounds.least_j_mu ? Decides::least_j_mu : Decides::most_distance;
     }
     return best == 0 || best + 1 == offers.size() ? Decides::end_of_references : Decides::nothing;
 }
@@ -130,9 +124,7 @@ Decides deciding(const std::vector<Offer>& offers, std::size_t best, const Bound
 Interval middle(std::vector<double> values) {
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());
-    const auto at = [&values](double share) {
-        return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
-    };
+    const auto at = [&values](double share) { return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))]; };
     constexpr double kTail = 0.025;
     return {at(kTail), at(1.0 - kTail)};
 }
@@ -157,11 +149,9 @@ Trade traded(const StopsTable& sweep, const TradeOptions& options) {
     const Sample sample(sweep, options.tariff);
     const std::vector<double> equal(landings, 1.0 / static_cast<double>(landings));
     Trade t{.offers = sample.offers(equal), .greatest_j_mu = {}, .least_distance = {}};
-    t.greatest_j_mu = *std::max_element(t.offers.begin(), t.offers.end(),
-                                        [](const Offer& a, const Offer& b) { return a.j_mu < b.j_mu; });
-    t.least_distance = *std::min_element(
-        t.offers.begin(), t.offers.end(),
-        [](const Offer& a, const Offer& b) { return a.stop_distance_m < b.stop_distance_m; });
+    t.greatest_j_mu = *std::max_element(t.offers.begin(), t.offers.end(), [](const Offer& a, const Offer& b) { return a.j_mu < b.j_mu; });
+    t.least_distance =
+        *std::min_element(t.offers.begin(), t.offers.end(), [](const Offer& a, const Offer& b) { return a.stop_distance_m < b.stop_distance_m; });
     t.paper = paper_of(t.offers);
     if (sweep.identity.threshold) t.threshold = sample.mean(by_threshold, equal);
     const std::size_t best = best_of(t.offers, options.bounds);
@@ -177,8 +167,7 @@ Trade traded(const StopsTable& sweep, const TradeOptions& options) {
         wear::Generator generator = wear::generator_of(options.seed, static_cast<std::uint64_t>(r));
         std::vector<double> weights(landings, 0.0);
         for (std::size_t j = 0; j < landings; ++j)
-            weights[static_cast<std::size_t>(wear::uniform(generator) * static_cast<double>(landings))] +=
-                equal.front();
+            weights[static_cast<std::size_t>(wear::uniform(generator) * static_cast<double>(landings))] += equal.front();
         const std::vector<Offer> offers = sample.offers(weights);
         const std::size_t i = best_of(offers, options.bounds);
         if (i == offers.size()) continue;
@@ -190,8 +179,7 @@ Trade traded(const StopsTable& sweep, const TradeOptions& options) {
     if (!t.best) return t;
     t.best_interval = middle(std::move(references));
     if (t.paper) t.against_paper = Saving{saved(*t.best, *t.paper), middle(std::move(against_paper))};
-    if (t.threshold)
-        t.against_threshold = Saving{saved(*t.best, *t.threshold), middle(std::move(against_threshold))};
+    if (t.threshold) t.against_threshold = Saving{saved(*t.best, *t.threshold), middle(std::move(against_threshold))};
     return t;
 }
 

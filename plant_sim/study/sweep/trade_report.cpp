@@ -68,20 +68,18 @@ std::string cost_text(const Offer& o, const TradeOptions& options) {
 
 std::string saving_text(const Saving& s, const char* than, const TradeOptions& options) {
     if (!by_life(options))
-        return fmt::format("  saves against {}: {:.2f} % (95 %: {:.2f} to {:.2f})\n", than, s.share * 100.0,
-                           s.interval.low * 100.0, s.interval.high * 100.0);
+        return fmt::format("  saves against {}: {:.2f} % (95 %: {:.2f} to {:.2f})\n", than, s.share * 100.0, s.interval.low * 100.0,
+                           s.interval.high * 100.0);
     // A cost that is smaller by s makes 1 / (1 - s) times the landings.
     const auto more = [](double share) { return (1.0 / (1.0 - share) - 1.0) * 100.0; };
-    return fmt::format("  landings more than with {}: {:.2f} % (95 %: {:.2f} to {:.2f})\n", than,
-                       more(s.share), more(s.interval.low), more(s.interval.high));
+    return fmt::format("  landings more than with {}: {:.2f} % (95 %: {:.2f} to {:.2f})\n", than, more(s.share), more(s.interval.low),
+                       more(s.interval.high));
 }
 
 std::string bounds_text(const Bounds& bounds) {
     std::string text;
     if (bounds.least_j_mu) text += fmt::format("mean J_mu at least {}", *bounds.least_j_mu);
-    if (bounds.most_distance_m)
-        text +=
-            fmt::format("{}mean distance at most {} m", text.empty() ? "" : ", ", *bounds.most_distance_m);
+    if (bounds.most_distance_m) text += fmt::format("{}mean distance at most {} m", text.empty() ? "" : ", ", *bounds.most_distance_m);
     return text.empty() ? "no bound" : text;
 }
 
@@ -112,19 +110,13 @@ std::string panel(int column, const char* label, const std::optional<double>& bo
 }  // namespace
 
 std::string to_json(const Trade& t, const StopsTable& sweep, const TradeOptions& options) {
-    nlohmann::ordered_json json{{"study", "trade"},
-                                {"version", sweep.identity.version},
-                                {"config_hash", sweep.identity.config_hash},
-                                {"sweep", sweep.name},
-                                {"sweep_seed", sweep.identity.seed},
-                                {"landings", sweep.identity.landings},
-                                {"seed", options.seed},
-                                {"resamples", options.resamples}};
+    nlohmann::ordered_json json{{"study", "trade"},     {"version", sweep.identity.version}, {"config_hash", sweep.identity.config_hash},
+                                {"sweep", sweep.name},  {"sweep_seed", sweep.identity.seed}, {"landings", sweep.identity.landings},
+                                {"seed", options.seed}, {"resamples", options.resamples}};
     if (const auto* price = std::get_if<Prices>(&options.tariff))
         json.update({{"brake_price_per_MJ", price->brake_per_MJ}, {"tyre_price_per_MJ", price->tyre_per_MJ}});
     else
-        json.update({{"brake_life_MJ", std::get<Lives>(options.tariff).brake_MJ},
-                     {"tyre_life_MJ", std::get<Lives>(options.tariff).tyre_MJ}});
+        json.update({{"brake_life_MJ", std::get<Lives>(options.tariff).brake_MJ}, {"tyre_life_MJ", std::get<Lives>(options.tariff).tyre_MJ}});
     if (options.bounds.least_j_mu) json["least_j_mu"] = *options.bounds.least_j_mu;
     if (options.bounds.most_distance_m) json["most_distance_m"] = *options.bounds.most_distance_m;
     json["feasible"] = t.best.has_value();
@@ -150,19 +142,16 @@ std::string to_text(const Trade& t, const TradeOptions& options) {
             "No fixed slip reference is within them: mean J_mu is at most {:.4f} (at {:.3f}), mean distance "
             "at "
             "least {:.1f} m (at {:.3f}).\n",
-            t.greatest_j_mu.j_mu, t.greatest_j_mu.slip_reference, t.least_distance.stop_distance_m,
-            t.least_distance.slip_reference);
+            t.greatest_j_mu.j_mu, t.greatest_j_mu.slip_reference, t.least_distance.stop_distance_m, t.least_distance.slip_reference);
     else
-        text += fmt::format("Best fixed slip reference {:.3f} (95 %: {:.3f} to {:.3f}); {}.\n",
-                            t.best->slip_reference, t.best_interval.low, t.best_interval.high,
-                            words_of(t.decides));
-    fmt::format_to(std::back_inserter(text), "{:<16}{:>10}{:>12}{:>11}{:>10}{:>14}\n", "", "J_mu",
-                   "distance_m", "brake_MJ", "tyre_MJ", by_life(options) ? "landings" : "cost");
+        text += fmt::format("Best fixed slip reference {:.3f} (95 %: {:.3f} to {:.3f}); {}.\n", t.best->slip_reference, t.best_interval.low,
+                            t.best_interval.high, words_of(t.decides));
+    fmt::format_to(std::back_inserter(text), "{:<16}{:>10}{:>12}{:>11}{:>10}{:>14}\n", "", "J_mu", "distance_m", "brake_MJ", "tyre_MJ",
+                   by_life(options) ? "landings" : "cost");
     const auto row = [&](const std::string& name, const std::optional<Offer>& o) {
         if (!o) return;
-        fmt::format_to(std::back_inserter(text), "{:<16}{:>10.4f}{:>12.1f}{:>11.3f}{:>10.3f}{:>14}\n", name,
-                       o->j_mu, o->stop_distance_m, o->energy_brake_J * 1e-6, o->energy_tyre_J * 1e-6,
-                       cost_text(*o, options));
+        fmt::format_to(std::back_inserter(text), "{:<16}{:>10.4f}{:>12.1f}{:>11.3f}{:>10.3f}{:>14}\n", name, o->j_mu, o->stop_distance_m,
+                       o->energy_brake_J * 1e-6, o->energy_tyre_J * 1e-6, cost_text(*o, options));
     };
     row("best", t.best);
     row("reference 0.24", t.paper);
@@ -170,8 +159,7 @@ std::string to_text(const Trade& t, const TradeOptions& options) {
     if (t.against_paper) text += saving_text(*t.against_paper, "0.24", options);
     if (t.against_threshold) text += saving_text(*t.against_threshold, "the threshold law", options);
     if (t.best && t.feasible_share < 1.0)
-        text += fmt::format("  in {:.1f} % of the resamples no reference is within the bounds\n",
-                            (1.0 - t.feasible_share) * 100.0);
+        text += fmt::format("  in {:.1f} % of the resamples no reference is within the bounds\n", (1.0 - t.feasible_share) * 100.0);
     return text;
 }
 
@@ -180,24 +168,20 @@ void draw_trade(const Trade& t, const TradeOptions& options, const std::filesyst
     double next_label = 0.0;
     for (const Offer& o : t.offers) {
         all += point(o);
-        const bool good =
-            !(options.bounds.least_j_mu && o.j_mu < *options.bounds.least_j_mu) &&
-            !(options.bounds.most_distance_m && o.stop_distance_m > *options.bounds.most_distance_m);
+        const bool good = !(options.bounds.least_j_mu && o.j_mu < *options.bounds.least_j_mu) &&
+                          !(options.bounds.most_distance_m && o.stop_distance_m > *options.bounds.most_distance_m);
         if (good) inside += point(o);
         if (o.slip_reference < next_label - 1e-9) continue;
         labels += point(o);
         next_label = o.slip_reference + 0.1;
     }
-    const char* cost = by_life(options) ? "share of the first worn part''s life that a landing takes"
-                                        : "cost of a landing at the given prices";
-    const std::string script =
-        study::gnuplot_block("all", all) + study::gnuplot_block("within", inside) +
-        study::gnuplot_block("labels", labels) + block("best", t.best) + block("paper", t.paper) +
-        block("threshold", t.threshold) +
-        "set key outside top center horizontal maxrows 2\n"
-        "set offsets graph 0.03, graph 0.08, graph 0.05, graph 0.05\nset multiplot layout 1,2\n" +
-        fmt::format("set xlabel '{}'\n", cost) + panel(2, "mean J_{/Symbol m}", options.bounds.least_j_mu) +
-        panel(3, "mean braking distance (m)", options.bounds.most_distance_m) + "unset multiplot\n";
+    const char* cost = by_life(options) ? "share of the first worn part''s life that a landing takes" : "cost of a landing at the given prices";
+    const std::string script = study::gnuplot_block("all", all) + study::gnuplot_block("within", inside) + study::gnuplot_block("labels", labels) +
+                               block("best", t.best) + block("paper", t.paper) + block("threshold", t.threshold) +
+                               "set key outside top center horizontal maxrows 2\n"
+                               "set offsets graph 0.03, graph 0.08, graph 0.05, graph 0.05\nset multiplot layout 1,2\n" +
+                               fmt::format("set xlabel '{}'\n", cost) + panel(2, "mean J_{/Symbol m}", options.bounds.least_j_mu) +
+                               panel(3, "mean braking distance (m)", options.bounds.most_distance_m) + "unset multiplot\n";
     study::run_gnuplot(png, 1300, 640, script);
 }
 

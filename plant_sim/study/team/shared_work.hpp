@@ -24,7 +24,6 @@ using HandIn = std::function<void(const std::string& piece)>;
 
 /// Every process of the team calls it: `work` does this process's share, and `take` is called in the leader with each piece that a process
 /// hands in, one at a time. Returns when all shares are done. What `work` or `take` throws comes out of it; the others would wait.
-void work_together(Team& team, const std::function<void(const HandIn&)>& work,
-                   const std::function<void(std::string_view piece)>& take);
+void work_together(Team& team, const std::function<void(const HandIn&)>& work, const std::function<void(std::string_view piece)>& take);
 
 }  // namespace study

@@ -44,9 +44,7 @@ class Processes : public Team {
         return text;
     }
 
-    void to_leader(std::string_view text) override {
-        MPI_Send(text.data(), count_of(text), MPI_CHAR, 0, kTag, MPI_COMM_WORLD);
-    }
+    void to_leader(std::string_view text) override { MPI_Send(text.data(), count_of(text), MPI_CHAR, 0, kTag, MPI_COMM_WORLD); }
 
     [[nodiscard]] std::optional<std::string> received(bool wait) override {
         int here = 1;

@@ -6,13 +6,11 @@ namespace rig {
 
 using antiskid::can::Role;
 
-MeasuredSignals::MeasuredSignals(LogReader& log, const antiskid::can::Layout& layout, double period_s)
-    : log_(log), samples_(layout, period_s) {
+MeasuredSignals::MeasuredSignals(LogReader& log, const antiskid::can::Layout& layout, double period_s) : log_(log), samples_(layout, period_s) {
     if (!layout[Role::sync].bound) return;
     constexpr std::size_t kAhead = 2000;  // frames looked at to find out whether there is SYNC
     for (LogFrame f; ahead_.size() < kAhead && log_.next(f);) ahead_.push_back(f);
-    lockstep_ = std::any_of(ahead_.begin(), ahead_.end(),
-                            [&](const LogFrame& f) { return f.frame.id == layout[Role::sync].id; });
+    lockstep_ = std::any_of(ahead_.begin(), ahead_.end(), [&](const LogFrame& f) { return f.frame.id == layout[Role::sync].id; });
     if (lockstep_) samples_.expect_sync();
 }
 
@@ -39,8 +37,7 @@ bool MeasuredSignals::next() {
 
 std::uint64_t MeasuredSignals::rejected() const {
     std::uint64_t sum = 0;
-    for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver})
-        sum += samples_.observer().stats(role).rejected();
+    for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::maneuver}) sum += samples_.observer().stats(role).rejected();
     return sum;
 }
 

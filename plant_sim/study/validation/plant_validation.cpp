@@ -22,9 +22,7 @@ bool brakes(const antiskid::can::BusView& s) {
 /// Both encoders of a rig.
 struct Shafts {
     explicit Shafts(const plant::RigParameters& rig)
-        : wheel(rig.wheel_encoder.teeth),
-          flywheel(rig.flywheel_encoder.teeth),
-          R_f_m(rig.flywheel_radius_m) {}
+        : wheel(rig.wheel_encoder.teeth), flywheel(rig.flywheel_encoder.teeth), R_f_m(rig.flywheel_radius_m) {}
 
     void see(const antiskid::can::BusView& s, double time_s) {
         wheel.see(s.wheel, time_s);
@@ -37,8 +35,7 @@ struct Shafts {
 
 class Validator {
   public:
-    Validator(MeasuredSignals& signals, const plant::RigParameters& rig)
-        : signals_(signals), rig_(rig), shafts_(rig) {}
+    Validator(MeasuredSignals& signals, const plant::RigParameters& rig) : signals_(signals), rig_(rig), shafts_(rig) {}
 
     Validation run() {
         if (!roll()) return result_;
@@ -51,9 +48,7 @@ class Validator {
     }
 
   private:
-    [[nodiscard]] double pressure_Pa() const {
-        return static_cast<double>(signals_.view().pressure.pressure_Pa);
-    }
+    [[nodiscard]] double pressure_Pa() const { return static_cast<double>(signals_.view().pressure.pressure_Pa); }
 
     /// Up to brake-on; the speed there is that of the last whole window before it.
     bool roll() {
@@ -73,8 +68,7 @@ class Validator {
             if (last_s_ - window_end_s < kStartWindow_s) continue;
             window_end_s = last_s_;
             (void)shafts_.wheel.take();
-            if (const auto window = shafts_.flywheel.take())
-                result_.brake_on_mps = window->speed_radps * shafts_.R_f_m;
+            if (const auto window = shafts_.flywheel.take()) result_.brake_on_mps = window->speed_radps * shafts_.R_f_m;
         }
         return false;
     }
@@ -140,10 +134,8 @@ class Validator {
     void finish() {
         result_.rejected = signals_.rejected();
         std::uint64_t beyond = 0;
-        for (const ValidationRow& row : result_.rows)
-            beyond += row.slip && *row.slip > result_.peak_slip ? 1U : 0U;
-        if (!result_.rows.empty())
-            result_.past_peak = static_cast<double>(beyond) / static_cast<double>(result_.rows.size());
+        for (const ValidationRow& row : result_.rows) beyond += row.slip && *row.slip > result_.peak_slip ? 1U : 0U;
+        if (!result_.rows.empty()) result_.past_peak = static_cast<double>(beyond) / static_cast<double>(result_.rows.size());
     }
 
     MeasuredSignals& signals_;

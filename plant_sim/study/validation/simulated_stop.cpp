@@ -20,13 +20,8 @@ plant::Rig rolling(plant::RigParameters parameters, double speed_mps) {
 
 }  // namespace
 
-SimulatedStop::SimulatedStop(const plant::RigParameters& parameters, double speed_mps, double start_s,
-                             double pressure_Pa)
-    : rig_(rolling(parameters, speed_mps)),
-      start_s_(start_s),
-      given_s_(start_s),
-      given_Pa_(pressure_Pa),
-      pressure_Pa_(pressure_Pa) {
+SimulatedStop::SimulatedStop(const plant::RigParameters& parameters, double speed_mps, double start_s, double pressure_Pa)
+    : rig_(rolling(parameters, speed_mps)), start_s_(start_s), given_s_(start_s), given_Pa_(pressure_Pa), pressure_Pa_(pressure_Pa) {
     rig_.start_pressure(pressure_Pa);
     remember();
 }
@@ -38,8 +33,7 @@ double SimulatedStop::newest_s() const {
 void SimulatedStop::advance(double time_s, double pressure_Pa) {
     constexpr double kRounding_s = 1e-9;
     while (!rig_.standstill() && newest_s() + kStep_s <= time_s + kRounding_s) {
-        const double share =
-            time_s > given_s_ ? (newest_s() + kStep_s - given_s_) / (time_s - given_s_) : 1.0;
+        const double share = time_s > given_s_ ? (newest_s() + kStep_s - given_s_) / (time_s - given_s_) : 1.0;
         const double next_Pa = given_Pa_ + std::clamp(share, 0.0, 1.0) * (pressure_Pa - given_Pa_);
         rig_.advance_pressure(pressure_Pa_, next_Pa);
         pressure_Pa_ = next_Pa;
@@ -65,9 +59,8 @@ std::optional<SimulatedStop::Instant> SimulatedStop::at(double time_s) const {
     const Instant& a = past_[i];
     const Instant& b = past_[i + 1];
     const auto between = [x](double p, double q) { return p + x * (q - p); };
-    return Instant{between(a.distance_m, b.distance_m), between(a.angle_rad, b.angle_rad),
-                   between(a.v_mps, b.v_mps), between(a.omega_radps, b.omega_radps),
-                   between(a.radius_m, b.radius_m)};
+    return Instant{between(a.distance_m, b.distance_m), between(a.angle_rad, b.angle_rad), between(a.v_mps, b.v_mps),
+                   between(a.omega_radps, b.omega_radps), between(a.radius_m, b.radius_m)};
 }
 
 std::optional<SimulatedStop::Motion> SimulatedStop::mean(double from_s, double to_s) const {
@@ -77,8 +70,7 @@ std::optional<SimulatedStop::Motion> SimulatedStop::mean(double from_s, double t
     if (!a || !b) return std::nullopt;
     const double length = to_s - from_s;
     if (length < kInstant_s) return Motion{b->v_mps, b->omega_radps, b->radius_m};
-    return Motion{(b->distance_m - a->distance_m) / length, (b->angle_rad - a->angle_rad) / length,
-                  0.5 * (a->radius_m + b->radius_m)};
+    return Motion{(b->distance_m - a->distance_m) / length, (b->angle_rad - a->angle_rad) / length, 0.5 * (a->radius_m + b->radius_m)};
 }
 
 }  // namespace rig

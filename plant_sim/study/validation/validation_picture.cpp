@@ -6,8 +6,7 @@
 
 namespace rig {
 
-void draw_validation(const std::filesystem::path& csv, const std::filesystem::path& png,
-                     const std::string& title) {
+void draw_validation(const std::filesystem::path& csv, const std::filesystem::path& png, const std::string& title) {
     study::run_gnuplot(png, 1100, 1000,
                        fmt::format(R"(set datafile separator ','
 set datafile missing ''
@@ -36,8 +35,7 @@ plot data using 'time_s':(column('simulated_speed_mps') - column('speed_mps')) w
      data using 'time_s':(column('simulated_wheel_rim_mps') - column('wheel_rim_mps')) with lines ls 4 title 'wheel'
 unset multiplot
 )",
-                                   fmt::arg("csv", study::gnuplot_quoted(csv.string())),
-                                   fmt::arg("title", study::gnuplot_quoted(title))));
+                                   fmt::arg("csv", study::gnuplot_quoted(csv.string())), fmt::arg("title", study::gnuplot_quoted(title))));
 }
 
 }  // namespace rig

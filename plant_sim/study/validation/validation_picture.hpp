@@ -7,7 +7,6 @@
 namespace rig {
 
 /// Draws `csv` (Validation's to_csv) into `png`. Throws std::runtime_error when gnuplot is missing or fails.
-void draw_validation(const std::filesystem::path& csv, const std::filesystem::path& png,
-                     const std::string& title);
+void draw_validation(const std::filesystem::path& csv, const std::filesystem::path& png, const std::string& title);
 
 }  // namespace rig

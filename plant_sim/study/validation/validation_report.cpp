@@ -14,10 +14,8 @@ std::string text_or_none(const std::optional<double>& value) {
 }
 
 void append_errors(std::string& text, const std::string& title, const ValidationErrors& e) {
-    fmt::format_to(std::back_inserter(text),
-                   "{:<12}{:>7}{:>11.4f}{:>10.4f}{:>11.4f}{:>10.4f}{:>11.5f}{:>10.5f}\n", title,
-                   e.speed_mps.count, e.speed_mps.rms(), e.speed_mps.largest, e.wheel_rim_mps.rms(),
-                   e.wheel_rim_mps.largest, e.slip.rms(), e.slip.largest);
+    fmt::format_to(std::back_inserter(text), "{:<12}{:>7}{:>11.4f}{:>10.4f}{:>11.4f}{:>10.4f}{:>11.5f}{:>10.5f}\n", title, e.speed_mps.count,
+                   e.speed_mps.rms(), e.speed_mps.largest, e.wheel_rim_mps.rms(), e.wheel_rim_mps.largest, e.slip.rms(), e.slip.largest);
 }
 
 nlohmann::ordered_json as_json(const ErrorFigures& e) {
@@ -25,9 +23,7 @@ nlohmann::ordered_json as_json(const ErrorFigures& e) {
 }
 
 nlohmann::ordered_json as_json(const ValidationErrors& e) {
-    return {{"speed_mps", as_json(e.speed_mps)},
-            {"wheel_rim_mps", as_json(e.wheel_rim_mps)},
-            {"slip", as_json(e.slip)}};
+    return {{"speed_mps", as_json(e.speed_mps)}, {"wheel_rim_mps", as_json(e.wheel_rim_mps)}, {"slip", as_json(e.slip)}};
 }
 
 }  // namespace
@@ -37,23 +33,20 @@ std::string to_csv(const Validation& validation) {
         "time_s,speed_mps,simulated_speed_mps,wheel_rim_mps,simulated_wheel_rim_mps,slip,simulated_slip,"
         "pressure_Pa\n";
     for (const ValidationRow& r : validation.rows)
-        fmt::format_to(std::back_inserter(csv), "{:.4f},{:.6g},{:.6g},{},{},{},{},{:.6g}\n", r.time_s,
-                       r.speed_mps, r.simulated_speed_mps, text_or_none(r.wheel_rim_mps),
-                       text_or_none(r.simulated_wheel_rim_mps), text_or_none(r.slip),
-                       text_or_none(r.simulated_slip), r.pressure_Pa);
+        fmt::format_to(std::back_inserter(csv), "{:.4f},{:.6g},{:.6g},{},{},{},{},{:.6g}\n", r.time_s, r.speed_mps, r.simulated_speed_mps,
+                       text_or_none(r.wheel_rim_mps), text_or_none(r.simulated_wheel_rim_mps), text_or_none(r.slip), text_or_none(r.simulated_slip),
+                       r.pressure_Pa);
     return csv;
 }
 
 std::string to_text(const Validation& v) {
     std::string text;
     const auto out = std::back_inserter(text);
-    fmt::format_to(out, "brake-on at {:.3f} s (line {}), {:.2f} m/s; compared for {:.2f} s, until: {}\n",
-                   v.brake_on_s, v.brake_on_line, v.brake_on_mps, v.end_s, v.ended);
+    fmt::format_to(out, "brake-on at {:.3f} s (line {}), {:.2f} m/s; compared for {:.2f} s, until: {}\n", v.brake_on_s, v.brake_on_line,
+                   v.brake_on_mps, v.end_s, v.ended);
     text += "simulated minus recorded:\n";
-    fmt::format_to(out, "{:<12}{:>7}{:>21}{:>21}{:>21}\n", "recorded", "", "speed, m/s", "wheel rim, m/s",
-                   "slip");
-    fmt::format_to(out, "{:<12}{:>7}{:>11}{:>10}{:>11}{:>10}{:>11}{:>10}\n", "speed, m/s", "rows", "RMS",
-                   "max", "RMS", "max", "RMS", "max");
+    fmt::format_to(out, "{:<12}{:>7}{:>21}{:>21}{:>21}\n", "recorded", "", "speed, m/s", "wheel rim, m/s", "slip");
+    fmt::format_to(out, "{:<12}{:>7}{:>11}{:>10}{:>11}{:>10}{:>11}{:>10}\n", "speed, m/s", "rows", "RMS", "max", "RMS", "max", "RMS", "max");
     for (std::size_t i = v.bands.size(); i-- > 0;) {
         if (v.bands[i].speed_mps.count == 0) continue;
         const double from = static_cast<double>(i) * Validation::kBand_mps;
@@ -62,17 +55,13 @@ std::string to_text(const Validation& v) {
     append_errors(text, "all", v.all);
     constexpr double kWorthSaying = 0.005;
     if (v.past_peak > kWorthSaying)
-        fmt::format_to(
-            out,
-            "{:.0f} % of the rows have a slip beyond the peak of the friction curve ({:.3f}): the wheel is "
-            "unstable "
-            "there,\n  and feed-forward does not hold it where the recorded closed loop did; errors of wheel "
-            "and slip are then no measure\n  of the model\n",
-            100.0 * v.past_peak, v.peak_slip);
-    if (v.gaps > 0)
         fmt::format_to(out,
-                       "{} gaps between samples, the longest {:.3f} s: pressure taken as linear across\n",
-                       v.gaps, v.longest_gap_s);
+                       "{:.0f} % of the rows have a slip beyond the peak of the friction curve ({:.3f}): the wheel is "
+                       "unstable "
+                       "there,\n  and feed-forward does not hold it where the recorded closed loop did; errors of wheel "
+                       "and slip are then no measure\n  of the model\n",
+                       100.0 * v.past_peak, v.peak_slip);
+    if (v.gaps > 0) fmt::format_to(out, "{} gaps between samples, the longest {:.3f} s: pressure taken as linear across\n", v.gaps, v.longest_gap_s);
     if (v.rejected > 0) fmt::format_to(out, "{} frames failed a check and were not used\n", v.rejected);
     return text;
 }

@@ -14,8 +14,8 @@ double radius_m(const plant::RigParameters& rig, double v) {
 
 }  // namespace
 
-Comparison compare(const plant::RigParameters& parameters, reference::Input input,
-                   const reference::Profile& profile, double step_s, const reference::Options& options) {
+Comparison compare(const plant::RigParameters& parameters, reference::Input input, const reference::Profile& profile, double step_s,
+                   const reference::Options& options) {
     plant::RigParameters direct = parameters;
     // The reference knows static pressures; here current means pressure, 1 mA a pascal.
     direct.pressure_map = plant::PressureMap({{0.0, 0.0}, {1e8, 1e8}});
@@ -26,9 +26,7 @@ Comparison compare(const plant::RigParameters& parameters, reference::Input inpu
         rig.start_rolling();
     if (input == reference::Input::pressure) rig.start_pressure(profile.front().value);
     const double start_J = rig.kinetic_energy_J();
-    const auto relative = [](double value, double truth) {
-        return std::abs(value - truth) / std::abs(truth);
-    };
+    const auto relative = [](double value, double truth) { return std::abs(value - truth) / std::abs(truth); };
 
     Comparison worst;
     double before_s = 0.0;
@@ -48,11 +46,10 @@ Comparison compare(const plant::RigParameters& parameters, reference::Input inpu
         const double rolling = truth.v_mps / radius_m(parameters, truth.v_mps);
         worst.v = std::max(worst.v, relative(w.v_mps, truth.v_mps));
         worst.omega = std::max(worst.omega, std::abs(w.omega_radps - truth.omega_radps) / rolling);
-        worst.energy = std::max({worst.energy, std::abs(w.energy_brake_J - truth.energy_brake_J) / start_J,
-                                 std::abs(w.energy_tyre_J - truth.energy_tyre_J) / start_J});
+        worst.energy = std::max(
+            {worst.energy, std::abs(w.energy_brake_J - truth.energy_brake_J) / start_J, std::abs(w.energy_tyre_J - truth.energy_tyre_J) / start_J});
         const double lost_J = start_J - rig.kinetic_energy_J();
-        worst.residual =
-            std::max(worst.residual, std::abs(lost_J - w.energy_brake_J - w.energy_tyre_J) / start_J);
+        worst.residual = std::max(worst.residual, std::abs(lost_J - w.energy_brake_J - w.energy_tyre_J) / start_J);
         if (truth.distance_m > 1.0) {
             worst.distance = relative(w.distance_m, truth.distance_m);
             worst.friction_distance = relative(w.friction_distance_m, truth.friction_distance_m);
@@ -65,19 +62,15 @@ Comparison compare(const plant::RigParameters& parameters, reference::Input inpu
     return worst;
 }
 
-Comparison compare_open_loop(const plant::RigParameters& parameters, reference::Input input,
-                             const reference::Profile& profile, const reference::Options& options,
-                             double tolerance) {
+Comparison compare_open_loop(const plant::RigParameters& parameters, reference::Input input, const reference::Profile& profile,
+                             const reference::Options& options, double tolerance) {
     std::vector<plant::OpenLoop::Point> points;
     points.reserve(profile.size());
     for (const reference::Knot& knot : profile) points.push_back({knot.time_s, knot.value});
-    plant::OpenLoop plant(
-        parameters,
-        input == reference::Input::valve ? plant::OpenLoop::Input::valve : plant::OpenLoop::Input::pressure,
-        points, tolerance);
+    plant::OpenLoop plant(parameters, input == reference::Input::valve ? plant::OpenLoop::Input::valve : plant::OpenLoop::Input::pressure, points,
+                          tolerance);
     const auto kinetic_J = [&](const plant::WheelState& w) {
-        return 0.5 * parameters.wheel.mass_kg * w.v_mps * w.v_mps +
-               0.5 * parameters.wheel.inertia_kgm2 * w.omega_radps * w.omega_radps;
+        return 0.5 * parameters.wheel.mass_kg * w.v_mps * w.v_mps + 0.5 * parameters.wheel.inertia_kgm2 * w.omega_radps * w.omega_radps;
     };
     const double start_J = kinetic_J(plant.wheel());
     Comparison worst;

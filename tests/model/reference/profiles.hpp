@@ -11,7 +11,8 @@ struct NamedProfile {
     double longest_s;
 };
 
-/// The least pressure between brake-on and 5 m/s (or half of brake-on) whose steady torque is that of the friction peak, eq. (1) with the slip held there.
+/// The least pressure between brake-on and 5 m/s (or half of brake-on) whose steady torque is that of the friction peak, eq. (1) with the slip held
+/// there.
 [[nodiscard]] double least_peak_pressure_Pa(const plant::RigParameters& rig);
 
 /// Ramp and hold at 0.7 of the peak; triangles through 0.85 of it; steps to 1.6 of it, by which the wheel locks, and back to nothing, by

@@ -60,13 +60,9 @@ class Equations {
         const double x = std::min(v / speed_, 1.0);
         return bias_ + curve_[0] + curve_[1] * x + curve_[2] * x * x + curve_[3] * x * x * x;
     }
-    [[nodiscard]] double torque(double v, double pressure) const {
-        return mu_b(v) * geometry_ * std::max(pressure, 0.0);
-    }
+    [[nodiscard]] double torque(double v, double pressure) const { return mu_b(v) * geometry_ * std::max(pressure, 0.0); }
     /// Above zero the tyre turns a wheel that stands.
-    [[nodiscard]] double turning_margin(double v, double pressure) const {
-        return radius(v) * F_z(v) * mu(1.0) - torque(v, pressure);
-    }
+    [[nodiscard]] double turning_margin(double v, double pressure) const { return radius(v) * F_z(v) * mu(1.0) - torque(v, pressure); }
     [[nodiscard]] bool filters() const { return input_ == Input::valve; }
 
     // The input is linear over the present segment.
@@ -77,12 +73,8 @@ class Equations {
     }
     void set_held(bool held) { held_ = held; }
     [[nodiscard]] bool held() const { return held_; }
-    [[nodiscard]] double input(double t) const {
-        return segment_value_ + segment_slope_ * (t - segment_time_);
-    }
-    [[nodiscard]] double pressure(double t, const double* y) const {
-        return input_ == Input::pressure ? input(t) : y[2];
-    }
+    [[nodiscard]] double input(double t) const { return segment_value_ + segment_slope_ * (t - segment_time_); }
+    [[nodiscard]] double pressure(double t, const double* y) const { return input_ == Input::pressure ? input(t) : y[2]; }
 
     void derivatives(double t, const double* y, double* dy) const {
         const double v = y[0];
@@ -91,9 +83,7 @@ class Equations {
         dy[0] = -F_x / m_a_;
         dy[1] = held_ ? 0.0 : (radius(v) * F_x - torque(v, pressure(t, y))) / J_w_;
         dy[2] = input_ == Input::pressure ? 0.0 : y[3];
-        dy[3] = input_ == Input::pressure
-                    ? 0.0
-                    : omega_n_ * omega_n_ * (input(t) - y[2] - 2.0 * xi_ / omega_n_ * y[3]);
+        dy[3] = input_ == Input::pressure ? 0.0 : omega_n_ * omega_n_ * (input(t) - y[2] - 2.0 * xi_ / omega_n_ * y[3]);
     }
     void integrands(double t, const double* y, double* dq) const {
         const double v = y[0];
@@ -119,8 +109,7 @@ class Equations {
 };
 
 void check(int flag, const char* what) {
-    if (flag < 0)
-        throw std::runtime_error(std::string("CVODES: ") + what + " failed with " + std::to_string(flag));
+    if (flag < 0) throw std::runtime_error(std::string("CVODES: ") + what + " failed with " + std::to_string(flag));
 }
 
 /// Owns one CVODES instance with its vectors.
@@ -246,8 +235,8 @@ double value_after(const Profile& profile, double time_s) {
     return profile.back().value;
 }
 
-Motion integrate(const plant::RigParameters& parameters, Input input, const Profile& profile,
-                 const Options& options, const std::function<void(const Motion&)>& output) {
+Motion integrate(const plant::RigParameters& parameters, Input input, const Profile& profile, const Options& options,
+                 const std::function<void(const Motion&)>& output) {
     Equations equations(parameters, input);
     const double delay = input == Input::valve ? parameters.valve.delay_s : 0.0;
     Profile acting;
@@ -263,8 +252,7 @@ Motion integrate(const plant::RigParameters& parameters, Input input, const Prof
         while (next_knot < acting.size() && acting[next_knot].time_s <= t) ++next_knot;
         const Knot& a = acting[next_knot == 0 ? 0 : next_knot - 1];
         const bool last = next_knot == 0 || next_knot == acting.size();
-        const double slope =
-            last ? 0.0 : (acting[next_knot].value - a.value) / (acting[next_knot].time_s - a.time_s);
+        const double slope = last ? 0.0 : (acting[next_knot].value - a.value) / (acting[next_knot].time_s - a.time_s);
         equations.set_segment(a.time_s, a.value, slope);
         const double* y = solver.y();
         equations.set_held(y[1] <= 0.0 && equations.turning_margin(y[0], equations.pressure(t, y)) <= 0.0);
@@ -274,16 +262,8 @@ Motion integrate(const plant::RigParameters& parameters, Input input, const Prof
     const auto motion = [&](double t) {
         const double* y = solver.y();
         const double* q = solver.q();
-        return Motion{t,
-                      y[0],
-                      equations.held() ? 0.0 : y[1],
-                      std::max(equations.pressure(t, y), 0.0),
-                      q[0],
-                      q[1],
-                      q[2],
-                      q[3],
-                      q[4],
-                      equations.held()};
+        return Motion{
+            t, y[0], equations.held() ? 0.0 : y[1], std::max(equations.pressure(t, y), 0.0), q[0], q[1], q[2], q[3], q[4], equations.held()};
     };
 
     double t = 0.0;

@@ -47,8 +47,8 @@ struct Options {
 enum class Input { pressure, valve };
 
 /// Calls `output` at the start and at every multiple of `output_s`; returns the last state.
-Motion integrate(const plant::RigParameters& parameters, Input input, const Profile& profile,
-                 const Options& options, const std::function<void(const Motion&)>& output);
+Motion integrate(const plant::RigParameters& parameters, Input input, const Profile& profile, const Options& options,
+                 const std::function<void(const Motion&)>& output);
 
 /// m v^2 / 2 + J omega^2 / 2.
 [[nodiscard]] double kinetic_energy_J(const plant::RigParameters& parameters, const Motion& motion);
