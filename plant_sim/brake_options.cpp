@@ -13,19 +13,19 @@ namespace plant_sim {
 
 namespace {
 
-constexpr double kMost_MJ = 1e9;
+constexpr double kMax_MJ = 1e9;
 
 /// Nothing where `text` is no energy in MJ.
 std::optional<double> energy_J(const std::string& text) {
     double value_MJ = 0.0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value_MJ);
-    if (error != std::errc() || end != text.data() + text.size() || !(value_MJ >= 0.0 && value_MJ <= kMost_MJ)) return std::nullopt;
+    if (error != std::errc() || end != text.data() + text.size() || !(value_MJ >= 0.0 && value_MJ <= kMax_MJ)) return std::nullopt;
     return value_MJ * 1e6;
 }
 
 std::string check_brake(const std::string& text) {
     if (text == "new" || text == "worn" || energy_J(text)) return {};
-    return fmt::format("expected new, worn, or the energy taken so far, 0 to {:g} MJ; got '{}'", kMost_MJ, text);
+    return fmt::format("expected new, worn, or the energy taken so far, 0 to {:g} MJ; got '{}'", kMax_MJ, text);
 }
 
 }  // namespace

@@ -28,11 +28,11 @@ double milliseconds(Time t) {
 }  // namespace
 
 struct RigNode::Cycle {
-    std::array<Frame, RigPort::kMostFrames + 1> frames{};
+    std::array<Frame, RigPort::kMaxFrames + 1> frames{};
     std::size_t count = 0;
 };
 
-RigNode::RigNode(study::RigSession& session, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::rt::Clock& clock, Time period)
+RigNode::RigNode(study::RigSession& session, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::host::Clock& clock, Time period)
     : session_(session), layout_(layout), bus_(bus), clock_(clock), period_(period), port_(layout, period) {}
 
 RigNode::Cycle RigNode::next_cycle(bool with_sync) {
@@ -126,7 +126,7 @@ NodeResult RigNode::run_lockstep(Time answer_timeout, Time patience, const std::
 }
 
 NodeResult RigNode::run_realtime(Time patience, const std::atomic<bool>& stop, const NodeObserver& observe) {
-    antiskid::rt::PeriodicTimer timer(clock_, period_);
+    antiskid::host::PeriodicTimer timer(clock_, period_);
     const Time give_up = clock_.now() + patience;
     bool ready = false;
     while (!session_.done()) {

@@ -38,7 +38,7 @@ using NodeObserver = std::function<void(const study::RigSession&, const antiskid
 class RigNode {
   public:
     /// All must outlive the node.
-    RigNode(study::RigSession& session, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::rt::Clock& clock,
+    RigNode(study::RigSession& session, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::host::Clock& clock,
             antiskid::control::Time period);
 
     /// One sample, one SYNC, one answer: same seed, same bytes, at any speed of the machine. The first cycle is repeated, with the same
@@ -66,7 +66,7 @@ class RigNode {
     study::RigSession& session_;
     const antiskid::can::Layout& layout_;
     antiskid::can::Bus& bus_;
-    antiskid::rt::Clock& clock_;
+    antiskid::host::Clock& clock_;
     antiskid::control::Time period_;
     antiskid::can::RigPort port_;
     std::uint32_t sync_ = 0;

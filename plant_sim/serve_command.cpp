@@ -30,7 +30,7 @@
 #include "plant_sim/serve_reporter.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 #include "rig_bridge/modbus/server.hpp"
-#include "rig_bridge/scenario/scenario.hpp"
+#include "rig_bridge/rig/scenario.hpp"
 
 namespace plant_sim {
 
@@ -58,11 +58,11 @@ struct Options {
 
 /// All that is read from files and the command line, checked.
 struct Served {
-    plant::LoadedRig plant;
+    rig::LoadedRig plant;
     plc::ServedRigOptions rig;
     antiskid::can::Layout layout;
     rig::RegisterMap map;
-    rig::ServerOptions server;
+    rig::modbus::ServerOptions server;
 };
 
 /// The options, or the exit status when there is nothing to run.
@@ -128,8 +128,8 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
     return std::nullopt;
 }
 
-rig::ServerOptions server_options(const Options& o) {
-    rig::ServerOptions server{.port = std::nullopt, .rtu = o.rtu};
+rig::modbus::ServerOptions server_options(const Options& o) {
+    rig::modbus::ServerOptions server{.port = std::nullopt, .rtu = o.rtu};
     if (o.modbus.empty()) return server;
     const std::size_t colon = o.modbus.rfind(':');
     const std::string_view digits = std::string_view(o.modbus).substr(colon == std::string::npos ? o.modbus.size() : colon + 1);
@@ -140,7 +140,7 @@ rig::ServerOptions server_options(const Options& o) {
     server.address = o.modbus.substr(0, colon);
     server.port = port;
     server.allow = o.modbus_allow;
-    server.on_refused = [](const std::string& peer) {
+    server.on_rejected = [](const std::string& peer) {
         fmt::print(stderr, "virtual-rig: Modbus TCP: {} is refused, --modbus-allow does not have it\n", peer);
     };
     return server;
@@ -174,12 +174,12 @@ Served load(const Options& o) {
 }
 
 void enter_realtime(int priority) {
-    if (const auto refused = antiskid::rt::lock_memory()) fmt::print(stderr, "virtual-rig: {}\n", *refused);
-    for (const std::string& refused : antiskid::rt::enter_realtime({.priority = priority, .cpu = {}}))
-        fmt::print(stderr, "virtual-rig: {}\n", refused);
+    if (const auto rejected = antiskid::host::lock_memory()) fmt::print(stderr, "virtual-rig: {}\n", *rejected);
+    for (const std::string& rejected : antiskid::host::enter_realtime({.priority = priority, .cpu = {}}))
+        fmt::print(stderr, "virtual-rig: {}\n", rejected);
 }
 
-void announce(const Options& o, const rig::ModbusServer& server) {
+void announce(const Options& o, const rig::modbus::ModbusServer& server) {
     if (server.port() != 0) fmt::print("Modbus TCP on port {}\n", server.port());
     if (!server.rtu_path().empty()) fmt::print("Modbus RTU on {}\n", server.rtu_path());
     fmt::print("serving on {}, clock {}\n", o.interface, o.clock);
@@ -187,7 +187,7 @@ void announce(const Options& o, const rig::ModbusServer& server) {
     if (!o.port_file.empty()) settings::write_file(o.port_file, fmt::format("{}\n{}\n", server.port(), server.rtu_path()));
 }
 
-void summarise(const ServeState& state, const plc::ServedRig& rig, const rig::ServerCounters& modbus) {
+void summarise(const ServeState& state, const plc::ServedRig& rig, const rig::modbus::ServerCounters& modbus) {
     fmt::print(
         "{:.3f} s of rig time, {} periods not sent in time, {} frames not sent; {} Modbus requests, {} of "
         "them refused; {} "
@@ -230,17 +230,17 @@ class BrakeKeeper {
 int run(const Options& o, const Served& s) {
     BrakeKeeper keeper(o, *s.rig.brake);
     if (const std::string beyond = extrapolation_notice(*s.rig.brake); !beyond.empty()) fmt::print(stderr, "virtual-rig: {}\n", beyond);
-    antiskid::rt::StopSignals signals;
+    antiskid::host::StopSignals signals;
     const antiskid::can::IdList wanted = antiskid::can::ids(s.layout, std::array{antiskid::can::Role::valve});
-    antiskid::rt::SupervisedCan bus([&] { return std::make_unique<antiskid::can::SocketCan>(o.interface, wanted.span()); });
-    rig::ModbusServer server(s.map, s.server);
+    antiskid::host::SupervisedCan bus([&] { return std::make_unique<antiskid::can::SocketCan>(o.interface, wanted.span()); });
+    rig::modbus::ModbusServer server(s.map, s.server);
     plc::ServedRig rig(s.plant, s.rig, o.seed);
     const auto exchange = [&server](plc::ServedRig& served) {
-        const rig::Orders orders = server.exchange(served.measured());
-        served.command(orders.commanded);
-        served.open_interlocks(orders.open_interlocks);
+        const rig::modbus::PlcCommands commands = server.exchange(served.measured());
+        served.command(commands.commanded);
+        served.open_interlocks(commands.open_interlocks);
     };
-    antiskid::rt::MonotonicClock clock;
+    antiskid::host::MonotonicClock clock;
     ServeNode node(rig, s.layout, bus, clock, Time(std::llround(s.rig.period_s * 1e9)), exchange);
     announce(o, server);
     {

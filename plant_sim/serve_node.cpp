@@ -19,7 +19,7 @@ constexpr Time kRetry{100'000};
 
 }  // namespace
 
-ServeNode::ServeNode(plc::ServedRig& rig, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::rt::Clock& clock, Time period,
+ServeNode::ServeNode(plc::ServedRig& rig, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::host::Clock& clock, Time period,
                      Exchange exchange)
     : rig_(rig),
       bus_(bus),
@@ -30,7 +30,7 @@ ServeNode::ServeNode(plc::ServedRig& rig, const antiskid::can::Layout& layout, a
       port_(layout, period, antiskid::can::kFromRigSensors) {}
 
 void ServeNode::send_sample() {
-    std::array<Frame, antiskid::can::RigPort::kMostFrames> frames{};
+    std::array<Frame, antiskid::can::RigPort::kMaxFrames> frames{};
     const std::size_t due = port_.due_frames(rig_.sample(), frames);
     for (std::size_t i = 0; i < due; ++i) {
         if (!bus_.send(frames[i])) ++state_.frames_lost;
@@ -93,7 +93,7 @@ void ServeNode::await_bridge(const std::atomic<bool>& stop) {
 void ServeNode::begin_together(const std::atomic<bool>& stop) {
     constexpr Time kRepeat{100'000'000};
     while (bridge_.done && bridge_.done() == rig::kNoTurns && !stop) clock_.sleep_until(clock_.now() + kRepeat / 100);
-    std::array<Frame, antiskid::can::RigPort::kMostFrames + 1> frames{};
+    std::array<Frame, antiskid::can::RigPort::kMaxFrames + 1> frames{};
     std::size_t count = port_.due_frames(rig_.sample(), frames);
     frames[count++] = port_.sync(sync_++);
     while (port_.stats(Role::valve).accepted == commands_ && !stop) {
@@ -106,9 +106,9 @@ void ServeNode::begin_together(const std::atomic<bool>& stop) {
 /// It answers the SYNCs that it missed: only the last answer belongs to this period.
 void ServeNode::catch_up(const std::atomic<bool>& stop) {
     const Time deadline = clock_.now() + answer_timeout_;
-    std::uint32_t heard = commands_;
-    while (port_.stats(Role::valve).accepted != heard && !stop && clock_.now() < deadline) {
-        heard = port_.stats(Role::valve).accepted;
+    std::uint32_t reception = commands_;
+    while (port_.stats(Role::valve).accepted != reception && !stop && clock_.now() < deadline) {
+        reception = port_.stats(Role::valve).accepted;
         clock_.sleep_until(clock_.now() + kQuiet);
         receive();
     }
@@ -125,7 +125,7 @@ void ServeNode::advance() {
     state_.controller_heard = obeys;
     const plc::VirtualPlc& plc = rig_.plc();
     state_.trip = plc.state() == rig::PlcState::tripped ? plc.trip() : plc::Trip::none;
-    state_.refused = plc.refused_commit() * 256U + static_cast<std::uint32_t>(plc.refusal());
+    state_.rejected = plc.rejected_commit() * 256U + static_cast<std::uint32_t>(plc.rejection());
     ++state_.periods;
     if (rig_.brake() && rig_.brake()->state().maneuvers != maneuvers_) {
         brake_states_.push(rig_.brake()->state());
@@ -161,7 +161,7 @@ void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout,
 }
 
 void ServeNode::run_realtime(const std::atomic<bool>& stop) {
-    antiskid::rt::PeriodicTimer timer(clock_, period_);
+    antiskid::host::PeriodicTimer timer(clock_, period_);
     while (!stop) {
         const auto tick = timer.wait();
         receive();

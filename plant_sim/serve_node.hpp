@@ -12,7 +12,7 @@
 #include "firmware/host/clock.hpp"
 #include "firmware/host/spsc_ring.hpp"
 #include "plant_sim/plc/served_rig.hpp"
-#include "rig_bridge/registers/lockstep_turn.hpp"
+#include "rig_bridge/rig/lockstep_turn.hpp"
 
 namespace plant_sim {
 
@@ -21,16 +21,16 @@ struct ServeState {
     std::atomic<bool> link_up{true};
     std::atomic<bool> controller_heard{false};     ///< false: silent, its valve driver without current
     std::atomic<plc::Trip> trip{plc::Trip::none};  ///< none while the PLC is ready
-    std::atomic<std::uint32_t> refused{0};         ///< refused commit * 256 + plc::Refusal
+    std::atomic<std::uint32_t> rejected{0};        ///< refused commit * 256 + plc::Refusal
     std::atomic<std::uint64_t> periods{0};
     std::atomic<std::uint64_t> overruns{0};  ///< periods that were not sent in time; they have passed all the same
     std::atomic<std::uint64_t> frames_lost{0};
 };
 
 /// The brake after each maneuver, for whoever keeps it: one reader.
-using BrakeStates = antiskid::rt::SpscRing<wear::BrakeState, 16>;
+using BrakeStates = antiskid::host::SpscRing<wear::BrakeState, 16>;
 
-/// A bridge in lockstep, rig_bridge/registers/lockstep_turn.hpp.
+/// A bridge in lockstep, rig_bridge/rig/lockstep_turn.hpp.
 struct BridgeTurns {
     std::function<std::uint16_t()> done = nullptr;  ///< the newest; none: nobody waits for a bridge
     /// Rig time begins when the bridge has joined and the controller answers; first sample and SYNC are repeated until then.
@@ -43,7 +43,7 @@ class ServeNode {
     using Exchange = std::function<void(plc::ServedRig&)>;
 
     /// All must outlive the node. `period` must be that of the rig.
-    ServeNode(plc::ServedRig& rig, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::rt::Clock& clock,
+    ServeNode(plc::ServedRig& rig, const antiskid::can::Layout& layout, antiskid::can::Bus& bus, antiskid::host::Clock& clock,
               antiskid::control::Time period, Exchange exchange);
 
     /// Paced lockstep: one sample, one SYNC, one valve command, never faster than real time; every kBridgeStep a turn of the bridge, where
@@ -78,7 +78,7 @@ class ServeNode {
     BrakeStates brake_states_;  // first: its lines of cache leave no gap here
     plc::ServedRig& rig_;
     antiskid::can::Bus& bus_;
-    antiskid::rt::Clock& clock_;
+    antiskid::host::Clock& clock_;
     antiskid::control::Time period_;
     antiskid::control::Time answer_timeout_ = kAnswerTimeout;
     Exchange exchange_;

@@ -7,7 +7,7 @@
 
 namespace plant_sim {
 
-ServeReporter::ServeReporter(ServeNode& node, antiskid::rt::SupervisedCan& bus, std::string interface, double period_s, Say say,
+ServeReporter::ServeReporter(ServeNode& node, antiskid::host::SupervisedCan& bus, std::string interface, double period_s, Say say,
                              ManeuverEnded maneuver_ended)
     : state_(node.state()),
       brakes_(node.brake_states()),
@@ -49,17 +49,17 @@ void ServeReporter::look() {
         link_up_ = up;
         say(up ? interface_ + " is up again" : interface_ + " is down: nothing is sent, the valve driver gives no current; waiting for it");
     }
-    if (const bool heard = state_.controller_heard; heard != controller_heard_) {
-        controller_heard_ = heard;
-        say(heard ? "antiskid-controller is heard: its valve command acts" : "antiskid-controller is silent: the valve driver gives no current");
+    if (const bool reception = state_.controller_heard; reception != controller_heard_) {
+        controller_heard_ = reception;
+        say(reception ? "antiskid-controller is heard: its valve command acts" : "antiskid-controller is silent: the valve driver gives no current");
     }
     if (const plc::Trip trip = state_.trip; trip != trip_) {
         trip_ = trip;
         say(trip == plc::Trip::none ? "PLC reset: ready" : fmt::format("PLC tripped: {}; drive off, sledge back", plc::name(trip)));
     }
-    if (const std::uint32_t refused = state_.refused; refused != refused_) {
-        refused_ = refused;
-        say(fmt::format("PLC refused commit {}: {}", refused / 256U, plc::name(static_cast<plc::Refusal>(refused % 256U))));
+    if (const std::uint32_t rejected = state_.rejected; rejected != rejected_) {
+        rejected_ = rejected;
+        say(fmt::format("PLC refused commit {}: {}", rejected / 256U, plc::name(static_cast<plc::Rejection>(rejected % 256U))));
     }
 }
 

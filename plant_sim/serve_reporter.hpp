@@ -22,7 +22,7 @@ class ServeReporter {
     using ManeuverEnded = std::function<std::string(const wear::BrakeState&)>;
 
     /// Node and bus must outlive it. `period_s` is the node's.
-    ServeReporter(ServeNode& node, antiskid::rt::SupervisedCan& bus, std::string interface, double period_s, Say say,
+    ServeReporter(ServeNode& node, antiskid::host::SupervisedCan& bus, std::string interface, double period_s, Say say,
                   ManeuverEnded maneuver_ended = {});
     ~ServeReporter();
     ServeReporter(const ServeReporter&) = delete;
@@ -35,7 +35,7 @@ class ServeReporter {
 
     const ServeState& state_;
     BrakeStates& brakes_;
-    antiskid::rt::SupervisedCan& bus_;
+    antiskid::host::SupervisedCan& bus_;
     std::string interface_;
     double period_s_;
     Say say_;
@@ -43,7 +43,7 @@ class ServeReporter {
     bool link_up_ = true;
     bool controller_heard_ = false;
     plc::Trip trip_ = plc::Trip::none;
-    std::uint32_t refused_ = 0;
+    std::uint32_t rejected_ = 0;
     std::string link_error_;
     std::atomic<bool> stop_{false};
     std::thread thread_;

@@ -18,8 +18,8 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/rig_node.hpp"
-#include "plant_sim/scenario_options.hpp"
 #include "plant_sim/serve_command.hpp"
+#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/rig_session.hpp"
 #include "plant_sim/study/trajectory.hpp"
 #include "rig_bridge/pictures/stop_picture.hpp"
@@ -39,7 +39,7 @@ class Progress {
   private:
     bool terminal_;
     double next_s_ = 0.0;
-    study::Phase phase_ = study::Phase::done;
+    study::StopPhase phase_ = study::StopPhase::done;
     bool shown_ = false;
 };
 
@@ -56,7 +56,7 @@ void Progress::show(const study::RigSession& session, const antiskid::can::Contr
     constexpr double kLive_s = 0.05;
     constexpr double kPlain_s = 1.0;
     const plant::Rig& rig = session.rig();
-    const study::Phase phase = session.pilot().phase();
+    const study::StopPhase phase = session.pilot().phase();
     if (rig.time_s() < next_s_ && phase == phase_) return;
     phase_ = phase;
     next_s_ = rig.time_s() + (terminal_ ? kLive_s : kPlain_s);
@@ -73,7 +73,7 @@ void Progress::finish() {
 }
 
 struct Options {
-    plant_sim::ScenarioOptions scenario;
+    plant_sim::StopOptions scenario;
     std::string interface;
     std::string clock = "sync";
     std::filesystem::path out;
@@ -129,15 +129,15 @@ int exit_status(plant_sim::Ending ending) {
     return ending == plant_sim::Ending::stopped ? 130 : 1;
 }
 
-int run(const Options& o, const plant_sim::Scenario& s) {
+int run(const Options& o, const plant_sim::StopInputs& s) {
     if (s.brake) {
         const std::string notice = plant_sim::extrapolation_notice(*s.brake);
         if (!notice.empty()) fmt::print(stderr, "virtual-rig: {}\n", notice);
     }
-    antiskid::rt::StopSignals signals;
+    antiskid::host::StopSignals signals;
     const antiskid::can::IdList wanted = antiskid::can::ids(s.layout, antiskid::can::kToRig);
     antiskid::can::SocketCan bus(o.interface, wanted.span());
-    antiskid::rt::MonotonicClock clock;
+    antiskid::host::MonotonicClock clock;
     study::RigSession session(s.plant.rig, s.session);
     const Time period(std::llround(s.session.period_s * 1e9));
     plant_sim::RigNode node(session, s.layout, bus, clock, period);
@@ -154,9 +154,9 @@ int run(const Options& o, const plant_sim::Scenario& s) {
     if (o.clock == "sync") {
         result = node.run_lockstep(o.answer_timeout_ms * millisecond, o.patience_ms * millisecond, signals.stop(), observe);
     } else {
-        if (const auto refused = antiskid::rt::lock_memory()) fmt::print(stderr, "virtual-rig: {}\n", *refused);
-        for (const std::string& refused : antiskid::rt::enter_realtime({.priority = o.priority, .cpu = {}})) {
-            fmt::print(stderr, "virtual-rig: {}\n", refused);
+        if (const auto rejected = antiskid::host::lock_memory()) fmt::print(stderr, "virtual-rig: {}\n", *rejected);
+        for (const std::string& rejected : antiskid::host::enter_realtime({.priority = o.priority, .cpu = {}})) {
+            fmt::print(stderr, "virtual-rig: {}\n", rejected);
         }
         result = node.run_realtime(o.patience_ms * millisecond, signals.stop(), observe);
     }
@@ -174,7 +174,7 @@ int run(const Options& o, const plant_sim::Scenario& s) {
     const std::filesystem::path csv = o.out.empty() ? std::filesystem::path(o.picture).concat(".csv") : o.out / "trajectory.csv";
     if (!o.out.empty() || !o.picture.empty()) settings::write_file(csv, trajectory.csv());
     if (!o.out.empty()) settings::write_file(o.out / "result.json", study::to_json(report));
-    if (!o.picture.empty()) study::draw_stop(csv, o.picture, s.title(o.scenario), session.pilot().brake_on_s(), along_runway);
+    if (!o.picture.empty()) pictures::draw_stop(csv, o.picture, s.title(o.scenario), session.pilot().brake_on_s(), along_runway);
     // A maneuver that never reached its brake-on wears nothing and is none.
     const double taken_J = session.rig().wheel().energy_brake_J;
     if (taken_J > 0.0) s.keep_brake(o.scenario, taken_J);
@@ -184,7 +184,7 @@ int run(const Options& o, const plant_sim::Scenario& s) {
 
 /// Configuration mistakes end with status 2, whatever fails later with 1.
 int load_and_run(const Options& options) {
-    std::optional<plant_sim::Scenario> scenario;
+    std::optional<plant_sim::StopInputs> scenario;
     try {
         scenario = plant_sim::load_scenario(options.scenario);
         if (options.clock == "sync" && !scenario->layout[antiskid::can::Role::sync].bound) {

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
 constexpr std::uint32_t kErrorFlag = 0x20000000;
-constexpr std::int64_t kMostSeconds = 9'000'000'000;  // int64 nanoseconds hold 9.2e9 s
+constexpr std::int64_t kMaxSeconds = 9'000'000'000;  // int64 nanoseconds hold 9.2e9 s
 
 int hex_digit(char c) {
     if (c >= '0' && c <= '9') return c - '0';
@@ -51,7 +51,7 @@ class LineParser {
         std::int64_t seconds = 0;
         for (; is_digit(here()); ++position_) {
             seconds = seconds * 10 + (here() - '0');
-            if (seconds > kMostSeconds) return fail("expected a time below 9e9 s");
+            if (seconds > kMaxSeconds) return fail("expected a time below 9e9 s");
         }
         if (!take('.') || !is_digit(here())) return fail(kWanted);
         std::int64_t fraction = 0;
@@ -158,12 +158,12 @@ class FixedForm {
 
     bool read(CandumpLine& line) {
         constexpr std::size_t kTime = 20;  // (1436509053.650713) and a space
-        constexpr std::size_t kLeast = kTime + 6;
-        if (text_.size() < kLeast || text_[0] != '(' || text_[11] != '.' || text_[18] != ')' || text_[19] != ' ') return false;
+        constexpr std::size_t kMin = kTime + 6;
+        if (text_.size() < kMin || text_[0] != '(' || text_[11] != '.' || text_[18] != ')' || text_[19] != ' ') return false;
         const std::int64_t seconds = decimal(1, 11);
         const std::int64_t microseconds = decimal(12, 18);
         const std::size_t space = text_.find(' ', kTime);
-        if (not_decimal_ || seconds > kMostSeconds || space == std::string_view::npos || space == kTime) return false;
+        if (not_decimal_ || seconds > kMaxSeconds || space == std::string_view::npos || space == kTime) return false;
         const std::size_t data = space + 5;
         if (data > text_.size() || text_[data - 1] != '#') return false;
         const unsigned digits = static_cast<unsigned>(text_.size() - data);
@@ -210,10 +210,10 @@ class LineWriter {
     void add(std::string_view text) {
         for (const char c : text) add(c);
     }
-    void decimal(std::int64_t value, int least_digits) {
+    void decimal(std::int64_t value, int min_digits) {
         std::array<char, 20> digits{};
         int count = 0;
-        for (; value > 0 || count < least_digits; value /= 10) digits[static_cast<std::size_t>(count++)] = static_cast<char>('0' + value % 10);
+        for (; value > 0 || count < min_digits; value /= 10) digits[static_cast<std::size_t>(count++)] = static_cast<char>('0' + value % 10);
         while (count > 0) add(digits[static_cast<std::size_t>(--count)]);
     }
     void hex(std::uint32_t value, unsigned digits) {

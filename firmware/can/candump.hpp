@@ -33,7 +33,7 @@ struct CandumpFailure {
 [[nodiscard]] std::variant<CandumpLine, CandumpFailure> parse_candump(std::string_view line);
 
 /// Longest line that format() writes, without a line end.
-inline constexpr std::size_t kCandumpLineMost = 80;
+inline constexpr std::size_t kCandumpLineMax = 80;
 
 /// Writes `(sssssssssss.uuuuuu) interface 1A0#0011` to `out`; returns the number of characters, 0 when it
 /// does not fit (interface names have at most 15). `time` >= 0, cut to microseconds. Remote and error frames and

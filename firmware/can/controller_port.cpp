@@ -8,7 +8,7 @@ ControllerPort::ControllerPort(const Layout& layout, control::Time step) : layou
 
 void ControllerPort::accept(const Frame& frame) {
     const Payload payload(frame.data);
-    const FrameGate::Verdict verdict = gate_.check(frame, payload);
+    const FrameGate::Result verdict = gate_.check(frame, payload);
     if (!verdict.role) return;
     const Role role = *verdict.role;
     if (!verdict.ok) {

@@ -28,7 +28,7 @@ namespace antiskid::can {
 class ControllerPort {
   public:
     /// Most frames that due_frames() can give.
-    static constexpr std::size_t kMostFrames = 5;
+    static constexpr std::size_t kMaxFrames = 5;
 
     /// `layout` must outlive the port. `step` > 0 is the control period.
     ControllerPort(const Layout& layout, control::Time step);
@@ -55,7 +55,7 @@ class ControllerPort {
     [[nodiscard]] std::uint32_t sync_number() const { return sync_number_; }
 
     /// Once a period: what is due now, the valve command first. Returns how many were written to `out`, which
-    /// must have room for kMostFrames.
+    /// must have room for kMaxFrames.
     [[nodiscard]] std::size_t due_frames(const control::Command& command, std::span<Frame> out);
 
     /// One frame at once, outside the cycle (the last command at exit is a valve command). Each advances its

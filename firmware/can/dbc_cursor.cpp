@@ -79,13 +79,13 @@ std::string_view DbcCursor::word(std::string_view what) {
     return text_.substr(start, position_ - start);
 }
 
-std::uint64_t DbcCursor::natural(std::string_view what, std::uint64_t most) {
+std::uint64_t DbcCursor::natural(std::string_view what, std::uint64_t max) {
     skip_blanks();
     const std::string_view rest = text_.substr(position_);
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
-    if (error != std::errc{} || value > most) {
-        fail("expected " + std::string(what) + ", a whole number from 0 to " + std::to_string(most) + ", got " + found());
+    if (error != std::errc{} || value > max) {
+        fail("expected " + std::string(what) + ", a whole number from 0 to " + std::to_string(max) + ", got " + found());
     }
     position_ += static_cast<std::size_t>(end - rest.data());
     return value;

@@ -29,7 +29,7 @@ class DbcCursor {
 
     /// Up to white space or one of : ; , " ( ) [ ] | @
     [[nodiscard]] std::string_view word(std::string_view what);
-    [[nodiscard]] std::uint64_t natural(std::string_view what, std::uint64_t most);
+    [[nodiscard]] std::uint64_t natural(std::string_view what, std::uint64_t max);
     [[nodiscard]] double number(std::string_view what);
     /// Between double quotes, over line ends; \" stands for a quote.
     [[nodiscard]] std::string quoted(std::string_view what);

@@ -23,26 +23,26 @@ void E2eSender::protect(const E2e& config, Payload payload, Frame& frame) {
     if (config.protection == Protection::counter_crc) frame.data[config.crc_byte] = e2e_crc(frame, config);
 }
 
-E2eVerdict E2eChecker::check(const E2e& config, const Frame& frame, const Payload& payload, std::uint32_t& lost) {
-    if (config.protection == Protection::none) return E2eVerdict::ok;
+E2eResult E2eChecker::check(const E2e& config, const Frame& frame, const Payload& payload, std::uint32_t& lost) {
+    if (config.protection == Protection::none) return E2eResult::ok;
     if (config.protection == Protection::counter_crc && frame.data[config.crc_byte] != e2e_crc(frame, config)) {
-        return E2eVerdict::wrong_crc;
+        return E2eResult::wrong_crc;
     }
-    if (!config.ordered) return E2eVerdict::ok;
+    if (!config.ordered) return E2eResult::ok;
 
     const auto counter = static_cast<std::uint16_t>(payload.read(config.counter));
-    if (counter >= config.counter_modulo) return E2eVerdict::wrong_sequence;
+    if (counter >= config.counter_modulo) return E2eResult::wrong_sequence;
     if (!synchronised_) {
         synchronised_ = true;
         last_ = counter;
-        return E2eVerdict::ok;
+        return E2eResult::ok;
     }
     const std::uint32_t delta = (counter + std::uint32_t{config.counter_modulo} - last_) % config.counter_modulo;
-    if (delta == 0) return E2eVerdict::repeated;
+    if (delta == 0) return E2eResult::repeated;
     last_ = counter;
-    if (delta > config.max_delta) return E2eVerdict::wrong_sequence;
+    if (delta > config.max_delta) return E2eResult::wrong_sequence;
     lost += delta - 1U;
-    return E2eVerdict::ok;
+    return E2eResult::ok;
 }
 
 }  // namespace antiskid::can

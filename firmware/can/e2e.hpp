@@ -35,7 +35,7 @@ struct E2e {
 /// The CRC that belongs into `config.crc_byte` of this payload.
 [[nodiscard]] std::uint8_t e2e_crc(const Frame& frame, const E2e& config);
 
-enum class E2eVerdict : std::uint8_t {
+enum class E2eResult : std::uint8_t {
     ok,
     wrong_crc,
     repeated,
@@ -57,7 +57,7 @@ class E2eSender {
 class E2eChecker {
   public:
     /// `lost` is increased by the frames that the counter says are missing before an accepted one.
-    [[nodiscard]] E2eVerdict check(const E2e& config, const Frame& frame, const Payload& payload, std::uint32_t& lost);
+    [[nodiscard]] E2eResult check(const E2e& config, const Frame& frame, const Payload& payload, std::uint32_t& lost);
 
   private:
     std::uint16_t last_ = 0;

@@ -9,7 +9,7 @@ FrameGate::FrameGate(const Layout& layout, std::span<const Role> roles) : layout
     }
 }
 
-FrameGate::Verdict FrameGate::check(const Frame& frame, const Payload& payload) {
+FrameGate::Result FrameGate::check(const Frame& frame, const Payload& payload) {
     if (frame.id >= role_of_.size() || role_of_[frame.id] == kNobody) {
         ++unknown_ids_;
         return {};
@@ -17,16 +17,16 @@ FrameGate::Verdict FrameGate::check(const Frame& frame, const Payload& payload) 
     const std::size_t index = role_of_[frame.id];
     const Message& message = layout_.messages[index];
     MessageStats& stats = stats_[index];
-    Verdict verdict{.role = static_cast<Role>(index), .ok = false};
+    Result verdict{.role = static_cast<Role>(index), .ok = false};
     if (frame.length != message.length) {
         ++stats.wrong_length;
         return verdict;
     }
     switch (checkers_[index].check(message.protection, frame, payload, stats.lost)) {
-        case E2eVerdict::ok:
+        case E2eResult::ok:
             verdict.ok = true;
             break;
-        case E2eVerdict::wrong_crc:
+        case E2eResult::wrong_crc:
             ++stats.wrong_crc;
             break;
         default:  // repeated, wrong_sequence

@@ -17,11 +17,11 @@ class FrameGate {
     /// Frames of the bound `roles` may pass. `layout` must outlive the gate.
     FrameGate(const Layout& layout, std::span<const Role> roles);
 
-    struct Verdict {
+    struct Result {
         std::optional<Role> role;  ///< none: no identifier of ours
         bool ok = false;           ///< every check passed; not counted as accepted yet, the value is still to be judged
     };
-    [[nodiscard]] Verdict check(const Frame& frame, const Payload& payload);
+    [[nodiscard]] Result check(const Frame& frame, const Payload& payload);
 
     void count_accepted(Role role) { ++stats_[static_cast<std::size_t>(role)].accepted; }
     void count_wrong_value(Role role) { ++stats_[static_cast<std::size_t>(role)].wrong_value; }

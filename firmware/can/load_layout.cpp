@@ -38,7 +38,7 @@ class Loader {
     void maneuver() {
         MessageBinder binder = bind(Role::maneuver, {.crc_required = true});
         ManeuverSignals& maneuver = layout_.maneuver;
-        maneuver.law = binder.code("law", {.least = 2, .most = 8}, kLawNames);
+        maneuver.law = binder.code("law", {.min = 2, .max = 8}, kLawNames);
         maneuver.arm = binder.whole("arm", kFlag);
         maneuver.weight_on_wheels = binder.whole("weight_on_wheels", kFlag);
         maneuver.demand_Pa = binder.physical("demand", Quantity::pressure, reach_.pressure_Pa);
@@ -52,7 +52,7 @@ class Loader {
         static_cast<void>(bind(Role::emergency_stop, {.cyclic = false, .ordered = false}));
         if (root_.has(name(Role::sync))) {
             MessageBinder sync = bind(Role::sync, {.cyclic = false});
-            if (sync.table().has("number")) layout_.sync_counter = sync.whole("number", {.least = 1, .most = 32});
+            if (sync.table().has("number")) layout_.sync_counter = sync.whole("number", {.min = 1, .max = 32});
         }
         if (root_.has(name(Role::load_cells))) {
             MessageBinder cells = bind(Role::load_cells, {});
@@ -62,8 +62,8 @@ class Loader {
         }
         if (root_.has(name(Role::maneuver_state))) {
             MessageBinder state = bind(Role::maneuver_state, {});
-            layout_.maneuver_state.phase = state.code("phase", {.least = 4, .most = 8}, kPhaseNames);
-            layout_.maneuver_state.number = state.whole("number", {.least = 16, .most = 32});
+            layout_.maneuver_state.phase = state.code("phase", {.min = 4, .max = 8}, kPhaseNames);
+            layout_.maneuver_state.number = state.whole("number", {.min = 16, .max = 32});
             layout_.maneuver_state.brake_temperature_C = state.physical("brake_temperature", Quantity::temperature);
         }
     }
@@ -73,7 +73,7 @@ class Loader {
         layout_.valve_current_mA = valve.physical("current", Quantity::current, reach_.current_mA);
 
         MessageBinder status = bind(Role::status, {});
-        layout_.status.state = status.code("state", {.least = 3, .most = 8}, kStateNames);
+        layout_.status.state = status.code("state", {.min = 3, .max = 8}, kStateNames);
         layout_.status.slip = status.physical("slip", Quantity::ratio);
         layout_.status.slip_reference = status.physical("slip_reference", Quantity::ratio);
         layout_.status.speed_mps = status.physical("speed", Quantity::speed);
@@ -130,13 +130,13 @@ class Loader {
             signals.speed_radps = binder.rotation("speed");
         } else {
             signals.source = control::SpeedSource::edges;
-            signals.edge_count = binder.whole("edge_count", {.least = 8, .most = 32});
+            signals.edge_count = binder.whole("edge_count", {.min = 8, .max = 32});
             signals.edge_time = binder.clock("edge_time");
         }
         return signals;
     }
 
-    static constexpr Widths kFlag{.least = 1, .most = 1};
+    static constexpr Widths kFlag{.min = 1, .max = 1};
 
     const Dbc& dbc_;
     const settings::Table& root_;

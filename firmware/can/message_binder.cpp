@@ -17,7 +17,7 @@ constexpr std::string_view kSignalKey = "signal";
 constexpr std::uint32_t kWidestPhysical = 32;
 constexpr std::uint32_t kWidestClock = 48;
 constexpr std::uint16_t kProfileCounterModulo = 15;
-constexpr double kLeastRollOver_ns = 200e6;  // twice the 100 ms below which an encoder is taken to stand still
+constexpr double kMinRollOver_ns = 200e6;  // twice the 100 ms below which an encoder is taken to stand still
 
 template <typename Items>
 std::string suggestion(std::string_view word, const Items& items) {
@@ -124,13 +124,13 @@ E2e MessageBinder::protection(bool crc_required, bool ordered) {
     if (e2e.protection == Protection::none) return e2e;
 
     const bool with_crc = e2e.protection == Protection::counter_crc;
-    e2e.counter = with_crc ? whole("counter", {.least = 4, .most = 8}) : whole("counter", {.least = 2, .most = 8});
+    e2e.counter = with_crc ? whole("counter", {.min = 4, .max = 8}) : whole("counter", {.min = 2, .max = 8});
     e2e.counter_modulo = with_crc ? kProfileCounterModulo : static_cast<std::uint16_t>(std::uint32_t{1} << e2e.counter.bits);
     if (ordered) {
         e2e.max_delta = table_.integer<std::uint8_t>("max_delta", {.min = 1, .max = e2e.counter_modulo / 2});
     }
     if (with_crc) {
-        const Signal crc = whole("crc", {.least = 8, .most = 8});
+        const Signal crc = whole("crc", {.min = 8, .max = 8});
         if (crc.shift % 8 != 0) table_.fail("crc", "must fill one byte; this one lies across two");
         e2e.crc_byte = static_cast<std::uint8_t>(crc.big_endian ? 7 - crc.shift / 8 : crc.shift / 8);
         e2e.data_id = table_.integer<std::uint16_t>("data_id", {.min = 0, .max = 0xFFFF});
@@ -176,9 +176,9 @@ Signal MessageBinder::whole(std::string_view key, const Widths& widths) {
 
 Signal MessageBinder::whole(const settings::Table& table, std::string_view key, const Widths& widths) {
     const DbcSignal& signal = take(table, key, table.text(key));
-    if (signal.bits < widths.least || signal.bits > widths.most) {
-        std::string wanted = bits(widths.most);
-        if (widths.least != widths.most) wanted.insert(0, std::to_string(widths.least) + " to ");
+    if (signal.bits < widths.min || signal.bits > widths.max) {
+        std::string wanted = bits(widths.max);
+        if (widths.min != widths.max) wanted.insert(0, std::to_string(widths.min) + " to ");
         table.fail(key, at(signal) + " has " + bits(signal.bits) + "; expected " + wanted);
     }
     if (signal.is_signed) table.fail(key, at(signal) + " is signed; expected an unsigned one");
@@ -242,15 +242,14 @@ Signal MessageBinder::physical(std::string_view key, Quantity quantity, double r
     const Source source = take_physical(key);
     if (source.unit.quantity != quantity) source.table.fail("unit", "expected one of " + units_of(quantity));
     const Signal signal = scaled(source, source.unit.factor);
-    const double most = std::max(signal.value(signal.raw_min), signal.value(signal.raw_max));
-    if (most + 0.5 * std::abs(signal.scale) < reach) {
+    const double max = std::max(signal.value(signal.raw_min), signal.value(signal.raw_max));
+    if (max + 0.5 * std::abs(signal.scale) < reach) {
         const auto in_unit = [&](double value) {
             std::array<char, 32> number{};
             static_cast<void>(std::snprintf(number.data(), number.size(), "%g ", value / source.unit.factor));
             return number.data() + source.table.text("unit");
         };
-        source.table.fail(kSignalKey,
-                          at(*source.signal) + " ends at " + in_unit(most) + ", too narrow for this rig: it must reach " + in_unit(reach));
+        source.table.fail(kSignalKey, at(*source.signal) + " ends at " + in_unit(max) + ", too narrow for this rig: it must reach " + in_unit(reach));
     }
     return signal;
 }
@@ -276,7 +275,7 @@ Signal MessageBinder::clock(std::string_view key) {
     Signal signal = field(dbc, *shift_of(dbc, message_->length));
     signal.scale = dbc.factor * source.unit.factor;
     signal.per_scale = 1.0 / signal.scale;
-    if (signal.scale * static_cast<double>(signal.raw_max) < kLeastRollOver_ns) {
+    if (signal.scale * static_cast<double>(signal.raw_max) < kMinRollOver_ns) {
         source.table.fail(kSignalKey, at(dbc) + " rolls over within 200 ms: too narrow to tell the time of an edge");
     }
     return signal;

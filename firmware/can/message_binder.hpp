@@ -18,8 +18,8 @@ namespace antiskid::can {
 
 /// Widths that a whole-number signal may have.
 struct Widths {
-    std::uint32_t least = 1;
-    std::uint32_t most = 32;
+    std::uint32_t min = 1;
+    std::uint32_t max = 32;
 };
 
 /// Every function throws settings::Error at the key of the binding that is to blame. Meant to live while its

@@ -17,7 +17,7 @@ Observer::Observer(const Layout& layout) : layout_(layout), gate_(layout, kEvery
 
 std::optional<Role> Observer::accept(const Frame& frame) {
     const Payload payload(frame.data);
-    const FrameGate::Verdict verdict = gate_.check(frame, payload);
+    const FrameGate::Result verdict = gate_.check(frame, payload);
     if (!verdict.role || !verdict.ok) return std::nullopt;
     if (!decode(*verdict.role, payload, frame.received)) {
         gate_.count_wrong_value(*verdict.role);

@@ -28,42 +28,42 @@ std::string make(const std::string& interface) {
     return "plug the adapter in, then " + bring_up(interface) + " (`ip -br link show type can` lists what is there)";
 }
 
-[[noreturn]] void refuse(const std::string& interface, const std::string& why) {
+[[noreturn]] void reject(const std::string& interface, const std::string& why) {
     throw std::runtime_error("CAN interface '" + interface + "' " + why);
 }
 
-[[noreturn]] void refuse_system(const std::string& interface, const std::string& what, int error) {
-    refuse(interface, what + ": " + std::generic_category().message(error));
+[[noreturn]] void reject_system(const std::string& interface, const std::string& what, int error) {
+    reject(interface, what + ": " + std::generic_category().message(error));
 }
 
 int open(const std::string& interface, RawSocket::Calls calls) {
     if (interface.empty() || interface.size() >= IFNAMSIZ) {
-        refuse(interface, "is no interface name: expected 1 to 15 characters, like can0");
+        reject(interface, "is no interface name: expected 1 to 15 characters, like can0");
     }
     const int waiting = calls == RawSocket::Calls::never_wait ? SOCK_NONBLOCK : 0;
     const int fd = ::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | waiting, CAN_RAW);
     if (fd >= 0) return fd;
     if (errno == EAFNOSUPPORT || errno == EPROTONOSUPPORT) {
-        refuse(interface,
+        reject(interface,
                "cannot be used: this kernel has no CAN (`modprobe can_raw`, or run under `./rig vcan -- "
                "COMMAND`)");
     }
-    refuse_system(interface, "cannot be opened", errno);
+    reject_system(interface, "cannot be opened", errno);
 }
 
 int index_of(int fd, const std::string& interface) {
     ifreq request{};
     interface.copy(request.ifr_name, IFNAMSIZ - 1);
     if (ioctl(fd, SIOCGIFINDEX, &request) != 0) {
-        if (errno == ENODEV) refuse(interface, "does not exist: " + make(interface));
-        refuse_system(interface, "cannot be looked up", errno);
+        if (errno == ENODEV) reject(interface, "does not exist: " + make(interface));
+        reject_system(interface, "cannot be looked up", errno);
     }
     const int index = request.ifr_ifindex;
     if (ioctl(fd, SIOCGIFHWADDR, &request) == 0 && request.ifr_hwaddr.sa_family != ARPHRD_CAN) {
-        refuse(interface, "is no CAN interface (`ip -br link show type can` and `... type vcan` list them)");
+        reject(interface, "is no CAN interface (`ip -br link show type can` and `... type vcan` list them)");
     }
-    if (ioctl(fd, SIOCGIFFLAGS, &request) != 0) refuse_system(interface, "has no flags", errno);
-    if ((static_cast<unsigned>(request.ifr_flags) & IFF_UP) == 0) refuse(interface, "is down: " + bring_up(interface));
+    if (ioctl(fd, SIOCGIFFLAGS, &request) != 0) reject_system(interface, "has no flags", errno);
+    if ((static_cast<unsigned>(request.ifr_flags) & IFF_UP) == 0) reject(interface, "is down: " + bring_up(interface));
     return index;
 }
 
@@ -83,14 +83,14 @@ RawSocket::~RawSocket() {
 }
 
 void RawSocket::set_option(int level, int option, const void* value, socklen_t size, const char* name) const {
-    if (setsockopt(socket_, level, option, value, size) != 0) refuse_system(interface_, std::string("refused ") + name, errno);
+    if (setsockopt(socket_, level, option, value, size) != 0) reject_system(interface_, std::string("refused ") + name, errno);
 }
 
 void RawSocket::bind() const {
     sockaddr_can address{};
     address.can_family = AF_CAN;
     address.can_ifindex = index_;
-    if (::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) refuse_system(interface_, "cannot be bound", errno);
+    if (::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) reject_system(interface_, "cannot be bound", errno);
 }
 
 }  // namespace antiskid::can

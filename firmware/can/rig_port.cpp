@@ -105,7 +105,7 @@ Frame RigPort::sync(std::uint32_t number) {
 
 void RigPort::accept(const Frame& frame) {
     const Payload payload(frame.data);
-    const FrameGate::Verdict verdict = gate_.check(frame, payload);
+    const FrameGate::Result verdict = gate_.check(frame, payload);
     if (!verdict.role || !verdict.ok) return;
     if (apply(layout_, *verdict.role, payload, frame.received, view_)) {
         gate_.count_accepted(*verdict.role);

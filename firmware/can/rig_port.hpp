@@ -18,7 +18,7 @@ namespace antiskid::can {
 class RigPort {
   public:
     /// Most frames that due_frames() can give.
-    static constexpr std::size_t kMostFrames = 8;
+    static constexpr std::size_t kMaxFrames = 8;
 
     /// `layout` must outlive the port. `step` > 0 is the period at which due_frames() is called; `sends`: the
     /// roles that it gives, e.g. kFromBridge, where several programs share the rig's part.
@@ -28,7 +28,7 @@ class RigPort {
     /// Once a step: the frames due now, in this order: emergency stop while it is asked for, wheel, flywheel,
     /// pressure, maneuver, heartbeat, load cells, maneuver state (which is due, besides its period, whenever
     /// phase or number changed). SYNC is not among them. Returns how many were written to `out`, which must
-    /// have room for kMostFrames.
+    /// have room for kMaxFrames.
     [[nodiscard]] std::size_t due_frames(const RigSample& sample, std::span<Frame> out);
 
     /// One frame at once, outside the cycle. Each advances its alive counter.

@@ -62,7 +62,7 @@ struct SocketCan::Batch {
             headers[i].msg_hdr.msg_iovlen = 1;
             headers[i].msg_hdr.msg_control = &control[i];
         }
-        for (std::size_t i = 0; i < kMostSent; ++i) {
+        for (std::size_t i = 0; i < kMaxSent; ++i) {
             sent_vectors[i] = {.iov_base = &sent_frames[i], .iov_len = sizeof sent_frames[i]};
             sent_headers[i].msg_hdr.msg_iov = &sent_vectors[i];
             sent_headers[i].msg_hdr.msg_iovlen = 1;
@@ -78,9 +78,9 @@ struct SocketCan::Batch {
     std::array<iovec, kBatch> vectors{};
     std::array<Control, kBatch> control{};
     std::array<mmsghdr, kBatch> headers{};
-    std::array<can_frame, kMostSent> sent_frames{};
-    std::array<iovec, kMostSent> sent_vectors{};
-    std::array<mmsghdr, kMostSent> sent_headers{};
+    std::array<can_frame, kMaxSent> sent_frames{};
+    std::array<iovec, kMaxSent> sent_vectors{};
+    std::array<mmsghdr, kMaxSent> sent_headers{};
 };
 
 SocketCan::SocketCan(const std::string& interface, std::span<const std::uint16_t> ids, const SocketCanOptions& options)
@@ -191,7 +191,7 @@ bool SocketCan::send(const Frame& frame) {
 
 std::size_t SocketCan::send_all(std::span<const Frame> frames) {
     if (frames.empty()) return 0;
-    const std::size_t wanted = std::min(frames.size(), kMostSent);
+    const std::size_t wanted = std::min(frames.size(), kMaxSent);
     std::transform(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(wanted), batch_->sent_frames.begin(), raw);
     std::size_t taken = 0;
     if (!newest_only_ || !earlier_frames_wait()) {

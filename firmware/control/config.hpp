@@ -35,14 +35,14 @@ struct FlywheelConfig {
 };
 
 struct ValveConfig {
-    static constexpr std::size_t kMostPoints = 16;
-    std::uint8_t points = 0;                       ///< points in use, 2 to 16
-    std::array<float, kMostPoints> current_mA{};   ///< strictly increasing
-    std::array<float, kMostPoints> pressure_Pa{};  ///< strictly increasing
-    float natural_frequency_radps = 0.0F;          ///< omega_n, eq. (6)
-    float damping = 0.0F;                          ///< xi
-    float delay_s = 0.0F;                          ///< tau, at most 16 periods
-    float safe_current_mA = 0.0F;                  ///< no pressure
+    static constexpr std::size_t kMaxPoints = 16;
+    std::uint8_t points = 0;                      ///< points in use, 2 to 16
+    std::array<float, kMaxPoints> current_mA{};   ///< strictly increasing
+    std::array<float, kMaxPoints> pressure_Pa{};  ///< strictly increasing
+    float natural_frequency_radps = 0.0F;         ///< omega_n, eq. (6)
+    float damping = 0.0F;                         ///< xi
+    float delay_s = 0.0F;                         ///< tau, at most 16 periods
+    float safe_current_mA = 0.0F;                 ///< no pressure
     float full_pressure_Pa = 0.0F;
 };
 
@@ -62,7 +62,7 @@ struct ObserverConfig {
                                       ///< answer is not learnt
     float answer_floor_per_s = 0.0F;  ///< as uncertain as this is an answer of zero; the filter starts at half of it
     float surprise = 0.0F;            ///< standard deviations by which readings are off to one side on another road
-    float outlook_share = 0.0F;       ///< of a restoring answer that is believed over the valve's delay, 0 to 1
+    float prediction_share = 0.0F;    ///< of a restoring answer that is believed over the valve's delay, 0 to 1
 };
 
 /// PID on predicted slip. Gains act on slip rate (1/s): the law multiplies by J v / (r k_b), which is the
@@ -95,8 +95,8 @@ struct SlipConfig {
 /// The search for the slip of most friction, peak_seeker.hpp.
 struct PeakConfig {
     float start_slip = 0.0F;  ///< sought from here at brake-on, and on another road if less was in force
-    float least_slip = 0.0F;
-    float most_slip = 0.0F;
+    float min_slip = 0.0F;
+    float max_slip = 0.0F;
     float elasticity = 0.0F;       ///< asked for, of friction over slip: 0 is the peak, above it less slip
     float swing = 0.0F;            ///< of the reference, of itself: without it the road tells nothing
     float swing_Hz = 0.0F;         ///< below what the loop can follow, above how fast the load changes
@@ -104,7 +104,7 @@ struct PeakConfig {
     float gain = 0.0F;             ///< share of `rate_per_s` for an elasticity of 1; the whole of it at most
     float rate_per_s = 0.0F;       ///< the reference changes by this share of itself at most
     float lock_fall_per_s = 0.0F;  ///< and falls so while the wheel slips by more than 0.6
-    float least_speed_mps = 0.0F;  ///< below it nothing is sought
+    float min_speed_mps = 0.0F;    ///< below it nothing is sought
 };
 
 /// Wheel deceleration law: PI on the wheel's rim deceleration; the slip law with `slip_limit` is its
@@ -138,7 +138,7 @@ struct PressureBiasConfig {
     float k_bias_Pa_per_m = 0.0F;         ///< of its integral: the bias
     float first_bleed_Paps = 0.0F;        ///< the bias of the start bleeds off so until the first skid
     float bleed_Paps = 0.0F;              ///< and so after it, while the wheel does not skid
-    float most_bias_share = 0.0F;         ///< of the demand
+    float max_bias_share = 0.0F;          ///< of the demand
     float lead_dead_band_mps2 = 0.0F;     ///< rim deceleration up to which there is no lead
     float k_lead_Pa_per_mps2 = 0.0F;      ///< of the deceleration beyond it
 };
@@ -152,7 +152,7 @@ struct SupervisorConfig {
     float demand_threshold_Pa = 0.0F;   ///< a smaller demand is none
     float lock_share = 0.0F;            ///< rim speed below this share of the aircraft's: locked, dump
     float unlock_share = 0.0F;          ///< above it: restore
-    float least_spin_up_mps2 = 0.0F;    ///< of a released wheel's rim on the slipperiest runway, mu F_z r^2 / J_w
+    float min_spin_up_mps2 = 0.0F;      ///< of a released wheel's rim on the slipperiest runway, mu F_z r^2 / J_w
     float release_s = 0.0F;             ///< until the valve has let go and an edge can show it
     float drop_out_mps = 0.0F;          ///< below it the demand passes through
     float drop_out_hysteresis_mps = 0.0F;
@@ -173,9 +173,9 @@ struct MonitorConfig {
     float free_slip = 0.0F;          ///< steady slip of a wheel that is hardly braked
     float off_command_Pa = 0.0F;
     float off_command_s = 0.0F;
-    float plausible_above_mps = 0.0F;     ///< speeds are compared above it
-    std::uint16_t overruns = 0;           ///< missed periods in quick succession: ten good ones pay for each
-    float most_deceleration_mps2 = 0.0F;  ///< largest reference that is accepted
+    float plausible_above_mps = 0.0F;    ///< speeds are compared above it
+    std::uint16_t overruns = 0;          ///< missed periods in quick succession: ten good ones pay for each
+    float max_deceleration_mps2 = 0.0F;  ///< largest reference that is accepted
 };
 
 struct Config {

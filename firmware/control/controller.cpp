@@ -70,7 +70,7 @@ float Controller::pass_through_Pa(float ceiling_Pa, const Estimate& estimate, St
 float Controller::asked_of_map_Pa(const Command& command, Law law) const {
     const bool means_pressure = holds_slip(law) || law == Law::deceleration;
     const bool by_map = command.state == State::braking && !means_pressure;
-    return by_map ? command.pressure_request_Pa : estimator_.made_up_for_Pa(command.pressure_request_Pa);
+    return by_map ? command.pressure_request_Pa : estimator_.compensated_Pa(command.pressure_request_Pa);
 }
 
 Command Controller::step(const Sensors& sensors, Time now) {
@@ -104,8 +104,8 @@ Command Controller::step(const Sensors& sensors, Time now) {
     requested_Pa_ = command.pressure_request_Pa;
     const float asked_Pa = permitted ? asked_of_map_Pa(command, sensors.maneuver.law) : 0.0F;
     command.current_mA = permitted ? valve_current_mA(valve_, asked_Pa) : valve_.safe_current_mA;
-    const bool above_least = permitted && asked_Pa > valve_.pressure_Pa[0];
-    commanded_Pa_ = above_least ? smaller(asked_Pa, valve_.pressure_Pa[valve_.points - 1U]) : safe_Pa_;
+    const bool above_min = permitted && asked_Pa > valve_.pressure_Pa[0];
+    commanded_Pa_ = above_min ? smaller(asked_Pa, valve_.pressure_Pa[valve_.points - 1U]) : safe_Pa_;
     return command;
 }
 

@@ -10,12 +10,12 @@ constexpr float kCalibrationSpeed_mps = 15.0F;  // free rolling below it is too 
 constexpr float kFreePressure_Pa = 2e5F;
 constexpr float kFreeAcceleration_radps2 = 60.0F;
 constexpr float kRadiusMemory_s = 0.05F;
-constexpr float kMostReading = 2.0F;  // times full pressure
+constexpr float kMaxReading = 2.0F;  // times full pressure
 }  // namespace
 
 Estimator::Estimator(const Config& config)
     : wheel_(config.wheel),
-      most_reading_Pa_(kMostReading * config.valve.full_pressure_Pa),
+      max_reading_Pa_(kMaxReading * config.valve.full_pressure_Pa),
       flywheel_radius_m_(config.flywheel.radius_m),
       period_s_(config.period_s),
       brake_gain_(config.wheel.brake_gain_m3 / config.wheel.inertia_kgm2),
@@ -23,7 +23,7 @@ Estimator::Estimator(const Config& config)
       wheel_speed_(config.wheel.encoder.teeth),
       flywheel_speed_(config.flywheel.encoder.teeth),
       wheel_observer_(config.observer, config.wheel.encoder, config.period_s),
-      outlook_share_(config.observer.outlook_share),
+      prediction_share_(config.observer.prediction_share),
       flywheel_tracker_(config.estimator.aircraft_bandwidth_radps, config.flywheel.encoder),
       valve_model_(config.valve, config.period_s, config.estimator),
       standing_radius_m_(config.wheel.nominal_radius_m) {}
@@ -45,7 +45,7 @@ inline void Estimator::calibrate_radius(bool on_wheels) {
 /// Over the valve's delay, from commands already given. The road's torque follows the slip meanwhile.
 inline void Estimator::look_ahead(float v_mps) {
     Estimate& e = estimate_;
-    const float believed = e.answer_per_s > 0.0F ? outlook_share_ * e.answer_per_s : e.answer_per_s;
+    const float believed = e.answer_per_s > 0.0F ? prediction_share_ * e.answer_per_s : e.answer_per_s;
     // WheelStep's steps, the change of speed taken together: a wheel that would stop on the way stops at the end.
     const WheelStep step(believed, period_s_);
     const float follows = believed * step.acting_s();
@@ -70,7 +70,7 @@ inline void Estimator::look_ahead(float v_mps) {
 const Estimate& Estimator::update(const Sensors& sensors, float held_Pa) {
     const float before_Pa = valve_model_.now().pressure_Pa;
     const float measured_Pa = sensors.pressure.pressure_Pa;
-    const bool fresh = sensors.pressure.received != pressure_received_ && magnitude(measured_Pa) <= most_reading_Pa_;
+    const bool fresh = sensors.pressure.received != pressure_received_ && magnitude(measured_Pa) <= max_reading_Pa_;
     valve_model_.update(held_Pa, measured_Pa, fresh);
     pressure_received_ = sensors.pressure.received;
     const PressureState pressure = valve_model_.now();

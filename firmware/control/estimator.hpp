@@ -1,5 +1,5 @@
 /// From checked sensor values to an Estimate: speeds by the M/T method, rolling radius, road torque, valve
-/// state, outlook over the delay.
+/// state, prediction over the delay.
 #pragma once
 
 #include "firmware/control/config.hpp"
@@ -23,14 +23,14 @@ class Estimator {
     [[nodiscard]] float uncorrected_pressure_Pa() const { return valve_model_.uncorrected_Pa(); }
     [[nodiscard]] float valve_offset_Pa() const { return valve_model_.offset_Pa(); }
     /// What to ask of the map for a pressure on the valve as it is.
-    [[nodiscard]] float made_up_for_Pa(float pressure_Pa) const { return valve_model_.made_up_for_Pa(pressure_Pa); }
+    [[nodiscard]] float compensated_Pa(float pressure_Pa) const { return valve_model_.compensated_Pa(pressure_Pa); }
 
   private:
     void calibrate_radius(bool on_wheels);
     void look_ahead(float v_mps);
 
     WheelConfig wheel_;
-    float most_reading_Pa_;
+    float max_reading_Pa_;
     float flywheel_radius_m_;
     float period_s_;
     float brake_gain_;  // k_b / J_w
@@ -38,7 +38,7 @@ class Estimator {
     SpeedEstimator wheel_speed_;
     SpeedEstimator flywheel_speed_;
     WheelObserver wheel_observer_;
-    float outlook_share_;
+    float prediction_share_;
     float steady_radps2_ = 0.0F;  // omega v_dot / v: of a wheel that keeps its slip
     SpeedTracker flywheel_tracker_;
     ValveModel valve_model_;

@@ -27,7 +27,8 @@ void take_reading(Test& test, FaultSet wrong, Fault lost) {
 }
 }  // namespace
 
-Monitor::Arrival::Arrival(float max_age_s, float frame_period_s) : max_age(nanoseconds(max_age_s)), most_refused(max_age_s / frame_period_s + 0.5F) {}
+Monitor::Arrival::Arrival(float max_age_s, float frame_period_s)
+    : max_age(nanoseconds(max_age_s)), max_reject_score(max_age_s / frame_period_s + 0.5F) {}
 
 Monitor::Monitor(const Config& config)
     : config_(config.monitor),
@@ -36,7 +37,7 @@ Monitor::Monitor(const Config& config)
       flywheel_radius_m_(config.flywheel.radius_m),
       released_Pa_(config.supervisor.residual_pressure_Pa),
       period_s_(config.period_s),
-      made_up_for_share_(config.estimator.valve_offset_share),
+      compensated_share_(config.estimator.valve_offset_share),
       wheel_arrival_(config.monitor.sensor_max_age_s, config.period_s),
       flywheel_arrival_(config.monitor.sensor_max_age_s, config.period_s),
       pressure_arrival_(config.monitor.sensor_max_age_s, config.period_s),
@@ -49,27 +50,27 @@ Monitor::Monitor(const Config& config)
       pressure_reading_(config.monitor.implausible_s, config.period_s),
       pressure_stays_(config.monitor.off_command_s, config.period_s) {}
 
-inline Monitor::Arrival::Verdict Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now) {
+inline Monitor::Arrival::MessageState Monitor::Arrival::judge(Time newest, std::uint32_t rejected_now, Time now) {
     // Of frames that mostly fail their checks some pass by chance: what they say is worth nothing. A repeat of each good one is harmless.
     if (const std::uint32_t more = rejected_now - rejected_before; more != 0) {
         rejected_before = rejected_now;
         constexpr std::uint32_t kCountWentBack = 1U << 31U;
-        if (more < kCountWentBack) refused = smaller(refused + static_cast<float>(more), 2.0F * most_refused);
+        if (more < kCountWentBack) reject_score = smaller(reject_score + static_cast<float>(more), 2.0F * max_reject_score);
     }
     if (newest != received) {
         received = newest;
         rejected = rejected_now;
-        refused = larger(refused - 1.0F, 0.0F);
+        reject_score = larger(reject_score - 1.0F, 0.0F);
     }
-    if (refused > most_refused) return Verdict::corrupt;
-    if (newest != kNever && now - newest <= max_age) return Verdict::good;
-    return rejected_now != rejected ? Verdict::corrupt : Verdict::lost;
+    if (reject_score > max_reject_score) return MessageState::corrupt;
+    if (newest != kNever && now - newest <= max_age) return MessageState::good;
+    return rejected_now != rejected ? MessageState::corrupt : MessageState::lost;
 }
 
 inline void Monitor::check_arrivals(FaultSet& faults, const Sensors& sensors, Time now) {
-    const auto name = [&faults](Arrival::Verdict verdict, Fault lost, Fault corrupt) {
-        if (verdict == Arrival::Verdict::lost) faults.insert(lost);
-        if (verdict == Arrival::Verdict::corrupt) faults.insert(corrupt);
+    const auto name = [&faults](Arrival::MessageState verdict, Fault lost, Fault corrupt) {
+        if (verdict == Arrival::MessageState::lost) faults.insert(lost);
+        if (verdict == Arrival::MessageState::corrupt) faults.insert(corrupt);
     };
     name(wheel_arrival_.judge(sensors.wheel.received, sensors.wheel.rejected, now), Fault::wheel_lost, Fault::wheel_corrupt);
     name(flywheel_arrival_.judge(sensors.flywheel.received, sensors.flywheel.rejected, now), Fault::flywheel_lost, Fault::flywheel_corrupt);
@@ -110,10 +111,10 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
     const float fall = kFierce * acted_radps2_;
     const float freely = e.v_mps / e.radius_m;
     const float surely = smaller(reading.speed_radps, e.omega_radps) - fall * reading.interval_s;
-    wheel_.least = rolls ? smaller(larger(surely, wheel_.least - fall * period_s_), freely) : 0.0F;
+    wheel_.min = rolls ? smaller(larger(surely, wheel_.min - fall * period_s_), freely) : 0.0F;
     constexpr float kSlow = 3.0F;  // times as fast as speeds are compared: a slower wheel swings by as much as it turns
     const bool falls =
-        reading.speed_radps < (1.0F - config_.overspeed_share) * wheel_.least && wheel_.least * e.radius_m > kSlow * config_.plausible_above_mps;
+        reading.speed_radps < (1.0F - config_.overspeed_share) * wheel_.min && wheel_.min * e.radius_m > kSlow * config_.plausible_above_mps;
     if (wrong.empty()) wrong = only(reading.fresh && !stands ? Fault::speeds_disagree : Fault::wheel_stuck, falls);
     if (reading.fresh || (reading.bounded && falls)) take_reading(wheel_.reading, wrong, Fault::wheel_lost);
 
@@ -124,7 +125,7 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
     // Whatever the runway, a wheel that slips steadily would need more torque than this; one that spins up again slips legitimately.
     const bool hardly_braked = model_Pa < 0.2F * released_Pa_;
     const bool slips =
-        rolls && hardly_braked && e.slip > config_.free_slip && magnitude(e.omega_dot_radps2) * e.radius_m < config_.most_deceleration_mps2;
+        rolls && hardly_braked && e.slip > config_.free_slip && magnitude(e.omega_dot_radps2) * e.radius_m < config_.max_deceleration_mps2;
     const bool released = model_Pa < 0.04F * released_Pa_;
     const bool stuck = rolls && released && stands;
     wheel_.stays.take(stuck ? only(Fault::wheel_stuck) : only(Fault::speeds_disagree, slips));
@@ -141,16 +142,15 @@ inline void Monitor::check_flywheel(FaultSet& faults, const Estimator& estimator
     FaultSet wrong = wrong_by_itself(flywheel_, reading, flywheel_encoder_, {Fault::flywheel_lost, Fault::flywheel_range, Fault::flywheel_rate});
     const float reads_mps = reading.speed_radps * flywheel_radius_m_;
     const float sensible_mps = flywheel_encoder_.max_speed_radps * flywheel_radius_m_;
-    const float step_mps = config_.most_deceleration_mps2 * period_s_;
+    const float step_mps = config_.max_deceleration_mps2 * period_s_;
     // Neither one wild reading nor the tracker's overshoot after it may count as a speed that was. Once it has leapt it stays so.
-    flywheel_.least = larger(smaller(smaller(reads_mps, e.v_mps), sensible_mps), flywheel_.least - step_mps);
+    flywheel_.min = larger(smaller(smaller(reads_mps, e.v_mps), sensible_mps), flywheel_.min - step_mps);
     const float fastest_mps = larger(reads_mps, e.v_mps);
     const bool held = lands && !flywheel_.reading.found().contains(Fault::flywheel_rate);
-    most_mps_ = held ? smaller(fastest_mps, most_mps_ + step_mps) : fastest_mps;
-    const bool falls =
-        reads_mps < (1.0F - config_.overspeed_share) * flywheel_.least && reading.valid && flywheel_.least > config_.plausible_above_mps;
-    const bool leaps = reads_mps > (1.0F + config_.overspeed_share) * most_mps_ && reads_mps > config_.plausible_above_mps;
-    if (!wrong.contains(Fault::flywheel_range)) wrong.insert(falls ? only(Fault::flywheel_stuck) : only(Fault::flywheel_rate, leaps));
+    max_mps_ = held ? smaller(fastest_mps, max_mps_ + step_mps) : fastest_mps;
+    const bool falls = reads_mps < (1.0F - config_.overspeed_share) * flywheel_.min && reading.valid && flywheel_.min > config_.plausible_above_mps;
+    const bool jumps = reads_mps > (1.0F + config_.overspeed_share) * max_mps_ && reads_mps > config_.plausible_above_mps;
+    if (!wrong.contains(Fault::flywheel_range)) wrong.insert(falls ? only(Fault::flywheel_stuck) : only(Fault::flywheel_rate, jumps));
     // A reading that stays for periods is one reading: noise must not count for more than it is.
     if (reading.fresh || (reading.bounded && falls)) take_reading(flywheel_.reading, wrong, Fault::flywheel_lost);
 
@@ -184,7 +184,7 @@ inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, co
     // What the laws that mean a pressure make up for.
     const bool means_pressure = holds_slip(maneuver.law) || maneuver.law == Law::deceleration;
     const bool shifted = before.braking && means_pressure && model > 2.0F * released_Pa_ &&
-                         magnitude(estimator.valve_offset_Pa()) > larger(made_up_for_share_ * model, released_Pa_);
+                         magnitude(estimator.valve_offset_Pa()) > larger(compensated_share_ * model, released_Pa_);
     pressure_stays_.take(frozen ? only(Fault::pressure_stuck) : only(Fault::pressure_off_command, off || remains || shifted));
     faults.insert(pressure_reading_.found());
     faults.insert(pressure_stays_.found());
@@ -193,32 +193,32 @@ inline void Monitor::check_pressure(FaultSet& faults, const Sensors& sensors, co
 /// Slip above what is asked for adds up, slip below it pays back: no sound loop is above it for long, on any surface. Without pressure it does
 /// neither: on ice a released wheel takes its time.
 inline void Monitor::check_slip(FaultSet& faults, const ManeuverInput& maneuver, const Estimator& estimator, const Before& before) {
-    constexpr float kMost_s = 0.1F;
+    constexpr float kMax_s = 0.1F;
     if (!holds_slip(maneuver.law) || !before.braking) {
         excess_slip_s_ = 0.0F;
     } else if (estimator.uncorrected_pressure_Pa() >= 0.2F * released_Pa_) {
         const float excess = estimator.estimate().slip - before.slip_reference - kHeldWithin;
         excess_slip_s_ = larger(excess_slip_s_ + excess * period_s_, 0.0F);
-        if (excess_slip_s_ > kMost_s) faults.insert(Fault::speeds_disagree);
+        if (excess_slip_s_ > kMax_s) faults.insert(Fault::speeds_disagree);
     }
 }
 
 void Monitor::check_maneuver(FaultSet& faults, const ManeuverInput& m) const {
     if (m.received == kNever) return;
     const bool sensible = m.demand_Pa >= 0.0F && m.demand_Pa <= config_.pressure_range_Pa && m.slip_reference >= 0.0F && m.slip_reference <= 0.5F &&
-                          m.deceleration_mps2 >= 0.0F && m.deceleration_mps2 <= config_.most_deceleration_mps2 && m.current_mA >= 0.0F &&
+                          m.deceleration_mps2 >= 0.0F && m.deceleration_mps2 <= config_.max_deceleration_mps2 && m.current_mA >= 0.0F &&
                           m.current_mA <= 100.0F && static_cast<std::uint8_t>(m.law) < kLawCount;
     if (!sensible) faults.insert(Fault::maneuver_range);
 }
 
 inline void Monitor::check_overrun(FaultSet& faults, std::uint32_t missed_periods) {
     constexpr std::uint32_t kPaidBackBy = 10;  // good periods that make up for a missed one
-    const std::uint32_t most = kPaidBackBy * config_.overruns;
+    const std::uint32_t max = kPaidBackBy * config_.overruns;
     if (overrun_score_ > 0) --overrun_score_;
-    overrun_score_ += kPaidBackBy * (missed_periods < most ? missed_periods : most);
-    if (overrun_score_ > most) {
+    overrun_score_ += kPaidBackBy * (missed_periods < max ? missed_periods : max);
+    if (overrun_score_ > max) {
         faults.insert(Fault::overrun);
-        overrun_score_ = most;
+        overrun_score_ = max;
     }
 }
 

@@ -58,20 +58,20 @@ class Monitor {
     struct Arrival {
         Arrival(float max_age_s, float frame_period_s);
         Time max_age;
-        float most_refused;
+        float max_reject_score;
         Time received = kNever;
         std::uint32_t rejected = 0;
         std::uint32_t rejected_before = 0;
-        float refused = 0.0F;  // frames, less those that were accepted
-        enum class Verdict : std::uint8_t { good, lost, corrupt };
-        Verdict judge(Time newest, std::uint32_t rejected_now, Time now);
+        float reject_score = 0.0F;  // frames, less those that were accepted
+        enum class MessageState : std::uint8_t { good, lost, corrupt };
+        MessageState judge(Time newest, std::uint32_t rejected_now, Time now);
     };
     /// One speed.
     struct Speed {
         Speed(const MonitorConfig& config, float period_s) : reading(config.implausible_s, period_s), stays(config.stuck_s, period_s) {}
         Test reading;
         Test stays;
-        float least = 0.0F;  // that it must still have: the wheel in rad/s, the aircraft in m/s
+        float min = 0.0F;  // that it must still have: the wheel in rad/s, the aircraft in m/s
         float last_radps = 0.0F;
         bool known = false;
     };
@@ -96,14 +96,14 @@ class Monitor {
     float flywheel_radius_m_;
     float released_Pa_;
     float period_s_;
-    float made_up_for_share_;
+    float compensated_share_;
     Arrival wheel_arrival_, flywheel_arrival_, pressure_arrival_, maneuver_arrival_;
     float latest_s_;
     Time heartbeat_max_age_;
     Speed wheel_;
     Persistence wheel_hurries_;  // without a break: a carcass swings
     Speed flywheel_;
-    float most_mps_ = 0.0F;      // that an aircraft on its wheels can have
+    float max_mps_ = 0.0F;       // that an aircraft on its wheels can have
     float acted_radps2_ = 0.0F;  // by brake or road, with what is left of it in a carcass
     Test pressure_reading_, pressure_stays_;
     float last_reading_Pa_ = 0.0F;

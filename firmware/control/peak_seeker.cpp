@@ -15,10 +15,10 @@ float triangle(float turns) {
 
 /// Of friction over slip, per answer of the road.
 float elasticity_per_answer_s(const Estimate& e) {
-    constexpr float kLeastSlip = 0.01F;
-    constexpr float kLeastRoad_radps2 = 50.0F;  // less is noise
-    const float road = larger(e.road_radps2, kLeastRoad_radps2);
-    return larger(e.slip, kLeastSlip) * e.v_mps / (e.radius_m * road);
+    constexpr float kMinSlip = 0.01F;
+    constexpr float kMinRoad_radps2 = 50.0F;  // less is noise
+    const float road = larger(e.road_radps2, kMinRoad_radps2);
+    return larger(e.slip, kMinSlip) * e.v_mps / (e.radius_m * road);
 }
 }  // namespace
 
@@ -40,14 +40,14 @@ void PeakSeeker::follow(const Estimate& e) {
     const float missing = limited(config_.gain * (elasticity_ - config_.elasticity), -1.0F, 1.0F);
     const float falls = e.slip > kNearlyLocked ? config_.lock_fall_per_s : 0.0F;
     slip_ += slip_ * (config_.rate_per_s * missing - falls) * period_s_;
-    slip_ = limited(slip_, config_.least_slip, config_.most_slip);
+    slip_ = limited(slip_, config_.min_slip, config_.max_slip);
 }
 
 float PeakSeeker::reference(const Estimate& e) {
-    if (e.v_mps >= config_.least_speed_mps) follow(e);
+    if (e.v_mps >= config_.min_speed_mps) follow(e);
     phase_ += config_.swing_Hz * period_s_;
     if (phase_ >= 1.0F) phase_ -= 1.0F;
-    return smaller(slip_ * (1.0F + config_.swing * triangle(phase_)), config_.most_slip);
+    return smaller(slip_ * (1.0F + config_.swing * triangle(phase_)), config_.max_slip);
 }
 
 }  // namespace antiskid::control

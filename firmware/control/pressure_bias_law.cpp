@@ -33,7 +33,7 @@ float PressureBiasLaw::pressure_Pa(const Estimate& e, float ceiling_Pa) {
     } else {
         bias_Pa_ -= (skidded_ ? config_.bleed_Paps : config_.first_bleed_Paps) * period_s_;
     }
-    bias_Pa_ = limited(bias_Pa_, 0.0F, config_.most_bias_share * ceiling_Pa);
+    bias_Pa_ = limited(bias_Pa_, 0.0F, config_.max_bias_share * ceiling_Pa);
 
     const float transient_Pa = config_.k_transient_Pa_per_mps * error_mps;
     const float lead_Pa = config_.k_lead_Pa_per_mps2 * lead_mps2;

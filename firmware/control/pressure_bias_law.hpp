@@ -6,7 +6,7 @@
 /// (1977); the bias that is laid up before the first skid: Salamat and Cook, US 6132016 (Hydro-Aire).
 ///
 /// As in those systems the reference speed comes from the braked wheel alone: the law knows neither the aircraft's speed nor slip, road
-/// torque or outlook, and the pressure only at its start. Its wheel speed and deceleration are better than theirs: the controller's
+/// torque or prediction, and the pressure only at its start. Its wheel speed and deceleration are better than theirs: the controller's
 /// observer, not a tachometer and a differentiator.
 #pragma once
 

@@ -6,8 +6,8 @@ namespace {
 /// The road's answer along the chord of friction from no slip, r tau / (lambda v): a wheel that follows the pressure at once, as one with
 /// hardly any slip does, shows no slope by its speed, but its torque over its slip.
 float chord_per_s(const Estimate& e) {
-    constexpr float kLeastSlip = 0.01F;  // less is the error of the wheel's radius
-    return larger(e.road_radps2, 0.0F) * e.radius_m / (larger(e.slip, kLeastSlip) * e.late_v_mps);
+    constexpr float kMinSlip = 0.01F;  // less is the error of the wheel's radius
+    return larger(e.road_radps2, 0.0F) * e.radius_m / (larger(e.slip, kMinSlip) * e.late_v_mps);
 }
 }  // namespace
 
@@ -23,9 +23,9 @@ void SlipLaw::start(const Estimate& estimate) {
 
 /// What a loop that hunts, or a wheel that locks, shows on any road: slip that stays above the reference.
 void SlipLaw::retreat(const Estimate& e, float rate_per_s) {
-    constexpr float kLeast = 0.0625F;  // slip 0.015 at a reference of 0.24: below the peak of friction on ice
+    constexpr float kMin = 0.0625F;  // slip 0.015 at a reference of 0.24: below the peak of friction on ice
     const float excess = larger(e.slip - reference_ - kHeldWithin, 0.0F);
-    share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, kLeast, 1.0F);
+    share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, kMin, 1.0F);
 }
 
 /// Towards the reference while the road restores the slip, back while the wheel runs away.

@@ -5,7 +5,7 @@
 namespace antiskid::control {
 
 SpeedTracker::SpeedTracker(float bandwidth_radps, const EncoderConfig& encoder)
-    : bandwidth_radps_(bandwidth_radps), most_speed_(encoder.max_speed_radps), most_acceleration_(encoder.max_acceleration_radps2) {}
+    : bandwidth_radps_(bandwidth_radps), max_speed_(encoder.max_speed_radps), max_acceleration_(encoder.max_acceleration_radps2) {}
 
 void SpeedTracker::reset(float speed, float acceleration) {
     speed_ = speed;
@@ -20,7 +20,7 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s) {
         started_ = false;
         return;
     }
-    const bool possible = is_possible(reading, most_speed_);
+    const bool possible = is_possible(reading, max_speed_);
     if (!started_) {
         if (reading.fresh && possible) reset(reading.speed_radps, 0.0F);
         return;
@@ -45,11 +45,11 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s) {
     const float since = larger(reading.interval_s, period_s);
     constexpr float kTwice = 2.0F;        // the prediction may be as far off as the reading
     constexpr float kPatience_s = 0.01F;  // then it is the prediction that is wrong
-    if (unheard_s_ < kPatience_s && magnitude(innovation) > kTwice * most_acceleration_ * since) return;
+    if (unheard_s_ < kPatience_s && magnitude(innovation) > kTwice * max_acceleration_ * since) return;
     unheard_s_ = 0.0F;
     const float memory = 1.0F / (1.0F + bandwidth_radps_ * since);
     speed_ = larger(speed_ + (1.0F - memory * memory) * innovation, 0.0F);
-    acceleration_ = limited(acceleration_ + (1.0F - memory) * (1.0F - memory) * innovation / since, -most_acceleration_, most_acceleration_);
+    acceleration_ = limited(acceleration_ + (1.0F - memory) * (1.0F - memory) * innovation / since, -max_acceleration_, max_acceleration_);
 }
 
 }  // namespace antiskid::control

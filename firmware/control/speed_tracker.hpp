@@ -22,8 +22,8 @@ class SpeedTracker {
 
   private:
     float bandwidth_radps_;
-    float most_speed_;
-    float most_acceleration_;
+    float max_speed_;
+    float max_acceleration_;
     float speed_ = 0.0F;
     float acceleration_ = 0.0F;
     float unheard_s_ = 0.0F;  // since a reading was believed

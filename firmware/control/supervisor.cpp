@@ -37,7 +37,7 @@ bool Supervisor::stays_locked(bool locked, float speed_mps) {
         return false;
     }
     locked_s_ += period_s_;
-    return (locked_s_ - config_.release_s) * config_.least_spin_up_mps2 > config_.unlock_share * speed_mps;
+    return (locked_s_ - config_.release_s) * config_.min_spin_up_mps2 > config_.unlock_share * speed_mps;
 }
 
 State Supervisor::braking_state(const Sensors& sensors, const Estimate& e) {
@@ -91,7 +91,7 @@ State Supervisor::update(const Sensors& sensors, const Estimate& e, FaultSet pre
     // A law that holds a slip does not lock again and again, unless what it reads or commands comes late. To others it is their way.
     if (wanted != State::locked_wheel && !holds_slip(sensors.maneuver.law)) locked_s_ = 0.0F;
     if (stays_locked(wanted == State::locked_wheel, e.v_mps)) present.insert(Fault::lock_persists);
-    // Before the self-test has passed nothing may be there yet: absence is no fault then, and there is no
+    // Before the self-test has passed nothing may be there yet: a missing input is no fault until then, and there is no
     // permission either. Somebody who presses the emergency stop means it all the same.
     if (present.contains(Fault::emergency_stop) || (wanted != State::self_test && !present.empty())) {
         if (present.contains(Fault::emergency_stop)) stop_periods_left_ = whole_periods(kStopLasts_s, period_s_) - 1U;

@@ -13,7 +13,7 @@
 ///   `touchdown_timeout_s` at the most
 /// - braking: the law acts. locked_wheel: rim below `lock_share` of the aircraft's speed until above `unlock_share`; no pressure;
 ///   not with the open-loop law, nor below `drop_out_mps`. A fault once the released wheel should have come back: after `release_s` and the
-///   time that `least_spin_up_mps2` takes to `unlock_share`
+///   time that `min_spin_up_mps2` takes to `unlock_share`
 /// - drop_out: below `drop_out_mps`, until `drop_out_hysteresis_mps` above it; the demand passes through. Only with the laws that
 ///   need slip
 /// - safe: left for standby when the maneuver command disarms and no cause is left, and no emergency stop has come for 0.1 s, so that one that

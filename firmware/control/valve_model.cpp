@@ -7,7 +7,7 @@ namespace antiskid::control {
 namespace {
 
 /// y at x on the polyline (xs, ys), held beyond its ends.
-float interpolate(const std::array<float, ValveConfig::kMostPoints>& xs, const std::array<float, ValveConfig::kMostPoints>& ys, std::size_t points,
+float interpolate(const std::array<float, ValveConfig::kMaxPoints>& xs, const std::array<float, ValveConfig::kMaxPoints>& ys, std::size_t points,
                   float x) {
     if (!(x > xs[0])) return ys[0];
     for (std::size_t i = 1; i < points; ++i) {
@@ -30,9 +30,9 @@ float valve_pressure_Pa(const ValveConfig& valve, float current_mA) {
 ValveModel::ValveModel(const ValveConfig& valve, float period_s, const EstimatorConfig& estimator)
     : correct_offset_(estimator.valve_offset_radps * period_s),
       offset_share_(estimator.valve_offset_share),
-      most_offset_Pa_(estimator.valve_offset_share * valve.full_pressure_Pa) {
+      max_offset_Pa_(estimator.valve_offset_share * valve.full_pressure_Pa) {
     const float delay = valve.delay_s / period_s;
-    while (whole_ < kMostDelay && static_cast<float>(whole_ + 1) <= delay + 1e-3F) ++whole_;
+    while (whole_ < kMaxDelay && static_cast<float>(whole_ + 1) <= delay + 1e-3F) ++whole_;
     part_ = limited(delay - static_cast<float>(whole_), 0.0F, 1.0F);
     if (part_ < 1e-3F) part_ = 0.0F;
     delay_s_ = static_cast<float>(whole_) * period_s;
@@ -76,13 +76,13 @@ void ValveModel::update(float command_Pa, float measured_Pa, bool fresh) {
     const float innovation = measured_Pa - state_.pressure_Pa;
     state_.pressure_Pa += correct_pressure_ * innovation;
     state_.rate_Paps += correct_rate_ * innovation;
-    offset_Pa_ = limited(offset_Pa_ + correct_offset_ * innovation, -most_offset_Pa_, most_offset_Pa_);
+    offset_Pa_ = limited(offset_Pa_ + correct_offset_ * innovation, -max_offset_Pa_, max_offset_Pa_);
 }
 
 /// By a share of what is asked at the most: no pressure stays none.
-float ValveModel::made_up_for_Pa(float pressure_Pa) const {
-    const float most = offset_share_ * pressure_Pa;
-    return pressure_Pa - limited(offset_Pa_, -most, most);
+float ValveModel::compensated_Pa(float pressure_Pa) const {
+    const float max = offset_share_ * pressure_Pa;
+    return pressure_Pa - limited(offset_Pa_, -max, max);
 }
 
 }  // namespace antiskid::control

@@ -24,7 +24,7 @@ struct PressureState {
 /// valve's static pressure differs from its map.
 class ValveModel {
   public:
-    static constexpr std::size_t kMostDelay = 16;  ///< periods
+    static constexpr std::size_t kMaxDelay = 16;  ///< periods
 
     ValveModel(const ValveConfig& valve, float period_s, const EstimatorConfig& estimator);
 
@@ -39,7 +39,7 @@ class ValveModel {
     [[nodiscard]] float offset_Pa() const { return offset_Pa_; }
 
     /// What to ask of the map so that `pressure_Pa` comes out.
-    [[nodiscard]] float made_up_for_Pa(float pressure_Pa) const;
+    [[nodiscard]] float compensated_Pa(float pressure_Pa) const;
 
     /// One period on from `from`, which is `periods_ahead` - 1 from now, by commands that are already in the pipe; 1 to delay_periods().
     [[nodiscard]] PressureState after(PressureState from, std::size_t periods_ahead) const {
@@ -59,7 +59,7 @@ class ValveModel {
     /// The static pressure that drives the lag `periods_ahead` periods from the newest command on its way out of the pipe.
     [[nodiscard]] float input(std::size_t periods_ahead) const { return inputs_[(newest_ + periods_ahead - whole_) % kKept]; }
 
-    static constexpr std::size_t kKept = 32;  // a power of two above kMostDelay + 1
+    static constexpr std::size_t kKept = 32;  // a power of two above kMaxDelay + 1
     std::array<float, kKept> inputs_{};       // a ring; of commands a part of a period apart, where the delay is no whole one
     float newest_command_Pa_ = 0.0F;
     std::size_t newest_ = 0;
@@ -68,7 +68,7 @@ class ValveModel {
     float delay_s_ = 0.0F;
     float a12_ = 0.0F, a22_ = 0.0F, b1_ = 0.0F, b2_ = 0.0F;
     float correct_pressure_, correct_rate_, correct_offset_;
-    float offset_share_, most_offset_Pa_;
+    float offset_share_, max_offset_Pa_;
     float offset_Pa_ = 0.0F;
     PressureState state_;
     PressureState uncorrected_;

@@ -4,15 +4,15 @@ namespace antiskid::control {
 
 namespace {
 constexpr float kFullTurn = 6.28318531F;
-constexpr float kLeastNoise_radps = 0.02F;    // of a reading: the clock's resolution
-constexpr float kLeastAnswer_per_s = -60.0F;  // faster than this no valve can follow, and a wild reading must not lead there
-constexpr float kMostAnswer_per_s = 6000.0F;
+constexpr float kMinNoise_radps = 0.02F;    // of a reading: the clock's resolution
+constexpr float kMinAnswer_per_s = -60.0F;  // faster than this no valve can follow, and a wild reading must not lead there
+constexpr float kMaxAnswer_per_s = 6000.0F;
 }  // namespace
 
 WheelObserver::WheelObserver(const ObserverConfig& config, const EncoderConfig& encoder, float period_s)
     : config_(config),
-      most_radps_(encoder.max_speed_radps),
-      most_radps2_(encoder.max_acceleration_radps2),
+      max_radps_(encoder.max_speed_radps),
+      max_radps2_(encoder.max_acceleration_radps2),
       pitch_rad_(kFullTurn / encoder.teeth),
       period_s_(period_s),
       learns_answer_(config.answer_noise > 0.0F) {}
@@ -32,14 +32,14 @@ void WheelObserver::begin(float omega_radps) {
 }
 
 void WheelObserver::predict(const Drive& drive) {
-    constexpr float kSpeedNoise = 1.0F;    // rad/s in the root of a second: what the equations leave out
-    constexpr float kMostVariance = 4e7F;  // of the answer
+    constexpr float kSpeedNoise = 1.0F;   // rad/s in the root of a second: what the equations leave out
+    constexpr float kMaxVariance = 4e7F;  // of the answer
     const float h = period_s_;
     const WheelStep step(answer_per_s_, h);
     const float f = step.acting_s();
     const float excess = motion_.road_radps2 - drive.brake_radps2 - drive.steady_radps2;
     motion_ = step.from(motion_, drive.brake_radps2, drive.steady_radps2);
-    motion_.road_radps2 = limited(motion_.road_radps2, -most_radps2_, most_radps2_);
+    motion_.road_radps2 = limited(motion_.road_radps2, -max_radps2_, max_radps2_);
 
     // F = [1 f w_a; 0 1 - a f t_a; 0 0 1], then F P F^T + Q.
     const float w_a = answer_per_s_ > 0.0F ? -f * f * excess : 0.0F;
@@ -56,7 +56,7 @@ void WheelObserver::predict(const Drive& drive) {
     wa_ = wa;
     tt_ = keeps * tt + t_a * ta + config_.road_noise_radps2 * config_.road_noise_radps2 * h;
     ta_ = ta;
-    if (aa_ < kMostVariance) aa_ += answer_noise * answer_noise * h;
+    if (aa_ < kMaxVariance) aa_ += answer_noise * answer_noise * h;
 }
 
 /// Readings that are off to one side for longer than chance allows.
@@ -88,11 +88,11 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     const float since = larger(reading.interval_s, period_s_);
     constexpr float kTwice = 2.0F;        // the prediction may be as far off as the reading
     constexpr float kPatience_s = 0.01F;  // then it is the prediction that is wrong
-    if (unheard_s_ < kPatience_s && magnitude(surprise) > kTwice * most_radps2_ * since) return;
+    if (unheard_s_ < kPatience_s && magnitude(surprise) > kTwice * max_radps2_ * since) return;
     unheard_s_ = 0.0F;
 
     const float noise = config_.reading_noise * pitch_rad_ / since;
-    const float variance = noise * noise + kLeastNoise_radps * kLeastNoise_radps;
+    const float variance = noise * noise + kMinNoise_radps * kMinNoise_radps;
     if (is_another_road(surprise, since, ww_ - 2.0F * age * wt_ + age * age * tt_ + variance)) forget_road(variance);
     const float w = ww_ - age * wt_, t = wt_ - age * tt_, a = wa_ - age * ta_;
     const float per_variance = 1.0F / (w - age * t + variance);
@@ -103,8 +103,8 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     // From rest at a constant acceleration the speed at the end is twice the mean: an uncertain road must not make more of a reading.
     const float at_most = larger(motion_.omega_radps, 2.0F * reading.speed_radps);
     motion_.omega_radps = limited(motion_.omega_radps + k_w * surprise, 0.0F, at_most);
-    motion_.road_radps2 = limited(motion_.road_radps2 + k_t * surprise, -most_radps2_, most_radps2_);
-    answer_per_s_ = limited(answer_per_s_ + k_a * surprise, kLeastAnswer_per_s, kMostAnswer_per_s);
+    motion_.road_radps2 = limited(motion_.road_radps2 + k_t * surprise, -max_radps2_, max_radps2_);
+    answer_per_s_ = limited(answer_per_s_ + k_a * surprise, kMinAnswer_per_s, kMaxAnswer_per_s);
     // Rounding must not make a variance negative.
     ww_ = larger(ww_ - k_w * w, 1e-6F);
     wt_ -= k_w * t;
@@ -121,7 +121,7 @@ void WheelObserver::update(const SpeedReading& reading, const Drive& drive) {
         started_ = false;
         return;
     }
-    const bool possible = is_possible(reading, most_radps_);
+    const bool possible = is_possible(reading, max_radps_);
     if (!started_) {
         if (!reading.fresh || !possible) return;
         begin(reading.speed_radps);

@@ -70,8 +70,8 @@ class WheelObserver {
     void forget_road(float reading_variance);
 
     ObserverConfig config_;
-    float most_radps_;
-    float most_radps2_;
+    float max_radps_;
+    float max_radps2_;
     float pitch_rad_;
     float period_s_;
     bool learns_answer_;

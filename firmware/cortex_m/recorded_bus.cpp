@@ -199,7 +199,7 @@ int recorded_bus() {
         const Command command = controller.step(port.sensors(), now);
         const std::uint32_t step = Ticks::since(before) - overhead;
         port.clear_one_shots();
-        std::array<Frame, ControllerPort::kMostFrames> answer{};
+        std::array<Frame, ControllerPort::kMaxFrames> answer{};
         const std::size_t answers = port.due_frames(command, answer);
         // As in lockstep: the valve command, first of what is due, goes last.
         std::rotate(answer.begin(), answer.begin() + 1, answer.begin() + answers);

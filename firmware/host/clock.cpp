@@ -3,7 +3,7 @@
 #include <cerrno>
 #include <ctime>
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 namespace {
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
@@ -21,4 +21,4 @@ void MonotonicClock::sleep_until(const Time deadline) {
     }
 }
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

@@ -3,7 +3,7 @@
 
 #include "firmware/control/types.hpp"
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 using control::Time;
 
@@ -22,4 +22,4 @@ class MonotonicClock final : public Clock {
     void sleep_until(Time deadline) override;
 };
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

@@ -16,7 +16,7 @@
 #include "firmware/host/loop_statistics.hpp"
 #include "firmware/host/pacer.hpp"
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 struct LoopSettings {
     Time period{};
@@ -25,7 +25,7 @@ struct LoopSettings {
 };
 
 /// What the loop works with; all of it must outlive the loop.
-struct LoopDoors {
+struct LoopContext {
     Clock& clock;
     Pacer& pacer;
     can::Bus& bus;
@@ -43,7 +43,7 @@ class ControlLoop {
     /// a reading of the clock costs as much as a reception.
     static constexpr std::uint64_t kTimedSteps = 16;
 
-    ControlLoop(const LoopSettings& settings, const LoopDoors& doors) : settings_(settings), doors_(doors) {}
+    ControlLoop(const LoopSettings& settings, const LoopContext& context) : settings_(settings), context_(context) {}
 
     /// Until `stop`; then the valve's safe current, kSafeCommands times, is the last that the bus gets from
     /// here.
@@ -58,9 +58,9 @@ class ControlLoop {
     void send_safe_current();
 
     LoopSettings settings_;
-    LoopDoors doors_;
+    LoopContext context_;
     LoopStatistics statistics_;
     Time last_woke_{};
 };
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

@@ -52,7 +52,7 @@ control::WheelConfig wheel(const settings::Table& t) {
 control::ValveConfig valve(const settings::Table& t, float period_s) {
     using control::ValveConfig;
     ValveConfig v;
-    const settings::Count count{.min = 2, .max = ValveConfig::kMostPoints};
+    const settings::Count count{.min = 2, .max = ValveConfig::kMaxPoints};
     const auto current = t.numbers("current_mA", {.range = {.min = 0.0, .max = 1000.0}, .count = count, .strictly_increasing = true});
     const auto pressure = t.numbers("pressure_Pa", {.range = {.min = 0.0, .max = 1e8}, .count = count, .strictly_increasing = true});
     if (current.size() != pressure.size()) {
@@ -66,8 +66,8 @@ control::ValveConfig valve(const settings::Table& t, float period_s) {
     }
     v.natural_frequency_radps = static_cast<float>(2.0 * std::numbers::pi * t.number("natural_frequency_Hz", {.min = 1.0, .max = 200.0}));
     v.damping = number(t, "damping", 0.1, 2.0);
-    const double most_delay = static_cast<double>(period_s) * static_cast<double>(control::ValveModel::kMostDelay);
-    v.delay_s = milliseconds(t, "delay_ms", 0.0, most_delay * 1e3);
+    const double max_delay = static_cast<double>(period_s) * static_cast<double>(control::ValveModel::kMaxDelay);
+    v.delay_s = milliseconds(t, "delay_ms", 0.0, max_delay * 1e3);
     v.safe_current_mA = number(t, "safe_current_mA", 0.0, current.front());
     v.full_pressure_Pa = number(t, "full_pressure_Pa", 1e5, pressure.back());
     return v;
@@ -86,7 +86,7 @@ control::ObserverConfig observer(const settings::Table& t) {
             .answer_noise = number(t, "answer_noise", 0.0, 100.0),
             .answer_floor_per_s = number(t, "answer_floor_per_s", 1.0, 1e4),
             .surprise = number(t, "surprise", 1.0, 1e3),
-            .outlook_share = number(t, "outlook_share", 0.0, 1.0)};
+            .prediction_share = number(t, "prediction_share", 0.0, 1.0)};
 }
 
 control::SlipConfig slip(const settings::Table& t) {
@@ -117,8 +117,8 @@ control::SlipConfig slip(const settings::Table& t) {
 
 control::PeakConfig peak(const settings::Table& t) {
     control::PeakConfig p{.start_slip = number(t, "start_slip", 0.01, 0.5),
-                          .least_slip = number(t, "least_slip", 0.005, 0.5),
-                          .most_slip = number(t, "most_slip", 0.01, 0.5),
+                          .min_slip = number(t, "min_slip", 0.005, 0.5),
+                          .max_slip = number(t, "max_slip", 0.01, 0.5),
                           .elasticity = number(t, "elasticity", -0.5, 0.9),
                           .swing = number(t, "swing", 0.0, 0.5),
                           .swing_Hz = number(t, "swing_Hz", 0.5, 20.0),
@@ -126,9 +126,9 @@ control::PeakConfig peak(const settings::Table& t) {
                           .gain = number(t, "gain", 0.0, 100.0),
                           .rate_per_s = number(t, "rate_per_s", 0.0, 100.0),
                           .lock_fall_per_s = number(t, "lock_fall_per_s", 0.0, 100.0),
-                          .least_speed_mps = number(t, "least_speed_mps", 0.0, 100.0)};
-    if (p.least_slip > p.start_slip) t.fail("least_slip", "must not be above start_slip");
-    if (p.start_slip > p.most_slip) t.fail("start_slip", "must not be above most_slip");
+                          .min_speed_mps = number(t, "min_speed_mps", 0.0, 100.0)};
+    if (p.min_slip > p.start_slip) t.fail("min_slip", "must not be above start_slip");
+    if (p.start_slip > p.max_slip) t.fail("start_slip", "must not be above max_slip");
     return p;
 }
 
@@ -160,7 +160,7 @@ control::PressureBiasConfig pressure_bias(const settings::Table& t) {
             .k_bias_Pa_per_m = number(t, "k_bias_Pa_per_m", 0.0, 1e10),
             .first_bleed_Paps = number(t, "first_bleed_Paps", 1e5, 1e10),
             .bleed_Paps = number(t, "bleed_Paps", 1e4, 1e10),
-            .most_bias_share = number(t, "most_bias_share", 0.0, 1.0),
+            .max_bias_share = number(t, "max_bias_share", 0.0, 1.0),
             .lead_dead_band_mps2 = number(t, "lead_dead_band_mps2", 0.0, 1e4),
             .k_lead_Pa_per_mps2 = number(t, "k_lead_Pa_per_mps2", 0.0, 1e8)};
 }
@@ -193,7 +193,7 @@ control::SupervisorConfig supervisor(const settings::Table& t, const control::Va
             .demand_threshold_Pa = derived::kDemand * residual_Pa,
             .lock_share = lock_share,
             .unlock_share = 1.0F - lock_share,
-            .least_spin_up_mps2 = number(t, "least_spin_up_mps2", 1.0, 1e4),
+            .min_spin_up_mps2 = number(t, "min_spin_up_mps2", 1.0, 1e4),
             .release_s = derived::kStandstill_s + v.delay_s + derived::kSettled / v.natural_frequency_radps,
             .drop_out_mps = drop_out_mps,
             .drop_out_hysteresis_mps = derived::kHysteresis * drop_out_mps,
@@ -219,7 +219,7 @@ control::MonitorConfig monitor(const settings::Table& t, const Config& c, float 
             .off_command_s = derived::kOffCommand * stuck_s,
             .plausible_above_mps = derived::kPlausible * drop_out_mps,
             .overruns = static_cast<std::uint16_t>(std::lround(derived::kOverruns * max_age_s / c.period_s)),
-            .most_deceleration_mps2 = number(t, "most_deceleration_mps2", 0.1, 100.0)};
+            .max_deceleration_mps2 = number(t, "max_deceleration_mps2", 0.1, 100.0)};
 }
 
 }  // namespace

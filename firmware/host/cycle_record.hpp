@@ -8,7 +8,7 @@
 #include "firmware/control/types.hpp"
 #include "firmware/host/spsc_ring.hpp"
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 struct CycleRecord {
     std::uint64_t step = 0;  ///< number of the step, from 1
@@ -31,4 +31,4 @@ struct CycleRecord {
 /// Four seconds at 1 kHz: the reader may be held up that long before records are lost.
 using CycleRing = SpscRing<CycleRecord, 4096>;
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

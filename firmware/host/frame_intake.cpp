@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 bool FrameIntake::has_next(const bool first, const control::Time longest) {
     if (next_ < end_) return true;
@@ -14,20 +14,20 @@ bool FrameIntake::has_next(const bool first, const control::Time longest) {
 
 FrameIntake::Taken FrameIntake::drain(const control::Time now) {
     Taken taken;
-    while (taken.frames < kMost && has_next(taken.frames == 0, {})) {
+    while (taken.frames < kMax && has_next(taken.frames == 0, {})) {
         can::Frame& frame = batch_[next_++];
         frame.received = std::min(frame.received, now);
         port_.accept(frame);
         ++taken.frames;
     }
-    taken.full = taken.frames == kMost;
+    taken.full = taken.frames == kMax;
     return taken;
 }
 
 FrameIntake::Taken FrameIntake::take_until_sync(const control::Time now, const control::Time longest) {
     Taken taken;
     const std::uint32_t syncs = port_.sync_count();
-    while (taken.frames < kMost && !taken.sync && has_next(taken.frames == 0, longest)) {
+    while (taken.frames < kMax && !taken.sync && has_next(taken.frames == 0, longest)) {
         can::Frame& frame = batch_[next_++];
         taken.sync_received = frame.received;
         frame.received = now;
@@ -35,8 +35,8 @@ FrameIntake::Taken FrameIntake::take_until_sync(const control::Time now, const c
         ++taken.frames;
         taken.sync = port_.sync_count() != syncs;
     }
-    taken.full = taken.frames == kMost;
+    taken.full = taken.frames == kMax;
     return taken;
 }
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

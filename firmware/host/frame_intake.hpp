@@ -7,13 +7,13 @@
 #include "firmware/can/bus.hpp"
 #include "firmware/can/controller_port.hpp"
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 class FrameIntake {
   public:
     /// Most frames taken in one call: more than ten times what 1 Mbit/s can carry in 1 ms. What is left stays
     /// in the kernel's queue.
-    static constexpr std::size_t kMost = 256;
+    static constexpr std::size_t kMax = 256;
 
     struct Taken {
         std::size_t frames = 0;
@@ -43,4 +43,4 @@ class FrameIntake {
     std::size_t end_ = 0;
 };
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

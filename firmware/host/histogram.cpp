@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 namespace {
 constexpr std::uint64_t kSubBuckets = 64;
@@ -52,4 +52,4 @@ control::Time Histogram::percentile(const double fraction) const {
     return control::Time{maximum_};
 }
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

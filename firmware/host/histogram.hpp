@@ -8,7 +8,7 @@
 
 #include "firmware/control/types.hpp"
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 /// No allocation, constant work per `add`. One writer; readers only while nobody writes. About 18 KiB.
 class Histogram {
@@ -42,4 +42,4 @@ class Histogram {
     double sum_ = 0.0;
 };
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

@@ -1,6 +1,6 @@
 #include "firmware/host/loop_statistics.hpp"
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 void LoopStatistics::add(const CycleRecord& record) {
     ++steps;
@@ -31,4 +31,4 @@ void LoopStatistics::add(const CycleRecord& record) {
     faults_seen.insert(record.command.faults);
 }
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

@@ -8,7 +8,7 @@
 #include "firmware/host/cycle_record.hpp"
 #include "firmware/host/histogram.hpp"
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 struct LoopStatistics {
     Histogram period;   ///< from one wake-up to the next
@@ -41,4 +41,4 @@ struct LoopStatistics {
     bool link_was_good_ = true;
 };
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 std::optional<Wake> TimerPacer::next(const std::atomic<bool>& stop) {
     if (stop.load(std::memory_order_relaxed)) return std::nullopt;
@@ -125,4 +125,4 @@ bool SyncPacer::follows_last() {
     return follows;
 }
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

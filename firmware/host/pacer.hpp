@@ -11,7 +11,7 @@
 #include "firmware/host/frame_intake.hpp"
 #include "firmware/host/periodic_timer.hpp"
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 struct Wake {
     Time now{};                 ///< for the controller
@@ -110,4 +110,4 @@ class SyncPacer final : public Pacer {
     bool synchronised_ = false;
 };
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

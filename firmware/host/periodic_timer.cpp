@@ -1,6 +1,6 @@
 #include "firmware/host/periodic_timer.hpp"
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 PeriodicTimer::Tick PeriodicTimer::wait() {
     // The clock is read once only, after the sleep: in a virtual machine each reading costs as much as the
@@ -14,4 +14,4 @@ PeriodicTimer::Tick PeriodicTimer::wait() {
     return {deadline, woke, latency, static_cast<std::uint64_t>(skipped)};
 }
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

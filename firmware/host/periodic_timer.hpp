@@ -5,7 +5,7 @@
 
 #include "firmware/host/clock.hpp"
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 class PeriodicTimer {
   public:
@@ -29,4 +29,4 @@ class PeriodicTimer {
     Time next_;
 };
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <system_error>
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 namespace {
 
@@ -65,13 +65,13 @@ std::optional<std::string> lock_memory() {
 }
 
 std::vector<std::string> enter_realtime(const RealtimeRequest& request) {
-    std::vector<std::string> refused;
+    std::vector<std::string> rejected;
     touch_stack();
     if (request.cpu)
-        if (auto warning = pin(*request.cpu)) refused.push_back(std::move(*warning));
+        if (auto warning = pin(*request.cpu)) rejected.push_back(std::move(*warning));
     if (request.priority > 0)
-        if (auto warning = raise_priority(request.priority)) refused.push_back(std::move(*warning));
-    return refused;
+        if (auto warning = raise_priority(request.priority)) rejected.push_back(std::move(*warning));
+    return rejected;
 }
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 struct RealtimeRequest {
     int priority = 80;       ///< SCHED_FIFO 1 to 99; 0 leaves ordinary scheduling
@@ -21,4 +21,4 @@ struct RealtimeRequest {
 /// thing refused.
 [[nodiscard]] std::vector<std::string> enter_realtime(const RealtimeRequest& request);
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

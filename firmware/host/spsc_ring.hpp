@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 /// `Capacity` items, a power of two. Large: make it a member of something on the heap or static, not a local.
 template <typename T, std::size_t Capacity>
@@ -51,4 +51,4 @@ class SpscRing {
     std::array<T, Capacity> items_{};
 };
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

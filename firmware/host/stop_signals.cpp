@@ -2,7 +2,7 @@
 
 #include <pthread.h>
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 StopSignals::StopSignals() {
     sigemptyset(&set_);
@@ -24,4 +24,4 @@ StopSignals::~StopSignals() {
     waiter_.join();
 }
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

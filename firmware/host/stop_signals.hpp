@@ -5,7 +5,7 @@
 #include <csignal>
 #include <thread>
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 class StopSignals {
   public:
@@ -33,4 +33,4 @@ class StopSignals {
     std::thread waiter_;
 };
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

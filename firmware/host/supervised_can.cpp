@@ -3,7 +3,7 @@
 #include <exception>
 #include <utility>
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 SupervisedCan::SupervisedCan(Open open) : open_(std::move(open)), active_(open_()) {}
 
@@ -67,4 +67,4 @@ std::string SupervisedCan::service() {
     return "";
 }
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

@@ -13,7 +13,7 @@
 
 #include "firmware/can/bus.hpp"
 
-namespace antiskid::rt {
+namespace antiskid::host {
 
 class SupervisedCan final : public can::Bus {
   public:
@@ -54,4 +54,4 @@ class SupervisedCan final : public can::Bus {
     std::atomic<bool> lost_{false};
 };
 
-}  // namespace antiskid::rt
+}  // namespace antiskid::host

@@ -16,7 +16,7 @@
 #include "firmware/can/candump.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/bench/measure.hpp"
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "rig_bridge/replay/controller_replay.hpp"
 
@@ -27,11 +27,11 @@ namespace fs = std::filesystem;
 constexpr int kRounds = 5;
 
 std::string recorded_stop() {
-    const plant_sim::ScenarioOptions usual;
-    const plant_sim::Scenario s = plant_sim::load_scenario(usual);
+    const plant_sim::StopOptions usual;
+    const plant_sim::StopInputs s = plant_sim::load_scenario(usual);
     std::string log;
     (void)study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames, {}, [&](const antiskid::can::Frame& frame) {
-        std::array<char, antiskid::can::kCandumpLineMost> line{};
+        std::array<char, antiskid::can::kCandumpLineMax> line{};
         const std::size_t size = antiskid::can::format_candump(frame.received, "vcan0", frame, line);
         log.append(line.data(), size).push_back('\n');
     });
@@ -40,9 +40,9 @@ std::string recorded_stop() {
 
 double read_s(const fs::path& file, std::uint64_t& frames) {
     return bench::processor_s_of([&] {
-        rig::LogWarnings warnings(file.string(), {});
-        rig::LogReader log(file, {}, warnings);
-        for (rig::LogFrame f; log.next(f);) {
+        rig::replay::LogWarnings warnings(file.string(), {});
+        rig::replay::LogReader log(file, {}, warnings);
+        for (rig::replay::LogFrame f; log.next(f);) {
         }
         frames = log.frames();
     });
@@ -82,16 +82,16 @@ int run(const fs::path& folder) {
     std::uint64_t frames = 0;
     const fs::path one = folder / "one.log";
     settings::write_file(one, stop);
-    const antiskid::rt::Options usual;
-    const antiskid::rt::Setup setup = antiskid::rt::load_setup(usual);
+    const antiskid::controller::Options usual;
+    const antiskid::controller::ControllerSetup setup = antiskid::controller::load_setup(usual);
     std::uint64_t different = 0;
     std::uint64_t commands = 0;
     for (int round = 0; round < kRounds; ++round) {
         ours.push_back(read_s(plain, frames));
         gzip.push_back(read_s(packed, frames));
         theirs.push_back(log2asc_s(plain));
-        rig::LogWarnings warnings(one.string(), {});
-        const auto report = rig::replay_controller(one, {}, setup, rig::ReplayClock::automatic, warnings);
+        rig::replay::LogWarnings warnings(one.string(), {});
+        const auto report = rig::replay::replay_controller(one, {}, setup, rig::replay::ReplayClock::automatic, warnings);
         factor.push_back(report.recorded_s / report.took_s);
         commands = report.count(antiskid::can::Role::valve).compared;
         different = report.count(antiskid::can::Role::valve).different;

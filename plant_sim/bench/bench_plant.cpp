@@ -38,7 +38,7 @@ constexpr double kOutput_s = 5e-3;
 
 /// One open-loop run: static pressure before the valve, from brake-on to 5 m/s or `end_s`.
 struct Case {
-    plant::RigParameters rig;
+    rig::RigParameters rig;
     Profile static_Pa;
     double end_s;
 };
@@ -61,14 +61,14 @@ Profile stairs(double peak_Pa) {
 
 std::vector<Case> cases(double longest_s) {
     std::vector<Case> all;
-    for (const std::string& surface : plant::surface_names("config")) {
-        for (const std::string& maneuver : plant::maneuver_names("config")) {
-            plant::ManeuverChoice choice;
+    for (const std::string& surface : rig::surface_names("config")) {
+        for (const std::string& maneuver : rig::maneuver_names("config")) {
+            rig::ManeuverChoice choice;
             choice.surface = surface;
             choice.maneuver = maneuver;
-            const plant::RigParameters rig = plant::load_rig("config", choice).rig;
+            const rig::RigParameters rig = rig::load_rig("config", choice).rig;
             const auto shapes = profiles(rig);
-            for (const Profile& profile : {shapes.at(0).pressure_Pa, shapes.at(1).pressure_Pa, stairs(least_peak_pressure_Pa(rig))}) {
+            for (const Profile& profile : {shapes.at(0).pressure_Pa, shapes.at(1).pressure_Pa, stairs(min_peak_pressure_Pa(rig))}) {
                 reference::Options options;
                 options.longest_s = longest_s;
                 options.output_s = 1.0;
@@ -242,9 +242,10 @@ void draw(const std::vector<Contestant>& all, double simulated_s, const std::fil
         for (const Contestant& one : all)
             if (one.method == method) script += fmt::format("{:.6g} {:.6g}\n", one.median_s() / simulated_s * 1e6, one.error_omega);
         script += "EOD\n";
-        plots += fmt::format("{}$m{} with linespoints pt 7 lw 1.5 title {}", plots.empty() ? "plot " : ", ", number, study::gnuplot_quoted(method));
+        plots +=
+            fmt::format("{}$m{} with linespoints pt 7 lw 1.5 title {}", plots.empty() ? "plot " : ", ", number, pictures::gnuplot_quoted(method));
     }
-    study::run_gnuplot(png, 900, 650, script + plots + "\n");
+    pictures::run_gnuplot(png, 900, 650, script + plots + "\n");
 }
 
 nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int rounds, const std::filesystem::path& png) {

@@ -19,7 +19,7 @@
 #include "plant_sim/bench/closed_loop.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/odeint_plant.hpp"
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 
 namespace {
 
@@ -30,14 +30,14 @@ using bench::kPeriod;
 constexpr double kOdeTolerance = 1e-6;
 constexpr int kRounds = 7;
 
-plant_sim::Scenario scenario(const char* maneuver, const char* surface) {
-    plant_sim::ScenarioOptions o;
+plant_sim::StopInputs scenario(const char* maneuver, const char* surface) {
+    plant_sim::StopOptions o;
     o.choice.maneuver = maneuver;
     o.choice.surface = surface;
     return plant_sim::load_scenario(o);
 }
 
-bench::Loop loop_of(const plant_sim::Scenario& s) {
+bench::Loop loop_of(const plant_sim::StopInputs& s) {
     return {s.controller, s.layout, s.session.plan, s.plant.drop_out_mps};
 }
 
@@ -61,7 +61,7 @@ std::optional<std::uint64_t> instructions_of(const auto& run) {
 }
 
 /// Single steps by the clock, less what the clock itself takes.
-nlohmann::ordered_json step_cost(const plant_sim::Scenario& s) {
+nlohmann::ordered_json step_cost(const plant_sim::StopInputs& s) {
     plant::Rig rig(s.plant.rig, 1e-3, 1);
     const std::vector<Sensors> seen = bench::stop(rig, loop_of(s), true).seen;
     using Clock = std::chrono::steady_clock;
@@ -103,7 +103,7 @@ int run() {
                "distances (m)");
     std::vector<double> all;
     for (const auto& [maneuver, surface] : kScenarios) {
-        const plant_sim::Scenario s = scenario(maneuver, surface);
+        const plant_sim::StopInputs s = scenario(maneuver, surface);
         std::vector<double> ours;
         std::vector<double> theirs;
         std::vector<double> ratios;

@@ -17,8 +17,8 @@
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "plant_sim/study/run_many.hpp"
+#include "plant_sim/study/sweep/load_sweep_plan.hpp"
 #include "plant_sim/study/sweep/run.hpp"
-#include "plant_sim/study/sweep/setup.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
@@ -45,7 +45,7 @@ Spent spend(const Work& work) {
     return spent;
 }
 
-Spent side_by_side(const sweep::Plan& plan, const std::vector<std::size_t>& numbers, unsigned threads) {
+Spent side_by_side(const sweep::SweepPlan& plan, const std::vector<std::size_t>& numbers, unsigned threads) {
     return spend([&] {
         std::uint64_t periods = 0;
         study::run_many(
@@ -81,8 +81,8 @@ struct Engine {
 };
 
 int run() {
-    const sweep::Plan plan = sweep::load_plan({});
-    const std::vector<std::size_t> order = study::order_of_work(plan.stops());
+    const sweep::SweepPlan plan = sweep::load_plan({});
+    const std::vector<std::size_t> order = study::team::order_of_work(plan.stops());
     const std::vector<std::size_t> numbers(order.begin(), order.begin() + kStops);
     const unsigned threads = wear::all_cores();
 

@@ -53,8 +53,8 @@ void attempt(bench::Results& results, std::string_view what, Measure measure) {
 }
 
 bench::Results measure(const bench::Settings& s) {
-    const plant_sim::ScenarioOptions usual;
-    const plant_sim::Scenario scenario = plant_sim::load_scenario(usual);
+    const plant_sim::StopOptions usual;
+    const plant_sim::StopInputs scenario = plant_sim::load_scenario(usual);
     bench::Results results;
     attempt(results, "wake-up latency", [&] {
         results.wake_up = bench::measure_wake_up(s, scenario.layout, [&](int number, const bench::WakeUpRound& round) {

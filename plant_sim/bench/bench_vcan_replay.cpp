@@ -18,7 +18,7 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/bench/child.hpp"
 #include "plant_sim/bench/percentiles.hpp"
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 
@@ -36,15 +36,15 @@ constexpr const char* kInterface = "vcan0";
 
 /// The first seconds of a landing in lockstep, its frames spread over each millisecond as a bus of 1 Mbit/s would.
 std::vector<Frame> recorded_stop() {
-    constexpr Time kMost{5'000'000'000};
+    constexpr Time kMax{5'000'000'000};
     constexpr Time kOnBus{130'000};
-    const plant_sim::ScenarioOptions usual;
-    const plant_sim::Scenario s = plant_sim::load_scenario(usual);
+    const plant_sim::StopOptions usual;
+    const plant_sim::StopInputs s = plant_sim::load_scenario(usual);
     std::vector<Frame> frames;
     Time cycle{};
     Time next{};
     (void)study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::frames, {}, [&](Frame frame) {
-        if (frame.received >= kMost) return;
+        if (frame.received >= kMax) return;
         if (frame.received != cycle) next = cycle = frame.received;
         frame.received = next;
         next += kOnBus;
@@ -56,7 +56,7 @@ std::vector<Frame> recorded_stop() {
 std::string as_log(const std::vector<Frame>& frames) {
     std::string log;
     for (const Frame& frame : frames) {
-        std::array<char, antiskid::can::kCandumpLineMost> line{};
+        std::array<char, antiskid::can::kCandumpLineMax> line{};
         const std::size_t size = antiskid::can::format_candump(frame.received, kInterface, frame, line);
         log.append(line.data(), size).push_back('\n');
     }
@@ -64,7 +64,7 @@ std::string as_log(const std::vector<Frame>& frames) {
 }
 
 /// candump takes what is on the bus; it must have written all when it is ended.
-std::vector<Frame> heard(const std::vector<std::string>& player, const fs::path& folder, std::size_t expected) {
+std::vector<Frame> reception(const std::vector<std::string>& player, const fs::path& folder, std::size_t expected) {
     const fs::path log = folder / "heard.log";
     fs::remove(log);
     Child recorder({"candump", "-L", "-r", "33554432", kInterface}, log);
@@ -76,9 +76,9 @@ std::vector<Frame> heard(const std::vector<std::string>& player, const fs::path&
     for (int turn = 0; turn < 100 && frames.size() < expected; ++turn) {
         std::this_thread::sleep_for(100ms);
         frames.clear();
-        rig::LogWarnings warnings(log.string(), {});
-        rig::LogReader reader(log, {}, warnings);
-        for (rig::LogFrame f; reader.next(f);) frames.push_back(f.frame);
+        rig::replay::LogWarnings warnings(log.string(), {});
+        rig::replay::LogReader reader(log, {}, warnings);
+        for (rig::replay::LogFrame f; reader.next(f);) frames.push_back(f.frame);
     }
     if (frames.size() != expected)
         throw std::runtime_error(fmt::format("{}: {} frames on the bus, {} in the log", player[0], frames.size(), expected));
@@ -115,7 +115,7 @@ void run(const fs::path& folder) {
                        Player{"canplayer -g 0", {"canplayer", "-g", "0", "-I", log.string()}, {}}};
     for (int round = 0; round < kRounds; ++round) {
         for (Player& player : players) {
-            const auto late = lateness(frames, heard(player.words, folder, frames.size()));
+            const auto late = lateness(frames, reception(player.words, folder, frames.size()));
             player.late.insert(player.late.end(), late.begin(), late.end());
         }
     }

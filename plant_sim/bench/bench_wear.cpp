@@ -84,12 +84,12 @@ int run() {
     // Ours is relative to the log-likelihood of all points, scikit-learn's absolute to their mean: the same where it is 1 a point.
     const nlohmann::json other =
         nlohmann::json::parse(output_of(fmt::format("/usr/bin/python3 plant_sim/bench/sklearn_mixture.py {} {} {} {} {}", kPoints, settings.starts,
-                                                    settings.em.covariance_floor, settings.em.tolerance, settings.most_components)));
+                                                    settings.em.covariance_floor, settings.em.tolerance, settings.max_components)));
 
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     double other_processor_s = 0.0;
     double other_wall_s = 0.0;
-    double least_lead = 1e300;
+    double min_lead = 1e300;
     fmt::print("{:>10}{:>16}{:>16}{:>12}{:>20}\n", "components", "ours", "scikit-learn", "lead", "scikit-learn (s)");
     for (std::size_t i = 0; i < fit.orders.size(); ++i) {
         const double ours = fit.orders[i].log_likelihood + n * per_point;
@@ -97,7 +97,7 @@ int run() {
         const auto theirs = o.at("log_likelihood").get<double>();
         other_processor_s += o.at("processor_s").get<double>();
         other_wall_s += o.at("seconds").get<double>();
-        least_lead = std::min(least_lead, ours - theirs);
+        min_lead = std::min(min_lead, ours - theirs);
         fmt::print("{:>10}{:>16.4f}{:>16.4f}{:>12.4f}{:>20.2f}\n", fit.orders[i].components, ours, theirs, ours - theirs,
                    o.at("processor_s").get<double>());
         rows.push_back({{"components", fit.orders[i].components},
@@ -107,12 +107,12 @@ int run() {
     }
     const double processor_s = bench::median(processor);
     const double ours_wall_s = bench::median(wall);
-    fmt::print("least lead in log-likelihood {:.4f}\n", least_lead);
+    fmt::print("least lead in log-likelihood {:.4f}\n", min_lead);
     fmt::print("processor time: ours {:.2f} s, scikit-learn {} {:.1f} s, ratio {:.1f}\n", processor_s, other.at("version").get<std::string>(),
                other_processor_s, other_processor_s / processor_s);
     fmt::print("wall: ours {:.2f} s, scikit-learn {:.1f} s, ratio {:.1f}\n", ours_wall_s, other_wall_s, other_wall_s / ours_wall_s);
     const nlohmann::ordered_json json{{"orders", rows},
-                                      {"least_lead", least_lead},
+                                      {"min_lead", min_lead},
                                       {"ours_processor_s", processor_s},
                                       {"sklearn_processor_s", other_processor_s},
                                       {"processor_ratio", other_processor_s / processor_s},

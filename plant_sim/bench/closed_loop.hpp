@@ -60,7 +60,7 @@ Stop stop(Plant& rig, const Loop& loop, bool keep = false) {
         const antiskid::control::Command command = controller.step(sensors, now);
         rig.advance_current(static_cast<double>(link.current_mA(command)));
         pilot.update(rig.time_s(), false);
-        if (!touched && pilot.phase() != study::Phase::approach) {
+        if (!touched && pilot.phase() != study::StopPhase::approach) {
             rig.touch_down();
             touched = true;
         }

@@ -24,7 +24,7 @@ template <typename Work>
 auto at_rig_priority(const Settings& s, Work work) {
     return std::async(std::launch::async,
                       [&] {
-                          (void)rt::enter_realtime({.priority = s.rig_priority(), .cpu = s.cpu});
+                          (void)host::enter_realtime({.priority = s.rig_priority(), .cpu = s.cpu});
                           return work();
                       })
         .get();
@@ -32,8 +32,8 @@ auto at_rig_priority(const Settings& s, Work work) {
 
 /// One exchange; returns its duration in ns.
 std::int64_t exchange(CanSocket& socket, const can_frame& question, can_frame& answer) {
-    rt::MonotonicClock clock;
-    const rt::Time before = clock.now();
+    host::MonotonicClock clock;
+    const host::Time before = clock.now();
     socket.send(question);
     if (!socket.receive(answer)) throw std::runtime_error("no answer within " + std::to_string(kPatience.count()) + " s");
     return (clock.now() - before).count();
@@ -94,10 +94,10 @@ Samples replay(const Settings& s, const RecordedStop& stop, std::uint64_t& unlik
 }
 
 double clock_reading_us() {
-    rt::MonotonicClock clock;
+    host::MonotonicClock clock;
     Samples durations;
     for (int i = 0; i < 1000; ++i) {
-        const rt::Time before = clock.now();
+        const host::Time before = clock.now();
         durations.push_back((clock.now() - before).count());
     }
     return exact(durations).p50_us;

@@ -6,7 +6,7 @@ namespace bench {
 
 namespace odeint = boost::numeric::odeint;
 
-Equations::Equations(const plant::RigParameters& rig)
+Equations::Equations(const rig::RigParameters& rig)
     : brake_(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps),
       tyre_(rig.surface.law()),
       base_N_(rig.load.base_N),
@@ -18,7 +18,7 @@ Equations::Equations(const plant::RigParameters& rig)
       w2_(rig.valve.natural_frequency_radps * rig.valve.natural_frequency_radps),
       damping_(2.0 * rig.valve.damping * rig.valve.natural_frequency_radps) {}
 
-OdeintRig::OdeintRig(const plant::RigParameters& rig, double tolerance, std::uint64_t seed)
+OdeintRig::OdeintRig(const rig::RigParameters& rig, double tolerance, std::uint64_t seed)
     : parameters_(rig),
       equations_(rig),
       stepper_(odeint::make_controlled<Dopri5>(tolerance, tolerance)),

@@ -16,7 +16,7 @@ using OdeState = std::array<double, kStates>;
 /// Right-hand side of eq. (1) to (6) and (9), the static pressure linear in time.
 class Equations {
   public:
-    explicit Equations(const plant::RigParameters& rig);
+    explicit Equations(const rig::RigParameters& rig);
 
     void operator()(const OdeState& x, OdeState& dx, double t) const {
         const double v = x[kSpeed] > plant::Wheel::kSlowest_mps ? x[kSpeed] : plant::Wheel::kSlowest_mps;
@@ -53,7 +53,7 @@ class Equations {
     }
 
     plant::BrakeTorque brake_;
-    plant::FrictionLaw tyre_;
+    rig::FrictionLaw tyre_;
     double base_N_, lift_, free_radius_, per_stiffness_, per_mass_, per_inertia_, w2_, damping_;
 };
 
@@ -62,7 +62,7 @@ using Dopri5 = boost::numeric::odeint::runge_kutta_dopri5<OdeState>;
 /// In place of plant::Rig in a closed loop: valve, wheel and the same sensors, a step of 1 ms at a time.
 class OdeintRig {
   public:
-    OdeintRig(const plant::RigParameters& rig, double tolerance, std::uint64_t seed);
+    OdeintRig(const rig::RigParameters& rig, double tolerance, std::uint64_t seed);
 
     void touch_down() { equations_.loaded = true; }
     void advance_current(double current_mA);
@@ -79,7 +79,7 @@ class OdeintRig {
   private:
     static constexpr double kStep_s = 1e-3;
 
-    plant::RigParameters parameters_;
+    rig::RigParameters parameters_;
     Equations equations_;
     boost::numeric::odeint::result_of::make_controlled<Dopri5>::type stepper_;
     OdeState x_{};
@@ -87,7 +87,7 @@ class OdeintRig {
     std::vector<double> delay_line_;
     std::size_t next_ = 0;
     plant::Encoder wheel_encoder_, flywheel_encoder_;
-    plant::Random random_;
+    rig::Random random_;
     std::uint64_t steps_ = 0;
     double measured_Pa_ = 0.0;
 };

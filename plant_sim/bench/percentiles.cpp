@@ -11,8 +11,8 @@ namespace {
 
 /// From 1.
 std::uint64_t rank(const double share, const std::uint64_t count) {
-    const auto least = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count)));
-    return std::clamp<std::uint64_t>(least, 1, count);
+    const auto min = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count)));
+    return std::clamp<std::uint64_t>(min, 1, count);
 }
 
 double middle(std::vector<double> values) {
@@ -45,16 +45,16 @@ Percentiles from_cyclictest(const nlohmann::json& result) {
     std::map<std::uint64_t, std::uint64_t> counts;
     for (const auto& [bucket, number] : thread.at("histogram").items()) counts[std::stoull(bucket)] = number.get<std::uint64_t>();
     const auto count = thread.at("cycles").get<std::uint64_t>();
-    const double most = thread.at("max").get<double>() + 1.0;
+    const double max = thread.at("max").get<double>() + 1.0;
     const auto at = [&](double share) {
         std::uint64_t so_far = 0;
         for (const auto& [bucket, number] : counts) {
             so_far += number;
             if (so_far >= rank(share, count)) return static_cast<double>(bucket) + 1.0;
         }
-        return most;
+        return max;
     };
-    return {.count = count, .p50_us = at(0.5), .p99_us = at(0.99), .p99_9_us = at(0.999), .max_us = most};
+    return {.count = count, .p50_us = at(0.5), .p99_us = at(0.99), .p99_9_us = at(0.999), .max_us = max};
 }
 
 Percentiles median(const std::vector<Percentiles>& rounds) {

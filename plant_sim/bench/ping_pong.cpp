@@ -15,10 +15,10 @@ namespace antiskid::bench {
 
 namespace {
 
-[[noreturn]] void answer(CanSocket& socket, const rt::RealtimeRequest& request) {
+[[noreturn]] void answer(CanSocket& socket, const host::RealtimeRequest& request) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    (void)rt::lock_memory();
-    (void)rt::enter_realtime(request);
+    (void)host::lock_memory();
+    (void)host::enter_realtime(request);
     try {
         for (can_frame frame{}; socket.receive(frame);) {
             frame.can_id = PongProcess::kPong;
@@ -32,7 +32,7 @@ namespace {
 
 }  // namespace
 
-PongProcess::PongProcess(const std::string& interface, const rt::RealtimeRequest& request) : pid_(-1) {
+PongProcess::PongProcess(const std::string& interface, const host::RealtimeRequest& request) : pid_(-1) {
     // Opened before the fork: a ping that comes before the process runs waits in the socket.
     CanSocket socket(interface, kPing);
     pid_ = fork();

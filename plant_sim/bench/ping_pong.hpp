@@ -15,7 +15,7 @@ class PongProcess {
     static constexpr canid_t kPong = 0x7F1;
 
     /// Ready to answer when this returns. Throws when it cannot be.
-    PongProcess(const std::string& interface, const rt::RealtimeRequest& request);
+    PongProcess(const std::string& interface, const host::RealtimeRequest& request);
     /// Ends it.
     ~PongProcess();
     PongProcess(const PongProcess&) = delete;

@@ -22,7 +22,7 @@ can_frame raw(const can::Frame& frame) {
 
 }  // namespace
 
-RecordedStop record_stop(const plant_sim::Scenario& scenario) {
+RecordedStop record_stop(const plant_sim::StopInputs& scenario) {
     RecordedStop stop{.valve_id = scenario.layout[can::Role::valve].id, .cycles = {}};
     const std::uint32_t sync_id = scenario.layout[can::Role::sync].id;
     const can::IdList of_controller = can::ids(scenario.layout, can::kToRig);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "firmware/can/layout.hpp"
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 
 namespace antiskid::bench {
 
@@ -21,7 +21,7 @@ struct RecordedStop {
     std::vector<Cycle> cycles;
 };
 
-[[nodiscard]] RecordedStop record_stop(const plant_sim::Scenario& scenario);
+[[nodiscard]] RecordedStop record_stop(const plant_sim::StopInputs& scenario);
 
 /// Same identifier, length and payload.
 [[nodiscard]] bool same(const can_frame& a, const can_frame& b);

@@ -23,17 +23,17 @@ FrameLog::FrameLog(const antiskid::can::Layout& layout, antiskid::control::Time 
 
 void FrameLog::write(Frame frame) {
     frame.received = now_;
-    rig::CapturedFrame captured;
+    rig::record::CapturedFrame captured;
     captured.frame = frame;
     log_.write(captured);
 }
 
 void FrameLog::add(const Period& period) {
-    std::array<Frame, antiskid::can::RigPort::kMostFrames> said{};
+    std::array<Frame, antiskid::can::RigPort::kMaxFrames> said{};
     const std::size_t count = rig_.due_frames(period.sample, said);
     for (std::size_t i = 0; i < count; ++i) write(said[i]);
     write(rig_.sync(number_++));
-    std::array<Frame, antiskid::can::ControllerPort::kMostFrames> answered{};
+    std::array<Frame, antiskid::can::ControllerPort::kMaxFrames> answered{};
     const std::size_t answers = controller_.due_frames(period.command, answered);
     for (std::size_t i = 0; i < answers; ++i) write(answered[i]);
     now_ += period_;

@@ -27,7 +27,7 @@ class FrameLog {
 
     antiskid::can::RigPort rig_;
     antiskid::can::ControllerPort controller_;
-    rig::BusLog log_;
+    rig::record::BusLog log_;
     antiskid::control::Time period_;
     antiskid::control::Time now_{};
     std::uint32_t number_ = 0;

@@ -34,7 +34,7 @@ class Running {
 };
 
 std::string wrong_with(const Outcome& outcome) {
-    if (outcome.phase != sequencer::Phase::finished) return fmt::format("aborted: {}", sequencer::name(outcome.abort));
+    if (outcome.phase != rig::Phase::finished) return fmt::format("aborted: {}", rig::name(outcome.abort));
     if (!outcome.faults.empty()) return "fault " + antiskid::can::fault_names(outcome.faults).front();
     return {};
 }
@@ -62,7 +62,7 @@ Third third(const SoakResult& result, std::size_t first) {
 
 }  // namespace
 
-SoakResult soak(const Setup& setup, const SoakOptions& options, const std::function<std::size_t()>& heap_bytes,
+SoakResult soak(const EnduranceSetup& setup, const SoakOptions& options, const std::function<std::size_t()>& heap_bytes,
                 const std::function<void(double)>& observe) {
     SoakResult result;
     std::array<Running, SoakResult::kSpans> lengths_m;
@@ -79,8 +79,8 @@ SoakResult soak(const Setup& setup, const SoakOptions& options, const std::funct
         result.seconds = std::chrono::duration<double>(cell.controller_time()).count();
         ++result.landings;
         lengths_m[span].add(outcome.figures.length_m);
-        std::size_t& most = result.spans[span].most_heap_bytes;
-        most = std::max(most, heap_bytes());
+        std::size_t& max = result.spans[span].max_heap_bytes;
+        max = std::max(max, heap_bytes());
         if (observe) observe(std::min(result.seconds / options.seconds, 1.0));
     }
     for (std::size_t i = 0; i < SoakResult::kSpans; ++i) {
@@ -95,9 +95,9 @@ std::vector<std::string> complaints(const SoakResult& result) {
     std::vector<std::string> list;
     if (!result.ended_by.empty()) list.push_back(fmt::format("landing {}: {}", result.landings, result.ended_by));
     for (std::size_t i = 2; i < SoakResult::kSpans; ++i) {
-        if (result.spans[i].most_heap_bytes > result.spans[1].most_heap_bytes)
-            list.push_back(fmt::format("{} bytes of heap in use in span {}, {} in span 2", result.spans[i].most_heap_bytes, i + 1,
-                                       result.spans[1].most_heap_bytes));
+        if (result.spans[i].max_heap_bytes > result.spans[1].max_heap_bytes)
+            list.push_back(fmt::format("{} bytes of heap in use in span {}, {} in span 2", result.spans[i].max_heap_bytes, i + 1,
+                                       result.spans[1].max_heap_bytes));
     }
     const Third first = third(result, 0);
     const Third last = third(result, SoakResult::kSpans - SoakResult::kSpans / 3);
@@ -108,7 +108,7 @@ std::vector<std::string> complaints(const SoakResult& result) {
     return list;
 }
 
-std::string to_json(const SoakResult& result, const Setup& setup, std::uint64_t seed) {
+std::string to_json(const SoakResult& result, const EnduranceSetup& setup, std::uint64_t seed) {
     nlohmann::ordered_json json{
         {"scenario", setup.scenario.name}, {"config_hash", setup.config_hash}, {"version", ANTISKID_VERSION},     {"seed", seed},
         {"seconds", result.seconds},       {"landings", result.landings},      {"complaints", complaints(result)}};
@@ -116,7 +116,7 @@ std::string to_json(const SoakResult& result, const Setup& setup, std::uint64_t 
         json["spans"].push_back({{"landings", span.landings},
                                  {"length_m_mean", span.length_m_mean},
                                  {"length_m_deviation", span.length_m_deviation},
-                                 {"most_heap_bytes", span.most_heap_bytes}});
+                                 {"max_heap_bytes", span.max_heap_bytes}});
     }
     return json.dump(2) + "\n";
 }

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/endurance/setup.hpp"
+#include "plant_sim/endurance/endurance_setup.hpp"
 
 namespace endurance {
 
@@ -30,7 +30,7 @@ struct SoakSpan {
     std::int64_t landings = 0;
     double length_m_mean = 0.0;       ///< brake-on to drop-out or standstill, as the meter has it
     double length_m_deviation = 0.0;  ///< of the landings from that mean
-    std::size_t most_heap_bytes = 0;  ///< in use after a landing
+    std::size_t max_heap_bytes = 0;   ///< in use after a landing
 };
 
 struct SoakResult {
@@ -43,7 +43,7 @@ struct SoakResult {
 
 /// `heap_bytes` tells what the process has allocated. `observe` gets the share of the time that is over. Ends at the first landing that is
 /// aborted or has a fault.
-[[nodiscard]] SoakResult soak(const Setup& setup, const SoakOptions& options, const std::function<std::size_t()>& heap_bytes,
+[[nodiscard]] SoakResult soak(const EnduranceSetup& setup, const SoakOptions& options, const std::function<std::size_t()>& heap_bytes,
                               const std::function<void(double share)>& observe = {});
 
 /// What must not be: a landing that went wrong; more heap in use in any span than in the second (the first is for warming up); a mean length
@@ -51,6 +51,6 @@ struct SoakResult {
 [[nodiscard]] std::vector<std::string> complaints(const SoakResult& result);
 
 /// For a machine: result and complaints.
-[[nodiscard]] std::string to_json(const SoakResult& result, const Setup& setup, std::uint64_t seed);
+[[nodiscard]] std::string to_json(const SoakResult& result, const EnduranceSetup& setup, std::uint64_t seed);
 
 }  // namespace endurance

@@ -19,17 +19,17 @@ TableThree printed_table(const std::filesystem::path& config) {
     return table;
 }
 
-TableThree measured_table(std::span<const rig::Summary> maneuvers) {
+TableThree measured_table(std::span<const rig::record::Summary> maneuvers) {
     TableThree table;
     const auto n = static_cast<double>(maneuvers.size());
     if (maneuvers.empty()) return table;
     for (std::size_t i = 0; i < kQuantities; ++i) {
         const auto figure = kTableThree[i].figure;
         double sum = 0.0;
-        for (const rig::Summary& m : maneuvers) sum += m.figures.*figure;
+        for (const rig::record::Summary& m : maneuvers) sum += m.figures.*figure;
         table[i].mean = sum / n;
         double squares = 0.0;
-        for (const rig::Summary& m : maneuvers) {
+        for (const rig::record::Summary& m : maneuvers) {
             const double off = m.figures.*figure - table[i].mean;
             squares += off * off;
         }
@@ -56,7 +56,7 @@ std::string to_text(const TableThree& measured, const std::optional<TableThree>&
     return text;
 }
 
-std::string to_json(const CampaignFacts& facts, std::span<const rig::Summary> maneuvers, const std::optional<TableThree>& printed) {
+std::string to_json(const CampaignFacts& facts, std::span<const rig::record::Summary> maneuvers, const std::optional<TableThree>& printed) {
     const TableThree measured = measured_table(maneuvers);
     nlohmann::ordered_json quantities;
     for (std::size_t i = 0; i < kQuantities; ++i) {

@@ -24,14 +24,14 @@ struct Quantity {
     const char* key;            ///< in JSON
     const char* mean_key;       ///< in [endurance] of flywheel_rig.toml
     const char* deviation_key;  ///< likewise
-    double rig::Figures::*figure;
+    double rig::record::Figures::*figure;
 };
 inline constexpr std::array<Quantity, kQuantities> kTableThree{{
-    {"torque", "N m", "torque_Nm", "torque_Nm", "torque_deviation_Nm", &rig::Figures::mean_torque_Nm},
-    {"load", "N", "load_N", "load_N", "load_deviation_N", &rig::Figures::mean_load_N},
-    {"speed", "m/s", "speed_mps", "speed_mps", "speed_deviation_mps", &rig::Figures::brake_on_mps},
-    {"duration", "s", "duration_s", "duration_s", "duration_deviation_s", &rig::Figures::duration_s},
-    {"length", "m", "length_m", "length_m", "length_deviation_m", &rig::Figures::length_m},
+    {"torque", "N m", "torque_Nm", "torque_Nm", "torque_deviation_Nm", &rig::record::Figures::mean_torque_Nm},
+    {"load", "N", "load_N", "load_N", "load_deviation_N", &rig::record::Figures::mean_load_N},
+    {"speed", "m/s", "speed_mps", "speed_mps", "speed_deviation_mps", &rig::record::Figures::brake_on_mps},
+    {"duration", "s", "duration_s", "duration_s", "duration_deviation_s", &rig::record::Figures::duration_s},
+    {"length", "m", "length_m", "length_m", "length_deviation_m", &rig::record::Figures::length_m},
 }};
 
 using TableThree = std::array<Distribution, kQuantities>;
@@ -40,7 +40,7 @@ using TableThree = std::array<Distribution, kQuantities>;
 [[nodiscard]] TableThree printed_table(const std::filesystem::path& config);
 
 /// Mean and sample standard deviation; the latter 0 for fewer than two maneuvers, both for none.
-[[nodiscard]] TableThree measured_table(std::span<const rig::Summary> maneuvers);
+[[nodiscard]] TableThree measured_table(std::span<const rig::record::Summary> maneuvers);
 
 /// For people. `printed` is left out where there is none: another rig than Table III's.
 [[nodiscard]] std::string to_text(const TableThree& measured, const std::optional<TableThree>& printed);
@@ -49,6 +49,7 @@ struct CampaignFacts {
     std::string scenario, config_hash, version;
     std::uint64_t seed = 0;
 };
-[[nodiscard]] std::string to_json(const CampaignFacts& facts, std::span<const rig::Summary> maneuvers, const std::optional<TableThree>& printed);
+[[nodiscard]] std::string to_json(const CampaignFacts& facts, std::span<const rig::record::Summary> maneuvers,
+                                  const std::optional<TableThree>& printed);
 
 }  // namespace endurance

@@ -4,14 +4,14 @@
 #include <cmath>
 
 #include "plant_sim/study/loop.hpp"
-#include "rig_bridge/scenario/meter_parameters.hpp"
+#include "rig_bridge/rig/meter_parameters.hpp"
 
 namespace endurance {
 
 using antiskid::control::Time;
 using rig::Commanded;
 using rig::Measured;
-using sequencer::Phase;
+using rig::Phase;
 
 namespace {
 
@@ -43,15 +43,15 @@ TestCell::TestCell(const rig::Scenario& scenario, const antiskid::control::Confi
       wheel_(scenario.rig.rig.wheel_encoder.teeth),
       flywheel_(scenario.rig.rig.flywheel_encoder.teeth) {}
 
-sequencer::Inputs TestCell::look() const {
+rig::Inputs TestCell::look() const {
     const rig::MeasuredValues& measured = rig_.measured();
-    rig::Snapshot plc;
+    rig::modbus::Snapshot plc;
     plc.values = measured;
-    plc.link = rig::LinkState::connected;
+    plc.link = rig::modbus::LinkState::connected;
     plc.quality.fill(rig::ValueQuality::good);
-    if (commit_ != 0 && rig::at(measured, Measured::refused_commit) == commit_) plc.command = rig::CommandState::refused;
+    if (commit_ != 0 && rig::at(measured, Measured::rejected_commit) == commit_) plc.command = rig::modbus::CommandState::rejected;
     if (rig::at(measured, Measured::applied_commit) != commit_) plc.pending_s = rig_.time_s() - committed_s_;
-    rig::BusNow bus;
+    rig::bridge::BusNow bus;
     bus.up = true;
     bus.looked = now_;
     for (auto* received : {&bus.view.wheel.received, &bus.view.flywheel.received, &bus.view.pressure.received, &bus.view.controller.status_received})
@@ -62,11 +62,11 @@ sequencer::Inputs TestCell::look() const {
     bus.wheel_radps = wheel_.radps();
     bus.wheel_rim_mps = bus.wheel_radps * scenario_.rolling_radius_m(rig::at(measured, Measured::vertical_load_N));
     constexpr double kConfirm_s = 0.1;
-    return rig::look(plc, bus, now_, {.commit_s = kConfirm_s});
+    return rig::bridge::look(plc, bus, now_, {.commit_s = kConfirm_s});
 }
 
-void TestCell::command(const sequencer::Outputs& outputs, bool reset) {
-    rig::CommandedValues next = rig::commands(outputs, reset);
+void TestCell::command(const rig::Outputs& outputs, bool reset) {
+    rig::CommandedValues next = rig::bridge::commands(outputs, reset);
     rig::at(next, Commanded::bridge_watchdog) = watchdog_;
     rig::at(next, Commanded::commit) = commit_;
     if (next != commanded_ || commit_ == 0) {
@@ -79,22 +79,22 @@ void TestCell::command(const sequencer::Outputs& outputs, bool reset) {
     rig_.command(commanded_);
 }
 
-void TestCell::measure(Phase phase, const antiskid::can::RigSample& sample, rig::Meter& meter) const {
+void TestCell::measure(Phase phase, const antiskid::can::RigSample& sample, rig::record::Meter& meter) const {
     const rig::MeasuredValues& m = rig_.measured();
-    meter.feed(rig::as_on_bus(layout_, {.time_s = rig_.time_s(),
-                                        .phase = static_cast<std::uint8_t>(phase),
-                                        .wheel = rig::shaft_sample(sample.wheel),
-                                        .flywheel = rig::shaft_sample(sample.flywheel),
-                                        .pressure_Pa = static_cast<double>(sample.pressure_Pa),
-                                        .vertical_N = rig::at(m, Measured::vertical_load_N),
-                                        .longitudinal_N = rig::at(m, Measured::longitudinal_force_N),
-                                        .brake_torque_Nm = rig::at(m, Measured::brake_torque_Nm),
-                                        .brake_temperature_C = rig::at(m, Measured::brake_temperature_C)}));
+    meter.feed(rig::record::as_on_bus(layout_, {.time_s = rig_.time_s(),
+                                                .phase = static_cast<std::uint8_t>(phase),
+                                                .wheel = rig::record::shaft_sample(sample.wheel),
+                                                .flywheel = rig::record::shaft_sample(sample.flywheel),
+                                                .pressure_Pa = static_cast<double>(sample.pressure_Pa),
+                                                .vertical_N = rig::at(m, Measured::vertical_load_N),
+                                                .longitudinal_N = rig::at(m, Measured::longitudinal_force_N),
+                                                .brake_torque_Nm = rig::at(m, Measured::brake_torque_Nm),
+                                                .brake_temperature_C = rig::at(m, Measured::brake_temperature_C)}));
 }
 
-void TestCell::period(const sequencer::Outputs& outputs, rig::Meter& meter, const PeriodObserver& observe) {
+void TestCell::period(const rig::Outputs& outputs, rig::record::Meter& meter, const PeriodObserver& observe) {
     antiskid::can::RigSample sample = rig_.sample();
-    const antiskid::can::RigSample said = rig::telegram(outputs, rig_.measured(), 1);
+    const antiskid::can::RigSample said = rig::bridge::telegram(outputs, rig_.measured(), 1);
     sample.maneuver = said.maneuver;
     sample.emergency_stop = said.emergency_stop;
     if (metered(outputs.phase)) measure(outputs.phase, sample, meter);
@@ -105,7 +105,7 @@ void TestCell::period(const sequencer::Outputs& outputs, rig::Meter& meter, cons
     faults_.insert(command_.faults);
     const auto current_mA = static_cast<double>(link_.current_mA(command_));
     if (observe) {
-        sample.load_cells = rig::load_cells(rig_.measured());
+        sample.load_cells = rig::bridge::load_cells(rig_.measured());
         sample.maneuver_state = said.maneuver_state;
         observe({.time_s = rig_.time_s(), .sample = sample, .command = command_, .current_mA = current_mA});
     }
@@ -113,14 +113,14 @@ void TestCell::period(const sequencer::Outputs& outputs, rig::Meter& meter, cons
     now_ += period_;
 }
 
-void TestCell::cool(const sequencer::Plan& plan) {
+void TestCell::cool(const rig::Plan& plan) {
     const double wait_s = rig_.cooling_time_s(plan.cool_to_C);
     if (std::isfinite(wait_s)) rig_.pass_idle(wait_s);
 }
 
-void TestCell::await_cold_brake(const sequencer::Plan& plan) {
+void TestCell::await_cold_brake(const rig::Plan& plan) {
     const double cold_C = std::min(plan.cool_to_C, plan.brake_on_limit_C);
-    rig::Meter none(rig::meter_parameters(scenario_.rig, seconds(period_)));
+    rig::record::Meter none(rig::meter_parameters(scenario_.rig, seconds(period_)));
     while (rig_.brake_temperature_C() > cold_C && std::isfinite(rig_.cooling_time_s(cold_C))) {
         command({}, false);
         if (rig_.idle()) rig_.pass_idle(rig_.cooling_time_s(cold_C) + seconds(period_));
@@ -128,14 +128,14 @@ void TestCell::await_cold_brake(const sequencer::Plan& plan) {
     }
 }
 
-Outcome TestCell::run(const sequencer::Plan& plan, const PeriodObserver& observe) {
-    sequencer::Sequencer sequencer(plan);
-    rig::Meter meter(rig::meter_parameters(scenario_.rig, seconds(period_)));
+Outcome TestCell::run(const rig::Plan& plan, const PeriodObserver& observe) {
+    rig::Sequencer sequencer(plan);
+    rig::record::Meter meter(rig::meter_parameters(scenario_.rig, seconds(period_)));
     await_cold_brake(plan);
     faults_ = {};
     while (!sequencer.over()) {
-        const sequencer::Inputs seen = look();
-        const sequencer::Outputs outputs = sequencer.step(seen, rig_.time_s());
+        const rig::Inputs seen = look();
+        const rig::Outputs outputs = sequencer.step(seen, rig_.time_s());
         const bool reset = reset_.step(outputs.phase == Phase::idle && !seen.plc_ready && seen.emergency_stop_clear && seen.guard_closed &&
                                            seen.hydraulics_ready && seen.drive_healthy,
                                        rig_.time_s());

@@ -15,17 +15,17 @@
 #include "firmware/control/controller.hpp"
 #include "plant_sim/plc/served_rig.hpp"
 #include "rig_bridge/bridge/live_speed.hpp"
-#include "rig_bridge/bridge/reset_desk.hpp"
+#include "rig_bridge/bridge/reset_request.hpp"
 #include "rig_bridge/bridge/translate.hpp"
 #include "rig_bridge/record/meter.hpp"
-#include "rig_bridge/scenario/scenario.hpp"
+#include "rig_bridge/rig/scenario.hpp"
 
 namespace endurance {
 
 struct Outcome {
-    sequencer::Phase phase = sequencer::Phase::idle;  ///< finished or aborted
-    sequencer::Abort abort = sequencer::Abort::none;
-    rig::Figures figures;
+    rig::Phase phase = rig::Phase::idle;  ///< finished or aborted
+    rig::Abort abort = rig::Abort::none;
+    rig::record::Figures figures;
     antiskid::control::FaultSet faults;  ///< the controller's, latched at any time
 };
 
@@ -49,7 +49,7 @@ class TestCell {
 
     /// One maneuver from idle to its end, as the bridge runs it: a brake that the one before left hot cools first, and a tripped PLC is
     /// reset where every interlock is good. `observe` sees every period from then on that is not slept through.
-    [[nodiscard]] Outcome run(const sequencer::Plan& plan, const PeriodObserver& observe = {});
+    [[nodiscard]] Outcome run(const rig::Plan& plan, const PeriodObserver& observe = {});
 
     /// The rig, e.g. to open an interlock or to look at the truth.
     [[nodiscard]] plc::ServedRig& rig() { return rig_; }
@@ -58,13 +58,13 @@ class TestCell {
     [[nodiscard]] antiskid::control::Time controller_time() const { return now_; }
 
   private:
-    void measure(sequencer::Phase phase, const antiskid::can::RigSample& sample, rig::Meter& meter) const;
-    [[nodiscard]] sequencer::Inputs look() const;
+    void measure(rig::Phase phase, const antiskid::can::RigSample& sample, rig::record::Meter& meter) const;
+    [[nodiscard]] rig::Inputs look() const;
     /// As the bridge's client does it: a new commit number where anything differs; the watchdog always moves.
-    void command(const sequencer::Outputs& outputs, bool reset);
-    void period(const sequencer::Outputs& outputs, rig::Meter& meter, const PeriodObserver& observe);
-    void cool(const sequencer::Plan& plan);
-    void await_cold_brake(const sequencer::Plan& plan);
+    void command(const rig::Outputs& outputs, bool reset);
+    void period(const rig::Outputs& outputs, rig::record::Meter& meter, const PeriodObserver& observe);
+    void cool(const rig::Plan& plan);
+    void await_cold_brake(const rig::Plan& plan);
 
     rig::Scenario scenario_;
     const antiskid::can::Layout& layout_;
@@ -73,11 +73,11 @@ class TestCell {
     plc::ServedRig rig_;
     antiskid::control::Controller controller_;
     antiskid::can::RoundedLink link_;
-    rig::LiveSpeed wheel_, flywheel_;
+    rig::bridge::LiveSpeed wheel_, flywheel_;
     rig::CommandedValues commanded_{};
     std::uint16_t commit_ = 0, watchdog_ = 0;
     double committed_s_ = 0.0;
-    rig::ResetDesk reset_;
+    rig::bridge::ResetRequest reset_;
     antiskid::control::Time now_{};       // of the controller
     antiskid::control::Command command_;  // its newest
     antiskid::control::FaultSet faults_;

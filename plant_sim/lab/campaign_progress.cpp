@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -65,4 +65,4 @@ std::function<void(std::size_t done, std::size_t all)> step_progress(std::string
     };
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -7,7 +7,7 @@
 #include <functional>
 #include <string_view>
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 class CampaignProgress {
   public:
@@ -31,4 +31,4 @@ class CampaignProgress {
 /// The same of a computation that says after each step how many of how many are done; `unit` must outlive it.
 [[nodiscard]] std::function<void(std::size_t done, std::size_t all)> step_progress(std::string_view unit);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

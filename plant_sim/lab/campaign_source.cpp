@@ -10,7 +10,7 @@
 
 #include "rig_bridge/record/ledger.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -23,10 +23,10 @@ bool is_sqlite(const std::filesystem::path& path) {
 
 std::string chosen_campaign(const std::filesystem::path& ledger, const std::string& wanted) {
     if (!wanted.empty()) return wanted;
-    const std::vector<rig::Campaign> all = rig::read_campaigns(ledger);
+    const std::vector<rig::record::Campaign> all = rig::record::read_campaigns(ledger);
     if (all.size() == 1) return all.front().name;
     std::string names;
-    for (const rig::Campaign& c : all) {
+    for (const rig::record::Campaign& c : all) {
         names += names.empty() ? "" : ", ";
         names += c.name;
     }
@@ -39,20 +39,20 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
     const std::string name = chosen_campaign(ledger, wanted);
     wear::Campaign out;
     out.source = fmt::format("{}, campaign {}", ledger.string(), name);
-    const std::vector<rig::LedgerRow> rows = rig::read_ledger(ledger, name);
+    const std::vector<rig::record::LedgerRow> rows = rig::record::read_ledger(ledger, name);
     out.points.reserve(rows.size());
     out.brakings.reserve(rows.size());
     std::size_t left_out = 0, of_others = 0;
-    rig::DiscEnergy taken;
+    rig::record::DiscEnergy taken;
     if (!rows.empty()) {
         out.brake = rows.back().summary.specimen.brake;
         out.disc = rows.back().summary.specimen.disc;
     }
-    for (const rig::LedgerRow& row : rows) {
-        const rig::Specimen& parts = row.summary.specimen;
+    for (const rig::record::LedgerRow& row : rows) {
+        const rig::record::Specimen& parts = row.summary.specimen;
         const double disc_J = row.has_figures ? taken.after(parts, row.summary.cumulative_energy_J) : 0.0;
-        if (row.state != rig::RowState::finished) continue;
-        if (off == OutOfTolerance::left_out && rig::off_conditions(row.summary)) {
+        if (row.state != rig::record::RowState::finished) continue;
+        if (off == OutOfTolerance::left_out && rig::record::off_conditions(row.summary)) {
             ++left_out;
             continue;
         }
@@ -60,7 +60,7 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
             ++of_others;
             continue;
         }
-        const rig::Figures& f = row.summary.figures;
+        const rig::record::Figures& f = row.summary.figures;
         out.points.push_back({disc_J, f.mean_friction});
         out.brakings.push_back({f.brake_on_mps, f.mean_torque_Nm, f.mean_load_N});
     }
@@ -73,7 +73,7 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
 /// rig-lab's own name of a ledger, or the bridge's.
 std::filesystem::path ledger_in(const std::filesystem::path& directory) {
     const std::filesystem::path bridges = directory / "campaign.sqlite";
-    return std::filesystem::exists(bridges) ? bridges : directory / "ledger.sqlite";
+    return std::filesystem::exists(bridges) ? bridges : directory / "campaign.sqlite";
 }
 
 }  // namespace
@@ -109,4 +109,4 @@ void add_out_of_tolerance_flag(CLI::App& verb, OutOfTolerance& off) {
         "--out-of-tolerance", [&off] { off = OutOfTolerance::taken; }, "take a ledger's maneuvers that were out of tolerance, too");
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

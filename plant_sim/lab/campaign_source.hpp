@@ -7,17 +7,17 @@
 #include <vector>
 
 #include "firmware/host/settings/command_line.hpp"
-#include "rig_bridge/wear/campaign.hpp"
+#include "rig_bridge/wear/wear_campaign.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 /// What becomes of maneuvers that finished outside their scenario's bands. Left out, they are still in the cumulative energy.
 enum class OutOfTolerance : std::uint8_t { left_out, taken };
 
-/// `where`: an SQLite ledger or a directory with ledger.sqlite in it (of `campaign`, which may be empty when the ledger holds one only), else
+/// `where`: an SQLite ledger or a directory with campaign.sqlite in it (of `campaign`, which may be empty when the ledger holds one only), else
 /// a CSV as wear::read_campaign() takes it. From a ledger every maneuver that finished, within tolerance, is a point; what the aborted ones took is
 /// in the cumulative energy. Where brake or disc were changed, of the newest alone, with the energy that those took. Row i in messages is then the
-/// i-th finished one. Throws settings::Error as wear::read_campaign() and rig::read_ledger() do.
+/// i-th finished one. Throws settings::Error as wear::read_campaign() and rig::record::read_ledger() do.
 [[nodiscard]] wear::Campaign load_campaign(const std::filesystem::path& where, const std::string& campaign,
                                            OutOfTolerance off = OutOfTolerance::left_out);
 
@@ -29,4 +29,4 @@ enum class OutOfTolerance : std::uint8_t { left_out, taken };
 /// --out-of-tolerance of a verb that reads campaigns.
 void add_out_of_tolerance_flag(CLI::App& verb, OutOfTolerance& off);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -8,34 +8,34 @@
 #include <vector>
 
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
 struct CompareCommand {
-    ScenarioOptions scenario;
+    StopOptions scenario;
     std::vector<std::filesystem::path> runways;
     std::vector<std::string> laws{"slip", "threshold"};
     std::string json;
 
     /// The runways where some are given, otherwise all surfaces.
-    [[nodiscard]] std::vector<plant::ManeuverChoice> roads() const {
-        std::vector<plant::ManeuverChoice> all;
-        const auto add = [&]() -> plant::ManeuverChoice& { return all.emplace_back(scenario.choice); };
+    [[nodiscard]] std::vector<rig::ManeuverChoice> roads() const {
+        std::vector<rig::ManeuverChoice> all;
+        const auto add = [&]() -> rig::ManeuverChoice& { return all.emplace_back(scenario.choice); };
         for (const std::filesystem::path& runway : runways) add().runway = runway;
         if (!all.empty()) return all;
-        for (const std::string& surface : plant::surface_names(scenario.config)) add().surface = surface;
+        for (const std::string& surface : rig::surface_names(scenario.config)) add().surface = surface;
         return all;
     }
 
-    [[nodiscard]] study::StopReport stop(const plant::ManeuverChoice& choice, const std::string& law) const {
-        ScenarioOptions options = scenario;
+    [[nodiscard]] study::StopReport stop(const rig::ManeuverChoice& choice, const std::string& law) const {
+        StopOptions options = scenario;
         options.choice = choice;
         options.law = law;
-        const Scenario s = load_scenario(options);
+        const StopInputs s = load_scenario(options);
         const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
         study::StopReport report = s.report(options);
         report.figures = result.figures;
@@ -46,7 +46,7 @@ struct CompareCommand {
     /// Markdown, so that the table can stand in a page as it is.
     int run() const {
         const auto roads = this->roads();
-        const auto maneuvers = plant::maneuver_names(scenario.config);
+        const auto maneuvers = rig::maneuver_names(scenario.config);
         const std::size_t all = roads.size() * maneuvers.size();
         std::string table = "| surface | maneuver |", line = "|---|---|";
         for (const std::string& law : laws) {
@@ -58,7 +58,7 @@ struct CompareCommand {
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
         std::vector<double> sums(laws.size());
         std::size_t done = 0;
-        for (plant::ManeuverChoice choice : roads) {
+        for (rig::ManeuverChoice choice : roads) {
             for (const std::string& maneuver : maneuvers) {
                 choice.maneuver = maneuver;
                 table += fmt::format("| {} | {} |", choice.road(), maneuver);
@@ -106,4 +106,4 @@ LabVerb compare_verb(CLI::App& lab) {
     return {verb, [compare] { return compare->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

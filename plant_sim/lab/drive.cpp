@@ -5,18 +5,18 @@
 #include "plant_sim/study/drive.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
 struct DriveCommand {
-    plant::ManeuverChoice choice;
+    rig::ManeuverChoice choice;
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path input;
     std::string csv;
 
     int run() const {
-        const plant::LoadedRig rig = plant::load_rig(config, choice);
+        const rig::LoadedRig rig = rig::load_rig(config, choice);
         settings::deliver(csv, study::drive(rig.rig, study::read_profile(input)));
         return 0;
     }
@@ -45,4 +45,4 @@ LabVerb drive_verb(CLI::App& lab) {
     return {verb, [drive] { return drive->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

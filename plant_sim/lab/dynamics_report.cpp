@@ -9,7 +9,7 @@
 
 #include "rig_bridge/pictures/gnuplot.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -65,10 +65,10 @@ Json json_of(const ClassDynamics& c) {
 /// A panel's data blocks: samples, and the curve with its band and the one in force.
 std::string blocks(const ClassDynamics& c, std::size_t panel, const wear::DynamicsSettings& settings) {
     std::string out = fmt::format("$samples{} << EOD\n", panel);
-    constexpr std::size_t kMostDots = 4000;
+    constexpr std::size_t kMaxDots = 4000;
     std::size_t all = 0;
     for (const wear::StopShape& s : c.found.stops) all += s.samples;
-    const std::size_t every = all / kMostDots + 1;
+    const std::size_t every = all / kMaxDots + 1;
     for (std::size_t i = 0; i < c.data.stops.size(); ++i) {
         const wear::RecordedStop& stop = c.data.stops[i];
         const wear::StopShape& shape = c.found.stops[i];
@@ -155,15 +155,15 @@ void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::Dynami
     fmt::format_to(std::back_inserter(script), "set multiplot layout {},1\n", classes.size());
     for (std::size_t i = 0; i < classes.size(); ++i) {
         const ClassDynamics& c = classes[i];
-        double least = 1.0;
+        double min = 1.0;
         double greatest = 1.0;
         constexpr int kParts = 50;
         for (int k = 0; k <= kParts; ++k) {
             const double f = c.found.at(static_cast<double>(k) / kParts);
-            least = std::min(least, f);
+            min = std::min(min, f);
             greatest = std::max(greatest, f);
         }
-        const double room = std::max(0.12 * (greatest - least), 6.0 * c.found.scale);
+        const double room = std::max(0.12 * (greatest - min), 6.0 * c.found.scale);
         fmt::format_to(std::back_inserter(script),
                        "set title {} noenhanced\nset xlabel '{}'\nset yrange [{}:{}]\n"
                        "plot $samples{panel} using 1:2 with dots lc rgb '#7a7a7a' notitle, \\\n"
@@ -173,12 +173,12 @@ void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::Dynami
                        "     $curve{panel} using 1:2 with lines lw 2 lc rgb '#c55a11' title 'learnt, order {order}', "
                        "\\\n"
                        "     $curve{panel} using 1:5 with lines lw 1.5 dt 2 lc rgb '#1f4e79' title 'in force'\n",
-                       study::gnuplot_quoted(fmt::format("{}: {} stops", c.data.friction_class, c.data.stops.size())),
-                       i + 1 == classes.size() ? "speed / brake-on speed" : "", least - room, greatest + room, fmt::arg("panel", i),
+                       pictures::gnuplot_quoted(fmt::format("{}: {} stops", c.data.friction_class, c.data.stops.size())),
+                       i + 1 == classes.size() ? "speed / brake-on speed" : "", min - room, greatest + room, fmt::arg("panel", i),
                        fmt::arg("order", c.found.order));
     }
     script += "unset multiplot\n";
-    study::run_gnuplot(png, 1000, 60 + kPanel * static_cast<int>(classes.size()), script);
+    pictures::run_gnuplot(png, 1000, 60 + kPanel * static_cast<int>(classes.size()), script);
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

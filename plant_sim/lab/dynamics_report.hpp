@@ -8,7 +8,7 @@
 #include "plant_sim/lab/recorded_stops.hpp"
 #include "plant_sim/wear/dynamics.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 struct ClassDynamics {
     ClassStops data;
@@ -30,4 +30,4 @@ struct DynamicsHead {
 /// when gnuplot is not installed or fails.
 void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::DynamicsSettings& settings, const std::filesystem::path& png);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

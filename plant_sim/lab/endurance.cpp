@@ -7,12 +7,12 @@
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/brake_options.hpp"
-#include "plant_sim/endurance/campaign.hpp"
+#include "plant_sim/endurance/endurance_campaign.hpp"
 #include "plant_sim/endurance/table_three.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -29,10 +29,11 @@ struct EnduranceCommand {
     [[nodiscard]] int run() const;
 
   private:
-    void report(const endurance::Setup& setup, const endurance::CampaignResult& result, const std::filesystem::path& directory) const;
+    void report(const endurance::EnduranceSetup& setup, const endurance::CampaignResult& result, const std::filesystem::path& directory) const;
 };
 
-void EnduranceCommand::report(const endurance::Setup& setup, const endurance::CampaignResult& result, const std::filesystem::path& directory) const {
+void EnduranceCommand::report(const endurance::EnduranceSetup& setup, const endurance::CampaignResult& result,
+                              const std::filesystem::path& directory) const {
     std::optional<endurance::TableThree> printed;
     if (setup.scenario.endurance()) printed = endurance::printed_table(config);
     const auto& done = result.finished;
@@ -43,31 +44,31 @@ void EnduranceCommand::report(const endurance::Setup& setup, const endurance::Ca
                     done.back().cumulative_energy_J * 1e-6, done.front().figures.mean_friction, done.back().figures.mean_friction);
     }
     if (!wear_model.empty())
-        print_table(json_file, "  brake {}{}{}\n", rig::name(result.health.state), result.health.reason.empty() ? "" : ": ", result.health.reason);
+        print_table(json_file, "  brake {}{}{}\n", name(result.health.state), result.health.reason.empty() ? "" : ": ", result.health.reason);
     const auto json = directory / "table.json";
     keep_json(json, json_file,
               endurance::to_json({.scenario = setup.scenario.name, .config_hash = setup.config_hash, .version = ANTISKID_VERSION, .seed = seed}, done,
                                  printed));
-    print_table(json_file, "  {}, {}\n", (directory / "ledger.sqlite").string(), json.string());
+    print_table(json_file, "  {}, {}\n", (directory / "campaign.sqlite").string(), json.string());
 }
 
 int EnduranceCommand::run() const {
     const auto file = scenario.empty() ? config / "scenarios" / "endurance.toml" : scenario;
-    const endurance::Setup setup = endurance::load_setup(file, config);
+    const endurance::EnduranceSetup setup = endurance::load_setup(file, config);
     const auto directory = out.empty() ? std::filesystem::path("out") / fmt::format("{}-{}", setup.scenario.name, seed) : out;
     settings::create_directories(directory);
     const double taken_J = brake.taken_J(setup.scenario.rig.wear);
-    if (!std::filesystem::exists(directory / "ledger.sqlite")) (void)brake.brake_of(setup.scenario.rig.wear, seed);  // refuses what contradicts
-    antiskid::rt::StopSignals signals;
+    if (!std::filesystem::exists(directory / "campaign.sqlite")) (void)brake.brake_of(setup.scenario.rig.wear, seed);  // refuses what contradicts
+    antiskid::host::StopSignals signals;
     std::optional<CampaignProgress> progress;
-    const auto observe = [&progress](const rig::Summary& summary, std::int64_t planned) {
+    const auto observe = [&progress](const rig::record::Summary& summary, std::int64_t planned) {
         if (!progress) progress.emplace(planned, summary.number);
         progress->show(summary.number);
     };
     const endurance::CampaignResult result = endurance::run_campaign(setup,
                                                                      {.maneuvers = maneuvers,
                                                                       .seed = seed,
-                                                                      .ledger = directory / "ledger.sqlite",
+                                                                      .ledger = directory / "campaign.sqlite",
                                                                       .wear_model = wear_model,
                                                                       .stop = &signals.stop(),
                                                                       .taken_J = taken_J,
@@ -94,9 +95,9 @@ LabVerb endurance_verb(CLI::App& lab) {
     CLI::App* verb = lab.add_subcommand("endurance",
                                         "A campaign of identical maneuvers until the brake is worn: sequencer, controller, PLC, plant and "
                                         "wear in one "
-                                        "process. Leaves ledger.sqlite and table.json; a campaign that was stopped goes on.");
-    constexpr std::int64_t kMost = 1'000'000;
-    verb->add_option("--maneuvers", command->maneuvers, "how many in all")->check(CLI::Range(std::int64_t{1}, kMost))->capture_default_str();
+                                        "process. Leaves campaign.sqlite and table.json; a campaign that was stopped goes on.");
+    constexpr std::int64_t kMax = 1'000'000;
+    verb->add_option("--maneuvers", command->maneuvers, "how many in all")->check(CLI::Range(std::int64_t{1}, kMax))->capture_default_str();
     verb->add_option("--seed", command->seed, "seed of every random draw")
         ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}))
         ->capture_default_str();
@@ -119,11 +120,11 @@ LabVerb endurance_verb(CLI::App& lab) {
     return {verb, [command] {
                 try {
                     return command->run();
-                } catch (const rig::LedgerError& e) {
+                } catch (const rig::record::LedgerError& e) {
                     fmt::print(stderr, "rig-lab: {}\n", e.what());
                     return 1;
                 }
             }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -10,13 +10,13 @@
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/study/faults/campaign.hpp"
+#include "plant_sim/study/faults/fault_campaign.hpp"
 #include "plant_sim/study/faults/report.hpp"
 #include "plant_sim/study/trajectory.hpp"
 #include "rig_bridge/pictures/stop_picture.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -33,7 +33,7 @@ constexpr const char* kFaultsFooter =
     "or in a file; 130 stopped by Ctrl-C.";
 
 struct FaultsCommand {
-    faults::PlanOptions plan;
+    faults::FaultPlanOptions plan;
     std::string signal;
     std::string kind;
     std::optional<std::size_t> run;
@@ -45,11 +45,11 @@ struct FaultsCommand {
     [[nodiscard]] int execute() const;
 
   private:
-    [[nodiscard]] std::vector<std::size_t> chosen(const faults::Plan& campaign) const;
-    [[nodiscard]] int repeat(const faults::Plan& campaign, std::size_t number) const;
+    [[nodiscard]] std::vector<std::size_t> chosen(const faults::FaultPlan& campaign) const;
+    [[nodiscard]] int repeat(const faults::FaultPlan& campaign, std::size_t number) const;
 };
 
-std::vector<std::size_t> FaultsCommand::chosen(const faults::Plan& campaign) const {
+std::vector<std::size_t> FaultsCommand::chosen(const faults::FaultPlan& campaign) const {
     std::vector<std::size_t> numbers;
     for (std::size_t i = 0; i < campaign.runs(); ++i) {
         const faults::Pair what = campaign.at(i).fault.what;
@@ -59,7 +59,7 @@ std::vector<std::size_t> FaultsCommand::chosen(const faults::Plan& campaign) con
     return numbers;
 }
 
-int FaultsCommand::repeat(const faults::Plan& campaign, std::size_t number) const {
+int FaultsCommand::repeat(const faults::FaultPlan& campaign, std::size_t number) const {
     if (number >= campaign.runs()) throw std::invalid_argument(fmt::format("--run {}: expected 0 to {}", number, campaign.runs() - 1));
     const faults::Case c = campaign.at(number);
     study::Trajectory course;
@@ -71,16 +71,16 @@ int FaultsCommand::repeat(const faults::Plan& campaign, std::size_t number) cons
     const std::string what = faults::describe(campaign, c);
     if (pictures) {
         const study::ManeuverPlan& maneuver = campaign.maneuver;
-        study::draw_stop(csv, out / fmt::format("run-{}.png", number), what, maneuver.touchdown_s + maneuver.settle_s);
+        pictures::draw_stop(csv, out / fmt::format("run-{}.png", number), what, maneuver.touchdown_s + maneuver.settle_s);
     }
     print_table(json_file, "{}\n{}\nWritten to {}\n", what, faults::describe(result), out.string());
     return result.verdict.outcome == faults::Outcome::unsafe ? 1 : 0;
 }
 
 int FaultsCommand::execute() const {
-    const faults::Plan campaign = faults::load_plan(plan);
+    const faults::FaultPlan campaign = faults::load_plan(plan);
     if (run) return repeat(campaign, *run);
-    antiskid::rt::StopSignals signals;
+    antiskid::host::StopSignals signals;
     const std::vector<std::size_t> numbers = chosen(campaign);
     CampaignProgress progress(static_cast<std::int64_t>(numbers.size()), 0);
     const std::vector<faults::Row> rows = faults::run_campaign(
@@ -110,9 +110,9 @@ LabVerb faults_verb(CLI::App& lab) {
     CLI::App* verb = lab.add_subcommand("faults",
                                         "The fault campaign: every fault of every signal in every phase of a "
                                         "stop on four surfaces, against criteria.");
-    constexpr std::size_t kMostRepetitions = 1000;
+    constexpr std::size_t kMaxRepetitions = 1000;
     verb->add_option("--repetitions", command->plan.repetitions, "runs of each fault, phase and surface")
-        ->check(CLI::Range(std::size_t{1}, kMostRepetitions))
+        ->check(CLI::Range(std::size_t{1}, kMaxRepetitions))
         ->capture_default_str();
     verb->add_option("--surfaces", command->plan.surfaces, "tables of surfaces.toml")->delimiter(',')->capture_default_str();
     verb->add_option("--maneuver", command->plan.maneuver, "table of maneuvers.toml")->capture_default_str();
@@ -131,4 +131,4 @@ LabVerb faults_verb(CLI::App& lab) {
     return {verb, [command] { return command->execute(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

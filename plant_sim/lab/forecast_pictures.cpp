@@ -8,7 +8,7 @@
 
 #include "rig_bridge/pictures/gnuplot.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -26,19 +26,19 @@ std::string landings_text(const wear::Forecast& f) {
 void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, double limit, const std::filesystem::path& png) {
     std::string script = kStyleOfForecasts;
     script += "set xlabel 'cumulative brake energy (MJ)'\nset ylabel 'mean brake friction'\n$points << EOD\n";
-    double least = limit;
-    double most = limit;
+    double min = limit;
+    double max = limit;
     for (const wear::Point& p : recorded.points) {
         fmt::format_to(std::back_inserter(script), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
-        least = std::min(least, p.mean_friction);
-        most = std::max(most, p.mean_friction);
+        min = std::min(min, p.mean_friction);
+        max = std::max(max, p.mean_friction);
     }
     script += "EOD\n$fan << EOD\n";
     for (const wear::FanPoint& p : f.fan)
         fmt::format_to(std::back_inserter(script), "{:.6f} {:.7f} {:.7f} {:.7f}\n", p.c_e_J * 1e-6, p.friction[0], p.friction[1], p.friction[2]);
     const double last_MJ = f.fan.empty() ? f.c_e_J * 1e-6 : f.fan.back().c_e_J * 1e-6;
-    const double room = most - least;
-    script += fmt::format("EOD\nset xrange [0:{}]\nset yrange [{}:{}]\n", last_MJ, least - 0.45 * room, most + 0.08 * room);
+    const double room = max - min;
+    script += fmt::format("EOD\nset xrange [0:{}]\nset yrange [{}:{}]\n", last_MJ, min - 0.45 * room, max + 0.08 * room);
     int arrow = 1;
     for (std::size_t q = 0; q < f.crossing_J.size(); ++q) {
         const std::optional<double> at_J = f.crossing_J.at(q);
@@ -53,17 +53,17 @@ void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, doub
         "     $fan using 1:3 with lines lw 2 lc rgb '#1f4e79' title '50 %', \\\n"
         "     $points using 1:2 with points pt 7 ps 0.5 lc rgb '#555555' title 'recorded', \\\n"
         "     {} with lines lw 2 lc rgb '#a61c3c' title 'limit {:.4f}'\n",
-        study::gnuplot_quoted(landings_text(f)), limit, limit);
-    study::run_gnuplot(png, 1100, 700, script);
+        pictures::gnuplot_quoted(landings_text(f)), limit, limit);
+    pictures::run_gnuplot(png, 1100, 700, script);
 }
 
 void draw_health(const wear::Campaign& recorded, const std::vector<wear::Verdict>& verdicts, const std::filesystem::path& png) {
     std::string script = kStyleOfForecasts;
     script += "$health << EOD\n";
-    double most = 1.2;
+    double max = 1.2;
     for (std::size_t i = 0; i < verdicts.size(); ++i) {
         const wear::Verdict& v = verdicts[i];
-        most = std::max(most, v.statistic * 1.1);
+        max = std::max(max, v.statistic * 1.1);
         fmt::format_to(std::back_inserter(script), "{} {:.7f} {:.7f} {:.7f} {:.5f} {}\n", i + 1, recorded.points[i].mean_friction,
                        v.expected - 2.0 * v.deviation, v.expected + 2.0 * v.deviation, v.statistic, static_cast<int>(v.condition));
     }
@@ -92,11 +92,11 @@ plot $health using 1:5 with lines lw 1.5 lc rgb '#1f4e79' notitle, \
 unset multiplot
 )",
         verdicts.size() + 1,
-        study::gnuplot_quoted(flagged == verdicts.end()
-                                  ? fmt::format("{} maneuvers, not abnormal", verdicts.size())
-                                  : fmt::format("abnormal at maneuver {}: {}", flagged - verdicts.begin() + 1, flagged->reason)),
-        std::min(most, 5.0), wear::HealthMonitor::kSuspectFrom);
-    study::run_gnuplot(png, 1100, 900, script);
+        pictures::gnuplot_quoted(flagged == verdicts.end()
+                                     ? fmt::format("{} maneuvers, not abnormal", verdicts.size())
+                                     : fmt::format("abnormal at maneuver {}: {}", flagged - verdicts.begin() + 1, flagged->reason)),
+        std::min(max, 5.0), wear::HealthMonitor::kSuspectFrom);
+    pictures::run_gnuplot(png, 1100, 900, script);
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

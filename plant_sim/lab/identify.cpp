@@ -20,7 +20,7 @@
 #include "plant_sim/study/validation/plant_validation.hpp"
 #include "plant_sim/study/validation/validation_picture.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -30,7 +30,7 @@ using identification::Run;
 
 struct Validated {
     std::string run;
-    rig::Validation result;
+    validation::Validation result;
 };
 
 struct IdentifyCommand {
@@ -102,13 +102,13 @@ Identified IdentifyCommand::identify(const std::vector<Run>& recorded) const {
 
 Validated IdentifyCommand::replay(const Source& source, const antiskid::can::Layout& layout, double period_s) const {
     const rig::Scenario identified = rig::load_scenario(source.scenario_file, out / "config");
-    rig::LogWarnings warnings(
+    rig::replay::LogWarnings warnings(
         source.log.string(), [](const std::string&) {}, 0);
-    rig::LogOptions options;
+    rig::replay::LogOptions options;
     options.layout = &layout;
-    rig::LogReader reader(source.log, options, warnings);
-    rig::MeasuredSignals signals(reader, layout, period_s);
-    return {.run = source.log.parent_path().filename().string(), .result = rig::validate_plant(signals, identified.rig.rig)};
+    rig::replay::LogReader reader(source.log, options, warnings);
+    validation::MeasuredSignals signals(reader, layout, period_s);
+    return {.run = source.log.parent_path().filename().string(), .result = validation::validate_plant(signals, identified.rig.rig)};
 }
 
 /// The stop that was asked for; else that of the fastest half whose slip lies beyond the peak least: there feed-forward of pressure holds no
@@ -128,19 +128,19 @@ std::optional<Validated> IdentifyCommand::validated(const std::vector<Source>& s
 void IdentifyCommand::draw(const Identified& found, const std::optional<Validated>& validation) const {
     say("pictures");
     (void)draw_identified(found, out);
-    std::vector<plant::Surface> surfaces;
+    std::vector<rig::Surface> surfaces;
     std::vector<std::string> names;
-    for (const std::string& name : plant::surface_names(out / "config")) {
-        plant::ManeuverChoice choice;
+    for (const std::string& name : rig::surface_names(out / "config")) {
+        rig::ManeuverChoice choice;
         choice.surface = name;
-        surfaces.push_back(plant::load_rig(out / "config", choice).rig.surface);
+        surfaces.push_back(rig::load_rig(out / "config", choice).rig.surface);
     }
     names.reserve(found.surfaces.size());
     for (const auto& f : found.surfaces) names.push_back(f.surface);
     draw_surfaces(surfaces, names, out / "friction_curves.png");
     if (!validation || !validation->result.braked) return;
-    settings::write_file(out / "validation.csv", rig::to_csv(validation->result));
-    rig::draw_validation(
+    settings::write_file(out / "validation.csv", validation::to_csv(validation->result));
+    validation::draw_validation(
         out / "validation.csv", out / "validation.png",
         fmt::format("{}: recorded against simulated with what was identified, from {:.1f} m/s", validation->run, validation->result.brake_on_mps));
 }
@@ -184,7 +184,7 @@ int IdentifyCommand::run() const {
     for (const fs::path& run : runs) head["runs"].push_back(run.string());
     print_table(json_file, "{}", identification::to_table(found));
     if (validation && validation->result.braked) {
-        const rig::Validation& v = validation->result;
+        const validation::Validation& v = validation->result;
         head["validation"] = {{"run", validation->run},
                               {"speed_rms_mps", v.all.speed_mps.rms()},
                               {"wheel_rms_mps", v.all.wheel_rim_mps.rms()},
@@ -240,4 +240,4 @@ LabVerb identify_verb(CLI::App& lab) {
     return {verb, [c] { return c->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

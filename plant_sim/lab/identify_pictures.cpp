@@ -9,12 +9,12 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
 namespace fs = std::filesystem;
-using study::gnuplot_quoted;
+using pictures::gnuplot_quoted;
 
 constexpr const char* kStyle = R"(set datafile separator ','
 set datafile missing ''
@@ -35,12 +35,12 @@ constexpr std::size_t kSettled = 300;  // samples of a slow ramp after which the
 
 /// Whether the current has moved slowly and evenly up to sample `k`. A sweep's staircase does for some samples, not for all of kSettled.
 bool ramps(const std::vector<double>& current_mA, std::size_t k) {
-    constexpr double kLeast_mA = 0.1;
-    constexpr double kMost_mA = 2.0;
+    constexpr double kMin_mA = 0.1;
+    constexpr double kMax_mA = 2.0;
     constexpr double kEven_mA = 0.06;
     const double from = current_mA[k - kSettled];
     const double change = current_mA[k] - from;
-    if (std::abs(change) < kLeast_mA || std::abs(change) > kMost_mA) return false;
+    if (std::abs(change) < kMin_mA || std::abs(change) > kMax_mA) return false;
     for (std::size_t i = 0; i < kSettled; ++i) {
         const double even = from + change * static_cast<double>(i) / static_cast<double>(kSettled);
         if (std::abs(current_mA[k - kSettled + i] - even) > kEven_mA) return false;
@@ -63,15 +63,15 @@ std::string draw_map(const identification::ValveFit& v, const fs::path& director
                            reading, error);
         }
     }
-    const plant::PressureMap map = v.map();
+    const rig::PressureMap map = v.map();
     for (const auto& point : map.points())
         fmt::format_to(std::back_inserter(text), "{:.5f},,,,,{:.5f}\n", point.current_mA, point.pressure_Pa * 1e-6);
     settings::write_file(csv, text);
-    study::run_gnuplot(directory / "static_map.png", 1100, 900,
-                       script(csv,
-                              fmt::format("static map: dead zone {:.3f} mA, hysteresis {:.2f} uA (95 %: {:.2f} to {:.2f})", v.dead_zone_mA.value,
-                                          v.hysteresis_mA.value * 1e3, v.hysteresis_mA.low * 1e3, v.hysteresis_mA.high * 1e3),
-                              R"(set key top left
+    pictures::run_gnuplot(directory / "static_map.png", 1100, 900,
+                          script(csv,
+                                 fmt::format("static map: dead zone {:.3f} mA, hysteresis {:.2f} uA (95 %: {:.2f} to {:.2f})", v.dead_zone_mA.value,
+                                             v.hysteresis_mA.value * 1e3, v.hysteresis_mA.low * 1e3, v.hysteresis_mA.high * 1e3),
+                                 R"(set key top left
 set xrange [0:*]
 set ylabel 'pressure (MPa)'
 plot data using 'current_mA':'rising_MPa' with points ls 3 notitle, \
@@ -84,7 +84,7 @@ set ylabel 'measured - modelled (kPa)'
 plot data using 'current_mA':'rising_error_kPa' with points ls 3 notitle, \
      data using 'current_mA':'falling_error_kPa' with points ls 4 notitle
 )",
-                              2));
+                                 2));
     return "static_map.png";
 }
 
@@ -101,9 +101,9 @@ std::string draw_valve(const identification::ValveResiduals& r, const fs::path& 
         text += '\n';
     }
     settings::write_file(csv, text);
-    study::run_gnuplot(directory / (name + ".png"), 1100, 900,
-                       script(csv, fmt::format("{}: residuals of {:.1f} kPa RMS", r.recording, r.rms_Pa * 1e-3),
-                              R"(set key top right
+    pictures::run_gnuplot(directory / (name + ".png"), 1100, 900,
+                          script(csv, fmt::format("{}: residuals of {:.1f} kPa RMS", r.recording, r.rms_Pa * 1e-3),
+                                 R"(set key top right
 stats data using 'time_s' nooutput
 set xrange [0:STATS_max]
 set offsets graph 0, graph 0, graph 0.15, graph 0
@@ -115,7 +115,7 @@ set xlabel 'time since brake-on (s)'
 set ylabel 'measured - modelled (kPa)'
 plot data using 'time_s':'error_kPa' with points ls 3 notitle
 )",
-                              2));
+                                 2));
     return name + ".png";
 }
 
@@ -128,7 +128,7 @@ std::string draw_wheel(const identification::WheelFit& w, const fs::path& direct
                            r.error_mps[k] * 1e3);
     }
     settings::write_file(csv, text);
-    study::run_gnuplot(
+    pictures::run_gnuplot(
         directory / "wheel.png", 1100, 560,
         script(csv, fmt::format("momentum of wheel and flywheel: J_w = {:.4f} kg m2, k_b = {:.5g} m3", w.inertia_kgm2.value, w.gain_m3.value),
                R"(set key top right
@@ -145,9 +145,9 @@ std::string draw_friction(const identification::FrictionFit& f, const fs::path& 
     const std::string name = "friction_" + f.surface;
     const fs::path csv = directory / (name + ".csv");
     std::string text = "slip,mu,error,deviation\n";
-    const plant::Surface curve = f.curve();
+    const rig::Surface curve = f.curve();
     for (std::size_t k = 0; k < f.slip.size(); ++k)
-        fmt::format_to(std::back_inserter(text), "{:.6f},{:.6f},{:.6f},{:.6f}\n", f.slip[k], f.mu[k], f.mu[k] - plant::friction(curve, f.slip[k]).mu,
+        fmt::format_to(std::back_inserter(text), "{:.6f},{:.6f},{:.6f},{:.6f}\n", f.slip[k], f.mu[k], f.mu[k] - rig::friction(curve, f.slip[k]).mu,
                        f.deviation[k]);
     settings::write_file(csv, text);
     const std::string plots = fmt::format(R"(c1 = {}
@@ -166,7 +166,7 @@ set ylabel '(measured - fitted) / expected deviation'
 plot data using 'slip':(column('error') / column('deviation')) with points ls 3 notitle
 )",
                                           f.c1.value, f.c2.value, f.c3.value);
-    study::run_gnuplot(
+    pictures::run_gnuplot(
         directory / (name + ".png"), 1100, 900,
         script(csv, fmt::format("{}: c1 = {:.4f}, c2 = {:.3f}, c3 = {:.4f}", f.surface, f.c1.value, f.c2.value, f.c3.value), plots, 2));
     return name + ".png";
@@ -182,4 +182,4 @@ std::vector<std::string> draw_identified(const identification::Identified& found
     return names;
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

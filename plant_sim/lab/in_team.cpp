@@ -8,10 +8,10 @@
 #include <exception>
 #include <memory>
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
-int in_team(const std::function<int(study::Team& team)>& work) {
-    const std::unique_ptr<study::Team> team = study::join_team();
+int in_team(const std::function<int(study::team::Team& team)>& work) {
+    const std::unique_ptr<study::team::Team> team = study::team::join_team();
     try {
         return work(*team);
     } catch (const std::exception& e) {
@@ -23,10 +23,10 @@ int in_team(const std::function<int(study::Team& team)>& work) {
     }
 }
 
-unsigned threads_in(const study::Team& team, unsigned asked) {
+unsigned threads_in(const study::team::Team& team, unsigned asked) {
     if (asked > 0) return asked;
     // mpirun is told how many processes there shall be: one thread each, unless more are asked for.
     return team.size() > 1 ? 1 : wear::all_cores();
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -11,7 +11,7 @@
 #include "plant_sim/model/brake.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -38,7 +38,7 @@ std::vector<std::string> maneuvers_named(std::string_view wanted, const std::vec
 }  // namespace
 
 ConfiguredMix configured_mix(const std::filesystem::path& config, const std::string& text, double slip) {
-    const std::vector<std::string> known = plant::maneuver_names(config);
+    const std::vector<std::string> known = rig::maneuver_names(config);
     ConfiguredMix out;
     double sum = 0.0;
     for (std::string_view rest = text; !rest.empty();) {
@@ -49,9 +49,9 @@ ConfiguredMix configured_mix(const std::filesystem::path& config, const std::str
         const double share = share_of(equals == std::string_view::npos ? std::string_view() : entry.substr(equals + 1));
         const std::vector<std::string> named = maneuvers_named(entry.substr(0, equals), known);
         for (const std::string& name : named) {
-            plant::ManeuverChoice choice;
+            rig::ManeuverChoice choice;
             choice.maneuver = name;
-            const plant::LoadedRig rig = plant::load_rig(config, choice);
+            const rig::LoadedRig rig = rig::load_rig(config, choice);
             const double energy_J = 0.5 * rig.rig.wheel.mass_kg * rig.rig.brake_on_mps * rig.rig.brake_on_mps * (1.0 - slip);
             out.mix.push_back({name, share / static_cast<double>(named.size()), energy_J / rig.wear.scale.energy, 0.0});
             out.files = rig.files;
@@ -64,9 +64,9 @@ ConfiguredMix configured_mix(const std::filesystem::path& config, const std::str
 }
 
 ReserveLimit reserve_limit(const std::filesystem::path& config) {
-    const plant::LoadedRig loaded = plant::load_rig(config, {});
-    const plant::RigParameters& rig = loaded.rig;
-    const double mu_max = plant::peak(rig.surface).mu;
+    const rig::LoadedRig loaded = rig::load_rig(config, {});
+    const rig::RigParameters& rig = loaded.rig;
+    const double mu_max = rig::peak(rig.surface).mu;
     constexpr int kSpeeds = 400;
     struct Scarcest {
         double reserve_Nm = std::numeric_limits<double>::infinity();
@@ -96,4 +96,4 @@ ReserveLimit reserve_limit(const std::filesystem::path& config) {
     return {high / loaded.wear.scale.friction, s.torque_Nm, s.speed_mps, loaded.files};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

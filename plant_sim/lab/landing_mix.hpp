@@ -8,7 +8,7 @@
 
 #include "rig_bridge/wear/forecast.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 /// What a mix was made of, for people and for the hash of results.
 struct ConfiguredMix {
@@ -33,4 +33,4 @@ struct ReserveLimit {
 };
 [[nodiscard]] ReserveLimit reserve_limit(const std::filesystem::path& config);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

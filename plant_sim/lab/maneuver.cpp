@@ -7,12 +7,12 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/input_file.hpp"
+#include "plant_sim/endurance/endurance_setup.hpp"
 #include "plant_sim/endurance/frame_log.hpp"
-#include "plant_sim/endurance/setup.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -24,7 +24,7 @@ struct ManeuverCommand {
     std::uint64_t seed = 1;
 
     [[nodiscard]] int run() const {
-        endurance::Setup setup = endurance::load_setup(scenario, config);
+        endurance::EnduranceSetup setup = endurance::load_setup(scenario, config);
         setup.machinery.brake.reset();
         const auto folder = out.empty() ? std::filesystem::path("out") / setup.scenario.name : out;
         std::filesystem::create_directories(folder);
@@ -38,10 +38,10 @@ struct ManeuverCommand {
         endurance::FrameLog log(setup.layout, antiskid::control::Time(period_us * 1000), folder / "bus.log");
         const endurance::Outcome outcome = cell.run(rig::plan(setup.scenario, seed, 1), [&log](const endurance::Period& period) { log.add(period); });
         log.finish();
-        rig::Summary summary;
+        rig::record::Summary summary;
         summary.number = 1;
         summary.scenario = setup.scenario.name;
-        const bool finished = outcome.phase == sequencer::Phase::finished;
+        const bool finished = outcome.phase == rig::Phase::finished;
         summary.outcome = finished ? name(outcome.phase) : name(outcome.abort);
         summary.started = "1970-01-01T00:00:00Z";  // the rig's own time
         summary.cumulative_energy_J = outcome.figures.energy_brake_J;
@@ -50,9 +50,9 @@ struct ManeuverCommand {
         summary.seed = seed;
         summary.version = ANTISKID_VERSION;
         summary.config_hash = setup.config_hash;
-        rig::write_summary(folder / "summary.json", summary);
+        rig::record::write_summary(folder / "summary.json", summary);
         settings::deliver(json_file, settings::read_file(folder / "summary.json"));
-        print_table(json_file, "{}Written to {}: bus.log, summary.json\n", rig::summary_table(summary), folder.string());
+        print_table(json_file, "{}Written to {}: bus.log, summary.json\n", rig::record::summary_table(summary), folder.string());
         return finished ? 0 : 1;
     }
 };
@@ -75,4 +75,4 @@ LabVerb maneuver_verb(CLI::App& lab) {
     return {verb, [c] { return c->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

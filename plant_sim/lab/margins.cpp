@@ -15,7 +15,7 @@
 #include "plant_sim/study/margins/tyres.hpp"
 #include "rig_bridge/rig/compliance.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -31,25 +31,25 @@ struct TyreOptions {
     void add_to(CLI::App& app);
 
     /// One at least; `own` where none is named. Throws std::invalid_argument where a number belongs to another model.
-    [[nodiscard]] std::vector<plant::Compliance> tyres(const plant::Compliance& own) const;
+    [[nodiscard]] std::vector<rig::Compliance> tyres(const rig::Compliance& own) const;
 
   private:
     std::vector<const CLI::Option*> of_ring_, of_relaxation_;
 };
 
-const CLI::Option* list(CLI::App& app, const std::string& name, std::vector<double>& numbers, double least, double most, const std::string& what) {
+const CLI::Option* list(CLI::App& app, const std::string& name, std::vector<double>& numbers, double min, double max, const std::string& what) {
     return app.add_option(name, numbers, what)
         ->delimiter(',')
-        ->check([least, most](const std::string& text) {
+        ->check([min, max](const std::string& text) {
             // CLI::Range lets a value pass that is no number.
             double number = 0.0;
-            const bool good = CLI::detail::lexical_cast(text, number) && number >= least && number <= most;
-            return good ? std::string() : fmt::format("{} is not from {:g} to {:g}", text, least, most);
+            const bool good = CLI::detail::lexical_cast(text, number) && number >= min && number <= max;
+            return good ? std::string() : fmt::format("{} is not from {:g} to {:g}", text, min, max);
         })
         ->capture_default_str();
 }
 
-void refuse(const std::vector<const CLI::Option*>& options, const std::string& model) {
+void reject(const std::vector<const CLI::Option*>& options, const std::string& model) {
     for (const CLI::Option* o : options)
         if (o->count() > 0) throw std::invalid_argument(o->get_name() + " needs --tyre " + model);
 }
@@ -64,14 +64,14 @@ void TyreOptions::add_to(CLI::App& app) {
                       list(app, "--floor", floor_m, 0.001, 2.0, "relaxation: it is nowhere shorter, m; or a list")};
 }
 
-std::vector<plant::Compliance> TyreOptions::tyres(const plant::Compliance& own) const {
-    if (model != "ring") refuse(of_ring_, "ring");
-    if (model != "relaxation") refuse(of_relaxation_, "relaxation");
-    plant::Compliance one = own;
+std::vector<rig::Compliance> TyreOptions::tyres(const rig::Compliance& own) const {
+    if (model != "ring") reject(of_ring_, "ring");
+    if (model != "relaxation") reject(of_relaxation_, "relaxation");
+    rig::Compliance one = own;
     if (model.empty()) return {one};
     one.ring = {};
     one.relaxation = {};
-    std::vector<plant::Compliance> all;
+    std::vector<rig::Compliance> all;
     if (model == "static") all.push_back(one);
     if (model == "ring") {
         for (const double frequency : frequency_Hz)
@@ -92,7 +92,7 @@ std::vector<plant::Compliance> TyreOptions::tyres(const plant::Compliance& own) 
 }
 
 struct MarginsCommand {
-    ScenarioOptions scenario;
+    StopOptions scenario;
     TyreOptions tyre;
     margins::StudyOptions options;
     bool constant_slip = false;
@@ -113,7 +113,7 @@ struct MarginsCommand {
         std::vector<margins::TyreRow> rows;
         margins::ReportHead head{.config_hash = input.config_hash, .version = ANTISKID_VERSION, .options = options, .pid = input.settings.pid};
         for (std::size_t i = 0; i < tyres.size(); ++i) {
-            for (margins::Scenario& s : input.cases) s.rig.wheel.compliance = tyres[i];
+            for (margins::StopConditions& s : input.cases) s.rig.wheel.compliance = tyres[i];
             const auto cells =
                 margins::study_cells(input.cases, input.scenarios.front().controller, input.settings.pid, options, progress(i, tyres.size()));
             if (tyres.size() > 1) {
@@ -163,4 +163,4 @@ LabVerb margins_verb(CLI::App& lab) {
     return {verb, [command] { return command->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -2,17 +2,17 @@
 
 #include "firmware/host/settings/hash.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
-MarginsInput load_margins_input(const ScenarioOptions& options) {
+MarginsInput load_margins_input(const StopOptions& options) {
     const std::filesystem::path file = options.config / "margins.toml";
     MarginsInput input{.settings = study::margins::load_margins_settings(file), .scenarios = {}, .cases = {}, .config_hash = {}};
-    for (const std::string& surface : plant::surface_names(options.config)) {
-        for (const std::string& maneuver : plant::maneuver_names(options.config)) {
-            ScenarioOptions one = options;
+    for (const std::string& surface : rig::surface_names(options.config)) {
+        for (const std::string& maneuver : rig::maneuver_names(options.config)) {
+            StopOptions one = options;
             one.choice.surface = surface;
             one.choice.maneuver = maneuver;
-            Scenario& s = input.scenarios.emplace_back(load_scenario(one));
+            StopInputs& s = input.scenarios.emplace_back(load_scenario(one));
             input.cases.push_back({.surface = surface,
                                    .maneuver = maneuver,
                                    .rig = s.plant.rig,
@@ -27,4 +27,4 @@ MarginsInput load_margins_input(const ScenarioOptions& options) {
     return input;
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -5,17 +5,17 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "firmware/controller/controller_setup.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
-#include "firmware/host/setup.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/validation/plant_validation.hpp"
 #include "plant_sim/study/validation/validation_picture.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
-#include "rig_bridge/scenario/scenario.hpp"
+#include "rig_bridge/rig/scenario.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -29,14 +29,14 @@ struct PlantCommand {
     std::string log;
     std::string interface;
     fs::path scenario;
-    plant::ManeuverChoice choice;
+    rig::ManeuverChoice choice;
     fs::path config = settings::config_directory();
     fs::path controller, dbc, binding;
     std::string json, csv, picture;
 
     /// The rig, and the configuration of the controller that was on it.
     struct Known {
-        plant::RigParameters rig;
+        rig::RigParameters rig;
         fs::path controller;
         std::vector<fs::path> files;
         std::string title;
@@ -51,25 +51,25 @@ struct PlantCommand {
             if (choice.friction) k.rig.mean_friction = *choice.friction;
             return k;
         }
-        const plant::LoadedRig loaded = plant::load_rig(config, choice);
-        const bool endurance = choice.maneuver == plant::kEndurance;
+        const rig::LoadedRig loaded = rig::load_rig(config, choice);
+        const bool endurance = choice.maneuver == rig::kEndurance;
         return {.rig = loaded.rig,
                 .controller = config / (endurance ? "controller_endurance.toml" : "controller.toml"),
                 .files = loaded.files,
                 .title = choice.maneuver + " on " + choice.surface};
     }
 
-    [[nodiscard]] antiskid::rt::Setup setup(const Known& k) const {
-        antiskid::rt::Options o;
+    [[nodiscard]] antiskid::controller::ControllerSetup setup(const Known& k) const {
+        antiskid::controller::Options o;
         o.controller = or_default(controller, k.controller);
         o.dbc = or_default(dbc, config / "antiskid.dbc");
         o.binding = or_default(binding, config / "antiskid_binding.toml");
-        return antiskid::rt::load_setup(o);
+        return antiskid::controller::load_setup(o);
     }
 
     int run() const {
         const Known on_rig = known();
-        const antiskid::rt::Setup loaded = setup(on_rig);
+        const antiskid::controller::ControllerSetup loaded = setup(on_rig);
         try {
             compare(on_rig, loaded);
             return 0;
@@ -79,17 +79,17 @@ struct PlantCommand {
         }
     }
 
-    void compare(const Known& on_rig, const antiskid::rt::Setup& loaded) const {
-        rig::LogWarnings warnings(log, [](const std::string& text) { fmt::print(stderr, "rig-lab: warning: {}\n", text); });
-        rig::LogOptions options;
+    void compare(const Known& on_rig, const antiskid::controller::ControllerSetup& loaded) const {
+        rig::replay::LogWarnings warnings(log, [](const std::string& text) { fmt::print(stderr, "rig-lab: warning: {}\n", text); });
+        rig::replay::LogOptions options;
         if (!interface.empty()) options.interface = interface;
         options.layout = &loaded.layout;
-        rig::LogReader reader(log, options, warnings);
-        rig::MeasuredSignals signals(reader, loaded.layout, std::chrono::duration<double>(loaded.period).count());
-        const rig::Validation v = rig::validate_plant(signals, on_rig.rig);
+        rig::replay::LogReader reader(log, options, warnings);
+        validation::MeasuredSignals signals(reader, loaded.layout, std::chrono::duration<double>(loaded.period).count());
+        const validation::Validation v = validation::validate_plant(signals, on_rig.rig);
         if (!v.braked) throw std::runtime_error(log + ": no brake-on in it: no maneuver command that is armed and demands pressure");
         if (json != "-") {
-            fmt::print("{}", rig::to_text(v));
+            fmt::print("{}", validation::to_text(v));
             if (warnings.any()) fmt::print("warnings of the log: {}\n", warnings.summary());
         }
         const nlohmann::ordered_json head{{"log", log},
@@ -102,11 +102,11 @@ struct PlantCommand {
         if (!picture.empty()) draw(v, on_rig.title);
     }
 
-    void draw(const rig::Validation& v, const std::string& title) const {
+    void draw(const validation::Validation& v, const std::string& title) const {
         const std::string rows = csv.empty() || csv == "-" ? picture + ".csv" : csv;
         if (rows != csv) settings::write_file(rows, to_csv(v));
-        rig::draw_validation(rows, picture,
-                             fmt::format("{}: recorded against simulated, pressure in feed-forward from {:.1f} m/s", title, v.brake_on_mps));
+        validation::draw_validation(rows, picture,
+                                    fmt::format("{}: recorded against simulated, pressure in feed-forward from {:.1f} m/s", title, v.brake_on_mps));
     }
 };
 
@@ -125,7 +125,7 @@ LabVerb plant_verb(CLI::App& lab) {
     verb->add_option("--mass", c->choice.mass_kg, "kg, instead of the maneuver's")->excludes(by_scenario);
     verb->add_option("--mu-b", c->choice.friction, "mean brake friction instead of a new brake's");
     verb->add_option("--speed", c->choice.speed_mps, "m/s, of the brake's friction curve instead of the maneuver's; the start is as recorded");
-    settings::add_choice(*verb, "--carrier", c->choice.carrier, {{"aircraft", plant::Carrier::aircraft}, {"flywheel", plant::Carrier::flywheel}},
+    settings::add_choice(*verb, "--carrier", c->choice.carrier, {{"aircraft", rig::Carrier::aircraft}, {"flywheel", rig::Carrier::flywheel}},
                          "flywheel: the loading device lags behind eq. (2)");
     settings::add_config_directory(*verb, c->config);
     settings::existing_file(verb->add_option("--controller", c->controller, "its period is that of SYNC (default: that of the maneuver in CONFIG)"));
@@ -144,4 +144,4 @@ LabVerb plant_verb(CLI::App& lab) {
     return {verb, [c] { return c->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -7,7 +7,7 @@
 #include "plant_sim/study/validation/measured_signals.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -24,12 +24,12 @@ identification::Edges edges(const antiskid::control::SpeedInput& input) {
 }  // namespace
 
 identification::Recording read_recording(const fs::path& log, const antiskid::can::Layout& layout, double period_s) {
-    rig::LogWarnings warnings(
+    rig::replay::LogWarnings warnings(
         log.string(), [](const std::string& text) { std::fprintf(stderr, "rig-lab: %s\n", text.c_str()); }, 1);
-    rig::LogOptions options;
+    rig::replay::LogOptions options;
     options.layout = &layout;
-    rig::LogReader reader(log, options, warnings);
-    rig::MeasuredSignals signals(reader, layout, period_s);
+    rig::replay::LogReader reader(log, options, warnings);
+    validation::MeasuredSignals signals(reader, layout, period_s);
     identification::Recording out{.name = log.parent_path().filename().string(), .period_s = period_s, .samples = {}};
     auto cells_received = antiskid::control::kNever;
     while (signals.next()) {
@@ -56,13 +56,13 @@ identification::Recording read_recording(const fs::path& log, const antiskid::ca
 }
 
 fs::path scenario_of(const fs::path& folder, const fs::path& config) {
-    const std::string name = rig::read_summary(folder / "summary.json").scenario;
+    const std::string name = rig::record::read_summary(folder / "summary.json").scenario;
     return config / "scenarios" / (name + ".toml");
 }
 
 identification::Run run_of(const rig::Scenario& scenario, const fs::path& config, std::vector<double> map_currents,
                            identification::Recording recording) {
-    const plant::RigParameters& rig = scenario.rig.rig;
+    const rig::RigParameters& rig = scenario.rig.rig;
     if (!scenario.choice.runway.empty())
         throw settings::Error(scenario.files.front().string(), 0, "maneuver.runway",
                               "friction is identified surface by surface; expected a scenario on one");
@@ -87,4 +87,4 @@ identification::Run run_of(const rig::Scenario& scenario, const fs::path& config
             .friction_class = classes()};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -7,9 +7,9 @@
 
 #include "firmware/can/layout.hpp"
 #include "plant_sim/study/identification/recording.hpp"
-#include "rig_bridge/scenario/scenario.hpp"
+#include "rig_bridge/rig/scenario.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 /// A bus log, plain or gzip, sample by sample (rig_bridge/record/sample_stream.hpp). Throws std::runtime_error for a log that cannot be read
 /// or holds no sample.
@@ -22,4 +22,4 @@ namespace plant_sim {
 [[nodiscard]] identification::Run run_of(const rig::Scenario& scenario, const std::filesystem::path& config, std::vector<double> map_currents,
                                          identification::Recording recording);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -7,7 +7,7 @@
 #include "plant_sim/lab/recorded_stops.hpp"
 #include "rig_bridge/wear/csv_rows.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -70,4 +70,4 @@ wear::RecordedStop parse_stop(const std::string& name, std::string_view csv, dou
     return stop;
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

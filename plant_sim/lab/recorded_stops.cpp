@@ -13,10 +13,10 @@
 #include "rig_bridge/replay/log_meter.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
-#include "rig_bridge/scenario/meter_parameters.hpp"
-#include "rig_bridge/scenario/scenario.hpp"
+#include "rig_bridge/rig/meter_parameters.hpp"
+#include "rig_bridge/rig/scenario.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -37,7 +37,7 @@ std::vector<fs::path> maneuvers_below(const fs::path& directory, int levels) {
     std::vector<fs::path> found;
     for (const fs::directory_entry& entry : fs::directory_iterator(directory)) {
         if (!entry.is_directory()) continue;
-        if (!rig::log_in(entry.path()).empty()) {
+        if (!rig::replay::log_in(entry.path()).empty()) {
             found.push_back(entry.path());
         } else if (levels > 1) {
             const std::vector<fs::path> deeper = maneuvers_below(entry.path(), levels - 1);
@@ -64,7 +64,7 @@ double seconds(Time time) {
 /// The road's way by edges or, where the sensor reports that, by its speed.
 class RoadWay {
   public:
-    explicit RoadWay(const plant::RigParameters& r)
+    explicit RoadWay(const rig::RigParameters& r)
         : radius_m_(r.flywheel_radius_m), track_(2.0 * std::numbers::pi / r.flywheel_encoder.teeth * r.flywheel_radius_m) {}
 
     void update(const antiskid::control::SpeedInput& input, Time now) {
@@ -83,7 +83,7 @@ class RoadWay {
 
   private:
     double radius_m_;
-    rig::EdgeTrack track_;
+    rig::record::EdgeTrack track_;
     bool edges_ = true;
     bool known_ = false;
     double integrated_m_ = 0.0, now_s_ = 0.0, speed_mps_ = 0.0;
@@ -113,7 +113,7 @@ class Loader {
         : files_(files),
           layout_(antiskid::can::load_layout(files.dbc.empty() ? files.config / "antiskid.dbc" : files.dbc,
                                              files.binding.empty() ? files.config / "antiskid_binding.toml" : files.binding)) {
-        for (const std::string& name : plant::friction_class_names()) classes_.push_back({name, {}});
+        for (const std::string& name : rig::friction_class_names()) classes_.push_back({name, {}});
     }
 
     void add(const StopSource& source) {
@@ -122,7 +122,7 @@ class Loader {
         if (path.extension() == ".sqlite") path = path.has_parent_path() ? path.parent_path() : fs::path(".");
         if (!fs::is_directory(path)) {
             add_file(path, source.kind);
-        } else if (!rig::log_in(path).empty()) {
+        } else if (!rig::replay::log_in(path).empty()) {
             add_maneuver(path, source.kind);
         } else {
             const std::vector<fs::path> folders = maneuvers_below(path, 2);
@@ -141,14 +141,14 @@ class Loader {
     }
 
   private:
-    void enter(const plant::LoadedRig& rig, wear::RecordedStop stop) {
+    void enter(const rig::LoadedRig& rig, wear::RecordedStop stop) {
         const auto at = std::find_if(classes_.begin(), classes_.end(), [&](const ClassStops& c) { return c.friction_class == rig.friction_class; });
         at->stops.push_back(std::move(stop));
     }
 
     void add_file(const fs::path& file, const std::string& kind) {
         if (kind.empty()) throw Error(file.string(), 0, "", fmt::format("which maneuver was it? Write e.g. light={}", file.string()));
-        const plant::LoadedRig rig = rig_of(kind, file);
+        const rig::LoadedRig rig = rig_of(kind, file);
         if (is_csv(file))
             enter(rig, parse_stop(file.string(), settings::read_file(file), rig.rig.brake.gain_m3()));
         else
@@ -158,60 +158,60 @@ class Loader {
     void add_maneuver(const fs::path& folder, const std::string& kind) {
         const fs::path summary_file = folder / "summary.json";
         if (fs::exists(summary_file)) {
-            const rig::Summary summary = rig::read_summary(summary_file);
+            const rig::record::Summary summary = rig::record::read_summary(summary_file);
             if (summary.outcome != "finished") {
                 files_.warn(fmt::format("{}: {}: passed over", folder.string(), summary.outcome));
                 return;
             }
             if (kind.empty()) {
                 const rig::Scenario scenario = rig::load_scenario(files_.config / "scenarios" / (summary.scenario + ".toml"), files_.config);
-                enter(scenario.rig, read_log(rig::log_in(folder), scenario.rig));
+                enter(scenario.rig, read_log(rig::replay::log_in(folder), scenario.rig));
                 return;
             }
         }
         if (kind.empty())
             throw Error(folder.string(), 0, "",
                         fmt::format("has no summary.json that says which maneuver it was; write e.g. light={}", folder.string()));
-        const plant::LoadedRig rig = rig_of(kind, folder);
-        enter(rig, read_log(rig::log_in(folder), rig));
+        const rig::LoadedRig rig = rig_of(kind, folder);
+        enter(rig, read_log(rig::replay::log_in(folder), rig));
     }
 
-    [[nodiscard]] plant::LoadedRig rig_of(const std::string& kind, const fs::path& of) const {
-        const std::vector<std::string> maneuvers = plant::maneuver_names(files_.config);
-        plant::ManeuverChoice choice;
+    [[nodiscard]] rig::LoadedRig rig_of(const std::string& kind, const fs::path& of) const {
+        const std::vector<std::string> maneuvers = rig::maneuver_names(files_.config);
+        rig::ManeuverChoice choice;
         choice.maneuver = kind;
-        if (kind == plant::kEndurance) return plant::load_rig(files_.config, choice);
-        const std::vector<std::string> classes = plant::friction_class_names();
+        if (kind == rig::kEndurance) return rig::load_rig(files_.config, choice);
+        const std::vector<std::string> classes = rig::friction_class_names();
         if (!contains(classes, kind)) {
-            if (contains(maneuvers, kind)) return plant::load_rig(files_.config, choice);
+            if (contains(maneuvers, kind)) return rig::load_rig(files_.config, choice);
             throw Error(of.string(), 0, "",
                         fmt::format("'{}' is neither a friction class ({}) nor a maneuver ({}, {})", kind, listed(classes), listed(maneuvers),
-                                    plant::kEndurance));
+                                    rig::kEndurance));
         }
         for (const std::string& maneuver : maneuvers) {
             choice.maneuver = maneuver;
-            plant::LoadedRig rig = plant::load_rig(files_.config, choice);
+            rig::LoadedRig rig = rig::load_rig(files_.config, choice);
             if (rig.friction_class == kind) return rig;
         }
         throw Error(of.string(), 0, "", fmt::format("no maneuver of maneuvers.toml is of the class {}", kind));
     }
 
     /// The first braking of the log, sampled with every frame of the load cells.
-    [[nodiscard]] wear::RecordedStop read_log(const fs::path& log, const plant::LoadedRig& rig) const {
-        rig::LogWarnings warnings(log.string(), files_.warn);
-        rig::LogOptions options;
+    [[nodiscard]] wear::RecordedStop read_log(const fs::path& log, const rig::LoadedRig& rig) const {
+        rig::replay::LogWarnings warnings(log.string(), files_.warn);
+        rig::replay::LogOptions options;
         options.layout = &layout_;
-        rig::LogReader reader(log, options, warnings);
-        const plant::RigParameters& r = rig.rig;
+        rig::replay::LogReader reader(log, options, warnings);
+        const rig::RigParameters& r = rig.rig;
         constexpr double kPeriod_s = 1e-3;  // dates samples only; speeds are of the sensors' own clocks
-        rig::BusMeter meter(layout_, rig::meter_parameters(rig, kPeriod_s));
+        rig::record::BusMeter meter(layout_, rig::meter_parameters(rig, kPeriod_s));
         RoadWay road(r);
         std::vector<Raw> rows;
         double brake_on_mps = 0.0;
         Time newest = antiskid::control::kNever;
         bool loads_are_new = false;
         bool braking = false;
-        for (rig::LogFrame frame; reader.next(frame);) {
+        for (rig::replay::LogFrame frame; reader.next(frame);) {
             meter.accept(frame.frame);
             const antiskid::can::BusView& v = meter.view();
             road.update(v.flywheel, frame.frame.received);
@@ -258,4 +258,4 @@ std::vector<ClassStops> load_stops(const std::vector<StopSource>& sources, const
     return loader.take();
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

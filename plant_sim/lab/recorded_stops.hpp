@@ -10,7 +10,7 @@
 #include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/wear/dynamics.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 /// `[CLASS=]PATH`. CLASS is a friction class (light, medium, heavy), a maneuver of maneuvers.toml, or endurance, and says which brake it was.
 /// Left out, the folder's summary.json says it by its scenario. PATH is a bus log (candump format, plain or gzip), the folder of a maneuver,
@@ -42,4 +42,4 @@ struct StopFiles {
 /// and line.
 [[nodiscard]] wear::RecordedStop parse_stop(const std::string& name, std::string_view csv, double brake_gain_m3);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -15,7 +15,7 @@
 #include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -46,29 +46,29 @@ struct RegulateCommand {
 
   private:
     [[nodiscard]] int characterise() const;
-    [[nodiscard]] std::vector<regulation::Policy> policies(const regulation::RegulationConfig& asked, const regulation::Plan& plan,
-                                                           const regulation::Range& range) const;
+    [[nodiscard]] std::vector<regulation::Policy> policies(const wear::RegulationConfig& asked, const wear::WearPlan& plan,
+                                                           const wear::Range& range) const;
 };
 
 int RegulateCommand::characterise() const {
     const LandingSites sites = load_sites(config);
-    antiskid::rt::StopSignals signals;
+    antiskid::host::StopSignals signals;
     CharacteriseOptions options{.references = {}, .seed = seed, .threads = threads, .stop = &signals.stop()};
     constexpr int kFirst = 6;  // hundredths, as in the paper's study
     constexpr int kLast = 50;
     for (int k = kFirst; k <= kLast; k += 2) options.references.push_back(k / 100.0);
     CampaignProgress progress(static_cast<std::int64_t>(characterising_stops(sites, options)), 0);
     options.on_stops = [&](std::size_t stops) { progress.show(static_cast<std::int64_t>(stops)); };
-    const regulation::Characterisation c = plant_sim::characterise(sites, options);
+    const wear::Characterisation c = plant_sim::lab::characterise(sites, options);
     progress.finish();
     if (c.floor.rows.empty()) return kStopped;
-    settings::write_file(characterised, regulation::to_toml(c, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
+    settings::write_file(characterised, wear::to_toml(c, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
     print_table(json_file, "{}: J_mu of {} references on {} surfaces\n", characterised.string(), c.floor.reference.size(), c.floor.rows.size());
     return 0;
 }
 
-std::vector<regulation::Policy> RegulateCommand::policies(const regulation::RegulationConfig& asked, const regulation::Plan& plan,
-                                                          const regulation::Range& range) const {
+std::vector<regulation::Policy> RegulateCommand::policies(const wear::RegulationConfig& asked, const wear::WearPlan& plan,
+                                                          const wear::Range& range) const {
     const double best = regulation::best_fixed(plan, asked.floor.reference, asked.tyre_share, range);
     std::vector<regulation::Policy> all{{"regulated", std::nullopt}};
     for (const double reference : fixed) {
@@ -80,20 +80,20 @@ std::vector<regulation::Policy> RegulateCommand::policies(const regulation::Regu
 
 int RegulateCommand::run() const {
     if (!characterised.empty()) return characterise();
-    regulation::RegulationConfig asked = regulation::load_regulation_config(regulation_file.empty() ? config / "regulation.toml" : regulation_file);
-    if (!surfaces.empty()) asked.surfaces = regulation::surfaces_of(asked.floor, surfaces);
+    wear::RegulationConfig asked = wear::load_regulation_config(regulation_file.empty() ? config / "regulation.toml" : regulation_file);
+    if (!surfaces.empty()) asked.surfaces = wear::surfaces_of(asked.floor, surfaces);
     const LandingSites sites = load_sites(config);
     const wear::BrakeWear& brake = sites.sites.front().rig.wear;
     RegulateReport report;
-    report.plan = regulation::plan_of(asked, brake.life_J, sites.mean_J(), sites.deviation_J());
+    report.plan = wear::plan_of(asked, brake.life_J, sites.mean_J(), sites.deviation_J());
     if (landings > 0) report.plan.landings = landings;
     report.rules = asked.rules;
     report.range = asked.range();
-    report.limits = regulation::limit_forecast(regulation::Regulator(report.plan, report.rules, report.range));
+    report.limits = wear::limit_forecast(wear::Regulator(report.plan, report.rules, report.range));
     for (const LandingSite& site : sites.sites) report.options.allowed_on.push_back(asked.range_on(site.surface));
     if (forecast && asked.forecast_widest > 0.0)
-        report.options.life_forecast.emplace(regulation::forecast_model(brake), brake, asked.forecast_widest * report.plan.brake_budget_J());
-    antiskid::rt::StopSignals signals;
+        report.options.life_forecast.emplace(wear::forecast_model(brake), brake, asked.forecast_widest * report.plan.brake_budget_J());
+    antiskid::host::StopSignals signals;
     const std::vector<regulation::Policy> all = policies(asked, report.plan, report.range);
     const int stops_a_life = static_cast<int>(all.size()) + (floor_check ? 2 : 0);
     const std::int64_t planned = std::int64_t{lives} * stops_a_life * report.plan.landings;
@@ -175,4 +175,4 @@ LabVerb regulate_verb(CLI::App& lab) {
     return {verb, [command] { return command->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

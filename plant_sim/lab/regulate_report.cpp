@@ -8,7 +8,7 @@
 
 #include "rig_bridge/pictures/gnuplot.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -25,7 +25,7 @@ const char* first_limit(const Life& life) {
     return life.first == First::brake ? "brake" : "tyre";
 }
 
-std::string life_text(const Life& life, int number, const regulation::Plan& plan) {
+std::string life_text(const Life& life, int number, const wear::WearPlan& plan) {
     const std::string what = life.feasible ? (life.met ? "feasible, met" : "feasible, MISSED")
                                            : fmt::format("not feasible at landing {}: the landings bring {:.1f} % of what is left{}", plan.landings,
                                                          life.brought * 100.0, life.other_left <= plan.tolerance ? "; both limits together" : "");
@@ -100,7 +100,7 @@ std::string to_text(const RegulateReport& r) {
         "{:.3f} +- {:.3f} MJ\n"
         "references {:.3f} to {:.3f} keep J_mu at {:.2f} or above\n{}\n",
         r.plan.brake_budget_J() * 1e-6, r.plan.tyre_budget_J() * 1e-6, r.plan.landings, r.plan.landing_J * 1e-6, r.plan.landing_deviation_J * 1e-6,
-        r.range.lowest, r.range.highest, r.rules.j_mu_floor, regulation::sentence(r.limits, r.plan));
+        r.range.lowest, r.range.highest, r.rules.j_mu_floor, wear::sentence(r.limits, r.plan));
     auto out = std::back_inserter(text);
     const PolicyLives& regulated = r.policies.front();
     for (std::size_t i = 0; i < regulated.lives.size(); ++i) text += life_text(regulated.lives[i], static_cast<int>(i) + 1, r.plan);
@@ -116,7 +116,7 @@ std::string to_text(const RegulateReport& r) {
                        "| {} | {} of {} | {} of {} | {:.1f} | {:.2f} % | {:.2f} % | {:.1f} % | {:.1f} % | "
                        "{:.4f} | {:.3f} | {:.1f} |\n",
                        p.policy.name, s.met, s.feasible, s.together, p.lives.size(), s.first_landing, s.other_left * 100.0,
-                       s.worst_other_left * 100.0, s.brake_at_plan * 100.0, s.tyre_at_plan * 100.0, s.j_mu, s.least_j_mu, s.distance_m);
+                       s.worst_other_left * 100.0, s.brake_at_plan * 100.0, s.tyre_at_plan * 100.0, s.j_mu, s.min_j_mu, s.distance_m);
     }
     const Summary s = regulation::summary(regulated, possible, r.plan.tolerance);
     fmt::format_to(out, "\n{}\n",
@@ -141,12 +141,12 @@ std::string to_json(const RegulateReport& r) {
                                   {"landing_deviation_J", r.plan.landing_deviation_J},
                                   {"tolerance", r.plan.tolerance}}},
                                 {"range", {{"lowest", r.range.lowest}, {"highest", r.range.highest}, {"j_mu_floor", r.rules.j_mu_floor}}},
-                                {"outlook",
-                                 {{"verdict", regulation::name(r.limits.verdict)},
-                                  {"sentence", regulation::sentence(r.limits, r.plan)},
+                                {"prediction",
+                                 {{"verdict", wear::name(r.limits.verdict)},
+                                  {"sentence", wear::sentence(r.limits, r.plan)},
                                   {"required_share", r.limits.required_share},
-                                  {"least_share", r.limits.least_share},
-                                  {"most_share", r.limits.most_share},
+                                  {"min_share", r.limits.min_share},
+                                  {"max_share", r.limits.max_share},
                                   {"brake_limit_landing", r.limits.brake.landing},
                                   {"brake_limit_deviation", r.limits.brake.deviation},
                                   {"tyre_limit_landing", r.limits.tyre.landing},
@@ -173,7 +173,7 @@ std::string to_json(const RegulateReport& r) {
                                    {"brake_used_at_plan", s.brake_at_plan},
                                    {"tyre_used_at_plan", s.tyre_at_plan},
                                    {"j_mu", s.j_mu},
-                                   {"least_j_mu", s.least_j_mu},
+                                   {"min_j_mu", s.min_j_mu},
                                    {"distance_m", s.distance_m}};
         if (p.policy.fixed) one["slip_reference"] = *p.policy.fixed;
         auto lives = nlohmann::ordered_json::array();
@@ -197,7 +197,7 @@ std::string to_csv(const RegulateReport& r) {
                 const LifeRow& row = p.lives[i].rows[k];
                 fmt::format_to(out, "{},{},{},{:.6f},{:.6f},{:.6f},{:.1f},{:.1f},{:.3f},{:.3f},{:.5f},{}\n", p.policy.name, i + 1, k + 1,
                                row.reference, row.required_share, row.share, row.brake_J, row.tyre_J, row.distance_m, row.worst_distance_m, row.j_mu,
-                               regulation::name(row.reading));
+                               wear::name(row.reading));
             }
         }
     }
@@ -228,8 +228,8 @@ set yrange [{low}:{high}]
 set key bottom right
 plot {lowest} with lines lc rgb '#555555' dt 2 title 'allowed by the floor on J_{{/Symbol m}}', \
      {highest} with lines lc rgb '#555555' dt 2 notitle)",
-                   fmt::arg("title", study::gnuplot_quoted(fmt::format("Brake and tyre used up together: {} {}, seed {}", lives,
-                                                                       lives == 1 ? "life" : "lives", r.options.seed))),
+                   fmt::arg("title", pictures::gnuplot_quoted(fmt::format("Brake and tyre used up together: {} {}, seed {}", lives,
+                                                                          lives == 1 ? "life" : "lives", r.options.seed))),
                    fmt::arg("most", static_cast<double>(r.plan.landings) * 1.08), fmt::arg("planned", r.plan.landings), fmt::arg("fixed", fixed),
                    fmt::arg("fixed_name", r.policies[fixed].policy.name), fmt::arg("low", r.range.lowest - 0.10),
                    fmt::arg("high", r.range.highest + 0.03), fmt::arg("lowest", r.range.lowest), fmt::arg("highest", r.range.highest));
@@ -252,7 +252,7 @@ plot {above} with lines lc rgb '#555555' dt 3 title 'plan, within {tolerance} %'
                                 std::string tics;
                                 for (std::size_t p = 0; p < r.policies.size(); ++p)
                                     fmt::format_to(std::back_inserter(tics), "{}{} {}", p == 0 ? "" : ", ",
-                                                   study::gnuplot_quoted(r.policies[p].policy.name), p);
+                                                   pictures::gnuplot_quoted(r.policies[p].policy.name), p);
                                 return tics;
                             }()),
                    fmt::arg("above", 100.0 * (1.0 + r.plan.tolerance)), fmt::arg("below", 100.0 * (1.0 - r.plan.tolerance)),
@@ -263,7 +263,7 @@ plot {above} with lines lc rgb '#555555' dt 3 title 'plan, within {tolerance} %'
                        "     $policy{0} using ($1+0.08):3 with points pt 9 ps 0.9 lc rgb '#c55a11' {2}",
                        p, p == 0 ? "title 'brake, each life'" : "notitle", p == 0 ? "title 'tyre, each life'" : "notitle");
     script += "\nunset multiplot\n";
-    study::run_gnuplot(png, 1100, 1200, script);
+    pictures::run_gnuplot(png, 1100, 1200, script);
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -8,13 +8,13 @@
 #include "plant_sim/study/regulation/fleet.hpp"
 #include "rig_bridge/wear/limit_forecast.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 struct RegulateReport {
-    regulation::Plan plan;
-    regulation::Rules rules;
-    regulation::Range range;
-    regulation::LimitForecast limits;  ///< at the plan's begin
+    wear::WearPlan plan;
+    wear::Rules rules;
+    wear::Range range;
+    wear::LimitForecast limits;  ///< at the plan's begin
     regulation::FleetOptions options;
     std::vector<regulation::PolicyLives> policies;  ///< the regulated one first
     std::string config_hash;
@@ -30,4 +30,4 @@ struct RegulateReport {
 /// Throws std::runtime_error when gnuplot fails.
 void draw(const RegulateReport& report, const std::filesystem::path& png);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -16,9 +16,9 @@
 #include "plant_sim/study/run_many.hpp"
 #include "rig_bridge/record/meter.hpp"
 #include "rig_bridge/rig/friction_curve.hpp"
-#include "rig_bridge/scenario/meter_parameters.hpp"
+#include "rig_bridge/rig/meter_parameters.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -28,29 +28,29 @@ std::uint8_t phase_code(std::string_view name) {
 }
 
 /// The rig's phases stand in the telemetry that the meter reads; the pilot's landing has those of them that matter.
-std::uint8_t phase_code(study::Phase phase) {
+std::uint8_t phase_code(study::StopPhase phase) {
     switch (phase) {
-        case study::Phase::approach:
-        case study::Phase::rolling:
+        case study::StopPhase::approach:
+        case study::StopPhase::rolling:
             return phase_code("settling");
-        case study::Phase::braking:
+        case study::StopPhase::braking:
             return phase_code("braking");
-        case study::Phase::standstill:
+        case study::StopPhase::standstill:
             return phase_code("standstill");
-        case study::Phase::released:
-        case study::Phase::done:
+        case study::StopPhase::released:
+        case study::StopPhase::done:
             break;
     }
     return phase_code("retract");
 }
 
-rig::MeterSample sample_of(const study::RigSession& session) {
+rig::record::MeterSample sample_of(const study::RigSession& session) {
     const antiskid::can::RigSample& sensed = session.sample();
     const antiskid::can::LoadCellSample cells = session.load_cells();
     return {.time_s = session.rig().time_s(),
             .phase = phase_code(session.pilot().phase()),
-            .wheel = rig::shaft_sample(sensed.wheel),
-            .flywheel = rig::shaft_sample(sensed.flywheel),
+            .wheel = rig::record::shaft_sample(sensed.wheel),
+            .flywheel = rig::record::shaft_sample(sensed.flywheel),
             .pressure_Pa = static_cast<double>(sensed.pressure_Pa),
             .vertical_N = static_cast<double>(cells.vertical_N),
             .longitudinal_N = static_cast<double>(cells.longitudinal_N),
@@ -64,7 +64,7 @@ double worn_friction(const wear::BrakeWear& brake) {
 
 /// Roughly, of a stop: speed over the friction that there is.
 double expected_s(const LandingSite& site) {
-    return site.rig.rig.brake_on_mps / plant::peak(site.rig.rig.surface).mu;
+    return site.rig.rig.brake_on_mps / rig::peak(site.rig.rig.surface).mu;
 }
 
 study::Maneuver maneuver_of(const LandingSites& sites, const regulation::LandingRequest& request) {
@@ -79,25 +79,26 @@ study::Maneuver maneuver_of(const LandingSites& sites, const regulation::Landing
     return m;
 }
 
-regulation::Stop stop_of(const LandingSite& site, const regulation::LandingRequest& request, const study::StopFigures& run, const rig::Meter* meter) {
+regulation::Stop stop_of(const LandingSite& site, const regulation::LandingRequest& request, const study::StopFigures& run,
+                         const rig::record::Meter* meter) {
     regulation::Stop stop{
         .measured = {}, .brake_J = run.energy_brake_J, .tyre_J = run.energy_tyre_J, .distance_m = run.stop_distance_m, .j_mu = run.j_mu};
     if (meter == nullptr) return stop;
-    const rig::Figures measured = meter->figures();
+    const rig::record::Figures measured = meter->figures();
     stop.measured = {.reference = request.reference,
                      .kinetic_J = measured.kinetic_energy_J,
                      .brake_J = measured.energy_brake_J,
                      .tyre_J = measured.energy_tyre_J,
                      .j_mu = measured.j_mu};
     stop.measured_friction =
-        plant::mean_of_measured(site.rig.rig.friction_curve, measured.mean_friction, site.rig.drop_out_mps / measured.brake_on_mps);
+        rig::mean_of_measured(site.rig.rig.friction_curve, measured.mean_friction, site.rig.drop_out_mps / measured.brake_on_mps);
     return stop;
 }
 
 }  // namespace
 
 double LandingSite::kinetic_J() const {
-    const plant::RigParameters& p = rig.rig;
+    const rig::RigParameters& p = rig.rig;
     const double touchdown = p.touchdown_mps > 0.0 ? p.touchdown_mps : p.brake_on_mps;
     const double load_N = p.load.base_N - p.load.lift_Ns2pm2 * touchdown * touchdown;
     const double r = p.wheel.free_radius_m - load_N / p.wheel.stiffness_Npm;
@@ -128,12 +129,12 @@ LandingSites load_sites(const std::filesystem::path& config) {
                    .controller = antiskid::load_controller_config(controller),
                    .layout = antiskid::can::load_layout(dbc, binding),
                    .files = {controller, dbc, binding}};
-    for (const std::string& surface : plant::surface_names(config)) {
-        for (const std::string& maneuver : plant::maneuver_names(config)) {
-            plant::ManeuverChoice choice;
+    for (const std::string& surface : rig::surface_names(config)) {
+        for (const std::string& maneuver : rig::maneuver_names(config)) {
+            rig::ManeuverChoice choice;
             choice.maneuver = maneuver;
             choice.surface = surface;
-            s.sites.push_back({surface, maneuver, plant::load_rig(config, choice)});
+            s.sites.push_back({surface, maneuver, rig::load_rig(config, choice)});
         }
     }
     const auto& read = s.sites.front().rig.files;
@@ -149,14 +150,14 @@ std::vector<regulation::Stop> land(const LandingSites& sites, std::span<const re
         return expected_s(sites.sites.at(requests[a].draw.scenario)) > expected_s(sites.sites.at(requests[b].draw.scenario));
     });
     std::vector<regulation::Stop> stops(requests.size());
-    std::vector<std::unique_ptr<rig::Meter>> meters(requests.size());
+    std::vector<std::unique_ptr<rig::record::Meter>> meters(requests.size());
     const auto make = [&](std::size_t i) {
         const regulation::LandingRequest& request = requests[order[i]];
         study::Maneuver m = maneuver_of(sites, request);
         if (!request.metered) return m;
-        meters[i] = std::make_unique<rig::Meter>(rig::meter_parameters(sites.sites[request.draw.scenario].rig, m.options.period_s));
+        meters[i] = std::make_unique<rig::record::Meter>(rig::meter_parameters(sites.sites[request.draw.scenario].rig, m.options.period_s));
         m.on_step = [meter = meters[i].get(), &sites](const study::RigSession& session, const antiskid::can::ControllerView&, double) {
-            meter->feed(rig::as_on_bus(sites.layout, sample_of(session)));
+            meter->feed(rig::record::as_on_bus(sites.layout, sample_of(session)));
         };
         return m;
     };
@@ -179,14 +180,14 @@ std::size_t characterising_stops(const LandingSites& sites, const CharacteriseOp
     return 2 * sites.sites.size() * options.references.size();
 }
 
-regulation::Characterisation characterise(const LandingSites& sites, const CharacteriseOptions& options) {
-    regulation::Characterisation c;
+wear::Characterisation characterise(const LandingSites& sites, const CharacteriseOptions& options) {
+    wear::Characterisation c;
     std::vector<double> tyre_J(options.references.size());
     std::vector<double> all_J(options.references.size());
     for (std::size_t i = 0; i < options.references.size(); ++i) {
         std::vector<regulation::LandingRequest> requests;
         for (std::size_t site = 0; site < sites.sites.size(); ++site) {
-            const plant::LoadedRig& rig = sites.sites[site].rig;
+            const rig::LoadedRig& rig = sites.sites[site].rig;
             for (const double friction : {rig.rig.mean_friction, worn_friction(rig.wear)})
                 requests.push_back({.draw = {.scenario = site, .sensor_seed = options.seed},
                                     .reference = options.references[i],
@@ -211,4 +212,4 @@ regulation::Characterisation characterise(const LandingSites& sites, const Chara
     return c;
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -15,13 +15,13 @@
 #include "rig_bridge/rig/load_rig.hpp"
 #include "rig_bridge/wear/regulation_config.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 /// Every surface under every maneuver of the configuration.
 struct LandingSite {
     std::string surface;
     std::string maneuver;
-    plant::LoadedRig rig;
+    rig::LoadedRig rig;
 
     [[nodiscard]] double kinetic_J() const;  ///< at brake-on, after what the wheel's spin-up has cost the aircraft
 };
@@ -52,8 +52,8 @@ struct CharacteriseOptions {
     std::function<void(std::size_t stops)> on_stops{};
 };
 /// All sites with every reference, the brake new and worn out. Empty when it was stopped.
-[[nodiscard]] regulation::Characterisation characterise(const LandingSites& sites, const CharacteriseOptions& options);
+[[nodiscard]] wear::Characterisation characterise(const LandingSites& sites, const CharacteriseOptions& options);
 /// How many stops that takes.
 [[nodiscard]] std::size_t characterising_stops(const LandingSites& sites, const CharacteriseOptions& options);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

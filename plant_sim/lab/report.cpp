@@ -13,7 +13,7 @@
 #include "plant_sim/study/paper/sections.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -116,4 +116,4 @@ LabVerb report_verb(CLI::App& lab) {
     return {verb, [command] { return command->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

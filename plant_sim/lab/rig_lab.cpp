@@ -15,27 +15,27 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.require_subcommand(1);
     const std::array verbs{
-        plant_sim::stop_verb(app),       //
-        plant_sim::drive_verb(app),      //
-        plant_sim::compare_verb(app),    //
-        plant_sim::endurance_verb(app),  //
-        plant_sim::soak_verb(app),       //
-        plant_sim::sweep_verb(app),      //
-        plant_sim::regulate_verb(app),   //
-        plant_sim::trade_verb(app),      //
-        plant_sim::margins_verb(app),    //
-        plant_sim::tune_verb(app),       //
-        plant_sim::maneuver_verb(app),   //
-        plant_sim::plant_verb(app),      //
-        plant_sim::identify_verb(app),   //
-        plant_sim::wear_verb(app),       //
-        plant_sim::faults_verb(app),     //
-        plant_sim::robust_verb(app),     //
-        plant_sim::surfaces_verb(app),   //
-        plant_sim::report_verb(app),     //
+        plant_sim::lab::stop_verb(app),       //
+        plant_sim::lab::drive_verb(app),      //
+        plant_sim::lab::compare_verb(app),    //
+        plant_sim::lab::endurance_verb(app),  //
+        plant_sim::lab::soak_verb(app),       //
+        plant_sim::lab::sweep_verb(app),      //
+        plant_sim::lab::regulate_verb(app),   //
+        plant_sim::lab::trade_verb(app),      //
+        plant_sim::lab::margins_verb(app),    //
+        plant_sim::lab::tune_verb(app),       //
+        plant_sim::lab::maneuver_verb(app),   //
+        plant_sim::lab::plant_verb(app),      //
+        plant_sim::lab::identify_verb(app),   //
+        plant_sim::lab::wear_verb(app),       //
+        plant_sim::lab::faults_verb(app),     //
+        plant_sim::lab::robust_verb(app),     //
+        plant_sim::lab::surfaces_verb(app),   //
+        plant_sim::lab::report_verb(app),     //
     };
     if (const auto status = settings::parse(app, argc, argv)) return *status;
-    return plant_sim::run_parsed(verbs);
+    return plant_sim::lab::run_parsed(verbs);
 }
 
 }  // namespace

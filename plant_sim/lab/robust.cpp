@@ -10,20 +10,20 @@
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/robust/report.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
 struct RobustCommand {
-    robust::PlanOptions options;
+    robust::RobustPlanOptions options;
     unsigned threads = 0;
     std::filesystem::path out = "out/robust";
     std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
-    [[nodiscard]] int run(study::Team& team) const {
-        const robust::Plan plan = robust::load_plan(options);
-        antiskid::rt::StopSignals signals;
+    [[nodiscard]] int run(study::team::Team& team) const {
+        const robust::RobustPlan plan = robust::load_plan(options);
+        antiskid::host::StopSignals signals;
         CampaignProgress progress(static_cast<std::int64_t>(plan.stops()), 0, "stops");
         const std::vector<robust::Row> rows = robust::run(plan,
                                                           {.threads = threads_in(team, threads),
@@ -86,7 +86,7 @@ LabVerb robust_verb(CLI::App& lab) {
         "Exit status: 0 no stop under the slip law ended safe; 1 some did; 2 mistake on the command line or "
         "in a file; 130 "
         "stopped by Ctrl-C.");
-    return {verb, [command] { return in_team([command](study::Team& team) { return command->run(team); }); }};
+    return {verb, [command] { return in_team([command](study::team::Team& team) { return command->run(team); }); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -10,7 +10,7 @@
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -32,8 +32,8 @@ std::size_t heap_in_use() {
 
 int SoakCommand::run() const {
     const auto file = scenario.empty() ? config / "scenarios" / "heavy.toml" : scenario;
-    const endurance::Setup setup = endurance::load_setup(file, config);
-    antiskid::rt::StopSignals signals;
+    const endurance::EnduranceSetup setup = endurance::load_setup(file, config);
+    antiskid::host::StopSignals signals;
     constexpr std::int64_t kParts = 1000;
     CampaignProgress progress(kParts, 0, "thousandths");
     const endurance::SoakResult result = endurance::soak(setup, {.seconds = hours * 3600.0, .seed = seed, .stop = &signals.stop()}, heap_in_use,
@@ -45,7 +45,7 @@ int SoakCommand::run() const {
     for (std::size_t i = 0; i < result.spans.size(); ++i) {
         const endurance::SoakSpan& span = result.spans[i];
         print_table(json_file, "  {:4}  {:8}   {:8.3f} +- {:6.3f}    {}\n", i + 1, span.landings, span.length_m_mean, span.length_m_deviation,
-                    span.most_heap_bytes);
+                    span.max_heap_bytes);
     }
     const auto complaints = endurance::complaints(result);
     for (const std::string& complaint : complaints) print_table(json_file, "  WRONG: {}\n", complaint);
@@ -85,4 +85,4 @@ LabVerb soak_verb(CLI::App& lab) {
     return {verb, [command] { return command->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

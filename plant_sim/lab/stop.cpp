@@ -6,24 +6,24 @@
 #include "firmware/can/candump.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "plant_sim/study/trajectory.hpp"
 #include "rig_bridge/pictures/stop_picture.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
 struct StopCommand {
-    ScenarioOptions scenario;
+    StopOptions scenario;
     std::string json;
     std::string trajectory;
     std::string picture;
     std::string bus_log;
 
     int run() const {
-        const Scenario s = load_scenario(scenario);
+        const StopInputs s = load_scenario(scenario);
         if (s.brake) {
             const std::string notice = extrapolation_notice(*s.brake);
             if (!notice.empty()) fmt::print(stderr, "rig-lab: {}\n", notice);
@@ -36,7 +36,7 @@ struct StopCommand {
         };
         const auto on_frame = [&](const antiskid::can::Frame& frame) {
             if (bus_log.empty()) return;
-            std::array<char, antiskid::can::kCandumpLineMost + 1> line{};
+            std::array<char, antiskid::can::kCandumpLineMax + 1> line{};
             const std::size_t length = antiskid::can::format_candump(frame.received, "vcan0", frame, line);
             log.append(line.data(), length).push_back('\n');
         };
@@ -53,7 +53,7 @@ struct StopCommand {
         if (!picture.empty()) {
             const std::string csv = trajectory.empty() || trajectory == "-" ? picture + ".csv" : trajectory;
             if (csv != trajectory) settings::write_file(csv, rows.csv());
-            study::draw_stop(csv, picture, s.title(scenario), s.session.plan.touchdown_s + s.session.plan.settle_s, along_runway);
+            pictures::draw_stop(csv, picture, s.title(scenario), s.session.plan.touchdown_s + s.session.plan.settle_s, along_runway);
         }
         s.keep_brake(scenario, result.figures.energy_brake_J);
         return result.came_to_rest ? 0 : 1;
@@ -81,4 +81,4 @@ LabVerb stop_verb(CLI::App& lab) {
     return {verb, [stop] { return stop->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -11,7 +11,7 @@
 #include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -22,17 +22,17 @@ struct SurfacesCommand {
     bool pictures = true;
 
     int run() const {
-        std::vector<plant::Surface> surfaces;
-        plant::ManeuverChoice choice;
-        for (const std::string& name : plant::surface_names(config)) {
+        std::vector<rig::Surface> surfaces;
+        rig::ManeuverChoice choice;
+        for (const std::string& name : rig::surface_names(config)) {
             choice.surface = name;
-            surfaces.push_back(plant::load_rig(config, choice).rig.surface);
+            surfaces.push_back(rig::load_rig(config, choice).rig.surface);
         }
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
         print_table(json_file, "{:<18}{:>9}{:>10}{:>9}{:>12}{:>10}{:>14}\n", "surface", "c1", "c2", "c3", "peak_slip", "peak_mu", "mu_locked");
-        for (const plant::Surface& s : surfaces) {
-            const plant::Peak peak = plant::peak(s);
-            const double locked = plant::friction(s, 1.0).mu;
+        for (const rig::Surface& s : surfaces) {
+            const rig::Peak peak = rig::peak(s);
+            const double locked = rig::friction(s, 1.0).mu;
             print_table(json_file, "{:<18}{:>9.4f}{:>10.3f}{:>9.4f}{:>12.3f}{:>10.3f}{:>14.3f}\n", s.name, s.c1, s.c2, s.c3, peak.slip, peak.mu,
                         locked);
             rows.push_back({{"surface", s.name},
@@ -66,4 +66,4 @@ LabVerb surfaces_verb(CLI::App& lab) {
     return {verb, [command] { return command->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -11,11 +11,11 @@
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/in_team.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/study/sweep/setup.hpp"
+#include "plant_sim/study/sweep/load_sweep_plan.hpp"
 #include "plant_sim/study/sweep/summary.hpp"
 #include "plant_sim/study/sweep/together.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -32,7 +32,7 @@ constexpr const char* kFooter =
 
 /// "0.06:0.50:0.01", or values with commas between.
 std::vector<double> parse_references(const std::string& text) {
-    const auto refuse = [&text]() -> std::vector<double> {
+    const auto reject = [&text]() -> std::vector<double> {
         throw std::invalid_argument("--references '" + text +
                                     "': expected FIRST:LAST:STEP or values with commas between, increasing, from "
                                     "0.01 to 0.5");
@@ -46,16 +46,16 @@ std::vector<double> parse_references(const std::string& text) {
         try {
             value = std::stod(text.substr(at, end - at), &used);
         } catch (const std::logic_error&) {
-            return refuse();
+            return reject();
         }
-        if (used != end - at || !std::isfinite(value)) return refuse();
+        if (used != end - at || !std::isfinite(value)) return reject();
         values.push_back(value);
         at = end + 1;
     }
     // Whole steps of 1e-6: the same numbers whichever way they were given.
     const auto rounded = [](double value) { return std::round(value * 1e6) / 1e6; };
     if (separator == ':') {
-        if (values.size() != 3 || values[2] < 1e-4 || values[1] < values[0]) return refuse();
+        if (values.size() != 3 || values[2] < 1e-4 || values[1] < values[0]) return reject();
         const double first = values[0];
         const double step = values[2];
         const auto steps = static_cast<std::size_t>(std::floor((values[1] - first) / step + 1e-6));
@@ -64,13 +64,13 @@ std::vector<double> parse_references(const std::string& text) {
     }
     std::transform(values.begin(), values.end(), values.begin(), rounded);
     for (std::size_t i = 0; i < values.size(); ++i) {
-        if (values[i] < 0.01 || values[i] > 0.5 || (i > 0 && values[i] <= values[i - 1])) return refuse();
+        if (values[i] < 0.01 || values[i] > 0.5 || (i > 0 && values[i] <= values[i - 1])) return reject();
     }
     return values;
 }
 
 struct SweepCommand {
-    sweep::PlanOptions plan;
+    sweep::SweepPlanOptions plan;
     std::string references;
     unsigned threads = 0;
     std::filesystem::path out = "out/sweep";
@@ -80,12 +80,12 @@ struct SweepCommand {
     [[nodiscard]] int run();
 
   private:
-    [[nodiscard]] int run_with(study::Team& team) const;
+    [[nodiscard]] int run_with(study::team::Team& team) const;
 };
 
-int SweepCommand::run_with(study::Team& team) const {
-    antiskid::rt::StopSignals signals;
-    const sweep::Plan study = sweep::load_plan(plan);
+int SweepCommand::run_with(study::team::Team& team) const {
+    antiskid::host::StopSignals signals;
+    const sweep::SweepPlan study = sweep::load_plan(plan);
     std::optional<CampaignProgress> progress;
     sweep::Work work{.part = out / "stops.part", .stop = &signals.stop()};
     work.threads = threads_in(team, threads);
@@ -117,7 +117,7 @@ int SweepCommand::run_with(study::Team& team) const {
 
 int SweepCommand::run() {
     if (!references.empty()) plan.references = parse_references(references);
-    return in_team([this](study::Team& team) { return run_with(team); });
+    return in_team([this](study::team::Team& team) { return run_with(team); });
 }
 
 }  // namespace
@@ -128,10 +128,10 @@ LabVerb sweep_verb(CLI::App& lab) {
                                         "The set-point study of Section VI: landings drawn at random over surfaces, "
                                         "maneuvers and wear of the "
                                         "brake, each with every slip reference and by the threshold law. Fig. 13 and 14.");
-    constexpr std::size_t kMostLandings = 100'000;
+    constexpr std::size_t kMaxLandings = 100'000;
     verb->add_option("--references", command->references, "slip references, FIRST:LAST:STEP or values with commas between (default: 0.06:0.50:0.01)");
     verb->add_option("--landings", command->plan.landings, "how many are drawn; each reference has the same")
-        ->check(CLI::Range(std::size_t{1}, kMostLandings))
+        ->check(CLI::Range(std::size_t{1}, kMaxLandings))
         ->capture_default_str();
     verb->add_flag("!--no-threshold", command->plan.threshold, "without the threshold law");
     verb->add_option("--seed", command->plan.seed, "seed of every random draw")->capture_default_str();
@@ -144,4 +144,4 @@ LabVerb sweep_verb(CLI::App& lab) {
     return {verb, [command] { return command->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -7,7 +7,7 @@
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/sweep/trade.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -52,8 +52,8 @@ LabVerb trade_verb(CLI::App& lab) {
     verb->add_option("--tyre-price", trade->tyre_price, "of a MJ at the tyre, in the same");
     verb->add_option("--brake-life", trade->brake_life, "MJ that a set of brakes takes; the most landings before either is worn out");
     verb->add_option("--tyre-life", trade->tyre_life, "MJ that a tyre takes");
-    verb->add_option("--least-j-mu", trade->options.bounds.least_j_mu, "floor on the mean J_mu")->check(CLI::Range(0.0, 1.0));
-    verb->add_option("--most-distance", trade->options.bounds.most_distance_m, "ceiling on the mean stop distance, m")->check(CLI::PositiveNumber);
+    verb->add_option("--min-j-mu", trade->options.bounds.min_j_mu, "floor on the mean J_mu")->check(CLI::Range(0.0, 1.0));
+    verb->add_option("--max-distance", trade->options.bounds.max_distance_m, "ceiling on the mean stop distance, m")->check(CLI::PositiveNumber);
     verb->add_option("--resamples", trade->options.resamples, "of the landings, for the 95 % intervals")
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
@@ -63,11 +63,11 @@ LabVerb trade_verb(CLI::App& lab) {
     verb->add_flag("!--no-pictures", trade->pictures, "without gnuplot");
     verb->footer(
         "Examples:\n"
-        "  rig-lab trade --brake-price 1 --tyre-price 3 --least-j-mu 0.95\n"
-        "  rig-lab trade --brake-life 3900 --tyre-life 900 --most-distance 505\n"
+        "  rig-lab trade --brake-price 1 --tyre-price 3 --min-j-mu 0.95\n"
+        "  rig-lab trade --brake-life 3900 --tyre-life 900 --max-distance 505\n"
         "Exit status: 0 there is a best reference; 1 none is within the bounds; 2 mistake on the command "
         "line or in a file.");
     return {verb, [trade] { return trade->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

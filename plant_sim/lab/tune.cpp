@@ -17,7 +17,7 @@
 #include "plant_sim/study/margins/tune.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -40,7 +40,7 @@ std::string infeasible_table(const MarginsInput& input, const margins::StudyOpti
         options.slip_reference, options.requirement.phase_deg, options.requirement.gain_dB);
     rows = ordered_json::array();
     const double period_s = static_cast<double>(input.scenarios.front().controller.period_s);
-    for (const margins::Scenario& s : input.cases) {
+    for (const margins::StopConditions& s : input.cases) {
         const auto speeds = margins::speed_grid(s.rig.brake_on_mps, s.drop_out_mps, kSpeeds);
         const auto pole = [&](double v) {
             return margins::operating_point(s.rig, v, options.slip_reference).wheel_pole_radps(margins::Linearisation::full);
@@ -75,7 +75,7 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
         "k_answer that would have it |\n|---|---|---|---|---|---|\n",
         options.requirement.gain_dB);
     rows = ordered_json::array();
-    for (const margins::Scenario& s : input.cases) {
+    for (const margins::StopConditions& s : input.cases) {
         const auto pole = [&](double v) {
             const double slip = options.low_speed_fall ? margins::scheduled_slip(law, options.slip_reference, v) : options.slip_reference;
             return margins::operating_point(s.rig, v, slip).wheel_pole_radps(margins::Linearisation::full);
@@ -134,7 +134,7 @@ void tune_pid(const MarginsInput& input, const margins::StudyOptions& options, c
 }
 
 struct TuneCommand {
-    ScenarioOptions scenario;
+    StopOptions scenario;
     margins::StudyOptions options;
     margins::SearchOptions search;
     std::optional<std::uint64_t> seed;
@@ -223,4 +223,4 @@ LabVerb tune_verb(CLI::App& lab) {
     return {verb, [command] { return command->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

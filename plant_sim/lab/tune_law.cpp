@@ -16,9 +16,9 @@
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/law_judge.hpp"
-#include "plant_sim/study/robust/campaign.hpp"
+#include "plant_sim/study/robust/robust_campaign.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -60,25 +60,25 @@ std::string with_gains_written(const std::string& toml, const std::vector<Gain>&
 }
 
 /// Plants and runways that differ from what the controller believes.
-void add_drawn(margins::TrialStops& trial, const ScenarioOptions& options, const margins::LawSearch& law) {
-    robust::PlanOptions drawn;
+void add_drawn(margins::TrialStops& trial, const StopOptions& options, const margins::LawSearch& law) {
+    robust::RobustPlanOptions drawn;
     drawn.config = options.config;
     drawn.controller = options.controller;
     drawn.seed = law.drawn_seed;
     drawn.laws = {"slip"};
-    const robust::Plan plan = robust::load_plan(drawn);
-    for (const auto& [family, least_j_mu] : law.least_drawn_j_mu) {
+    const robust::RobustPlan plan = robust::load_plan(drawn);
+    for (const auto& [family, min_j_mu] : law.min_drawn_j_mu) {
         for (std::size_t n = 0; n < law.draws; ++n)
             trial.stops.push_back(
                 {trial.groups.size(), robust::draw(plan.basis, family, plan.seed, n).rig, robust::session(plan, plan.laws.front(), n)});
         trial.groups.emplace_back(robust::name(family));
-        trial.least_j_mu.push_back(least_j_mu);
+        trial.min_j_mu.push_back(min_j_mu);
     }
 }
 
 /// The stops of all scenarios, short ones first, and the friction that the threshold law has in them.
-margins::TrialStops trial_stops(const ScenarioOptions& options, const MarginsInput& input) {
-    ScenarioOptions other = options;
+margins::TrialStops trial_stops(const StopOptions& options, const MarginsInput& input) {
+    StopOptions other = options;
     other.law = "threshold";
     const MarginsInput threshold = load_margins_input(other);
     margins::TrialStops trial;
@@ -94,18 +94,18 @@ margins::TrialStops trial_stops(const ScenarioOptions& options, const MarginsInp
     }
     trial.surfaces = baseline.surfaces = trial.groups.size();
     baseline.groups = trial.groups;
-    baseline.least_j_mu.assign(trial.surfaces, 0.0);
-    trial.least_j_mu = margins::make_stops(baseline, input.scenarios.front().controller, std::numeric_limits<double>::infinity()).group_j_mu;
-    for (double& least : trial.least_j_mu) least -= input.settings.law.surface_loss;
+    baseline.min_j_mu.assign(trial.surfaces, 0.0);
+    trial.min_j_mu = margins::make_stops(baseline, input.scenarios.front().controller, std::numeric_limits<double>::infinity()).group_j_mu;
+    for (double& min : trial.min_j_mu) min -= input.settings.law.surface_loss;
     trial.requirement = input.settings.law.stops;
     // A law may hold the slip with the brake that it knows and lose it with a worn one.
     for (const double reference : input.settings.law.worn_references) {
-        ScenarioOptions worn = options;
+        StopOptions worn = options;
         worn.slip = reference;
         worn.choice.friction = input.settings.law.worn_friction;
         const MarginsInput stops = load_margins_input(worn);
         for (std::size_t i = 0; i < stops.cases.size(); ++i) {
-            const margins::Scenario& c = stops.cases[i];
+            const margins::StopConditions& c = stops.cases[i];
             if (c.maneuver != stops.cases.front().maneuver) continue;
             const auto at = margins::operating_point(c.rig, c.rig.brake_on_mps, reference);
             if (at.pressure_Pa > c.full_pressure_Pa) continue;  // nobody can hold that
@@ -115,7 +115,7 @@ margins::TrialStops trial_stops(const ScenarioOptions& options, const MarginsInp
     }
     add_drawn(trial, options, input.settings.law);
     // The slipperiest surface's stops take more time than all the others.
-    const auto grip = [](const margins::TrialStop& t) { return plant::peak(t.rig.surface).mu; };
+    const auto grip = [](const margins::TrialStop& t) { return rig::peak(t.rig.surface).mu; };
     std::stable_sort(trial.stops.begin(), trial.stops.end(),
                      [&](const margins::TrialStop& a, const margins::TrialStop& b) { return grip(a) > grip(b); });
     trial.first = static_cast<std::size_t>(
@@ -135,8 +135,8 @@ ordered_json to_json(const Judged& j, const margins::TrialStops& trial) {
     for (std::size_t i = 0; i < j.gains.size(); ++i) json[margins::gain_names()[i]] = j.gains[i];
     json["margins"] = {{"score", j.margins.value}, {"cells", j.margins.counted}, {"unstable", j.margins.unstable}, {"met", j.margins.met}};
     json["closed_loop"] = {
-        {"mean_j_mu", j.stops.mean_j_mu}, {"longest_lock_s", j.stops.longest_lock_s}, {"least_tracked_share", nullptr}, {"faults", j.stops.faults}};
-    if (j.stops.least_tracked) json["closed_loop"]["least_tracked_share"] = *j.stops.least_tracked;
+        {"mean_j_mu", j.stops.mean_j_mu}, {"longest_lock_s", j.stops.longest_lock_s}, {"min_tracked_share", nullptr}, {"faults", j.stops.faults}};
+    if (j.stops.min_tracked) json["closed_loop"]["min_tracked_share"] = *j.stops.min_tracked;
     for (std::size_t g = 0; g < trial.groups.size(); ++g)
         json["closed_loop"][g < trial.surfaces ? "j_mu" : "drawn_j_mu"][trial.groups[g]] = j.stops.group_j_mu[g];
     return json;
@@ -159,11 +159,10 @@ void print(const std::vector<Judged>& judged, const margins::TrialStops& trial, 
     row(fmt::format("mean J_mu (at least {:.4f})", trial.requirement.mean_j_mu),
         [](const Judged& j) { return fmt::format("{:.4f}", j.stops.mean_j_mu); });
     for (std::size_t g = 0; g < trial.groups.size(); ++g)
-        row(fmt::format("J_mu, {} (at least {:.4f})", trial.groups[g], trial.least_j_mu[g]),
+        row(fmt::format("J_mu, {} (at least {:.4f})", trial.groups[g], trial.min_j_mu[g]),
             [&](const Judged& j) { return fmt::format("{:.4f}", j.stops.group_j_mu[g]); });
     row("longest lock (ms)", [](const Judged& j) { return fmt::format("{:.0f}", j.stops.longest_lock_s * 1e3); });
-    row("least tracked share",
-        [](const Judged& j) { return j.stops.least_tracked ? fmt::format("{:.4f}", *j.stops.least_tracked) : "not measured"; });
+    row("least tracked share", [](const Judged& j) { return j.stops.min_tracked ? fmt::format("{:.4f}", *j.stops.min_tracked) : "not measured"; });
 }
 
 }  // namespace
@@ -191,7 +190,7 @@ int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& j
         return shows ? 0 : 1;
     }
     const margins::Found found = margins::search(law.parameters, score, tuning.search, progress);
-    const margins::Found top = margins::climb(law.parameters, found.values, score, law.least_gain, tuning.search, progress);
+    const margins::Found top = margins::climb(law.parameters, found.values, score, law.min_gain, tuning.search, progress);
 
     const Judged after = judged(top.values);
     print({before, after}, trial, tuning.options.requirement, tuning.json_file);
@@ -206,4 +205,4 @@ int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& j
     return 0;
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -10,10 +10,10 @@
 #include "plant_sim/study/margins/cells.hpp"
 #include "plant_sim/study/margins/search.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 struct LawTuning {
-    ScenarioOptions scenario;
+    StopOptions scenario;
     study::margins::StudyOptions options;
     study::margins::SearchOptions search;
     bool check = false;                        ///< no search: the shipped gains are judged, nothing is written
@@ -25,4 +25,4 @@ struct LawTuning {
 /// Prints and reports what it found. 0; with `check` 1 where the stops of the shipped gains are not what is asked.
 [[nodiscard]] int tune_law(const LawTuning& tuning, const MarginsInput& input, nlohmann::ordered_json& json);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

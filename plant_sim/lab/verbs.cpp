@@ -2,7 +2,7 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 int run_parsed(std::span<const LabVerb> verbs) {
     for (const LabVerb& verb : verbs) {
@@ -16,4 +16,4 @@ void keep_json(const std::filesystem::path& file, const std::string& json_file, 
     settings::deliver(json_file, text);
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

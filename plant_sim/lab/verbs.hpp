@@ -12,7 +12,7 @@
 
 #include "firmware/host/settings/command_line.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 struct LabVerb {
     CLI::App* app;             ///< the subcommand
@@ -68,4 +68,4 @@ void print_table(const std::string& json_file, fmt::format_string<T...> format, 
 /// The result of a study, in its directory and where --json says.
 void keep_json(const std::filesystem::path& file, const std::string& json_file, std::string_view text);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 LabVerb wear_verb(CLI::App& lab) {
     CLI::App* wear = lab.add_subcommand("wear", "What an endurance campaign says about the brake.");
@@ -17,4 +17,4 @@ LabVerb wear_verb(CLI::App& lab) {
     return {wear, [verbs] { return run_parsed(verbs); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -3,7 +3,7 @@
 
 #include "plant_sim/lab/verbs.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 /// A campaign as a table.
 LabVerb wear_table_verb(CLI::App& wear);
@@ -20,4 +20,4 @@ LabVerb wear_forecast_verb(CLI::App& wear);
 /// Health, maneuver by maneuver.
 LabVerb wear_watch_verb(CLI::App& wear);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -8,15 +8,15 @@
 #include "plant_sim/lab/wear.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
 wear::Curve curve_in_force(const std::filesystem::path& config, const std::string& friction_class) {
-    plant::ManeuverChoice choice;
-    for (const std::string& maneuver : plant::maneuver_names(config)) {
+    rig::ManeuverChoice choice;
+    for (const std::string& maneuver : rig::maneuver_names(config)) {
         choice.maneuver = maneuver;
-        const plant::LoadedRig rig = plant::load_rig(config, choice);
+        const rig::LoadedRig rig = rig::load_rig(config, choice);
         if (rig.friction_class != friction_class) continue;
         wear::Curve c = rig.rig.friction_curve;
         const double mean = c[0] + c[1] / 2.0 + c[2] / 3.0 + c[3] / 4.0;
@@ -106,4 +106,4 @@ LabVerb wear_dynamics_verb(CLI::App& wear) {
     return {verb, [command] { return command->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

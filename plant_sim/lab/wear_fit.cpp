@@ -12,7 +12,7 @@
 #include "rig_bridge/wear/model_io.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -50,7 +50,7 @@ struct FitCommand {
         const wear::Model model = wear::model_of(data, fit, settings);
         print_table(json_file, "{}\nBetween {:.3f} and {:.3f} MJ the model has seen data; {}.\n", table_of(fit, model), model.data.first_c_e_J * 1e-6,
                     model.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);
-        if (fit.best().components == settings.most_components && settings.most_components > 1)
+        if (fit.best().components == settings.max_components && settings.max_components > 1)
             print_table(json_file, "The least BIC is at the most components allowed: the best order may lie beyond.\n");
         keep_json(out / "model.json", json_file, wear::to_json(model));
         settings::deliver((out / "campaign.csv").string(), wear::to_csv(data));
@@ -72,8 +72,8 @@ LabVerb wear_fit_verb(CLI::App& wear) {
     settings::existing_path(verb->add_option("SOURCE", fit->source, "as for `wear table`"))->required();
     verb->add_option("--campaign", fit->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, fit->off);
-    verb->add_option("--components", fit->settings.most_components, "the most that are tried")
-        ->check(CLI::Range(std::size_t{1}, wear::kMostComponents))
+    verb->add_option("--components", fit->settings.max_components, "the most that are tried")
+        ->check(CLI::Range(std::size_t{1}, wear::kMaxComponents))
         ->capture_default_str();
     verb->add_option("--starts", fit->settings.starts, "random starts for each number of components")
         ->check(CLI::Range(1, 1'000'000))
@@ -92,4 +92,4 @@ LabVerb wear_fit_verb(CLI::App& wear) {
     return {verb, [fit] { return fit->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -19,7 +19,7 @@
 #include "plant_sim/wear/back_test.hpp"
 #include "rig_bridge/wear/population_io.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -154,7 +154,7 @@ int ForecastCommand::run_forecast(const wear::PopulationFile& file) {
 int ForecastCommand::run_back_test(const wear::PopulationFile& file) const {
     const std::vector<wear::Campaign> campaigns = load_campaigns({back_test}, off);
     wear::FitSettings fit;
-    fit.most_components = 8;
+    fit.max_components = 8;
     fit.starts = 10;
     std::vector<wear::HeldOut> brakes;
     brakes.reserve(campaigns.size());
@@ -240,4 +240,4 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
     return {verb, [f] { return f->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

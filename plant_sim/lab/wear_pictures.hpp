@@ -4,10 +4,10 @@
 
 #include <filesystem>
 
-#include "rig_bridge/wear/campaign.hpp"
 #include "rig_bridge/wear/model.hpp"
+#include "rig_bridge/wear/wear_campaign.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 /// The paper's Fig. 7: friction over energy, with each component's two-sigma ellipse and the mean of eq. (14).
 void draw_campaign(const wear::Campaign& campaign, const wear::Model& model, const std::filesystem::path& png);
@@ -21,4 +21,4 @@ void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& sim
 /// BIC over the number of components, least one marked.
 void draw_bic(const wear::Model& model, const std::filesystem::path& png);
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -10,7 +10,7 @@
 #include "rig_bridge/wear/on_threads.hpp"
 #include "rig_bridge/wear/population_io.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -69,4 +69,4 @@ LabVerb wear_population_verb(CLI::App& wear) {
     return {verb, [command] { return command->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

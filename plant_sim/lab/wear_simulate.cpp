@@ -17,7 +17,7 @@
 #include "plant_sim/wear/resimulation.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -57,7 +57,7 @@ struct SimulateCommand {
     OutOfTolerance off = OutOfTolerance::left_out;
     std::filesystem::path model;
     std::string replay;  ///< empty: torque where it was recorded
-    std::string maneuver = plant::kEndurance;
+    std::string maneuver = rig::kEndurance;
     std::filesystem::path config = settings::config_directory();
     wear::ConditionalRule rule;
     std::uint64_t seed = 1;
@@ -101,9 +101,9 @@ struct SimulateCommand {
     /// Adds what it read to `files`, and what it found to `json`.
     [[nodiscard]] wear::Campaign through_plant(const wear::Campaign& recorded, const wear::Model& learnt, std::vector<std::filesystem::path>& files,
                                                nlohmann::ordered_json& json) const {
-        plant::ManeuverChoice choice;
+        rig::ManeuverChoice choice;
         choice.maneuver = maneuver;
-        const plant::LoadedRig rig = plant::load_rig(config, choice);
+        const rig::LoadedRig rig = rig::load_rig(config, choice);
         files.insert(files.end(), rig.files.begin(), rig.files.end());
         // The model is of this very brake; its life is of no interest here.
         const wear::BrakeWear wear{
@@ -156,4 +156,4 @@ LabVerb wear_simulate_verb(CLI::App& wear) {
     return {verb, [simulate] { return simulate->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

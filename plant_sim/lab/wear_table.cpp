@@ -9,7 +9,7 @@
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/wear.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -55,7 +55,7 @@ LabVerb wear_table_verb(CLI::App& wear) {
                                          "Mean friction by eq. (7), brake energy by eq. (9) and cumulative "
                                          "energy of every maneuver of a campaign.");
     settings::existing_path(verb->add_option("SOURCE", table->source,
-                                             "ledger, directory with ledger.sqlite, or CSV with the columns cumulative_energy_MJ (or "
+                                             "ledger, directory with campaign.sqlite, or CSV with the columns cumulative_energy_MJ (or "
                                              "cumulative_energy_J) and mean_friction"))
         ->required();
     verb->add_option("--campaign", table->campaign, "which of a ledger's campaigns; may be left out for one");
@@ -66,4 +66,4 @@ LabVerb wear_table_verb(CLI::App& wear) {
     return {verb, [table] { return table->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

@@ -14,7 +14,7 @@
 #include "plant_sim/wear/fault_trial.hpp"
 #include "rig_bridge/wear/population_io.hpp"
 
-namespace plant_sim {
+namespace plant_sim::lab {
 
 namespace {
 
@@ -151,4 +151,4 @@ LabVerb wear_watch_verb(CLI::App& wear) {
     return {verb, [watch] { return watch->run(); }};
 }
 
-}  // namespace plant_sim
+}  // namespace plant_sim::lab

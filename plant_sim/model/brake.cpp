@@ -4,7 +4,7 @@
 
 namespace plant {
 
-BrakeTorque::BrakeTorque(const BrakeGeometry& geometry, const FrictionCurve& curve, double mean_friction, double brake_on_mps)
+BrakeTorque::BrakeTorque(const rig::BrakeGeometry& geometry, const rig::FrictionCurve& curve, double mean_friction, double brake_on_mps)
     : c_(curve), inverse_speed_(1.0 / brake_on_mps) {
     // At constant deceleration time and speed are proportional: the mean over time is the mean over x in [0,
     // 1].

@@ -12,7 +12,7 @@ namespace plant {
 class BrakeTorque {
   public:
     BrakeTorque() = default;  ///< none
-    BrakeTorque(const BrakeGeometry& geometry, const FrictionCurve& curve, double mean_friction, double brake_on_mps);
+    BrakeTorque(const rig::BrakeGeometry& geometry, const rig::FrictionCurve& curve, double mean_friction, double brake_on_mps);
 
     struct Gain {
         double k_b;   ///< m^3
@@ -28,7 +28,7 @@ class BrakeTorque {
     }
 
   private:
-    FrictionCurve c_{};
+    rig::FrictionCurve c_{};
     double inverse_speed_ = 0.0;
     double full_speed_gain_ = 0.0;
 };

@@ -18,8 +18,8 @@ double value_of(double number) {
     return number;
 }
 /// mu and its slope, with the derivatives that the slip carries.
-void friction_at(const FrictionLaw& law, double slip, double& mu, double& mu_1) {
-    const Friction f = friction(law, slip);
+void friction_at(const rig::FrictionLaw& law, double slip, double& mu, double& mu_1) {
+    const rig::Friction f = rig::friction(law, slip);
     mu = f.mu;
     mu_1 = f.mu_1;
 }
@@ -28,9 +28,9 @@ double value_of(const Eigen::AutoDiffScalar<Derivatives>& number) {
     return number.value();
 }
 template <typename Derivatives>
-void friction_at(const FrictionLaw& law, const Eigen::AutoDiffScalar<Derivatives>& slip, Eigen::AutoDiffScalar<Derivatives>& mu,
+void friction_at(const rig::FrictionLaw& law, const Eigen::AutoDiffScalar<Derivatives>& slip, Eigen::AutoDiffScalar<Derivatives>& mu,
                  Eigen::AutoDiffScalar<Derivatives>& mu_1) {
-    const Friction f = friction(law, slip.value());
+    const rig::Friction f = rig::friction(law, slip.value());
     // mu_1 = c1 c2 exp(-c2 |lambda|) - c3: its own slope is -c2 (mu_1 + c3), odd in lambda.
     const double mu_2 = std::copysign(law.c2 * (f.mu_1 + law.c3), -slip.value());
     // Under a locked rim the belt swings to slips where eq. (4) is below zero; friction() gives its magnitude, which rises again. With the
@@ -76,8 +76,8 @@ class Equations {
         c.slip = value_of(axle) > kSlowest_mps ? Number(sliding / axle) : Number(sliding / kSlowest_mps);
         friction_at(law_.tyre, law_.relaxes ? y[kSlip] : c.slip, c.mu, c.mu_1);
         if (law_.wet) {
-            const WetGrip::Most most = law_.wet->at(value_of(axle), law_.spun_up);
-            c.mu *= law_.per_peak * (most.mu + most.mu_v * (axle - value_of(axle)));
+            const rig::WetGrip::Peak max = law_.wet->at(value_of(axle), law_.spun_up);
+            c.mu *= law_.per_peak * (max.mu + max.mu_v * (axle - value_of(axle)));
         }
         c.F_x = c.F_z * c.mu;
         return c;
@@ -115,7 +115,7 @@ class Equations {
             f[kSpeed] = -c.F_x / law_.aircraft_kg;
         }
         if (law_.relaxes) {
-            const RelaxationParameters& p = law_.relaxation;
+            const rig::RelaxationParameters& p = law_.relaxation;
             const Number shrinking = p.length_m * c.mu_1 / law_.slope_at_rest;
             const Number sigma = value_of(shrinking) > p.floor_m ? shrinking : Number(p.floor_m);
             const Number& axle = y[law_.leg ? kAxle : kSpeed];
@@ -222,7 +222,7 @@ class Equations {
 
 }  // namespace
 
-CompliantWheel::CompliantWheel(const WheelParameters& parameters, const BrakeTorque& brake, const FrictionLaw& tyre, double tolerance)
+CompliantWheel::CompliantWheel(const rig::WheelParameters& parameters, const BrakeTorque& brake, const rig::FrictionLaw& tyre, double tolerance)
     : law_{.ring = parameters.compliance.ring.belt_share > 0.0,
            .relaxes = parameters.compliance.relaxation.length_m > 0.0,
            .leg = parameters.compliance.leg.mass_kg > 0.0,
@@ -256,15 +256,15 @@ CompliantWheel::CompliantWheel(const WheelParameters& parameters, const BrakeTor
     set_tyre(tyre);
 }
 
-void CompliantWheel::set_tyre(const FrictionLaw& tyre) {
+void CompliantWheel::set_tyre(const rig::FrictionLaw& tyre) {
     law_.tyre = tyre;
-    law_.slope_at_rest = friction(tyre, 0.0).mu_1;
+    law_.slope_at_rest = rig::friction(tyre, 0.0).mu_1;
 }
 
-void CompliantWheel::set_surface(const Surface& surface, bool spun_up) {
+void CompliantWheel::set_surface(const rig::Surface& surface, bool spun_up) {
     set_tyre(surface.law());
     law_.wet = surface.wet;
-    law_.per_peak = 1.0 / peak(surface).mu;
+    law_.per_peak = 1.0 / rig::peak(surface).mu;
     law_.spun_up = spun_up;
 }
 

@@ -16,11 +16,11 @@ struct CompliantLaw {
     double aircraft_kg = 0.0, axle_kg = 0.0, leg_Npm = 0.0, leg_Nspm = 0.0;
     double rim_kgm2 = 0.0, belt_kgm2 = 0.0, twist_Nmprad = 0.0, twist_Nms = 0.0;
     double free_radius_m = 0.0, stiffness_Npm = 0.0;
-    RelaxationParameters relaxation;
-    FrictionLaw tyre;
-    double slope_at_rest = 0.0;  ///< of its mu over slip
-    std::optional<WetGrip> wet;  ///< scales the curve `tyre` at every speed
-    double per_peak = 1.0;       ///< 1 over the curve's own peak
+    rig::RelaxationParameters relaxation;
+    rig::FrictionLaw tyre;
+    double slope_at_rest = 0.0;       ///< of its mu over slip
+    std::optional<rig::WetGrip> wet;  ///< scales the curve `tyre` at every speed
+    double per_peak = 1.0;            ///< 1 over the curve's own peak
     bool spun_up = true;
     BrakeTorque brake;
 };
@@ -36,7 +36,7 @@ class CompliantWheel {
     static constexpr double kTolerance = 1e-8;
 
     /// Throws std::invalid_argument where compliance is negative, a belt has all the inertia, or a leg all the mass.
-    CompliantWheel(const WheelParameters& parameters, const BrakeTorque& brake, const FrictionLaw& tyre, double tolerance = kTolerance);
+    CompliantWheel(const rig::WheelParameters& parameters, const BrakeTorque& brake, const rig::FrictionLaw& tyre, double tolerance = kTolerance);
 
     /// Advances `state` by `h` seconds; belt, slip of the tread and leg stand in here. Speeds that were changed from outside since the
     /// last call (a drive, drag) are belt's and axle's change, too.
@@ -44,7 +44,7 @@ class CompliantWheel {
 
     void set_brake(const BrakeTorque& brake) { law_.brake = brake; }
     /// `spun_up`: what a flooded one takes the wheel for, see WetGrip.
-    void set_surface(const Surface& surface, bool spun_up);
+    void set_surface(const rig::Surface& surface, bool spun_up);
     /// Wheel, belt and leg move as one, the tyre without force.
     void settle(const WheelState& state);
 
@@ -61,7 +61,7 @@ class CompliantWheel {
     using Parts = std::array<double, kParts>;
 
   private:
-    void set_tyre(const FrictionLaw& tyre);
+    void set_tyre(const rig::FrictionLaw& tyre);
 
     CompliantLaw law_;
     double tolerance_;

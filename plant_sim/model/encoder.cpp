@@ -6,11 +6,11 @@
 
 namespace plant {
 
-Encoder::Encoder(const EncoderParameters& parameters)
+Encoder::Encoder(const rig::EncoderParameters& parameters)
     : parameters_(parameters), edges_per_rad_(parameters.teeth / (2.0 * std::numbers::pi)), rad_per_edge_(1.0 / edges_per_rad_), next_edge_(1.0) {
     if (parameters.pitch_error == 0.0 && parameters.eccentricity == 0.0) return;
     constexpr std::uint64_t kTheseTeeth = 1;
-    Random places(kTheseTeeth);
+    rig::Random places(kTheseTeeth);
     misplaced_rad_.resize(static_cast<std::size_t>(parameters.teeth));
     for (std::size_t tooth = 0; tooth < misplaced_rad_.size(); ++tooth) {
         const double evenly = static_cast<double>(places.bits() >> 11U) * 0x1.0p-52 - 1.0;
@@ -19,7 +19,7 @@ Encoder::Encoder(const EncoderParameters& parameters)
     }
 }
 
-void Encoder::advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s, Random& random) {
+void Encoder::advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s, rig::Random& random) {
     const double edges = angle_rad * edges_per_rad_;
     if (edges < next_edge_) return;
     const auto last = static_cast<double>(static_cast<std::int64_t>(edges));

@@ -11,11 +11,11 @@ namespace plant {
 
 class Encoder {
   public:
-    explicit Encoder(const EncoderParameters& parameters);
+    explicit Encoder(const rig::EncoderParameters& parameters);
 
     /// The shaft has turned to `angle_rad` at time `now_s`, at speed `before_radps` a `step_s` ago and
     /// `after_radps` now. Angles must not fall.
-    void advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s, Random& random);
+    void advance(double angle_rad, double before_radps, double after_radps, double now_s, double step_s, rig::Random& random);
 
     [[nodiscard]] std::uint32_t edge_count() const { return count_; }  ///< rolls over
     [[nodiscard]] double edge_time_s() const { return edge_time_s_; }  ///< stamp of the last edge, jitter included
@@ -24,7 +24,7 @@ class Encoder {
     [[nodiscard]] double speed_radps(double now_s) const { return now_s - edge_time_s_ < 0.1 ? speed_radps_ : 0.0; }
 
   private:
-    EncoderParameters parameters_;
+    rig::EncoderParameters parameters_;
     double edges_per_rad_, rad_per_edge_;
     std::vector<double> misplaced_rad_;  // of each tooth; none where all stand where they should
     double next_edge_;                   // angle in edges at which the next one comes

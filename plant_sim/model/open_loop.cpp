@@ -15,7 +15,7 @@ constexpr double kArcError_Pa = 100.0;
 
 }  // namespace
 
-OpenLoop::OpenLoop(const RigParameters& parameters, Input input, std::span<const Point> profile, double tolerance)
+OpenLoop::OpenLoop(const rig::RigParameters& parameters, Input input, std::span<const Point> profile, double tolerance)
     : parameters_(parameters),
       input_(input),
       wheel_(parameters.wheel, BrakeTorque(parameters.brake, parameters.friction_curve, parameters.mean_friction, parameters.brake_on_mps),
@@ -66,7 +66,7 @@ double OpenLoop::pressure_Pa() const {
 bool OpenLoop::arc_holds(double h) const {
     if (input_ == Input::pressure) return true;
     // What is left of the valve's transient, beyond its answer to the ramp.
-    const ValveParameters& valve = parameters_.valve;
+    const rig::ValveParameters& valve = parameters_.valve;
     const double lag_s = 2.0 * valve.damping / valve.natural_frequency_radps;
     const double amplitude_Pa = std::abs(dynamics_.law_Pa() - input_Pa(time_s_) + lag_s * piece_slope_Paps_) +
                                 std::abs(dynamics_.rate_Paps() - piece_slope_Paps_) / valve.natural_frequency_radps;

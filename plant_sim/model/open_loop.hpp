@@ -35,7 +35,7 @@ class OpenLoop {
     /// The wheel rolls freely at the maneuver's speed, without pressure. Throws std::invalid_argument for an empty profile, falling times,
     /// a loading device that lags behind a load that changes with speed, and what only Rig has: tyre or leg that give way, a valve's line,
     /// a runway of patches.
-    OpenLoop(const RigParameters& parameters, Input input, std::span<const Point> profile, double tolerance = kCoarse);
+    OpenLoop(const rig::RigParameters& parameters, Input input, std::span<const Point> profile, double tolerance = kCoarse);
 
     /// One step, at most to `end_s`; false when it is reached or the wheel stands still.
     bool step(double end_s);
@@ -82,7 +82,7 @@ class OpenLoop {
     [[nodiscard]] bool arc_holds(double h) const;
     [[nodiscard]] PressureArc arc(ValveDynamics& dynamics, double h, bool listed) const;
 
-    RigParameters parameters_;
+    rig::RigParameters parameters_;
     Input input_;
     std::vector<Point> profile_;  // delayed
     Wheel wheel_;

@@ -6,7 +6,7 @@
 
 namespace plant {
 
-Rig::Rig(const RigParameters& parameters, double step_s, std::uint64_t seed)
+Rig::Rig(const rig::RigParameters& parameters, double step_s, std::uint64_t seed)
     : parameters_(parameters),
       dynamics_(parameters.wheel, BrakeTorque(parameters.brake, parameters.friction_curve, parameters.mean_friction, parameters.brake_on_mps),
                 parameters.surface),
@@ -41,7 +41,7 @@ void Rig::start_rolling() {
     contact_ = true;
     begin_runway();
     state_.v_mps = parameters_.brake_on_mps;
-    const LoadParameters& law = parameters_.load;
+    const rig::LoadParameters& law = parameters_.load;
     device_load_N_ = law.base_N - law.lift_Ns2pm2 * state_.v_mps * state_.v_mps;
     const double radius = parameters_.wheel.free_radius_m - device_load_N_ / parameters_.wheel.stiffness_Npm;
     state_.omega_radps = state_.v_mps / radius;
@@ -64,7 +64,7 @@ void Rig::set_load(double base_N, double lift_Ns2pm2) {
 }
 
 void Rig::set_brake(double mean_friction, double brake_on_mps) {
-    if (!(least_friction(parameters_.friction_curve, mean_friction) > 0.0) || !(brake_on_mps > 0.0))
+    if (!(rig::min_friction(parameters_.friction_curve, mean_friction) > 0.0) || !(brake_on_mps > 0.0))
         throw std::invalid_argument("mean friction takes the friction curve below zero, or no brake-on speed");
     parameters_.mean_friction = mean_friction;
     parameters_.brake_on_mps = brake_on_mps;
@@ -124,7 +124,7 @@ double Rig::load_decay(double h) {
 }
 
 LoadArc Rig::load_arc(double h) {
-    const LoadParameters& law = parameters_.load;
+    const rig::LoadParameters& law = parameters_.load;
     if (law.lag_s <= 0.0) return contact_ ? LoadArc{law.base_N, 0.0, law.lift_Ns2pm2} : LoadArc{};
     // The device follows its set-point by a first-order lag, exact for a set-point that is held over the
     // step.
@@ -135,7 +135,7 @@ LoadArc Rig::load_arc(double h) {
 }
 
 Forces Rig::forces() const {
-    const LoadParameters& law = parameters_.load;
+    const rig::LoadParameters& law = parameters_.load;
     const LoadArc now = law.lag_s > 0.0 ? LoadArc{device_load_N_, 0.0, 0.0} : contact_ ? LoadArc{law.base_N, 0.0, law.lift_Ns2pm2} : LoadArc{};
     return compliant_ ? compliant_->forces(state_, pressure_Pa_, now) : dynamics_.forces(state_, pressure_Pa_, now);
 }

@@ -26,7 +26,7 @@
 
 namespace plant {
 
-inline double reading_Pa(const TransducerParameters& transducer, double pressure_Pa, Random& random) {
+inline double reading_Pa(const rig::TransducerParameters& transducer, double pressure_Pa, rig::Random& random) {
     double reading = pressure_Pa + transducer.noise_Pa * random.noise();
     if (transducer.resolution_Pa > 0.0) reading = transducer.resolution_Pa * std::nearbyint(reading / transducer.resolution_Pa);
     return std::clamp(reading, 0.0, transducer.range_Pa);
@@ -42,7 +42,7 @@ struct OutsideForces {
 class Rig {
   public:
     /// `step_s`: 1e-4 to 5e-3.
-    Rig(const RigParameters& parameters, double step_s, std::uint64_t seed);
+    Rig(const rig::RigParameters& parameters, double step_s, std::uint64_t seed);
 
     void touch_down() {
         contact_ = true;
@@ -102,11 +102,11 @@ class Rig {
     /// Along the runway, from where its patches count.
     [[nodiscard]] double runway_m() const { return state_.distance_m - runway_began_m_; }
     /// Under the wheel now.
-    [[nodiscard]] const Surface& surface() const { return patch_ == 0 ? parameters_.surface : parameters_.runway.patches[patch_ - 1].surface; }
+    [[nodiscard]] const rig::Surface& surface() const { return patch_ == 0 ? parameters_.surface : parameters_.runway.patches[patch_ - 1].surface; }
     /// What drive and drag have done since the start; kinetic energy + brake + tyre + leg + drag - drive stays what it was.
     [[nodiscard]] double energy_drive_J() const { return energy_drive_J_; }
     [[nodiscard]] double energy_drag_J() const { return energy_drag_J_; }
-    [[nodiscard]] const RigParameters& parameters() const { return parameters_; }
+    [[nodiscard]] const rig::RigParameters& parameters() const { return parameters_; }
 
     // What the sensors say now.
     [[nodiscard]] const Encoder& wheel_encoder() const { return wheel_encoder_; }
@@ -137,14 +137,14 @@ class Rig {
     void look_at_runway();
     void sense(double wheel_before, double flywheel_before, double since_s);
 
-    RigParameters parameters_;
+    rig::RigParameters parameters_;
     Wheel dynamics_;
     std::optional<CompliantWheel> compliant_;  // instead of dynamics_, also where friction depends on speed
     Play play_;
     Valve valve_;
     Encoder wheel_encoder_;
     Encoder flywheel_encoder_;
-    Random random_;
+    rig::Random random_;
     double step_s_;
     std::uint64_t steps_ = 0;
     WheelState state_;

@@ -10,7 +10,7 @@ namespace plant {
 namespace {
 
 /// The brake's row of the matrix exponential: pressure, rate, brake, input and its slope as one system.
-void add_line(const ValveParameters& parameters, double h, ValveDynamics::Transition& t) {
+void add_line(const rig::ValveParameters& parameters, double h, ValveDynamics::Transition& t) {
     const double w = parameters.natural_frequency_radps;
     const double per_line = 1.0 / parameters.line_s;
     Eigen::Matrix<double, 5, 5> system = Eigen::Matrix<double, 5, 5>::Zero();
@@ -29,7 +29,7 @@ void add_line(const ValveParameters& parameters, double h, ValveDynamics::Transi
 
 }  // namespace
 
-ValveDynamics::Transition ValveDynamics::transition(const ValveParameters& parameters, double h) {
+ValveDynamics::Transition ValveDynamics::transition(const rig::ValveParameters& parameters, double h) {
     // Underdamped second order: homogeneous part by the matrix exponential, the ramp u0 + (u1 - u0) t / h by
     // its particular solution p = u(t) - (2 xi / omega_n) u', rate = u'.
     const double w = parameters.natural_frequency_radps;
@@ -54,7 +54,7 @@ ValveDynamics::Transition ValveDynamics::transition(const ValveParameters& param
     return t;
 }
 
-Valve::Valve(const ValveParameters& parameters, double step_s) : step_s_(step_s) {
+Valve::Valve(const rig::ValveParameters& parameters, double step_s) : step_s_(step_s) {
     if (!(parameters.damping > 0.0 && parameters.damping < 1.0)) throw std::invalid_argument("valve damping must lie between 0 and 1");
     if (!(parameters.line_s >= 0.0)) throw std::invalid_argument("a valve's line has no lag below zero");
     // The delay in whole steps and a rest: a command given at a step's start acts `first_s_` into a later

@@ -37,7 +37,7 @@ class ValveDynamics {
         double bb = 0.0, bp = 0.0, br = 0.0, bu0 = 0.0,
                bu1 = 0.0;  // new pressure at the brake, from that before and the others
     };
-    [[nodiscard]] static Transition transition(const ValveParameters& parameters, double h);
+    [[nodiscard]] static Transition transition(const rig::ValveParameters& parameters, double h);
 
     /// One step of the `h` that `transition` was made for.
     PressureArc advance(const Transition& transition, double u0, double u1, double h);
@@ -56,7 +56,7 @@ class ValveDynamics {
 class Valve {
   public:
     /// `step_s`: the fixed time between calls of `advance`.
-    Valve(const ValveParameters& parameters, double step_s);
+    Valve(const rig::ValveParameters& parameters, double step_s);
 
     /// One step in which the static pressure before the delay goes linearly from `start_Pa` to `end_Pa`
     /// (equal for a held command). The delay cuts the step in two where it is no multiple of it: `first`

@@ -10,7 +10,7 @@ PressureArc PressureArc::part(double x0, double x1) const {
     return {c0 + x0 * (c1 + x0 * (c2 + x0 * c3)), w * (c1 + x0 * (2.0 * c2 + x0 * 3.0 * c3)), w * w * (c2 + x0 * 3.0 * c3), w * w * w * c3};
 }
 
-Wheel::Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface, double tolerance)
+Wheel::Wheel(const rig::WheelParameters& parameters, const BrakeTorque& brake, const rig::Surface& surface, double tolerance)
     : parameters_(parameters),
       law_{.mass_kg = parameters.mass_kg,
            .per_mass = 1.0 / parameters.mass_kg,
@@ -61,7 +61,7 @@ double Wheel::holding_margin_Nm(const WheelState& state, double pressure, const 
 
 void Wheel::slide(WheelState& state, const LoadArc& load, double h) const {
     // Slip is 1 and mu constant: v_dot depends on F_z(v) alone, mildly. Classic fourth-order Runge-Kutta is exact to rounding.
-    const double mu = friction(law_.tyre, 1.0).mu;
+    const double mu = rig::friction(law_.tyre, 1.0).mu;
     const auto v_dot = [&](double v, double x) { return -mu * load.force_N(x, v) * law_.per_mass; };
     const double v0 = state.v_mps;
     const double k1 = v_dot(v0, 0.0);
@@ -78,13 +78,13 @@ void Wheel::slide(WheelState& state, const LoadArc& load, double h) const {
 }
 
 double Wheel::lock(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h, double x0, double x1) {
-    constexpr int kMostTries = 60;
+    constexpr int kMaxTries = 60;
     constexpr double kAtRest_radps = 1e-9;
     const Instant start = last_;
     Step step{};
     double lo = x0;
     double hi = x1;
-    for (int i = 0; i < kMostTries && hi - lo > 1e-12; ++i) {
+    for (int i = 0; i < kMaxTries && hi - lo > 1e-12; ++i) {
         const double x = 0.5 * (lo + hi);
         step = turn(start, pressure.part(x0, x), load.part(x0, x), (x - x0) * h);
         if (std::abs(step.end.omega) < kAtRest_radps) {
@@ -121,18 +121,18 @@ bool Wheel::turns(const WheelState& state, const PressureArc& pressure, const Lo
 }
 
 double Wheel::attempt(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) {
-    constexpr double kRefused = 2.0;
+    constexpr double kRejected = 2.0;
     if (!turns(state, pressure, load, 0.0)) {
         WheelState next = state;
         slide(next, load, h);
-        if (holding_margin_Nm(next, pressure.at(1.0), load, 1.0) < 0.0) return kRefused;
+        if (holding_margin_Nm(next, pressure.at(1.0), load, 1.0) < 0.0) return kRejected;
         state = next;
         state.held = true;
         return 0.0;
     }
     const Instant& start = start_of(state, load, 0.0, h);
     const Step step = turn(start, pressure, load, h);
-    if (!(step.error <= tolerance_) || comes_to_rest(state, step.end)) return kRefused;
+    if (!(step.error <= tolerance_) || comes_to_rest(state, step.end)) return kRejected;
     move(state, step);
     return step.error / tolerance_;
 }
@@ -147,10 +147,10 @@ bool Wheel::take(WheelState& state, const Step& step) {
 void Wheel::advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h) {
     constexpr double kSmallest = 1.0 / 16384.0;
     constexpr double kNoTime = 1e-9;
-    constexpr int kMostParts = 4096;  // keeps chatter between turning and held finite
+    constexpr int kMaxParts = 4096;  // keeps chatter between turning and held finite
     double x = 0.0;
     double part = 1.0;
-    for (int i = 0; i < kMostParts && 1.0 - x > kNoTime && state.v_mps > kSlowest_mps; ++i) {
+    for (int i = 0; i < kMaxParts && 1.0 - x > kNoTime && state.v_mps > kSlowest_mps; ++i) {
         if (!turns(state, pressure, load, x)) {
             state.held = true;
             WheelState next = state;

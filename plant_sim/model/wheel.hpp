@@ -48,7 +48,7 @@ class Wheel {
     /// Of the wheel speed relative to free rolling, and of the wheel's energy, in one step or part of it.
     static constexpr double kTolerance = 1e-7;
 
-    Wheel(const WheelParameters& parameters, const BrakeTorque& brake, const Surface& surface, double tolerance = kTolerance);
+    Wheel(const rig::WheelParameters& parameters, const BrakeTorque& brake, const rig::Surface& surface, double tolerance = kTolerance);
 
     /// Advances `state` by `h` seconds.
     void advance(WheelState& state, const PressureArc& pressure, const LoadArc& load, double h);
@@ -61,7 +61,7 @@ class Wheel {
     [[nodiscard]] const wheel_step::Law& law() const { return law_; }
 
     /// Another surface from here on.
-    void set_tyre(const FrictionLaw& tyre) {
+    void set_tyre(const rig::FrictionLaw& tyre) {
         law_.tyre = tyre;
         last_ = {};
     }
@@ -101,7 +101,7 @@ class Wheel {
     /// Torque by which the brake exceeds what the tyre can turn: above zero a wheel at rest stays at rest.
     [[nodiscard]] double holding_margin_Nm(const WheelState& state, double pressure, const LoadArc& load, double x) const;
 
-    WheelParameters parameters_;
+    rig::WheelParameters parameters_;
     wheel_step::Law law_;
     double tolerance_;
     Instant last_{};  // evaluated most recently at the start or the end of a step

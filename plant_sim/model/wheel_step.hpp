@@ -20,7 +20,7 @@ inline constexpr double kSlowest_mps = 0.05;
 /// The numbers of one wheel on one surface.
 struct Law {
     double mass_kg = 0.0, per_mass = 0.0, per_inertia = 0.0, per_stiffness = 0.0, free_radius_m = 0.0;
-    FrictionLaw tyre;
+    rig::FrictionLaw tyre;
     BrakeTorque brake;
 };
 
@@ -55,7 +55,7 @@ struct Step {
     const double F_z = base_N - lift * v * v;
     const double r = law.free_radius_m - F_z * law.per_stiffness;
     const double slip = (v - omega * r) * per_v;
-    const Friction f = friction(law.tyre, slip);
+    const rig::Friction f = friction(law.tyre, slip);
     const double F_x = F_z * f.mu;
     const BrakeTorque::Gain gain = law.brake.gain(v);
 
@@ -189,8 +189,8 @@ struct Step {
     // A wheel that comes to rest and leaves again within the step would turn backwards in between: a cubic dips below its ends by
     // 4/27 of its slopes at the most. No `&&`: it would branch.
     const double dip = 4.0 / 27.0 * h * (d1.omega_dot - d0.omega_dot);
-    const double least = d0.omega_dot < 0.0 ? std::min(start.omega, end.omega) : dip;
-    const bool backwards = (d1.omega_dot > 0.0 ? least : dip) < dip;
+    const double min = d0.omega_dot < 0.0 ? std::min(start.omega, end.omega) : dip;
+    const bool backwards = (d1.omega_dot > 0.0 ? min : dip) < dip;
     return {end, sums, backwards ? std::numeric_limits<double>::infinity() : error};
 }
 

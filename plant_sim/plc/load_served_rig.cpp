@@ -37,8 +37,8 @@ BrakeThermal thermal(const Table& t) {
             .ambient_C = t.number("ambient_C", {.min = -60.0, .max = 80.0})};
 }
 
-Gauge gauge(const Table& t, const char* noise, const char* resolution, double most) {
-    return {.noise = t.number(noise, {.min = 0.0, .max = most}), .resolution = t.number(resolution, {.min = 1e-9, .max = most})};
+Gauge gauge(const Table& t, const char* noise, const char* resolution, double max) {
+    return {.noise = t.number(noise, {.min = 0.0, .max = max}), .resolution = t.number(resolution, {.min = 1e-9, .max = max})};
 }
 
 /// Both benches are read, so that a mistake in either shows.

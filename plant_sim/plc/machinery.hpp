@@ -69,7 +69,7 @@ struct Gauge {
     double noise = 0.0;       ///< standard deviation
     double resolution = 0.0;  ///< > 0
 
-    [[nodiscard]] double read(double value, plant::Random& random) const {
+    [[nodiscard]] double read(double value, rig::Random& random) const {
         return resolution * std::nearbyint((value + noise * random.noise()) / resolution);
     }
 };

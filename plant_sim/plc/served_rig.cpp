@@ -39,12 +39,12 @@ constexpr unsigned bit(Interlock interlock) {
 
 }  // namespace
 
-ServedRig::ServedRig(const plant::LoadedRig& loaded, ServedRigOptions options, std::uint64_t seed)
+ServedRig::ServedRig(const rig::LoadedRig& loaded, ServedRigOptions options, std::uint64_t seed)
     : options_(std::move(options)),
       steps_per_period_(steps_per_period(options_.period_s)),
       rig_(loaded.rig, kStep_s, seed),
       plc_(limits(options_)),
-      gauge_noise_(plant::Random(seed).bits()),
+      gauge_noise_(rig::Random(seed).bits()),
       brake_(options_.brake),
       temperature_C_(options_.machinery.thermal.ambient_C),
       decay_(options_.machinery.thermal.decay(kStep_s)) {
@@ -61,9 +61,9 @@ unsigned ServedRig::interlocks() const {
 
 void ServedRig::scan() {
     plc_.scan(commanded_, interlocks(), rig_.wheel().v_mps, rig_.time_s());
-    const Orders& orders = plc_.orders();
-    if (orders.load)
-        rig_.set_load(orders.load_base_N, orders.load_lift_Ns2pm2);
+    const MachineCommands& commands = plc_.commands();
+    if (commands.load)
+        rig_.set_load(commands.load_base_N, commands.load_lift_Ns2pm2);
     else
         rig_.set_load(options_.machinery.loading.contact_force_N, 0.0);
 }
@@ -72,8 +72,8 @@ void ServedRig::touch_down() {
     on_rim_ = true;
     ++maneuvers_;
     rig_.touch_down();
-    const plant::RigParameters& p = rig_.parameters();
-    const double friction = brake_ ? std::max(brake_->next_friction(), plant::least_mean_friction(p.friction_curve)) : p.mean_friction;
+    const rig::RigParameters& p = rig_.parameters();
+    const double friction = brake_ ? std::max(brake_->next_friction(), rig::min_mean_friction(p.friction_curve)) : p.mean_friction;
     // m v and J omega / r are shared out until wheel and rim run alike.
     const double r = p.wheel.free_radius_m;
     const double share = p.wheel.inertia_kgm2 / (p.wheel.mass_kg * r * r);
@@ -99,7 +99,7 @@ void ServedRig::take_up(const wear::BrakeState& state) {
 
 void ServedRig::move_sledge() {
     const Sledge& sledge = options_.machinery.sledge;
-    sledge_m_ = sledge.moved(sledge_m_, plc_.orders().advance, kStep_s);
+    sledge_m_ = sledge.moved(sledge_m_, plc_.commands().advance, kStep_s);
     const bool touches = sledge_m_ >= sledge.contact_m;
     if (touches == on_rim_) return;
     if (touches)
@@ -110,11 +110,11 @@ void ServedRig::move_sledge() {
 
 void ServedRig::run_machines() {
     const Drive& drive = options_.machinery.drive;
-    const Orders& orders = plc_.orders();
+    const MachineCommands& commands = plc_.commands();
     const double v = rig_.wheel().v_mps;
-    const plant::RigParameters& p = rig_.parameters();
+    const rig::RigParameters& p = rig_.parameters();
     plant::OutsideForces forces;
-    if (orders.drive) forces.drive_N = drive.force_N(orders.speed_mps, v, p.wheel.mass_kg, p.flywheel_radius_m);
+    if (commands.drive) forces.drive_N = drive.force_N(commands.speed_mps, v, p.wheel.mass_kg, p.flywheel_radius_m);
     if (!on_rim_) {
         if (v > 0.0 || forces.drive_N > 0.0) forces.drag_N = drive.drag.force_N(v);
         if (rig_.wheel().omega_radps > 0.0) forces.wheel_drag_Nm = options_.machinery.sledge.wheel_drag_Nm;
@@ -140,8 +140,8 @@ void ServedRig::advance(double valve_current_mA) {
 }
 
 bool ServedRig::idle() const {
-    const Orders& orders = plc_.orders();
-    return sledge_m_ == 0.0 && !orders.drive && !orders.advance && rig_.idle();
+    const MachineCommands& commands = plc_.commands();
+    return sledge_m_ == 0.0 && !commands.drive && !commands.advance && rig_.idle();
 }
 
 double ServedRig::pass_idle(double seconds) {
@@ -175,7 +175,7 @@ void ServedRig::measure() {
     set(Measured::plc_watchdog, plc_.watchdog());
     set(Measured::plc_state, static_cast<double>(plc_.state()));
     set(Measured::applied_commit, plc_.applied_commit());
-    set(Measured::refused_commit, plc_.refused_commit());
+    set(Measured::rejected_commit, plc_.rejected_commit());
     set(Measured::interlocks, good);
     set(Measured::sledge_position_m, sledge_m_);
     set(Measured::wheel_on_rim, on_rim_ ? 1.0 : 0.0);

@@ -23,8 +23,8 @@
 #include "plant_sim/model/rig.hpp"
 #include "plant_sim/plc/machinery.hpp"
 #include "plant_sim/plc/virtual_plc.hpp"
-#include "rig_bridge/registers/quantities.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
+#include "rig_bridge/rig/quantities.hpp"
 #include "rig_bridge/wear/wearing_brake.hpp"
 
 namespace plc {
@@ -32,7 +32,7 @@ namespace plc {
 struct ServedRigOptions {
     Machinery machinery;
     /// None: always the friction of the loaded rig. A brake that is worn out so far that its friction curve would fall to zero keeps
-    /// plant::least_mean_friction().
+    /// rig::min_mean_friction().
     std::optional<wear::WearingBrake> brake{};
     double period_s = 1e-3;    ///< of advance(), a whole multiple of 1 ms
     double watchdog_s = 0.5;   ///< of the bridge, in rig time: the register map's
@@ -45,7 +45,7 @@ class ServedRig {
     static constexpr double kScan_s = 0.01;
 
     /// Throws std::invalid_argument for a period that is no whole number of milliseconds.
-    ServedRig(const plant::LoadedRig& loaded, ServedRigOptions options, std::uint64_t seed);
+    ServedRig(const rig::LoadedRig& loaded, ServedRigOptions options, std::uint64_t seed);
 
     /// The holding registers as they stand now. Judged at the next scan, see VirtualPlc.
     void command(const rig::CommandedValues& values) { commanded_ = values; }
@@ -100,7 +100,7 @@ class ServedRig {
     int steps_per_period_;
     plant::Rig rig_;
     VirtualPlc plc_;
-    plant::Random gauge_noise_;
+    rig::Random gauge_noise_;
     std::optional<wear::WearingBrake> brake_;
     double accounted_J_ = 0.0;  // of the plant's brake energy, in brake_
     rig::CommandedValues commanded_{};

@@ -32,7 +32,7 @@ bool within(double value, double max) {
 
 }  // namespace
 
-std::string_view name(Refusal refusal) {
+std::string_view name(Rejection rejection) {
     constexpr std::array<std::string_view, 9> kNames{"none",
                                                      "a switch is neither 0 nor 1",
                                                      "out of range",
@@ -42,7 +42,7 @@ std::string_view name(Refusal refusal) {
                                                      "tripped",
                                                      "reset with an open interlock",
                                                      "the bridge's watchdog does not move"};
-    return kNames[static_cast<std::size_t>(refusal)];
+    return kNames[static_cast<std::size_t>(rejection)];
 }
 
 std::string_view name(Trip trip) {
@@ -78,46 +78,47 @@ void VirtualPlc::supervise(double watchdog, unsigned good, double now_s) {
     if (cause == Trip::none) return;
     trip_ = cause;
     state_ = rig::PlcState::tripped;
-    orders_ = {};
+    commands_ = {};
 }
 
-Refusal VirtualPlc::judge(const CommandedValues& c, unsigned good, double rim_mps) const {
-    if (!switches_are_0_or_1(c)) return Refusal::value;
+Rejection VirtualPlc::judge(const CommandedValues& c, unsigned good, double rim_mps) const {
+    if (!switches_are_0_or_1(c)) return Rejection::value;
     const double speed = rig::at(c, Commanded::flywheel_speed_mps);
     const double base = rig::at(c, Commanded::load_base_N);
     const double lift = rig::at(c, Commanded::load_lift_Ns2pm2);
-    if (!std::isfinite(speed) || !std::isfinite(base) || !std::isfinite(lift)) return Refusal::value;
-    if (!within(speed, limits_.speed_max_mps) || !within(base, limits_.force_max_N) || !within(lift, limits_.lift_max_Ns2pm2)) return Refusal::range;
+    if (!std::isfinite(speed) || !std::isfinite(base) || !std::isfinite(lift)) return Rejection::value;
+    if (!within(speed, limits_.speed_max_mps) || !within(base, limits_.force_max_N) || !within(lift, limits_.lift_max_Ns2pm2))
+        return Rejection::range;
     const bool drive = set(c, Commanded::drive_enable);
     const bool advance = set(c, Commanded::sledge_advance);
     const bool load = set(c, Commanded::load_enable);
     const double fastest = std::max(rim_mps, drive ? speed : 0.0);
-    if (load && base - lift * fastest * fastest < 0.0) return Refusal::load_law;
-    if (load && !advance) return Refusal::load_off_rim;
-    if (load && drive) return Refusal::drive_against_load;
+    if (load && base - lift * fastest * fastest < 0.0) return Rejection::load_law;
+    if (load && !advance) return Rejection::load_off_rim;
+    if (load && drive) return Rejection::drive_against_load;
     const bool any = drive || advance || load;
-    if (any && state_ == rig::PlcState::tripped) return Refusal::tripped;
-    if (set(c, Commanded::reset) && good != kAllGood) return Refusal::interlock;
-    if ((any || set(c, Commanded::reset)) && !bridge_alive_) return Refusal::unsupervised;
-    return Refusal::none;
+    if (any && state_ == rig::PlcState::tripped) return Rejection::tripped;
+    if (set(c, Commanded::reset) && good != kAllGood) return Rejection::interlock;
+    if ((any || set(c, Commanded::reset)) && !bridge_alive_) return Rejection::unsupervised;
+    return Rejection::none;
 }
 
 void VirtualPlc::take(const CommandedValues& c, unsigned good, double rim_mps) {
-    const Refusal refusal = judge(c, good, rim_mps);
-    if (refusal != Refusal::none) {
-        refusal_ = refusal;
-        refused_ = commit_;
+    const Rejection rejection = judge(c, good, rim_mps);
+    if (rejection != Rejection::none) {
+        rejection_ = rejection;
+        rejected_ = commit_;
         return;
     }
     applied_ = commit_;
     if (set(c, Commanded::reset) && !reset_) state_ = rig::PlcState::ready;
     reset_ = set(c, Commanded::reset);
-    orders_ = {.drive = set(c, Commanded::drive_enable),
-               .speed_mps = rig::at(c, Commanded::flywheel_speed_mps),
-               .advance = set(c, Commanded::sledge_advance),
-               .load = set(c, Commanded::load_enable),
-               .load_base_N = rig::at(c, Commanded::load_base_N),
-               .load_lift_Ns2pm2 = rig::at(c, Commanded::load_lift_Ns2pm2)};
+    commands_ = {.drive = set(c, Commanded::drive_enable),
+                 .speed_mps = rig::at(c, Commanded::flywheel_speed_mps),
+                 .advance = set(c, Commanded::sledge_advance),
+                 .load = set(c, Commanded::load_enable),
+                 .load_base_N = rig::at(c, Commanded::load_base_N),
+                 .load_lift_Ns2pm2 = rig::at(c, Commanded::load_lift_Ns2pm2)};
 }
 
 }  // namespace plc

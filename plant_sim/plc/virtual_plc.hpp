@@ -19,13 +19,13 @@
 #include <cstdint>
 #include <string_view>
 
-#include "rig_bridge/registers/quantities.hpp"
+#include "rig_bridge/rig/quantities.hpp"
 
 namespace plc {
 
-enum class Refusal : std::uint8_t { none, value, range, load_law, load_off_rim, drive_against_load, tripped, interlock, unsupervised };
+enum class Rejection : std::uint8_t { none, value, range, load_law, load_off_rim, drive_against_load, tripped, interlock, unsupervised };
 enum class Trip : std::uint8_t { none, emergency_stop, guard_open, hydraulics_lost, drive_fault, bridge_silent };
-[[nodiscard]] std::string_view name(Refusal refusal);
+[[nodiscard]] std::string_view name(Rejection rejection);
 [[nodiscard]] std::string_view name(Trip trip);
 
 struct PlcLimits {
@@ -36,7 +36,7 @@ struct PlcLimits {
 };
 
 /// What the machines are told.
-struct Orders {
+struct MachineCommands {
     bool drive = false;
     double speed_mps = 0.0;
     bool advance = false;
@@ -58,24 +58,24 @@ class VirtualPlc {
         watchdog_ = static_cast<std::uint16_t>(watchdog_ + scans);
     }
 
-    [[nodiscard]] const Orders& orders() const { return orders_; }
+    [[nodiscard]] const MachineCommands& commands() const { return commands_; }
     [[nodiscard]] rig::PlcState state() const { return state_; }
-    [[nodiscard]] Trip trip() const { return trip_; }           ///< the last one's cause, kept after the reset
-    [[nodiscard]] Refusal refusal() const { return refusal_; }  ///< of refused_commit()
+    [[nodiscard]] Trip trip() const { return trip_; }                 ///< the last one's cause, kept after the reset
+    [[nodiscard]] Rejection rejection() const { return rejection_; }  ///< of rejected_commit()
     [[nodiscard]] std::uint16_t applied_commit() const { return applied_; }
-    [[nodiscard]] std::uint16_t refused_commit() const { return refused_; }
+    [[nodiscard]] std::uint16_t rejected_commit() const { return rejected_; }
     [[nodiscard]] std::uint16_t watchdog() const { return watchdog_; }
 
   private:
     void supervise(double watchdog, unsigned good, double now_s);
     void take(const rig::CommandedValues& commanded, unsigned good, double rim_mps);
-    [[nodiscard]] Refusal judge(const rig::CommandedValues& commanded, unsigned good, double rim_mps) const;
+    [[nodiscard]] Rejection judge(const rig::CommandedValues& commanded, unsigned good, double rim_mps) const;
 
     PlcLimits limits_;
-    Orders orders_;
+    MachineCommands commands_;
     rig::PlcState state_ = rig::PlcState::ready;
     Trip trip_ = Trip::none;
-    Refusal refusal_ = Refusal::none;
+    Rejection rejection_ = Rejection::none;
     double bridge_watchdog_ = 0.0;
     double bridge_moved_s_ = 0.0;
     bool bridge_seen_ = false;  // its watchdog has moved
@@ -83,7 +83,7 @@ class VirtualPlc {
     bool reset_ = false;  // of the last commit that was taken over
     std::uint16_t commit_ = 0;
     std::uint16_t applied_ = 0;
-    std::uint16_t refused_ = 0;
+    std::uint16_t rejected_ = 0;
     std::uint16_t watchdog_ = 0;
 };
 

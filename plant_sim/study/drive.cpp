@@ -15,35 +15,35 @@ namespace {
 
 constexpr double kStep_s = 1e-3;
 constexpr double kLongest_s = 3600.0;  // one row each ms: 3.6 million
-constexpr std::size_t kMostBytes = 512U << 20U;
+constexpr std::size_t kMaxBytes = 512U << 20U;
 // No brake and no valve of an aircraft comes near: beyond stands another unit, or a slip.
-constexpr double kMost_Pa = 100e6;
-constexpr double kMost_mA = 1000.0;
+constexpr double kMax_Pa = 100e6;
+constexpr double kMax_mA = 1000.0;
 
 DriveProfile parse(const std::string& name, std::string_view csv) {
-    const auto refuse = [&name](unsigned line, const std::string& message) { throw settings::Error(name, line, "", message); };
+    const auto reject = [&name](unsigned line, const std::string& message) { throw settings::Error(name, line, "", message); };
     wear::CsvRows rows(csv);
-    if (!rows.next()) refuse(rows.line(), "is empty; expected the header time_s,pressure_Pa or time_s,current_mA");
+    if (!rows.next()) reject(rows.line(), "is empty; expected the header time_s,pressure_Pa or time_s,current_mA");
     const std::vector<std::string_view> header = rows.fields();
     const bool by_pressure = header.back() == "pressure_Pa";
     if (header.size() != 2 || header.front() != "time_s" || (!by_pressure && header.back() != "current_mA"))
-        refuse(rows.line(), fmt::format("header '{}'; expected time_s,pressure_Pa or time_s,current_mA", fmt::join(header, ",")));
+        reject(rows.line(), fmt::format("header '{}'; expected time_s,pressure_Pa or time_s,current_mA", fmt::join(header, ",")));
     DriveProfile profile;
     profile.input = by_pressure ? DriveInput::pressure_Pa : DriveInput::current_mA;
-    const double most = by_pressure ? kMost_Pa : kMost_mA;
+    const double max = by_pressure ? kMax_Pa : kMax_mA;
     while (rows.next()) {
         const unsigned line = rows.line();
-        if (rows.fields().size() != 2) refuse(line, "expected two columns");
+        if (rows.fields().size() != 2) reject(line, "expected two columns");
         const double time = wear::csv_number(name, line, "time_s", rows.fields().front());
         const double value = wear::csv_number(name, line, header.back(), rows.fields().back());
-        if (!profile.time_s.empty() && !(time > profile.time_s.back())) refuse(line, "time_s must increase from row to row");
-        if (value < 0.0 || value > most) refuse(line, fmt::format("{} must be from 0 to {:g}", header.back(), most));
+        if (!profile.time_s.empty() && !(time > profile.time_s.back())) reject(line, "time_s must increase from row to row");
+        if (value < 0.0 || value > max) reject(line, fmt::format("{} must be from 0 to {:g}", header.back(), max));
         profile.time_s.push_back(time);
         profile.value.push_back(value);
     }
-    if (profile.time_s.size() < 2) refuse(rows.line(), "needs two rows of numbers at least");
+    if (profile.time_s.size() < 2) reject(rows.line(), "needs two rows of numbers at least");
     if (profile.time_s.back() - profile.time_s.front() > kLongest_s)
-        refuse(rows.line(), fmt::format("time_s: lasts longer than {:.0f} s", kLongest_s));
+        reject(rows.line(), fmt::format("time_s: lasts longer than {:.0f} s", kLongest_s));
     return profile;
 }
 
@@ -98,10 +98,10 @@ void append_row(std::string& csv, double time_s, const plant::Rig& rig) {
 }  // namespace
 
 DriveProfile read_profile(const std::filesystem::path& csv) {
-    return parse(csv.string(), settings::read_file(csv, kMostBytes));
+    return parse(csv.string(), settings::read_file(csv, kMaxBytes));
 }
 
-std::string drive(const plant::RigParameters& parameters, const DriveProfile& profile) {
+std::string drive(const rig::RigParameters& parameters, const DriveProfile& profile) {
     plant::Rig rig(parameters, kStep_s, 0);
     rig.start_rolling();
     Cursor cursor(profile);

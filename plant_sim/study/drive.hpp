@@ -26,6 +26,6 @@ struct DriveProfile {
 /// Returns CSV: time_s,speed_mps,wheel_speed_radps,slip,pressure_Pa,brake_torque_Nm,F_x_N,F_z_N,radius_m,mu,energy_brake_J,energy_tyre_J,
 /// one row per step of 1 ms, the first at the start. Pressure acts as the table says also between two of these rows; a current is taken
 /// once per ms and linear in between.
-[[nodiscard]] std::string drive(const plant::RigParameters& rig, const DriveProfile& profile);
+[[nodiscard]] std::string drive(const rig::RigParameters& rig, const DriveProfile& profile);
 
 }  // namespace study

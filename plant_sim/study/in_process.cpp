@@ -30,7 +30,7 @@ class FrameLink {
     Command cycle(const RigSession& session, Controller& controller, Time now, RunResult& result) {
         antiskid::can::RigSample sample = session.sample();
         sample.load_cells = session.load_cells();
-        std::array<Frame, RigPort::kMostFrames + 1> sent{};
+        std::array<Frame, RigPort::kMaxFrames + 1> sent{};
         std::size_t count = rig_.due_frames(sample, sent);
         if (layout_[antiskid::can::Role::sync].bound) sent[count++] = rig_.sync(static_cast<std::uint32_t>(result.steps));
         for (std::size_t i = 0; i < count; ++i) {
@@ -40,7 +40,7 @@ class FrameLink {
         }
         const Command command = controller.step(controller_.sensors(), now);
         controller_.clear_one_shots();
-        std::array<Frame, ControllerPort::kMostFrames> answer{};
+        std::array<Frame, ControllerPort::kMaxFrames> answer{};
         const std::size_t answers = controller_.due_frames(command, answer);
         // In lockstep the valve command, first of what is due, is sent last: the rig moves on when it has it.
         std::rotate(answer.begin(), answer.begin() + 1, answer.begin() + static_cast<std::ptrdiff_t>(answers));
@@ -67,8 +67,8 @@ class FrameLink {
 
 }  // namespace
 
-RunResult run_in_process(const antiskid::control::Config& config, const Layout& layout, const plant::RigParameters& rig,
-                         const SessionOptions& options, Link link, const StepObserver& on_step, const FrameObserver& on_frame) {
+RunResult run_in_process(const antiskid::control::Config& config, const Layout& layout, const rig::RigParameters& rig, const SessionOptions& options,
+                         Link link, const StepObserver& on_step, const FrameObserver& on_frame) {
     const Time period = period_of(config);
     if (link == Link::rounded) return Loop(config, rig, options, ValueLink(layout, period)).run(on_step);
     return Loop(config, rig, options, FrameLink(layout, period, on_frame)).run(on_step);

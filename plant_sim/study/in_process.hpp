@@ -34,7 +34,7 @@ struct RunResult {
 };
 
 /// Runs to the end of the maneuver. `layout` must outlive the call. Observers may be empty.
-RunResult run_in_process(const antiskid::control::Config& controller, const antiskid::can::Layout& layout, const plant::RigParameters& rig,
+RunResult run_in_process(const antiskid::control::Config& controller, const antiskid::can::Layout& layout, const rig::RigParameters& rig,
                          const SessionOptions& options, Link link, const StepObserver& on_step = {}, const FrameObserver& on_frame = {});
 
 }  // namespace study

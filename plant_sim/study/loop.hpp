@@ -56,7 +56,7 @@ class ValueLink {
 template <typename LinkPolicy>
 class Loop {
   public:
-    Loop(const antiskid::control::Config& controller, const plant::RigParameters& rig, const SessionOptions& options, LinkPolicy link)
+    Loop(const antiskid::control::Config& controller, const rig::RigParameters& rig, const SessionOptions& options, LinkPolicy link)
         : session_(rig, options), controller_(controller), period_(period_of(controller)), link_(std::move(link)) {}
 
     /// First half of a period: what the sensors say through the link to the controller, and its answer to the rig. The session is to be

@@ -8,19 +8,19 @@ namespace {
 constexpr double kRounding_s = 1e-9;
 }
 
-const char* name(Phase phase) {
+const char* name(StopPhase phase) {
     switch (phase) {
-        case Phase::approach:
+        case StopPhase::approach:
             return "approach";
-        case Phase::rolling:
+        case StopPhase::rolling:
             return "rolling";
-        case Phase::braking:
+        case StopPhase::braking:
             return "braking";
-        case Phase::standstill:
+        case StopPhase::standstill:
             return "standstill";
-        case Phase::released:
+        case StopPhase::released:
             return "released";
-        case Phase::done:
+        case StopPhase::done:
             return "done";
     }
     return "?";
@@ -30,14 +30,14 @@ Pilot::Pilot(ManeuverPlan plan) : plan_(std::move(plan)) {}
 
 void Pilot::update(double time_s, bool standstill) {
     time_s_ = time_s + kRounding_s;
-    if (phase_ == Phase::approach && time_s_ >= plan_.touchdown_s) phase_ = Phase::rolling;
-    if (phase_ == Phase::rolling && time_s_ >= brake_on_s()) phase_ = Phase::braking;
-    if (phase_ == Phase::braking && standstill) {
-        phase_ = Phase::standstill;
+    if (phase_ == StopPhase::approach && time_s_ >= plan_.touchdown_s) phase_ = StopPhase::rolling;
+    if (phase_ == StopPhase::rolling && time_s_ >= brake_on_s()) phase_ = StopPhase::braking;
+    if (phase_ == StopPhase::braking && standstill) {
+        phase_ = StopPhase::standstill;
         stood_at_s_ = time_s;
     }
-    if (phase_ == Phase::standstill && time_s_ >= stood_at_s_ + plan_.after_standstill_s) phase_ = Phase::released;
-    if (phase_ == Phase::released && time_s_ >= stood_at_s_ + plan_.after_standstill_s + plan_.release_s) phase_ = Phase::done;
+    if (phase_ == StopPhase::standstill && time_s_ >= stood_at_s_ + plan_.after_standstill_s) phase_ = StopPhase::released;
+    if (phase_ == StopPhase::released && time_s_ >= stood_at_s_ + plan_.after_standstill_s + plan_.release_s) phase_ = StopPhase::done;
 }
 
 double Pilot::open_loop_mA() const {
@@ -53,11 +53,11 @@ double Pilot::open_loop_mA() const {
 }
 
 antiskid::can::ManeuverSample Pilot::command() const {
-    const bool brakes = phase_ == Phase::braking || phase_ == Phase::standstill;
-    const bool over = phase_ == Phase::released || phase_ == Phase::done;
+    const bool brakes = phase_ == StopPhase::braking || phase_ == StopPhase::standstill;
+    const bool over = phase_ == StopPhase::released || phase_ == StopPhase::done;
     return {.law = plan_.law,
             .arm = time_s_ >= plan_.arm_s && !over,
-            .weight_on_wheels = phase_ != Phase::approach,
+            .weight_on_wheels = phase_ != StopPhase::approach,
             .demand_Pa = brakes ? static_cast<float>(plan_.demand_Pa) : 0.0F,
             .slip_reference = static_cast<float>(plan_.slip_reference),
             .deceleration_mps2 = static_cast<float>(plan_.deceleration_mps2),

@@ -29,8 +29,8 @@ struct ManeuverPlan {
     double release_s = 0.1;           ///< disarmed, before the run ends
 };
 
-enum class Phase { approach, rolling, braking, standstill, released, done };
-[[nodiscard]] const char* name(Phase phase);
+enum class StopPhase { approach, rolling, braking, standstill, released, done };
+[[nodiscard]] const char* name(StopPhase phase);
 
 class Pilot {
   public:
@@ -39,7 +39,7 @@ class Pilot {
     /// Call once a period with the time and whether the aircraft stands; phases only go forward.
     void update(double time_s, bool standstill);
 
-    [[nodiscard]] Phase phase() const { return phase_; }
+    [[nodiscard]] StopPhase phase() const { return phase_; }
     [[nodiscard]] double brake_on_s() const { return plan_.touchdown_s + plan_.settle_s; }
     [[nodiscard]] antiskid::can::ManeuverSample command() const;
     [[nodiscard]] const ManeuverPlan& plan() const { return plan_; }
@@ -48,7 +48,7 @@ class Pilot {
     [[nodiscard]] double open_loop_mA() const;
 
     ManeuverPlan plan_;
-    Phase phase_ = Phase::approach;
+    StopPhase phase_ = StopPhase::approach;
     double time_s_ = 0.0;
     double stood_at_s_ = 0.0;
 };

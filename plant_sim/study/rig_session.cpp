@@ -21,7 +21,7 @@ int plant_steps(double period_s) {
 
 }  // namespace
 
-RigSession::RigSession(const plant::RigParameters& rig, const SessionOptions& options)
+RigSession::RigSession(const rig::RigParameters& rig, const SessionOptions& options)
     : options_(options),
       plant_steps_(plant_steps(options.period_s)),
       rig_(rig, kPlantStep_s, options.seed),
@@ -60,7 +60,7 @@ void RigSession::advance(double current_mA, antiskid::control::State controller)
 
 /// False where the stop is over.
 bool RigSession::measure() {
-    if (!meter_.started() || pilot_.phase() != Phase::braking) return true;
+    if (!meter_.started() || pilot_.phase() != StopPhase::braking) return true;
     meter_.update(rig_, kPlantStep_s);
     if (!rig_.standstill()) return true;
     result_ = meter_.figures(rig_);
@@ -68,12 +68,12 @@ bool RigSession::measure() {
 }
 
 void RigSession::close_period(antiskid::control::State controller) {
-    const bool given_up = controller == antiskid::control::State::safe && pilot_.phase() == Phase::braking;
+    const bool given_up = controller == antiskid::control::State::safe && pilot_.phase() == StopPhase::braking;
     safe_s_ = given_up ? safe_s_ + options_.period_s : 0.0;
-    const Phase before = pilot_.phase();
+    const StopPhase before = pilot_.phase();
     pilot_.update(rig_.time_s(), rig_.standstill());
-    if (pilot_.phase() != Phase::approach && before == Phase::approach) rig_.touch_down();
-    if (pilot_.phase() == Phase::braking && before != Phase::braking) meter_.start(rig_);
+    if (pilot_.phase() != StopPhase::approach && before == StopPhase::approach) rig_.touch_down();
+    if (pilot_.phase() == StopPhase::braking && before != StopPhase::braking) meter_.start(rig_);
     if (timed_out() || abandoned()) result_ = meter_.figures(rig_);
     sense();
 }

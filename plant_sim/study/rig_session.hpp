@@ -28,7 +28,7 @@ struct SessionOptions {
 
 class RigSession {
   public:
-    RigSession(const plant::RigParameters& rig, const SessionOptions& options);
+    RigSession(const rig::RigParameters& rig, const SessionOptions& options);
 
     /// What sensors and pilot say at this period.
     [[nodiscard]] const antiskid::can::RigSample& sample() const { return sample_; }
@@ -37,7 +37,7 @@ class RigSession {
     /// One period with the valve current held; `controller` is the state that the controller last reported.
     void advance(double current_mA, antiskid::control::State controller);
 
-    [[nodiscard]] bool done() const { return pilot_.phase() == Phase::done || abandoned() || timed_out(); }
+    [[nodiscard]] bool done() const { return pilot_.phase() == StopPhase::done || abandoned() || timed_out(); }
     /// The controller has been in its safe state for kPatience_s of the braking phase: nobody brakes any more.
     [[nodiscard]] bool abandoned() const { return safe_s_ >= kPatience_s; }
     static constexpr double kPatience_s = 1.0;

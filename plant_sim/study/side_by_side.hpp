@@ -12,7 +12,7 @@ namespace study {
 /// One maneuver, as handed to run_in_process.
 struct Maneuver {
     antiskid::control::Config controller;
-    plant::RigParameters rig;
+    rig::RigParameters rig;
     SessionOptions options;
     StepObserver on_step{};  ///< may be empty
 };

@@ -21,10 +21,10 @@ void StopMeter::start(const plant::Rig& rig) {
     look_at(rig.surface());
 }
 
-void StopMeter::look_at(const plant::Surface& surface) {
+void StopMeter::look_at(const rig::Surface& surface) {
     changed_ = surface_ != nullptr || surface.wet;
     surface_ = &surface;
-    optimum_ = plant::peak(surface);
+    optimum_ = rig::peak(surface);
 }
 
 void StopMeter::update(const plant::Rig& rig, double step_s) {
@@ -32,7 +32,7 @@ void StopMeter::update(const plant::Rig& rig, double step_s) {
     const plant::Forces forces = rig.forces();
     const double metres = now.distance_m - last_.distance_m;
     if (&rig.surface() != surface_) look_at(rig.surface());
-    if (surface_->wet) optimum_ = plant::peak(*surface_, 0.5 * (last_.v_mps + now.v_mps));
+    if (surface_->wet) optimum_ = rig::peak(*surface_, 0.5 * (last_.v_mps + now.v_mps));
     torque_Nms_ += forces.brake_torque_Nm * step_s;
     load_Ns_ += forces.F_z_N * step_s;
     if (!dropped_out_) {
@@ -43,7 +43,7 @@ void StopMeter::update(const plant::Rig& rig, double step_s) {
         dropped_out_ = now.v_mps <= drop_out_mps_;
         peak_slip_ = std::max(peak_slip_, forces.slip);
         efficiency_m_ += slip_efficiency(forces.slip, optimum_.slip) * metres;
-        most_friction_m_ += optimum_.mu * metres;
+        max_friction_m_ += optimum_.mu * metres;
         lock_s_ = forces.slip > kLockSlip ? lock_s_ + step_s : 0.0;
         longest_lock_s_ = std::max(longest_lock_s_, lock_s_);
         if (rig.time_s() - start_s_ > kTrackingStarts_s && now.v_mps > kTrackingEnds_mps) {
@@ -63,8 +63,8 @@ StopFigures StopMeter::figures(const plant::Rig& rig) const {
     f.stop_distance_m = now.distance_m - start_.distance_m;
     f.duration_s = rig.time_s() - start_s_;
     f.drop_out_distance_m = to_drop_out;
-    const double most_m = changed_ ? most_friction_m_ : optimum_.mu * to_drop_out;
-    f.j_mu = to_drop_out > 0.0 ? (drop_out_.friction_distance_m - start_.friction_distance_m) / most_m : 0.0;
+    const double max_m = changed_ ? max_friction_m_ : optimum_.mu * to_drop_out;
+    f.j_mu = to_drop_out > 0.0 ? (drop_out_.friction_distance_m - start_.friction_distance_m) / max_m : 0.0;
     f.slip_efficiency = to_drop_out > 0.0 ? efficiency_m_ / to_drop_out : 0.0;
     f.energy_brake_J = now.energy_brake_J - start_.energy_brake_J;
     f.energy_tyre_J = now.energy_tyre_J - start_.energy_tyre_J;

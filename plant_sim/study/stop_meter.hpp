@@ -66,7 +66,7 @@ class StopMeter {
     [[nodiscard]] StopFigures figures(const plant::Rig& rig) const;
 
   private:
-    void look_at(const plant::Surface& surface);
+    void look_at(const rig::Surface& surface);
 
     double slip_reference_;
     double drop_out_mps_;
@@ -88,10 +88,10 @@ class StopMeter {
     double tracked_m_ = 0.0;
     double tracking_brake_J_ = 0.0;
     double tracking_tyre_J_ = 0.0;
-    plant::Peak optimum_{1.0, 1.0};  // of the surface under the wheel
-    const plant::Surface* surface_ = nullptr;
-    double most_friction_m_ = 0.0;  // integral of its friction over the distance down to drop-out
-    bool changed_ = false;          // it was not the same all along
+    rig::Peak optimum_{1.0, 1.0};  // of the surface under the wheel
+    const rig::Surface* surface_ = nullptr;
+    double max_friction_m_ = 0.0;  // integral of its friction over the distance down to drop-out
+    bool changed_ = false;         // it was not the same all along
     double efficiency_m_ = 0.0;
     double torque_Nms_ = 0.0;
     double sliding_torque_Nms_ = 0.0;  // down to drop-out, as the pressure: a held wheel shows no friction

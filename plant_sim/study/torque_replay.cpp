@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kReplayStep_s = 1e-3;
 
-plant::RigParameters rig_of(const plant::LoadedRig& loaded, const wear::Braking& braking) {
+rig::RigParameters rig_of(const rig::LoadedRig& loaded, const wear::Braking& braking) {
     if (!(braking.brake_on_mps > 0.0 && braking.mean_torque_Nm > 0.0 && braking.mean_load_N > 0.0))
         throw std::invalid_argument("a stop by its torque needs speed, torque and load above zero");
-    plant::RigParameters p = loaded.rig;
+    rig::RigParameters p = loaded.rig;
     p.brake_on_mps = braking.brake_on_mps;
     p.load = {.base_N = braking.mean_load_N, .lift_Ns2pm2 = 0.0, .lag_s = 0.0};
     return p;
@@ -25,8 +25,8 @@ plant::RigParameters rig_of(const plant::LoadedRig& loaded, const wear::Braking&
 
 }  // namespace
 
-TorqueStop stop_by_torque(const plant::LoadedRig& loaded, const wear::Braking& braking) {
-    const plant::RigParameters p = rig_of(loaded, braking);
+TorqueStop stop_by_torque(const rig::LoadedRig& loaded, const wear::Braking& braking) {
+    const rig::RigParameters p = rig_of(loaded, braking);
     const plant::BrakeTorque brake(p.brake, p.friction_curve, p.mean_friction, p.brake_on_mps);
     plant::Rig rig(p, kReplayStep_s, 1);
     rig.touch_down();
@@ -49,18 +49,18 @@ TorqueStop stop_by_torque(const plant::LoadedRig& loaded, const wear::Braking& b
     return out;
 }
 
-TorqueReplay replay_torques(const wear::Campaign& recorded, const plant::LoadedRig& loaded, wear::WearingBrake brake,
+TorqueReplay replay_torques(const wear::Campaign& recorded, const rig::LoadedRig& loaded, wear::WearingBrake brake,
                             const std::function<void(std::size_t)>& progress) {
     if (recorded.brakings.size() != recorded.points.size()) throw std::invalid_argument(recorded.source + ": no braking torque is recorded");
-    plant::LoadedRig rig = loaded;
+    rig::LoadedRig rig = loaded;
     TorqueReplay out;
     out.simulated.source = recorded.source + ", simulated";
     out.simulated.points.reserve(recorded.points.size());
     const double start_J = brake.state().c_e_J;
     for (const wear::Braking& braking : recorded.brakings) {
         // The model is of readings of eq. (7). NaN, where no brake reads so little, is the least that there is.
-        const double mean = plant::mean_of_measured(rig.rig.friction_curve, brake.next_friction(), rig.drop_out_mps / braking.brake_on_mps);
-        rig.rig.mean_friction = std::fmax(mean, plant::least_mean_friction(rig.rig.friction_curve));
+        const double mean = rig::mean_of_measured(rig.rig.friction_curve, brake.next_friction(), rig.drop_out_mps / braking.brake_on_mps);
+        rig.rig.mean_friction = std::fmax(mean, rig::min_mean_friction(rig.rig.friction_curve));
         const TorqueStop stop = stop_by_torque(rig, braking);
         brake.take(stop.energy_brake_J);
         out.simulated.points.push_back({brake.state().c_e_J, stop.mean_friction});

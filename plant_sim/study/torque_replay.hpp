@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "rig_bridge/rig/load_rig.hpp"
-#include "rig_bridge/wear/campaign.hpp"
+#include "rig_bridge/wear/wear_campaign.hpp"
 #include "rig_bridge/wear/wearing_brake.hpp"
 
 namespace study {
@@ -23,7 +23,7 @@ struct TorqueStop {
 /// One stop from `braking.brake_on_mps` to rest, the wheel rolling freely before. The torque is held from brake-on; each millisecond pressure is
 /// T / k_b(v), at most `rig.full_pressure_Pa`, the valve bypassed. The load is held, too. `rig.rig.mean_friction` is the brake's. A stop that lasts
 /// longer than kLongestTorqueStop_s ends there. Throws std::invalid_argument for a speed, torque or load that is not positive.
-[[nodiscard]] TorqueStop stop_by_torque(const plant::LoadedRig& rig, const wear::Braking& braking);
+[[nodiscard]] TorqueStop stop_by_torque(const rig::LoadedRig& rig, const wear::Braking& braking);
 inline constexpr double kLongestTorqueStop_s = 600.0;
 
 struct TorqueReplay {
@@ -35,7 +35,7 @@ struct TorqueReplay {
 /// `brake` is as it was before the first maneuver; it takes what the plant says. Its model's friction is what eq. (7) reads, as that of a
 /// recorded campaign is: the curve within a stop is brought to the mean that reads so (model/measured_friction.hpp). Throws std::invalid_argument for
 /// a campaign without recorded torques. `progress`, when given, is called after each maneuver with how many are done.
-[[nodiscard]] TorqueReplay replay_torques(const wear::Campaign& recorded, const plant::LoadedRig& rig, wear::WearingBrake brake,
+[[nodiscard]] TorqueReplay replay_torques(const wear::Campaign& recorded, const rig::LoadedRig& rig, wear::WearingBrake brake,
                                           const std::function<void(std::size_t)>& progress = {});
 
 }  // namespace study

@@ -33,7 +33,7 @@ void Trajectory::record(const RigSession& session, const antiskid::can::Controll
                    rig.time_s(), w.v_mps, w.omega_radps * f.radius_m, f.slip, controller.slip_reference, session.sample().maneuver.demand_Pa,
                    rig.pressure_Pa(), current_mA, f.brake_torque_Nm, f.F_x_N, f.F_z_N, f.radius_m, f.mu, w.energy_brake_J, w.energy_tyre_J,
                    antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)]);
-    if (along_runway_) fmt::format_to(std::back_inserter(csv_), ",{:.3f},{:.6f}", rig.runway_m(), plant::peak(rig.surface(), w.v_mps).mu);
+    if (along_runway_) fmt::format_to(std::back_inserter(csv_), ",{:.3f},{:.6f}", rig.runway_m(), rig::peak(rig.surface(), w.v_mps).mu);
     csv_ += '\n';
 }
 

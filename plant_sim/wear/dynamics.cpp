@@ -14,27 +14,27 @@ namespace {
 
 using settings::Error;
 
-constexpr std::size_t kLeastSamples = 40;  // ten for each coefficient
-constexpr double kLeastSpan = 0.5;         // of x in [0, 1]
-constexpr double kLeastInStop = 0.001;
+constexpr std::size_t kMinSamples = 40;  // ten for each coefficient
+constexpr double kMinSpan = 0.5;         // of x in [0, 1]
+constexpr double kMinInStop = 0.001;
 constexpr double kGreatestInStop = 1.5;
-constexpr double kMostRejected = 0.5;
+constexpr double kMaxRejected = 0.5;
 /// With few stops: each is cut into this many bands of x, every kBandGroups-th band is one group.
 constexpr std::size_t kSpeedBands = 24;
 constexpr std::size_t kBandGroups = 6;
 
 void check(const RecordedStop& stop) {
-    const auto refuse = [&](const std::string& what) { throw Error(stop.source, 0, "", what); };
+    const auto reject = [&](const std::string& what) { throw Error(stop.source, 0, "", what); };
     if (!(stop.brake_on_mps > 0.0) || !std::isfinite(stop.brake_on_mps))
-        refuse(fmt::format("brake-on speed {} m/s is not positive", stop.brake_on_mps));
+        reject(fmt::format("brake-on speed {} m/s is not positive", stop.brake_on_mps));
     if (!(stop.brake_gain_m3 > 0.0) || !std::isfinite(stop.brake_gain_m3))
-        refuse(fmt::format("brake gain {} m3 is not positive", stop.brake_gain_m3));
+        reject(fmt::format("brake gain {} m3 is not positive", stop.brake_gain_m3));
     for (std::size_t i = 0; i < stop.samples.size(); ++i) {
         const BrakeSample& s = stop.samples[i];
         if (!std::isfinite(s.time_s) || !std::isfinite(s.speed_mps) || !std::isfinite(s.pressure_Pa) || !std::isfinite(s.brake_torque_Nm))
-            refuse(fmt::format("sample {}: time, speed, pressure and torque must be finite numbers", i + 1));
+            reject(fmt::format("sample {}: time, speed, pressure and torque must be finite numbers", i + 1));
         if (i > 0 && s.time_s < stop.samples[i - 1].time_s)
-            refuse(fmt::format("sample {}: time {} s is before that of the sample ahead of it, {} s", i + 1, s.time_s, stop.samples[i - 1].time_s));
+            reject(fmt::format("sample {}: time {} s is before that of the sample ahead of it, {} s", i + 1, s.time_s, stop.samples[i - 1].time_s));
     }
 }
 
@@ -70,7 +70,7 @@ struct Grouping {
 };
 
 Grouping grouping_of(std::size_t stops, const DynamicsSettings& settings) {
-    if (stops >= std::max<std::size_t>(settings.least_stops, 2)) return {true, std::min(stops, kMostGroups)};
+    if (stops >= std::max<std::size_t>(settings.min_stops, 2)) return {true, std::min(stops, kMaxGroups)};
     return {false, kBandGroups};
 }
 
@@ -184,18 +184,18 @@ std::vector<FrictionSample> friction_samples(const RecordedStop& stop, const Dyn
             fmt::format("no pressure in any of its {} samples below the brake-on speed of {:.2f} m/s", stop.samples.size(), stop.brake_on_mps));
     std::vector<FrictionSample> out;
     for (const BrakeSample& s : stop.samples) {
-        if (s.speed_mps > stop.brake_on_mps || s.speed_mps < settings.least_speed_mps) continue;
-        if (s.pressure_Pa < settings.least_pressure_share * median_Pa) continue;
+        if (s.speed_mps > stop.brake_on_mps || s.speed_mps < settings.min_speed_mps) continue;
+        if (s.pressure_Pa < settings.min_pressure_share * median_Pa) continue;
         out.push_back({s.speed_mps / stop.brake_on_mps, s.brake_torque_Nm / (stop.brake_gain_m3 * s.pressure_Pa)});
     }
-    if (out.size() < kLeastSamples)
+    if (out.size() < kMinSamples)
         throw Error(stop.source, 0, "",
                     fmt::format("{} of its {} samples have pressure between {} m/s and the brake-on speed of "
                                 "{:.2f} m/s; expected "
                                 "at least {}",
-                                out.size(), stop.samples.size(), settings.least_speed_mps, stop.brake_on_mps, kLeastSamples));
+                                out.size(), stop.samples.size(), settings.min_speed_mps, stop.brake_on_mps, kMinSamples));
     const auto [slowest, fastest] = std::minmax_element(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
-    if (fastest->x - slowest->x < kLeastSpan)
+    if (fastest->x - slowest->x < kMinSpan)
         throw Error(stop.source, 0, "",
                     fmt::format("its speeds cover {:.2f} to {:.2f} of the brake-on speed only; expected a "
                                 "stop over at least half "
@@ -206,16 +206,16 @@ std::vector<FrictionSample> friction_samples(const RecordedStop& stop, const Dyn
     for (const FrictionSample& s : out) mu.push_back(s.mu_b);
     std::nth_element(mu.begin(), mu.begin() + static_cast<std::ptrdiff_t>(mu.size() / 2), mu.end());
     const double middle = mu[mu.size() / 2];
-    if (!(middle >= kLeastInStop && middle <= kGreatestInStop))
+    if (!(middle >= kMinInStop && middle <= kGreatestInStop))
         throw Error(stop.source, 0, "",
                     fmt::format("mu_b is {:.4g} in the middle, expected {} to {}: check the units of torque "
                                 "and pressure, and the "
                                 "brake's geometry ({:.4g} m3)",
-                                middle, kLeastInStop, kGreatestInStop, stop.brake_gain_m3));
-    if (out.size() <= settings.most_samples) return out;
-    const std::size_t every = (out.size() + settings.most_samples - 1) / settings.most_samples;
+                                middle, kMinInStop, kGreatestInStop, stop.brake_gain_m3));
+    if (out.size() <= settings.max_samples) return out;
+    const std::size_t every = (out.size() + settings.max_samples - 1) / settings.max_samples;
     std::vector<FrictionSample> thinned;
-    thinned.reserve(settings.most_samples);
+    thinned.reserve(settings.max_samples);
     for (std::size_t i = 0; i < out.size(); i += every) thinned.push_back(out[i]);
     return thinned;
 }
@@ -251,7 +251,7 @@ FrictionDynamics learn_dynamics(const std::vector<RecordedStop>& stops, const Dy
             StopShape& shape = out.stops[used[j]];
             shape.mean_friction = widest.means[j];
             shape.rejected = rejected[j];
-            shape.used = rejected[j] <= kMostRejected;
+            shape.used = rejected[j] <= kMaxRejected;
             again = again || !shape.used;
         }
         if (again) continue;

@@ -8,7 +8,7 @@
 /// the scale of the residuals from their median, so that spikes and a slipped torque cell do not move the curve.
 ///
 /// Samples of one stop are correlated, so neither order nor intervals may count them one by one. The unit is the stop: with at least
-/// DynamicsSettings::least_stops of them, each is left out in turn (at most kMostGroups groups of whole stops). With fewer, bands of x of
+/// DynamicsSettings::min_stops of them, each is left out in turn (at most kMaxGroups groups of whole stops). With fewer, bands of x of
 /// each stop are, which trusts that samples some tenths of a second apart are independent. The order is the least whose loss on what was
 /// left out is within one standard error of the best order's; intervals are the jackknife's, by Student's t.
 #pragma once
@@ -39,10 +39,10 @@ struct RecordedStop {
 struct DynamicsSettings {
     std::size_t highest_order = 3;  ///< of those tried, 0 to 3
     /// Samples with less pressure than this share of the stop's median pressure say nothing about friction.
-    double least_pressure_share = 0.25;
-    double least_speed_mps = 5.0;     ///< drop-out: below it the wheel may stand, and a held disc shows no friction
-    std::size_t least_stops = 4;      ///< for leaving out whole stops
-    std::size_t most_samples = 1000;  ///< of one stop; of more, every n-th is used
+    double min_pressure_share = 0.25;
+    double min_speed_mps = 5.0;      ///< drop-out: below it the wheel may stand, and a held disc shows no friction
+    std::size_t min_stops = 4;       ///< for leaving out whole stops
+    std::size_t max_samples = 1000;  ///< of one stop; of more, every n-th is used
 };
 
 /// c0 + c1 x + c2 x^2 + c3 x^3.
@@ -80,7 +80,7 @@ struct FrictionDynamics {
     [[nodiscard]] double half_width_at(double x) const;
 };
 
-inline constexpr std::size_t kMostGroups = 20;
+inline constexpr std::size_t kMaxGroups = 20;
 
 /// A sample as the regression takes it: x and mu_b = T_b / (gain P_b), eq. (7) sample by sample.
 struct FrictionSample {

@@ -17,7 +17,7 @@ constexpr double kHuber = 1.345;
 constexpr double kBisquare = 4.685;
 constexpr double kMadToDeviation = 1.4826;
 /// Data without any scatter still need a unit for their residuals.
-constexpr double kLeastScale = 1e-9;
+constexpr double kMinScale = 1e-9;
 
 double huber_weight(double u) {
     return std::abs(u) <= kHuber ? 1.0 : kHuber / std::abs(u);
@@ -61,7 +61,7 @@ double scale_of(const std::vector<const CurveSample*>& samples, const CurveFit& 
     std::vector<double> sizes;
     sizes.reserve(samples.size());
     for (const CurveSample* s : samples) sizes.push_back(std::abs(residual(*s, fit.means[s->stop], fit.b)));
-    return std::max(kMadToDeviation * median(sizes), kLeastScale);
+    return std::max(kMadToDeviation * median(sizes), kMinScale);
 }
 
 /// One step of weighted least squares: b given the means, then the means given b. Returns the greatest relative change.

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace rig {
+namespace rig::bridge {
 
 namespace {
 
@@ -112,4 +112,4 @@ std::string run_hook(const std::filesystem::path& program, const std::vector<std
     return {};
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace rig {
+namespace rig::bridge {
 
 /// What it is told, each in an environment variable of one line.
 struct AbortNews {
@@ -31,4 +31,4 @@ inline constexpr std::chrono::seconds kHookLimit{10};
 [[nodiscard]] std::string run_hook(const std::filesystem::path& program, const std::vector<std::string>& news,
                                    std::chrono::milliseconds limit = kHookLimit);
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -4,7 +4,7 @@
 #include <exception>
 #include <utility>
 
-namespace rig {
+namespace rig::bridge {
 
 using antiskid::can::Role;
 using antiskid::can::Time;
@@ -20,7 +20,7 @@ Time steady_now() {
 
 }  // namespace
 
-BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layout& layout, const MeterParameters& parameters,
+BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layout& layout, const record::MeterParameters& parameters,
                          std::function<void()> housekeeping, Lockstep* lockstep)
     : interface_(interface),
       layout_(layout),
@@ -28,7 +28,7 @@ BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layo
       housekeeping_(std::move(housekeeping)),
       lockstep_(lockstep),
       last_turn_(steady_now()),
-      capture_(std::make_unique<Capture>(interface)),
+      capture_(std::make_unique<record::Capture>(interface)),
       live_(layout_),
       status_(layout_, Role::status),
       senders_(layout_),
@@ -71,7 +71,7 @@ void BusRecorder::change_record() {
     const std::lock_guard lock(mutex_);
     if (next_) {
         recording_ = std::move(next_);
-        recording_->dropped_before = dropped(capture_ ? capture_->status() : CaptureStatus{});
+        recording_->dropped_before = dropped(capture_ ? capture_->status() : record::CaptureStatus{});
     }
     if (end_asked_ && recording_) {
         ended_ = std::move(recording_);
@@ -79,9 +79,9 @@ void BusRecorder::change_record() {
     }
 }
 
-void BusRecorder::hear(std::span<const CapturedFrame> frames, bool drained) {
+void BusRecorder::hear(std::span<const record::CapturedFrame> frames, bool drained) {
     stamps_.next_batch();
-    for (CapturedFrame one : frames) {
+    for (record::CapturedFrame one : frames) {
         const Time came = stamps_.monotonic(one.frame.received);
         if (recording_) {
             one.frame.received = recording_->label.of(one.frame.received, came);
@@ -100,7 +100,8 @@ void BusRecorder::hear(std::span<const CapturedFrame> frames, bool drained) {
 }
 
 void BusRecorder::publish(bool drained) {
-    const CaptureStatus status = capture_ ? capture_->status() : CaptureStatus{.up = false, .gone = true, .interface_error = capture_error_};
+    const record::CaptureStatus status =
+        capture_ ? capture_->status() : record::CaptureStatus{.up = false, .gone = true, .interface_error = capture_error_};
     if (recording_) {
         recording_->dropped = dropped(status) - recording_->dropped_before;
         recording_->interrupted = recording_->interrupted || !status.up;
@@ -111,7 +112,7 @@ void BusRecorder::publish(bool drained) {
     now_.view = live_.view();
     if (drained) now_.looked = time();
     constexpr Time kLately{200'000'000};
-    now_.controller_refused = status_.reason(now_.looked - kLately);
+    now_.controller_rejected = status_.reason(now_.looked - kLately);
     now_.two_controllers = senders_.two_controllers();
     now_.two_bridges = senders_.two_bridges();
     measure_speeds();
@@ -144,7 +145,7 @@ void BusRecorder::keep_capture() {
     }
     capture_.reset();
     try {
-        capture_ = std::make_unique<Capture>(interface_);
+        capture_ = std::make_unique<record::Capture>(interface_);
     } catch (const std::exception& e) {
         capture_error_ = e.what();
     }
@@ -161,9 +162,9 @@ bool BusRecorder::hear_batch() {
         keep_capture();
         housekeeping_();
     }
-    const auto frames = capture_ ? capture_->receive() : std::span<const CapturedFrame>{};
-    hear(frames, frames.size() < Capture::kBatch);
-    return frames.size() == Capture::kBatch;
+    const auto frames = capture_ ? capture_->receive() : std::span<const record::CapturedFrame>{};
+    hear(frames, frames.size() < record::Capture::kBatch);
+    return frames.size() == record::Capture::kBatch;
 }
 
 void BusRecorder::run() {
@@ -190,4 +191,4 @@ void BusRecorder::await_turn(const std::function<bool()>& enough) {
     last_turn_ = steady_now();
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

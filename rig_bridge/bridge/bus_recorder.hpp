@@ -17,7 +17,7 @@
 #include "rig_bridge/bridge/live_speed.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
 #include "rig_bridge/bridge/parts.hpp"
-#include "rig_bridge/bridge/refused_frames.hpp"
+#include "rig_bridge/bridge/rejected_frames.hpp"
 #include "rig_bridge/bridge/senders.hpp"
 #include "rig_bridge/record/bus_log.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
@@ -25,20 +25,21 @@
 #include "rig_bridge/record/live_file.hpp"
 #include "rig_bridge/record/stamp_label.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 /// One maneuver's record, from begin() to end().
 struct Recording {
-    BusLog log;
-    BusMeter meter;
+    record::BusLog log;
+    record::BusMeter meter;
     std::uint64_t dropped_before = 0;  ///< by the kernel, when it began
     std::uint64_t dropped = 0;         ///< by the kernel, during it
     bool interrupted = false;          ///< the interface was away for a while
 
-    StampLabel label;
+    record::StampLabel label;
 
-    Recording(const std::filesystem::path& path, const std::string& interface, const antiskid::can::Layout& layout, const MeterParameters& parameters)
-        : log(std::make_unique<LiveFile>(path), interface),
+    Recording(const std::filesystem::path& path, const std::string& interface, const antiskid::can::Layout& layout,
+              const record::MeterParameters& parameters)
+        : log(std::make_unique<record::LiveFile>(path), interface),
           meter(layout, parameters),
           label(antiskid::can::WallMinusMonotonic{}().wall_minus_monotonic) {}
 };
@@ -47,7 +48,7 @@ class BusRecorder final : public BusFeed {
   public:
     /// Throws what Capture throws. `housekeeping` is called by the thread several times a second. `layout` must outlive it, and so must
     /// `lockstep`; none: a thread hears, and the machine's clock is the time.
-    BusRecorder(const std::string& interface, const antiskid::can::Layout& layout, const MeterParameters& parameters,
+    BusRecorder(const std::string& interface, const antiskid::can::Layout& layout, const record::MeterParameters& parameters,
                 std::function<void()> housekeeping, Lockstep* lockstep = nullptr);
     ~BusRecorder() override;
     BusRecorder(const BusRecorder&) = delete;
@@ -70,25 +71,25 @@ class BusRecorder final : public BusFeed {
     [[nodiscard]] antiskid::can::Time time() const;
     /// What has arrived; whether there may be more.
     bool hear_batch();
-    void hear(std::span<const CapturedFrame> frames, bool drained);
+    void hear(std::span<const record::CapturedFrame> frames, bool drained);
     void publish(bool drained);
     void measure_speeds();
     void change_record();
     void keep_capture();
-    [[nodiscard]] std::uint64_t dropped(const CaptureStatus& status) const { return dropped_before_ + status.dropped; }
+    [[nodiscard]] std::uint64_t dropped(const record::CaptureStatus& status) const { return dropped_before_ + status.dropped; }
 
     std::string interface_;
     const antiskid::can::Layout& layout_;
-    MeterParameters parameters_;
+    record::MeterParameters parameters_;
     std::function<void()> housekeeping_;
     Lockstep* lockstep_;
 
     // The thread's own.
     antiskid::can::Time last_turn_{};
     antiskid::can::Time next_housekeeping_{};
-    std::unique_ptr<Capture> capture_;
+    std::unique_ptr<record::Capture> capture_;
     antiskid::can::Observer live_;
-    RefusedFrames status_;  // the controller's
+    RejectedFrames status_;  // the controller's
     WhoSends senders_;
     LiveSpeed wheel_;
     LiveSpeed flywheel_;
@@ -108,4 +109,4 @@ class BusRecorder final : public BusFeed {
     std::thread thread_;
 };
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -19,12 +19,12 @@
 #include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/bridge/wear_regulation.hpp"
+#include "rig_bridge/record/health_watch.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_meter.hpp"
-#include "rig_bridge/wear/health_watch.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 namespace {
 
@@ -35,8 +35,8 @@ std::string now_text() {
 /// A campaign as one session of the program runs it.
 class CampaignRun {
   public:
-    CampaignRun(const Setup& setup, const CampaignCommand& command, std::string name, antiskid::rt::StopSignals& stops, Terminal& terminal,
-                Ledger& ledger, const std::optional<WearRegulation>& regulation, HealthWatch* watch)
+    CampaignRun(const BridgeSetup& setup, const CampaignCommand& command, std::string name, antiskid::host::StopSignals& stops, Terminal& terminal,
+                record::Ledger& ledger, const std::optional<WearRegulation>& regulation, record::HealthWatch* watch)
         : setup_(setup),
           command_(command),
           name_(std::move(name)),
@@ -51,42 +51,42 @@ class CampaignRun {
     int run();
 
   private:
-    [[nodiscard]] std::optional<Attempt> next();
-    [[nodiscard]] Order order(const Attempt& attempt) const;
+    [[nodiscard]] std::optional<record::Attempt> next();
+    [[nodiscard]] ManeuverRequest request(const record::Attempt& attempt) const;
     /// Everything is off meanwhile.
     void while_held();
-    [[nodiscard]] Ran one(const Attempt& attempt);
-    [[nodiscard]] regulation::Regulator regulator() const;
+    [[nodiscard]] Ran one(const record::Attempt& attempt);
+    [[nodiscard]] wear::Regulator regulator() const;
     [[nodiscard]] int interrupted() const { return 128 + stops_.number(); }
 
-    const Setup& setup_;
+    const BridgeSetup& setup_;
     const CampaignCommand& command_;
     std::string name_;
-    antiskid::rt::StopSignals& stops_;
+    antiskid::host::StopSignals& stops_;
     Terminal& terminal_;
-    Ledger& ledger_;
+    record::Ledger& ledger_;
     const std::optional<WearRegulation>& regulation_;
     std::optional<double> slip_reference_;  // of the maneuver that runs, where the law is slip
     std::string shared_;                    // how wear is shared, for people
-    HealthWatch* watch_;                    // none: nobody judges the brake
+    record::HealthWatch* watch_;            // none: nobody judges the brake
     CampaignJudge judge_;
     Pace pace_;
     Session session_;
 };
 
 /// From the ledger alone, so that a bridge that was killed goes on with the same reference.
-regulation::Regulator CampaignRun::regulator() const {
-    return regulation_->after(read_ledger(ledger_file(command_.rig.out), name_));
+wear::Regulator CampaignRun::regulator() const {
+    return regulation_->after(record::read_ledger(ledger_file(command_.rig.out), name_));
 }
 
-std::optional<Attempt> CampaignRun::next() {
-    std::optional<Attempt> attempt;
+std::optional<record::Attempt> CampaignRun::next() {
+    std::optional<record::Attempt> attempt;
     session_.meanwhile([&] {
         const auto number = ledger_.next_number();
         if (!number) return;
-        if (setup_.scenario.mean.law == sequencer::BrakeLaw::slip) slip_reference_ = setup_.scenario.mean.slip_reference;
+        if (setup_.scenario.mean.law == rig::BrakeLaw::slip) slip_reference_ = setup_.scenario.mean.slip_reference;
         if (regulation_) {
-            const regulation::Regulator shares = regulator();
+            const wear::Regulator shares = regulator();
             slip_reference_ = shares.reference();
             shared_ = line(shares);
         }
@@ -95,9 +95,9 @@ std::optional<Attempt> CampaignRun::next() {
     return attempt;
 }
 
-Order CampaignRun::order(const Attempt& attempt) const {
+ManeuverRequest CampaignRun::request(const record::Attempt& attempt) const {
     const std::int64_t finished = ledger_.finished_count();
-    sequencer::Plan maneuver = plan(setup_.scenario, setup_.options.seed, attempt.number);
+    rig::Plan maneuver = plan(setup_.scenario, setup_.options.seed, attempt.number);
     maneuver.slip_reference = slip_reference_.value_or(maneuver.slip_reference);
     return {.plan = std::move(maneuver),
             .campaign = name_,
@@ -129,22 +129,22 @@ void CampaignRun::while_held() {
     } while (hold && stops_.count() == 0);
 }
 
-Ran CampaignRun::one(const Attempt& attempt) {
+Ran CampaignRun::one(const record::Attempt& attempt) {
     const auto began = std::chrono::steady_clock::now();
-    Order what;
-    session_.meanwhile([&] { what = order(attempt); });
+    ManeuverRequest what;
+    session_.meanwhile([&] { what = request(attempt); });
     Ran ran = session_.run(what);
     session_.meanwhile([&] {
         if (!ran.record_error.empty()) {
             ledger_.mark_unfinished(ran.summary);
             return;
         }
-        write_summary(attempt.folder / "summary.json", ran.summary);
+        record::write_summary(attempt.folder / "summary.json", ran.summary);
         ledger_.finish(ran.summary);
-        if (watch_ != nullptr && ran.summary.outcome == name(sequencer::Phase::finished) && !off_conditions(ran.summary))
+        if (watch_ != nullptr && ran.summary.outcome == name(rig::Phase::finished) && !record::off_conditions(ran.summary))
             ledger_.judge(ran.summary.number, watch_->after(ran.summary));
         if (regulation_) {
-            const regulation::Regulator shares = regulator();
+            const wear::Regulator shares = regulator();
             shared_ = line(shares);
             write_regulation(regulation_file(command_.rig.out, name_), shares);
         }
@@ -166,28 +166,28 @@ int CampaignRun::run() {
             session_.tell_of_abort(ran, attempt->folder, lost);
             return stops_.count() > 0 ? interrupted() : 1;
         }
-        const Health health = watch_ == nullptr ? Health{} : watch_->newest();
+        const record::Health health = watch_ == nullptr ? record::Health{} : watch_->newest();
         const Decision decision = judge_.after(ran.summary, health);
         const std::string reason = decision.reason + (ran.note.empty() ? "" : "; " + ran.note);
         if (!decision.reason.empty()) terminal_.say("rig-bridge: " + reason);
-        if (ran.summary.outcome != name(sequencer::Phase::finished)) session_.tell_of_abort(ran, attempt->folder, reason);
+        if (ran.summary.outcome != name(rig::Phase::finished)) session_.tell_of_abort(ran, attempt->folder, reason);
         for (const std::string& warning : ran.summary.warnings) terminal_.say(fmt::format("rig-bridge: maneuver {}: {}", attempt->number, warning));
-        if (ran.summary.outcome == name(sequencer::Phase::finished))
+        if (ran.summary.outcome == name(rig::Phase::finished))
             terminal_.say(fmt::format("maneuver {} finished: mean torque {:.1f} N m, mean friction {:.4f}, {:.3f} MJ in all{}", ran.summary.number,
                                       ran.summary.figures.mean_torque_Nm, ran.summary.figures.mean_friction, ran.summary.cumulative_energy_J * 1e-6,
                                       watch_ == nullptr ? "" : "; brake " + health_text(health)));
         if (!ran.outside.empty()) terminal_.say(fmt::format("rig-bridge: maneuver {} is out of tolerance: {}", attempt->number, ran.outside));
         if (regulation_) terminal_.say(shared_);
         const bool interrupts = stops_.count() > 0;
-        if (ran.summary.outcome != name(sequencer::Phase::finished) && (interrupts || decision.verdict == Verdict::fault))
+        if (ran.summary.outcome != name(rig::Phase::finished) && (interrupts || decision.verdict == CampaignState::fault))
             session_.watch_rim(setup_.scenario.mean.standstill_mps);
         if (interrupts) return interrupted();
-        if (decision.verdict == Verdict::fault || decision.verdict == Verdict::abnormal) return 1;
-        if (decision.verdict == Verdict::worn) return 0;
+        if (decision.verdict == CampaignState::fault || decision.verdict == CampaignState::abnormal) return 1;
+        if (decision.verdict == CampaignState::worn) return 0;
     }
 }
 
-void tell(const Resumed& resumed, std::int64_t finished, Terminal& terminal) {
+void tell(const record::Resumed& resumed, std::int64_t finished, Terminal& terminal) {
     for (const std::string& change : resumed.changed) terminal.say("rig-bridge: goes on although " + change);
     for (const std::int64_t number : resumed.adopted) terminal.say(fmt::format("rig-bridge: maneuver {} had finished and is entered now", number));
     for (const std::int64_t number : resumed.unfinished)
@@ -196,17 +196,17 @@ void tell(const Resumed& resumed, std::int64_t finished, Terminal& terminal) {
 }
 
 /// Of a maneuver that a dead bridge left, from its bus.log.
-std::optional<Summary> summary_of_log(const Attempt& left, const Setup& setup) {
-    const std::filesystem::path log = log_in(left.folder);
+std::optional<record::Summary> summary_of_log(const record::Attempt& left, const BridgeSetup& setup) {
+    const std::filesystem::path log = replay::log_in(left.folder);
     if (log.empty()) return std::nullopt;
     record_found_bus(setup, left.folder);
-    LogWarnings warnings(log.string(), {});
-    const MeteredLog metered = meter_log(log, setup.layout, setup.meter, LogEnd::left, warnings);
+    replay::LogWarnings warnings(log.string(), {});
+    const replay::MeteredLog metered = replay::meter_log(log, setup.layout, setup.meter, replay::LogEnd::left, warnings);
     if (!metered.counts) return std::nullopt;
-    Summary summary;
+    record::Summary summary;
     summary.number = left.number;
     summary.scenario = setup.scenario.name;
-    summary.outcome = name(RowState::unfinished);
+    summary.outcome = name(record::RowState::unfinished);
     summary.figures = metered.figures;
     summary.warnings = metered.warnings;
     summary.faults = antiskid::can::fault_names(metered.faults);
@@ -219,18 +219,19 @@ std::optional<Summary> summary_of_log(const Attempt& left, const Setup& setup) {
 
 /// The last maneuver before the bridge died may have reached the wear limit or shown an abnormal brake.
 Decision before(const CampaignRules& rules, const std::filesystem::path& file, const std::string& name) {
-    const std::vector<LedgerRow> rows = read_ledger(file, name);
-    const auto last = std::find_if(rows.rbegin(), rows.rend(),
-                                   [](const LedgerRow& row) { return row.state == RowState::finished && !off_conditions(row.summary); });
+    const std::vector<record::LedgerRow> rows = record::read_ledger(file, name);
+    const auto last = std::find_if(rows.rbegin(), rows.rend(), [](const record::LedgerRow& row) {
+        return row.state == record::RowState::finished && !record::off_conditions(row.summary);
+    });
     return last == rows.rend() ? Decision{} : CampaignJudge(rules).before(last->summary, last->health);
 }
 
 /// Health and regulation know one brake and disc.
-void refuse_mixed_wear(const CampaignCommand& command, const std::vector<LedgerRow>& rows, const Specimen& now) {
+void reject_mixed_wear(const CampaignCommand& command, const std::vector<record::LedgerRow>& rows, const record::Specimen& now) {
     if (command.wear_model.empty() && !command.regulate) return;
     const auto another = [](const std::string& was, const std::string& is) { return !was.empty() && was != is; };
-    for (const LedgerRow& row : rows)
-        if (const Specimen& was = row.summary.specimen; another(was.brake, now.brake) || another(was.disc, now.disc))
+    for (const record::LedgerRow& row : rows)
+        if (const record::Specimen& was = row.summary.specimen; another(was.brake, now.brake) || another(was.disc, now.disc))
             throw UsageError(
                 fmt::format("maneuver {} was of brake '{}' and disc '{}', now they are '{}' and '{}': their "
                             "wear is not mixed; give "
@@ -241,40 +242,40 @@ void refuse_mixed_wear(const CampaignCommand& command, const std::vector<LedgerR
 }  // namespace
 
 int run_campaign(const CampaignCommand& command) {
-    std::optional<regulation::RegulationConfig> asked;
+    std::optional<wear::RegulationConfig> asked;
     if (command.regulate) {
-        asked = regulation::load_regulation_config(command.regulation.empty() ? command.rig.config / "regulation.toml" : command.regulation);
-        if (!command.surfaces.empty()) asked->surfaces = regulation::surfaces_of(asked->floor, command.surfaces);
+        asked = wear::load_regulation_config(command.regulation.empty() ? command.rig.config / "regulation.toml" : command.regulation);
+        if (!command.surfaces.empty()) asked->surfaces = wear::surfaces_of(asked->floor, command.surfaces);
     }
-    const Setup setup = load_setup(command.rig, asked ? asked->files : std::vector<std::filesystem::path>{});
+    const BridgeSetup setup = load_setup(command.rig, asked ? asked->files : std::vector<std::filesystem::path>{});
     std::optional<WearRegulation> shared;
     if (asked) shared.emplace(*asked, setup.scenario);
     const std::string name = command.name.empty() ? setup.scenario.name : command.name;
     const std::filesystem::path file = ledger_file(command.rig.out);
     const RigHold hold(hold_places(setup), holder_text("campaign", command.rig.out));
-    antiskid::rt::StopSignals stops;
+    antiskid::host::StopSignals stops;
     Terminal terminal(STDERR_FILENO, wanted(setup.options.view));
-    Ledger ledger(file);
-    const Resumed resumed = ledger.open_campaign({.name = name,
-                                                  .scenario = setup.scenario.name,
-                                                  .seed = setup.options.seed,
-                                                  .planned = command.rules.maneuvers,
-                                                  .config_hash = setup.config_hash,
-                                                  .version = ANTISKID_VERSION,
-                                                  .created = now_text(),
-                                                  .specimen = command.rig.specimen},
-                                                 command.changed ? IfChanged::go_on : IfChanged::refuse,
-                                                 [&](const Attempt& left) { return summary_of_log(left, setup); });
+    record::Ledger ledger(file);
+    const record::Resumed resumed = ledger.open_campaign({.name = name,
+                                                          .scenario = setup.scenario.name,
+                                                          .seed = setup.options.seed,
+                                                          .planned = command.rules.maneuvers,
+                                                          .config_hash = setup.config_hash,
+                                                          .version = ANTISKID_VERSION,
+                                                          .created = now_text(),
+                                                          .specimen = command.rig.specimen},
+                                                         command.changed ? record::IfChanged::go_on : record::IfChanged::reject,
+                                                         [&](const record::Attempt& left) { return summary_of_log(left, setup); });
     tell(resumed, ledger.finished_count(), terminal);
-    refuse_mixed_wear(command, read_ledger(file, name), ledger.specimen());
-    std::optional<HealthWatch> watch;
+    reject_mixed_wear(command, record::read_ledger(file, name), ledger.specimen());
+    std::optional<record::HealthWatch> watch;
     if (!command.wear_model.empty()) {
         watch.emplace(command.wear_model);
-        catch_up(*watch, ledger, read_ledger(file, name));
+        record::catch_up(*watch, ledger, record::read_ledger(file, name));
     }
-    if (const Decision decision = before(command.rules, file, name); decision.verdict != Verdict::go_on) {
+    if (const Decision decision = before(command.rules, file, name); decision.verdict != CampaignState::go_on) {
         terminal.say("rig-bridge: " + decision.reason);
-        return decision.verdict == Verdict::worn ? 0 : 1;
+        return decision.verdict == CampaignState::worn ? 0 : 1;
     }
     if (!ledger.next_number()) {
         fmt::print("{}", status_text(file));
@@ -294,4 +295,4 @@ int run_campaign(const CampaignCommand& command) {
     return status;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

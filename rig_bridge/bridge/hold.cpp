@@ -5,7 +5,7 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 std::optional<Hold> read_hold(const std::filesystem::path& campaign) {
     const std::filesystem::path file = hold_file(campaign);
@@ -34,4 +34,4 @@ std::string to_text(const Hold& hold) {
     return "held by " + hold.who + (hold.since.empty() ? "" : " since " + hold.since) + (hold.why.empty() ? "" : ": " + hold.why);
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

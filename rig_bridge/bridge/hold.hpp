@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-namespace rig {
+namespace rig::bridge {
 
 struct Hold {
     std::string who;
@@ -28,4 +28,4 @@ bool remove_hold(const std::filesystem::path& campaign);
 /// "held by A. Rossi since 2026-11-25T10:00:00Z: tyre change".
 [[nodiscard]] std::string to_text(const Hold& hold);
 
-}  // namespace rig
+}  // namespace rig::bridge

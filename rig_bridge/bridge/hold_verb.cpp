@@ -8,7 +8,7 @@
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/specimen.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 int change_hold(const HoldCommand& command) {
     const std::filesystem::path& place = command.directory;
@@ -17,8 +17,8 @@ int change_hold(const HoldCommand& command) {
         fmt::print("{}: {}\n", place.string(), remove_hold(place) ? "goes on" : "was not held");
         return 0;
     }
-    check_text("--who", command.who);
-    check_text("--why", command.why);
+    record::check_text("--who", command.who);
+    record::check_text("--why", command.why);
     const auto before = read_hold(place);
     if (!before) write_hold(place, {.who = command.who, .since = iso_8601(std::chrono::system_clock::now()), .why = command.why});
     fmt::print("{}: {}; {}\n", place.string(), to_text(*read_hold(place)),
@@ -26,4 +26,4 @@ int change_hold(const HoldCommand& command) {
     return 0;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

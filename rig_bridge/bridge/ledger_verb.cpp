@@ -7,12 +7,12 @@
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/record/ledger.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 namespace {
 
 std::string chosen(const std::filesystem::path& file, const std::string& wanted) {
-    const std::vector<Campaign> all = read_campaigns(file);
+    const std::vector<record::Campaign> all = record::read_campaigns(file);
     if (!wanted.empty()) return wanted;
     if (all.size() != 1) throw UsageError(fmt::format("{}: has {} campaigns; choose one with --campaign", file.string(), all.size()));
     return all.front().name;
@@ -23,7 +23,7 @@ std::string chosen(const std::filesystem::path& file, const std::string& wanted)
 int amend_ledger(const AmendCommand& command) {
     const std::filesystem::path file = ledger_file(command.directory);
     const std::string campaign = chosen(file, command.campaign);
-    Ledger ledger(file);
+    record::Ledger ledger(file);
     ledger.choose(campaign);
     const double before_J = ledger.cumulative_energy_J();
     ledger.amend(command.number, command.attempt,
@@ -37,14 +37,14 @@ int note_in_ledger(const NoteCommand& command) {
     const std::filesystem::path file = ledger_file(command.directory);
     const std::string campaign = chosen(file, command.campaign);
     const std::string now = iso_8601(std::chrono::system_clock::now());
-    Ledger ledger(file);
+    record::Ledger ledger(file);
     ledger.choose(campaign);
-    check_texts(command.said);
-    for (const SpecimenField& field : kSpecimenFields)
+    record::check_texts(command.said);
+    for (const record::SpecimenField& field : record::kSpecimenFields)
         if (const std::string& text = command.said.*field.value; !text.empty())
             ledger.note(command.number, command.attempt, {.field = field.key, .text = text, .who = command.who, .made = now});
     fmt::print("campaign {}: maneuver {}, attempt {}: {}, says {}\n", campaign, command.number, command.attempt, to_text(command.said), command.who);
     return 0;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

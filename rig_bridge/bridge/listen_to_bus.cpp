@@ -9,22 +9,22 @@
 #include "firmware/host/clock.hpp"
 #include "rig_bridge/bridge/senders.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 using antiskid::can::Role;
 
-BusHeard listen_to_bus(const Setup& setup, antiskid::can::Time length) {
+BusReception listen_to_bus(const BridgeSetup& setup, antiskid::can::Time length) {
     constexpr antiskid::can::Time kTurn{20'000'000};
-    BusHeard heard;
+    BusReception reception;
     antiskid::can::Observer observer(setup.layout);
     WhoSends senders(setup.layout);
     try {
         const auto ids = antiskid::can::ids(setup.layout, antiskid::can::kEveryRole);
         antiskid::can::SocketCan bus(setup.options.interface, ids.span());
-        antiskid::rt::MonotonicClock clock;
+        antiskid::host::MonotonicClock clock;
         const antiskid::can::Time end = clock.now() + length;
         std::array<antiskid::can::Frame, antiskid::can::SocketCan::kBatch> frames;
-        for (heard.until = clock.now(); heard.until < end; heard.until = clock.now()) {
+        for (reception.until = clock.now(); reception.until < end; reception.until = clock.now()) {
             (void)bus.wait(kTurn);
             for (std::size_t count = bus.receive(frames); count > 0; count = bus.receive(frames))
                 for (const antiskid::can::Frame& frame : std::span(frames).first(count)) {
@@ -33,12 +33,12 @@ BusHeard listen_to_bus(const Setup& setup, antiskid::can::Time length) {
                 }
         }
     } catch (const std::runtime_error& error) {
-        heard.refusal = error.what();
+        reception.rejection = error.what();
     }
-    heard.view = observer.view();
-    heard.two_controllers = senders.two_controllers();
-    for (const Role role : antiskid::can::kEveryRole) heard.stats[static_cast<std::size_t>(role)] = observer.stats(role);
-    return heard;
+    reception.view = observer.view();
+    reception.two_controllers = senders.two_controllers();
+    for (const Role role : antiskid::can::kEveryRole) reception.stats[static_cast<std::size_t>(role)] = observer.stats(role);
+    return reception;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

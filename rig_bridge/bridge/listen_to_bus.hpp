@@ -3,9 +3,9 @@
 
 #include "rig_bridge/bridge/preflight.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 /// For `length`; sends nothing.
-[[nodiscard]] BusHeard listen_to_bus(const Setup& setup, antiskid::can::Time length);
+[[nodiscard]] BusReception listen_to_bus(const BridgeSetup& setup, antiskid::can::Time length);
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -8,7 +8,7 @@
 
 #include "firmware/control/types.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 class LiveSpeed {
   public:
@@ -24,7 +24,7 @@ class LiveSpeed {
         }
         const std::uint32_t edges = input.edge_count - from_count_;
         const double length_s = seconds(input.edge_time - from_time_);
-        if (!started_ || edges > kMostEdges || length_s < 0.0) {
+        if (!started_ || edges > kMaxEdges || length_s < 0.0) {
             started_ = true;
             radps_ = 0.0;
             begin(input);
@@ -49,8 +49,8 @@ class LiveSpeed {
 
   private:
     static constexpr double kWindow_s = 0.005;
-    static constexpr double kLate_s = 0.03;               // a frame may be so late without meaning anything
-    static constexpr std::uint32_t kMostEdges = 1 << 20;  // more is another sensor, or one that started again
+    static constexpr double kLate_s = 0.03;              // a frame may be so late without meaning anything
+    static constexpr std::uint32_t kMaxEdges = 1 << 20;  // more is another sensor, or one that started again
 
     static double seconds(antiskid::control::Time t) { return static_cast<double>(t.count()) * 1e-9; }
     void begin(const antiskid::control::SpeedInput& input) {
@@ -67,4 +67,4 @@ class LiveSpeed {
     double radps_ = 0.0;
 };
 
-}  // namespace rig
+}  // namespace rig::bridge

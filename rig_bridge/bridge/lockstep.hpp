@@ -10,9 +10,9 @@
 
 #include "firmware/can/layout.hpp"
 #include "firmware/can/roles.hpp"
-#include "rig_bridge/registers/lockstep_turn.hpp"
+#include "rig_bridge/rig/lockstep_turn.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 class Lockstep {
   public:
@@ -90,4 +90,4 @@ class Lockstep {
     bool alone_ = false;  // no SYNC comes
 };
 
-}  // namespace rig
+}  // namespace rig::bridge

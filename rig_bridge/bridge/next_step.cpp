@@ -7,18 +7,18 @@
 
 #include "firmware/can/value_names.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 using antiskid::control::Fault;
 using antiskid::control::FaultSet;
 using antiskid::control::kFaultCount;
-using sequencer::Abort;
-using sequencer::Phase;
+using rig::Abort;
+using rig::Phase;
 
 namespace {
 
-/// In the order of sequencer::Abort.
-constexpr std::array<NextStep, sequencer::kAbortCount> kAborts{{
+/// In the order of rig::Abort.
+constexpr std::array<NextStep, rig::kAbortCount> kAborts{{
     {"nothing", "nothing"},
     {"you asked for it", "start again when you are ready"},
     {"the emergency stop was pressed, or its circuit opened", "find out who pressed it and why; release it, then start again"},
@@ -84,8 +84,8 @@ constexpr std::array<NextStep, kFaultCount> kFaults{{
     {"pressure at rest before it was armed", "valve leaks or sticks; wait until the pressure has gone"},
 }};
 
-/// In the order of sequencer::Phase.
-constexpr std::array<std::string_view, sequencer::kPhaseCount> kAwaited{
+/// In the order of rig::Phase.
+constexpr std::array<std::string_view, rig::kPhaseCount> kAwaited{
     "PLC ready, interlocks good, controller in standby, sledge back, no pressure, rim not above the "
     "set-point",
     "the set-point held within speed_tolerance_mps, and the controller armed",
@@ -128,4 +128,4 @@ std::string advice(Abort abort, Phase phase, FaultSet faults) {
     return text;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

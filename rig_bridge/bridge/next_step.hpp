@@ -6,23 +6,23 @@
 #include <string_view>
 
 #include "firmware/control/types.hpp"
-#include "rig_bridge/sequencer/sequencer.hpp"
+#include "rig_bridge/rig/sequencer.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 struct NextStep {
     std::string_view happened;
     std::string_view next;
 };
 
-[[nodiscard]] NextStep next_step(sequencer::Abort abort);
+[[nodiscard]] NextStep next_step(rig::Abort abort);
 [[nodiscard]] NextStep next_step(antiskid::control::Fault fault);
 
 /// What a phase waits for to be over; what a phase_timeout lacked.
-[[nodiscard]] std::string_view awaited(sequencer::Phase phase);
+[[nodiscard]] std::string_view awaited(rig::Phase phase);
 
 /// For the terminal, at the abort that ended `phase`: cause, what it means, what to do; with controller_fault each of `faults` on a line of
 /// its own.
-[[nodiscard]] std::string advice(sequencer::Abort abort, sequencer::Phase phase, antiskid::control::FaultSet faults);
+[[nodiscard]] std::string advice(rig::Abort abort, rig::Phase phase, antiskid::control::FaultSet faults);
 
-}  // namespace rig
+}  // namespace rig::bridge

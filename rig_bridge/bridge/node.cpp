@@ -5,12 +5,12 @@
 
 #include "firmware/can/roles.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 using antiskid::can::Frame;
 using antiskid::can::Role;
 using antiskid::can::Time;
-using sequencer::Phase;
+using rig::Phase;
 
 namespace {
 
@@ -30,11 +30,11 @@ Node::Node(const antiskid::can::Layout& layout, double period_s, const Freshness
       load_cell_steps_(static_cast<std::uint64_t>(std::max<std::int64_t>(layout[Role::load_cells].period / kStep, 1))) {}
 
 bool Node::nothing_on() const {
-    const sequencer::Outputs& out = moment_.outputs;
+    const rig::Outputs& out = moment_.outputs;
     return !out.drive_enable && !out.sledge_advance && !out.load_enable && !out.arm;
 }
 
-const Moment& Node::step(sequencer::Sequencer* sequencer, const Wishes& wishes, Time now) {
+const Moment& Node::step(rig::Sequencer* sequencer, const Wishes& wishes, Time now) {
     moment_.now = now;
     moment_.plc = plc_.snapshot();
     moment_.bus = feed_.now();
@@ -44,7 +44,7 @@ const Moment& Node::step(sequencer::Sequencer* sequencer, const Wishes& wishes, 
     moment_.inputs.foreign_command = moment_.plc.foreign_commands != foreign_commands_;
     foreign_commands_ = moment_.plc.foreign_commands;
     moment_.rig_s = time_.at(std::chrono::duration<double>(now).count(), moment_.bus.syncs);
-    moment_.outputs = sequencer == nullptr ? sequencer::Outputs{} : sequencer->step(moment_.inputs, moment_.rig_s);
+    moment_.outputs = sequencer == nullptr ? rig::Outputs{} : sequencer->step(moment_.inputs, moment_.rig_s);
 
     const bool tripped = moment_.inputs.plc_fresh && !moment_.inputs.plc_ready;
     const bool idle = nothing_on() && (moment_.outputs.phase == Phase::idle || (sequencer != nullptr && sequencer->over()));
@@ -65,7 +65,7 @@ bool Node::command_waits(std::span<const Frame> due) const {
 
 void Node::send(std::int64_t number) {
     // Takes note of what became of the link; the frames themselves are the recorder's.
-    std::array<Frame, antiskid::can::RigPort::kMostFrames> frames{};
+    std::array<Frame, antiskid::can::RigPort::kMaxFrames> frames{};
     (void)bus_.receive(frames);
     const antiskid::can::RigSample sample = telegram(moment_.outputs, moment_.plc.values, number);
     const auto due = std::span(frames).first(port_.due_frames(sample, frames));
@@ -76,4 +76,4 @@ void Node::send(std::int64_t number) {
         (void)bus_.send(port_.load_cells(load_cells(moment_.plc.values)));
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

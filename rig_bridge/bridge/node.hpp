@@ -8,21 +8,21 @@
 #include "firmware/can/bus.hpp"
 #include "firmware/can/rig_port.hpp"
 #include "rig_bridge/bridge/parts.hpp"
-#include "rig_bridge/bridge/reset_desk.hpp"
+#include "rig_bridge/bridge/reset_request.hpp"
 #include "rig_bridge/bridge/rig_time.hpp"
 #include "rig_bridge/bridge/translate.hpp"
-#include "rig_bridge/sequencer/sequencer.hpp"
+#include "rig_bridge/rig/sequencer.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 /// Everything that was known and decided in one step.
 struct Moment {
     antiskid::can::Time now{};  ///< steady clock
     double rig_s = 0.0;         ///< see RigTime
-    Snapshot plc;
+    modbus::Snapshot plc;
     BusNow bus;
-    sequencer::Inputs inputs;
-    sequencer::Outputs outputs;
+    rig::Inputs inputs;
+    rig::Outputs outputs;
     bool resetting = false;
 };
 
@@ -39,7 +39,7 @@ class Node {
         bool reset = false;  ///< lead a tripped PLC back while nothing is on
     };
     /// One step at `now`. No sequencer: everything is off and the phase is `idle`.
-    const Moment& step(sequencer::Sequencer* sequencer, const Wishes& wishes, antiskid::can::Time now);
+    const Moment& step(rig::Sequencer* sequencer, const Wishes& wishes, antiskid::can::Time now);
 
     [[nodiscard]] const Moment& moment() const { return moment_; }
     [[nodiscard]] const Freshness& limits() const { return limits_; }
@@ -56,12 +56,12 @@ class Node {
     antiskid::can::Bus& bus_;
     antiskid::can::RigPort port_;
     RigTime time_;
-    ResetDesk reset_;
+    ResetRequest reset_;
     Moment moment_;
-    sequencer::Phase said_ = sequencer::Phase::idle;  // by the newest command
+    rig::Phase said_ = rig::Phase::idle;  // by the newest command
     std::uint64_t steps_ = 0;
     std::uint64_t load_cell_steps_ = 1;
     std::uint64_t foreign_commands_ = 0;  // at the last step
 };
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -7,7 +7,7 @@
 
 #include "rig_bridge/record/specimen_options.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 namespace {
 
@@ -68,7 +68,7 @@ void add_run_options(CLI::App& app, RigOptions& o) {
                                            "program to run after an abort, once the rig is safe and the record closed: no arguments, at most "
                                            "10 s; it has RIG_CAUSE, RIG_OUTCOME, RIG_NEXT_STEP, RIG_CAMPAIGN, RIG_MANEUVER, RIG_FOLDER"));
     app.add_flag("--quiet", o.quiet, "no bell at an abort");
-    add_specimen_options(app, o.specimen, "; kept with every maneuver from now on");
+    record::add_specimen_options(app, o.specimen, "; kept with every maneuver from now on");
 }
 
 void campaign_directory(CLI::App& app, std::filesystem::path& directory) {
@@ -84,7 +84,7 @@ void choose_plc(const PlcOptions& plc, RigOptions& o) {
     if (plc.tcp.empty() == plc.rtu.empty()) throw std::invalid_argument("say where the PLC is: --plc HOST:PORT or --plc-rtu DEVICE");
     if (!plc.rtu.empty() && plc.rtu.front() != '/')
         throw std::invalid_argument("--plc-rtu: expected the path of a device, e.g. /dev/ttyUSB0, got '" + plc.rtu + "'");
-    o.plc = plc.tcp.empty() ? plc.rtu : numeric_plc_address(plc.tcp);
+    o.plc = plc.tcp.empty() ? plc.rtu : modbus::numeric_plc_address(plc.tcp);
 }
 
 }  // namespace
@@ -190,13 +190,13 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     note->add_option("--attempt", noted.attempt, "which attempt at it")->check(CLI::PositiveNumber)->capture_default_str();
     note->add_option("--who", noted.who, "who says so")->required();
     note->add_option("--campaign", noted.campaign, "where the ledger has several");
-    add_specimen_options(*note, noted.said, "");
+    record::add_specimen_options(*note, noted.said, "");
     for (CLI::App* const verb : {one, many, before, state, look, hold, go, ledger, amend, note}) verb->footer(kFooter);
     if (const auto mistake = settings::parse(app, argc, argv)) return *mistake;
     if (state->parsed()) return BridgeCommand{status};
     if (amend->parsed()) return BridgeCommand{amendment};
     if (note->parsed()) {
-        if (noted.said == Specimen{}) throw std::invalid_argument("ledger note: nothing is said; see --help");
+        if (noted.said == record::Specimen{}) throw std::invalid_argument("ledger note: nothing is said; see --help");
         return BridgeCommand{noted};
     }
     if (look->parsed()) {
@@ -218,4 +218,4 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     return BridgeCommand{campaign};
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

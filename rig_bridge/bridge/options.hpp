@@ -8,10 +8,10 @@
 #include <variant>
 
 #include "firmware/host/settings/config_directory.hpp"
-#include "rig_bridge/bridge/campaign.hpp"
+#include "rig_bridge/bridge/campaign_rules.hpp"
 #include "rig_bridge/record/specimen.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 enum class View : std::uint8_t { automatic, live, plain };  ///< automatic: live on a terminal
 
@@ -35,7 +35,7 @@ struct RigOptions {
     bool lockstep = false;        ///< step by the bus's SYNC, with a virtual rig that waits
     int answer_timeout_ms = 100;  ///< lockstep: with whoever does not answer
     View view = View::automatic;
-    Specimen specimen;
+    record::Specimen specimen;
     std::filesystem::path on_abort;  ///< program to run after an abort; empty: none
     bool quiet = false;              ///< no bell
 };
@@ -75,7 +75,7 @@ struct NoteCommand {
     std::int64_t number = 0;
     std::int64_t attempt = 1;
     std::string who;
-    Specimen said;
+    record::Specimen said;
 };
 /// Holds a campaign between two maneuvers, or lets it go on.
 struct HoldCommand {
@@ -111,4 +111,4 @@ using BridgeCommand =
     return directory / "campaign.sqlite";
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -7,14 +7,14 @@
 #include "firmware/can/observer.hpp"
 #include "rig_bridge/modbus/client.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 /// The PLC's client; neither call waits.
 class Plc {
   public:
     virtual ~Plc() = default;
     virtual void command(const CommandedValues& wanted) = 0;
-    [[nodiscard]] virtual Snapshot snapshot() const = 0;
+    [[nodiscard]] virtual modbus::Snapshot snapshot() const = 0;
 };
 
 /// The bus as the recorder has it now.
@@ -24,8 +24,8 @@ struct BusNow {
     antiskid::can::BusView view;  ///< times of reception by the steady clock
     /// When everything that had arrived was in `view`: ages count to here, so that a reader that was held up takes nobody for silent.
     antiskid::can::Time looked = antiskid::control::kNever;
-    /// Why status frames of the controller that came lately were refused, as RefusedFrames names it; empty: none was.
-    std::string controller_refused;
+    /// Why status frames of the controller that came lately were refused, as RejectedFrames names it; empty: none was.
+    std::string controller_rejected;
     /// What shows that there are two, as WhoSends says it; empty: nothing does. The bridge's own commands are among those that are heard.
     std::string two_controllers;
     std::string two_bridges;
@@ -48,4 +48,4 @@ class BusFeed {
     [[nodiscard]] virtual BusNow now() const = 0;
 };
 
-}  // namespace rig
+}  // namespace rig::bridge

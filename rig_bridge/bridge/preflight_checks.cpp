@@ -8,22 +8,22 @@
 #include "firmware/can/value_names.hpp"
 #include "rig_bridge/bridge/preflight.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 namespace {
 
 using antiskid::can::Role;
 using antiskid::control::State;
-using antiskid::preflight::judged;
-using antiskid::preflight::skipped;
+using antiskid::controller::judged;
+using antiskid::controller::skipped;
 
 double seconds(antiskid::can::Time time) {
     return std::chrono::duration<double>(time).count();
 }
 
-Check link_check(const Snapshot& plc, const Setup& setup) {
+Check link_check(const modbus::Snapshot& plc, const BridgeSetup& setup) {
     // A map that is refused was read over a link that works.
-    const bool good = plc.link == LinkState::connected || plc.link == LinkState::map_refused;
+    const bool good = plc.link == modbus::LinkState::connected || plc.link == modbus::LinkState::map_rejected;
     Check check = judged("PLC link", good,
                          {.measured = good                ? fmt::format("{} readings", plc.counters.polls)
                                       : plc.error.empty() ? std::string("no answer")
@@ -35,7 +35,7 @@ Check link_check(const Snapshot& plc, const Setup& setup) {
     return check;
 }
 
-Check heartbeat_check(const Snapshot& plc, const Freshness& limits) {
+Check heartbeat_check(const modbus::Snapshot& plc, const Freshness& limits) {
     const double age_s = plc.plc_watchdog_age_s;
     return judged("PLC heartbeat", age_s <= limits.watchdog_s,
                   {.measured = std::isfinite(age_s) ? fmt::format("moved {:.0f} ms ago", 1e3 * age_s) : std::string("stands still"),
@@ -43,7 +43,7 @@ Check heartbeat_check(const Snapshot& plc, const Freshness& limits) {
                    .remedy = "the PLC's program does not run, or counts another register"});
 }
 
-Check registers_check(const Snapshot& plc, const Freshness& limits) {
+Check registers_check(const modbus::Snapshot& plc, const Freshness& limits) {
     std::vector<std::string> wrong;
     for (std::size_t i = 0; i < kMeasuredCount; ++i) {
         const auto q = static_cast<Measured>(i);
@@ -57,14 +57,14 @@ Check registers_check(const Snapshot& plc, const Freshness& limits) {
                    .remedy = "sensor, or address, type, scale, range and word order of the register map"});
 }
 
-Check interlock_check(const Snapshot& plc, Interlock interlock) {
+Check interlock_check(const modbus::Snapshot& plc, Interlock interlock) {
     const auto bits = static_cast<unsigned>(plc.value(Measured::interlocks));
     const bool good = ((bits >> static_cast<unsigned>(interlock)) & 1U) != 0;
     return judged(fmt::format("interlock {}", name(interlock)), good,
                   {.measured = good ? "good" : "open", .required = "good", .remedy = "find out who or what opened it (docs/rig_manual.md)"});
 }
 
-Check state_check(const Snapshot& plc, bool bridge_resets) {
+Check state_check(const modbus::Snapshot& plc, bool bridge_resets) {
     const bool ready = plc.value(Measured::plc_state) == static_cast<double>(PlcState::ready);
     // Without a bridge its watchdog has tripped: that is as it should be.
     return judged("PLC state", ready || bridge_resets,
@@ -75,7 +75,7 @@ Check state_check(const Snapshot& plc, bool bridge_resets) {
                    .remedy = "reset it by hand, or leave --no-reset out"});
 }
 
-Check rest_check(const Snapshot& plc) {
+Check rest_check(const modbus::Snapshot& plc) {
     constexpr double kStands_mps = 0.1;
     const double speed = plc.value(Measured::flywheel_speed_mps);
     const bool touches = plc.value(Measured::wheel_on_rim) != 0.0;
@@ -85,7 +85,7 @@ Check rest_check(const Snapshot& plc) {
                    .remedy = "wait until the flywheel stands; retract the sledge by the PLC"});
 }
 
-std::string refused_text(const antiskid::can::MessageStats& stats) {
+std::string rejected_text(const antiskid::can::MessageStats& stats) {
     std::string text = fmt::format("{} refused", stats.rejected());
     auto add = [&text, before = ": "](std::uint32_t count, std::string_view reason) mutable {
         if (count != 0) text += std::exchange(before, ", ") + std::string(reason);
@@ -97,13 +97,14 @@ std::string refused_text(const antiskid::can::MessageStats& stats) {
     return text;
 }
 
-Check frames_check(const BusHeard& heard, const Setup& setup, Role role, antiskid::can::Time received, double limit_s, std::string remedy) {
-    const antiskid::can::MessageStats& stats = heard.of(role);
-    const bool fresh = received != antiskid::control::kNever && seconds(heard.until - received) <= limit_s;
+Check frames_check(const BusReception& reception, const BridgeSetup& setup, Role role, antiskid::can::Time received, double limit_s,
+                   std::string remedy) {
+    const antiskid::can::MessageStats& stats = reception.of(role);
+    const bool fresh = received != antiskid::control::kNever && seconds(reception.until - received) <= limit_s;
     const std::string age =
-        stats.accepted == 0 ? std::string("no good one") : fmt::format("newest {:.0f} ms old", 1e3 * seconds(heard.until - received));
+        stats.accepted == 0 ? std::string("no good one") : fmt::format("newest {:.0f} ms old", 1e3 * seconds(reception.until - received));
     return judged(fmt::format("{} frames", antiskid::can::name(role)), fresh && stats.rejected() == 0,
-                  {.measured = fmt::format("{} good, {}; {}", stats.accepted, refused_text(stats), age),
+                  {.measured = fmt::format("{} good, {}; {}", stats.accepted, rejected_text(stats), age),
                    .required = fmt::format("0x{:03X} within {:.0f} ms, none refused", setup.layout[role].id, 1e3 * limit_s),
                    .remedy = std::move(remedy)});
 }
@@ -124,14 +125,14 @@ Check controller_check(const antiskid::can::ControllerView& controller, const st
 
 }  // namespace
 
-Checks plc_checks(const Snapshot& plc, const Setup& setup) {
+Checks plc_checks(const modbus::Snapshot& plc, const BridgeSetup& setup) {
     Checks checks{link_check(plc, setup)};
     const std::string version = fmt::format("version {}", setup.map.version);
-    if (plc.link != LinkState::connected && plc.link != LinkState::map_refused) {
+    if (plc.link != modbus::LinkState::connected && plc.link != modbus::LinkState::map_rejected) {
         checks.push_back(skipped("PLC register map", "no link", version));
         return checks;
     }
-    const bool same = plc.link == LinkState::connected;
+    const bool same = plc.link == modbus::LinkState::connected;
     checks.push_back(
         judged("PLC register map", same,
                {.measured = same ? version : plc.error, .required = version, .remedy = "give the map of the PLC's program: --registers FILE"}));
@@ -152,61 +153,61 @@ Check free_check(const std::string& holder) {
                    .remedy = "wait until that bridge has ended, or ask it to end"});
 }
 
-Check only_bridge_check(const BusHeard& heard) {
-    const std::uint32_t others = heard.of(Role::maneuver).accepted + heard.of(Role::maneuver).rejected();
+Check only_bridge_check(const BusReception& reception) {
+    const std::uint32_t others = reception.of(Role::maneuver).accepted + reception.of(Role::maneuver).rejected();
     return judged("only bridge", others == 0,
                   {.measured = others == 0 ? std::string("no other") : fmt::format("another one sent {} commands", others),
                    .required = "no other",
                    .remedy = "end the other bridge first: it has the rig"});
 }
 
-Check only_controller_check(const BusHeard& heard) {
-    const bool one = heard.two_controllers.empty();
+Check only_controller_check(const BusReception& reception) {
+    const bool one = reception.two_controllers.empty();
     return judged("only controller", one,
-                  {.measured = one ? std::string("no other") : heard.two_controllers,
+                  {.measured = one ? std::string("no other") : reception.two_controllers,
                    .required = "one",
                    .remedy = "end one of them: pgrep -a antiskid-contro on this computer, or the other node"});
 }
 
-Checks bus_checks(const BusHeard& heard, const Setup& setup) {
+Checks bus_checks(const BusReception& reception, const BridgeSetup& setup) {
     const std::string& interface = setup.options.interface;
-    Checks checks{judged("CAN socket", heard.refusal.empty(),
-                         {.measured = heard.refusal.empty() ? "open" : heard.refusal, .required = "open", .remedy = "as it says"})};
-    if (!heard.refusal.empty()) return checks;
+    Checks checks{judged("CAN socket", reception.rejection.empty(),
+                         {.measured = reception.rejection.empty() ? "open" : reception.rejection, .required = "open", .remedy = "as it says"})};
+    if (!reception.rejection.empty()) return checks;
     const std::string cable = fmt::format("candump {}; then cable, node, DBC and binding", interface);
     const double sensors_s = setup.limits.sensors_s;
-    const auto& view = heard.view;
-    checks.push_back(frames_check(heard, setup, Role::wheel, view.wheel.received, sensors_s, cable));
-    checks.push_back(frames_check(heard, setup, Role::flywheel, view.flywheel.received, sensors_s, cable));
-    checks.push_back(frames_check(heard, setup, Role::pressure, view.pressure.received, sensors_s, cable));
+    const auto& view = reception.view;
+    checks.push_back(frames_check(reception, setup, Role::wheel, view.wheel.received, sensors_s, cable));
+    checks.push_back(frames_check(reception, setup, Role::flywheel, view.flywheel.received, sensors_s, cable));
+    checks.push_back(frames_check(reception, setup, Role::pressure, view.pressure.received, sensors_s, cable));
     const auto& controller = view.controller;
     const std::string start = fmt::format("systemctl start antiskid-controller@{0}, or antiskid-controller --can {0} --cpu 1", interface);
-    checks.push_back(frames_check(heard, setup, Role::status, controller.status_received, setup.limits.controller_s, start));
+    checks.push_back(frames_check(reception, setup, Role::status, controller.status_received, setup.limits.controller_s, start));
     checks.push_back(controller_check(controller, interface));
-    checks.push_back(only_controller_check(heard));
-    checks.push_back(only_bridge_check(heard));
+    checks.push_back(only_controller_check(reception));
+    checks.push_back(only_bridge_check(reception));
     return checks;
 }
 
-Checks ledger_checks(const LedgerFacts& facts, const std::filesystem::path& ledger, const Setup& setup) {
+Checks ledger_checks(const LedgerFacts& facts, const std::filesystem::path& ledger, const BridgeSetup& setup) {
     const std::string required = "whole, free, yours to write";
     if (ledger.empty()) return {skipped("ledger", "no --out", required)};
-    Checks checks{judged("ledger", facts.refusal.empty(),
-                         {.measured = !facts.refusal.empty() ? facts.refusal
-                                      : facts.there          ? fmt::format("whole, {} campaigns", facts.campaigns.size())
-                                                             : std::string("none yet"),
+    Checks checks{judged("ledger", facts.rejection.empty(),
+                         {.measured = !facts.rejection.empty() ? facts.rejection
+                                      : facts.there            ? fmt::format("whole, {} campaigns", facts.campaigns.size())
+                                                               : std::string("none yet"),
                           .required = required,
                           .remedy = fmt::format("sqlite3 {} .recover, or end the program that holds it", ledger.string())})};
-    for (const Campaign& campaign : facts.campaigns) {
+    for (const record::Campaign& campaign : facts.campaigns) {
         if (campaign.name != setup.scenario.name) continue;
         // --regulate adds files of its own to the hash, so that another one need not be wrong.
         checks.push_back(judged("campaign's configuration", campaign.config_hash == setup.config_hash,
                                 {.measured = setup.config_hash,
                                  .required = campaign.config_hash,
                                  .remedy = "the files as they were when it began, or campaign --go-on-changed"},
-                                antiskid::preflight::Verdict::warn));
+                                antiskid::controller::CheckResult::warn));
     }
     return checks;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -4,12 +4,12 @@
 #include "firmware/host/realtime.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 /// For the calling thread and all that it starts later.
 inline void enter_realtime(int priority, Terminal& terminal) {
     if (priority == 0) return;
-    for (const std::string& refused : antiskid::rt::enter_realtime({.priority = priority, .cpu = {}})) terminal.say("rig-bridge: " + refused);
+    for (const std::string& rejected : antiskid::host::enter_realtime({.priority = priority, .cpu = {}})) terminal.say("rig-bridge: " + rejected);
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

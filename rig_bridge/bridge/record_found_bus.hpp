@@ -3,11 +3,11 @@
 
 #include <filesystem>
 
-#include "rig_bridge/bridge/setup.hpp"
+#include "rig_bridge/bridge/bridge_setup.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 /// Makes kFoundLog in `folder`, 0.3 s of the bus; nothing where it is there already, nobody sends, or the interface is not to be had.
-void record_found_bus(const Setup& setup, const std::filesystem::path& folder);
+void record_found_bus(const BridgeSetup& setup, const std::filesystem::path& folder);
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -13,7 +13,7 @@
 
 #include "rig_bridge/bridge/wall_clock.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 namespace {
 
@@ -21,9 +21,10 @@ bool takes_files(const char* directory) {
     return directory != nullptr && *directory != '\0' && access(directory, W_OK | X_OK) == 0;
 }
 
-std::string file_name(const PlcAddress& plc, unsigned unit, std::uint64_t netns) {
-    if (const auto* const tcp = std::get_if<TcpServer>(&plc)) return fmt::format("antiskid-plc-{}-{}-{}-{}", netns, tcp->address, tcp->port, unit);
-    const std::string& path = std::get<SerialDevice>(plc).path;
+std::string file_name(const modbus::PlcAddress& plc, unsigned unit, std::uint64_t netns) {
+    if (const auto* const tcp = std::get_if<modbus::TcpServer>(&plc))
+        return fmt::format("antiskid-plc-{}-{}-{}-{}", netns, tcp->address, tcp->port, unit);
+    const std::string& path = std::get<modbus::SerialDevice>(plc).path;
     struct stat device {};
     if (stat(path.c_str(), &device) == 0 && S_ISCHR(device.st_mode))
         return fmt::format("antiskid-plc-serial-{}-{}", major(device.st_rdev), minor(device.st_rdev));
@@ -32,7 +33,7 @@ std::string file_name(const PlcAddress& plc, unsigned unit, std::uint64_t netns)
     return "antiskid-plc-serial" + name;
 }
 
-std::string refusal(const std::string& what, const std::string& who) {
+std::string rejection(const std::string& what, const std::string& who) {
     return fmt::format(
         "{} is held by {}. Next: wait until it has ended, or ask it to end (kill -INT and its process "
         "number); one bridge at a time has the rig",
@@ -53,11 +54,11 @@ std::filesystem::path lock_directory() {
         "written. Next: mkdir -p -m 1777 /run/lock");
 }
 
-std::vector<HoldPlace> hold_places(const std::filesystem::path& directory, const std::string& interface, const PlcAddress& plc, unsigned unit,
+std::vector<HoldPlace> hold_places(const std::filesystem::path& directory, const std::string& interface, const modbus::PlcAddress& plc, unsigned unit,
                                    std::uint64_t netns) {
-    const bool serial = std::holds_alternative<SerialDevice>(plc);
+    const bool serial = std::holds_alternative<modbus::SerialDevice>(plc);
     return {{.what = "CAN interface " + interface, .file = directory / fmt::format("antiskid-can-{}-{}", netns, interface)},
-            {.what = to_string(plc) + (serial ? "" : fmt::format(", unit {}", unit)), .file = directory / file_name(plc, unit, netns)}};
+            {.what = modbus::to_string(plc) + (serial ? "" : fmt::format(", unit {}", unit)), .file = directory / file_name(plc, unit, netns)}};
 }
 
 std::uint64_t network_namespace() {
@@ -65,8 +66,9 @@ std::uint64_t network_namespace() {
     return stat("/proc/self/ns/net", &inode) == 0 ? inode.st_ino : 0;
 }
 
-std::vector<HoldPlace> hold_places(const Setup& setup) {
-    return hold_places(lock_directory(), setup.options.interface, parse_plc_address(setup.options.plc), setup.map.unit_id, network_namespace());
+std::vector<HoldPlace> hold_places(const BridgeSetup& setup) {
+    return hold_places(lock_directory(), setup.options.interface, modbus::parse_plc_address(setup.options.plc), setup.map.unit_id,
+                       network_namespace());
 }
 
 std::string holder_text(const std::string& verb, const std::filesystem::path& records) {
@@ -79,15 +81,15 @@ std::string holder_text(const std::string& verb, const std::filesystem::path& re
 RigHold::RigHold(const std::vector<HoldPlace>& places, const std::string& who) {
     for (const HoldPlace& place : places) {
         auto held = hold(place.file, who);
-        if (const HeldBy* const other = std::get_if<HeldBy>(&held)) throw RigHeld(refusal(place.what, other->who));
-        held_.push_back(std::move(std::get<std::unique_ptr<HeldFile>>(held)));
+        if (const record::HeldBy* const other = std::get_if<record::HeldBy>(&held)) throw RigHeld(rejection(place.what, other->who));
+        held_.push_back(std::move(std::get<std::unique_ptr<record::HeldFile>>(held)));
     }
 }
 
 std::optional<std::string> rig_held(const std::vector<HoldPlace>& places) {
     for (const HoldPlace& place : places)
-        if (const auto other = held_by(place.file)) return refusal(place.what, other->who);
+        if (const auto other = record::held_by(place.file)) return rejection(place.what, other->who);
     return std::nullopt;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "rig_bridge/bridge/setup.hpp"
+#include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/modbus/plc_address.hpp"
 #include "rig_bridge/record/held_file.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 /// What is held, for people, and the file that says so.
 struct HoldPlace {
@@ -32,13 +32,13 @@ struct HoldPlace {
 
 /// CAN interface, then PLC. Both are names within a network namespace: the same name in another one (`netns`: inode of its /proc/PID/ns/net)
 /// is another rig. A serial line is what its device is, by whatever name: two units on one line are two masters there.
-[[nodiscard]] std::vector<HoldPlace> hold_places(const std::filesystem::path& directory, const std::string& interface, const PlcAddress& plc,
+[[nodiscard]] std::vector<HoldPlace> hold_places(const std::filesystem::path& directory, const std::string& interface, const modbus::PlcAddress& plc,
                                                  unsigned unit, std::uint64_t netns);
 /// This process's network namespace; 0 where /proc does not say.
 [[nodiscard]] std::uint64_t network_namespace();
 
 /// Of a bridge that is set up so, in this namespace, locked in lock_directory().
-[[nodiscard]] std::vector<HoldPlace> hold_places(const Setup& setup);
+[[nodiscard]] std::vector<HoldPlace> hold_places(const BridgeSetup& setup);
 
 /// "rig-bridge campaign, process 4711, since 2026-11-25T00:16:00Z, records in /srv/runs/brake7".
 [[nodiscard]] std::string holder_text(const std::string& verb, const std::filesystem::path& records);
@@ -49,7 +49,7 @@ class RigHold {
     RigHold(const std::vector<HoldPlace>& places, const std::string& who);
 
   private:
-    std::vector<std::unique_ptr<HeldFile>> held_;
+    std::vector<std::unique_ptr<record::HeldFile>> held_;
 };
 
 /// Somebody else has the rig.
@@ -61,4 +61,4 @@ class RigHeld : public std::runtime_error {
 /// Who has any of them, as RigHeld would say it; none: they are free.
 [[nodiscard]] std::optional<std::string> rig_held(const std::vector<HoldPlace>& places);
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace rig {
+namespace rig::bridge {
 
 class RigTime {
   public:
@@ -40,4 +40,4 @@ class RigTime {
     std::uint64_t syncs_ = 0;
 };
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -6,7 +6,7 @@
 
 #include "firmware/can/e2e.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 using antiskid::can::E2e;
 using antiskid::can::Frame;
@@ -18,9 +18,9 @@ namespace {
 
 /// A chain that was left is forgotten well before a lone sender's counter comes by again.
 std::uint64_t frames_kept(const E2e& protection) {
-    constexpr std::uint32_t kMost = 8;
+    constexpr std::uint32_t kMax = 8;
     constexpr std::uint32_t kMargin = 3;
-    return std::min(kMost, std::max<std::uint32_t>(protection.counter_modulo, kMargin) - kMargin);
+    return std::min(kMax, std::max<std::uint32_t>(protection.counter_modulo, kMargin) - kMargin);
 }
 
 bool whole(const Message& message, const Frame& frame) {
@@ -99,4 +99,4 @@ std::string WhoSends::two_controllers() const {
     return status.empty() ? valve_.text() : status;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

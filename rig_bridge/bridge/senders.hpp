@@ -10,7 +10,7 @@
 
 #include "firmware/can/layout.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 class Senders {
   public:
@@ -65,4 +65,4 @@ class WhoSends {
     Senders maneuver_;
 };
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -14,24 +14,24 @@
 #include "rig_bridge/bridge/next_step.hpp"
 #include "rig_bridge/bridge/view_model.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
-#include "rig_bridge/scenario/acceptance.hpp"
+#include "rig_bridge/rig/acceptance.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 using antiskid::can::Time;
-using sequencer::Phase;
+using rig::Phase;
 
 class Session::ModbusPlc final : public Plc {
   public:
-    ModbusPlc(const RegisterMap& map, const std::string& address, std::function<ClockTime()> now, Polling polling)
-        : client_(map, parse_plc_address(address), std::move(now), polling) {}
+    ModbusPlc(const RegisterMap& map, const std::string& address, std::function<modbus::ClockTime()> now, modbus::Polling polling)
+        : client_(map, modbus::parse_plc_address(address), std::move(now), polling) {}
     void look() { client_.look(); }
     void turn(std::uint16_t number) { client_.turn(number); }
     void command(const CommandedValues& wanted) override { client_.command(wanted); }
-    [[nodiscard]] Snapshot snapshot() const override { return client_.snapshot(); }
+    [[nodiscard]] modbus::Snapshot snapshot() const override { return client_.snapshot(); }
 
   private:
-    ModbusClient client_;
+    modbus::ModbusClient client_;
 };
 
 namespace {
@@ -51,7 +51,7 @@ bool rests(Phase phase) {
 
 }  // namespace
 
-Session::Session(const Setup& setup, antiskid::rt::StopSignals& stops, Terminal& terminal)
+Session::Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal)
     : setup_(setup),
       stops_(stops),
       terminal_(terminal),
@@ -60,7 +60,7 @@ Session::Session(const Setup& setup, antiskid::rt::StopSignals& stops, Terminal&
                                        : std::nullopt),
       plc_(std::make_unique<ModbusPlc>(
           setup.map, setup.options.plc, [this] { return lockstep_ ? lockstep_->now() : clock_.now(); },
-          lockstep_ ? Polling::turns : Polling::own_thread)),
+          lockstep_ ? modbus::Polling::turns : modbus::Polling::own_thread)),
       bus_([&setup] { return std::make_unique<antiskid::can::SocketCan>(setup.options.interface, std::span<const std::uint16_t>{}); }),
       recorder_(
           setup.options.interface, setup.layout, setup.meter, [this] { (void)bus_.service(); }, lockstep_ ? &*lockstep_ : nullptr),
@@ -73,7 +73,7 @@ Session::Session(const Setup& setup, antiskid::rt::StopSignals& stops, Terminal&
 
 Session::~Session() = default;
 
-const Moment& Session::step(sequencer::Sequencer* sequencer, const Order* order) {
+const Moment& Session::step(rig::Sequencer* sequencer, const ManeuverRequest* request) {
     if (lockstep_)
         recorder_.await_turn([this] { return stops_.count() > 1; });
     else
@@ -81,7 +81,7 @@ const Moment& Session::step(sequencer::Sequencer* sequencer, const Order* order)
     const int stops = stops_.count();
     if (stops > 1) throw EndAtOnce{};
     if (lockstep_) plc_->look();
-    const std::int64_t number = order == nullptr ? 0 : order->number;
+    const std::int64_t number = request == nullptr ? 0 : request->number;
     const Moment& moment = node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
                                       lockstep_ ? lockstep_->now() : clock_.now());
     if (lockstep_) plc_->turn(lockstep_->taken());
@@ -96,14 +96,14 @@ void Session::meanwhile(const std::function<void()>& work) {
     meanwhile(work, nullptr, nullptr);
 }
 
-void Session::meanwhile(const std::function<void()>& work, sequencer::Sequencer* sequencer, const Order* order) {
+void Session::meanwhile(const std::function<void()>& work, rig::Sequencer* sequencer, const ManeuverRequest* request) {
     if (lockstep_) return work();
     auto done = std::async(std::launch::async, work);
-    while (done.wait_for(std::chrono::seconds(0)) != std::future_status::ready) (void)step(sequencer, order);
+    while (done.wait_for(std::chrono::seconds(0)) != std::future_status::ready) (void)step(sequencer, request);
     done.get();
 }
 
-void Session::show(const Order& order, const Moment& moment, const std::string& waiting_for) {
+void Session::show(const ManeuverRequest& request, const Moment& moment, const std::string& waiting_for) {
     if (moment.outputs.phase != phase_) {
         phase_ = moment.outputs.phase;
         phase_began_s_ = moment.rig_s;
@@ -112,8 +112,8 @@ void Session::show(const Order& order, const Moment& moment, const std::string& 
     if (!terminal_.due(now_s, moment.outputs.phase, moment.outputs.abort)) return;
     ViewModel view = view_of(moment, node_.limits());
     view.scenario = setup_.scenario.title;
-    view.campaign = order.view;
-    view.prescribed_mps = order.plan.speed_mps;
+    view.campaign = request.view;
+    view.prescribed_mps = request.plan.speed_mps;
     view.time_s = moment.rig_s - began_s_;
     view.phase_s = moment.rig_s - phase_began_s_;
     if (!waiting_for.empty()) view.note = waiting_for;
@@ -121,26 +121,26 @@ void Session::show(const Order& order, const Moment& moment, const std::string& 
     terminal_.show(view, now_s);
 }
 
-void Session::await_cold_brake(const Order& order) {
+void Session::await_cold_brake(const ManeuverRequest& request) {
     constexpr double kFirstReading_s = 3.0;
     // The controller refuses the first frames of a bridge whose counters go on elsewhere than those of the last one: it needs a few
     // heartbeats before it may be armed.
     constexpr double kIntroduction_s = 0.5;
     while (stops_.count() == 0) {
-        const Moment& m = step(nullptr, &order);
+        const Moment& m = step(nullptr, &request);
         const double waited_s = m.rig_s - began_s_;
         if (waited_s < kIntroduction_s) {
-            show(order, m, "");
+            show(request, m, "");
             continue;
         }
         if (!m.inputs.plc_fresh && waited_s > kFirstReading_s) return;  // the sequencer says so
-        const bool hot = m.inputs.brake_temperature_C > std::min(order.plan.cool_to_C, order.plan.brake_on_limit_C);
-        if (m.inputs.plc_fresh && (!hot || waited_s > order.plan.cool_down_limit_s)) return;
-        show(order, m, m.inputs.plc_fresh ? "waits for the brake to cool" : "waits for the PLC");
+        const bool hot = m.inputs.brake_temperature_C > std::min(request.plan.cool_to_C, request.plan.brake_on_limit_C);
+        if (m.inputs.plc_fresh && (!hot || waited_s > request.plan.cool_down_limit_s)) return;
+        show(request, m, m.inputs.plc_fresh ? "waits for the brake to cool" : "waits for the PLC");
     }
 }
 
-void Session::write_sample(SampleLog& samples, const Moment& moment) {
+void Session::write_sample(record::SampleLog& samples, const Moment& moment) {
     if (moment.plc.counters.polls == polls_) return;
     polls_ = moment.plc.counters.polls;
     // A label of real time, as in bus.log, also in lockstep.
@@ -148,14 +148,14 @@ void Session::write_sample(SampleLog& samples, const Moment& moment) {
     samples.write(now + moment.bus.wall_minus_monotonic, moment.plc.values);
 }
 
-void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, SampleLog& samples) {
+void Session::sequence(const ManeuverRequest& request, rig::Sequencer& sequencer, record::SampleLog& samples) {
     constexpr int kTail = 15;  // steps, so that the record has the last phase
     int resting = 0;
     Phase before = sequencer.phase();
     Phase ended = before;  // by the abort
-    aborted_by_ = sequencer::Abort::none;
+    aborted_by_ = rig::Abort::none;
     while (!sequencer.over() || resting <= kTail) {
-        const Moment& m = step(&sequencer, &order);
+        const Moment& m = step(&sequencer, &request);
         trace_.record(m);
         if (resting <= kTail) write_sample(samples, m);
         const std::string lost = m.bus.missing != 0 ? m.bus.recording_error : samples.error();
@@ -164,7 +164,7 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
             abort_ = true;
         }
         if (sequencer.abort() != aborted_by_) {
-            if (aborted_by_ == sequencer::Abort::none) ended = before;
+            if (aborted_by_ == rig::Abort::none) ended = before;
             aborted_by_ = sequencer.abort();
             note_ = how_it_was(ended, m);
             advice_ = advice(aborted_by_, ended, m.bus.view.controller.faults);
@@ -174,7 +174,7 @@ void Session::sequence(const Order& order, sequencer::Sequencer& sequencer, Samp
         }
         before = sequencer.phase();
         if (rests(m.outputs.phase) && resting <= kTail && ++resting > kTail) recorder_.end();
-        show(order, m, record_error_);
+        show(request, m, record_error_);
     }
 }
 
@@ -216,7 +216,7 @@ void Session::tell_of_abort(const Ran& ran, const std::filesystem::path& folder,
     if (!failure.empty()) terminal_.say("rig-bridge: --on-abort failed: " + failure);
 }
 
-Ran Session::run(const Order& order) {
+Ran Session::run(const ManeuverRequest& request) {
     abort_ = false;
     second_sender_ = false;
     record_error_.clear();
@@ -224,44 +224,45 @@ Ran Session::run(const Order& order) {
     advice_.clear();
     trace_ = {};
     phase_ = Phase::idle;
-    began_s_ = phase_began_s_ = step(nullptr, &order).rig_s;
-    await_cold_brake(order);
+    began_s_ = phase_began_s_ = step(nullptr, &request).rig_s;
+    await_cold_brake(request);
 
-    sequencer::Sequencer sequencer(order.plan);
+    rig::Sequencer sequencer(request.plan);
     const std::string started = iso_8601(std::chrono::system_clock::now());
-    recorder_.begin(order.folder / "bus.log");
+    recorder_.begin(request.folder / "bus.log");
     constexpr std::size_t kQueue_bytes = std::size_t{1} << 20U;  // a minute
-    SampleLog samples(std::make_unique<LiveFile>(order.folder / "modbus.csv", LiveFileOptions{.queue_bytes = kQueue_bytes}));
-    sequence(order, sequencer, samples);
+    record::SampleLog samples(
+        std::make_unique<record::LiveFile>(request.folder / "modbus.csv", record::LiveFileOptions{.queue_bytes = kQueue_bytes}));
+    sequence(request, sequencer, samples);
     Ran ran{.summary = {}, .record_error = {}, .trace = {}, .note = note_, .advice = advice_, .outside = {}};
     ran.trace = std::move(trace_);
     std::unique_ptr<Recording> recording;
     while (!recording) {
-        (void)step(&sequencer, &order);
+        (void)step(&sequencer, &request);
         recording = recorder_.take();
     }
     bool whole = true;
-    meanwhile([&] { whole = recording->log.finish() && samples.finish(); }, &sequencer, &order);
+    meanwhile([&] { whole = recording->log.finish() && samples.finish(); }, &sequencer, &request);
     terminal_.leave();
     if (!whole) record_error_ = recording->log.error().empty() ? samples.error() : recording->log.error();
     ran.record_error = record_error_;
 
-    Summary& s = ran.summary;
-    s.campaign = order.campaign;
-    s.number = order.number;
+    record::Summary& s = ran.summary;
+    s.campaign = request.campaign;
+    s.number = request.number;
     s.scenario = setup_.scenario.name;
-    s.specimen = order.specimen;
+    s.specimen = request.specimen;
     s.outcome = std::string(sequencer.phase() == Phase::finished ? name(Phase::finished) : name(aborted_by_));
-    if (!record_error_.empty()) s.outcome = kRecordLost;
+    if (!record_error_.empty()) s.outcome = record::kRecordLost;
     s.started = started;
     s.figures = recording->meter.figures();
     s.warnings = recording->meter.warnings();
     if (sequencer.phase() == Phase::finished) {
-        const std::vector<Band> bands = acceptance(setup_.scenario, order.plan);
+        const std::vector<Band> bands = acceptance(setup_.scenario, request.plan);
         if (!bands.empty()) s.out_of_tolerance = out_of_tolerance(bands, s.figures);
         ran.outside = what_is_outside(bands, s.figures);
     }
-    s.cumulative_energy_J = order.taken_J + counted_energy_J(s);
+    s.cumulative_energy_J = request.taken_J + record::counted_energy_J(s);
     s.faults = antiskid::can::fault_names(recording->meter.faults());
     s.frames = recording->log.frames() - recording->log.missing();
     s.frames_dropped = recording->dropped;
@@ -271,4 +272,4 @@ Ran Session::run(const Order& order) {
     return ran;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

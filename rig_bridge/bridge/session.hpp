@@ -14,30 +14,30 @@
 #include "firmware/host/periodic_timer.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "firmware/host/supervised_can.hpp"
+#include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/bridge/bus_recorder.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
 #include "rig_bridge/bridge/node.hpp"
-#include "rig_bridge/bridge/setup.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
 #include "rig_bridge/bridge/trace.hpp"
 #include "rig_bridge/record/sample_log.hpp"
 #include "rig_bridge/record/summary.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 /// One maneuver to run.
-struct Order {
-    sequencer::Plan plan;
+struct ManeuverRequest {
+    rig::Plan plan;
     std::string campaign;  ///< empty: a single one
     std::int64_t number = 1;
     std::filesystem::path folder;
-    Specimen specimen;
+    record::Specimen specimen;
     double taken_J = 0.0;  ///< brake energy of the campaign before it
     std::optional<CampaignView> view;
 };
 
 struct Ran {
-    Summary summary;
+    record::Summary summary;
     /// Why the record is not whole (the disk is full): the maneuver does not count then. Empty: it is.
     std::string record_error;
     Trace trace;
@@ -52,12 +52,12 @@ struct EndAtOnce {};
 class Session {
   public:
     /// Throws std::runtime_error naming the interface, or std::invalid_argument for a PLC address that is none.
-    Session(const Setup& setup, antiskid::rt::StopSignals& stops, Terminal& terminal);
+    Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal);
     ~Session();
 
     /// Waits until the brake is cold enough (or nothing is heard of the PLC), then runs the maneuver to its end, safe end included, and
     /// closes its records. Throws std::runtime_error when the record cannot be begun, EndAtOnce.
-    [[nodiscard]] Ran run(const Order& order);
+    [[nodiscard]] Ran run(const ManeuverRequest& request);
 
     /// After an abort, with its record closed: shows the rim's speed until it stands, until nobody knows it, or until somebody wants the
     /// program to end, and says how the rim is left. Everything is off meanwhile.
@@ -71,23 +71,23 @@ class Session {
 
   private:
     class ModbusPlc;
-    const Moment& step(sequencer::Sequencer* sequencer, const Order* order);
-    void await_cold_brake(const Order& order);
-    void meanwhile(const std::function<void()>& work, sequencer::Sequencer* sequencer, const Order* order);
-    void show(const Order& order, const Moment& moment, const std::string& waiting_for);
-    void sequence(const Order& order, sequencer::Sequencer& sequencer, SampleLog& samples);
-    void write_sample(SampleLog& samples, const Moment& moment);
+    const Moment& step(rig::Sequencer* sequencer, const ManeuverRequest* request);
+    void await_cold_brake(const ManeuverRequest& request);
+    void meanwhile(const std::function<void()>& work, rig::Sequencer* sequencer, const ManeuverRequest* request);
+    void show(const ManeuverRequest& request, const Moment& moment, const std::string& waiting_for);
+    void sequence(const ManeuverRequest& request, rig::Sequencer& sequencer, record::SampleLog& samples);
+    void write_sample(record::SampleLog& samples, const Moment& moment);
 
-    const Setup& setup_;
-    antiskid::rt::StopSignals& stops_;
+    const BridgeSetup& setup_;
+    antiskid::host::StopSignals& stops_;
     Terminal& terminal_;
-    antiskid::rt::MonotonicClock clock_;
+    antiskid::host::MonotonicClock clock_;
     std::optional<Lockstep> lockstep_;
     std::unique_ptr<ModbusPlc> plc_;
-    antiskid::rt::SupervisedCan bus_;
+    antiskid::host::SupervisedCan bus_;
     BusRecorder recorder_;
     Node node_;
-    antiskid::rt::PeriodicTimer timer_;
+    antiskid::host::PeriodicTimer timer_;
 
     // Of the maneuver that runs.
     bool abort_ = false;
@@ -99,8 +99,8 @@ class Session {
     std::uint64_t polls_ = 0;
     double began_s_ = 0.0;
     double phase_began_s_ = 0.0;
-    sequencer::Phase phase_ = sequencer::Phase::idle;
-    sequencer::Abort aborted_by_ = sequencer::Abort::none;
+    rig::Phase phase_ = rig::Phase::idle;
+    rig::Abort aborted_by_ = rig::Abort::none;
 };
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -4,7 +4,7 @@
 
 #include "rig_bridge/bridge/listen_to_bus.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 namespace {
 
@@ -15,7 +15,7 @@ constexpr double kManeuver_bytes = 10e6;  // of the longest
 std::string failed(const Checks& checks) {
     std::string text = "not started";
     for (const Check& check : checks) {
-        if (check.verdict != antiskid::preflight::Verdict::fail) continue;
+        if (check.verdict != antiskid::controller::CheckResult::fail) continue;
         text += fmt::format("\n  {}: {}; required: {}. Next: {}", check.name, check.measured, check.required, check.remedy);
     }
     return text;
@@ -29,7 +29,7 @@ Checks start_checks(const StartFacts& facts, const std::string& interface, const
     checks.push_back(
         record_check(facts.machine,
                      {.program = "rig-bridge", .priority = 0, .cpu = {}, .record = record.empty() ? "." : record, .record_bytes = kManeuver_bytes}));
-    if (!facts.bus.refusal.empty()) return checks;
+    if (!facts.bus.rejection.empty()) return checks;
     checks.push_back(only_bridge_check(facts.bus));
     checks.push_back(only_controller_check(facts.bus));
     return checks;
@@ -37,12 +37,12 @@ Checks start_checks(const StartFacts& facts, const std::string& interface, const
 
 NotFit::NotFit(const Checks& checks) : std::runtime_error(failed(checks)) {}
 
-void check_start(const Setup& setup, const std::filesystem::path& record) {
-    StartFacts facts{.link = antiskid::preflight::can_link(setup.options.interface), .machine = {}, .bus = listen_to_bus(setup, kListen)};
-    antiskid::preflight::look_at_record(facts.machine, record.empty() ? "." : record);
+void check_start(const BridgeSetup& setup, const std::filesystem::path& record) {
+    StartFacts facts{.link = antiskid::controller::can_link(setup.options.interface), .machine = {}, .bus = listen_to_bus(setup, kListen)};
+    antiskid::controller::look_at_record(facts.machine, record.empty() ? "." : record);
     const Checks checks = start_checks(facts, setup.options.interface, record);
     for (const Check& check : checks)
-        if (check.verdict == antiskid::preflight::Verdict::fail) throw NotFit(checks);
+        if (check.verdict == antiskid::controller::CheckResult::fail) throw NotFit(checks);
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

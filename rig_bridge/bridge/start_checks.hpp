@@ -7,12 +7,12 @@
 
 #include "rig_bridge/bridge/preflight.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 struct StartFacts {
-    antiskid::preflight::CanLink link;
-    antiskid::preflight::MachineFacts machine;  ///< of the record's place
-    BusHeard bus;
+    antiskid::controller::CanLink link;
+    antiskid::controller::MachineFacts machine;  ///< of the record's place
+    BusReception bus;
 };
 
 /// Interface, disk, no second bridge on the bus, no second controller. `record`: where the record goes.
@@ -25,6 +25,6 @@ class NotFit : public std::runtime_error {
 };
 
 /// Asks this computer, and listens to the bus for a third of a second. Throws NotFit.
-void check_start(const Setup& setup, const std::filesystem::path& record);
+void check_start(const BridgeSetup& setup, const std::filesystem::path& record);
 
-}  // namespace rig
+}  // namespace rig::bridge

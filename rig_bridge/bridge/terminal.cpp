@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace rig {
+namespace rig::bridge {
 
 Terminal::Terminal(int descriptor, std::optional<bool> live) : descriptor_(descriptor), live_(live.value_or(::isatty(descriptor) == 1)) {}
 
@@ -23,14 +23,14 @@ std::size_t Terminal::columns() const {
 
 /// A pipe that can take anything takes PIPE_BUF bytes at once.
 void Terminal::write(const std::string& text) {
-    constexpr std::size_t kMost = 4096;
+    constexpr std::size_t kMax = 4096;
     pollfd descriptor{.fd = descriptor_, .events = POLLOUT, .revents = 0};
     if (poll(&descriptor, 1, 0) != 1 || (descriptor.revents & POLLOUT) == 0) return;
-    const ssize_t written = ::write(descriptor_, text.data(), std::min(text.size(), kMost));
+    const ssize_t written = ::write(descriptor_, text.data(), std::min(text.size(), kMax));
     (void)written;  // nobody to tell
 }
 
-bool Terminal::due(double now_s, sequencer::Phase phase, sequencer::Abort abort) const {
+bool Terminal::due(double now_s, rig::Phase phase, rig::Abort abort) const {
     return !shown_ || now_s >= next_s_ || phase != phase_ || abort != abort_;
 }
 
@@ -72,4 +72,4 @@ void Terminal::leave() {
     shown_ = false;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -8,7 +8,7 @@
 
 #include "rig_bridge/bridge/view.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 class Terminal {
   public:
@@ -16,7 +16,7 @@ class Terminal {
     explicit Terminal(int descriptor, std::optional<bool> live = std::nullopt);
 
     /// Whether show() would draw now: building a ViewModel costs.
-    [[nodiscard]] bool due(double now_s, sequencer::Phase phase, sequencer::Abort abort) const;
+    [[nodiscard]] bool due(double now_s, rig::Phase phase, rig::Abort abort) const;
     void show(const ViewModel& view, double now_s);
     /// The same of lines that are made already, on a terminal that is live.
     void draw(const std::vector<std::string>& lines);
@@ -36,9 +36,9 @@ class Terminal {
     bool live_;
     bool shown_ = false;
     double next_s_ = 0.0;
-    sequencer::Phase phase_ = sequencer::Phase::idle;
-    sequencer::Abort abort_ = sequencer::Abort::none;
+    rig::Phase phase_ = rig::Phase::idle;
+    rig::Abort abort_ = rig::Abort::none;
     std::size_t height_ = 0;  // lines of the block on the screen
 };
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-namespace rig {
+namespace rig::bridge {
 
-using sequencer::Phase;
+using rig::Phase;
 
 void Trace::record(const Moment& m) {
     const Phase phase = m.outputs.phase;
@@ -26,4 +26,4 @@ std::string Trace::csv() const {
     return text;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

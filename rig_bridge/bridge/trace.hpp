@@ -7,7 +7,7 @@
 
 #include "rig_bridge/bridge/node.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 class Trace {
   public:
@@ -28,4 +28,4 @@ class Trace {
     std::vector<Row> rows_;
 };
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rig {
+namespace rig::bridge {
 
 using antiskid::can::RigSample;
 using antiskid::can::Time;
 using antiskid::control::kNever;
 using antiskid::control::State;
-using sequencer::Inputs;
-using sequencer::Outputs;
+using rig::Inputs;
+using rig::Outputs;
 
 namespace {
 
-bool interlock(const Snapshot& plc, Interlock which) {
+bool interlock(const modbus::Snapshot& plc, Interlock which) {
     const auto bits = static_cast<unsigned>(plc.value(Measured::interlocks));
     return (bits >> static_cast<unsigned>(which) & 1U) != 0U;
 }
@@ -24,7 +24,7 @@ double age_s(Time received, Time looked) {
 }
 
 /// Heard of at most `limit_s` before the recorder last looked.
-bool heard(Time received, Time looked, double limit_s) {
+bool reception(Time received, Time looked, double limit_s) {
     return received != kNever && age_s(received, looked) <= limit_s;
 }
 
@@ -35,15 +35,15 @@ float brake_temperature_C(const MeasuredValues& plc) {
 
 }  // namespace
 
-bool plc_fresh(const Snapshot& plc, const Freshness& limits) {
-    if (plc.link == LinkState::map_refused || !(plc.plc_watchdog_age_s <= limits.watchdog_s)) return false;
+bool plc_fresh(const modbus::Snapshot& plc, const Freshness& limits) {
+    if (plc.link == modbus::LinkState::map_rejected || !(plc.plc_watchdog_age_s <= limits.watchdog_s)) return false;
     for (std::size_t i = 0; i < kMeasuredCount; ++i) {
         if (!plc.fresh(static_cast<Measured>(i), limits.registers_s)) return false;
     }
     return true;
 }
 
-bool interlocks_good(const Snapshot& plc, const Freshness& limits) {
+bool interlocks_good(const modbus::Snapshot& plc, const Freshness& limits) {
     if (!plc_fresh(plc, limits)) return false;
     for (std::size_t i = 0; i < kInterlockCount; ++i) {
         if (!interlock(plc, static_cast<Interlock>(i))) return false;
@@ -51,7 +51,7 @@ bool interlocks_good(const Snapshot& plc, const Freshness& limits) {
     return true;
 }
 
-Inputs look(const Snapshot& plc, const BusNow& bus, Time now, const Freshness& limits) {
+Inputs look(const modbus::Snapshot& plc, const BusNow& bus, Time now, const Freshness& limits) {
     Inputs in;
     in.plc_fresh = plc_fresh(plc, limits);
     if (in.plc_fresh) {
@@ -67,22 +67,22 @@ Inputs look(const Snapshot& plc, const BusNow& bus, Time now, const Freshness& l
         in.load_N = plc.value(Measured::vertical_load_N);
         in.brake_temperature_C = plc.value(Measured::brake_temperature_C);
     }
-    in.commit_refused = plc.command == CommandState::refused || plc.command == CommandState::unsendable;
+    in.commit_rejected = plc.command == modbus::CommandState::rejected || plc.command == modbus::CommandState::unsendable;
     in.commit_late = plc.pending_s > limits.commit_s;
 
-    const bool listening = heard(bus.looked, now, limits.recorder_s);
+    const bool listening = reception(bus.looked, now, limits.recorder_s);
     in.bus_up = bus.up && listening;
     if (!listening) return in;
     in.two_senders = !bus.two_controllers.empty() || !bus.two_bridges.empty();
     const antiskid::can::BusView& v = bus.view;
-    in.sensors_fresh = heard(v.wheel.received, bus.looked, limits.sensors_s) && heard(v.flywheel.received, bus.looked, limits.sensors_s) &&
-                       heard(v.pressure.received, bus.looked, limits.sensors_s);
+    in.sensors_fresh = reception(v.wheel.received, bus.looked, limits.sensors_s) && reception(v.flywheel.received, bus.looked, limits.sensors_s) &&
+                       reception(v.pressure.received, bus.looked, limits.sensors_s);
     in.rim_mps = bus.rim_mps;
     if (in.sensors_fresh) in.rim_age_s = age_s(v.flywheel.received, bus.looked);
     in.wheel_radps = bus.wheel_radps;
     in.wheel_rim_mps = bus.wheel_rim_mps;
     in.pressure_Pa = static_cast<double>(v.pressure.pressure_Pa);
-    in.controller_fresh = heard(v.controller.status_received, bus.looked, limits.controller_s);
+    in.controller_fresh = reception(v.controller.status_received, bus.looked, limits.controller_s);
     in.controller_standby = v.controller.state == State::standby;
     in.controller_safe = v.controller.state == State::safe;
     in.controller_armed = !in.controller_standby && !in.controller_safe && v.controller.state != State::self_test;
@@ -123,9 +123,9 @@ antiskid::can::LoadCellSample load_cells(const MeasuredValues& plc) {
             .brake_torque_Nm = static_cast<float>(at(plc, Measured::brake_torque_Nm))};
 }
 
-bool load_cells_fresh(const Snapshot& plc, const Freshness& limits) {
+bool load_cells_fresh(const modbus::Snapshot& plc, const Freshness& limits) {
     return plc.fresh(Measured::vertical_load_N, limits.load_cells_s) && plc.fresh(Measured::longitudinal_force_N, limits.load_cells_s) &&
            plc.fresh(Measured::brake_torque_Nm, limits.load_cells_s);
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -3,9 +3,9 @@
 
 #include "firmware/can/rig_sample.hpp"
 #include "rig_bridge/bridge/parts.hpp"
-#include "rig_bridge/sequencer/sequencer.hpp"
+#include "rig_bridge/rig/sequencer.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 /// How old a value may be and still count, s of the machine's time: config/bridge.toml and plc_timeout of the register map.
 struct Freshness {
@@ -19,18 +19,18 @@ struct Freshness {
 };
 
 /// Every interlock is read, fresh and good.
-[[nodiscard]] bool interlocks_good(const Snapshot& plc, const Freshness& limits);
+[[nodiscard]] bool interlocks_good(const modbus::Snapshot& plc, const Freshness& limits);
 /// All registers are fresh and the PLC's watchdog moves.
-[[nodiscard]] bool plc_fresh(const Snapshot& plc, const Freshness& limits);
+[[nodiscard]] bool plc_fresh(const modbus::Snapshot& plc, const Freshness& limits);
 
 /// `now`: steady clock.
-[[nodiscard]] sequencer::Inputs look(const Snapshot& plc, const BusNow& bus, antiskid::can::Time now, const Freshness& limits);
+[[nodiscard]] rig::Inputs look(const modbus::Snapshot& plc, const BusNow& bus, antiskid::can::Time now, const Freshness& limits);
 
-[[nodiscard]] CommandedValues commands(const sequencer::Outputs& out, bool reset);
+[[nodiscard]] CommandedValues commands(const rig::Outputs& out, bool reset);
 
 /// What the bridge says on the bus; load cells apart, see load_cells().
-[[nodiscard]] antiskid::can::RigSample telegram(const sequencer::Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number);
+[[nodiscard]] antiskid::can::RigSample telegram(const rig::Outputs& out, const MeasuredValues& plc, std::int64_t maneuver_number);
 [[nodiscard]] antiskid::can::LoadCellSample load_cells(const MeasuredValues& plc);
-[[nodiscard]] bool load_cells_fresh(const Snapshot& plc, const Freshness& limits);
+[[nodiscard]] bool load_cells_fresh(const modbus::Snapshot& plc, const Freshness& limits);
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -5,7 +5,7 @@
 
 #include "rig_bridge/bridge/options.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 [[nodiscard]] int run_maneuver(const ManeuverCommand& command);
 [[nodiscard]] int run_campaign(const CampaignCommand& command);
@@ -22,4 +22,4 @@ class UsageError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-}  // namespace rig
+}  // namespace rig::bridge

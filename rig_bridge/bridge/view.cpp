@@ -7,10 +7,10 @@
 
 #include "rig_bridge/record/summary.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
-using sequencer::Abort;
-using sequencer::Phase;
+using rig::Abort;
+using rig::Phase;
 
 namespace {
 
@@ -41,7 +41,7 @@ std::string fault_text(const ViewModel& v) {
 
 std::string abort_text(const ViewModel& v) {
     if (v.abort == Abort::none) return {};
-    return fmt::format("  ABORT {}", v.record_lost ? kRecordLost : name(v.abort));
+    return fmt::format("  ABORT {}", v.record_lost ? record::kRecordLost : name(v.abort));
 }
 
 std::string campaign_text(const CampaignView& c) {
@@ -53,15 +53,15 @@ std::string campaign_text(const CampaignView& c) {
 }  // namespace
 
 std::string duration_text(double seconds) {
-    constexpr double kMost = 3.6e8;  // what nobody waits for
-    if (!std::isfinite(seconds) || seconds < 0.0 || seconds > kMost) return "?";
+    constexpr double kMax = 3.6e8;  // what nobody waits for
+    if (!std::isfinite(seconds) || seconds < 0.0 || seconds > kMax) return "?";
     const auto s = static_cast<std::int64_t>(std::llround(seconds));
     if (s < 60) return fmt::format("{} s", s);
     if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
     return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
 }
 
-std::string health_text(const Health& health) {
+std::string health_text(const record::Health& health) {
     std::string text = name(health.state);
     if (std::isfinite(health.statistic)) text += fmt::format(" ({:.2f} of its limit)", health.statistic);
     if (!health.reason.empty()) text += ": " + health.reason;
@@ -108,4 +108,4 @@ std::string plain_line(const ViewModel& v) {
     return line;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "rig_bridge/record/health.hpp"
-#include "rig_bridge/sequencer/sequencer.hpp"
+#include "rig_bridge/rig/sequencer.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 struct CampaignView {
     std::int64_t number = 0;  ///< running now
@@ -24,8 +24,8 @@ struct CampaignView {
 struct ViewModel {
     std::string scenario;
     std::optional<CampaignView> campaign;
-    sequencer::Phase phase = sequencer::Phase::idle;
-    sequencer::Abort abort = sequencer::Abort::none;
+    rig::Phase phase = rig::Phase::idle;
+    rig::Abort abort = rig::Abort::none;
     bool record_lost = false;     ///< `abort` was requested by the bridge: the disk did not take the record
     double time_s = 0.0;          ///< since the maneuver began
     double phase_s = 0.0;         ///< since the phase began
@@ -37,7 +37,7 @@ struct ViewModel {
     double load_N = 0.0;
     double torque_Nm = 0.0;
     double temperature_C = 0.0;
-    std::string_view controller;  ///< its state, "silent", or "refused": heard, but no frame is good
+    std::string_view controller;  ///< its state, "silent", or "rejected": heard, but no frame is good
     std::string_view plc;         ///< ready, tripped, silent, ...
     std::string_view bus;         ///< up or down
     std::vector<std::string> faults;
@@ -54,8 +54,8 @@ struct ViewModel {
 /// "3 h 12 min", "4 min 05 s", "12 s".
 [[nodiscard]] std::string duration_text(double seconds);
 /// "suspect (0.81 of its limit): friction has dropped".
-[[nodiscard]] std::string health_text(const Health& health);
+[[nodiscard]] std::string health_text(const record::Health& health);
 /// At most `columns` characters of UTF-8.
 [[nodiscard]] std::string fit(std::string_view line, std::size_t columns);
 
-}  // namespace rig
+}  // namespace rig::bridge

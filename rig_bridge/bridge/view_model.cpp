@@ -8,7 +8,7 @@
 #include "firmware/can/names.hpp"
 #include "firmware/can/value_names.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 namespace {
 
@@ -17,7 +17,7 @@ double or_zero(double value) {
 }
 
 std::string_view plc_state(const Moment& m) {
-    if (m.plc.link != LinkState::connected) return name(m.plc.link);
+    if (m.plc.link != modbus::LinkState::connected) return name(m.plc.link);
     if (!m.inputs.plc_fresh) return "silent";
     return m.inputs.plc_ready ? "ready" : "tripped";
 }
@@ -36,9 +36,9 @@ ViewModel view_of(const Moment& m, const Freshness& limits) {
     v.torque_Nm = or_zero(m.plc.value(Measured::brake_torque_Nm));
     v.temperature_C = or_zero(m.plc.value(Measured::brake_temperature_C));
     const auto& controller = m.bus.view.controller;
-    v.controller = m.inputs.controller_fresh          ? antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)]
-                   : m.bus.controller_refused.empty() ? std::string_view("silent")
-                                                      : std::string_view("refused");
+    v.controller = m.inputs.controller_fresh           ? antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)]
+                   : m.bus.controller_rejected.empty() ? std::string_view("silent")
+                                                       : std::string_view("rejected");
     v.plc = plc_state(m);
     v.bus = m.inputs.bus_up ? "up" : "down";
     if (m.inputs.controller_fresh) v.faults = antiskid::can::fault_names(controller.faults);
@@ -65,8 +65,8 @@ std::string rim_text(std::optional<double> rim_mps, double standstill_mps) {
 
 std::string second_sender_text(const BusNow& bus) {
     if (!bus.two_controllers.empty()) {
-        const std::string refused = bus.controller_refused.empty() ? "" : "; heard but refused: " + bus.controller_refused;
-        return fmt::format("two controllers talk on the bus: {}{}", bus.two_controllers, refused);
+        const std::string rejected = bus.controller_rejected.empty() ? "" : "; heard but refused: " + bus.controller_rejected;
+        return fmt::format("two controllers talk on the bus: {}{}", bus.two_controllers, rejected);
     }
     if (!bus.two_bridges.empty()) return "two bridges command on the bus: " + bus.two_bridges;
     return {};
@@ -74,18 +74,18 @@ std::string second_sender_text(const BusNow& bus) {
 
 std::string senders_text(const BusNow& bus, bool fresh) {
     std::string second = second_sender_text(bus);
-    if (!second.empty() || fresh || bus.controller_refused.empty()) return second;
-    return "the controller is heard but refused: " + bus.controller_refused;
+    if (!second.empty() || fresh || bus.controller_rejected.empty()) return second;
+    return "the controller is heard but refused: " + bus.controller_rejected;
 }
 
 std::string note_of(const Moment& m) {
     if (!m.bus.up && !m.bus.error.empty()) return m.bus.error;
     if (std::string senders = senders_text(m.bus, m.inputs.controller_fresh); !senders.empty()) return senders;
-    if (m.plc.link != LinkState::connected && !m.plc.error.empty()) return "PLC: " + m.plc.error;
+    if (m.plc.link != modbus::LinkState::connected && !m.plc.error.empty()) return "PLC: " + m.plc.error;
     if (m.inputs.foreign_command) return "somebody else commands the PLC: commit " + std::to_string(m.plc.foreign_commit) + " is not the bridge's";
-    if (m.plc.command == CommandState::unsendable) return "PLC command: " + m.plc.command_error;
-    if (m.plc.command == CommandState::refused) return "PLC refused the command with commit " + std::to_string(m.plc.commit);
+    if (m.plc.command == modbus::CommandState::unsendable) return "PLC command: " + m.plc.command_error;
+    if (m.plc.command == modbus::CommandState::rejected) return "PLC refused the command with commit " + std::to_string(m.plc.commit);
     return {};
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

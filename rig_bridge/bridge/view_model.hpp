@@ -7,7 +7,7 @@
 #include "rig_bridge/bridge/node.hpp"
 #include "rig_bridge/bridge/view.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 /// Scenario, campaign and times are the caller's.
 [[nodiscard]] ViewModel view_of(const Moment& moment, const Freshness& limits);
@@ -26,4 +26,4 @@ namespace rig {
 /// How the rim is left, for people.
 [[nodiscard]] std::string rim_text(std::optional<double> rim_mps, double standstill_mps);
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -16,7 +16,7 @@
 #include "firmware/host/settings/command_line.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/bridge/bus_recorder.hpp"
-#include "rig_bridge/bridge/campaign.hpp"
+#include "rig_bridge/bridge/campaign_rules.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/rig_time.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
@@ -24,30 +24,30 @@
 #include "rig_bridge/bridge/view_model.hpp"
 #include "rig_bridge/bridge/watch_view.hpp"
 #include "rig_bridge/record/ledger.hpp"
-#include "rig_bridge/scenario/meter_parameters.hpp"
-#include "rig_bridge/scenario/scenario.hpp"
+#include "rig_bridge/rig/meter_parameters.hpp"
+#include "rig_bridge/rig/scenario.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 namespace {
 
 using antiskid::can::Role;
 using antiskid::control::kNever;
 using antiskid::control::Time;
-using sequencer::Phase;
+using rig::Phase;
 
 double seconds(Time t) {
     return std::chrono::duration<double>(t).count();
 }
 
 /// The campaign that was begun or gone on with last.
-Campaign newest_campaign(const std::filesystem::path& file) {
-    const std::vector<Campaign> all = read_campaigns(file);
+record::Campaign newest_campaign(const std::filesystem::path& file) {
+    const std::vector<record::Campaign> all = record::read_campaigns(file);
     if (all.empty()) throw UsageError(file.string() + ": has no campaign yet");
-    Campaign newest = all.back();
+    record::Campaign newest = all.back();
     std::string begun;
-    for (const Campaign& campaign : all) {
-        const std::vector<LedgerRow> rows = read_ledger(file, campaign.name);
+    for (const record::Campaign& campaign : all) {
+        const std::vector<record::LedgerRow> rows = record::read_ledger(file, campaign.name);
         if (rows.empty() || rows.back().summary.started < begun) continue;
         begun = rows.back().summary.started;
         newest = campaign;
@@ -63,11 +63,11 @@ double seconds_of(const std::string& stamp) {
 }
 
 /// From begin to begin of the newest attempts, holds and restarts included.
-std::optional<double> left_s(const std::vector<LedgerRow>& rows, std::int64_t maneuvers) {
+std::optional<double> left_s(const std::vector<record::LedgerRow>& rows, std::int64_t maneuvers) {
     Pace pace;
     for (std::size_t i = 1; i < rows.size(); ++i) {
         const double took_s = seconds_of(rows[i].summary.started) - seconds_of(rows[i - 1].summary.started);
-        if (took_s >= 0.0 && rows[i - 1].state == RowState::finished) pace.add(took_s);
+        if (took_s >= 0.0 && rows[i - 1].state == record::RowState::finished) pace.add(took_s);
     }
     return pace.left_s(maneuvers);
 }
@@ -75,24 +75,24 @@ std::optional<double> left_s(const std::vector<LedgerRow>& rows, std::int64_t ma
 void read_campaign_into(Watched& w, const std::filesystem::path& directory) {
     constexpr std::size_t kOutcomes = 4;
     const std::filesystem::path file = ledger_file(directory);
-    const Campaign campaign = newest_campaign(file);
-    const std::vector<LedgerRow> rows = read_ledger(file, campaign.name);
+    const record::Campaign campaign = newest_campaign(file);
+    const std::vector<record::LedgerRow> rows = record::read_ledger(file, campaign.name);
     w.campaign = campaign.name;
     w.planned = campaign.planned;
-    w.finished = std::count_if(rows.begin(), rows.end(), [](const LedgerRow& row) { return row.state == RowState::finished; });
+    w.finished = std::count_if(rows.begin(), rows.end(), [](const record::LedgerRow& row) { return row.state == record::RowState::finished; });
     w.left_s = left_s(rows, w.planned - w.finished);
     w.specimen = to_text(rows.empty() ? campaign.specimen : rows.back().summary.specimen);
     w.bridge.with_ledger = true;
-    w.bridge.held = is_held(file);
+    w.bridge.held = record::is_held(file);
     w.bridge.running = 0;
     w.outcomes.clear();
-    for (const LedgerRow& row : rows) {
-        if (row.state == RowState::running) {
+    for (const record::LedgerRow& row : rows) {
+        if (row.state == record::RowState::running) {
             w.bridge.running = row.attempt.number;
             continue;
         }
         w.outcomes.push_back(row.attempt.folder.filename().string() + " " + (row.summary.outcome.empty() ? name(row.state) : row.summary.outcome) +
-                             (off_conditions(row.summary) ? " (out_of_tolerance)" : ""));
+                             (record::off_conditions(row.summary) ? " (out_of_tolerance)" : ""));
     }
     if (w.outcomes.size() > kOutcomes) w.outcomes.erase(w.outcomes.begin(), w.outcomes.end() - kOutcomes);
     const auto hold = read_hold(directory);
@@ -102,7 +102,7 @@ void read_campaign_into(Watched& w, const std::filesystem::path& directory) {
 /// Ears, and eyes on the ledger; sends nothing, writes nothing.
 class Watch {
   public:
-    Watch(const WatchCommand& command, const antiskid::can::Layout& layout, const MeterParameters& meter)
+    Watch(const WatchCommand& command, const antiskid::can::Layout& layout, const record::MeterParameters& meter)
         : command_(command), layout_(layout), bus_(command.interface, layout, meter, [] {}), rig_time_(meter.period_s) {}
 
     void look(Time now) {
@@ -113,7 +113,7 @@ class Watch {
             try {
                 read_campaign_into(seen_, command_.directory);
                 seen_.ledger_error.clear();
-            } catch (const LedgerError& error) {
+            } catch (const record::LedgerError& error) {
                 seen_.ledger_error = error.what();
             }
         }
@@ -161,9 +161,9 @@ class Watch {
     void hear_controller(const BusNow& bus, const Fresh& fresh) {
         const antiskid::can::ControllerView& c = bus.view.controller;
         const bool speaks = fresh(c.status_received);
-        seen_.controller = speaks                           ? antiskid::can::kStateNames[static_cast<std::size_t>(c.state)]
-                           : bus.controller_refused.empty() ? std::string_view("silent")
-                                                            : std::string_view("refused");
+        seen_.controller = speaks                            ? antiskid::can::kStateNames[static_cast<std::size_t>(c.state)]
+                           : bus.controller_rejected.empty() ? std::string_view("silent")
+                                                             : std::string_view("rejected");
         seen_.senders = senders_text(bus, speaks);
         seen_.slip_reference = speaks ? static_cast<double>(c.slip_reference) : 0.0;
         seen_.current_mA = fresh(c.command_received) ? static_cast<double>(c.current_mA) : std::nan("");
@@ -205,13 +205,13 @@ int watch_rig(const WatchCommand& command) {
     constexpr Time kLook{50'000'000};
     constexpr Time kDraw{250'000'000};
     constexpr Time kLine{1'000'000'000};
-    constexpr Time kLeast{600'000'000};   // of --once: speeds need a few edges
-    constexpr Time kMost{1'500'000'000};  // of --once, for a bridge that is not heard
+    constexpr Time kMin{600'000'000};    // of --once: speeds need a few edges
+    constexpr Time kMax{1'500'000'000};  // of --once, for a bridge that is not heard
     const antiskid::can::Layout layout =
         antiskid::can::load_layout(command.dbc.empty() ? command.config / "antiskid.dbc" : command.dbc,
                                    command.binding.empty() ? command.config / "antiskid_binding.toml" : command.binding);
     const Scenario scenario = load_scenario(scenario_file(command), command.config);
-    antiskid::rt::StopSignals stops;
+    antiskid::host::StopSignals stops;
     Watch watch(command, layout, meter_parameters(scenario, antiskid::load_controller_config(scenario.controller)));
     watch.scenario(scenario.name);
     const bool live = command.json.empty() && !command.once && ::isatty(STDOUT_FILENO) == 1;
@@ -224,8 +224,8 @@ int watch_rig(const WatchCommand& command) {
         const Time now = steady();
         watch.look(now);
         if (command.once) {
-            const bool is_heard = heard(watch.seen().bridge);
-            if (now - began < (is_heard ? kLeast : kMost)) continue;
+            const bool is_heard = reception(watch.seen().bridge);
+            if (now - began < (is_heard ? kMin : kMax)) continue;
             if (command.json != "-") print(block(watch));
             settings::deliver(command.json, watch_json(watch.seen()));
             return is_heard ? 0 : 1;
@@ -241,4 +241,4 @@ int watch_rig(const WatchCommand& command) {
     return 0;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

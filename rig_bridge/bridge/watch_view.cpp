@@ -11,7 +11,7 @@
 
 #include "rig_bridge/bridge/view.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 namespace {
 
@@ -24,7 +24,7 @@ struct Curve {
 
 struct Strip {
     const char* label;
-    double least_top;           // no scale is finer than this
+    double min_top;             // no scale is finer than this
     std::vector<Curve> curves;  // a later one is drawn over an earlier one
 };
 
@@ -38,7 +38,7 @@ double round_up(double value) {
 
 std::vector<std::string> draw(const Strip& strip, const std::deque<StripSample>& samples) {
     constexpr std::size_t kRows = StripChart::kRows;
-    double top = strip.least_top;
+    double top = strip.min_top;
     for (const StripSample& s : samples)
         for (const Curve& curve : strip.curves)
             if (const double v = curve.value(s); std::isfinite(v)) top = std::max(top, v);
@@ -94,7 +94,7 @@ nlohmann::ordered_json number(double value) {
 }  // namespace
 
 std::string to_text(const BridgeSigns& s) {
-    if (heard(s)) return !s.with_ledger || s.held ? "at work" : "at work on this bus, but not with this ledger";
+    if (reception(s)) return !s.with_ledger || s.held ? "at work" : "at work on this bus, but not with this ledger";
     std::string silence = s.silent_s ? fmt::format("silent for {}", duration_text(*s.silent_s)) : "not heard";
     if (!s.with_ledger) return silence;
     if (s.held) return silence + " on the bus, though it holds the ledger";
@@ -140,7 +140,7 @@ std::string watch_json(const Watched& w) {
     json["hold"] = w.hold;
     json["ledger_error"] = w.ledger_error;
     json["bridge"] = to_text(w.bridge);
-    json["bridge_heard"] = heard(w.bridge);
+    json["bridge_heard"] = reception(w.bridge);
     json["bus_up"] = w.bus_up;
     json["bus_error"] = w.bus_error;
     json["phase"] = w.phase ? nlohmann::ordered_json(name(*w.phase)) : nullptr;
@@ -182,4 +182,4 @@ std::vector<std::string> StripChart::lines() const {
     return all;
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "firmware/control/types.hpp"
-#include "rig_bridge/sequencer/sequencer.hpp"
+#include "rig_bridge/rig/sequencer.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 struct StripSample {
     double time_s = 0.0;
@@ -64,7 +64,7 @@ struct Watched {
     bool bus_up = false;
     std::string bus_error;
     std::int64_t number = 0;  ///< of the maneuver
-    std::optional<sequencer::Phase> phase;
+    std::optional<rig::Phase> phase;
     double phase_s = 0.0;      ///< in it
     bool phase_began = false;  ///< its begin was seen; else it may have lasted longer
     double rim_mps = 0.0;
@@ -74,7 +74,7 @@ struct Watched {
     double pressure_Pa = 0.0;
     double load_N = 0.0;
     double current_mA = 0.0;
-    std::string_view controller;  ///< its state, "silent", or "refused": heard, but no frame is good
+    std::string_view controller;  ///< its state, "silent", or "rejected": heard, but no frame is good
     std::string senders;          ///< as senders_text()
     std::vector<std::string> faults;
     bool tells_road = false;  ///< the layout has that frame
@@ -84,7 +84,7 @@ struct Watched {
 /// A bridge whose last frame is no older runs.
 inline constexpr double kBridgeSilent_s = 1.0;
 
-[[nodiscard]] inline bool heard(const BridgeSigns& signs) {
+[[nodiscard]] inline bool reception(const BridgeSigns& signs) {
     return signs.silent_s && *signs.silent_s <= kBridgeSilent_s;
 }
 /// For people: at work, silent, dead, or nobody's.
@@ -97,4 +97,4 @@ inline constexpr double kBridgeSilent_s = 1.0;
 /// One JSON object in one line; units in the keys, null for what is not known.
 [[nodiscard]] std::string watch_json(const Watched& watched);
 
-}  // namespace rig
+}  // namespace rig::bridge

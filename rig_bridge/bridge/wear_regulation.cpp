@@ -13,29 +13,29 @@
 #include "rig_bridge/rig/friction_curve.hpp"
 #include "rig_bridge/wear/limit_forecast.hpp"
 
-namespace rig {
+namespace rig::bridge {
 
 namespace {
 
 using nlohmann::ordered_json;
 
 double kinetic_J(const Scenario& scenario) {
-    const sequencer::Plan& plan = scenario.mean;
-    const plant::WheelParameters& wheel = scenario.rig.rig.wheel;
+    const rig::Plan& plan = scenario.mean;
+    const rig::WheelParameters& wheel = scenario.rig.rig.wheel;
     const double v = plan.speed_mps;
     const double omega = v / scenario.rolling_radius_m(plan.load_base_N - plan.load_lift_Ns2pm2 * v * v);
     return 0.5 * (wheel.mass_kg * v * v + wheel.inertia_kgm2 * omega * omega);
 }
 
 /// Nothing speaks against its figures, and nobody.
-bool sound(const LedgerRow& row) {
+bool sound(const record::LedgerRow& row) {
     return row.counted_J == row.summary.figures.energy_brake_J;
 }
 
-regulation::Landing landing(const LedgerRow& row, double reference, double wear_J) {
-    regulation::Landing landing{.reference = reference};
+wear::Landing landing(const record::LedgerRow& row, double reference, double wear_J) {
+    wear::Landing landing{.reference = reference};
     if (row.summary.frames_dropped > 0 || !sound(row)) return landing;
-    const Figures& figures = row.summary.figures;
+    const record::Figures& figures = row.summary.figures;
     landing.kinetic_J = figures.kinetic_energy_J;
     landing.brake_J = figures.energy_brake_J;
     landing.tyre_J = figures.energy_tyre_J;
@@ -45,49 +45,49 @@ regulation::Landing landing(const LedgerRow& row, double reference, double wear_
 }
 
 /// JSON has no NaN: null.
-ordered_json number(double value) {
+ordered_json or_null(double value) {
     return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
 }
 
 }  // namespace
 
-WearRegulation::WearRegulation(const regulation::RegulationConfig& config, const Scenario& scenario)
+WearRegulation::WearRegulation(const wear::RegulationConfig& config, const Scenario& scenario)
     : rules_(config.rules), friction_curve_(scenario.rig.rig.friction_curve), drop_out_mps_(scenario.rig.drop_out_mps) {
     const std::string file = scenario.files.front().string();
-    if (scenario.mean.law != sequencer::BrakeLaw::slip)
+    if (scenario.mean.law != rig::BrakeLaw::slip)
         throw settings::Error(file, 0, "law.law", "--regulate moves the slip reference, which this law has not; expected \"slip\"");
     const double energy_J = kinetic_J(scenario);
     const double deviation_J = 2.0 * scenario.scatter.speed_mps / scenario.mean.speed_mps * energy_J;
-    plan_ = regulation::plan_of(config, scenario.rig.wear.life_J, energy_J, deviation_J);
+    plan_ = wear::plan_of(config, scenario.rig.wear.life_J, energy_J, deviation_J);
     try {
         range_ = config.range(scenario.choice.road());
-        static_cast<void>(regulation::Regulator(plan_, rules_, range_));
+        static_cast<void>(wear::Regulator(plan_, rules_, range_));
     } catch (const std::invalid_argument& e) {
         throw settings::Error(config.files.front().string(), 0, "", e.what());
     }
     if (config.forecast_widest > 0.0)
-        life_forecast_.emplace(regulation::forecast_model(scenario.rig.wear), scenario.rig.wear, config.forecast_widest * plan_.brake_budget_J());
+        life_forecast_.emplace(wear::forecast_model(scenario.rig.wear), scenario.rig.wear, config.forecast_widest * plan_.brake_budget_J());
 }
 
-regulation::Regulator WearRegulation::after(const std::vector<LedgerRow>& rows) const {
-    regulation::Regulator regulator(plan_, rules_, range_);
-    std::optional<regulation::LifeForecast> life_forecast = life_forecast_;
-    auto finished =
-        static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), [](const LedgerRow& row) { return row.state == RowState::finished; }));
+wear::Regulator WearRegulation::after(const std::vector<record::LedgerRow>& rows) const {
+    wear::Regulator regulator(plan_, rules_, range_);
+    std::optional<wear::LifeForecast> life_forecast = life_forecast_;
+    auto finished = static_cast<std::size_t>(
+        std::count_if(rows.begin(), rows.end(), [](const record::LedgerRow& row) { return row.state == record::RowState::finished; }));
     bool counted = true;  // the ledger's cumulative energy has every maneuver so far
-    for (const LedgerRow& row : rows) {
-        const Figures& figures = row.summary.figures;
+    for (const record::LedgerRow& row : rows) {
+        const record::Figures& figures = row.summary.figures;
         const bool known = std::isfinite(row.counted_J) && (sound(row) || !row.amendments.empty());
         counted = counted && (known || !row.has_figures);
-        if (row.has_figures && row.state != RowState::finished) {
+        if (row.has_figures && row.state != record::RowState::finished) {
             if (known) regulator.spent(row.counted_J, figures.energy_tyre_J);
-        } else if (row.state == RowState::finished) {
+        } else if (row.state == record::RowState::finished) {
             counted = counted && row.summary.frames_dropped == 0 && std::isfinite(row.summary.cumulative_energy_J);
-            regulator.after(landing(row, row.slip_reference, counted ? plan_.brake_taken_J + row.summary.cumulative_energy_J : regulation::kUnknown));
+            regulator.after(landing(row, row.slip_reference, counted ? plan_.brake_taken_J + row.summary.cumulative_energy_J : wear::kUnknown));
             --finished;
-            if (!life_forecast || regulator.last_reading() != regulation::Reading::measured) continue;
+            if (!life_forecast || regulator.last_reading() != wear::Reading::measured) continue;
             life_forecast->learn(regulator.brake_used_J(),
-                                 plant::mean_of_measured(friction_curve_, figures.mean_friction, drop_out_mps_ / figures.brake_on_mps));
+                                 rig::mean_of_measured(friction_curve_, figures.mean_friction, drop_out_mps_ / figures.brake_on_mps));
             if (finished >= kForecasts) continue;
             if (const auto life_J = life_forecast->life_J()) regulator.revise_brake_life(*life_J);
         }
@@ -95,29 +95,29 @@ regulation::Regulator WearRegulation::after(const std::vector<LedgerRow>& rows) 
     return regulator;
 }
 
-std::string line(const regulation::Regulator& r) {
-    const regulation::LimitForecast o = regulation::limit_forecast(r);
+std::string line(const wear::Regulator& r) {
+    const wear::LimitForecast o = wear::limit_forecast(r);
     const std::string measured = std::isfinite(r.measured_share()) ? fmt::format("{:.3f} measured", r.measured_share()) : "none measured";
     std::string text = fmt::format(
         "slip reference {:.3f}; tyre share {}, {:.3f} wanted; limits at landing {:.0f} (brake), {:.0f} "
         "(tyre) "
         "of {}",
         r.reference(), measured, o.required_share, o.brake.landing, o.tyre.landing, r.plan().landings);
-    if (o.verdict != regulation::Verdict::together) text += fmt::format("; {}", regulation::name(o.verdict));
-    if (r.missed() > 0) text += fmt::format("; {} without measurement ({})", r.missed(), regulation::name(r.last_reading()));
+    if (o.verdict != wear::Feasibility::together) text += fmt::format("; {}", wear::name(o.verdict));
+    if (r.missed() > 0) text += fmt::format("; {} without measurement ({})", r.missed(), wear::name(r.last_reading()));
     return text;
 }
 
-void write_regulation(const std::filesystem::path& file, const regulation::Regulator& r) {
-    const regulation::LimitForecast o = regulation::limit_forecast(r);
+void write_regulation(const std::filesystem::path& file, const wear::Regulator& r) {
+    const wear::LimitForecast o = wear::limit_forecast(r);
     const ordered_json json{{"line", line(r)},
-                            {"outlook", regulation::sentence(o, r.plan())},
-                            {"verdict", regulation::name(o.verdict)},
+                            {"prediction", wear::sentence(o, r.plan())},
+                            {"verdict", wear::name(o.verdict)},
                             {"slip_reference", r.reference()},
                             {"lowest_reference", r.range().lowest},
                             {"highest_reference", r.range().highest},
                             {"required_share", o.required_share},
-                            {"measured_share", number(r.measured_share())},
+                            {"measured_share", or_null(r.measured_share())},
                             {"brake_life_J", r.plan().brake_life_J},
                             {"brake_left_J", r.brake_left_J()},
                             {"tyre_left_J", r.tyre_left_J()},
@@ -131,4 +131,4 @@ void write_regulation(const std::filesystem::path& file, const regulation::Regul
     settings::write_file(file, json.dump(2) + "\n");
 }
 
-}  // namespace rig
+}  // namespace rig::bridge

@@ -4,27 +4,27 @@
 #include <algorithm>
 #include <chrono>
 
-namespace rig {
+namespace rig::modbus {
 
 class Backoff {
   public:
     using Time = std::chrono::milliseconds;
 
     /// `least` > 0, `most` >= `least`.
-    Backoff(Time least, Time most) : least_(least), most_(most), next_(least) {}
+    Backoff(Time min, Time max) : min_(min), max_(max), next_(min) {}
 
     /// least, twice that, four times, ... up to most.
     [[nodiscard]] Time next() {
         const Time now = next_;
-        next_ = std::min(2 * next_, most_);
+        next_ = std::min(2 * next_, max_);
         return now;
     }
-    void reset() { next_ = least_; }
+    void reset() { next_ = min_; }
 
   private:
-    Time least_;
-    Time most_;
+    Time min_;
+    Time max_;
     Time next_;
 };
 
-}  // namespace rig
+}  // namespace rig::modbus

@@ -14,10 +14,10 @@
 #include "rig_bridge/modbus/backoff.hpp"
 #include "rig_bridge/modbus/plc_connection.hpp"
 #include "rig_bridge/modbus/stop_signal.hpp"
-#include "rig_bridge/registers/blocks.hpp"
-#include "rig_bridge/registers/lockstep_turn.hpp"
+#include "rig_bridge/rig/lockstep_turn.hpp"
+#include "rig_bridge/rig/register_blocks.hpp"
 
-namespace rig {
+namespace rig::modbus {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -50,10 +50,10 @@ class ModbusClient::Impl {
           now_(std::move(now)),
           connection_(map_, address),
           backoff_(map_.link.backoff_min, map_.link.backoff_max),
-          input_blocks_(blocks_of(map_.measured, kMostRead)),
-          command_blocks_(blocks_of(written_together(map_), kMostWrite)),
+          input_blocks_(blocks_of(map_.measured, kMaxRead)),
+          command_blocks_(blocks_of(written_together(map_), kMaxWrite)),
           inputs_(map_.measured, map_.word_order),
-          desk_(map_) {
+          commands_(map_) {
         const bool ambiguous = std::any_of(input_blocks_.begin(), input_blocks_.end(), [](const Block& block) { return block.count == 1; });
         if (std::holds_alternative<SerialDevice>(address) && ambiguous)
             throw std::invalid_argument(to_string(address) +
@@ -75,7 +75,7 @@ class ModbusClient::Impl {
     void command(const CommandedValues& wanted) {
         const ClockTime now = now_();
         const std::lock_guard lock(mutex_);
-        desk_.want(wanted, now);
+        commands_.want(wanted, now);
         user_at_ = now;
     }
 
@@ -92,12 +92,12 @@ class ModbusClient::Impl {
         for (std::size_t i = 0; i < kMeasuredCount; ++i)
             shown.age_s[i] = shown.quality[i] == ValueQuality::never ? kNever : age_s(shown.read_at[i], now);
         shown.plc_watchdog_age_s = plc_seen_running_ ? age_s(plc_moved_at_, now) : kNever;
-        shown.commit = desk_.commit();
-        shown.command = desk_.state();
-        shown.pending_s = desk_.pending_s(now);
-        shown.command_error = desk_.error();
-        shown.foreign_commands = desk_.foreign_commands();
-        shown.foreign_commit = desk_.foreign_commit();
+        shown.commit = commands_.commit();
+        shown.command = commands_.state();
+        shown.pending_s = commands_.pending_s(now);
+        shown.command_error = commands_.error();
+        shown.foreign_commands = commands_.foreign_commands();
+        shown.foreign_commit = commands_.foreign_commit();
         return shown;
     }
 
@@ -145,7 +145,7 @@ class ModbusClient::Impl {
     void lose(const LinkFailure& failure) {
         connection_.close();
         const std::lock_guard lock(mutex_);
-        if (shown_.link == LinkState::connected || shown_.link == LinkState::map_refused) shown_.link = LinkState::lost;
+        if (shown_.link == LinkState::connected || shown_.link == LinkState::map_rejected) shown_.link = LinkState::lost;
         shown_.error = failure.text;
         plc_seen_running_ = false;
         auto& counters = shown_.counters;
@@ -164,7 +164,7 @@ class ModbusClient::Impl {
         std::array<std::uint16_t, 1> version{};
         count_request();
         if (auto failed = connection_.read_inputs(map_.field(Measured::map_version).address, version)) return failed;
-        if (refuse_other_map(version[0])) return std::nullopt;
+        if (reject_other_map(version[0])) return std::nullopt;
         std::array<std::uint16_t, 1> commit{};
         count_request();
         if (auto failed = connection_.read_holdings(map_.field(Commanded::commit).address, commit)) return failed;
@@ -177,18 +177,18 @@ class ModbusClient::Impl {
         const std::lock_guard lock(mutex_);
         plc_seen_running_ = false;
         plc_watchdog_.reset();
-        desk_.reconnected(commit[0], now);
+        commands_.reconnected(commit[0], now);
         shown_.link = LinkState::connected;
         ++shown_.counters.connects;
         return std::nullopt;
     }
 
     /// True, and the link closed, for another version than the map's.
-    bool refuse_other_map(double version) {
+    bool reject_other_map(double version) {
         if (version == map_.version) return false;
         connection_.close();
         const std::lock_guard lock(mutex_);
-        shown_.link = LinkState::map_refused;
+        shown_.link = LinkState::map_rejected;
         shown_.error = "the PLC has version " + std::to_string(static_cast<int>(version)) + " of the register map, the bridge's is " +
                        std::to_string(map_.version) + ": nothing is read or written";
         return true;
@@ -215,7 +215,7 @@ class ModbusClient::Impl {
                 if (offset >= 0 && offset < block.count) read_at[i] = asked;
             }
         }
-        if (refuse_other_map(read(map_, inputs_, Measured::map_version).value)) return std::nullopt;
+        if (reject_other_map(read(map_, inputs_, Measured::map_version).value)) return std::nullopt;
         const std::lock_guard lock(mutex_);
         for (std::size_t i = 0; i < kMeasuredCount; ++i) {
             const Reading reading = read(map_, inputs_, static_cast<Measured>(i));
@@ -232,8 +232,8 @@ class ModbusClient::Impl {
     void look_at_plc() {
         const double watchdog = at(shown_.values, Measured::plc_watchdog);
         const auto applied = static_cast<std::uint16_t>(at(shown_.values, Measured::applied_commit));
-        const auto refused = static_cast<std::uint16_t>(at(shown_.values, Measured::refused_commit));
-        desk_.seen(applied, refused, shown_.read_at[static_cast<std::size_t>(Measured::applied_commit)]);
+        const auto rejected = static_cast<std::uint16_t>(at(shown_.values, Measured::rejected_commit));
+        commands_.seen(applied, rejected, shown_.read_at[static_cast<std::size_t>(Measured::applied_commit)]);
         if (plc_watchdog_ && *plc_watchdog_ != watchdog) {
             plc_seen_running_ = true;
             plc_moved_at_ = shown_.read_at[static_cast<std::size_t>(Measured::plc_watchdog)];
@@ -274,7 +274,7 @@ class ModbusClient::Impl {
         std::optional<RegisterImage> image;
         {
             const std::lock_guard lock(mutex_);
-            if (supervised_) image = desk_.due();
+            if (supervised_) image = commands_.due();
         }
         if (!image) return std::nullopt;
         const Field& commit = map_.field(Commanded::commit);
@@ -283,7 +283,7 @@ class ModbusClient::Impl {
         if (auto failed = connection_.read_holdings(commit.address, standing)) return failed;
         {
             const std::lock_guard lock(mutex_);
-            desk_.standing(standing[0]);
+            commands_.standing(standing[0]);
         }
         for (const Block& block : command_blocks_) {
             count_request();
@@ -291,7 +291,7 @@ class ModbusClient::Impl {
         }
         {
             const std::lock_guard lock(mutex_);
-            desk_.sending(*image);
+            commands_.sending(*image);
         }
         count_request();
         return connection_.write(commit.address, image->words(commit.address, 1));
@@ -318,7 +318,7 @@ class ModbusClient::Impl {
     StopSignal stop_;
     mutable std::mutex mutex_;  // guards what follows; never held while waiting for the PLC
     Snapshot shown_;
-    CommandDesk desk_;
+    CommandTracker commands_;
     std::optional<ClockTime> user_at_;
     bool plc_seen_running_ = false;  // since the link was opened
     std::optional<double> plc_watchdog_;
@@ -346,4 +346,4 @@ Snapshot ModbusClient::snapshot() const {
     return impl_->snapshot();
 }
 
-}  // namespace rig
+}  // namespace rig::modbus

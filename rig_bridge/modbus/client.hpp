@@ -1,6 +1,6 @@
 /// The rig's PLC as the bridge sees it: polled and commanded by a thread of its own, over TCP or RTU.
 ///
-///     rig::ModbusClient plc(map, rig::TcpServer{"192.168.1.10", 502});
+///     rig::modbus::ModbusClient plc(map, rig::modbus::TcpServer{"192.168.1.10", 502});
 ///     for (;;) {                                             // the bridge's thread, every 10 ms
 ///         plc.command(wanted);
 ///         const auto now = plc.snapshot();
@@ -20,18 +20,18 @@
 #include <memory>
 #include <string>
 
-#include "rig_bridge/modbus/command_desk.hpp"
+#include "rig_bridge/modbus/command_tracker.hpp"
 #include "rig_bridge/modbus/plc_address.hpp"
-#include "rig_bridge/registers/codec.hpp"
-#include "rig_bridge/registers/register_map.hpp"
+#include "rig_bridge/rig/register_codec.hpp"
+#include "rig_bridge/rig/register_map.hpp"
 
-namespace rig {
+namespace rig::modbus {
 
 enum class LinkState : std::uint8_t {
-    connecting,   ///< never been connected
-    connected,    ///< the last request was answered
-    lost,         ///< waiting for the next attempt
-    map_refused,  ///< the PLC answers, but its map version is another one: nothing is read or written
+    connecting,    ///< never been connected
+    connected,     ///< the last request was answered
+    lost,          ///< waiting for the next attempt
+    map_rejected,  ///< the PLC answers, but its map version is another one: nothing is read or written
 };
 [[nodiscard]] std::string_view name(LinkState state);
 
@@ -110,4 +110,4 @@ class ModbusClient {
     std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace rig
+}  // namespace rig::modbus

@@ -5,7 +5,7 @@
 
 #include "rig_bridge/modbus/big_endian.hpp"
 
-namespace rig {
+namespace rig::modbus {
 namespace {
 
 constexpr std::size_t kHeader = 7;
@@ -78,4 +78,4 @@ std::string answer_fault(std::span<const std::uint8_t> request, std::span<const 
     return values == bytes ? "" : differs("bytes of values", values, bytes);
 }
 
-}  // namespace rig
+}  // namespace rig::modbus

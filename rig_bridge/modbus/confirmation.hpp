@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace rig {
+namespace rig::modbus {
 
 /// Function code 3 or 4.
 [[nodiscard]] std::vector<std::uint8_t> read_request(std::uint8_t function, std::uint16_t address, std::uint16_t count);
@@ -24,4 +24,4 @@ namespace rig {
 /// "" when PDU `answer` answers PDU `request`: function, length, byte count, and what was written where.
 [[nodiscard]] std::string answer_fault(std::span<const std::uint8_t> request, std::span<const std::uint8_t> answer);
 
-}  // namespace rig
+}  // namespace rig::modbus

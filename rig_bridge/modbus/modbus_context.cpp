@@ -1,6 +1,6 @@
 #include "rig_bridge/modbus/modbus_context.hpp"
 
-namespace rig {
+namespace rig::modbus {
 
 std::string modbus_error(int number) {
     switch (number) {
@@ -40,4 +40,4 @@ std::string modbus_error(int number) {
     }
 }
 
-}  // namespace rig
+}  // namespace rig::modbus

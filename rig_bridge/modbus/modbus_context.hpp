@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-namespace rig {
+namespace rig::modbus {
 
 struct ModbusFree {
     void operator()(modbus_t* context) const { modbus_free(context); }
@@ -16,4 +16,4 @@ using ModbusContext = std::unique_ptr<modbus_t, ModbusFree>;
 /// "illegal data address", "Connection refused".
 [[nodiscard]] std::string modbus_error(int number);
 
-}  // namespace rig
+}  // namespace rig::modbus

@@ -9,7 +9,7 @@
 #include <memory>
 #include <stdexcept>
 
-namespace rig {
+namespace rig::modbus {
 namespace {
 
 std::uint16_t parse_port(const std::string& text, const std::string& whole) {
@@ -59,4 +59,4 @@ std::string to_string(const PlcAddress& address) {
     return "Modbus RTU " + std::get<SerialDevice>(address).path;
 }
 
-}  // namespace rig
+}  // namespace rig::modbus

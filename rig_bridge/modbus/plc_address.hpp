@@ -5,7 +5,7 @@
 #include <string>
 #include <variant>
 
-namespace rig {
+namespace rig::modbus {
 
 struct TcpServer {
     std::string address = "127.0.0.1";  ///< numeric IPv4
@@ -25,4 +25,4 @@ using PlcAddress = std::variant<TcpServer, SerialDevice>;
 /// "Modbus TCP 192.168.1.10:502", "Modbus RTU /dev/ttyUSB0".
 [[nodiscard]] std::string to_string(const PlcAddress& address);
 
-}  // namespace rig
+}  // namespace rig::modbus

@@ -11,7 +11,7 @@
 
 #include "rig_bridge/modbus/confirmation.hpp"
 
-namespace rig {
+namespace rig::modbus {
 namespace {
 
 modbus_t* new_context(const RegisterMap& map, const PlcAddress& address) {
@@ -148,4 +148,4 @@ std::optional<LinkFailure> PlcConnection::write(std::uint16_t address, std::span
     return ask("write of holding registers " + registers(address, words.size()), write_request(address, words));
 }
 
-}  // namespace rig
+}  // namespace rig::modbus

@@ -10,9 +10,9 @@
 
 #include "rig_bridge/modbus/modbus_context.hpp"
 #include "rig_bridge/modbus/plc_address.hpp"
-#include "rig_bridge/registers/register_map.hpp"
+#include "rig_bridge/rig/register_map.hpp"
 
-namespace rig {
+namespace rig::modbus {
 
 struct LinkFailure {
     enum class Kind : std::uint8_t { timeout, exception, other };
@@ -58,4 +58,4 @@ class PlcConnection {
     std::vector<std::uint8_t> answer_;  // PDU
 };
 
-}  // namespace rig
+}  // namespace rig::modbus

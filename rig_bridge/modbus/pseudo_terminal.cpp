@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <system_error>
 
-namespace rig {
+namespace rig::modbus {
 namespace {
 
 [[noreturn]] void fail(const char* step) {
@@ -45,4 +45,4 @@ void PseudoTerminal::drain() const {
     static_cast<void>(!::read(master_.get(), bytes.data(), bytes.size()));
 }
 
-}  // namespace rig
+}  // namespace rig::modbus

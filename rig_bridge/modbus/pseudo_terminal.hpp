@@ -5,7 +5,7 @@
 
 #include "firmware/host/settings/file_descriptor.hpp"
 
-namespace rig {
+namespace rig::modbus {
 
 class PseudoTerminal {
   public:
@@ -24,4 +24,4 @@ class PseudoTerminal {
     settings::FileDescriptor slave_;  // held open: without any slave the master reads errors
 };
 
-}  // namespace rig
+}  // namespace rig::modbus

@@ -4,7 +4,7 @@
 #include <new>
 #include <vector>
 
-namespace rig {
+namespace rig::modbus {
 namespace {
 
 std::vector<Field> holding_fields(const RegisterMap& map) {
@@ -38,11 +38,11 @@ RegisterBank::RegisterBank(const RegisterMap& map)
     static_cast<void>(inputs_.write(map_.field(Measured::map_version), map_.version));
 }
 
-Orders RegisterBank::exchange(const MeasuredValues& measured) {
+PlcCommands RegisterBank::exchange(const MeasuredValues& measured) {
     const std::lock_guard lock(mutex_);
     write(map_, inputs_, measured);
     static_cast<void>(inputs_.write(map_.field(Measured::map_version), map_.version));
-    return orders_;
+    return commands_;
 }
 
 void RegisterBank::fetch_inputs() {
@@ -60,9 +60,9 @@ void RegisterBank::publish() {
 
     {
         const std::lock_guard lock(mutex_);
-        if (commit != 0.0 && commit != at(orders_.commanded, Commanded::commit)) orders_.commanded = now;
-        at(orders_.commanded, Commanded::bridge_watchdog) = at(now, Commanded::bridge_watchdog);
-        orders_.open_interlocks = interlocks_from_register(map_, open);
+        if (commit != 0.0 && commit != at(commands_.commanded, Commanded::commit)) commands_.commanded = now;
+        at(commands_.commanded, Commanded::bridge_watchdog) = at(now, Commanded::bridge_watchdog);
+        commands_.open_interlocks = interlocks_from_register(map_, open);
     }
     // After all that was written before it.
     if (map_.bridge_turn) bridge_turn_ = static_cast<std::uint16_t>(holdings_.read(*map_.bridge_turn).value);
@@ -93,4 +93,4 @@ RegisterBank::Answer RegisterBank::answer(modbus_t* context, std::span<const std
     return sent < 0 ? Answer::failed : Answer::given;
 }
 
-}  // namespace rig
+}  // namespace rig::modbus

@@ -12,16 +12,16 @@
 
 #include "rig_bridge/modbus/request.hpp"
 #include "rig_bridge/modbus/server.hpp"
-#include "rig_bridge/registers/codec.hpp"
+#include "rig_bridge/rig/register_codec.hpp"
 
-namespace rig {
+namespace rig::modbus {
 
 class RegisterBank {
   public:
     explicit RegisterBank(const RegisterMap& map);
 
     // The plant's thread.
-    Orders exchange(const MeasuredValues& measured);
+    PlcCommands exchange(const MeasuredValues& measured);
     [[nodiscard]] std::uint16_t bridge_turn() const { return bridge_turn_; }
 
     // The server's thread.
@@ -51,7 +51,7 @@ class RegisterBank {
 
     std::mutex mutex_;  // guards what follows, held for copies only
     RegisterImage inputs_;
-    Orders orders_;
+    PlcCommands commands_;
 };
 
-}  // namespace rig
+}  // namespace rig::modbus

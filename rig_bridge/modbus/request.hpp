@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "rig_bridge/registers/register_map.hpp"
+#include "rig_bridge/rig/register_map.hpp"
 
-namespace rig {
+namespace rig::modbus {
 
 /// Addresses that exist in one register space.
 class RegisterSet {
@@ -37,8 +37,8 @@ struct TcpFrame {
     std::size_t length = 0;  ///< of a whole frame, header included
 };
 inline constexpr std::size_t kTcpHeader = 7;
-inline constexpr std::size_t kTcpMost = 260;
+inline constexpr std::size_t kTcpMax = 260;
 /// The frame at the beginning of `bytes`, by its header: protocol 0, a unit and 1 to 253 bytes follow.
 [[nodiscard]] TcpFrame tcp_frame(std::span<const std::uint8_t> bytes);
 
-}  // namespace rig
+}  // namespace rig::modbus

@@ -23,7 +23,7 @@
 #include "rig_bridge/modbus/register_bank.hpp"
 #include "rig_bridge/modbus/stop_signal.hpp"
 
-namespace rig {
+namespace rig::modbus {
 namespace {
 
 constexpr std::uint32_t kRtuFrame_us = 200'000;  // from a request's first byte to its last
@@ -35,7 +35,7 @@ constexpr int kListenBacklog = 8;
 struct Peer {
     explicit Peer(int descriptor) : socket(descriptor) {}
     settings::FileDescriptor socket;
-    std::array<std::uint8_t, kTcpMost> bytes{};
+    std::array<std::uint8_t, kTcpMax> bytes{};
     std::size_t have = 0;
     bool closing = false;
     std::chrono::steady_clock::time_point asked = std::chrono::steady_clock::now();  ///< last whole request
@@ -78,9 +78,9 @@ class TcpListener {
 };
 
 /// Who may connect.
-class Guests {
+class AllowedPeers {
   public:
-    explicit Guests(const ServerOptions& options) : tell_(options.on_refused) {
+    explicit AllowedPeers(const ServerOptions& options) : tell_(options.on_rejected) {
         for (const std::string& address : options.allow) {
             in_addr numeric{};
             if (::inet_pton(AF_INET, address.c_str(), &numeric) != 1)
@@ -91,7 +91,7 @@ class Guests {
     [[nodiscard]] bool admits(const sockaddr_in& peer) {
         const in_addr_t address = peer.sin_addr.s_addr;
         if (allowed_.contains(address)) return true;
-        if (named_.size() < ServerOptions::kMostNamed && named_.insert(address).second && tell_) {
+        if (named_.size() < ServerOptions::kMaxNamed && named_.insert(address).second && tell_) {
             std::array<char, INET_ADDRSTRLEN> text{};
             ::inet_ntop(AF_INET, &peer.sin_addr, text.data(), text.size());
             tell_(text.data());
@@ -129,7 +129,8 @@ class RtuLine {
 
 class ModbusServer::Impl {
   public:
-    Impl(const RegisterMap& map, const ServerOptions& options) : bank_(map), most_(options.clients), idle_after_(options.idle), guests_(options) {
+    Impl(const RegisterMap& map, const ServerOptions& options)
+        : bank_(map), max_(options.clients), idle_after_(options.idle), allowed_peers_(options) {
         if (options.port) {
             tcp_ = std::make_unique<TcpListener>(options.address, *options.port);
             port_ = tcp_->port();
@@ -146,14 +147,14 @@ class ModbusServer::Impl {
 
     [[nodiscard]] std::uint16_t port() const { return port_; }
     [[nodiscard]] std::string rtu_path() const { return rtu_ ? rtu_->terminal().path() : ""; }
-    Orders exchange(const MeasuredValues& measured) { return bank_.exchange(measured); }
+    PlcCommands exchange(const MeasuredValues& measured) { return bank_.exchange(measured); }
     [[nodiscard]] std::uint16_t bridge_turn() const { return bank_.bridge_turn(); }
     [[nodiscard]] ServerCounters counters() const {
         return {.requests = requests_,
                 .exceptions = exceptions_,
                 .broken = broken_,
                 .hangs = hangs_,
-                .refused = refused_,
+                .rejected = rejected_,
                 .idle = idle_,
                 .clients = clients_};
     }
@@ -187,13 +188,13 @@ class ModbusServer::Impl {
         const int socket = ::accept4(tcp_->descriptor(), reinterpret_cast<sockaddr*>(&from), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
         if (socket < 0) return;
         auto peer = std::make_unique<Peer>(socket);
-        if (!guests_.admits(from)) {
-            ++refused_;
+        if (!allowed_peers_.admits(from)) {
+            ++rejected_;
             return;
         }
         const int on = 1;
         ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-        if (peers_.size() < most_ || drop_idle(peer->asked)) peers_.push_back(std::move(peer));
+        if (peers_.size() < max_ || drop_idle(peer->asked)) peers_.push_back(std::move(peer));
         clients_ = peers_.size();
     }
 
@@ -262,16 +263,16 @@ class ModbusServer::Impl {
     }
 
     RegisterBank bank_;
-    std::size_t most_;
+    std::size_t max_;
     std::chrono::milliseconds idle_after_;
-    Guests guests_;
+    AllowedPeers allowed_peers_;
     StopSignal stop_;
     std::unique_ptr<TcpListener> tcp_;
     std::unique_ptr<RtuLine> rtu_;
     std::uint16_t port_ = 0;
     std::vector<std::unique_ptr<Peer>> peers_;
     bool stopped_ = false;
-    std::atomic<std::uint64_t> requests_{0}, exceptions_{0}, broken_{0}, hangs_{0}, refused_{0}, idle_{0};
+    std::atomic<std::uint64_t> requests_{0}, exceptions_{0}, broken_{0}, hangs_{0}, rejected_{0}, idle_{0};
     std::atomic<std::size_t> clients_{0};
     std::thread thread_;
 };
@@ -284,7 +285,7 @@ std::uint16_t ModbusServer::port() const {
 std::string ModbusServer::rtu_path() const {
     return impl_->rtu_path();
 }
-Orders ModbusServer::exchange(const MeasuredValues& measured) {
+PlcCommands ModbusServer::exchange(const MeasuredValues& measured) {
     return impl_->exchange(measured);
 }
 std::uint16_t ModbusServer::bridge_turn() const {
@@ -294,4 +295,4 @@ ServerCounters ModbusServer::counters() const {
     return impl_->counters();
 }
 
-}  // namespace rig
+}  // namespace rig::modbus

@@ -1,6 +1,6 @@
 /// The Modbus side of a PLC that exists in software only: serves a register map, TCP and RTU, on a thread of its own.
 ///
-///     rig::ModbusServer server(map, {.port = 1502});
+///     rig::modbus::ModbusServer server(map, {.port = 1502});
 ///     for (;;) {                                         // the plant's thread, every scan
 ///         const auto orders = server.exchange(measured);
 ///         plc.scan(orders.commanded, ...);
@@ -19,9 +19,9 @@
 #include <string>
 #include <vector>
 
-#include "rig_bridge/registers/register_map.hpp"
+#include "rig_bridge/rig/register_map.hpp"
 
-namespace rig {
+namespace rig::modbus {
 
 struct ServerOptions {
     std::string address = "127.0.0.1";      ///< numeric IPv4; 0.0.0.0: every interface
@@ -33,13 +33,13 @@ struct ServerOptions {
     std::chrono::milliseconds idle{1000};
     /// Numeric IPv4 of the peers that may connect; others are closed before a byte of theirs is read.
     std::vector<std::string> allow{"127.0.0.1"};
-    /// Told of each other address the first time that it comes (of the first kMostNamed), on the server's thread.
-    std::function<void(const std::string& peer)> on_refused = nullptr;
-    static constexpr std::size_t kMostNamed = 64;
+    /// Told of each other address the first time that it comes (of the first kMaxNamed), on the server's thread.
+    std::function<void(const std::string& peer)> on_rejected = nullptr;
+    static constexpr std::size_t kMaxNamed = 64;
 };
 
 /// What the PLC has been told.
-struct Orders {
+struct PlcCommands {
     /// As they all stood when `commit` last changed to another number than 0; before that all 0. Only bridge_watchdog
     /// is of now. What no range holds, NaN included, is handed on as it is: refusing it is the PLC's business.
     CommandedValues commanded{};
@@ -51,9 +51,9 @@ struct ServerCounters {
     std::uint64_t exceptions = 0;  ///< requests answered by one
     std::uint64_t broken = 0;      ///< frames that were none: TCP connection closed, RTU line flushed
     std::uint64_t hangs = 0;
-    std::uint64_t refused = 0;  ///< TCP connections of peers that are not allowed
-    std::uint64_t idle = 0;     ///< TCP connections that were closed for another's sake
-    std::size_t clients = 0;    ///< TCP connections now
+    std::uint64_t rejected = 0;  ///< TCP connections of peers that are not allowed
+    std::uint64_t idle = 0;      ///< TCP connections that were closed for another's sake
+    std::size_t clients = 0;     ///< TCP connections now
 };
 
 class ModbusServer {
@@ -72,7 +72,7 @@ class ModbusServer {
     /// New measured values for the input registers, newest orders back. Waits for no client, at most for a copy of the
     /// registers. A value outside its declared range is saturated; NaN leaves its register as it was. map_version is the
     /// map's own, whatever `measured` says.
-    Orders exchange(const MeasuredValues& measured);
+    PlcCommands exchange(const MeasuredValues& measured);
 
     /// What stands in the map's bridge_turn, after all orders that were written before it; 0 where the map has none.
     [[nodiscard]] std::uint16_t bridge_turn() const;
@@ -84,4 +84,4 @@ class ModbusServer {
     std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace rig
+}  // namespace rig::modbus

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <system_error>
 
-namespace rig {
+namespace rig::modbus {
 
 StopSignal::StopSignal() : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     if (!event_.is_open()) throw std::system_error(errno, std::generic_category(), "eventfd");
@@ -26,4 +26,4 @@ bool StopSignal::wait_for(std::chrono::nanoseconds time) const {
     return ::ppoll(&event, 1, &timeout, nullptr) > 0;
 }
 
-}  // namespace rig
+}  // namespace rig::modbus

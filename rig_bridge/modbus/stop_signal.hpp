@@ -5,7 +5,7 @@
 
 #include "firmware/host/settings/file_descriptor.hpp"
 
-namespace rig {
+namespace rig::modbus {
 
 class StopSignal {
   public:
@@ -22,4 +22,4 @@ class StopSignal {
     settings::FileDescriptor event_;
 };
 
-}  // namespace rig
+}  // namespace rig::modbus

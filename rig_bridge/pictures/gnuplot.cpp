@@ -9,7 +9,7 @@
 #include <iterator>
 #include <stdexcept>
 
-namespace study {
+namespace pictures {
 
 namespace {
 
@@ -63,4 +63,4 @@ void run_gnuplot(const std::filesystem::path& png, int width, int height, const 
     std::filesystem::rename(aside, png);
 }
 
-}  // namespace study
+}  // namespace pictures

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace study {
+namespace pictures {
 
 /// As a string of gnuplot's language.
 [[nodiscard]] std::string gnuplot_quoted(const std::string& text);
@@ -24,4 +24,4 @@ namespace study {
 /// when gnuplot is not installed or fails, with what it said.
 void run_gnuplot(const std::filesystem::path& png, int width, int height, const std::string& commands);
 
-}  // namespace study
+}  // namespace pictures

@@ -4,7 +4,7 @@
 
 #include "rig_bridge/pictures/gnuplot.hpp"
 
-namespace study {
+namespace pictures {
 
 namespace {
 
@@ -53,4 +53,4 @@ void draw_stop(const std::filesystem::path& trajectory_csv, const std::filesyste
     run_gnuplot(png, 1100, along_runway ? 1300 : 1000, script(trajectory_csv, title, brake_on_s, along_runway));
 }
 
-}  // namespace study
+}  // namespace pictures

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace study {
+namespace pictures {
 
 /// Draws `trajectory_csv` (as Trajectory writes it) into `png`; the vertical line marks `brake_on_s`. With `along_runway`, for a trajectory
 /// that has the columns of a runway, also friction, available and used, over its length. The picture is whole or not there. Throws
@@ -12,4 +12,4 @@ namespace study {
 void draw_stop(const std::filesystem::path& trajectory_csv, const std::filesystem::path& png, const std::string& title, double brake_on_s,
                bool along_runway = false);
 
-}  // namespace study
+}  // namespace pictures

@@ -10,7 +10,7 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 
-namespace rig {
+namespace rig::record {
 
 namespace {
 
@@ -105,4 +105,4 @@ std::string AppendFile::error() const {
     return text + "; " + std::to_string(missing_) + (missing_ == 1 ? " line is missing" : " lines are missing");
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -11,7 +11,7 @@
 #include "firmware/host/settings/file_descriptor.hpp"
 #include "rig_bridge/record/line_file.hpp"
 
-namespace rig {
+namespace rig::record {
 
 class AppendFile final : public LineFile {
   public:
@@ -45,4 +45,4 @@ class AppendFile final : public LineFile {
     int error_ = 0;
 };
 
-}  // namespace rig
+}  // namespace rig::record

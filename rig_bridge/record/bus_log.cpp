@@ -7,14 +7,14 @@
 #include "firmware/can/candump.hpp"
 #include "rig_bridge/record/append_file.hpp"
 
-namespace rig {
+namespace rig::record {
 
 BusLog::BusLog(std::unique_ptr<LineFile> file, std::string interface) : file_(std::move(file)), interface_(std::move(interface)) {}
 
 BusLog::BusLog(const std::filesystem::path& path, std::string interface) : BusLog(std::make_unique<AppendFile>(path), std::move(interface)) {}
 
 void BusLog::write(const CapturedFrame& frame) {
-    std::array<char, antiskid::can::kCandumpLineMost> line{};
+    std::array<char, antiskid::can::kCandumpLineMax> line{};
     const std::size_t length = antiskid::can::format_candump({.time = frame.frame.received,
                                                               .interface = interface_,
                                                               .frame = frame.frame,
@@ -30,4 +30,4 @@ void BusLog::write(const CapturedFrame& frame) {
     }
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -9,7 +9,7 @@
 #include "rig_bridge/record/captured_frame.hpp"
 #include "rig_bridge/record/line_file.hpp"
 
-namespace rig {
+namespace rig::record {
 
 class BusLog {
   public:
@@ -37,4 +37,4 @@ class BusLog {
     antiskid::can::Time flushed_{};
 };
 
-}  // namespace rig
+}  // namespace rig::record

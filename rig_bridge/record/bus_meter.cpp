@@ -4,7 +4,7 @@
 
 #include "firmware/can/roles.hpp"
 
-namespace rig {
+namespace rig::record {
 
 using antiskid::can::Role;
 using antiskid::control::kNever;
@@ -55,4 +55,4 @@ std::uint64_t BusMeter::frames_lost() const {
     return lost;
 }
 
-}  // namespace rig
+}  // namespace rig::record

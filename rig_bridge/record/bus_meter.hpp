@@ -13,7 +13,7 @@
 #include "rig_bridge/record/meter.hpp"
 #include "rig_bridge/record/sample_stream.hpp"
 
-namespace rig {
+namespace rig::record {
 
 class BusMeter {
   public:
@@ -46,4 +46,4 @@ class BusMeter {
          load_cells_reported_ = false;  // since the newest sample
 };
 
-}  // namespace rig
+}  // namespace rig::record

@@ -14,7 +14,7 @@
 
 #include "firmware/can/raw_socket.hpp"
 
-namespace rig {
+namespace rig::record {
 
 using antiskid::can::Time;
 
@@ -141,4 +141,4 @@ int Capture::receive_buffer_bytes() const {
     return getsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, &size) == 0 ? bytes : 0;
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -15,7 +15,7 @@
 
 #include "rig_bridge/record/captured_frame.hpp"
 
-namespace rig {
+namespace rig::record {
 
 struct CaptureOptions {
     /// Asked of the kernel, which gives less without CAP_NET_ADMIN (net.core.rmem_max). A frame takes about 0.8 KiB there:
@@ -68,4 +68,4 @@ class Capture {
     std::array<CapturedFrame, kBatch> frames_{};
 };
 
-}  // namespace rig
+}  // namespace rig::record

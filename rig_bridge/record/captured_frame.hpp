@@ -3,7 +3,7 @@
 
 #include "firmware/can/frame.hpp"
 
-namespace rig {
+namespace rig::record {
 
 struct CapturedFrame {
     antiskid::can::Frame frame;  ///< `received`: the kernel's stamp, wall clock since 1970; id without flags
@@ -15,4 +15,4 @@ struct CapturedFrame {
     [[nodiscard]] bool plain() const { return !extended && !remote && !error; }
 };
 
-}  // namespace rig
+}  // namespace rig::record

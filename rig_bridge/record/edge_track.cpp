@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rig {
+namespace rig::record {
 
 namespace {
 
@@ -157,4 +157,4 @@ EdgeTrack::Rest EdgeTrack::rest() const {
     return {.time_s = speed / deceleration, .way = 0.5 * speed * speed / deceleration};
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -14,7 +14,7 @@
 
 #include "firmware/can/frame.hpp"
 
-namespace rig {
+namespace rig::record {
 
 using antiskid::can::Time;
 
@@ -113,4 +113,4 @@ class EdgeTrack {
     bool clock_known_ = false;
 };
 
-}  // namespace rig
+}  // namespace rig::record

@@ -5,7 +5,7 @@
 
 #include "rig_bridge/record/summary.hpp"
 
-namespace rig {
+namespace rig::record {
 
 struct FigureField {
     const char* key;    ///< in summary.json and the ledger, with the unit
@@ -30,4 +30,4 @@ inline constexpr std::array kFigureFields{
     FigureField{"peak_temperature_C", "peak brake temperature", "degC", 1.0, &Figures::peak_temperature_C},
 };
 
-}  // namespace rig
+}  // namespace rig::record

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-namespace rig {
+namespace rig::record {
 
 /// unknown: nobody judges, or too few maneuvers yet. suspect: out of the ordinary, and may go away. abnormal: not a brake like those that
 /// the wear model knows.
@@ -26,4 +26,4 @@ struct Health {
     std::string model;   ///< hash of the wear model that judged; empty: none
 };
 
-}  // namespace rig
+}  // namespace rig::record

@@ -12,7 +12,7 @@
 #include <system_error>
 #include <thread>
 
-namespace rig {
+namespace rig::record {
 
 namespace {
 
@@ -66,4 +66,4 @@ std::optional<HeldBy> held_by(const std::filesystem::path& path) {
     return read_holder(file.get());
 }
 
-}  // namespace rig
+}  // namespace rig::record

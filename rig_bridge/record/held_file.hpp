@@ -10,7 +10,7 @@
 
 #include "firmware/host/settings/file_descriptor.hpp"
 
-namespace rig {
+namespace rig::record {
 
 class HeldFile {
   public:
@@ -33,4 +33,4 @@ struct HeldBy {
 /// Whether somebody has it now, and who: for those who only look. Nothing where the file is not there or cannot be read.
 [[nodiscard]] std::optional<HeldBy> held_by(const std::filesystem::path& path);
 
-}  // namespace rig
+}  // namespace rig::record

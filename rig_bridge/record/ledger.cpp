@@ -11,7 +11,7 @@
 #include "rig_bridge/record/ledger_impl.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 
-namespace rig {
+namespace rig::record {
 
 namespace {
 
@@ -74,7 +74,7 @@ Resumed Ledger::open_campaign(const Campaign& campaign, IfChanged changed, const
         specimen = taken_over(specimen, old.specimen);
         for (const auto part : {&Specimen::brake, &Specimen::disc})  // wear of another one is another campaign's
             if (!(old.specimen.*part).empty()) compare(part == &Specimen::brake ? "brake" : "disc", old.specimen.*part, specimen.*part);
-        if (!resumed.changed.empty() && changed == IfChanged::refuse) {
+        if (!resumed.changed.empty() && changed == IfChanged::reject) {
             throw settings::Error(path, 0, "",
                                   fmt::format("campaign '{}' was begun otherwise: {}; resume it as it was begun, or give "
                                               "another name",
@@ -292,4 +292,4 @@ void Ledger::mark_unfinished(const std::optional<Summary>& known) {
     transaction.commit();
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -1,6 +1,6 @@
 /// The campaign ledger: an SQLite file with a row for every maneuver, which survives SIGKILL, power cuts and full disks.
 ///
-///     Ledger ledger("runs/ledger.sqlite");
+///     Ledger ledger("runs/campaign.sqlite");
 ///     ledger.open_campaign(campaign, IfChanged::refuse);      // new, or resumed; settles what a killed bridge left
 ///     while (auto number = ledger.next_number()) {            // none: the campaign is complete
 ///         const Attempt attempt = ledger.begin(*number, started);
@@ -33,7 +33,7 @@
 #include "rig_bridge/record/health.hpp"
 #include "rig_bridge/record/summary.hpp"
 
-namespace rig {
+namespace rig::record {
 
 /// The ledger could not be read or written: disk full, held by somebody else, damaged. `what()` names the file. Nothing of the
 /// operation is in the ledger then.
@@ -54,7 +54,7 @@ struct Campaign {
 };
 
 /// What to do when a campaign is resumed with another scenario, seed, config hash, brake or disc.
-enum class IfChanged : std::uint8_t { refuse, go_on };
+enum class IfChanged : std::uint8_t { reject, go_on };
 
 struct Attempt {
     std::int64_t number = 0;
@@ -172,4 +172,4 @@ class Ledger {
 
 [[nodiscard]] const char* name(RowState state);
 
-}  // namespace rig
+}  // namespace rig::record

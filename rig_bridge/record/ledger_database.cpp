@@ -6,7 +6,7 @@
 #include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 
-namespace rig {
+namespace rig::record {
 
 namespace {
 
@@ -283,4 +283,4 @@ void LedgerDatabase::Transaction::commit() {
     open_ = false;
 }
 
-}  // namespace rig
+}  // namespace rig::record

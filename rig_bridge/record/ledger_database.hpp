@@ -11,7 +11,7 @@
 
 #include "rig_bridge/record/ledger.hpp"
 
-namespace rig {
+namespace rig::record {
 
 /// One prepared statement. Parameters and columns count from 1 and 0, as in SQLite.
 class Statement {
@@ -108,4 +108,4 @@ inline constexpr std::string_view kWarningsApart = "; ";
 
 inline constexpr std::int64_t kLedgerSchema = 6;
 
-}  // namespace rig
+}  // namespace rig::record

@@ -9,7 +9,7 @@
 #include "rig_bridge/record/ledger_database.hpp"
 #include "rig_bridge/record/ledger_lock.hpp"
 
-namespace rig {
+namespace rig::record {
 
 struct Ledger::Impl {
     Impl(const std::filesystem::path& ledger, const LedgerOptions& options);
@@ -30,4 +30,4 @@ struct Ledger::Impl {
     std::int64_t id = 0;  // of the open campaign; 0: none
 };
 
-}  // namespace rig
+}  // namespace rig::record

@@ -9,7 +9,7 @@
 
 #include "rig_bridge/record/ledger.hpp"
 
-namespace rig {
+namespace rig::record {
 
 namespace {
 
@@ -44,4 +44,4 @@ bool is_held(const std::filesystem::path& path) {
     return held_by(lock_file(path)).has_value();
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -6,7 +6,7 @@
 
 #include "rig_bridge/record/held_file.hpp"
 
-namespace rig {
+namespace rig::record {
 
 /// A file of its own beside the ledger: SQLite's locks on the ledger itself would be lost when any descriptor of it is closed. The kernel
 /// frees it when the process dies.
@@ -20,4 +20,4 @@ class LedgerLock {
     std::unique_ptr<HeldFile> file_;
 };
 
-}  // namespace rig
+}  // namespace rig::record

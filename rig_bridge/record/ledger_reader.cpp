@@ -8,7 +8,7 @@
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/ledger_database.hpp"
 
-namespace rig {
+namespace rig::record {
 
 namespace {
 
@@ -165,4 +165,4 @@ const char* name(RowState state) {
     return kStateNames[static_cast<std::size_t>(state)];
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -7,7 +7,7 @@
 
 #include "rig_bridge/record/ledger_impl.hpp"
 
-namespace rig {
+namespace rig::record {
 
 void Ledger::judge(std::int64_t number, const Health& health) {
     impl_->need_campaign();
@@ -75,4 +75,4 @@ void Ledger::note(std::int64_t number, std::int64_t attempt, const Note& note) {
     transaction.commit();
 }
 
-}  // namespace rig
+}  // namespace rig::record

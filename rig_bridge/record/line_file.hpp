@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace rig {
+namespace rig::record {
 
 class LineFile {
   public:
@@ -27,4 +27,4 @@ class LineFile {
     [[nodiscard]] virtual std::string error() const = 0;
 };
 
-}  // namespace rig
+}  // namespace rig::record

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-namespace rig {
+namespace rig::record {
 
 LiveFile::LiveFile(const std::filesystem::path& path, LiveFileOptions options) : options_(std::move(options)), path_(path), file_(path) {
     queue_.reserve(options_.queue_bytes);
@@ -19,7 +19,7 @@ void LiveFile::line(std::string_view text) {
     const std::lock_guard lock(mutex_);
     ++lines_;
     if (queue_.size() + text.size() + 1 > options_.queue_bytes) {
-        ++refused_;
+        ++rejected_;
         return;
     }
     queue_.append(text).push_back('\n');
@@ -71,7 +71,7 @@ bool LiveFile::finish() {
     const std::lock_guard lock(mutex_);
     lost_ = file_.missing();
     error_ = file_.error();
-    return whole && refused_ == 0;
+    return whole && rejected_ == 0;
 }
 
 std::uint64_t LiveFile::lines() const {
@@ -81,14 +81,14 @@ std::uint64_t LiveFile::lines() const {
 
 std::uint64_t LiveFile::missing() const {
     const std::lock_guard lock(mutex_);
-    return lost_ + refused_;
+    return lost_ + rejected_;
 }
 
 std::string LiveFile::error() const {
     const std::lock_guard lock(mutex_);
-    if (refused_ == 0) return error_;
-    return path_.string() + ": the disk does not keep up, the queue was full; " + std::to_string(refused_) +
-           (refused_ == 1 ? " line is missing" : " lines are missing") + (error_.empty() ? "" : "; " + error_);
+    if (rejected_ == 0) return error_;
+    return path_.string() + ": the disk does not keep up, the queue was full; " + std::to_string(rejected_) +
+           (rejected_ == 1 ? " line is missing" : " lines are missing") + (error_.empty() ? "" : "; " + error_);
 }
 
-}  // namespace rig
+}  // namespace rig::record

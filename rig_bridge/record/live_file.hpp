@@ -14,7 +14,7 @@
 #include "rig_bridge/record/append_file.hpp"
 #include "rig_bridge/record/line_file.hpp"
 
-namespace rig {
+namespace rig::record {
 
 struct LiveFileOptions {
     std::size_t queue_bytes = std::size_t{8} << 20U;
@@ -53,11 +53,11 @@ class LiveFile final : public LineFile {
     std::condition_variable wake_;
     std::string queue_;
     std::uint64_t lines_ = 0;
-    std::uint64_t refused_ = 0;
+    std::uint64_t rejected_ = 0;
     std::uint64_t lost_ = 0;  // by the disk
     std::string error_;       // of the disk
     bool stop_ = false;
     std::thread thread_;
 };
 
-}  // namespace rig
+}  // namespace rig::record

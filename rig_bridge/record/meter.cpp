@@ -9,7 +9,7 @@
 
 #include "firmware/can/sensor_decoder.hpp"
 
-namespace rig {
+namespace rig::record {
 
 namespace {
 
@@ -22,7 +22,7 @@ constexpr std::uint8_t kStandstill = 5;
 constexpr double kWindow_s = 0.01;
 constexpr double kBrakeOnWindow_s = 0.03;
 /// After an abort the brake lets go: what it takes meanwhile is its energy, too. Not before the windows of all speeds lie behind the abort.
-constexpr double kLeastRelease_s = 0.06, kMostRelease_s = 0.5;
+constexpr double kMinRelease_s = 0.06, kMaxRelease_s = 0.5;
 /// A sensor that reports speed says zero, or its least count, at standstill.
 constexpr double kStands = 0.02;
 /// Half way, as a ratio, to the nearest mistake of unit: bar for MPa is ten. A brake at its wear limit has half of its first friction.
@@ -31,8 +31,8 @@ constexpr double kImplausibleFriction = 3.16;
 constexpr double kJudgedFriction_s = 0.2;
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
-EdgeLimits limits(double teeth, double most_radps, double late_s) {
-    return {.edges_per_s = most_radps / kTurn_rad * teeth, .late_s = late_s};
+EdgeLimits limits(double teeth, double max_radps, double late_s) {
+    return {.edges_per_s = max_radps / kTurn_rad * teeth, .late_s = late_s};
 }
 
 ShaftSample as_on_bus(const antiskid::can::SpeedSignals& signals, const ShaftSample& sample) {
@@ -98,9 +98,9 @@ double Meter::Shaft::rest_way() const {
 
 Meter::Meter(const MeterParameters& parameters)
     : parameters_(parameters),
-      wheel_(kTurn_rad / parameters.wheel_teeth, limits(parameters.wheel_teeth, parameters.wheel_most_radps, parameters.sensor_late_s)),
+      wheel_(kTurn_rad / parameters.wheel_teeth, limits(parameters.wheel_teeth, parameters.wheel_max_radps, parameters.sensor_late_s)),
       flywheel_(kTurn_rad / parameters.flywheel_teeth * parameters.flywheel_radius_m,
-                limits(parameters.flywheel_teeth, parameters.flywheel_most_radps, parameters.sensor_late_s)) {
+                limits(parameters.flywheel_teeth, parameters.flywheel_max_radps, parameters.sensor_late_s)) {
     tail_.reserve(kTail);
 }
 
@@ -147,7 +147,7 @@ void Meter::feed(const MeterSample& sample) {
 
 bool Meter::released(const MeterSample& sample) const {
     const double since_s = sample.time_s - ended_s_;
-    return since_s > kMostRelease_s || (since_s > kLeastRelease_s && sample.pressure_Pa < kReleased_Pa);
+    return since_s > kMaxRelease_s || (since_s > kMinRelease_s && sample.pressure_Pa < kReleased_Pa);
 }
 
 void Meter::start(const MeterSample& sample) {
@@ -319,4 +319,4 @@ Figures Meter::now() const {
     return f;
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -31,7 +31,7 @@
 #include "rig_bridge/record/summary.hpp"
 #include "rig_bridge/record/work_books.hpp"
 
-namespace rig {
+namespace rig::record {
 
 /// The warning of a brake energy that is in part that of the speeds, load cells being silent.
 inline constexpr std::string_view kEnergyBySpeeds = "energy_by_speeds";
@@ -57,9 +57,9 @@ struct MeterParameters {
     double period_s = 1e-3;            ///< control period: the step of the SYNC number
 
     // What tells a sound record from another; as they stand here everything is believed.
-    double wheel_most_radps = std::numeric_limits<double>::infinity();     ///< that its encoder can report
-    double flywheel_most_radps = std::numeric_limits<double>::infinity();  ///< the same
-    double sensor_late_s = std::numeric_limits<double>::infinity();        ///< age of the oldest reading in use
+    double wheel_max_radps = std::numeric_limits<double>::infinity();     ///< that its encoder can report
+    double flywheel_max_radps = std::numeric_limits<double>::infinity();  ///< the same
+    double sensor_late_s = std::numeric_limits<double>::infinity();       ///< age of the oldest reading in use
     /// By how much brake and tyre energy may differ from the kinetic energy lost, as share of that at brake-on.
     double energy_band = std::numeric_limits<double>::infinity();
     double friction = 0.0;  ///< mean mu_b that the brake is known for; 0: not known
@@ -201,4 +201,4 @@ class Meter {
     std::vector<Sums> tail_;  // since the flywheel's last edge: standstill lies among them; capacity kTail from the start
 };
 
-}  // namespace rig
+}  // namespace rig::record

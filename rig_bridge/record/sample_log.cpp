@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-namespace rig {
+namespace rig::record {
 
 namespace {
 
@@ -32,4 +32,4 @@ void SampleLog::write(antiskid::can::Time wall_clock, const MeasuredValues& valu
     file_->line({row.data(), row.size()});
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -7,9 +7,9 @@
 
 #include "firmware/can/frame.hpp"
 #include "rig_bridge/record/line_file.hpp"
-#include "rig_bridge/registers/quantities.hpp"
+#include "rig_bridge/rig/quantities.hpp"
 
-namespace rig {
+namespace rig::record {
 
 /// Columns: time_s (wall clock since 1970, microseconds, as in bus.log), then every Measured quantity by name with its unit. The first
 /// row names them.
@@ -32,4 +32,4 @@ class SampleLog {
 /// The column of a quantity: "flywheel_speed_mps".
 [[nodiscard]] std::string sample_column(Measured quantity);
 
-}  // namespace rig
+}  // namespace rig::record

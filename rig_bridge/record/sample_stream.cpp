@@ -4,7 +4,7 @@
 
 #include "firmware/can/roles.hpp"
 
-namespace rig {
+namespace rig::record {
 
 using antiskid::can::Role;
 using antiskid::control::kNever;
@@ -66,4 +66,4 @@ void SampleStream::count_stamp(antiskid::can::Time stamp) {
     time_ = antiskid::can::Time{(us - first_us_) * 1000};
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -14,7 +14,7 @@
 
 #include "firmware/can/observer.hpp"
 
-namespace rig {
+namespace rig::record {
 
 class SampleStream {
   public:
@@ -60,4 +60,4 @@ class SampleStream {
     std::uint64_t steps_back_ = 0;
 };
 
-}  // namespace rig
+}  // namespace rig::record

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string_view>
 
-namespace rig {
+namespace rig::record {
 
 namespace {
 
@@ -58,4 +58,4 @@ std::string to_text(const Specimen& specimen) {
     return text;
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace rig {
+namespace rig::record {
 
 /// Empty: nobody said it.
 struct Specimen {
@@ -61,4 +61,4 @@ class DiscEnergy {
     double before_J_ = 0.0;
 };
 
-}  // namespace rig
+}  // namespace rig::record

@@ -7,7 +7,7 @@
 
 #include "rig_bridge/record/specimen.hpp"
 
-namespace rig {
+namespace rig::record {
 
 /// `since`: what follows in each option's help. `specimen` must outlive the parse; check_texts() is the caller's.
 inline void add_specimen_options(CLI::App& app, Specimen& specimen, const std::string& since) {
@@ -19,4 +19,4 @@ inline void add_specimen_options(CLI::App& app, Specimen& specimen, const std::s
     }
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -4,7 +4,7 @@
 
 #include "firmware/can/frame.hpp"
 
-namespace rig {
+namespace rig::record {
 
 class StampLabel {
   public:
@@ -27,4 +27,4 @@ class StampLabel {
     antiskid::can::Time set_{};
 };
 
-}  // namespace rig
+}  // namespace rig::record

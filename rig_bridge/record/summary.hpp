@@ -10,7 +10,7 @@
 
 #include "rig_bridge/record/specimen.hpp"
 
-namespace rig {
+namespace rig::record {
 
 /// All from brake-on to standstill as the maneuver-state telemetry says, from bus frames alone: rebuilding them from
 /// bus.log gives the same bits.
@@ -69,4 +69,4 @@ struct Summary {
     return summary.figures.energy_brake_J;
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -12,7 +12,7 @@
 #include "firmware/host/settings/input_file.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 
-namespace rig {
+namespace rig::record {
 
 using nlohmann::ordered_json;
 
@@ -160,4 +160,4 @@ std::string summary_table(const Summary& summary) {
     return text;
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -6,7 +6,7 @@
 
 #include "rig_bridge/record/summary.hpp"
 
-namespace rig {
+namespace rig::record {
 
 /// Whole or not at all (settings::write_file). Every double comes back with the same bits. Throws settings::Error.
 void write_summary(const std::filesystem::path& path, const Summary& summary);
@@ -17,4 +17,4 @@ void write_summary(const std::filesystem::path& path, const Summary& summary);
 /// A line for every figure, with units.
 [[nodiscard]] std::string summary_table(const Summary& summary);
 
-}  // namespace rig
+}  // namespace rig::record

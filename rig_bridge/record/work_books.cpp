@@ -1,6 +1,6 @@
 #include "rig_bridge/record/work_books.hpp"
 
-namespace rig {
+namespace rig::record {
 
 Work& Work::operator+=(const Work& other) {
     brake_J += other.brake_J;
@@ -44,4 +44,4 @@ bool WorkBooks::close() {
     return true;
 }
 
-}  // namespace rig
+}  // namespace rig::record

@@ -14,7 +14,7 @@
 
 #include <cstdint>
 
-namespace rig {
+namespace rig::record {
 
 struct Work {
     double brake_J = 0.0;
@@ -63,4 +63,4 @@ class WorkBooks {
     double closed_s_ = 0.0;
 };
 
-}  // namespace rig
+}  // namespace rig::record

@@ -9,7 +9,7 @@
 #include "rig_bridge/replay/raw_can_sender.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -31,7 +31,7 @@ struct BusCommand {
             for (const std::string& id : ids) options.filter.add(id);
             return 0;
         });
-        antiskid::rt::StopSignals signals;
+        antiskid::host::StopSignals signals;
         LogWarnings warnings = warnings_of(log);
         const OpenLog open = [&] {
             LogOptions of_log;
@@ -41,7 +41,7 @@ struct BusCommand {
         (void)open();  // a log that is not there is said before the interface is touched
         RawCanSender sender(can);
         if (priority > 0) become_realtime();
-        antiskid::rt::MonotonicClock clock;
+        antiskid::host::MonotonicClock clock;
         const auto report = std::make_unique<PlayReport>();
         play(open, options, sender, clock, signals.stop(), *report);
         if (json != "-") {
@@ -55,9 +55,9 @@ struct BusCommand {
     }
 
     void become_realtime() const {
-        if (const auto refused = antiskid::rt::lock_memory()) fmt::print(stderr, "rig-replay: {}\n", *refused);
-        for (const std::string& refused : antiskid::rt::enter_realtime({.priority = priority, .cpu = {}}))
-            fmt::print(stderr, "rig-replay: {}\n", refused);
+        if (const auto rejected = antiskid::host::lock_memory()) fmt::print(stderr, "rig-replay: {}\n", *rejected);
+        for (const std::string& rejected : antiskid::host::enter_realtime({.priority = priority, .cpu = {}}))
+            fmt::print(stderr, "rig-replay: {}\n", rejected);
     }
 };
 
@@ -85,4 +85,4 @@ ReplayVerb bus_verb(CLI::App& app) {
     return {verb, [c] { return c->run(); }};
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -7,7 +7,7 @@
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -44,14 +44,14 @@ std::string to_text(const CampaignTable& table) {
 std::string to_csv(const CampaignTable& table) {
     std::string csv = "number,attempt,outcome,cumulative_energy_J";
     const auto out = std::back_inserter(csv);
-    for (const FigureField& field : kFigureFields) fmt::format_to(out, ",{}", field.key);
-    for (const SpecimenField& field : kSpecimenFields) fmt::format_to(out, ",{}", field.key);
+    for (const record::FigureField& field : record::kFigureFields) fmt::format_to(out, ",{}", field.key);
+    for (const record::SpecimenField& field : record::kSpecimenFields) fmt::format_to(out, ",{}", field.key);
     csv += ",disc_energy_J\n";
     for (const CampaignRow& row : table.rows) {
         if (!row.counted) continue;
         fmt::format_to(out, "{},{},{},{}", row.folder.number, row.folder.attempt, row.summary.outcome, row.summary.cumulative_energy_J);
-        for (const FigureField& field : kFigureFields) fmt::format_to(out, ",{}", row.summary.figures.*field.value);
-        for (const SpecimenField& field : kSpecimenFields) fmt::format_to(out, ",{}", settings::csv_field(row.specimen.*field.value));
+        for (const record::FigureField& field : record::kFigureFields) fmt::format_to(out, ",{}", row.summary.figures.*field.value);
+        for (const record::SpecimenField& field : record::kSpecimenFields) fmt::format_to(out, ",{}", settings::csv_field(row.specimen.*field.value));
         fmt::format_to(out, ",{}\n", row.disc_energy_J);
     }
     return csv;
@@ -66,8 +66,8 @@ std::string to_json(const CampaignTable& table, const std::string& campaign) {
                                    {"counted", row.counted},
                                    {"cumulative_energy_J", row.summary.cumulative_energy_J}};
         if (row.counted)
-            for (const FigureField& field : kFigureFields) one[field.key] = row.summary.figures.*field.value;
-        for (const SpecimenField& field : kSpecimenFields) one[field.key] = row.specimen.*field.value;
+            for (const record::FigureField& field : record::kFigureFields) one[field.key] = row.summary.figures.*field.value;
+        for (const record::SpecimenField& field : record::kSpecimenFields) one[field.key] = row.specimen.*field.value;
         one["disc_energy_J"] = row.disc_energy_J;
         one["warnings"] = row.summary.warnings;
         one["differences"] = row.differences;
@@ -83,4 +83,4 @@ std::string to_json(const CampaignTable& table, const std::string& campaign) {
     return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace rig
+}  // namespace rig::replay

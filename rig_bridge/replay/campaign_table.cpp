@@ -11,7 +11,7 @@
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_meter.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -31,8 +31,8 @@ std::optional<ManeuverFolder> as_maneuver(const fs::path& path) {
     return folder;
 }
 
-void compare_figures(const Figures& from_log, const Figures& stated, const char* where, std::vector<std::string>& differences) {
-    for (const FigureField& field : kFigureFields) {
+void compare_figures(const record::Figures& from_log, const record::Figures& stated, const char* where, std::vector<std::string>& differences) {
+    for (const record::FigureField& field : record::kFigureFields) {
         const double a = from_log.*field.value;
         const double b = stated.*field.value;
         if (a == b || (std::isnan(a) && std::isnan(b))) continue;
@@ -48,7 +48,8 @@ class Rebuild {
 
     CampaignTable run(const std::vector<ManeuverFolder>& folders) {
         for (const ManeuverFolder& folder : folders)
-            if (scenario_.empty() && fs::exists(folder.path / "summary.json")) scenario_ = read_summary(folder.path / "summary.json").scenario;
+            if (scenario_.empty() && fs::exists(folder.path / "summary.json"))
+                scenario_ = record::read_summary(folder.path / "summary.json").scenario;
         for (const ManeuverFolder& folder : folders) add(folder);
         if (table_.with_ledger) rows_without_folder(folders);
         return table_;
@@ -58,20 +59,20 @@ class Rebuild {
     void add(const ManeuverFolder& folder) {
         CampaignRow row;
         row.folder = folder;
-        const LedgerRow* const ledger = ledger_row(folder);
+        const record::LedgerRow* const ledger = ledger_row(folder);
         row.ended = fs::exists(folder.path / "summary.json");
-        std::optional<Summary> stated;
+        std::optional<record::Summary> stated;
         if (row.ended) {
-            row.summary = *(stated = read_summary(folder.path / "summary.json"));
+            row.summary = *(stated = record::read_summary(folder.path / "summary.json"));
         } else if (ledger != nullptr) {
             row.summary = ledger->summary;
             row.summary.specimen = ledger->recorded;
         }
-        if (!row.ended) row.summary.outcome = name(RowState::unfinished);
+        if (!row.ended) row.summary.outcome = name(record::RowState::unfinished);
         row.counted = measure(row) || row.ended;
         const bool amended = ledger != nullptr && !ledger->amendments.empty();
         if (row.counted || amended) {
-            energy_J_ += amended ? ledger->counted_J : counted_energy_J(row.summary);
+            energy_J_ += amended ? ledger->counted_J : record::counted_energy_J(row.summary);
             amended_ = amended_ || amended;
             row.summary.cumulative_energy_J = energy_J_;
         }
@@ -84,7 +85,8 @@ class Rebuild {
         table_.rows.push_back(std::move(row));
     }
 
-    void compare(const Summary& from_log, const Summary& stated, const char* where, bool sums, std::vector<std::string>& differences) const {
+    void compare(const record::Summary& from_log, const record::Summary& stated, const char* where, bool sums,
+                 std::vector<std::string>& differences) const {
         compare_figures(from_log.figures, stated.figures, where, differences);
         if (from_log.warnings != stated.warnings) {
             differences.push_back(fmt::format("warnings are '{}' from the log, '{}' in {}", fmt::join(from_log.warnings, "; "),
@@ -97,12 +99,12 @@ class Rebuild {
         }
     }
 
-    static void compare_state(CampaignRow& row, const LedgerRow* ledger) {
+    static void compare_state(CampaignRow& row, const record::LedgerRow* ledger) {
         if (ledger == nullptr) {
             row.differences.emplace_back("the ledger has no such attempt");
             return;
         }
-        const bool entered = ledger->state == RowState::finished || ledger->state == RowState::aborted;
+        const bool entered = ledger->state == record::RowState::finished || ledger->state == record::RowState::aborted;
         if (entered != row.ended)
             row.differences.push_back(fmt::format("{} summary.json, but {} in the ledger", row.ended ? "has a" : "has no", name(ledger->state)));
         else if (row.counted && !ledger->has_figures)
@@ -110,11 +112,11 @@ class Rebuild {
     }
 
     void rows_without_folder(const std::vector<ManeuverFolder>& folders) {
-        for (const LedgerRow& ledger : sources_.ledger) {
+        for (const record::LedgerRow& ledger : sources_.ledger) {
             const bool there = std::any_of(folders.begin(), folders.end(), [&](const ManeuverFolder& f) {
                 return f.number == ledger.attempt.number && f.attempt == ledger.attempt.attempt;
             });
-            if (there || ledger.state == RowState::unfinished || ledger.state == RowState::running) continue;
+            if (there || ledger.state == record::RowState::unfinished || ledger.state == record::RowState::running) continue;
             CampaignRow row;
             row.folder = {.path = ledger.attempt.folder, .number = ledger.attempt.number, .attempt = ledger.attempt.attempt};
             row.summary.outcome = name(ledger.state);
@@ -123,8 +125,8 @@ class Rebuild {
         }
     }
 
-    [[nodiscard]] const LedgerRow* ledger_row(const ManeuverFolder& folder) const {
-        const auto found = std::find_if(sources_.ledger.begin(), sources_.ledger.end(), [&](const LedgerRow& row) {
+    [[nodiscard]] const record::LedgerRow* ledger_row(const ManeuverFolder& folder) const {
+        const auto found = std::find_if(sources_.ledger.begin(), sources_.ledger.end(), [&](const record::LedgerRow& row) {
             return row.attempt.number == folder.number && row.attempt.attempt == folder.attempt;
         });
         return found == sources_.ledger.end() ? nullptr : &*found;
@@ -152,7 +154,7 @@ class Rebuild {
     CampaignTable table_;
     std::string scenario_;  // of the campaign, for an attempt that says nothing of it
     double energy_J_ = 0.0;
-    DiscEnergy disc_;
+    record::DiscEnergy disc_;
     bool amended_ = false;
 };
 
@@ -181,4 +183,4 @@ CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders, const
     return Rebuild(sources).run(folders);
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -12,7 +12,7 @@
 #include "rig_bridge/record/meter.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 /// One folder of a campaign: one attempt at one maneuver.
 struct ManeuverFolder {
@@ -29,9 +29,9 @@ struct CampaignRow {
     bool counted = false;  ///< has figures, and its energy counts: a summary, or without one a log that counts
     bool ended = false;    ///< finished or aborted: has a summary
     /// That of the summary, or what is known without one, with figures, warnings and sums from the logs alone; and as amended.
-    Summary summary;
-    Specimen specimen{};         ///< as noted; `summary` has it as it was recorded
-    double disc_energy_J = 0.0;  ///< of the cumulative energy, what this row's brake and disc have taken
+    record::Summary summary;
+    record::Specimen specimen{};  ///< as noted; `summary` has it as it was recorded
+    double disc_energy_J = 0.0;   ///< of the cumulative energy, what this row's brake and disc have taken
     /// "mean_friction is 0.29817 from the log, 0.29816 in summary.json"; bit by bit.
     std::vector<std::string> differences;
 };
@@ -47,14 +47,15 @@ struct CampaignTable {
 struct CampaignSources {
     const antiskid::can::Layout& layout;
     /// What the meter must know of the rig of a scenario, by its name in the summary.
-    std::function<MeterParameters(const std::string& scenario)> parameters;
-    std::vector<LedgerRow> ledger;  ///< of this campaign; empty with `with_ledger` false
+    std::function<record::MeterParameters(const std::string& scenario)> parameters;
+    std::vector<record::LedgerRow> ledger;  ///< of this campaign; empty with `with_ledger` false
     bool with_ledger = false;
     std::function<LogWarnings(const std::string& file)> warnings;
 };
 
 /// Enters all of it into a new ledger beside the folders. Throws settings::Error when `file` is there, LedgerError.
-void write_ledger(const std::filesystem::path& file, const Campaign& campaign, const CampaignTable& table, const std::vector<LedgerRow>& old);
+void write_ledger(const std::filesystem::path& file, const record::Campaign& campaign, const CampaignTable& table,
+                  const std::vector<record::LedgerRow>& old);
 
 /// Reads every log of the folders. A folder whose log is missing or unreadable is a difference. What people amended in the ledger holds.
 [[nodiscard]] CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders, const CampaignSources& sources);
@@ -64,4 +65,4 @@ void write_ledger(const std::filesystem::path& file, const Campaign& campaign, c
 [[nodiscard]] std::string to_csv(const CampaignTable& table);
 [[nodiscard]] std::string to_json(const CampaignTable& table, const std::string& campaign);
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -10,10 +10,10 @@
 #include "rig_bridge/pictures/gnuplot.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
-#include "rig_bridge/scenario/meter_parameters.hpp"
-#include "rig_bridge/scenario/scenario.hpp"
+#include "rig_bridge/rig/meter_parameters.hpp"
+#include "rig_bridge/rig/scenario.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -34,7 +34,7 @@ struct CampaignCommand {
         });
         const fs::path place = campaign_folder();
         const std::vector<ManeuverFolder> folders = maneuver_folders(place);
-        std::map<std::string, MeterParameters> known;
+        std::map<std::string, record::MeterParameters> known;
         CampaignSources sources{.layout = layout,
                                 .parameters = [&](const std::string& name) { return parameters(known, name); },
                                 .ledger = {},
@@ -42,7 +42,7 @@ struct CampaignCommand {
                                 .warnings = warnings_of};
         const fs::path file = ledger.empty() ? ledger_in(place.parent_path()) : ledger;
         if (!file.empty()) {
-            sources.ledger = read_ledger(file, place.filename().string());
+            sources.ledger = record::read_ledger(file, place.filename().string());
             sources.with_ledger = true;
         } else {
             fmt::print(stderr, "rig-replay: warning: no ledger in {}: compared with the summaries only\n", place.parent_path().string());
@@ -60,12 +60,12 @@ struct CampaignCommand {
     }
 
     /// As the ledger has it; without one, as the summaries say.
-    [[nodiscard]] static Campaign campaign_of(const fs::path& ledger, const std::string& name, const CampaignTable& table) {
+    [[nodiscard]] static record::Campaign campaign_of(const fs::path& ledger, const std::string& name, const CampaignTable& table) {
         if (!ledger.empty())
-            for (const Campaign& campaign : read_campaigns(ledger))
+            for (const record::Campaign& campaign : record::read_campaigns(ledger))
                 if (campaign.name == name) return campaign;
         for (const CampaignRow& row : table.rows)
-            if (const Summary& s = row.summary; row.ended)
+            if (const record::Summary& s = row.summary; row.ended)
                 return {.name = name,
                         .scenario = s.scenario,
                         .seed = s.seed,
@@ -78,7 +78,7 @@ struct CampaignCommand {
 
     /// Empty: none there.
     [[nodiscard]] static fs::path ledger_in(const fs::path& directory) {
-        for (const char* name : {"campaign.sqlite", "ledger.sqlite"})
+        for (const char* name : {"campaign.sqlite", "campaign.sqlite"})
             if (fs::exists(directory / name)) return directory / name;
         return {};
     }
@@ -88,15 +88,15 @@ struct CampaignCommand {
         fs::path given = fs::absolute(folder / "").parent_path();
         const fs::path inside = ledger_in(given);
         if (inside.empty()) return given;
-        const std::vector<Campaign> campaigns = read_campaigns(inside);
+        const std::vector<record::Campaign> campaigns = record::read_campaigns(inside);
         if (campaigns.size() == 1) return given / campaigns.front().name;
         std::string names;
-        for (const Campaign& campaign : campaigns) names.append(names.empty() ? "" : ", ").append(campaign.name);
+        for (const record::Campaign& campaign : campaigns) names.append(names.empty() ? "" : ", ").append(campaign.name);
         throw UsageError(fmt::format("{} holds {} campaigns ({}); give the folder of one, like {}", inside.string(), campaigns.size(), names,
                                      (given / "NAME").string()));
     }
 
-    [[nodiscard]] MeterParameters parameters(std::map<std::string, MeterParameters>& known, const std::string& name) const {
+    [[nodiscard]] record::MeterParameters parameters(std::map<std::string, record::MeterParameters>& known, const std::string& name) const {
         const auto found = known.find(name);
         if (found != known.end()) return found->second;
         return known[name] = configured([&] {
@@ -108,12 +108,12 @@ struct CampaignCommand {
     void draw(const CampaignTable& table) const {
         const std::string rows = csv.empty() || csv == "-" ? picture + ".csv" : csv;
         if (rows != csv) settings::write_file(rows, to_csv(table));
-        study::run_gnuplot(picture, 1000, 600,
-                           fmt::format("set datafile separator ','\nset key off\n"
-                                       "set xlabel 'brake energy of this brake and disc (MJ)'\nset ylabel 'mean friction'\n"
-                                       "plot {} using (column('disc_energy_J') * 1e-6):'mean_friction' with points pt 7 "
-                                       "ps 0.6 lc rgb '#1f4e79'\n",
-                                       study::gnuplot_quoted(rows)));
+        pictures::run_gnuplot(picture, 1000, 600,
+                              fmt::format("set datafile separator ','\nset key off\n"
+                                          "set xlabel 'brake energy of this brake and disc (MJ)'\nset ylabel 'mean friction'\n"
+                                          "plot {} using (column('disc_energy_J') * 1e-6):'mean_friction' with points pt 7 "
+                                          "ps 0.6 lc rgb '#1f4e79'\n",
+                                          pictures::gnuplot_quoted(rows)));
     }
 };
 
@@ -128,7 +128,7 @@ ReplayVerb campaign_verb(CLI::App& app) {
                                                   "folder of the campaign (0001/bus.log or bus.log.gz, 0001/summary.json, ...), or the "
                                                   "directory with its ledger"))
         ->required();
-    settings::existing_file(verb->add_option("--ledger", c->ledger, "its ledger (default: campaign.sqlite or ledger.sqlite beside the folder)"));
+    settings::existing_file(verb->add_option("--ledger", c->ledger, "its ledger (default: campaign.sqlite or campaign.sqlite beside the folder)"));
     settings::add_config_directory(*verb, c->config);
     settings::add_layout_files(*verb, c->dbc, c->binding);
     verb->add_option("--csv", c->csv, "the table with every figure as CSV")->type_name("FILE");
@@ -141,7 +141,7 @@ ReplayVerb campaign_verb(CLI::App& app) {
     verb->footer(
         "Examples:\n"
         "  rig-replay campaign out/campaign\n"
-        "  rig-replay campaign runs/night --ledger runs/ledger.sqlite --picture fig7.png\n"
+        "  rig-replay campaign runs/night --ledger runs/campaign.sqlite --picture fig7.png\n"
         "  rig-replay campaign runs/brake7 --rebuild runs/brake7/rebuilt.sqlite\n"
         "Exit status: 0 equal to summaries and ledger; 1 something differs or cannot be read; 2 mistake in "
         "command line or "
@@ -149,4 +149,4 @@ ReplayVerb campaign_verb(CLI::App& app) {
     return {verb, [c] { return c->run(); }};
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -9,7 +9,7 @@
 #include "firmware/control/controller.hpp"
 #include "firmware/host/control_loop.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 using antiskid::can::Role;
 
@@ -32,7 +32,7 @@ class ComparedBus final : public antiskid::can::Bus {
 };
 
 /// Nothing in the loop depends on it but the pauses between closing commands.
-class NoClock final : public antiskid::rt::Clock {
+class NoClock final : public antiskid::host::Clock {
   public:
     [[nodiscard]] Time now() override { return {}; }
     void sleep_until(Time) override {}
@@ -40,7 +40,7 @@ class NoClock final : public antiskid::rt::Clock {
 
 /// Large: on the heap.
 struct Machine {
-    Machine(const antiskid::rt::Setup& setup, const PacerSettings& settings, LogReader& log)
+    Machine(const antiskid::controller::ControllerSetup& setup, const PacerSettings& settings, LogReader& log)
         : comparison(setup.layout),
           bus(comparison),
           port(setup.layout, setup.period),
@@ -53,7 +53,7 @@ struct Machine {
     antiskid::can::ControllerPort port;
     antiskid::control::Controller controller;
     RecordedPacer pacer;
-    antiskid::rt::CycleRing ring;  // nobody reads it: full, it takes no more
+    antiskid::host::CycleRing ring;  // nobody reads it: full, it takes no more
 };
 
 }  // namespace
@@ -65,17 +65,18 @@ bool ControllerReplayReport::same() const {
     return none;
 }
 
-ControllerReplayReport replay_controller(const std::filesystem::path& file, const LogOptions& options, const antiskid::rt::Setup& setup,
-                                         ReplayClock clock, LogWarnings& warnings) {
+ControllerReplayReport replay_controller(const std::filesystem::path& file, const LogOptions& options,
+                                         const antiskid::controller::ControllerSetup& setup, ReplayClock clock, LogWarnings& warnings) {
     const auto began = std::chrono::steady_clock::now();
     LogOptions with_layout = options;
     with_layout.layout = &setup.layout;
     LogReader log(file, with_layout, warnings);
     const float safe_mA = setup.control.valve.safe_current_mA;
     const auto m = std::make_unique<Machine>(setup, PacerSettings{.clock = clock, .period = setup.period, .safe_current_mA = safe_mA}, log);
-    const auto loop = std::make_unique<antiskid::rt::ControlLoop>(
-        antiskid::rt::LoopSettings{.period = setup.period, .safe_current_mA = safe_mA, .valve_last = true},
-        antiskid::rt::LoopDoors{.clock = m->clock, .pacer = m->pacer, .bus = m->bus, .port = m->port, .controller = m->controller, .ring = m->ring});
+    const auto loop = std::make_unique<antiskid::host::ControlLoop>(
+        antiskid::host::LoopSettings{.period = setup.period, .safe_current_mA = safe_mA, .valve_last = true},
+        antiskid::host::LoopContext{
+            .clock = m->clock, .pacer = m->pacer, .bus = m->bus, .port = m->port, .controller = m->controller, .ring = m->ring});
     const std::atomic<bool> stop{false};
     loop->run(stop);
     m->comparison.finish();
@@ -102,4 +103,4 @@ ControllerReplayReport replay_controller(const std::filesystem::path& file, cons
     return report;
 }
 
-}  // namespace rig
+}  // namespace rig::replay

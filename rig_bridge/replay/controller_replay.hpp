@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <string>
 
-#include "firmware/host/setup.hpp"
+#include "firmware/controller/controller_setup.hpp"
 #include "rig_bridge/replay/frame_comparison.hpp"
 #include "rig_bridge/replay/recorded_pacer.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 struct ControllerReplayReport {
     std::string log;
@@ -35,10 +35,10 @@ struct ControllerReplayReport {
 };
 
 /// Throws std::runtime_error when the log cannot be read or holds no valve command.
-[[nodiscard]] ControllerReplayReport replay_controller(const std::filesystem::path& log, const LogOptions& options, const antiskid::rt::Setup& setup,
-                                                       ReplayClock clock, LogWarnings& warnings);
+[[nodiscard]] ControllerReplayReport replay_controller(const std::filesystem::path& log, const LogOptions& options,
+                                                       const antiskid::controller::ControllerSetup& setup, ReplayClock clock, LogWarnings& warnings);
 
 [[nodiscard]] std::string to_text(const ControllerReplayReport& report, const antiskid::can::Layout& layout);
 [[nodiscard]] std::string to_json(const ControllerReplayReport& report, const antiskid::can::Layout& layout);
 
-}  // namespace rig
+}  // namespace rig::replay

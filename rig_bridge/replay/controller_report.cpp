@@ -8,7 +8,7 @@
 #include "firmware/can/roles.hpp"
 #include "rig_bridge/replay/controller_replay.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 using antiskid::can::Role;
 
@@ -16,7 +16,7 @@ namespace {
 
 /// "100#8D000000"
 std::string text_of(const Frame& frame) {
-    std::array<char, antiskid::can::kCandumpLineMost> line{};
+    std::array<char, antiskid::can::kCandumpLineMax> line{};
     const std::size_t size = antiskid::can::format_candump(Time{0}, "x", frame, line);
     const std::string_view text(line.data(), size);
     return std::string(text.substr(text.rfind(' ') + 1));
@@ -118,4 +118,4 @@ std::string to_json(const ControllerReplayReport& r, const antiskid::can::Layout
     return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace rig
+}  // namespace rig::replay

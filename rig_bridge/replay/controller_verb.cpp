@@ -6,7 +6,7 @@
 #include "rig_bridge/replay/controller_replay.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -19,11 +19,11 @@ struct ControllerCommand {
     std::string json;
 
     int run() const {
-        antiskid::rt::Options setup;
+        antiskid::controller::Options setup;
         setup.controller = controller.empty() ? config / "controller.toml" : controller;
         setup.dbc = dbc.empty() ? config / "antiskid.dbc" : dbc;
         setup.binding = binding.empty() ? config / "antiskid_binding.toml" : binding;
-        const antiskid::rt::Setup loaded = configured([&] { return antiskid::rt::load_setup(setup); });
+        const antiskid::controller::ControllerSetup loaded = configured([&] { return antiskid::controller::load_setup(setup); });
         LogWarnings warnings = warnings_of(log);
         LogOptions options;
         if (!interface.empty()) options.interface = interface;
@@ -58,4 +58,4 @@ ReplayVerb controller_verb(CLI::App& app) {
     return {verb, [command] { return command->run(); }};
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -10,7 +10,7 @@
 #include "rig_bridge/replay/line_source.hpp"
 #include "rig_bridge/replay/recording.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -20,7 +20,7 @@ class CsvRecording final : public Recording {
         : name_(file.string()), map_(map), wanted_(wanted), source_(file) {
         LineSource::Line line;
         while (source_.lines() + 1 < map_.first_data_row && source_.next(line)) {
-            refuse_long(line);
+            reject_long(line);
             if (line.number == map_.header_row) find_columns(line.text);
             if (line.number == map_.unit_row) find_units(line.text);
         }
@@ -34,7 +34,7 @@ class CsvRecording final : public Recording {
                 if (!source_.damage().empty()) throw std::runtime_error(name_ + ":" + std::to_string(source_.lines()) + ": " + source_.damage());
                 return false;
             }
-            refuse_long(line);
+            reject_long(line);
         } while (settings::trimmed(line.text).empty());
         row.row = line.number;
         row.unreadable.clear();
@@ -51,7 +51,7 @@ class CsvRecording final : public Recording {
     [[nodiscard]] std::string stated_unit(std::size_t wanted) const override { return wanted < units_.size() ? units_[wanted] : std::string(); }
 
   private:
-    void refuse_long(const LineSource::Line& line) const {
+    void reject_long(const LineSource::Line& line) const {
         if (line.too_long)
             throw std::runtime_error(name_ + ":" + std::to_string(line.number) + ": row longer than " + std::to_string(LineSource::kLongest) +
                                      " characters");
@@ -107,4 +107,4 @@ std::unique_ptr<Recording> open_recording(const std::filesystem::path& file, con
     return std::make_unique<CsvRecording>(file, map, wanted);
 }
 
-}  // namespace rig
+}  // namespace rig::replay

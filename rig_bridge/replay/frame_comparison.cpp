@@ -4,7 +4,7 @@
 
 #include "firmware/can/roles.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 using antiskid::can::Payload;
 using antiskid::can::Role;
@@ -98,4 +98,4 @@ void FrameComparison::match(Role role) {
     }
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -12,7 +12,7 @@
 #include "firmware/can/layout.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 struct FrameDifference {
     antiskid::can::Role role{};
@@ -77,4 +77,4 @@ class FrameComparison {
     bool settling_ = false;
 };
 
-}  // namespace rig
+}  // namespace rig::replay

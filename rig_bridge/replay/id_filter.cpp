@@ -5,7 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -38,4 +38,4 @@ bool IdFilter::passes(const LogFrame& frame) const {
            });
 }
 
-}  // namespace rig
+}  // namespace rig::replay

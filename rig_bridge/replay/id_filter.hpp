@@ -8,7 +8,7 @@
 
 #include "rig_bridge/replay/log_reader.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 /// A frame passes when any rule lets it; without rules every frame passes.
 class IdFilter {
@@ -28,4 +28,4 @@ class IdFilter {
     std::vector<Rule> rules_;
 };
 
-}  // namespace rig
+}  // namespace rig::replay

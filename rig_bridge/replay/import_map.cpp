@@ -4,7 +4,7 @@
 
 #include "firmware/host/settings/settings.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -64,13 +64,13 @@ void read_maneuvers(const Table& t, ImportMap& map) {
     constexpr settings::Range kSpeed_mps{.min = 0.01, .max = 200.0};
     map.brake_on_Pa = t.number("brake_on_Pa", kPressure_Pa);
     map.released_Pa = t.number("released_Pa", kPressure_Pa);
-    map.least_speed_mps = t.number("least_speed_mps", kSpeed_mps);
+    map.min_speed_mps = t.number("min_speed_mps", kSpeed_mps);
     map.standstill_mps = t.number("standstill_mps", kSpeed_mps);
     map.before_s = t.number("before_s", {.min = 0.1, .max = 60.0});
     map.after_s = t.number("after_s", {.min = 0.0, .max = 60.0});
     map.longest_gap_s = t.number("longest_gap_s", {.min = 1e-3, .max = 10.0});
     if (map.released_Pa >= map.brake_on_Pa) t.fail("released_Pa", "must be below brake_on_Pa");
-    if (map.standstill_mps >= map.least_speed_mps) t.fail("standstill_mps", "must be below least_speed_mps");
+    if (map.standstill_mps >= map.min_speed_mps) t.fail("standstill_mps", "must be below min_speed_mps");
 }
 
 }  // namespace
@@ -98,4 +98,4 @@ ImportMap load_import_map(const std::filesystem::path& file) {
     return map;
 }
 
-}  // namespace rig
+}  // namespace rig::replay

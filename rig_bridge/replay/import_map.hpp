@@ -10,7 +10,7 @@
 
 #include "firmware/can/units.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 enum class Channel : std::uint8_t {
     wheel_speed,     ///< rad/s
@@ -43,11 +43,11 @@ struct ImportMap {
     std::string scenario;
 
     double brake_on_Pa = 0.0, released_Pa = 0.0;
-    double least_speed_mps = 0.0, standstill_mps = 0.0;
+    double min_speed_mps = 0.0, standstill_mps = 0.0;
     double before_s = 0.0, after_s = 0.0, longest_gap_s = 0.0;
 };
 
 /// Throws settings::Error naming file, line and key.
 [[nodiscard]] ImportMap load_import_map(const std::filesystem::path& file);
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-namespace rig {
+namespace rig::replay {
 
 class ImportNotes {
   public:
@@ -27,4 +27,4 @@ class ImportNotes {
     std::map<std::string, std::uint64_t> counts_;
 };
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -11,10 +11,10 @@
 #include "rig_bridge/record/specimen_options.hpp"
 #include "rig_bridge/replay/importer.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
-#include "rig_bridge/scenario/meter_parameters.hpp"
-#include "rig_bridge/scenario/scenario.hpp"
+#include "rig_bridge/rig/meter_parameters.hpp"
+#include "rig_bridge/rig/scenario.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -39,11 +39,11 @@ struct ImportCommand {
     fs::path file, map, out;
     fs::path config = settings::config_directory();
     fs::path dbc, binding;
-    Specimen specimen;
+    record::Specimen specimen;
     std::string json;
 
     int run() const {
-        configured([&] { check_texts(specimen); });
+        configured([&] { record::check_texts(specimen); });
         const fs::path dbc_file = dbc.empty() ? config / "antiskid.dbc" : dbc;
         const fs::path binding_file = binding.empty() ? config / "antiskid_binding.toml" : binding;
         const auto layout = configured([&] { return antiskid::can::load_layout(dbc_file, binding_file); });
@@ -52,7 +52,8 @@ struct ImportCommand {
         std::vector<fs::path> files = scenario.files;
         files.insert(files.end(), {dbc_file, binding_file, map});
         const std::string hash = settings::hash(files);
-        const MeterParameters meter = configured([&] { return meter_parameters(scenario, antiskid::load_controller_config(scenario.controller)); });
+        const record::MeterParameters meter =
+            configured([&] { return meter_parameters(scenario, antiskid::load_controller_config(scenario.controller)); });
         const bool with_valve = loaded.channels[static_cast<std::size_t>(Channel::valve_current)].has_value();
         const ImportSettings settings{.file = file,
                                       .map = loaded,
@@ -73,7 +74,7 @@ struct ImportCommand {
         if (report.maneuvers.empty())
             throw std::runtime_error(file.string() +
                                      ": no braking found: no row with the pressure rising above brake_on_Pa at "
-                                     "least_speed_mps or more");
+                                     "min_speed_mps or more");
         return 0;
     }
 };
@@ -90,7 +91,7 @@ ReplayVerb import_verb(CLI::App& app) {
     settings::add_config_directory(*verb, c->config);
     settings::add_json(*verb, c->json, "maneuvers");
     settings::add_layout_files(*verb, c->dbc, c->binding);
-    add_specimen_options(*verb, c->specimen, ", of every maneuver in the recording");
+    record::add_specimen_options(*verb, c->specimen, ", of every maneuver in the recording");
     verb->footer(
         "config/import_example.toml is a map with every key explained.\n"
         "Examples:\n"
@@ -103,4 +104,4 @@ ReplayVerb import_verb(CLI::App& app) {
     return {verb, [c] { return c->run(); }};
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -11,9 +11,9 @@
 #include "rig_bridge/replay/plausibility.hpp"
 #include "rig_bridge/replay/survey.hpp"
 
-namespace rig {
+namespace rig::replay {
 
-using sequencer::Phase;
+using rig::Phase;
 
 namespace {
 
@@ -80,7 +80,7 @@ class Importer {
         if (writer_ == nullptr) {
             remember(s);
             if (pressure_Pa < map_.brake_on_Pa) ready_ = true;
-            if (ready_ && pressure_Pa >= map_.brake_on_Pa && v_mps >= map_.least_speed_mps) begin();
+            if (ready_ && pressure_Pa >= map_.brake_on_Pa && v_mps >= map_.min_speed_mps) begin();
             return;
         }
         if (phase_ == Phase::braking && v_mps <= map_.standstill_mps) {
@@ -144,12 +144,12 @@ class Importer {
         writer_->finish();
         maneuver_.outcome = outcome;
         maneuver_.figures = writer_->figures();
-        Summary summary;
+        record::Summary summary;
         summary.figures = maneuver_.figures;
         summary.warnings = writer_->warnings();
         for (const std::string& warning : summary.warnings)
-            notes_.add("figures", maneuver_.first_row, warning + (warning.starts_with(kFrictionImplausible) ? likely_unit() : ""));
-        energy_J_ += counted_energy_J(summary);
+            notes_.add("figures", maneuver_.first_row, warning + (warning.starts_with(record::kFrictionImplausible) ? likely_unit() : ""));
+        energy_J_ += record::counted_energy_J(summary);
         summary.campaign = settings_.out.filename().string();
         summary.number = rig_.number;
         summary.scenario = map_.scenario;
@@ -160,7 +160,7 @@ class Importer {
         summary.frames = writer_->frames();
         summary.version = ANTISKID_VERSION;
         summary.config_hash = settings_.config_hash;
-        write_summary(maneuver_.folder / "summary.json", summary);
+        record::write_summary(maneuver_.folder / "summary.json", summary);
         report_.maneuvers.push_back(maneuver_);
         writer_.reset();
     }
@@ -186,11 +186,11 @@ class Importer {
 }  // namespace
 
 ImportReport import_recording(const ImportSettings& settings, ImportNotes& notes) {
-    check_texts(settings.specimen);
+    record::check_texts(settings.specimen);
     if (std::filesystem::exists(settings.out / "0001"))
         throw std::runtime_error(settings.out.string() + ": holds maneuvers already; choose another folder");
     survey_units(settings, notes);
     return Importer(settings, notes).run();
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -15,14 +15,14 @@
 #include "rig_bridge/replay/maneuver_writer.hpp"
 #include "rig_bridge/replay/recording.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 struct ImportSettings {
     std::filesystem::path file;
     ImportMap map;
     std::filesystem::path out;
     ImportedRig rig;
-    Specimen specimen{};  ///< of every maneuver in it
+    record::Specimen specimen{};  ///< of every maneuver in it
     std::string config_hash;
 };
 
@@ -30,7 +30,7 @@ struct ImportedManeuver {
     std::filesystem::path folder;
     std::string outcome;  ///< "finished", "released" before standstill, or "recording_broken" (gap, time reset, end of file)
     std::uint64_t first_row = 0;
-    Figures figures;
+    record::Figures figures;
 };
 
 struct ImportReport {
@@ -42,4 +42,4 @@ struct ImportReport {
 /// cannot be right (naming column, values and likely unit), or `out` holds maneuvers already.
 [[nodiscard]] ImportReport import_recording(const ImportSettings& settings, ImportNotes& notes);
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <system_error>
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -86,4 +86,4 @@ bool LineSource::next(Line& line) {
     }
 }
 
-}  // namespace rig
+}  // namespace rig::replay

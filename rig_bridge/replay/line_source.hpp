@@ -10,7 +10,7 @@
 
 struct gzFile_s;
 
-namespace rig {
+namespace rig::replay {
 
 class LineSource {
   public:
@@ -53,4 +53,4 @@ class LineSource {
     std::string damage_;
 };
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -7,17 +7,17 @@
 #include <optional>
 
 #include "rig_bridge/replay/log_reader.hpp"
-#include "rig_bridge/sequencer/sequencer.hpp"
+#include "rig_bridge/rig/sequencer.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace fs = std::filesystem;
 
 namespace {
 
 /// A log says nothing of the last second or two before a power cut.
-bool may_go_on_to_brake(sequencer::Phase phase) {
-    using sequencer::Phase;
+bool may_go_on_to_brake(rig::Phase phase) {
+    using rig::Phase;
     return phase == Phase::touchdown || phase == Phase::settling || phase == Phase::braking;
 }
 
@@ -29,43 +29,43 @@ struct FoundRig {
 };
 
 /// None where it is not known, or so late that anybody may have turned it.
-std::optional<FoundRig> found_rig(const fs::path& file, Time left, const antiskid::can::Layout& layout, const MeterParameters& parameters) {
+std::optional<FoundRig> found_rig(const fs::path& file, Time left, const antiskid::can::Layout& layout, const record::MeterParameters& parameters) {
     constexpr Time kSoon{60'000'000'000}, kAtOnce{10'000'000'000};
     if (!fs::exists(file)) return std::nullopt;
     LogOptions options;
     options.layout = &layout;
     LogWarnings warnings(file.string(), {});
     LogReader reader(file, options, warnings);
-    BusMeter meter(layout, parameters);
+    record::BusMeter meter(layout, parameters);
     LogFrame frame;
     while (reader.next(frame)) meter.accept(frame.frame);
     const Time later = frame.frame.received - left;
     if (meter.view().flywheel.received == antiskid::control::kNever || later < Time{} || later > kSoon) return std::nullopt;
     const double v = meter.meter().speed_mps();
-    const bool released = static_cast<double>(meter.view().pressure.pressure_Pa) < kReleased_Pa;
+    const bool released = static_cast<double>(meter.view().pressure.pressure_Pa) < record::kReleased_Pa;
     // Below drop-out a wheel may be held; a rig that started anew stands.
     return FoundRig{v, meter.meter().kinetic_energy_J(), released && later <= kAtOnce && v > parameters.drop_out_mps};
 }
 
 /// Of what was left when the log ended: the brake's part of what was lost until the rig was found counts, the most of the rest is named.
-void add_what_followed(MeteredLog& out, const Meter& meter, sequencer::Phase phase, const std::optional<FoundRig>& found) {
+void add_what_followed(MeteredLog& out, const record::Meter& meter, rig::Phase phase, const std::optional<FoundRig>& found) {
     constexpr double kBrakeShare = 0.88;  // 1 - slip, which is between none and the 0.24 of most friction
-    double most_J = meter.kinetic_energy_J();
+    double max_J = meter.kinetic_energy_J();
     std::string text = fmt::format("ends_in_{}: at {:.1f} m/s", name(phase), meter.speed_mps());
     if (found && found->rim_mps <= meter.speed_mps()) {
-        most_J = std::max(most_J - found->kinetic_J, 0.0);
+        max_J = std::max(max_J - found->kinetic_J, 0.0);
         text += fmt::format(", the rim still at {:.1f} m/s when the next bridge came", found->rim_mps);
         // In touchdown it is the wheel's spin-up that slows the rim.
-        if (found->coasts && phase != sequencer::Phase::touchdown) {
-            const double brake_J = kBrakeShare * most_J;
+        if (found->coasts && phase != rig::Phase::touchdown) {
+            const double brake_J = kBrakeShare * max_J;
             out.figures.energy_brake_J += brake_J;
-            out.figures.energy_tyre_J += most_J - brake_J;
-            out.figures.kinetic_energy_J += most_J;
-            most_J -= brake_J;
+            out.figures.energy_tyre_J += max_J - brake_J;
+            out.figures.kinetic_energy_J += max_J;
+            max_J -= brake_J;
             text += fmt::format(", by which {:.3g} MJ count", brake_J * 1e-6);
         }
     }
-    out.warnings.push_back(text + fmt::format(", and the brake may have taken up to {:.3g} MJ that are in no record", most_J * 1e-6));
+    out.warnings.push_back(text + fmt::format(", and the brake may have taken up to {:.3g} MJ that are in no record", max_J * 1e-6));
 }
 
 }  // namespace
@@ -76,14 +76,15 @@ fs::path log_in(const fs::path& folder) {
     return {};
 }
 
-MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout, const MeterParameters& parameters, LogEnd end, LogWarnings& warnings) {
+MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout, const record::MeterParameters& parameters, LogEnd end,
+                     LogWarnings& warnings) {
     LogOptions options;
     options.layout = &layout;
     LogReader reader(log, options, warnings);
-    BusMeter meter(layout, parameters);
+    record::BusMeter meter(layout, parameters);
     LogFrame frame;
     while (reader.next(frame)) meter.accept(frame.frame);
-    const auto phase = static_cast<sequencer::Phase>(meter.view().maneuver_state.phase);
+    const auto phase = static_cast<rig::Phase>(meter.view().maneuver_state.phase);
     const bool cut_off = end == LogEnd::left && may_go_on_to_brake(phase);
     MeteredLog out{.counts = meter.meter().started() || cut_off,
                    .figures = meter.figures(),
@@ -98,4 +99,4 @@ MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout, c
     return out;
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -10,12 +10,12 @@
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/replay/log_warnings.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 struct MeteredLog {
     /// There is a brake-on in it, from which figures count; or it was left with the wheel on the turning rim, and the brake may have come on then.
     bool counts = false;
-    Figures figures;
+    record::Figures figures;
     /// Those of the meter; of a log that is not whole also "log_damaged: unfinished_line 1"; of one that was left with the wheel on the rim, before
     /// or in braking, "ends_in_braking: at 15.8 m/s, and the brake may have taken up to 0.481 MJ that are in no record": all that was left, less what
     /// kFoundLog says that the rim still had. Of one that was found coasting at once, what the rim lost is in the energies.
@@ -35,7 +35,7 @@ inline constexpr const char* kFoundLog = "found.log";
 enum class LogEnd : std::uint8_t { closed, left };
 
 /// Throws std::runtime_error when the log cannot be opened.
-[[nodiscard]] MeteredLog meter_log(const std::filesystem::path& log, const antiskid::can::Layout& layout, const MeterParameters& parameters,
+[[nodiscard]] MeteredLog meter_log(const std::filesystem::path& log, const antiskid::can::Layout& layout, const record::MeterParameters& parameters,
                                    LogEnd end, LogWarnings& warnings);
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -8,7 +8,7 @@
 
 #include "firmware/can/candump.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -53,7 +53,7 @@ bool LogReader::take(const LineSource::Line& line, LogFrame& out) {
     const auto parsed = antiskid::can::parse_candump(line.text);
     const auto* const content = std::get_if<CandumpLine>(&parsed);
     if (content == nullptr) {
-        refuse(line, std::get<CandumpFailure>(parsed));
+        reject(line, std::get<CandumpFailure>(parsed));
         return false;
     }
     if (!line.ended) warnings_.add(LogTrouble::unfinished_line, line.number, "the file ends without a line end, the frame may be cut off");
@@ -67,7 +67,7 @@ bool LogReader::take(const LineSource::Line& line, LogFrame& out) {
     return unusual(out);
 }
 
-void LogReader::refuse(const LineSource::Line& line, const CandumpFailure& failure) {
+void LogReader::reject(const LineSource::Line& line, const CandumpFailure& failure) {
     if (!is_text(line.text))
         warnings_.add(LogTrouble::not_text, line.number, line.text);
     else if (failure.fd)
@@ -107,4 +107,4 @@ bool LogReader::unusual(const LogFrame& f) {
     return !with_layout_;
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -18,7 +18,7 @@
 #include "rig_bridge/replay/line_source.hpp"
 #include "rig_bridge/replay/log_warnings.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 using antiskid::can::Frame;
 using antiskid::can::Time;
@@ -55,7 +55,7 @@ class LogReader {
   private:
     /// False when the line is not to be used; the warning has then been made.
     bool take(const LineSource::Line& line, LogFrame& out);
-    void refuse(const LineSource::Line& line, const antiskid::can::CandumpFailure& failure);
+    void reject(const LineSource::Line& line, const antiskid::can::CandumpFailure& failure);
     bool is_ours(const LineSource::Line& line, std::string_view interface);
     /// Warns of a frame that no layout has; whether it is to be given all the same.
     bool unusual(const LogFrame& frame);
@@ -71,4 +71,4 @@ class LogReader {
     bool end_said_ = false;
 };
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -6,21 +6,21 @@
 #include <iterator>
 #include <utility>
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
 /// A message must not carry control characters or broken UTF-8 from a file to the terminal.
 std::string printable(std::string_view text) {
-    constexpr std::size_t kMost = 160;
+    constexpr std::size_t kMax = 160;
     std::string out;
-    for (const char c : text.substr(0, kMost)) {
+    for (const char c : text.substr(0, kMax)) {
         if (c >= ' ' && c <= '~')
             out.push_back(c);
         else
             fmt::format_to(std::back_inserter(out), "\\x{:02X}", static_cast<unsigned char>(c));
     }
-    if (text.size() > kMost) out += "...";
+    if (text.size() > kMax) out += "...";
     return out;
 }
 
@@ -57,4 +57,4 @@ std::string LogWarnings::summary() const {
     return text;
 }
 
-}  // namespace rig
+}  // namespace rig::replay

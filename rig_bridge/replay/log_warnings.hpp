@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace rig {
+namespace rig::replay {
 
 enum class LogTrouble : std::uint8_t {
     malformed_line,   ///< no candump line; not used
@@ -65,4 +65,4 @@ class LogWarnings {
     std::array<std::uint64_t, kLogTroubleCount> said_{};
 };
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -5,7 +5,7 @@
 
 #include "firmware/can/roles.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 using antiskid::can::Frame;
 using antiskid::can::RigPort;
@@ -41,7 +41,7 @@ ManeuverWriter::ManeuverWriter(const ImportedRig& rig, const std::filesystem::pa
       wheel_(rig.meter.wheel_teeth),
       flywheel_(rig.meter.flywheel_teeth) {}
 
-void ManeuverWriter::add(const ImportSample& sample, sequencer::Phase phase) {
+void ManeuverWriter::add(const ImportSample& sample, rig::Phase phase) {
     if (!last_) {
         last_ = sample;
         next_ms_ = static_cast<std::int64_t>(std::ceil(sample.time_s / kSample_s));
@@ -53,10 +53,10 @@ void ManeuverWriter::add(const ImportSample& sample, sequencer::Phase phase) {
     last_ = sample;
 }
 
-void ManeuverWriter::step(const ImportSample& s, sequencer::Phase phase) {
+void ManeuverWriter::step(const ImportSample& s, rig::Phase phase) {
     wheel_.advance(s[Channel::wheel_speed], s.time_s, kSample_s);
     flywheel_.advance(s[Channel::flywheel_speed] / rig_.meter.flywheel_radius_m, s.time_s, kSample_s);
-    const bool braking = phase == sequencer::Phase::braking || phase == sequencer::Phase::standstill;
+    const bool braking = phase == rig::Phase::braking || phase == rig::Phase::standstill;
     antiskid::can::RigSample out;
     out.wheel = wheel_.sample();
     out.flywheel = flywheel_.sample();
@@ -75,7 +75,7 @@ void ManeuverWriter::step(const ImportSample& s, sequencer::Phase phase) {
                           .number = static_cast<std::uint32_t>(rig_.number),
                           .brake_temperature_C = static_cast<float>(s[Channel::brake_temperature])};
     const Time stamp{next_ms_ * kStep.count()};
-    std::array<Frame, RigPort::kMostFrames> due{};
+    std::array<Frame, RigPort::kMaxFrames> due{};
     for (RigPort* port : {&bridge_, &sensors_}) {
         const std::size_t count = port->due_frames(out, due);
         for (std::size_t i = 0; i < count; ++i) send(due[i], stamp);
@@ -86,7 +86,7 @@ void ManeuverWriter::step(const ImportSample& s, sequencer::Phase phase) {
 void ManeuverWriter::send(Frame frame, Time stamp) {
     frame.received = stamp;
     meter_.accept(frame);
-    CapturedFrame captured;
+    record::CapturedFrame captured;
     captured.frame = frame;
     log_.write(captured);
 }
@@ -95,4 +95,4 @@ void ManeuverWriter::finish() {
     if (!log_.finish()) throw std::runtime_error(log_.error());
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -12,9 +12,9 @@
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/replay/import_map.hpp"
 #include "rig_bridge/replay/virtual_encoder.hpp"
-#include "rig_bridge/sequencer/sequencer.hpp"
+#include "rig_bridge/rig/sequencer.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 /// SI as in Channel; channels that the recording lacks are zero.
 struct ImportSample {
@@ -27,9 +27,9 @@ struct ImportSample {
 /// What is the same for all maneuvers of an import.
 struct ImportedRig {
     const antiskid::can::Layout& layout;
-    MeterParameters meter;
-    const sequencer::Plan& plan;  ///< law and demand: what the recording does not say
-    bool with_valve = false;      ///< the recording has the valve current
+    record::MeterParameters meter;
+    const rig::Plan& plan;    ///< law and demand: what the recording does not say
+    bool with_valve = false;  ///< the recording has the valve current
     std::int64_t number = 0;
 };
 
@@ -39,21 +39,21 @@ class ManeuverWriter {
     ManeuverWriter(const ImportedRig& rig, const std::filesystem::path& folder);
 
     /// Times must increase.
-    void add(const ImportSample& sample, sequencer::Phase phase);
+    void add(const ImportSample& sample, rig::Phase phase);
     /// Throws std::runtime_error when the log could not be written.
     void finish();
 
-    [[nodiscard]] Figures figures() const { return meter_.figures(); }
+    [[nodiscard]] record::Figures figures() const { return meter_.figures(); }
     [[nodiscard]] std::vector<std::string> warnings() const { return meter_.warnings(); }
     [[nodiscard]] std::uint64_t frames() const { return log_.frames(); }
 
   private:
-    void step(const ImportSample& sample, sequencer::Phase phase);
+    void step(const ImportSample& sample, rig::Phase phase);
     void send(antiskid::can::Frame frame, antiskid::can::Time stamp);
 
     const ImportedRig& rig_;
-    BusLog log_;
-    BusMeter meter_;
+    record::BusLog log_;
+    record::BusMeter meter_;
     antiskid::can::RigPort sensors_, bridge_;
     antiskid::can::ControllerPort controller_;
     VirtualEncoder wheel_, flywheel_;
@@ -61,4 +61,4 @@ class ManeuverWriter {
     std::int64_t next_ms_ = 0;
 };
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace rig {
+namespace rig::replay {
 
 bool PlainBytes::take(std::span<unsigned char> out) {
     if (out.size() > left_.size()) return false;
@@ -46,4 +46,4 @@ bool InflatedBytes::skip(std::uint64_t count) {
     return true;
 }
 
-}  // namespace rig
+}  // namespace rig::replay

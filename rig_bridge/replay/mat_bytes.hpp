@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-namespace rig {
+namespace rig::replay {
 
 class MatBytes {
   public:
@@ -42,4 +42,4 @@ class InflatedBytes final : public MatBytes {
     bool more_ = false;
 };
 
-}  // namespace rig
+}  // namespace rig::replay

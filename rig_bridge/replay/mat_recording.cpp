@@ -14,7 +14,7 @@
 #include "rig_bridge/replay/mat_structure.hpp"
 #include "rig_bridge/replay/recording.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -170,4 +170,4 @@ std::unique_ptr<Recording> open_mat(const std::filesystem::path& file, const std
     return std::make_unique<MatRecording>(file, wanted);
 }
 
-}  // namespace rig
+}  // namespace rig::replay

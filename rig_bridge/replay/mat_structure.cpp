@@ -10,12 +10,12 @@
 
 // MathWorks, "MAT-File Format", chapter 1 (level 5) and 2 (level 4).
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
 constexpr int kDeepest = 32;
-constexpr std::uint32_t kMostDimensions = 32;
+constexpr std::uint32_t kMaxDimensions = 32;
 constexpr std::size_t kHeader = 128;
 
 enum Type : std::uint32_t { int8 = 1, int32 = 5, uint32 = 6, matrix = 14, compressed = 15, utf8 = 16 };
@@ -155,8 +155,8 @@ class Variable {
     std::uint64_t dimensions(std::uint64_t& left) {
         const Tag tag = next_tag(left);
         const std::uint32_t rank = tag.size / 4;
-        if (tag.is_small || tag.type != Type::int32 || tag.size % 4 != 0 || rank < 2 || rank > kMostDimensions)
-            fail(fmt::format("expected 2 to {} dimensions as 32-bit integers", kMostDimensions));
+        if (tag.is_small || tag.type != Type::int32 || tag.size % 4 != 0 || rank < 2 || rank > kMaxDimensions)
+            fail(fmt::format("expected 2 to {} dimensions as 32-bit integers", kMaxDimensions));
         spend(left, padded(tag.size), "dimensions");
         std::uint64_t count = 1;
         for (std::uint32_t i = 0; i < rank; ++i) {
@@ -255,28 +255,28 @@ void check_version_5(const std::string& name, std::span<const unsigned char> fil
 void check_version_4(const std::string& name, std::span<const unsigned char> file) {
     constexpr std::array<std::uint64_t, 6> kSizes{8, 4, 4, 2, 2, 1};
     constexpr std::size_t kHead = 20;
-    constexpr std::uint32_t kMostType = 4052;
+    constexpr std::uint32_t kMaxType = 4052;
     // The type says the order of bytes by itself, too; matio goes by what it says.
-    const bool big_endian = file.size() >= kHead && number(file, false) > kMostType;
+    const bool big_endian = file.size() >= kHead && number(file, false) > kMaxType;
     for (std::size_t at = 0; at < file.size();) {
-        const auto refuse = [&](const std::string& what) {
+        const auto reject = [&](const std::string& what) {
             // What begins otherwise is no file of version 4 at all.
             if (at == 0) throw std::runtime_error(name + kNoMat);
             throw std::runtime_error(fmt::format("{}: byte {}: {}", name, at, what));
         };
         const auto rest = file.subspan(at);
-        if (rest.size() < kHead) refuse("the file ends within the head of a variable");
+        if (rest.size() < kHead) reject("the file ends within the head of a variable");
         std::array<std::uint32_t, 5> head{};  // type, rows, columns, complex, length of the name
         for (std::size_t i = 0; i < head.size(); ++i) head[i] = number(rest.subspan(4 * i), big_endian);
         const std::uint32_t precision = head[0] / 10 % 10;
-        if (head[0] > kMostType || head[0] / 1000 != (big_endian ? 1U : 0U) || head[0] / 100 % 10 != 0 || precision >= kSizes.size() ||
+        if (head[0] > kMaxType || head[0] / 1000 != (big_endian ? 1U : 0U) || head[0] / 100 % 10 != 0 || precision >= kSizes.size() ||
             head[0] % 10 > 1)
-            refuse(fmt::format("a variable of type {}; expected numbers or text", head[0]));
-        if (head[1] > INT32_MAX || head[2] > INT32_MAX || head[3] > 1 || head[4] == 0) refuse("dimensions or length of the name that cannot be");
+            reject(fmt::format("a variable of type {}; expected numbers or text", head[0]));
+        if (head[1] > INT32_MAX || head[2] > INT32_MAX || head[3] > 1 || head[4] == 0) reject("dimensions or length of the name that cannot be");
         const std::uint64_t values = product(product(head[1], head[2]), kSizes[precision] * (1 + head[3]));
         const std::uint64_t size = rest.size() - kHead;
         if (head[4] > size || values > size - head[4])
-            refuse(fmt::format("a variable of {} x {} values; only {} bytes follow", head[1], head[2], size));
+            reject(fmt::format("a variable of {} x {} values; only {} bytes follow", head[1], head[2], size));
         at += kHead + head[4] + values;
     }
 }
@@ -294,4 +294,4 @@ void check_mat_structure(const std::string& name, std::span<const unsigned char>
     check_version_4(name, file);
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-namespace rig {
+namespace rig::replay {
 
 /// What is said, after its name, of a file that is none.
 inline constexpr const char* kNoMat = ": cannot be read as a MATLAB file (v4, v5, or v7.3 where matio has HDF5)";
@@ -16,4 +16,4 @@ inline constexpr const char* kNoMat = ": cannot be read as a MATLAB file (v4, v5
 /// nesting deeper than 32. A file of version 7.3 is HDF5, whose library looks after its own lengths: accepted as it is.
 void check_mat_structure(const std::string& name, std::span<const unsigned char> file);
 
-}  // namespace rig
+}  // namespace rig::replay

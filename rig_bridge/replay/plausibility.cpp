@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace rig {
+namespace rig::replay {
 
 using antiskid::can::Quantity;
 
@@ -95,4 +95,4 @@ std::string units_at_ratio(const ImportColumn& column, double ratio, double radi
     });
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -6,7 +6,7 @@
 
 #include "rig_bridge/replay/import_map.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 /// What a channel of a brake rig can read, in SI as in Channel.
 struct PlausibleRange {
@@ -50,4 +50,4 @@ class ChannelSurvey {
 /// From a recorded number to SI; `radius_m`: of the flywheel, for its speed.
 [[nodiscard]] double factor_of(Channel channel, const antiskid::can::Unit& unit, double radius_m);
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -11,7 +11,7 @@ constexpr Time kSlice = std::chrono::milliseconds{50};  // longest sleep before 
 
 class Player {
   public:
-    Player(const PlayOptions& options, FrameSender& sender, antiskid::rt::Clock& clock, const std::atomic<bool>& stop, PlayReport& report)
+    Player(const PlayOptions& options, FrameSender& sender, antiskid::host::Clock& clock, const std::atomic<bool>& stop, PlayReport& report)
         : options_(options), sender_(sender), clock_(clock), stop_(stop), report_(report) {}
 
     /// False when stopped.
@@ -64,7 +64,7 @@ class Player {
 
     const PlayOptions& options_;
     FrameSender& sender_;
-    antiskid::rt::Clock& clock_;
+    antiskid::host::Clock& clock_;
     const std::atomic<bool>& stop_;
     PlayReport& report_;
     bool started_ = false;
@@ -75,7 +75,7 @@ class Player {
 
 }  // namespace
 
-void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, antiskid::rt::Clock& clock, const std::atomic<bool>& stop,
+void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, antiskid::host::Clock& clock, const std::atomic<bool>& stop,
           PlayReport& report) {
     Player player(options, sender, clock, stop, report);
     for (std::uint64_t i = 0; options.loops == 0 || i < options.loops; ++i) {
@@ -88,4 +88,4 @@ void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, 
     }
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -11,7 +11,7 @@
 #include "rig_bridge/replay/id_filter.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 class FrameSender {
   public:
@@ -34,8 +34,8 @@ struct PlayReport {
     std::uint64_t error_frames = 0;  ///< in the log; they are reports of a chip, and not sent
     std::uint64_t loops = 0;         ///< played to the end
     bool stopped = false;
-    Time duration{};                 ///< from the first deadline to the last frame
-    antiskid::rt::Histogram late{};  ///< from each frame's deadline to its hand-over to the kernel
+    Time duration{};                   ///< from the first deadline to the last frame
+    antiskid::host::Histogram late{};  ///< from each frame's deadline to its hand-over to the kernel
 };
 
 /// Opens the log anew for each loop.
@@ -43,11 +43,11 @@ using OpenLog = std::function<std::unique_ptr<LogReader>()>;
 
 /// `report` is complete as far as it goes also when this throws. Where time in the log goes backwards, the frame is due at
 /// once and time goes on from there.
-void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, antiskid::rt::Clock& clock, const std::atomic<bool>& stop,
+void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, antiskid::host::Clock& clock, const std::atomic<bool>& stop,
           PlayReport& report);
 
 [[nodiscard]] std::string to_text(const PlayReport& report);
 /// One object. `log` and `interface` as given by the caller.
 [[nodiscard]] std::string to_json(const PlayReport& report, const std::string& log, const std::string& interface);
 
-}  // namespace rig
+}  // namespace rig::replay

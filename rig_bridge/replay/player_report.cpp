@@ -6,7 +6,7 @@
 
 #include "rig_bridge/replay/player.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
@@ -14,7 +14,7 @@ double us(Time time) {
     return static_cast<double>(time.count()) * 1e-3;
 }
 
-double seconds(Time time) {
+double in_seconds(Time time) {
     return static_cast<double>(time.count()) * 1e-9;
 }
 
@@ -29,7 +29,7 @@ constexpr std::array kPercentiles{Percentile{"p50", 0.5}, Percentile{"p90", 0.9}
 std::string to_text(const PlayReport& r) {
     std::string text;
     const auto out = std::back_inserter(text);
-    fmt::format_to(out, "{} frames sent in {:.3f} s", r.sent, seconds(r.duration));
+    fmt::format_to(out, "{} frames sent in {:.3f} s", r.sent, in_seconds(r.duration));
     if (r.loops > 1) fmt::format_to(out, ", {} loops", r.loops);
     if (r.unsent > 0) fmt::format_to(out, ", {} given up (queue full)", r.unsent);
     if (r.filtered > 0) fmt::format_to(out, ", {} kept back by the filter", r.filtered);
@@ -53,9 +53,9 @@ std::string to_json(const PlayReport& r, const std::string& log, const std::stri
                                       {"error_frames", r.error_frames},
                                       {"loops", r.loops},
                                       {"stopped", r.stopped},
-                                      {"duration_s", seconds(r.duration)},
+                                      {"duration_s", in_seconds(r.duration)},
                                       {"late", late}};
     return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -12,11 +12,11 @@
 #include <cstring>
 #include <stdexcept>
 
-namespace rig {
+namespace rig::replay {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& interface, const std::string& why) {
+[[noreturn]] void reject(const std::string& interface, const std::string& why) {
     throw std::runtime_error("CAN interface '" + interface + "': " + why);
 }
 
@@ -40,9 +40,9 @@ can_frame as_kernel_frame(const LogFrame& from) {
 
 RawCanSender::RawCanSender(const std::string& interface) : interface_(interface) {
     const unsigned index = if_nametoindex(interface.c_str());
-    if (index == 0) refuse(interface, "there is none; for a virtual one: ip link add " + interface + " type vcan");
+    if (index == 0) reject(interface, "there is none; for a virtual one: ip link add " + interface + " type vcan");
     socket_ = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
-    if (socket_ < 0) refuse(interface, std::string("the kernel has no CAN: ") + std::strerror(errno));
+    if (socket_ < 0) reject(interface, std::string("the kernel has no CAN: ") + std::strerror(errno));
     setsockopt(socket_, SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0);
     sockaddr_can address{};
     address.can_family = AF_CAN;
@@ -52,8 +52,8 @@ RawCanSender::RawCanSender(const std::string& interface) : interface_(interface)
     const bool up = is_up(socket_, interface);
     if (bound && up) return;
     close(socket_);
-    if (!bound) refuse(interface, std::string("is no CAN interface: ") + std::strerror(error));
-    refuse(interface, "is down; ip link set " + interface + " up");
+    if (!bound) reject(interface, std::string("is no CAN interface: ") + std::strerror(error));
+    reject(interface, "is down; ip link set " + interface + " up");
 }
 
 RawCanSender::~RawCanSender() {
@@ -67,11 +67,11 @@ bool RawCanSender::send(const LogFrame& from) {
     for (;;) {
         if (write(socket_, &frame, sizeof frame) == static_cast<ssize_t>(sizeof frame)) return true;
         if (errno == EINTR) continue;
-        if (errno != ENOBUFS && errno != EAGAIN) refuse(interface_, std::string("cannot send: ") + std::strerror(errno));
+        if (errno != ENOBUFS && errno != EAGAIN) reject(interface_, std::string("cannot send: ") + std::strerror(errno));
         if (waited >= kPatience) return false;
         usleep(kPause_us);
         waited += std::chrono::microseconds{kPause_us};
     }
 }
 
-}  // namespace rig
+}  // namespace rig::replay

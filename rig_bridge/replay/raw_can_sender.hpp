@@ -5,7 +5,7 @@
 
 #include "rig_bridge/replay/player.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 class RawCanSender final : public FrameSender {
   public:
@@ -24,4 +24,4 @@ class RawCanSender final : public FrameSender {
     int socket_ = -1;
 };
 
-}  // namespace rig
+}  // namespace rig::replay

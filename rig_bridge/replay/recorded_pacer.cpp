@@ -7,16 +7,16 @@
 #include "firmware/host/control_loop.hpp"
 #include "firmware/host/frame_intake.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 using antiskid::can::Payload;
 using antiskid::can::Role;
-using antiskid::rt::Wake;
+using antiskid::host::Wake;
 
 namespace {
 
-constexpr std::size_t kMostSamples = 64;  // unanswered; a controller that hangs longer is not followed
-constexpr std::size_t kMostLoose = antiskid::rt::FrameIntake::kMost;
+constexpr std::size_t kMaxSamples = 64;  // unanswered; a controller that hangs longer is not followed
+constexpr std::size_t kMaxLoose = antiskid::host::FrameIntake::kMax;
 constexpr std::size_t kLookAhead = 16384;  // lines
 constexpr std::size_t kJoining = 256;      // steps: more than two periods of the slowest message
 
@@ -78,13 +78,13 @@ void RecordedPacer::rig_frame(const Frame& frame, bool sync) {
     frames_.push_back(frame);
     ++loose_;
     if (!ends_sample) {
-        if (loose_ <= kMostLoose) return;
+        if (loose_ <= kMaxLoose) return;
         frames_.erase(frames_.end() - static_cast<std::ptrdiff_t>(loose_));
         --loose_;
         return;
     }
     const auto number = layout_.sync_counter.bound() ? static_cast<std::uint32_t>(Payload(frame.data).read(layout_.sync_counter)) : 0U;
-    if (!samples_.empty() && (!started_ || samples_.size() == kMostSamples)) drop_oldest_sample();
+    if (!samples_.empty() && (!started_ || samples_.size() == kMaxSamples)) drop_oldest_sample();
     samples_.push_back({.frames = loose_, .number = number});
     loose_ = 0;
 }
@@ -131,7 +131,7 @@ void RecordedPacer::join_session(const Frame& first_valve) {
     before_log_ = steps_before(layout_, settings_.period, sent_ahead(first_valve, lockstep_));
     if (!before_log_) before_log_ = steps_before(layout_, settings_.period, sent_ahead(first_valve, !lockstep_));
     if (before_log_.value_or(1) != 0) comparison_.expect_self_test();
-    std::array<Frame, antiskid::can::ControllerPort::kMostFrames> sent_before{};
+    std::array<Frame, antiskid::can::ControllerPort::kMaxFrames> sent_before{};
     for (std::uint64_t i = 0; i < before_log_.value_or(0); ++i) (void)port_.due_frames({}, sent_before);
 }
 
@@ -144,7 +144,7 @@ bool RecordedPacer::is_closing(const LogFrame& valve) {
     std::size_t more = 0;
     const auto harmless = [&](const LogFrame& f) {
         if (f.frame.id != layout_[Role::valve].id) return true;
-        return ++more < antiskid::rt::ControlLoop::kSafeCommands && carries_safe_current(f.frame);
+        return ++more < antiskid::host::ControlLoop::kSafeCommands && carries_safe_current(f.frame);
     };
     if (!std::all_of(ahead_.begin(), ahead_.end(), harmless)) return false;
     for (LogFrame f; ahead_.size() < kLookAhead;) {
@@ -199,4 +199,4 @@ std::size_t RecordedPacer::feed(std::size_t count, Time now) {
     return count;
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -28,7 +28,7 @@
 #include "rig_bridge/replay/log_reader.hpp"
 #include "rig_bridge/replay/session_start.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 enum class ReplayClock : std::uint8_t { automatic, sync, timer };
 
@@ -38,13 +38,13 @@ struct PacerSettings {
     float safe_current_mA = 0.0F;
 };
 
-class RecordedPacer final : public antiskid::rt::Pacer {
+class RecordedPacer final : public antiskid::host::Pacer {
   public:
     /// All must outlive the pacer. `log` must have been opened with `layout`.
     RecordedPacer(const PacerSettings& settings, const antiskid::can::Layout& layout, LogReader& log, antiskid::can::ControllerPort& port,
                   FrameComparison& comparison);
 
-    [[nodiscard]] std::optional<antiskid::rt::Wake> next(const std::atomic<bool>& stop) override;
+    [[nodiscard]] std::optional<antiskid::host::Wake> next(const std::atomic<bool>& stop) override;
 
     [[nodiscard]] bool lockstep() const { return lockstep_; }
     /// Steps without a SYNC in a lockstep log.
@@ -70,7 +70,7 @@ class RecordedPacer final : public antiskid::rt::Pacer {
     [[nodiscard]] std::vector<SentAtStep> sent_ahead(const Frame& first_valve, bool valve_last) const;
     [[nodiscard]] bool is_closing(const LogFrame& valve);
     [[nodiscard]] bool carries_safe_current(const Frame& valve) const;
-    [[nodiscard]] antiskid::rt::Wake step(Time stamp);
+    [[nodiscard]] antiskid::host::Wake step(Time stamp);
     [[nodiscard]] bool follows_last(std::uint32_t number);
     std::size_t feed(std::size_t count, Time now);
 
@@ -97,4 +97,4 @@ class RecordedPacer final : public antiskid::rt::Pacer {
     std::uint64_t unanswered_ = 0;
 };
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -9,7 +9,7 @@
 
 #include "rig_bridge/replay/import_map.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 struct RecordedRow {
     std::uint64_t row = 0;                ///< of the file, from 1 (of the variables in a .mat)
@@ -31,4 +31,4 @@ class Recording {
                                                         const std::vector<std::string>& wanted);
 [[nodiscard]] std::unique_ptr<Recording> open_mat(const std::filesystem::path& file, const std::vector<std::string>& wanted);
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -7,7 +7,7 @@
 #include "firmware/host/settings/command_line.hpp"
 #include "rig_bridge/replay/log_warnings.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 struct ReplayVerb {
     CLI::App* app;
@@ -37,4 +37,4 @@ auto configured(Load load) {
 /// Warnings of `file` on standard error.
 [[nodiscard]] LogWarnings warnings_of(const std::string& file);
 
-}  // namespace rig
+}  // namespace rig::replay

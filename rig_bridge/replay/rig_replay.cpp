@@ -8,7 +8,7 @@
 
 #include "rig_bridge/replay/replay_verbs.hpp"
 
-rig::LogWarnings rig::warnings_of(const std::string& file) {
+rig::replay::LogWarnings rig::replay::warnings_of(const std::string& file) {
     return {file, [](const std::string& text) { fmt::print(stderr, "rig-replay: warning: {}\n", text); }};
 }
 
@@ -18,10 +18,11 @@ int run(int argc, char** argv) {
     CLI::App app{"rig-replay: bus logs played, replayed through the controller, rebuilt and imported.", "rig-replay"};
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.require_subcommand(1);
-    const std::array verbs{rig::bus_verb(app), rig::campaign_verb(app), rig::controller_verb(app), rig::import_verb(app)};
+    const std::array verbs{rig::replay::bus_verb(app), rig::replay::campaign_verb(app), rig::replay::controller_verb(app),
+                           rig::replay::import_verb(app)};
     app.footer("Each has --help with examples.");
     if (const auto status = settings::parse(app, argc, argv)) return *status;
-    for (const rig::ReplayVerb& verb : verbs) {
+    for (const rig::replay::ReplayVerb& verb : verbs) {
         if (verb.app->parsed()) return verb.run();
     }
     return 2;
@@ -32,7 +33,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
     try {
         return run(argc, argv);
-    } catch (const rig::UsageError& e) {
+    } catch (const rig::replay::UsageError& e) {
         std::fprintf(stderr, "rig-replay: %s\n", e.what());
         return 2;
     } catch (const std::exception& e) {

@@ -5,13 +5,13 @@
 #include "firmware/can/roles.hpp"
 #include "firmware/can/schedule.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 using antiskid::can::Role;
 
 namespace {
 
-constexpr std::uint64_t kMost = 100'000;
+constexpr std::uint64_t kMax = 100'000;
 
 /// How often a message was due before each step.
 class Timetable {
@@ -43,8 +43,8 @@ std::optional<std::uint64_t> steps_before(const antiskid::can::Layout& layout, a
     std::vector<std::pair<Role, Timetable>> tables;
     tables.reserve(antiskid::can::kToRig.size());
     for (const Role role : antiskid::can::kToRig)
-        if (layout[role].bound) tables.emplace_back(role, Timetable(layout, schedule, role, kMost + steps.size()));
-    for (std::uint64_t start = 0; start < kMost; ++start) {
+        if (layout[role].bound) tables.emplace_back(role, Timetable(layout, schedule, role, kMax + steps.size()));
+    for (std::uint64_t start = 0; start < kMax; ++start) {
         const auto fits = [&](const auto& table) {
             for (std::size_t i = 0; i < steps.size(); ++i)
                 if (!table.second.agrees(start + i, steps[i][table.first])) return false;
@@ -55,4 +55,4 @@ std::optional<std::uint64_t> steps_before(const antiskid::can::Layout& layout, a
     return std::nullopt;
 }
 
-}  // namespace rig
+}  // namespace rig::replay

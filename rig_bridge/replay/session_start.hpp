@@ -8,7 +8,7 @@
 
 #include "firmware/can/layout.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 /// What the controller sent at one recorded step: the counter of each message of it, kNotSent where there was none, kUnknown where
 /// nothing is known.
@@ -27,4 +27,4 @@ struct SentAtStep {
 [[nodiscard]] std::optional<std::uint64_t> steps_before(const antiskid::can::Layout& layout, antiskid::control::Time period,
                                                         const std::vector<SentAtStep>& steps);
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -7,7 +7,7 @@
 
 #include "rig_bridge/replay/plausibility.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 std::vector<Channel> wanted_channels(const ImportMap& map) {
     std::vector<Channel> channels;
@@ -49,8 +49,8 @@ class RollingSurvey {
     void add(const RecordedRow& row) {
         const double v_mps = row.values[2] * flywheel_;
         const double rim_mps = row.values[1] * wheel_;
-        const bool rolling = row.values[3] * pressure_ < settings_.map.released_Pa && v_mps >= settings_.map.least_speed_mps;
-        if (!rolling || !(rim_mps > 0.1 * settings_.map.least_speed_mps)) return;
+        const bool rolling = row.values[3] * pressure_ < settings_.map.released_Pa && v_mps >= settings_.map.min_speed_mps;
+        if (!rolling || !(rim_mps > 0.1 * settings_.map.min_speed_mps)) return;
         sum_ += rim_mps / v_mps;
         ++count_;
     }
@@ -108,4 +108,4 @@ void survey_units(const ImportSettings& settings, ImportNotes& notes) {
     rolling.judge();
 }
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -3,7 +3,7 @@
 
 #include "rig_bridge/replay/importer.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 /// The columns of `map`, time first, then the channels that it has.
 [[nodiscard]] std::vector<std::string> wanted_columns(const ImportMap& map);
@@ -13,4 +13,4 @@ namespace rig {
 /// Throws std::runtime_error naming column, values and likely unit.
 void survey_units(const ImportSettings& settings, ImportNotes& notes);
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -7,7 +7,7 @@
 
 #include "firmware/can/rig_sample.hpp"
 
-namespace rig {
+namespace rig::replay {
 
 class VirtualEncoder {
   public:
@@ -41,4 +41,4 @@ class VirtualEncoder {
     double speed_radps_ = 0.0;
 };
 
-}  // namespace rig
+}  // namespace rig::replay

@@ -6,7 +6,7 @@
 /// bias-ply design, NASA TN D-7449, 1974; H. B. Pacejka, Tire and Vehicle Dynamics, chapters 7 to 9 (relaxation, rigid ring).
 #pragma once
 
-namespace plant {
+namespace rig {
 
 /// Rim and belt, joined by a spring and a damper about the axle. The rim carries the brake and the encoder, the belt the road force.
 struct RingParameters {
@@ -37,4 +37,4 @@ struct Compliance {
     [[nodiscard]] bool any() const { return ring.belt_share > 0.0 || relaxation.length_m > 0.0 || leg.mass_kg > 0.0; }
 };
 
-}  // namespace plant
+}  // namespace rig

@@ -4,23 +4,23 @@
 #include <cmath>
 #include <limits>
 
-namespace plant {
+namespace rig {
 
-double least_friction(const FrictionCurve& curve, double friction) {
+double min_friction(const FrictionCurve& curve, double friction) {
     constexpr int kParts = 256;
     const double mean = curve[0] + curve[1] / 2.0 + curve[2] / 3.0 + curve[3] / 4.0;
-    double least = friction;
+    double min = friction;
     for (int i = 0; i <= kParts; ++i) {
         const double x = static_cast<double>(i) / kParts;
         const double at = curve[0] + x * (curve[1] + x * (curve[2] + x * curve[3]));
-        least = std::min(least, at - mean + friction);
+        min = std::min(min, at - mean + friction);
     }
-    return least;
+    return min;
 }
 
-double least_mean_friction(const FrictionCurve& curve) {
+double min_mean_friction(const FrictionCurve& curve) {
     constexpr double kLeft = 0.01;
-    return kLeft - least_friction(curve, 0.0);
+    return kLeft - min_friction(curve, 0.0);
 }
 
 double measured_friction(const FrictionCurve& curve, double friction, double end) {
@@ -35,10 +35,10 @@ double measured_friction(const FrictionCurve& curve, double friction, double end
 }
 
 double mean_of_measured(const FrictionCurve& curve, double measured, double end) {
-    constexpr int kMostSteps = 50;
+    constexpr int kMaxSteps = 50;
     constexpr double kClose = 1e-9;
     double mean = measured;
-    for (int i = 0; i < kMostSteps && least_friction(curve, mean) > 0.0; ++i) {
+    for (int i = 0; i < kMaxSteps && min_friction(curve, mean) > 0.0; ++i) {
         const double off = measured - measured_friction(curve, mean, end);
         mean += off;
         if (std::abs(off) < kClose) return mean;
@@ -46,4 +46,4 @@ double mean_of_measured(const FrictionCurve& curve, double measured, double end)
     return std::numeric_limits<double>::quiet_NaN();
 }
 
-}  // namespace plant
+}  // namespace rig

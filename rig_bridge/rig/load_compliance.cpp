@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-namespace plant {
+namespace rig {
 
 namespace {
 
@@ -41,4 +41,4 @@ LegParameters load_leg(const Table& root, double mass_kg) {
     return out;
 }
 
-}  // namespace plant
+}  // namespace rig

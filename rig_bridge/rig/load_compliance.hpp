@@ -5,7 +5,7 @@
 #include "firmware/host/settings/settings.hpp"
 #include "rig_bridge/rig/compliance.hpp"
 
-namespace plant {
+namespace rig {
 
 /// How the tyre's force follows its slip; without [tyre] at once, as the paper has it. Throws settings::Error, as load_leg().
 [[nodiscard]] Compliance load_tyre(const settings::Table& root);
@@ -13,4 +13,4 @@ namespace plant {
 /// Without [leg] none. `mass_kg` is that on the wheel, of which the leg's is a part.
 [[nodiscard]] LegParameters load_leg(const settings::Table& root, double mass_kg);
 
-}  // namespace plant
+}  // namespace rig

@@ -11,7 +11,7 @@
 #include "rig_bridge/rig/load_runway.hpp"
 #include "rig_bridge/wear/load_brake_wear.hpp"
 
-namespace plant {
+namespace rig {
 
 namespace {
 
@@ -116,7 +116,7 @@ FrictionCurve relative_curve(const Table& t, std::string_view name) {
     FrictionCurve curve{};
     const auto c = t.numbers(name, {.range = {.min = -10.0, .max = 10.0}, .count = {.min = curve.size(), .max = curve.size()}});
     std::copy(c.begin(), c.end(), curve.begin());
-    if (least_friction(curve, 1.0) <= 0.0) t.fail(name, "falls to zero within the stop; mu_b must stay positive");
+    if (min_friction(curve, 1.0) <= 0.0) t.fail(name, "falls to zero within the stop; mu_b must stay positive");
     return curve;
 }
 
@@ -353,7 +353,7 @@ LoadedRig load_rig(const std::filesystem::path& directory, const ManeuverChoice&
         out.files.push_back(choice.friction_curves);
     }
     override_with(choice.friction, {.min = 0.01, .max = 1.0}, "mu_b", out.rig.mean_friction);
-    if (least_friction(out.rig.friction_curve, out.rig.mean_friction) <= 0.0) {
+    if (min_friction(out.rig.friction_curve, out.rig.mean_friction) <= 0.0) {
         throw std::invalid_argument("mu_b: a mean of " + std::to_string(out.rig.mean_friction) +
                                     " takes the friction curve of this maneuver below zero; expected a larger one");
     }
@@ -374,4 +374,4 @@ std::vector<std::string> maneuver_names(const std::filesystem::path& directory) 
     return names(maneuvers(directory / "maneuvers.toml", surfaces(directory / "surfaces.toml")));
 }
 
-}  // namespace plant
+}  // namespace rig

@@ -9,7 +9,7 @@
 #include "rig_bridge/rig/rig_parameters.hpp"
 #include "rig_bridge/wear/wearing_brake.hpp"
 
-namespace plant {
+namespace rig {
 
 /// What carries the wheel.
 enum class Carrier {
@@ -55,4 +55,4 @@ struct LoadedRig {
 [[nodiscard]] std::vector<std::string> surface_names(const std::filesystem::path& directory);
 [[nodiscard]] std::vector<std::string> maneuver_names(const std::filesystem::path& directory);
 
-}  // namespace plant
+}  // namespace rig

@@ -8,7 +8,7 @@
 
 #include "firmware/host/settings/settings.hpp"
 
-namespace plant {
+namespace rig {
 
 namespace {
 
@@ -24,7 +24,7 @@ const Surface& named(const Table& t, std::string_view key, const std::string& na
 
 Surface wet(const Table& t, const std::vector<Surface>& surfaces) {
     static constexpr std::array<settings::Choice<Texture>, 2> kTextures{{{"smooth", Texture::smooth}, {"grooved", Texture::grooved}}};
-    const double psi = t.number("tyre_pressure_psi", {.min = WetGrip::kLeastPressure_psi, .max = WetGrip::kMostPressure_psi});
+    const double psi = t.number("tyre_pressure_psi", {.min = WetGrip::kMinPressure_psi, .max = WetGrip::kMaxPressure_psi});
     const auto texture = t.choice<Texture>("texture", kTextures);
     const bool flooded = t.find_boolean("flooded").value_or(false);
     const auto flooded_mu = t.find_number("flooded_mu", {.min = 0.0, .max = 0.1});
@@ -67,4 +67,4 @@ Runway load_runway(const std::filesystem::path& file, const std::vector<Surface>
     return runway;
 }
 
-}  // namespace plant
+}  // namespace rig

@@ -19,9 +19,9 @@
 
 #include "rig_bridge/rig/runway.hpp"
 
-namespace plant {
+namespace rig {
 
 /// `surfaces`: those that the file may name. Throws settings::Error naming file, line and key.
 [[nodiscard]] Runway load_runway(const std::filesystem::path& file, const std::vector<Surface>& surfaces);
 
-}  // namespace plant
+}  // namespace rig

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace plant {
+namespace rig {
 
 PressureMap::PressureMap(std::vector<Point> points) : points_(std::move(points)) {
     if (points_.size() < 2) throw std::invalid_argument("a pressure map needs two points at least");
@@ -24,4 +24,4 @@ double PressureMap::pressure_Pa(double current_mA) const {
     return a.pressure_Pa + (b.pressure_Pa - a.pressure_Pa) * (current_mA - a.current_mA) / (b.current_mA - a.current_mA);
 }
 
-}  // namespace plant
+}  // namespace rig

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace plant {
+namespace rig {
 
 /// The static map: monotone, linear between its points, held beyond them.
 class PressureMap {
@@ -23,4 +23,4 @@ class PressureMap {
     std::vector<Point> points_;
 };
 
-}  // namespace plant
+}  // namespace rig

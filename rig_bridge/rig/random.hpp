@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace plant {
+namespace rig {
 
 /// SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
 class Random {
@@ -32,4 +32,4 @@ class Random {
     std::uint64_t state_;
 };
 
-}  // namespace plant
+}  // namespace rig

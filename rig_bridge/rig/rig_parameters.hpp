@@ -6,7 +6,7 @@
 #include "rig_bridge/rig/pressure_map.hpp"
 #include "rig_bridge/rig/runway.hpp"
 
-namespace plant {
+namespace rig {
 
 struct BrakeGeometry {
     double piston_area_m2 = 0.0;      ///< A_p
@@ -73,4 +73,4 @@ struct RigParameters {
     double touchdown_mps = 0.0;  ///< initial speed where spinning the wheel up costs some; 0: brake_on_mps
 };
 
-}  // namespace plant
+}  // namespace rig

@@ -7,7 +7,7 @@
 
 #include "rig_bridge/rig/tyre.hpp"
 
-namespace plant {
+namespace rig {
 
 /// From `from_m` on to the next patch.
 struct Patch {
@@ -30,4 +30,4 @@ struct Runway {
     }
 };
 
-}  // namespace plant
+}  // namespace rig

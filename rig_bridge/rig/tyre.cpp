@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace plant {
+namespace rig {
 
 Peak peak(const FrictionLaw& law) {
     const double slope_ratio = law.c1 * law.c2 / law.c3;  // infinite for c3 = 0, then the clamp holds
@@ -16,4 +16,4 @@ Peak peak(const Surface& surface, double v_mps) {
     return at;
 }
 
-}  // namespace plant
+}  // namespace rig

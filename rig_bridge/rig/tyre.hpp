@@ -8,7 +8,7 @@
 #include "rig_bridge/rig/wet_grip.hpp"
 #include "rig_bridge/wear/fast_exp.hpp"
 
-namespace plant {
+namespace rig {
 
 /// mu(lambda) = c1 (1 - exp(-c2 lambda)) - c3 lambda for lambda >= 0, eq. (4). c1, c2 > 0, c3 >= 0, all dimensionless.
 struct FrictionLaw {
@@ -59,4 +59,4 @@ inline Peak peak(const Surface& surface) {
 /// The friction that is available to a wheel that rolls at this speed.
 Peak peak(const Surface& surface, double v_mps);
 
-}  // namespace plant
+}  // namespace rig

@@ -4,7 +4,7 @@
 #include <span>
 #include <stdexcept>
 
-namespace plant {
+namespace rig {
 
 namespace {
 
@@ -38,22 +38,22 @@ std::array<double, 6> between(std::span<const Printed> curves, double tyre_press
 
 WetGrip::WetGrip(double tyre_pressure_psi, Texture texture, std::optional<double> flooded_mu)
     : tyre_pressure_psi_(tyre_pressure_psi), flooded_mu_(flooded_mu) {
-    if (!(tyre_pressure_psi >= kLeastPressure_psi && tyre_pressure_psi <= kMostPressure_psi))
+    if (!(tyre_pressure_psi >= kMinPressure_psi && tyre_pressure_psi <= kMaxPressure_psi))
         throw std::invalid_argument("wet runway: tyre pressure must be 50 to 300 psi");
-    constexpr double kMostAfloat = 0.1;
-    if (flooded_mu && !(*flooded_mu >= 0.0 && *flooded_mu <= kMostAfloat))
+    constexpr double kMaxAfloat = 0.1;
+    if (flooded_mu && !(*flooded_mu >= 0.0 && *flooded_mu <= kMaxAfloat))
         throw std::invalid_argument("flooded runway: friction above the hydroplaning speed must be 0 to 0.1");
     powers_ = between(texture == Texture::smooth ? kSmooth : kGrooved, tyre_pressure_psi);
 }
 
-WetGrip::Most WetGrip::at(double v_mps, bool spun_up) const {
+WetGrip::Peak WetGrip::at(double v_mps, bool spun_up) const {
     const double x = v_mps / (100.0 * kKnot_mps);
     double mu = 0.0, mu_x = 0.0;
     for (std::size_t i = powers_.size(); i-- > 0;) {
         mu_x = mu_x * x + mu;
         mu = mu * x + powers_[i];
     }
-    const Most wet{mu, mu_x / (100.0 * kKnot_mps)};
+    const Peak wet{mu, mu_x / (100.0 * kKnot_mps)};
     if (!flooded_mu_) return wet;
     constexpr double kLeaves = 0.85;
     const double afloat_mps = hydroplaning_mps(spun_up);
@@ -70,4 +70,4 @@ double WetGrip::hydroplaning_mps(bool spun_up) const {
     return (spun_up ? 9.0 : 7.7) * std::sqrt(tyre_pressure_psi_) * kKnot_mps;
 }
 
-}  // namespace plant
+}  // namespace rig

@@ -13,24 +13,24 @@
 #include <array>
 #include <optional>
 
-namespace plant {
+namespace rig {
 
 enum class Texture { smooth, grooved };
 
 class WetGrip {
   public:
-    static constexpr double kLeastPressure_psi = 50.0, kMostPressure_psi = 300.0;
+    static constexpr double kMinPressure_psi = 50.0, kMaxPressure_psi = 300.0;
 
     /// `flooded_mu`: friction left above the hydroplaning speed, 0 to 0.1; none: the runway is wet, not flooded. Throws
     /// std::invalid_argument beyond these ranges.
     WetGrip(double tyre_pressure_psi, Texture texture, std::optional<double> flooded_mu = std::nullopt);
 
-    struct Most {
+    struct Peak {
         double mu;
         double mu_v;  ///< d mu / d v, s/m
     };
     /// At a ground speed, 0 to 120 m/s; `spun_up`: the wheel rolls.
-    [[nodiscard]] Most at(double v_mps, bool spun_up = true) const;
+    [[nodiscard]] Peak at(double v_mps, bool spun_up = true) const;
 
     /// Whatever the water: only on a flooded runway friction depends on it.
     [[nodiscard]] double hydroplaning_mps(bool spun_up = true) const;
@@ -41,4 +41,4 @@ class WetGrip {
     std::optional<double> flooded_mu_;
 };
 
-}  // namespace plant
+}  // namespace rig

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kScales = 15;
 constexpr double kReach = 2.5;  // standard deviations of log s that the grid covers
-constexpr double kMost = 8.0;
+constexpr double kMax = 8.0;
 
 double square(double x) {
     return x * x;
@@ -75,7 +75,7 @@ double BrakeFilter::score(const Point& point) const {
         above += h.weight * 0.5 * std::erfc(off);
     }
     const double tail = std::min(below, above);
-    const double size = tail < 1e-15 ? kMost : std::min(kMost, std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * tail));
+    const double size = tail < 1e-15 ? kMax : std::min(kMax, std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * tail));
     return below < above ? -size : size;
 }
 
@@ -95,7 +95,7 @@ double BrakeFilter::log_density(const Point& point) const {
 }
 
 void BrakeFilter::learn(const Point& point) {
-    constexpr double kLeastWeight = 1e-12;  // a hypothesis that was all but excluded can come back
+    constexpr double kMinWeight = 1e-12;  // a hypothesis that was all but excluded can come back
     const Ahead a = ahead(point.c_e_J);
     const double gain_offset = (a.offset + a.both) / a.innovation;
     const double gain_remembered = (a.remembered + a.both) / a.innovation;
@@ -110,7 +110,7 @@ void BrakeFilter::learn(const Point& point) {
     }
     double sum = 0.0;
     for (Hypothesis& h : hypotheses_) {
-        h.weight = std::max(kLeastWeight, std::exp(h.weight - greatest));
+        h.weight = std::max(kMinWeight, std::exp(h.weight - greatest));
         sum += h.weight;
     }
     for (Hypothesis& h : hypotheses_) h.weight /= sum;

@@ -15,8 +15,8 @@ void bound_below(double& xx, double& xy, double& yy, double floor) {
     const double middle = 0.5 * (xx + yy);
     const double half = 0.5 * (xx - yy);
     const double radius = std::hypot(half, xy);
-    const double least = middle - radius;
-    if (least >= floor) return;
+    const double min = middle - radius;
+    if (min >= floor) return;
     const double greatest = std::max(middle + radius, floor);
     // The matrix is middle I + radius [cos, sin; sin, -cos].
     const double cosine = radius > 0.0 ? half / radius : 1.0;
@@ -28,7 +28,7 @@ void bound_below(double& xx, double& xy, double& yy, double floor) {
     xy = new_radius * sine;
 }
 
-void whiten(const StandardMixture& m, std::array<Whitened, kMostComponents>& out) {
+void whiten(const StandardMixture& m, std::array<Whitened, kMaxComponents>& out) {
     for (std::size_t j = 0; j < m.components; ++j) {
         const double l11 = std::sqrt(m.xx[j]);
         const double l21 = m.xy[j] / l11;
@@ -73,10 +73,10 @@ StandardPoints::StandardPoints(std::span<const double> x, std::span<const double
 EmRun em(const StandardPoints& points, const StandardMixture& start, const EmSettings& settings, const std::function<void(double)>& watch) {
     EmRun run;
     run.mixture = start;
-    std::array<Whitened, kMostComponents> whitened{};
+    std::array<Whitened, kMaxComponents> whitened{};
     Pass sums;
     double before = 0.0;
-    for (run.iterations = 1; run.iterations <= settings.most_iterations; ++run.iterations) {
+    for (run.iterations = 1; run.iterations <= settings.max_iterations; ++run.iterations) {
         whiten(run.mixture, whitened);
         pass(points, whitened.data(), run.mixture.components, sums);
         run.log_likelihood = sums.log_likelihood;
@@ -89,7 +89,7 @@ EmRun em(const StandardPoints& points, const StandardMixture& start, const EmSet
         }
         before = run.log_likelihood;
     }
-    run.iterations = settings.most_iterations;
+    run.iterations = settings.max_iterations;
     return run;
 }
 
@@ -119,7 +119,7 @@ StandardMixture mixture_of(const StandardPoints& points, std::span<const std::si
 }
 
 double log_likelihood(const StandardPoints& points, const StandardMixture& mixture) {
-    std::array<Whitened, kMostComponents> whitened{};
+    std::array<Whitened, kMaxComponents> whitened{};
     Pass sums;
     whiten(mixture, whitened);
     pass(points, whitened.data(), mixture.components, sums);

@@ -9,7 +9,7 @@
 
 namespace wear {
 
-constexpr std::size_t kMostComponents = 15;
+constexpr std::size_t kMaxComponents = 15;
 constexpr std::size_t kBlock = 64;  ///< points that are worked on together
 
 /// Two-dimensional points, each coordinate of mean 0 and standard deviation 1, one array a coordinate, padded to whole blocks.
@@ -35,7 +35,7 @@ class StandardPoints {
 /// M Gaussian components on standardised coordinates.
 struct StandardMixture {
     std::size_t components = 0;
-    std::array<double, kMostComponents> weight{}, mx{}, my{}, xx{}, xy{}, yy{};
+    std::array<double, kMaxComponents> weight{}, mx{}, my{}, xx{}, xy{}, yy{};
 };
 
 struct EmSettings {
@@ -43,7 +43,7 @@ struct EmSettings {
     /// Least eigenvalue of a covariance matrix on standardised data. Under this bound the M step stays the exact maximum (eigenvalues
     /// below it are raised to it), so that the log-likelihood never falls and no component collapses onto a point or a line.
     double covariance_floor = 1e-4;
-    int most_iterations = 20000;
+    int max_iterations = 20000;
 };
 
 struct EmRun {

@@ -21,7 +21,7 @@ struct Moments {
 };
 
 struct Pass {
-    std::array<Moments, kMostComponents> moments;
+    std::array<Moments, kMaxComponents> moments;
     double log_likelihood = 0.0;
 };
 

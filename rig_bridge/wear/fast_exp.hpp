@@ -10,12 +10,12 @@ namespace wear {
 /// 4.5e-16 (2 units in the last place), proven by test against long double.
 /// Method: x = k ln 2 + r, |r| <= ln 2 / 2, Taylor series of e^r to r^13 (remainder 4.2e-18), and k into the exponent.
 [[gnu::always_inline]] inline double exp_not_positive(double x) {
-    constexpr double kLeast = -708.0;
+    constexpr double kMin = -708.0;
     constexpr double kLog2e = 1.4426950408889634;
     constexpr double kLn2High = 6.93147180369123816490e-01;  // fdlibm's split: k times the high part is exact
     constexpr double kLn2Low = 1.90821492927058770002e-10;
     constexpr double kRound = 0x1.8p52;  // adding it leaves the nearest integer in the low bits
-    x = x < kLeast ? kLeast : x;
+    x = x < kMin ? kMin : x;
     const double shifted = x * kLog2e + kRound;
     const double k = shifted - kRound;
     const double r = (x - k * kLn2High) - k * kLn2Low;

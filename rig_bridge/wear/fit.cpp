@@ -65,20 +65,20 @@ Mixture in_units(const StandardMixture& m, const Scale& s) {
 }
 
 void check(const Campaign& campaign, const FitSettings& settings, const FitControl& control) {
-    if (settings.least_components < 1 || settings.most_components > kMostComponents || settings.least_components > settings.most_components)
+    if (settings.min_components < 1 || settings.max_components > kMaxComponents || settings.min_components > settings.max_components)
         throw std::invalid_argument(
-            fmt::format("components: {} to {} is no part of 1 to {}", settings.least_components, settings.most_components, kMostComponents));
+            fmt::format("components: {} to {} is no part of 1 to {}", settings.min_components, settings.max_components, kMaxComponents));
     if (settings.starts < 1) throw std::invalid_argument("starts: at least 1");
-    if (!(settings.em.tolerance > 0.0) || !(settings.em.covariance_floor > 0.0) || settings.em.most_iterations < 1)
+    if (!(settings.em.tolerance > 0.0) || !(settings.em.covariance_floor > 0.0) || settings.em.max_iterations < 1)
         throw std::invalid_argument("tolerance, covariance floor and iterations must be positive");
     if (control.threads < 1) throw std::invalid_argument("threads: at least 1");
     wear::check(campaign);
     const std::size_t points = campaign.points.size();
-    if (points < 6 * settings.most_components)
+    if (points < 6 * settings.max_components)
         throw settings::Error(campaign.source, 0, "",
                               fmt::format("{} maneuvers are too few for {} components, which have {} "
                                           "parameters; at most {} can be learnt",
-                                          points, settings.most_components, parameters_of(settings.most_components), points / 6));
+                                          points, settings.max_components, parameters_of(settings.max_components), points / 6));
 }
 
 /// The best run of one M so far; the first of equals.
@@ -102,13 +102,13 @@ Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl&
     check(campaign, settings, control);
     const Scale scale = scale_of(campaign.points);
     const StandardPoints points = standardised(campaign.points, scale);
-    const std::size_t least = settings.least_components;
-    const std::size_t most = settings.most_components;
+    const std::size_t min = settings.min_components;
+    const std::size_t max = settings.max_components;
     const auto starts = static_cast<std::size_t>(settings.starts);
 
-    std::vector<EmRun> random((most - least + 1) * starts);
+    std::vector<EmRun> random((max - min + 1) * starts);
     std::size_t splits = 0;
-    for (std::size_t m = least; m < most; ++m) splits += 2 * m;
+    for (std::size_t m = min; m < max; ++m) splits += 2 * m;
     std::mutex mutex;
     std::size_t done = 0;
     const auto on_all = [&](std::size_t count, const std::function<void(std::size_t)>& job) {
@@ -121,17 +121,17 @@ Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl&
         });
     };
     on_all(random.size(), [&](std::size_t job) {
-        const std::size_t m = most - job / starts;  // the long ones first, so that threads end together
+        const std::size_t m = max - job / starts;  // the long ones first, so that threads end together
         const std::size_t start = job % starts;
         constexpr int kSweeps = 10;
         Generator generator = generator_of(settings.seed, m * 1'000'000'000U + start);
         random[job] = em(points, random_start(points, m, start % 2 == 0 ? kSweeps : 0, settings.em.covariance_floor, generator), settings.em);
     });
-    std::vector<Search> found(most + 1);
-    for (std::size_t job = 0; job < random.size(); ++job) found[most - job / starts].take(random[job]);
+    std::vector<Search> found(max + 1);
+    for (std::size_t job = 0; job < random.size(); ++job) found[max - job / starts].take(random[job]);
 
     // What the best of M - 1 says, with one component split, is a start that random ones seldom find when M is large.
-    for (std::size_t m = least + 1; m <= most; ++m) {
+    for (std::size_t m = min + 1; m <= max; ++m) {
         const StandardMixture smaller = found[m - 1].best->mixture;
         std::vector<EmRun> runs(2 * (m - 1));
         on_all(runs.size(), [&](std::size_t job) { runs[job] = em(points, split(smaller, job / 2, job % 2 == 0), settings.em); });
@@ -139,14 +139,14 @@ Fit fit(const Campaign& campaign, const FitSettings& settings, const FitControl&
     }
 
     Fit out;
-    out.orders.reserve(most - least + 1);
+    out.orders.reserve(max - min + 1);
     const double per_point = std::log(scale.c_deviation_J * scale.mu_deviation);
     const auto n = campaign.points.size();
-    for (std::size_t m = least; m <= most; ++m) {
+    for (std::size_t m = min; m <= max; ++m) {
         const Search& s = found[m];
         const double log_likelihood = s.best->log_likelihood - static_cast<double>(n) * per_point;
         out.orders.push_back({m, log_likelihood, bic(log_likelihood, m, n), s.runs, s.not_converged, in_units(s.best->mixture, scale)});
-        if (out.orders.back().bic < out.orders[out.chosen].bic) out.chosen = m - least;
+        if (out.orders.back().bic < out.orders[out.chosen].bic) out.chosen = m - min;
     }
     return out;
 }

@@ -9,16 +9,16 @@
 #include <stop_token>
 #include <vector>
 
-#include "rig_bridge/wear/campaign.hpp"
 #include "rig_bridge/wear/em.hpp"
 #include "rig_bridge/wear/mixture.hpp"
+#include "rig_bridge/wear/wear_campaign.hpp"
 
 namespace wear {
 
 struct FitSettings {
-    std::size_t least_components = 1;
-    std::size_t most_components = 15;  ///< at most kMostComponents
-    int starts = 100;                  ///< random ones for each M
+    std::size_t min_components = 1;
+    std::size_t max_components = 15;  ///< at most kMaxComponents
+    int starts = 100;                 ///< random ones for each M
     std::uint64_t seed = 1;
     EmSettings em;
 };
@@ -29,7 +29,7 @@ struct OrderFit {
     double log_likelihood = 0.0;  ///< eq. (13) of the points in SI units, the best of all runs
     double bic = 0.0;
     int runs = 0;           ///< random starts, and those that split a component of the best for M - 1
-    int not_converged = 0;  ///< of them, stopped by EmSettings::most_iterations
+    int not_converged = 0;  ///< of them, stopped by EmSettings::max_iterations
     Mixture mixture;
 };
 

@@ -46,11 +46,11 @@ std::vector<Centre> spread_out(const std::vector<Centre>& points, std::size_t co
 void assign(const std::vector<Centre>& points, const std::vector<Centre>& centres, std::vector<std::size_t>& label) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         std::size_t nearest = 0;
-        double least = std::numeric_limits<double>::infinity();
+        double min = std::numeric_limits<double>::infinity();
         for (std::size_t j = 0; j < centres.size(); ++j) {
             const double d = squared_distance(points[i], centres[j]);
-            if (d < least) {
-                least = d;
+            if (d < min) {
+                min = d;
                 nearest = j;
             }
         }

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <stdexcept>
 
-namespace regulation {
+namespace wear {
 
 namespace {
 
@@ -75,4 +75,4 @@ Range allowed(const FloorTable& table, std::span<const std::string> surfaces, do
     return range;
 }
 
-}  // namespace regulation
+}  // namespace wear

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace regulation {
+namespace wear {
 
 struct Range {
     double lowest = 0.0;
@@ -32,4 +32,4 @@ struct FloorTable {
 /// or outside of the table.
 [[nodiscard]] Range allowed(const FloorTable& table, std::span<const std::string> surfaces, double floor, double reference);
 
-}  // namespace regulation
+}  // namespace wear

@@ -26,8 +26,8 @@ Verdict HealthMonitor::after(const Point& maneuver) {
         return out;
     }
     not_learnt_ = std::abs(out.score) < kNotLearnt ? 0 : not_learnt_ + 1;
-    if (not_learnt_ == 0 || not_learnt_ > kMostNotLearnt) filter_.learn(maneuver);
-    const double in_sum = std::clamp(out.score, -kMostInSum, kMostInSum);
+    if (not_learnt_ == 0 || not_learnt_ > kMaxNotLearnt) filter_.learn(maneuver);
+    const double in_sum = std::clamp(out.score, -kMaxInSum, kMaxInSum);
     low_ = std::max(0.0, low_ - in_sum - kAllowance);
     high_ = std::max(0.0, high_ + in_sum - kAllowance);
     const double two = (out.score + before_) / std::numbers::sqrt2;

@@ -34,10 +34,10 @@ class HealthMonitor {
     static constexpr int kUnknownManeuvers = 5;  ///< until the brake's own level is known a little
     static constexpr double kSuspectFrom = 0.7;  ///< statistic
     static constexpr double kAllowance = 0.5;    ///< of the cumulative sums: they answer fastest to shifts of 1
-    static constexpr double kMostInSum = 4.0;    ///< one outlier is no trend
+    static constexpr double kMaxInSum = 4.0;     ///< one outlier is no trend
     /// A maneuver that far off says nothing about what is ordinary for this brake and is not learnt from, unless as many in a row are like that.
     static constexpr double kNotLearnt = 4.0;
-    static constexpr int kMostNotLearnt = 3;
+    static constexpr int kMaxNotLearnt = 3;
 
     /// `population` must outlive this.
     explicit HealthMonitor(const Population& population) : limits_(population.limits), filter_(population) {}

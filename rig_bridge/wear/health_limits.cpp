@@ -41,8 +41,8 @@ HealthLimits calibrated(const std::vector<HealthLimits>& greatest) {
     strange.reserve(greatest.size());
     for (const HealthLimits& g : greatest) strange.push_back(std::max(rank(gradual, g.gradual), rank(sudden, g.sudden)));
     std::sort(strange.begin(), strange.end());
-    const std::size_t least = strange[strange.size() - flagged];  // rank of the least strange one to be flagged
-    return {gradual[least], sudden[least]};
+    const std::size_t min = strange[strange.size() - flagged];  // rank of the least strange one to be flagged
+    return {gradual[min], sudden[min]};
 }
 
 }  // namespace wear

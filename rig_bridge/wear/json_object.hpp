@@ -48,10 +48,10 @@ class JsonObject {
         if (value <= 0.0) throw settings::Error(file_, 0, path_of(key), fmt::format("{} must be positive", value));
         return value;
     }
-    [[nodiscard]] std::uint64_t count(const std::string& key, std::uint64_t least = 0) {
+    [[nodiscard]] std::uint64_t count(const std::string& key, std::uint64_t min = 0) {
         const nlohmann::ordered_json& value = get(key);
-        if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least)
-            throw settings::Error(file_, 0, path_of(key), fmt::format("must be an integer of at least {}", least));
+        if (!value.is_number_unsigned() || value.get<std::uint64_t>() < min)
+            throw settings::Error(file_, 0, path_of(key), fmt::format("must be an integer of at least {}", min));
         return value.get<std::uint64_t>();
     }
     [[nodiscard]] std::string text(const std::string& key) {

@@ -34,12 +34,12 @@ Scatter scatter_of(const std::vector<Campaign>& campaigns, const std::vector<Mea
         for (std::size_t lag = 0; lag < kLags; ++lag) gamma.at(lag) += covariance(residuals, lag) / static_cast<double>(campaigns.size());
     }
     Scatter out;
-    constexpr double kMostMemory = 0.95;
+    constexpr double kMaxMemory = 0.95;
     // Two ratios, weighed by what they are known with.
     const double sum = gamma[1] + gamma[2];
-    out.memory = sum > 0.0 ? std::clamp((gamma[2] + gamma[3]) / sum, 0.0, kMostMemory) : 0.0;
-    const double least_fresh = 0.01 * gamma[0];
-    const double remembered = out.memory > 0.0 ? std::clamp(gamma[1] / out.memory, 0.0, gamma[0] - least_fresh) : 0.0;
+    out.memory = sum > 0.0 ? std::clamp((gamma[2] + gamma[3]) / sum, 0.0, kMaxMemory) : 0.0;
+    const double min_fresh = 0.01 * gamma[0];
+    const double remembered = out.memory > 0.0 ? std::clamp(gamma[1] / out.memory, 0.0, gamma[0] - min_fresh) : 0.0;
     out.remembered = std::sqrt(remembered);
     out.fresh = std::sqrt(gamma[0] - remembered);
     return out;
@@ -156,21 +156,21 @@ class Ascent {
   public:
     explicit Ascent(std::function<double()> objective) : objective_(std::move(objective)), best_(objective_()) {}
 
-    void improve(double& parameter, double factor, double most) {
+    void improve(double& parameter, double factor, double max) {
         for (const double by : {factor, 1.0 / factor}) {
             bool gained = false;
-            while (attempt(parameter, std::min(most, parameter * by))) gained = true;
+            while (attempt(parameter, std::min(max, parameter * by))) gained = true;
             if (gained) return;
         }
     }
 
   private:
     bool attempt(double& parameter, double value) {
-        constexpr double kLeastGain = 0.1;
+        constexpr double kMinGain = 0.1;
         const double before = parameter;
         parameter = value;
         const double now = objective_();
-        if (now > best_ + kLeastGain) {
+        if (now > best_ + kMinGain) {
             best_ = now;
             return true;
         }

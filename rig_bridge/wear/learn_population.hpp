@@ -11,7 +11,7 @@
 namespace wear {
 
 struct LearnSettings {
-    FitSettings fit{.least_components = 1, .most_components = 8, .starts = 10, .seed = 1, .em = {}};
+    FitSettings fit{.min_components = 1, .max_components = 8, .starts = 10, .seed = 1, .em = {}};
     double evidence_kept = 0.98;  ///< of Spread: evidence lasts some 50 maneuvers, so that run-in does not decide what life will be
     /// That forecasts will ask about; none: somewhere between the middle and the end of life. Every brake must have crossed it.
     std::optional<double> limit{};

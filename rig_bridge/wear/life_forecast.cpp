@@ -5,7 +5,7 @@
 
 #include "rig_bridge/wear/forecast.hpp"
 
-namespace regulation {
+namespace wear {
 
 std::shared_ptr<const wear::Population> forecast_model(const wear::BrakeWear& brake) {
     return std::make_shared<const wear::Population>(wear::brakes_like(*brake.model));
@@ -42,4 +42,4 @@ std::optional<double> LifeForecast::life_J() const {
     return *median * scale_.energy;
 }
 
-}  // namespace regulation
+}  // namespace wear

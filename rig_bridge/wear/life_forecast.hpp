@@ -17,7 +17,7 @@
 #include "rig_bridge/wear/brake_filter.hpp"
 #include "rig_bridge/wear/wearing_brake.hpp"
 
-namespace regulation {
+namespace wear {
 
 /// What brakes like `brake` have in common, in its model's units: wear::brakes_like() of its model.
 [[nodiscard]] std::shared_ptr<const wear::Population> forecast_model(const wear::BrakeWear& brake);
@@ -45,4 +45,4 @@ class LifeForecast {
     double c_e_J_ = 0.0;
 };
 
-}  // namespace regulation
+}  // namespace wear

@@ -8,9 +8,9 @@
 
 #include "rig_bridge/wear/regulator.hpp"
 
-namespace regulation {
+namespace wear {
 
-enum class Verdict : std::uint8_t {
+enum class Feasibility : std::uint8_t {
     together,     ///< both at the planned landing, within the tolerance
     early,        ///< together, but the landings bring more than is left: before the planned one
     late,         ///< together, but they bring less: after it
@@ -18,7 +18,7 @@ enum class Verdict : std::uint8_t {
     tyre_first,   ///< even the lowest reference leaves the tyre too much
     reached,      ///< nothing is left to one of them
 };
-[[nodiscard]] const char* name(Verdict verdict);
+[[nodiscard]] const char* name(Feasibility verdict);
 
 /// A landing as it is expected, counted from the plan's begin, with standard deviation.
 struct When {
@@ -27,11 +27,11 @@ struct When {
 };
 
 struct LimitForecast {
-    Verdict verdict = Verdict::together;
-    double required_share = 0.0;                 ///< of the tyre, of what is to come
-    double least_share = 0.0, most_share = 0.0;  ///< that the allowed references give
-    double brought = 0.0;                        ///< E over T + B: 1 where the planned landings bring just what is left; above 1 too much
-    When brake, tyre;                            ///< when each limit is reached
+    Feasibility verdict = Feasibility::together;
+    double required_share = 0.0;              ///< of the tyre, of what is to come
+    double min_share = 0.0, max_share = 0.0;  ///< that the allowed references give
+    double brought = 0.0;                     ///< E over T + B: 1 where the planned landings bring just what is left; above 1 too much
+    When brake, tyre;                         ///< when each limit is reached
     /// That the landings to come bring what is left within the plan's tolerance, from their scatter alone (normal); 0 where the share is out of
     /// reach.
     double probability = 0.0;
@@ -40,6 +40,6 @@ struct LimitForecast {
 [[nodiscard]] LimitForecast limit_forecast(const Regulator& regulator);
 
 /// One plain sentence for people.
-[[nodiscard]] std::string sentence(const LimitForecast& limits, const Plan& plan);
+[[nodiscard]] std::string sentence(const LimitForecast& limits, const WearPlan& plan);
 
-}  // namespace regulation
+}  // namespace wear

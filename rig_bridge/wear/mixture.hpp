@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "rig_bridge/wear/campaign.hpp"
 #include "rig_bridge/wear/draw.hpp"
+#include "rig_bridge/wear/wear_campaign.hpp"
 
 namespace wear {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "rig_bridge/wear/campaign.hpp"
 #include "rig_bridge/wear/conditional.hpp"
 #include "rig_bridge/wear/fit.hpp"
 #include "rig_bridge/wear/mixture.hpp"
+#include "rig_bridge/wear/wear_campaign.hpp"
 
 namespace wear {
 
@@ -19,7 +19,7 @@ struct Model {
         std::size_t maneuvers = 0;
         double first_c_e_J = 0.0;
         double last_c_e_J = 0.0;
-        double least_friction = 0.0;
+        double min_friction = 0.0;
         double greatest_friction = 0.0;
         bool operator==(const Data&) const = default;
         /// J a maneuver.
@@ -32,16 +32,16 @@ struct Model {
         double covariance_floor = 0.0;
         bool operator==(const Search&) const = default;
     };
-    struct Order {
+    struct Candidate {
         std::size_t components = 0;
         double log_likelihood = 0.0;
         double bic = 0.0;
-        bool operator==(const Order&) const = default;
+        bool operator==(const Candidate&) const = default;
     };
 
     Data data;
     Search search;
-    std::vector<Order> orders;
+    std::vector<Candidate> orders;
     Mixture mixture;
 
     /// Whether the model has seen no data near this energy: more than one mean maneuver before the first point or after the last.

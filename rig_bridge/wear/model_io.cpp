@@ -24,7 +24,7 @@ Model::Data data_of(Reader r, const std::string& file) {
     d.maneuvers = r.count("maneuvers", 2);
     d.first_c_e_J = r.positive("first_cumulative_energy_J");
     d.last_c_e_J = r.positive("last_cumulative_energy_J");
-    d.least_friction = r.positive("least_mean_friction");
+    d.min_friction = r.positive("min_mean_friction");
     d.greatest_friction = r.positive("greatest_mean_friction");
     r.finish();
     if (d.last_c_e_J <= d.first_c_e_J) throw Error(file, 0, "data.last_cumulative_energy_J", "must be above the first");
@@ -41,8 +41,8 @@ Model::Search search_of(Reader r) {
     return s;
 }
 
-Model::Order order_of(Reader r) {
-    const Model::Order o{r.count("components", 1), r.number("log_likelihood"), r.number("bic")};
+Model::Candidate order_of(Reader r) {
+    const Model::Candidate o{r.count("components", 1), r.number("log_likelihood"), r.number("bic")};
     r.finish();
     return o;
 }
@@ -68,7 +68,7 @@ Json json_of(const Component& c) {
 
 std::string to_json(const Model& m) {
     Json orders = Json::array();
-    for (const Model::Order& o : m.orders) orders.push_back({{"components", o.components}, {"log_likelihood", o.log_likelihood}, {"bic", o.bic}});
+    for (const Model::Candidate& o : m.orders) orders.push_back({{"components", o.components}, {"log_likelihood", o.log_likelihood}, {"bic", o.bic}});
     Json components = Json::array();
     for (const Component& c : m.mixture.components()) components.push_back(json_of(c));
     const Json json{
@@ -80,7 +80,7 @@ std::string to_json(const Model& m) {
           {"maneuvers", m.data.maneuvers},
           {"first_cumulative_energy_J", m.data.first_c_e_J},
           {"last_cumulative_energy_J", m.data.last_c_e_J},
-          {"least_mean_friction", m.data.least_friction},
+          {"min_mean_friction", m.data.min_friction},
           {"greatest_mean_friction", m.data.greatest_friction}}},
         {"search",
          {{"seed", m.search.seed}, {"starts", m.search.starts}, {"tolerance", m.search.tolerance}, {"covariance_floor", m.search.covariance_floor}}},
@@ -96,7 +96,7 @@ Model from_json(const std::string& name, std::string_view text) {
     root.check_format(kModelFormat, kModelFormatVersion);
     const Model::Data data = data_of(root.object("data"), name);
     const Model::Search search = search_of(root.object("search"));
-    std::vector<Model::Order> orders;
+    std::vector<Model::Candidate> orders;
     for (const Reader& r : root.objects("orders")) orders.push_back(order_of(r));
     std::vector<Component> components;
     for (const Reader& r : root.objects("components")) components.push_back(component_of(r));

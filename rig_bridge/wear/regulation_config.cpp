@@ -10,7 +10,7 @@
 
 #include "firmware/host/settings/settings.hpp"
 
-namespace regulation {
+namespace wear {
 
 namespace {
 
@@ -115,8 +115,8 @@ Range RegulationConfig::range(const std::string& surface) const {
     return allowed(floor, all, rules.j_mu_floor, rules.default_reference);
 }
 
-Plan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J, double landing_deviation_J) {
-    Plan plan = config.plan;
+WearPlan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J, double landing_deviation_J) {
+    WearPlan plan = config.plan;
     if (plan.brake_taken_J >= brake_life_J)
         throw settings::Error(config.files.front().string(), 0, "plan.brake_taken_J",
                               fmt::format("is {:.4g}, the brake's life {:.4g}: nothing is left to share", plan.brake_taken_J, brake_life_J));
@@ -130,4 +130,4 @@ Plan plan_of(const RegulationConfig& config, double brake_life_J, double landing
     return plan;
 }
 
-}  // namespace regulation
+}  // namespace wear

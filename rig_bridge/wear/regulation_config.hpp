@@ -8,12 +8,12 @@
 #include "rig_bridge/wear/floor.hpp"
 #include "rig_bridge/wear/regulator.hpp"
 
-namespace regulation {
+namespace wear {
 
 struct RegulationConfig {
     /// Without `brake_life_J`, `landing_J` and `landing_deviation_J`, which are the rig's and its landings'; `landings` 0: no planned
     /// landing, both limits together whenever the landings' energy brings them there (see plan_of()).
-    Plan plan;
+    WearPlan plan;
     Rules rules;
     FloorTable floor;
     std::vector<double> tyre_share;  ///< of all scenarios, mean, at each of floor.reference: what a fixed reference would give
@@ -46,6 +46,6 @@ struct Characterisation {
 [[nodiscard]] std::string to_toml(const Characterisation& characterisation, const std::string& made_by);
 
 /// The whole plan for a brake and the energy of its landings. Throws settings::Error where the brake has taken more than its life.
-[[nodiscard]] Plan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J, double landing_deviation_J);
+[[nodiscard]] WearPlan plan_of(const RegulationConfig& config, double brake_life_J, double landing_J, double landing_deviation_J);
 
-}  // namespace regulation
+}  // namespace wear

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace regulation {
+namespace wear {
 
 namespace {
 
@@ -26,7 +26,7 @@ const char* name(Reading reading) {
     return kNames[static_cast<std::size_t>(reading)];
 }
 
-Regulator::Regulator(const Plan& plan, const Rules& rules, const Range& range)
+Regulator::Regulator(const WearPlan& plan, const Rules& rules, const Range& range)
     : plan_(plan),
       rules_(rules),
       range_(range),
@@ -72,8 +72,8 @@ Reading Regulator::judge(const Landing& l) const {
         if (value < 0.0) return Reading::negative;
     }
     if (l.reference == 0.0 || l.kinetic_J == 0.0) return Reading::missing;
-    const double most_J = l.kinetic_J * (1.0 + rules_.books_tolerance);
-    if (l.tyre_J > most_J || l.brake_J > most_J) return Reading::beyond_kinetic;
+    const double max_J = l.kinetic_J * (1.0 + rules_.books_tolerance);
+    if (l.tyre_J > max_J || l.brake_J > max_J) return Reading::beyond_kinetic;
     if (std::abs(l.brake_J + l.tyre_J - l.kinetic_J) > rules_.books_tolerance * l.kinetic_J) return Reading::energy_mismatch;
     if (l.brake_wear_J < wear_counter_J_) return Reading::counter_back;
     return Reading::measured;
@@ -85,7 +85,7 @@ void Regulator::learn(const Landing& l) {
     constexpr double kTrustInOne = 4.0;  // landings that the first guess, eq. (9) at constant slip, is worth
     const double gain = std::max(1.0 / (learnt_ + kTrustInOne), rules_.adaptation);
     const double seen = measured_share_ / l.reference;
-    share_per_slip_ = std::clamp(share_per_slip_ + gain * (seen - share_per_slip_), kLeastSharePerSlip, kMostSharePerSlip);
+    share_per_slip_ = std::clamp(share_per_slip_ + gain * (seen - share_per_slip_), kMinSharePerSlip, kMaxSharePerSlip);
     kinetic_J_ += l.kinetic_J;
     kinetic_landings_ += 1.0;
 }
@@ -102,8 +102,8 @@ void Regulator::guard(const Landing& l) {
 
 /// A landing of which nothing is known wears all the same.
 void Regulator::estimate(const Landing& l) {
-    const double most_J = plan_.landing_J + 10.0 * plan_.landing_deviation_J;
-    const bool known = l.kinetic_J > 0.0 && l.kinetic_J <= most_J;
+    const double max_J = plan_.landing_J + 10.0 * plan_.landing_deviation_J;
+    const bool known = l.kinetic_J > 0.0 && l.kinetic_J <= max_J;
     const double energy_J = known ? l.kinetic_J : landing_J();
     const double share = std::min(share_of(reference_), 1.0);
     tyre_J_ += share * energy_J;
@@ -164,4 +164,4 @@ void Regulator::narrow(const Range& range) {
     reference_ = std::clamp(reference_, range_.lowest, range_.highest);
 }
 
-}  // namespace regulation
+}  // namespace wear

@@ -18,10 +18,10 @@
 
 #include "rig_bridge/wear/floor.hpp"
 
-namespace regulation {
+namespace wear {
 
 /// What shall be reached. Energies in J, all above 0 but those taken.
-struct Plan {
+struct WearPlan {
     int landings = 0;  ///< both limits shall be reached with this one, counted from the plan's begin
     double brake_life_J = 0.0;
     double brake_taken_J = 0.0;  ///< before the plan's begin; below the life
@@ -71,7 +71,7 @@ class Regulator {
   public:
     /// `range`: references that the floor allows, see allowed(). Throws std::invalid_argument for a plan or rules that cannot be, and for a
     /// default outside of `range`.
-    Regulator(const Plan& plan, const Rules& rules, const Range& range);
+    Regulator(const WearPlan& plan, const Rules& rules, const Range& range);
 
     /// For the next landing: always within range().
     [[nodiscard]] double reference() const { return reference_; }
@@ -87,7 +87,7 @@ class Regulator {
     /// A further surface narrows the range; never widens it. Throws std::invalid_argument for a range without the default.
     void narrow(const Range& range);
 
-    [[nodiscard]] const Plan& plan() const { return plan_; }
+    [[nodiscard]] const WearPlan& plan() const { return plan_; }
     [[nodiscard]] const Rules& rules() const { return rules_; }
     [[nodiscard]] const Range& range() const { return range_; }
     [[nodiscard]] int landings() const { return landings_; }
@@ -109,7 +109,7 @@ class Regulator {
 
     static constexpr double kPriorLandings = 20.0;
     /// Bounds of share_per_slip(). Eq. (9) gives 1 at constant slip; spin-up energy, build-up and the last metres move it a little.
-    static constexpr double kLeastSharePerSlip = 0.6, kMostSharePerSlip = 1.6;
+    static constexpr double kMinSharePerSlip = 0.6, kMaxSharePerSlip = 1.6;
 
   private:
     [[nodiscard]] Reading judge(const Landing& landing) const;
@@ -119,7 +119,7 @@ class Regulator {
     void settle(double brake_wear_J);
     void move(double target, double from);
 
-    Plan plan_;
+    WearPlan plan_;
     Rules rules_;
     Range range_;
     double reference_;
@@ -138,4 +138,4 @@ class Regulator {
     double kinetic_landings_ = 0.0;
 };
 
-}  // namespace regulation
+}  // namespace wear

@@ -23,11 +23,11 @@ Conditional conditional_at(const Model& model, const BrakeScale& scale, const Co
 }  // namespace
 
 double friction_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule, double c_e_J, Generator& generator) {
-    return std::max(kLeastFriction, scale.friction * conditional_at(model, scale, rule, c_e_J).sample(generator));
+    return std::max(kMinFriction, scale.friction * conditional_at(model, scale, rule, c_e_J).sample(generator));
 }
 
 double expected_friction_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule, double c_e_J) {
-    return std::max(kLeastFriction, scale.friction * conditional_at(model, scale, rule, c_e_J).mean());
+    return std::max(kMinFriction, scale.friction * conditional_at(model, scale, rule, c_e_J).mean());
 }
 
 WearingBrake::WearingBrake(BrakeWear wear, const ConditionalRule& rule, const BrakeState& state)

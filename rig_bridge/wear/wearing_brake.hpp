@@ -22,7 +22,7 @@ struct BrakeState {
 };
 
 /// No friction is drawn below this: a brake with less would not be one, and no plant could stop.
-inline constexpr double kLeastFriction = 0.01;
+inline constexpr double kMinFriction = 0.01;
 
 /// From the brake that the model was learnt on to this one.
 struct BrakeScale {
@@ -40,7 +40,7 @@ struct BrakeWear {
 };
 
 /// One draw of the mean mu_b of a maneuver that begins when the brake has taken `c_e_J` >= 0, eq. (14); at least
-/// kLeastFriction. For studies that ask for one landing at a given wear.
+/// kMinFriction. For studies that ask for one landing at a given wear.
 [[nodiscard]] double friction_at(const Model& model, const BrakeScale& scale, const ConditionalRule& rule, double c_e_J, Generator& generator);
 
 /// The mean of those draws, without scatter.

@@ -11,10 +11,10 @@
 #include "tests/catch.hpp"
 
 using can_test::TempDir;
-using rig::BridgeSigns;
-using rig::StripChart;
-using rig::Watched;
-using sequencer::Phase;
+using rig::Phase;
+using rig::bridge::BridgeSigns;
+using rig::bridge::StripChart;
+using rig::bridge::Watched;
 
 namespace {
 
@@ -56,31 +56,31 @@ Watched watched_braking() {
 TEST_CASE("A hold says who, since when and why, and whoever made it", "[BRG-471]") {
     const TempDir dir;
     const auto place = dir.write("x", "").parent_path();
-    CHECK_FALSE(rig::read_hold(place).has_value());
-    CHECK_FALSE(rig::remove_hold(place));
-    rig::write_hold(place, {.who = "A. \"R\"", .since = "2026-11-25T10:00:00Z", .why = "tyre change"});
-    CHECK(rig::to_text(*rig::read_hold(place)) == "held by A. \"R\" since 2026-11-25T10:00:00Z: tyre change");
+    CHECK_FALSE(rig::bridge::read_hold(place).has_value());
+    CHECK_FALSE(rig::bridge::remove_hold(place));
+    rig::bridge::write_hold(place, {.who = "A. \"R\"", .since = "2026-11-25T10:00:00Z", .why = "tyre change"});
+    CHECK(rig::bridge::to_text(*rig::bridge::read_hold(place)) == "held by A. \"R\" since 2026-11-25T10:00:00Z: tyre change");
     for (const char* const spoilt : {"", "{", "[]", "{\"who\": 3}"}) {
         static_cast<void>(dir.write("campaign.hold", spoilt));
         INFO(spoilt);
-        REQUIRE(rig::read_hold(place).has_value());
-        CHECK_THAT(rig::to_text(*rig::read_hold(place)), ContainsSubstring("held by somebody"));
+        REQUIRE(rig::bridge::read_hold(place).has_value());
+        CHECK_THAT(rig::bridge::to_text(*rig::bridge::read_hold(place)), ContainsSubstring("held by somebody"));
     }
-    CHECK(rig::remove_hold(place));
-    CHECK_FALSE(rig::read_hold(place).has_value());
+    CHECK(rig::bridge::remove_hold(place));
+    CHECK_FALSE(rig::bridge::read_hold(place).has_value());
 }
 
 TEST_CASE("The program for aborts is told what happened, line by line and without a shell", "[BRG-471]") {
     const TempDir dir;
     const auto out = dir.write("told", "");
     const auto hook = script(dir, "env | grep ^RIG_ | sort > " + out.string() + "; cat >> " + out.string());
-    const auto news = rig::environment_of({.outcome = "$(touch x); retry 1 of 2",
-                                           .cause = "guard_open",
-                                           .next_step = "first\nRIG_FORGED=1",
-                                           .campaign = "a b",
-                                           .maneuver = 31,
-                                           .folder = "/runs/a b/0031"});
-    CHECK(rig::run_hook(hook, news).empty());
+    const auto news = rig::bridge::environment_of({.outcome = "$(touch x); retry 1 of 2",
+                                                   .cause = "guard_open",
+                                                   .next_step = "first\nRIG_FORGED=1",
+                                                   .campaign = "a b",
+                                                   .maneuver = 31,
+                                                   .folder = "/runs/a b/0031"});
+    CHECK(rig::bridge::run_hook(hook, news).empty());
     CHECK(can_test::contents(out) ==
           "RIG_CAMPAIGN=a b\nRIG_CAUSE=guard_open\nRIG_FOLDER=/runs/a b/0031\n"
           "RIG_MANEUVER=31\nRIG_NEXT_STEP=first RIG_FORGED=1\n"
@@ -90,19 +90,19 @@ TEST_CASE("The program for aborts is told what happened, line by line and withou
 TEST_CASE("A program for aborts that fails or hangs is named, and holds nobody", "[BRG-471]") {
     const TempDir dir;
     using std::chrono::milliseconds;
-    CHECK_THAT(rig::run_hook(script(dir, "exit 3"), {}), ContainsSubstring("exit status 3"));
-    CHECK_THAT(rig::run_hook(script(dir, "kill -9 $$"), {}), ContainsSubstring("ended by signal 9"));
+    CHECK_THAT(rig::bridge::run_hook(script(dir, "exit 3"), {}), ContainsSubstring("exit status 3"));
+    CHECK_THAT(rig::bridge::run_hook(script(dir, "kill -9 $$"), {}), ContainsSubstring("ended by signal 9"));
     // Its children die with it.
     const auto out = dir.write("late", "");
-    CHECK_THAT(rig::run_hook(script(dir, "(sleep 1; echo late > " + out.string() + ") & sleep 60"), {}, milliseconds(100)),
+    CHECK_THAT(rig::bridge::run_hook(script(dir, "(sleep 1; echo late > " + out.string() + ") & sleep 60"), {}, milliseconds(100)),
                ContainsSubstring("had not ended after 0.1 s and was killed"));
-    CHECK(rig::run_hook(script(dir, "sleep 1.2"), {}).empty());
+    CHECK(rig::bridge::run_hook(script(dir, "sleep 1.2"), {}).empty());
     CHECK(can_test::contents(out).empty());
-    CHECK_THAT(rig::run_hook(dir.write("no_program", "text"), {}), ContainsSubstring("Permission denied"));
-    CHECK_THROWS_WITH(rig::check_hook(dir.write("no_program", "text")), ContainsSubstring("chmod +x"));
-    CHECK_THROWS_WITH(rig::check_hook("/nowhere"), ContainsSubstring("--on-abort /nowhere"));
-    CHECK_THROWS_WITH(rig::check_hook("/tmp"), ContainsSubstring("expected a program"));
-    CHECK_NOTHROW(rig::check_hook(script(dir, "")));
+    CHECK_THAT(rig::bridge::run_hook(dir.write("no_program", "text"), {}), ContainsSubstring("Permission denied"));
+    CHECK_THROWS_WITH(rig::bridge::check_hook(dir.write("no_program", "text")), ContainsSubstring("chmod +x"));
+    CHECK_THROWS_WITH(rig::bridge::check_hook("/nowhere"), ContainsSubstring("--on-abort /nowhere"));
+    CHECK_THROWS_WITH(rig::bridge::check_hook("/tmp"), ContainsSubstring("expected a program"));
+    CHECK_NOTHROW(rig::bridge::check_hook(script(dir, "")));
 }
 
 TEST_CASE("Who runs the campaign is told from bus and ledger", "[BRG-420]") {

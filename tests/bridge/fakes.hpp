@@ -16,21 +16,21 @@ inline antiskid::can::Layout layout() {
 }
 
 /// Everything fresh and good, at rest.
-inline rig::Snapshot good_plc() {
-    rig::Snapshot plc;
+inline rig::modbus::Snapshot good_plc() {
+    rig::modbus::Snapshot plc;
     plc.values.fill(0.0);
     plc.quality.fill(rig::ValueQuality::good);
     plc.age_s.fill(0.01);
-    plc.link = rig::LinkState::connected;
-    plc.command = rig::CommandState::applied;
+    plc.link = rig::modbus::LinkState::connected;
+    plc.command = rig::modbus::CommandState::applied;
     rig::at(plc.values, rig::Measured::interlocks) = 15.0;
     rig::at(plc.values, rig::Measured::brake_temperature_C) = 20.0;
     return plc;
 }
 
 /// Everybody heard at `now`, the controller in standby.
-inline rig::BusNow good_bus(Time now) {
-    rig::BusNow bus;
+inline rig::bridge::BusNow good_bus(Time now) {
+    rig::bridge::BusNow bus;
     bus.up = true;
     bus.looked = now;
     bus.view.wheel.received = bus.view.flywheel.received = bus.view.pressure.received = now;
@@ -39,20 +39,20 @@ inline rig::BusNow good_bus(Time now) {
     return bus;
 }
 
-class FakePlc final : public rig::Plc {
+class FakePlc final : public rig::bridge::Plc {
   public:
     void command(const rig::CommandedValues& wanted) override { commands.push_back(wanted); }
-    [[nodiscard]] rig::Snapshot snapshot() const override { return now; }
+    [[nodiscard]] rig::modbus::Snapshot snapshot() const override { return now; }
 
-    rig::Snapshot now = good_plc();
+    rig::modbus::Snapshot now = good_plc();
     std::vector<rig::CommandedValues> commands;
 };
 
-class FakeFeed final : public rig::BusFeed {
+class FakeFeed final : public rig::bridge::BusFeed {
   public:
-    [[nodiscard]] rig::BusNow now() const override { return bus; }
+    [[nodiscard]] rig::bridge::BusNow now() const override { return bus; }
 
-    rig::BusNow bus = good_bus(1s);
+    rig::bridge::BusNow bus = good_bus(1s);
 };
 
 class FakeBus final : public antiskid::can::Bus {

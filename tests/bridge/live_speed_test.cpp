@@ -32,7 +32,7 @@ SpeedInput shaft(double radps, double t) {
 TEST_CASE("A constant speed is measured exactly, however late its frames are", "[BRG-420]") {
     for (const double radps : {100.0, 30.0, 10.0, 4.0}) {
         CAPTURE(radps);
-        rig::LiveSpeed speed(kTeeth);
+        rig::bridge::LiveSpeed speed(kTeeth);
         std::mt19937_64 random(1);
         std::uniform_real_distribution<double> late(0.0, 0.025);
         double now = 0.0;
@@ -46,7 +46,7 @@ TEST_CASE("A constant speed is measured exactly, however late its frames are", "
 }
 
 TEST_CASE("A shaft that stops is soon seen to stop", "[BRG-420]") {
-    rig::LiveSpeed speed(kTeeth);
+    rig::bridge::LiveSpeed speed(kTeeth);
     for (int i = 0; i < 1000; ++i) speed.update(shaft(100.0, i * 1e-3), at(i * 1e-3));
     const SpeedInput last = shaft(100.0, 0.999);
     speed.update(last, at(0.999 + 0.03));
@@ -58,7 +58,7 @@ TEST_CASE("A shaft that stops is soon seen to stop", "[BRG-420]") {
 }
 
 TEST_CASE("Nothing is measured before the first frame, and a sensor that starts again starts again", "[BRG-420]") {
-    rig::LiveSpeed speed(kTeeth);
+    rig::bridge::LiveSpeed speed(kTeeth);
     speed.update(SpeedInput{}, at(1.0));
     CHECK(speed.radps() == 0.0);
     for (int i = 0; i < 1000; ++i) speed.update(shaft(100.0, 50.0 + i * 1e-3), at(i * 1e-3));

@@ -9,7 +9,7 @@
 #include "tests/catch.hpp"
 
 using antiskid::can::Time;
-using rig::Lockstep;
+using rig::bridge::Lockstep;
 using namespace std::chrono_literals;
 
 namespace {

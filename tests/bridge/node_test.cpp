@@ -10,7 +10,7 @@ using namespace bridge_test;
 using antiskid::can::Role;
 using rig::Commanded;
 using rig::Measured;
-using sequencer::Phase;
+using rig::Phase;
 
 namespace {
 
@@ -19,11 +19,11 @@ struct Bench {
     FakePlc plc;
     FakeFeed feed;
     FakeBus bus;
-    rig::Node node{frames, 1e-3, rig::Freshness{}, plc, feed, bus};
+    rig::bridge::Node node{frames, 1e-3, rig::bridge::Freshness{}, plc, feed, bus};
     Time now = 1s;
 
-    const rig::Moment& step(sequencer::Sequencer* sequencer, const rig::Node::Wishes& wishes = {}) {
-        now += rig::Node::kStep;
+    const rig::bridge::Moment& step(rig::Sequencer* sequencer, const rig::bridge::Node::Wishes& wishes = {}) {
+        now += rig::bridge::Node::kStep;
         feed.bus.looked = now;
         feed.bus.view.wheel.received = feed.bus.view.flywheel.received = feed.bus.view.pressure.received = now;
         feed.bus.view.controller.status_received = now;
@@ -35,8 +35,8 @@ struct Bench {
     [[nodiscard]] double commanded(Commanded q) const { return rig::at(plc.commands.back(), q); }
 };
 
-sequencer::Plan plan() {
-    sequencer::Plan plan;
+rig::Plan plan() {
+    rig::Plan plan;
     plan.speed_mps = 50.0;
     plan.load_base_N = 40e3;
     plan.demand_Pa = 20e6;
@@ -69,7 +69,7 @@ TEST_CASE("The bridge's frames go out at their periods, load cells only while th
 TEST_CASE("A phase and its command go out in the same step", "[BRG-400]") {
     for (const int before : {1, 2}) {
         Bench b;
-        sequencer::Sequencer sequencer(plan());
+        rig::Sequencer sequencer(plan());
         for (int i = 0; i < before; ++i) b.step(nullptr);
         Phase phase = Phase::idle;
         int changes = 0;
@@ -82,7 +82,7 @@ TEST_CASE("A phase and its command go out in the same step", "[BRG-400]") {
             }
             phase = b.node.moment().outputs.phase;
             ++changes;
-            CAPTURE(sequencer::name(phase));
+            CAPTURE(rig::name(phase));
             REQUIRE(b.sent(Role::maneuver) == 1);
             // The command first: who hears the phase has heard it.
             const auto place = [&](Role role) {
@@ -104,16 +104,16 @@ TEST_CASE("Without a sequencer everything is off", "[BRG-400]") {
 
 TEST_CASE("An interlock that opens is the abort of the same step, and the PLC is told at once", "[BRG-400]") {
     Bench b;
-    sequencer::Sequencer sequencer(plan());
+    rig::Sequencer sequencer(plan());
     for (int i = 0; i < 5 && sequencer.phase() != Phase::spin_up; ++i) b.step(&sequencer);
     REQUIRE(sequencer.phase() == Phase::spin_up);
     CHECK(b.commanded(Commanded::drive_enable) == 1.0);
     CHECK(b.commanded(Commanded::flywheel_speed_mps) > 50.0);
     rig::at(b.plc.now.values, Measured::interlocks) = 13.0;
     b.bus.sent.clear();
-    const rig::Moment& m = b.step(&sequencer);
+    const rig::bridge::Moment& m = b.step(&sequencer);
     CHECK(m.outputs.phase == Phase::aborting);
-    CHECK(m.outputs.abort == sequencer::Abort::guard_open);
+    CHECK(m.outputs.abort == rig::Abort::guard_open);
     CHECK(b.plc.commands.back() == rig::CommandedValues{});
     CHECK(b.sent(Role::emergency_stop) == 1);
     CHECK(b.sent(Role::maneuver_state) == 1);
@@ -121,25 +121,25 @@ TEST_CASE("An interlock that opens is the abort of the same step, and the PLC is
 
 TEST_CASE("A link of its own that is down counts as a lost bus", "[BRG-400]") {
     Bench b;
-    sequencer::Sequencer sequencer(plan());
+    rig::Sequencer sequencer(plan());
     for (int i = 0; i < 5; ++i) b.step(&sequencer);
     REQUIRE(sequencer.phase() == Phase::spin_up);
     b.bus.up = false;
     b.step(&sequencer);
-    CHECK(sequencer.abort() == sequencer::Abort::bus_lost);
+    CHECK(sequencer.abort() == rig::Abort::bus_lost);
 }
 
 TEST_CASE("Somebody else's command is the abort of the same step, once", "[BRG-136]") {
     Bench b;
     b.plc.now.foreign_commands = 3;  // while nothing ran
     b.step(nullptr);
-    sequencer::Sequencer sequencer(plan());
+    rig::Sequencer sequencer(plan());
     for (int i = 0; i < 5; ++i) b.step(&sequencer);
     REQUIRE(sequencer.phase() == Phase::spin_up);
     b.plc.now.foreign_commands = 4;
     b.plc.now.foreign_commit = 4711;
-    const rig::Moment& m = b.step(&sequencer);
-    CHECK(sequencer.abort() == sequencer::Abort::foreign_command);
+    const rig::bridge::Moment& m = b.step(&sequencer);
+    CHECK(sequencer.abort() == rig::Abort::foreign_command);
     CHECK(note_of(m) == "somebody else commands the PLC: commit 4711 is not the bridge's");
     CHECK(b.plc.commands.back() == rig::CommandedValues{});
     CHECK(note_of(b.step(&sequencer)).empty());
@@ -149,28 +149,28 @@ TEST_CASE("How fast the rim still turns is said by whoever is heard", "[BRG-420]
     Bench b;
     rig::at(b.plc.now.values, Measured::flywheel_speed_mps) = 30.0;
     b.feed.bus.rim_mps = 30.5;
-    CHECK(rig::rim_speed_mps(b.step(nullptr)) == 30.5);
+    CHECK(rig::bridge::rim_speed_mps(b.step(nullptr)) == 30.5);
     b.feed.bus.up = false;
-    CHECK(rig::rim_speed_mps(b.step(nullptr)) == 30.0);
+    CHECK(rig::bridge::rim_speed_mps(b.step(nullptr)) == 30.0);
     b.plc.now.age_s.fill(3.0);
-    CHECK_FALSE(rig::rim_speed_mps(b.step(nullptr)).has_value());
+    CHECK_FALSE(rig::bridge::rim_speed_mps(b.step(nullptr)).has_value());
     b.feed.bus.up = true;
-    CHECK(rig::rim_speed_mps(b.step(nullptr)) == 30.5);
-    CHECK_THAT(rig::rim_text(30.5, 0.1), ContainsSubstring("still turns, at 30.50 m/s"));
-    CHECK_THAT(rig::rim_text(std::nullopt, 0.1), ContainsSubstring("take it for turning"));
-    CHECK(rig::rim_text(0.09, 0.1) == "the rim stands");
+    CHECK(rig::bridge::rim_speed_mps(b.step(nullptr)) == 30.5);
+    CHECK_THAT(rig::bridge::rim_text(30.5, 0.1), ContainsSubstring("still turns, at 30.50 m/s"));
+    CHECK_THAT(rig::bridge::rim_text(std::nullopt, 0.1), ContainsSubstring("take it for turning"));
+    CHECK(rig::bridge::rim_text(0.09, 0.1) == "the rim stands");
 }
 
 TEST_CASE("The wish to stop aborts as requested", "[BRG-400]") {
     Bench b;
-    sequencer::Sequencer sequencer(plan());
+    rig::Sequencer sequencer(plan());
     for (int i = 0; i < 5; ++i) b.step(&sequencer);
     b.step(&sequencer, {.abort = true});
-    CHECK(sequencer.abort() == sequencer::Abort::requested);
+    CHECK(sequencer.abort() == rig::Abort::requested);
 }
 
 TEST_CASE("A tripped PLC is reset only where that is allowed, with nothing on and every interlock good", "[BRG-400]") {
-    const auto resets = [](Bench& b, sequencer::Sequencer* sequencer, bool allowed) {
+    const auto resets = [](Bench& b, rig::Sequencer* sequencer, bool allowed) {
         bool reset = false;
         for (int i = 0; i < 40; ++i) {
             b.step(sequencer, {.reset = allowed});
@@ -198,13 +198,13 @@ TEST_CASE("A tripped PLC is reset only where that is allowed, with nothing on an
 
     // During a maneuver the trip is its abort, and nothing is reset before the safe end.
     Bench running;
-    sequencer::Sequencer sequencer(plan());
+    rig::Sequencer sequencer(plan());
     for (int i = 0; i < 5; ++i) running.step(&sequencer, {.reset = true});
     REQUIRE(sequencer.phase() == Phase::spin_up);
     rig::at(running.plc.now.values, Measured::plc_state) = 1.0;
     rig::at(running.plc.now.values, Measured::sledge_position_m) = 0.2;
     CHECK_FALSE(resets(running, &sequencer, true));
-    CHECK(sequencer.abort() == sequencer::Abort::plc_tripped);
+    CHECK(sequencer.abort() == rig::Abort::plc_tripped);
     CHECK(sequencer.phase() == Phase::aborting);
 }
 
@@ -223,13 +223,13 @@ TEST_CASE("What is wrong stands in the view", "[BRG-420]") {
     Bench b;
     b.feed.bus.view.controller.faults.insert(antiskid::control::Fault::heartbeat_lost);
     b.step(nullptr);
-    rig::ViewModel view = view_of(b.node.moment(), b.node.limits());
+    rig::bridge::ViewModel view = view_of(b.node.moment(), b.node.limits());
     CHECK(view.controller == "standby");
     CHECK(view.plc == "ready");
     CHECK(view.bus == "up");
     REQUIRE(view.faults.size() == 1);
     CHECK(view.faults[0] == "heartbeat_lost");
-    b.plc.now.link = rig::LinkState::lost;
+    b.plc.now.link = rig::modbus::LinkState::lost;
     b.plc.now.error = "no answer within 200 ms";
     b.plc.now.age_s.fill(3.0);
     b.step(nullptr);

@@ -6,22 +6,22 @@
 #include <limits>
 
 #include "tests/bridge/fakes.hpp"
-#include "tests/preflight/sound_link.hpp"
-#include "tests/preflight/verdicts.hpp"
+#include "tests/controller/results.hpp"
+#include "tests/controller/sound_link.hpp"
 #include "tests/settings/refusal.hpp"
 
 using namespace std::chrono_literals;
 using antiskid::can::Role;
-using preflight_test::named;
-using preflight_test::wrong;
-using preflight_test::Wrong;
+using controller_test::named;
+using controller_test::wrong;
+using controller_test::Wrong;
 
 namespace {
 
-namespace preflight = antiskid::preflight;
+namespace controller = antiskid::controller;
 
-rig::PreflightCommand heavy() {
-    rig::PreflightCommand command;
+rig::bridge::PreflightCommand heavy() {
+    rig::bridge::PreflightCommand command;
     command.rig.scenario = "config/scenarios/heavy.toml";
     command.rig.interface = std::string("can0");  // GCC 12 warns falsely of text that is assigned
     command.rig.plc = std::string("192.168.1.10:502");
@@ -29,21 +29,22 @@ rig::PreflightCommand heavy() {
     return command;
 }
 
-const rig::Setup& heavy_setup() {
-    static const rig::Setup setup = rig::load_setup(heavy().rig);
+const rig::bridge::BridgeSetup& heavy_setup() {
+    static const rig::bridge::BridgeSetup setup = rig::bridge::load_setup(heavy().rig);
     return setup;
 }
 
-rig::BusHeard sound_bus() {
-    rig::BusHeard heard;
-    heard.until = 10s;
-    heard.view = bridge_test::good_bus(heard.until).view;
-    for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::status}) heard.stats[static_cast<std::size_t>(role)].accepted = 1000;
-    return heard;
+rig::bridge::BusReception sound_bus() {
+    rig::bridge::BusReception reception;
+    reception.until = 10s;
+    reception.view = bridge_test::good_bus(reception.until).view;
+    for (const Role role : {Role::wheel, Role::flywheel, Role::pressure, Role::status})
+        reception.stats[static_cast<std::size_t>(role)].accepted = 1000;
+    return reception;
 }
 
-preflight::MachineFacts sound_computer() {
-    preflight::MachineFacts facts;
+controller::MachineFacts sound_computer() {
+    controller::MachineFacts facts;
     facts.fifo_granted = facts.clock_synchronised = true;
     facts.clock_source = std::string("tsc");
     facts.clock_resolution_s = 1e-9;
@@ -52,7 +53,7 @@ preflight::MachineFacts sound_computer() {
 }
 
 struct PreflightBench {
-    preflight::Report run() {
+    controller::Report run() {
         return preflight_report(command, {.machine = [this](const auto&) { return machine; },
                                           .link = [this](const auto&) { return link; },
                                           .ledger = [this](const auto&) { return ledger; },
@@ -62,12 +63,12 @@ struct PreflightBench {
     }
     [[nodiscard]] Wrong wrongs() { return wrong(run().checks); }
 
-    rig::PreflightCommand command = heavy();
-    preflight::MachineFacts machine = sound_computer();
-    preflight::CanLink link = preflight_test::sound_link();
-    rig::LedgerFacts ledger;
-    rig::Snapshot plc = bridge_test::good_plc();
-    rig::BusHeard bus = sound_bus();
+    rig::bridge::PreflightCommand command = heavy();
+    controller::MachineFacts machine = sound_computer();
+    controller::CanLink link = controller_test::sound_link();
+    rig::bridge::LedgerFacts ledger;
+    rig::modbus::Snapshot plc = bridge_test::good_plc();
+    rig::bridge::BusReception bus = sound_bus();
     std::string holder;
 };
 
@@ -96,61 +97,61 @@ TEST_CASE("a scenario's law that the bus has no code for is refused by name", "[
     const TemporaryDirectory directory;
     std::string text = content_of("config/scenarios/heavy.toml");
     text.resize(text.find("law = \"slip\""));
-    rig::RigOptions options = heavy().rig;
+    rig::bridge::RigOptions options = heavy().rig;
     options.scenario = directory / "heavy.toml";
     put(directory / "heavy.toml", text + "law = \"peak_slip\"\n");
-    CHECK(rig::load_setup(options).scenario.mean.law == sequencer::BrakeLaw::peak_slip);
+    CHECK(rig::bridge::load_setup(options).scenario.mean.law == rig::BrakeLaw::peak_slip);
     put(directory / "heavy.toml", text + "law = \"pressure_bias\"\n");
-    CHECK(rig::load_setup(options).scenario.mean.law == sequencer::BrakeLaw::pressure_bias);
+    CHECK(rig::bridge::load_setup(options).scenario.mean.law == rig::BrakeLaw::pressure_bias);
     options.dbc = "config/foreign.dbc";
     options.binding = "config/foreign_binding.toml";
-    CHECK_THROWS_WITH(rig::load_setup(options), ContainsSubstring("foreign.dbc: the law's field is too narrow"));
+    CHECK_THROWS_WITH(rig::bridge::load_setup(options), ContainsSubstring("foreign.dbc: the law's field is too narrow"));
 }
 
 TEST_CASE("Lockstep needs a PLC that waits and a SYNC with a number", "[BRG-465]") {
     const TemporaryDirectory directory;
-    rig::RigOptions options = heavy().rig;
+    rig::bridge::RigOptions options = heavy().rig;
     options.lockstep = true;
-    CHECK_NOTHROW(rig::load_setup(options));
+    CHECK_NOTHROW(rig::bridge::load_setup(options));
     const std::string map = content_of("config/registers.toml");
     put(directory / "registers.toml", map.substr(0, map.find("[virtual.bridge_turn]")));
     options.registers = directory / "registers.toml";
-    CHECK_THROWS_WITH(rig::load_setup(options), ContainsSubstring("[virtual.bridge_turn] is missing"));
+    CHECK_THROWS_WITH(rig::bridge::load_setup(options), ContainsSubstring("[virtual.bridge_turn] is missing"));
     options.lockstep = false;
-    CHECK_NOTHROW(rig::load_setup(options));
+    CHECK_NOTHROW(rig::bridge::load_setup(options));
     options.lockstep = true;
     options.registers.clear();
     const std::string binding = content_of("config/antiskid_binding.toml");
     const std::size_t number = binding.find("number = \"SyncNumber\"");
     put(directory / "binding.toml", binding.substr(0, number) + binding.substr(binding.find('\n', number)));
     options.binding = directory / "binding.toml";
-    CHECK_THROWS_WITH(rig::load_setup(options), ContainsSubstring("[sync] has no number"));
+    CHECK_THROWS_WITH(rig::bridge::load_setup(options), ContainsSubstring("[sync] has no number"));
 }
 
 TEST_CASE("A rig that is good in every respect passes every check but what nobody tells", "[BRG-150]") {
     PreflightBench bench;
-    const preflight::Report report = bench.run();
+    const controller::Report report = bench.run();
     CHECK(wrong(report.checks).empty());
     CHECK(passed(report));
     CHECK(report.config_hash == heavy_setup().config_hash);
-    for (const preflight::Check& check : report.checks) {
+    for (const controller::Check& check : report.checks) {
         CAPTURE(check.name, check.measured);
-        CHECK((check.verdict == preflight::Verdict::pass || check.name == "CAN error counters"));
+        CHECK((check.verdict == controller::CheckResult::pass || check.name == "CAN error counters"));
     }
 }
 
 TEST_CASE("A PLC that is bad in one respect fails that check alone", "[BRG-150]") {
     PreflightBench bench;
     SECTION("silent") {
-        bench.plc.link = rig::LinkState::lost;
+        bench.plc.link = rig::modbus::LinkState::lost;
         bench.plc.error = std::string("connect: Connection refused");
         const auto checks = bench.run().checks;
         CHECK(wrong(checks) == Wrong{"PLC link: fail"});
         CHECK(named(checks, "PLC link").measured == "connect: Connection refused");
-        CHECK(named(checks, "PLC register map").verdict == preflight::Verdict::skipped);
+        CHECK(named(checks, "PLC register map").verdict == controller::CheckResult::skipped);
     }
     SECTION("another map") {
-        bench.plc.link = rig::LinkState::map_refused;
+        bench.plc.link = rig::modbus::LinkState::map_rejected;
         bench.plc.error = std::string("the PLC has version 7");
         CHECK(bench.wrongs() == Wrong{"PLC register map: fail"});
     }
@@ -200,7 +201,7 @@ TEST_CASE("A bus that is bad in one respect fails that check alone", "[BRG-150]"
         return stats[static_cast<std::size_t>(role)];
     };
     SECTION("not to be opened") {
-        bench.bus.refusal = std::string("CAN interface 'can0' is down");
+        bench.bus.rejection = std::string("CAN interface 'can0' is down");
         CHECK(bench.wrongs() == Wrong{"CAN socket: fail"});
     }
     SECTION("no wheel") {
@@ -259,14 +260,14 @@ TEST_CASE("A computer, a ledger or a configuration that will not do fails its ow
         CHECK(bench.wrongs() == Wrong{"disk of the record: fail"});
     }
     SECTION("a ledger that is held or damaged") {
-        bench.ledger = {.there = true, .refusal = "is held by another program", .campaigns = {}};
+        bench.ledger = {.there = true, .rejection = "is held by another program", .campaigns = {}};
         CHECK(bench.wrongs() == Wrong{"ledger: fail"});
     }
     SECTION("a campaign of another configuration") {
-        rig::Campaign campaign;
+        rig::record::Campaign campaign;
         campaign.name = std::string("heavy");
         campaign.config_hash = std::string("0");
-        bench.ledger = {.there = true, .refusal = {}, .campaigns = {campaign}};
+        bench.ledger = {.there = true, .rejection = {}, .campaigns = {campaign}};
         CHECK(bench.wrongs() == Wrong{"campaign's configuration: warn"});
         bench.ledger.campaigns[0].config_hash = heavy_setup().config_hash;
         CHECK(bench.wrongs().empty());
@@ -275,11 +276,11 @@ TEST_CASE("A computer, a ledger or a configuration that will not do fails its ow
     }
     SECTION("no place of a record given") {
         bench.command.rig.out.clear();
-        CHECK(named(bench.run().checks, "ledger").verdict == preflight::Verdict::skipped);
+        CHECK(named(bench.run().checks, "ledger").verdict == controller::CheckResult::skipped);
     }
     SECTION("a scenario that is not there") {
         bench.command.rig.scenario = "config/scenarios/no_such.toml";
-        const preflight::Report report = bench.run();
+        const controller::Report report = bench.run();
         CHECK(wrong(report.checks) == Wrong{"configuration: fail"});
         CHECK_FALSE(passed(report));
         CHECK(report.config_hash.empty());
@@ -289,10 +290,10 @@ TEST_CASE("A computer, a ledger or a configuration that will not do fails its ow
 TEST_CASE("A ledger says whether another program holds it", "[BRG-150]") {
     const Folder folder;
     {
-        const rig::Ledger ledger(folder.ledger());
-        REQUIRE(rig::held_by_another(folder.ledger()));
-        CHECK_THAT(*rig::held_by_another(folder.ledger()), ContainsSubstring("is held by another program"));
+        const rig::record::Ledger ledger(folder.ledger());
+        REQUIRE(rig::record::held_by_another(folder.ledger()));
+        CHECK_THAT(*rig::record::held_by_another(folder.ledger()), ContainsSubstring("is held by another program"));
     }
-    CHECK_FALSE(rig::held_by_another(folder.ledger()));
-    CHECK(rig::held_by_another("/proc/none/campaign.sqlite"));
+    CHECK_FALSE(rig::record::held_by_another(folder.ledger()));
+    CHECK(rig::record::held_by_another("/proc/none/campaign.sqlite"));
 }

@@ -45,7 +45,7 @@ struct Listener {
 
     antiskid::can::Layout layout = bridge_test::layout();
     const Message& message;
-    rig::Senders senders;
+    rig::bridge::Senders senders;
 };
 
 }  // namespace
@@ -175,13 +175,13 @@ TEST_CASE("Other identifiers, damaged frames and messages without a counter say 
     CHECK_FALSE(ear.senders.several());
     Message bare = ear.message;
     bare.protection = {};
-    rig::Senders none(bare);
+    rig::bridge::Senders none(bare);
     Message two_bits = ear.message;
     two_bits.protection.counter_modulo = 4;
-    rig::Senders little(two_bits);
+    rig::bridge::Senders little(two_bits);
     HandMade coarse(two_bits), other(two_bits, 2);
     for (int i = 0; i < 100; ++i) {
-        for (rig::Senders* senders : {&none, &little}) {
+        for (rig::bridge::Senders* senders : {&none, &little}) {
             senders->accept(coarse.next());
             senders->accept(other.next());
         }
@@ -193,7 +193,7 @@ TEST_CASE("Other identifiers, damaged frames and messages without a counter say 
 TEST_CASE("A second controller is told by its valve commands or its status, a second bridge by its commands", "[BRG-460]") {
     const antiskid::can::Layout layout = bridge_test::layout();
     for (const Role role : {Role::valve, Role::status, Role::maneuver}) {
-        rig::WhoSends who(layout);
+        rig::bridge::WhoSends who(layout);
         CHECK((who.two_controllers().empty() && who.two_bridges().empty()));
         HandMade first(layout[role]), second(layout[role], 4, 1);
         for (int i = 0; i < kEnough; ++i) who.accept(i % 2 == 0 ? first.next() : second.next());

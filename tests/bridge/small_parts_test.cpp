@@ -3,20 +3,20 @@
 #include <thread>
 
 #include "firmware/host/stop_signals.hpp"
-#include "rig_bridge/bridge/reset_desk.hpp"
+#include "rig_bridge/bridge/reset_request.hpp"
 #include "rig_bridge/bridge/rig_time.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "tests/catch.hpp"
 
 TEST_CASE("Without SYNC the rig's time is the machine's", "[BRG-400]") {
-    rig::RigTime time(1e-3);
+    rig::bridge::RigTime time(1e-3);
     CHECK(time.at(100.0, 0) == 0.0);
     CHECK(time.at(100.5, 0) == Approx(0.5));
     CHECK(time.at(103.0, 0) == Approx(3.0));
 }
 
 TEST_CASE("With SYNC it counts periods, and the machine's clock again where they end", "[BRG-400]") {
-    rig::RigTime time(1e-3);
+    rig::bridge::RigTime time(1e-3);
     CHECK(time.at(0.0, 7) == 0.0);
     CHECK(time.at(0.01, 17) == Approx(0.010));
     CHECK(time.at(1.0, 18) == Approx(0.011));
@@ -29,23 +29,23 @@ TEST_CASE("With SYNC it counts periods, and the machine's clock again where they
 }
 
 TEST_CASE("A reset is asked for by rising edges until it is no longer wanted", "[BRG-400]") {
-    rig::ResetDesk desk;
+    rig::bridge::ResetRequest reset;
     int edges = 0;
     bool before = false;
     for (int i = 0; i < 500; ++i) {
-        const bool now = desk.step(true, i * 0.01);
+        const bool now = reset.step(true, i * 0.01);
         if (i == 0) CHECK_FALSE(now);
         edges += now && !before ? 1 : 0;
         before = now;
     }
     CHECK(edges >= 4);
     CHECK(edges <= 6);
-    CHECK_FALSE(desk.step(false, 5.0));
-    CHECK_FALSE(desk.step(true, 5.01));
+    CHECK_FALSE(reset.step(false, 5.0));
+    CHECK_FALSE(reset.step(true, 5.01));
 }
 
 TEST_CASE("The first signal and the number of all of them are known", "[BRG-410]") {
-    antiskid::rt::StopSignals stops;
+    antiskid::host::StopSignals stops;
     CHECK(stops.count() == 0);
     CHECK(stops.number() == 0);
     REQUIRE(kill(getpid(), SIGINT) == 0);
@@ -57,5 +57,5 @@ TEST_CASE("The first signal and the number of all of them are known", "[BRG-410]
 }
 
 TEST_CASE("Wall clock as ISO 8601", "[BRG-410]") {
-    CHECK(rig::iso_8601(std::chrono::system_clock::time_point(std::chrono::seconds(1'000'000'000))) == "2001-09-09T01:46:40Z");
+    CHECK(rig::bridge::iso_8601(std::chrono::system_clock::time_point(std::chrono::seconds(1'000'000'000))) == "2001-09-09T01:46:40Z");
 }

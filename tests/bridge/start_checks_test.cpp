@@ -2,20 +2,20 @@
 #include "rig_bridge/bridge/start_checks.hpp"
 
 #include "tests/catch.hpp"
-#include "tests/preflight/sound_link.hpp"
-#include "tests/preflight/verdicts.hpp"
+#include "tests/controller/results.hpp"
+#include "tests/controller/sound_link.hpp"
 
 using antiskid::can::Role;
-using preflight_test::wrong;
-using preflight_test::Wrong;
+using controller_test::wrong;
+using controller_test::Wrong;
 
 namespace {
 
 struct StartBench {
     StartBench() { facts.machine.record_free_bytes = 1e9; }
-    rig::Checks run() { return start_checks(facts, "can0", "runs/brake7"); }
+    controller::Checks run() { return start_checks(facts, "can0", "runs/brake7"); }
 
-    rig::StartFacts facts{.link = preflight_test::sound_link(), .machine = {}, .bus = {}};
+    rig::bridge::StartFacts facts{.link = controller_test::sound_link(), .machine = {}, .bus = {}};
 };
 
 }  // namespace
@@ -26,13 +26,13 @@ TEST_CASE("A start is refused by each cheap check alone, with its next step", "[
     SECTION("another bridge on the bus") {
         bench.facts.bus.stats[static_cast<std::size_t>(Role::maneuver)].wrong_counter = 3;
         CHECK(wrong(bench.run()) == Wrong{"only bridge: fail"});
-        CHECK_THAT(rig::NotFit(bench.run()).what(), ContainsSubstring("not started\n  only bridge: another one sent 3 commands; required: no "
-                                                                      "other. Next: end the other bridge first"));
+        CHECK_THAT(rig::bridge::NotFit(bench.run()).what(), ContainsSubstring("not started\n  only bridge: another one sent 3 commands; required: no "
+                                                                              "other. Next: end the other bridge first"));
     }
     SECTION("two controllers") {
         bench.facts.bus.two_controllers = std::string("counter; two senders of 0x180, at counters 3 and 9");
         CHECK(wrong(bench.run()) == Wrong{"only controller: fail"});
-        CHECK_THAT(rig::NotFit(bench.run()).what(), ContainsSubstring("at counters 3 and 9; required: one. Next: end one of them"));
+        CHECK_THAT(rig::bridge::NotFit(bench.run()).what(), ContainsSubstring("at counters 3 and 9; required: one. Next: end one of them"));
     }
     SECTION("interface down") {
         bench.facts.link.up = false;

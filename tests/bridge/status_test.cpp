@@ -17,9 +17,9 @@ struct Begun {
     Begun() {
         ledger->open_campaign(
             {.name = "brake7", .scenario = "endurance", .seed = 7, .planned = 9, .config_hash = "abc", .version = "0.1.0", .created = "t0"},
-            rig::IfChanged::refuse);
+            rig::record::IfChanged::reject);
         for (const char* warning : {"", "energy_unbalanced: brake and tyre took 9 MJ of 1 MJ kinetic energy"}) {
-            rig::Summary s;
+            rig::record::Summary s;
             s.campaign = "brake7";
             s.number = ledger->begin(*ledger->next_number(), "t1").number;
             s.outcome = "finished";
@@ -30,18 +30,18 @@ struct Begun {
         }
         static_cast<void>(ledger->begin(3, "t2"));
     }
-    [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(rig::status_json(path))[0]; }
+    [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(rig::bridge::status_json(path))[0]; }
 
     TempDir dir;
     std::filesystem::path path = dir.write("x", "").parent_path() / "campaign.sqlite";
-    std::unique_ptr<rig::Ledger> ledger = std::make_unique<rig::Ledger>(path);
+    std::unique_ptr<rig::record::Ledger> ledger = std::make_unique<rig::record::Ledger>(path);
 };
 
 }  // namespace
 
 TEST_CASE("Status has the energy so far while a maneuver runs, and warnings beside their maneuver", "[BRG-261]") {
     const Begun begun;
-    const std::string text = rig::status_text(begun.path);
+    const std::string text = rig::bridge::status_text(begun.path);
     CHECK_THAT(text, ContainsSubstring("2 of 9 maneuvers finished; 0 aborted, 0 unfinished, 1 running; 1.000 MJ"));
     CHECK_THAT(text, ContainsSubstring("energy_unbalanced: brake and tyre took 9 MJ"));
     const auto json = begun.json();
@@ -55,29 +55,30 @@ TEST_CASE("Status has the energy so far while a maneuver runs, and warnings besi
 TEST_CASE("A maneuver whose bridge is dead does not run", "[BRG-261]") {
     Begun begun;
     begun.ledger.reset();
-    CHECK_THAT(rig::status_text(begun.path), ContainsSubstring("1 left by a dead bridge; 1.000 MJ") && ContainsSubstring("      3       1  left"));
+    CHECK_THAT(rig::bridge::status_text(begun.path),
+               ContainsSubstring("1 left by a dead bridge; 1.000 MJ") && ContainsSubstring("      3       1  left"));
     const auto json = begun.json();
     CHECK(json["running"] == 0);
     CHECK(json["left"] == 1);
     CHECK(json["maneuvers"][2]["state"] == "left");
     // Looking takes no lock away from a bridge that starts.
-    CHECK_NOTHROW(rig::Ledger(begun.path));
+    CHECK_NOTHROW(rig::record::Ledger(begun.path));
 }
 
 TEST_CASE("Amendments stand in the status with who and why", "[BRG-261]") {
     Begun begun;
     begun.ledger->mark_unfinished();
     begun.ledger->amend(2, 1, {.counted_J = 0.9e6, .who = "A. Rossi", .made = "t9", .why = "node restarted"});
-    CHECK_THAT(rig::status_text(begun.path),
+    CHECK_THAT(rig::bridge::status_text(begun.path),
                ContainsSubstring("1.900 MJ") && ContainsSubstring("counts 0.900 MJ, says A. Rossi, t9: node restarted"));
     CHECK(begun.json()["maneuvers"][1]["amendments"][0]["who"] == "A. Rossi");
     CHECK(begun.json()["cumulative_energy_J"] == 1.9e6);
 }
 
 TEST_CASE("A record that the disk did not take is not an abort on request", "[BRG-261]") {
-    rig::ViewModel view;
-    view.abort = sequencer::Abort::requested;
-    CHECK_THAT(rig::plain_line(view), ContainsSubstring("ABORT requested"));
+    rig::bridge::ViewModel view;
+    view.abort = rig::Abort::requested;
+    CHECK_THAT(rig::bridge::plain_line(view), ContainsSubstring("ABORT requested"));
     view.record_lost = true;
-    CHECK_THAT(rig::plain_line(view), ContainsSubstring("ABORT record_lost"));
+    CHECK_THAT(rig::bridge::plain_line(view), ContainsSubstring("ABORT record_lost"));
 }

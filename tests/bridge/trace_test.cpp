@@ -4,14 +4,14 @@
 
 #include "tests/catch.hpp"
 
-using sequencer::Phase;
+using rig::Phase;
 
 TEST_CASE("The trace runs from touchdown to retract and knows brake-on", "[BRG-420]") {
-    rig::Trace trace;
+    rig::bridge::Trace trace;
     CHECK(trace.empty());
-    rig::Moment m;
+    rig::bridge::Moment m;
     m.plc.values.fill(7.0);
-    for (int phase = 0; phase < sequencer::kPhaseCount; ++phase) {
+    for (int phase = 0; phase < rig::kPhaseCount; ++phase) {
         for (int i = 0; i < 10; ++i) {
             m.outputs.phase = static_cast<Phase>(phase);
             m.bus.rim_mps = 61.0;

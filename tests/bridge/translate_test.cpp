@@ -13,27 +13,27 @@ using rig::Measured;
 
 namespace {
 
-const rig::Freshness kLimits;
+const rig::bridge::Freshness kLimits;
 
-sequencer::Inputs look(const rig::Snapshot& plc, const rig::BusNow& bus, Time now = 1s) {
-    return rig::look(plc, bus, now, kLimits);
+rig::Inputs look(const rig::modbus::Snapshot& plc, const rig::bridge::BusNow& bus, Time now = 1s) {
+    return rig::bridge::look(plc, bus, now, kLimits);
 }
 
 }  // namespace
 
 TEST_CASE("A good rig is seen as it is", "[BRG-400]") {
-    rig::Snapshot plc = good_plc();
+    rig::modbus::Snapshot plc = good_plc();
     rig::at(plc.values, Measured::flywheel_speed_mps) = 61.0;
     rig::at(plc.values, Measured::sledge_position_m) = 0.25;
     rig::at(plc.values, Measured::wheel_on_rim) = 1.0;
     rig::at(plc.values, Measured::vertical_load_N) = 40e3;
-    rig::BusNow bus = good_bus(1s);
+    rig::bridge::BusNow bus = good_bus(1s);
     bus.rim_mps = 60.0;
     bus.wheel_radps = 140.0;
     bus.wheel_rim_mps = 45.0;
     bus.slip = 0.25;
     bus.view.pressure.pressure_Pa = 5e6F;
-    const sequencer::Inputs in = look(plc, bus);
+    const rig::Inputs in = look(plc, bus);
     CHECK(in.plc_fresh);
     CHECK(in.plc_ready);
     CHECK((in.emergency_stop_clear && in.guard_closed && in.hydraulics_ready && in.drive_healthy));
@@ -44,7 +44,7 @@ TEST_CASE("A good rig is seen as it is", "[BRG-400]") {
     CHECK(in.load_N == 40e3);
     CHECK(in.brake_temperature_C == 20.0);
     CHECK((in.bus_up && in.sensors_fresh && in.controller_fresh && in.controller_standby));
-    CHECK_FALSE((in.controller_armed || in.controller_safe || in.commit_refused || in.commit_late || in.abort_requested));
+    CHECK_FALSE((in.controller_armed || in.controller_safe || in.commit_rejected || in.commit_late || in.abort_requested));
     CHECK(in.rim_mps == 60.0);
     CHECK(in.wheel_radps == 140.0);
     CHECK(in.wheel_rim_mps == 45.0);
@@ -54,48 +54,48 @@ TEST_CASE("A good rig is seen as it is", "[BRG-400]") {
 TEST_CASE("Each register that is old, implausible or no number makes the PLC silent", "[BRG-400]") {
     for (std::size_t i = 0; i < rig::kMeasuredCount; ++i) {
         CAPTURE(i);
-        rig::Snapshot old = good_plc();
+        rig::modbus::Snapshot old = good_plc();
         old.age_s[i] = kLimits.registers_s + 0.01;
         CHECK_FALSE(look(old, good_bus(1s)).plc_fresh);
         for (const auto quality : {rig::ValueQuality::never, rig::ValueQuality::implausible, rig::ValueQuality::not_a_number}) {
-            rig::Snapshot bad = good_plc();
+            rig::modbus::Snapshot bad = good_plc();
             bad.quality[i] = quality;
             CHECK_FALSE(look(bad, good_bus(1s)).plc_fresh);
         }
     }
-    rig::Snapshot stands = good_plc();
+    rig::modbus::Snapshot stands = good_plc();
     stands.plc_watchdog_age_s = kLimits.watchdog_s + 0.01;
     CHECK_FALSE(look(stands, good_bus(1s)).plc_fresh);
     stands.plc_watchdog_age_s = NAN;
     CHECK_FALSE(look(stands, good_bus(1s)).plc_fresh);
-    rig::Snapshot other_map = good_plc();
-    other_map.link = rig::LinkState::map_refused;
+    rig::modbus::Snapshot other_map = good_plc();
+    other_map.link = rig::modbus::LinkState::map_rejected;
     CHECK_FALSE(look(other_map, good_bus(1s)).plc_fresh);
 }
 
 TEST_CASE("Interlocks are each their own; a silent PLC has none", "[BRG-400]") {
     for (unsigned i = 0; i < rig::kInterlockCount; ++i) {
-        rig::Snapshot plc = good_plc();
+        rig::modbus::Snapshot plc = good_plc();
         rig::at(plc.values, Measured::interlocks) = 15.0 - static_cast<double>(1U << i);
-        const sequencer::Inputs in = look(plc, good_bus(1s));
+        const rig::Inputs in = look(plc, good_bus(1s));
         CHECK(in.emergency_stop_clear == (i != static_cast<unsigned>(Interlock::emergency_stop_clear)));
         CHECK(in.guard_closed == (i != static_cast<unsigned>(Interlock::guard_closed)));
         CHECK(in.hydraulics_ready == (i != static_cast<unsigned>(Interlock::hydraulics_ready)));
         CHECK(in.drive_healthy == (i != static_cast<unsigned>(Interlock::drive_healthy)));
-        CHECK_FALSE(rig::interlocks_good(plc, kLimits));
+        CHECK_FALSE(rig::bridge::interlocks_good(plc, kLimits));
         plc.age_s.fill(10.0);
         CHECK_FALSE(look(plc, good_bus(1s)).emergency_stop_clear);
     }
-    CHECK(rig::interlocks_good(good_plc(), kLimits));
+    CHECK(rig::bridge::interlocks_good(good_plc(), kLimits));
 }
 
 TEST_CASE("A command that is refused, unsendable or not confirmed is known", "[BRG-400]") {
-    rig::Snapshot plc = good_plc();
-    plc.command = rig::CommandState::refused;
-    CHECK(look(plc, good_bus(1s)).commit_refused);
-    plc.command = rig::CommandState::unsendable;
-    CHECK(look(plc, good_bus(1s)).commit_refused);
-    plc.command = rig::CommandState::pending;
+    rig::modbus::Snapshot plc = good_plc();
+    plc.command = rig::modbus::CommandState::rejected;
+    CHECK(look(plc, good_bus(1s)).commit_rejected);
+    plc.command = rig::modbus::CommandState::unsendable;
+    CHECK(look(plc, good_bus(1s)).commit_rejected);
+    plc.command = rig::modbus::CommandState::pending;
     plc.pending_s = kLimits.commit_s - 0.01;
     CHECK_FALSE(look(plc, good_bus(1s)).commit_late);
     plc.pending_s = kLimits.commit_s + 0.01;
@@ -104,7 +104,7 @@ TEST_CASE("A command that is refused, unsendable or not confirmed is known", "[B
 
 TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-400]") {
     const auto aged = [](Time received, Time looked) {
-        rig::BusNow bus = good_bus(looked);
+        rig::bridge::BusNow bus = good_bus(looked);
         bus.view.pressure.received = received;
         return bus;
     };
@@ -113,25 +113,25 @@ TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-
     // The recorder was held up, not the sensors.
     CHECK(look(good_plc(), aged(1s, 1s + 10ms), 1s + 500ms).sensors_fresh);
     // But not for ever.
-    const sequencer::Inputs late = look(good_plc(), aged(1s, 1s), 1s + 501ms);
+    const rig::Inputs late = look(good_plc(), aged(1s, 1s), 1s + 501ms);
     CHECK_FALSE((late.bus_up || late.sensors_fresh || late.controller_fresh));
 
-    rig::BusNow quiet = good_bus(1s + 40ms);
+    rig::bridge::BusNow quiet = good_bus(1s + 40ms);
     quiet.view.flywheel.received = 1s;
     CHECK(look(good_plc(), quiet, 1s + 90ms).rim_age_s == Approx(0.04));
 
-    rig::BusNow unheard = good_bus(1s);
+    rig::bridge::BusNow unheard = good_bus(1s);
     unheard.view.wheel.received = antiskid::control::kNever;
     CHECK_FALSE(look(good_plc(), unheard).sensors_fresh);
     unheard = good_bus(1s);
     unheard.view.flywheel.received = antiskid::control::kNever;
     CHECK_FALSE(look(good_plc(), unheard).sensors_fresh);
-    rig::BusNow never = good_bus(1s);
+    rig::bridge::BusNow never = good_bus(1s);
     never.view.controller.status_received = antiskid::control::kNever;
     CHECK_FALSE(look(good_plc(), never).controller_fresh);
     never.looked = antiskid::control::kNever;
     CHECK_FALSE(look(good_plc(), never).bus_up);
-    rig::BusNow down = good_bus(1s);
+    rig::bridge::BusNow down = good_bus(1s);
     down.up = false;
     CHECK_FALSE(look(good_plc(), down).bus_up);
 }
@@ -139,9 +139,9 @@ TEST_CASE("Silence on the bus counts from when the recorder last looked", "[BRG-
 TEST_CASE("Every state of the controller is standby, safe, armed or none of them", "[BRG-400]") {
     for (std::uint8_t i = 0; i < antiskid::control::kStateCount; ++i) {
         const auto state = static_cast<State>(i);
-        rig::BusNow bus = good_bus(1s);
+        rig::bridge::BusNow bus = good_bus(1s);
         bus.view.controller.state = state;
-        const sequencer::Inputs in = look(good_plc(), bus);
+        const rig::Inputs in = look(good_plc(), bus);
         CHECK(in.controller_standby == (state == State::standby));
         CHECK(in.controller_safe == (state == State::safe));
         CHECK(in.controller_armed == (state != State::standby && state != State::safe && state != State::self_test));
@@ -149,8 +149,8 @@ TEST_CASE("Every state of the controller is standby, safe, armed or none of them
 }
 
 TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-400]") {
-    sequencer::Outputs out;
-    out.phase = sequencer::Phase::braking;
+    rig::Outputs out;
+    out.phase = rig::Phase::braking;
     out.drive_enable = true;
     out.flywheel_set_mps = 61.3;
     out.sledge_advance = true;
@@ -159,13 +159,13 @@ TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-
     out.load_lift_Ns2pm2 = 2.5;
     out.arm = true;
     out.weight_on_wheels = true;
-    out.law = sequencer::BrakeLaw::threshold;
+    out.law = rig::BrakeLaw::threshold;
     out.demand_Pa = 20e6;
     out.slip_reference = 0.24;
     out.deceleration_mps2 = 3.2;
     out.current_mA = 12.5;
     out.emergency_stop = true;
-    const rig::CommandedValues c = rig::commands(out, false);
+    const rig::CommandedValues c = rig::bridge::commands(out, false);
     CHECK(rig::at(c, rig::Commanded::drive_enable) == 1.0);
     CHECK(rig::at(c, rig::Commanded::flywheel_speed_mps) == 61.3);
     CHECK(rig::at(c, rig::Commanded::sledge_advance) == 1.0);
@@ -173,10 +173,10 @@ TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-
     CHECK(rig::at(c, rig::Commanded::load_base_N) == 43654.0);
     CHECK(rig::at(c, rig::Commanded::load_lift_Ns2pm2) == 2.5);
     CHECK(rig::at(c, rig::Commanded::reset) == 0.0);
-    CHECK(rig::at(rig::commands(out, true), rig::Commanded::reset) == 1.0);
-    CHECK(rig::commands({}, false) == rig::CommandedValues{});
+    CHECK(rig::at(rig::bridge::commands(out, true), rig::Commanded::reset) == 1.0);
+    CHECK(rig::bridge::commands({}, false) == rig::CommandedValues{});
 
-    const antiskid::can::RigSample s = rig::telegram(out, good_plc().values, 17);
+    const antiskid::can::RigSample s = rig::bridge::telegram(out, good_plc().values, 17);
     CHECK(s.maneuver.law == antiskid::control::Law::threshold);
     CHECK((s.maneuver.arm && s.maneuver.weight_on_wheels && s.emergency_stop));
     CHECK(s.maneuver.demand_Pa == 20e6F);
@@ -186,21 +186,21 @@ TEST_CASE("What the sequencer wants is what PLC and controller are told", "[BRG-
     CHECK(s.maneuver_state.phase == 4);
     CHECK(s.maneuver_state.number == 17);
     CHECK(s.maneuver_state.brake_temperature_C == 20.0F);
-    rig::Snapshot unread = good_plc();
+    rig::modbus::Snapshot unread = good_plc();
     rig::at(unread.values, Measured::brake_temperature_C) = NAN;
-    CHECK(rig::telegram(out, unread.values, 1).maneuver_state.brake_temperature_C == 0.0F);
+    CHECK(rig::bridge::telegram(out, unread.values, 1).maneuver_state.brake_temperature_C == 0.0F);
 }
 
 TEST_CASE("Two senders of what one may send are told to the sequencer and to people", "[BRG-460]") {
-    rig::Moment moment;
-    moment.plc.link = rig::LinkState::connected;
+    rig::bridge::Moment moment;
+    moment.plc.link = rig::modbus::LinkState::connected;
     moment.bus = good_bus(1s);
     CHECK_FALSE(look(good_plc(), moment.bus).two_senders);
     SECTION("controllers") {
         moment.bus.two_controllers = std::string("two senders of 0x100, at counters 3 and 9");
         CHECK(look(good_plc(), moment.bus).two_senders);
         CHECK(note_of(moment) == "two controllers talk on the bus: two senders of 0x100, at counters 3 and 9");
-        moment.bus.controller_refused = std::string("counter");
+        moment.bus.controller_rejected = std::string("counter");
         CHECK(note_of(moment) ==
               "two controllers talk on the bus: two senders of 0x100, at counters 3 and 9; heard but "
               "refused: counter");
@@ -211,9 +211,9 @@ TEST_CASE("Two senders of what one may send are told to the sequencer and to peo
         CHECK(note_of(moment) == "two bridges command on the bus: two senders of 0x120, at counters 3 and 9");
     }
     SECTION("one controller, whose frames are all refused, is heard") {
-        moment.bus.controller_refused = std::string("CRC");
+        moment.bus.controller_rejected = std::string("CRC");
         CHECK_FALSE(look(good_plc(), moment.bus).two_senders);
         CHECK(note_of(moment) == "the controller is heard but refused: CRC");
-        CHECK(view_of(moment, kLimits).controller == "refused");
+        CHECK(view_of(moment, kLimits).controller == "rejected");
     }
 }

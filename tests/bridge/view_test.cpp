@@ -10,10 +10,10 @@
 #include "rig_bridge/modbus/pseudo_terminal.hpp"
 #include "tests/catch.hpp"
 
-using rig::CampaignView;
-using rig::ViewModel;
-using sequencer::Abort;
-using sequencer::Phase;
+using rig::Abort;
+using rig::Phase;
+using rig::bridge::CampaignView;
+using rig::bridge::ViewModel;
 
 namespace {
 
@@ -94,15 +94,15 @@ TEST_CASE("A campaign shows its progress and the time left", "[BRG-420]") {
 }
 
 TEST_CASE("Durations are said as people say them", "[BRG-420]") {
-    CHECK(rig::duration_text(0.0) == "0 s");
-    CHECK(rig::duration_text(59.4) == "59 s");
-    CHECK(rig::duration_text(59.6) == "1 min 00 s");
-    CHECK(rig::duration_text(245.0) == "4 min 05 s");
-    CHECK(rig::duration_text(3599.6) == "1 h 00 min");
-    CHECK(rig::duration_text(360000.0) == "100 h 00 min");
-    CHECK(rig::duration_text(NAN) == "?");
-    CHECK(rig::duration_text(INFINITY) == "?");
-    CHECK(rig::duration_text(-1.0) == "?");
+    CHECK(rig::bridge::duration_text(0.0) == "0 s");
+    CHECK(rig::bridge::duration_text(59.4) == "59 s");
+    CHECK(rig::bridge::duration_text(59.6) == "1 min 00 s");
+    CHECK(rig::bridge::duration_text(245.0) == "4 min 05 s");
+    CHECK(rig::bridge::duration_text(3599.6) == "1 h 00 min");
+    CHECK(rig::bridge::duration_text(360000.0) == "100 h 00 min");
+    CHECK(rig::bridge::duration_text(NAN) == "?");
+    CHECK(rig::bridge::duration_text(INFINITY) == "?");
+    CHECK(rig::bridge::duration_text(-1.0) == "?");
 }
 
 TEST_CASE("No line is wider than the terminal, and no character is cut", "[BRG-420]") {
@@ -115,15 +115,15 @@ TEST_CASE("No line is wider than the terminal, and no character is cut", "[BRG-4
             CHECK(width <= columns);
         }
     }
-    CHECK(rig::fit("a°C", 2) == "a°");
-    CHECK(rig::fit("a°C", 1) == "a");
-    CHECK(rig::fit("abc", 5) == "abc");
+    CHECK(rig::bridge::fit("a°C", 2) == "a°");
+    CHECK(rig::bridge::fit("a°C", 1) == "a");
+    CHECK(rig::bridge::fit("abc", 5) == "abc");
 }
 
 TEST_CASE("Elsewhere than on a terminal: a plain line a second and one for every phase", "[BRG-420]") {
     std::array<int, 2> ends{};
     REQUIRE(pipe(ends.data()) == 0);
-    rig::Terminal terminal(ends[1]);
+    rig::bridge::Terminal terminal(ends[1]);
     ViewModel v = braking();
     int lines = 0;
     for (int i = 0; i < 300; ++i) {
@@ -147,7 +147,7 @@ TEST_CASE("Elsewhere than on a terminal: a plain line a second and one for every
 TEST_CASE("A reader who does not read holds nobody up", "[BRG-420]") {
     std::array<int, 2> ends{};
     REQUIRE(pipe(ends.data()) == 0);
-    rig::Terminal terminal(ends[1]);
+    rig::bridge::Terminal terminal(ends[1]);
     for (int i = 0; i < 5000; ++i) terminal.show(braking(), i);
     close(ends[0]);
     close(ends[1]);
@@ -158,23 +158,23 @@ TEST_CASE("In a campaign with a wear model the view has the brake's health", "[B
     ViewModel v = braking();
     v.campaign = CampaignView{.number = 7, .finished = 6, .planned = 500, .left_s = 60.0};
     CHECK(screen(v, 200).size() == 6);
-    v.campaign->health = rig::health_text({rig::HealthState::suspect, 0.812, "friction has dropped", "f00d"});
+    v.campaign->health = rig::bridge::health_text({rig::record::HealthState::suspect, 0.812, "friction has dropped", "f00d"});
     REQUIRE(screen(v, 200).size() == 7);
     CHECK(screen(v, 200)[6] == "brake suspect (0.81 of its limit): friction has dropped");
     CHECK_THAT(plain_line(v), ContainsSubstring("brake suspect (0.81 of its limit)"));
-    CHECK(rig::health_text({}) == "unknown");
+    CHECK(rig::bridge::health_text({}) == "unknown");
 }
 
 TEST_CASE("The bell rings on a terminal and nowhere else", "[BRG-471]") {
-    const rig::PseudoTerminal line;
+    const rig::modbus::PseudoTerminal line;
     const int slave = ::open(line.path().c_str(), O_RDWR | O_NOCTTY);
     REQUIRE(slave >= 0);
-    rig::Terminal(slave).ring();
+    rig::bridge::Terminal(slave).ring();
     CHECK(read_all(line.master()) == "\a");
     ::close(slave);
     std::array<int, 2> ends{};
     REQUIRE(pipe(ends.data()) == 0);
-    rig::Terminal(ends[1]).ring();
+    rig::bridge::Terminal(ends[1]).ring();
     close(ends[1]);
     CHECK(read_all(ends[0]).empty());
     close(ends[0]);

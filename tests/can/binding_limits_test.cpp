@@ -17,7 +17,7 @@ using bindings::kForeign;
 using bindings::kForeignDbc;
 using bindings::kOurDbc;
 using bindings::kOurs;
-using bindings::refusal;
+using bindings::rejection;
 using can_test::replaced;
 
 namespace {
@@ -37,7 +37,7 @@ Layout pressure_like(const std::string& scale_and_range) {
 }  // namespace
 
 TEST_CASE("a refusal says in full what is wrong with a message, and where", "[CAN-040]") {
-    const auto refused = [](const std::string& from, const std::string& to, const std::string& words) {
+    const auto rejected = [](const std::string& from, const std::string& to, const std::string& words) {
         const can_test::TempDir dir;
         const auto dbc = dir.write("a.dbc", replaced(kOurDbc, from, to));
         const auto toml = dir.write("a.toml", kOurs);
@@ -52,10 +52,10 @@ TEST_CASE("a refusal says in full what is wrong with a message, and where", "[CA
     const std::string before = kOurDbc.substr(0, kOurDbc.find("BO_ 272 "));
     const auto line = std::count(before.begin(), before.end(), '\n') + 1;
     const std::string at = "a.dbc:" + std::to_string(line) + ": ";
-    refused("BO_ 272 W", "BO_ 2048 W", at + "'WheelEncoder' has a 29-bit identifier; only 11-bit ones (0 to 2047) are used");
-    refused("WheelEncoder: 8", "WheelEncoder: 9", at + "'WheelEncoder' has 9 bytes; a classic CAN frame has at most 8");
-    refused("BO_ 272 W", "BO_ 99 WheelEncoder: 8 Rig\n\nBO_ 272 W",
-            "'WheelEncoder' is defined twice in a.dbc, lines " + std::to_string(line) + " and " + std::to_string(line + 2));
+    rejected("BO_ 272 W", "BO_ 2048 W", at + "'WheelEncoder' has a 29-bit identifier; only 11-bit ones (0 to 2047) are used");
+    rejected("WheelEncoder: 8", "WheelEncoder: 9", at + "'WheelEncoder' has 9 bytes; a classic CAN frame has at most 8");
+    rejected("BO_ 272 W", "BO_ 99 WheelEncoder: 8 Rig\n\nBO_ 272 W",
+             "'WheelEncoder' is defined twice in a.dbc, lines " + std::to_string(line) + " and " + std::to_string(line + 2));
 }
 
 TEST_CASE("what just fits is accepted: identifier, widths, clocks, data IDs, ranges", "[CAN-045]") {
@@ -114,14 +114,14 @@ TEST_CASE("a range is kept in raw numbers: offset, sign, a hair of tolerance, si
 }
 
 TEST_CASE("a counter without a CRC has 2 to 8 bits; a rim 0.01 to 10 m", "[CAN-040]") {
-    const auto foreign_refusal = [](const std::string& dbc_from, const std::string& dbc_to, const std::string& toml) {
-        return refusal(replaced(kForeignDbc, dbc_from, dbc_to), toml);
+    const auto foreign_rejection = [](const std::string& dbc_from, const std::string& dbc_to, const std::string& toml) {
+        return rejection(replaced(kForeignDbc, dbc_from, dbc_to), toml);
     };
-    CHECK_THAT(foreign_refusal("MsgCnt : 11|4@0+ (1,0) [0|15] \"\" ABCU\n SG_ BrakePress", "MsgCnt : 11|1@0+ (1,0) [0|1] \"\" ABCU\n SG_ BrakePress",
-                               kForeign),
+    CHECK_THAT(foreign_rejection("MsgCnt : 11|4@0+ (1,0) [0|15] \"\" ABCU\n SG_ BrakePress",
+                                 "MsgCnt : 11|1@0+ (1,0) [0|1] \"\" ABCU\n SG_ BrakePress", kForeign),
                ContainsSubstring("pressure.counter") && ContainsSubstring("has 1 bit; expected 2 to 8 bits"));
     for (const std::string radius : {"0.009", "10.1"})
-        CHECK_THAT(foreign_refusal("(0.0625,0) [0|4095.9375] \"rpm\"", "(0.0625,0) [0|4095.9375] \"km/h\"",
-                                   replaced(kForeign, "unit = \"rpm\"", "unit = \"km/h\", radius_m = " + radius)),
+        CHECK_THAT(foreign_rejection("(0.0625,0) [0|4095.9375] \"rpm\"", "(0.0625,0) [0|4095.9375] \"km/h\"",
+                                     replaced(kForeign, "unit = \"rpm\"", "unit = \"km/h\", radius_m = " + radius)),
                    ContainsSubstring("radius_m: " + radius + " is out of range 0.01 to 10"));
 }

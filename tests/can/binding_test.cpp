@@ -20,7 +20,7 @@ using bindings::kForeign;
 using bindings::kForeignDbc;
 using bindings::kOurDbc;
 using bindings::kOurs;
-using bindings::refusal;
+using bindings::rejection;
 using can_test::replaced;
 
 namespace {
@@ -91,7 +91,7 @@ TEST_CASE("without any one key the binding is refused, and the key named", "[CAN
     for (const auto& [dbc, toml] : {std::pair(kOurDbc, kOurs), std::pair(kForeignDbc, kForeign)}) {
         for (const Key& key : keys(toml)) {
             if (key.table == "sync" && key.name == "number") continue;  // SYNC may carry nothing
-            const std::string what = refusal(dbc, std::string(toml).erase(key.begin, key.end - key.begin));
+            const std::string what = rejection(dbc, std::string(toml).erase(key.begin, key.end - key.begin));
             INFO(key.table << "." << key.name << " gone: " << what);
             CHECK_THAT(what, ContainsSubstring("a.toml") && ContainsSubstring(key.table));
             const bool named = what.find(key.name) != std::string::npos;
@@ -103,7 +103,7 @@ TEST_CASE("without any one key the binding is refused, and the key named", "[CAN
 TEST_CASE("a misspelt key is refused, with its line", "[CAN-040]") {
     for (const auto& [dbc, toml] : {std::pair(kOurDbc, kOurs), std::pair(kForeignDbc, kForeign)}) {
         for (const Key& key : keys(toml)) {
-            const std::string what = refusal(dbc, std::string(toml).insert(key.begin + 1, 1, 'q'));
+            const std::string what = rejection(dbc, std::string(toml).insert(key.begin + 1, 1, 'q'));
             INFO(key.table << "." << key.name << " misspelt: " << what);
             CHECK_THAT(what, ContainsSubstring("a.toml:") && ContainsSubstring(key.name.substr(1)));
         }
@@ -113,17 +113,17 @@ TEST_CASE("a misspelt key is refused, with its line", "[CAN-040]") {
 TEST_CASE("a missing, misspelt or additional table is refused", "[CAN-040]") {
     for (std::size_t i = 0; i < kRoleCount; ++i) {
         const std::string role(name(static_cast<Role>(i)));
-        const std::string what = refusal(kOurDbc, replaced(kOurs, header(role), header(std::string("x").append(role))));
+        const std::string what = rejection(kOurDbc, replaced(kOurs, header(role), header(std::string("x").append(role))));
         INFO(role << ": " << what);
         CHECK_THAT(what, ContainsSubstring("a.toml") && ContainsSubstring(role));
     }
-    CHECK_THAT(refusal(kOurDbc, kOurs + "[brake_temperature]\nmessage = \"X\"\n"), ContainsSubstring("brake_temperature"));
+    CHECK_THAT(rejection(kOurDbc, kOurs + "[brake_temperature]\nmessage = \"X\"\n"), ContainsSubstring("brake_temperature"));
 }
 
 TEST_CASE("overlaps are found in either byte order, and between them", "[CAN-040]") {
     // Crc in byte 0, Counter in the low half of byte 1. Motorola fields start at their most significant bit and go on in the next byte.
     struct Row {
-        const char *count, *time, *refusal;
+        const char *count, *time, *rejection;
     };
     const Row row = GENERATE(values<Row>({
         {"23|16@0+", "39|32@0+", ""},
@@ -144,12 +144,12 @@ TEST_CASE("overlaps are found in either byte order, and between them", "[CAN-040
     }));
     const std::string before = "SG_ EdgeCount : 16|16@1+ (1,0) [0|65535] \"\" Controller,Bridge\n SG_ EdgeTime : 32|32@1+";
     const std::string after = std::string("SG_ EdgeCount : ") + row.count + " (1,0) [0|0] \"\" Controller,Bridge\n SG_ EdgeTime : " + row.time;
-    const std::string what = refusal(replaced(kOurDbc, before, after), kOurs);
+    const std::string what = rejection(replaced(kOurDbc, before, after), kOurs);
     INFO(row.count << ", " << row.time);
-    if (row.refusal[0] == '\0') {
+    if (row.rejection[0] == '\0') {
         CHECK(what.empty());
     } else {
-        CHECK_THAT(what, ContainsSubstring(row.refusal));
+        CHECK_THAT(what, ContainsSubstring(row.rejection));
     }
 }
 
@@ -248,14 +248,14 @@ TEST_CASE("what contradicts is refused, saying what would be right", "[CAN-040]"
     };
     for (const Case& c : cases) {
         INFO(c.from << " -> " << c.to);
-        const std::string what = c.in_dbc ? refusal(replaced(kOurDbc, c.from, c.to), kOurs) : refusal(kOurDbc, replaced(kOurs, c.from, c.to));
+        const std::string what = c.in_dbc ? rejection(replaced(kOurDbc, c.from, c.to), kOurs) : rejection(kOurDbc, replaced(kOurs, c.from, c.to));
         CHECK_THAT(what, ContainsSubstring("a.toml:") && ContainsSubstring(c.expected));
     }
-    CHECK_THAT(refusal(replaced(kOurDbc, "[0|429496729.5] \"us\"", "[0|429496729.5] \"mA\""),
-                       replaced(kOurs, "\"EdgeTime\", unit = \"us\"", "\"EdgeTime\", unit = \"mA\"")),
+    CHECK_THAT(rejection(replaced(kOurDbc, "[0|429496729.5] \"us\"", "[0|429496729.5] \"mA\""),
+                         replaced(kOurs, "\"EdgeTime\", unit = \"us\"", "\"EdgeTime\", unit = \"mA\"")),
                ContainsSubstring("wheel.edge_time.unit: expected one of ns, us, ms, s"));
-    CHECK_THAT(refusal(kOurDbc, "[wheel\n"), ContainsSubstring("a.toml:1"));
-    CHECK_THAT(refusal("BO_ x", kOurs), ContainsSubstring("a.dbc:1"));
+    CHECK_THAT(rejection(kOurDbc, "[wheel\n"), ContainsSubstring("a.toml:1"));
+    CHECK_THAT(rejection("BO_ x", kOurs), ContainsSubstring("a.dbc:1"));
 }
 
 TEST_CASE("what moves the valve is refused without counter and CRC", "[CAN-010]") {
@@ -264,7 +264,7 @@ TEST_CASE("what moves the valve is refused without counter and CRC", "[CAN-010]"
             const std::size_t table = kOurs.find(header(role));
             std::string toml = kOurs;
             toml.replace(toml.find("counter_crc", table), 11, weaker);
-            CHECK_THAT(refusal(kOurDbc, toml), ContainsSubstring(role + ".protection") && ContainsSubstring("this message can move the valve"));
+            CHECK_THAT(rejection(kOurDbc, toml), ContainsSubstring(role + ".protection") && ContainsSubstring("this message can move the valve"));
         }
     }
 }
@@ -293,9 +293,9 @@ TEST_CASE("two units are the same when quantity and size are", "[CAN-020][CAN-20
 }
 
 TEST_CASE("a list of identifiers leaves out what is not bound", "[CAN-045][CAN-201]") {
-    constexpr std::array kAsked{Role::valve, Role::wheel};
-    REQUIRE(ids(kCompiledIn, kAsked).span().size() == 1);
-    CHECK(ids(kCompiledIn, kAsked).span()[0] == 0x100);
+    constexpr std::array kRequested{Role::valve, Role::wheel};
+    REQUIRE(ids(kCompiledIn, kRequested).span().size() == 1);
+    CHECK(ids(kCompiledIn, kRequested).span()[0] == 0x100);
 }
 
 TEST_CASE("units of the bus become the controller's", "[CAN-020]") {

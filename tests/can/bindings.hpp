@@ -12,7 +12,7 @@ namespace bindings {
 using can_test::contents;
 
 /// The message of the refusal, "" when the layout was accepted.
-inline std::string refusal(const std::string& dbc, const std::string& toml) {
+inline std::string rejection(const std::string& dbc, const std::string& toml) {
     const can_test::TempDir dir;
     const auto dbc_path = dir.write("a.dbc", dbc);
     const auto toml_path = dir.write("a.toml", toml);

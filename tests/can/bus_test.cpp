@@ -222,60 +222,60 @@ TEST_CASE("candump lines are read", "[CAN-050]") {
 }
 
 TEST_CASE("lines that are no candump lines are refused with the column", "[CAN-050]") {
-    const auto refused = [](std::string_view line, std::size_t column, const std::string& what) {
+    const auto rejected = [](std::string_view line, std::size_t column, const std::string& what) {
         INFO(line);
         const auto result = parse_candump(line);
         REQUIRE(std::holds_alternative<CandumpFailure>(result));
         CHECK(std::get<CandumpFailure>(result).column == column);
         CHECK_THAT(std::get<CandumpFailure>(result).what, ContainsSubstring(what));
     };
-    refused("", 1, "time");
-    refused("hello", 1, "time");
-    refused("(1) can0 123#00", 3, "time");
-    refused("(9999999999.0) can0 123#00", 11, "below 9e9 s");
-    refused("(1.5)can0 123#00", 6, "interface");
-    refused("(1.5) ", 7, "interface");
-    refused("(1.5) can0", 11, "frame");
-    refused("(1.5) can0 12#00", 14, "three or eight");
-    refused("(1.5) can0 800#00", 15, "000 to 7FF");
-    refused("(1.5) can0 FFFFFFFF#00", 20, "below 40000000");
-    refused("(1.5) can0 123456789#00", 20, "three or eight");
-    refused("(1.5) can0 123", 15, "expected #");
-    refused("(1.5) can0 123##100", 16, "CAN FD");
-    refused("(1.5) can0 123#0", 17, "two hexadecimal digits");
-    refused("(1.5) can0 123#112233445566778899", 32, "at most eight");
-    refused("(1.5) can0 123#00x", 18, "end of the line");
-    refused("(1.1234567890) can0 123#00", 13, "nine decimals");
-    refused("(", 2, "time");
-    refused("(x.5) can0 123#00", 2, "time");
-    refused("(:.5) can0 123#00", 2, "time");
-    refused("(1.x) can0 123#00", 4, "time");
-    refused("(1.5 can0 123#00", 5, "time");
-    refused("(1.5) can0 12g#00", 14, "three or eight");
-    refused("(1.5) can0 123#R9", 17, "end of the line");
-    refused("(1.5) can0 123#R/", 17, "end of the line");
-    refused("(1.5) can0 123#00 X", 18, "end of the line");
+    rejected("", 1, "time");
+    rejected("hello", 1, "time");
+    rejected("(1) can0 123#00", 3, "time");
+    rejected("(9999999999.0) can0 123#00", 11, "below 9e9 s");
+    rejected("(1.5)can0 123#00", 6, "interface");
+    rejected("(1.5) ", 7, "interface");
+    rejected("(1.5) can0", 11, "frame");
+    rejected("(1.5) can0 12#00", 14, "three or eight");
+    rejected("(1.5) can0 800#00", 15, "000 to 7FF");
+    rejected("(1.5) can0 FFFFFFFF#00", 20, "below 40000000");
+    rejected("(1.5) can0 123456789#00", 20, "three or eight");
+    rejected("(1.5) can0 123", 15, "expected #");
+    rejected("(1.5) can0 123##100", 16, "CAN FD");
+    rejected("(1.5) can0 123#0", 17, "two hexadecimal digits");
+    rejected("(1.5) can0 123#112233445566778899", 32, "at most eight");
+    rejected("(1.5) can0 123#00x", 18, "end of the line");
+    rejected("(1.1234567890) can0 123#00", 13, "nine decimals");
+    rejected("(", 2, "time");
+    rejected("(x.5) can0 123#00", 2, "time");
+    rejected("(:.5) can0 123#00", 2, "time");
+    rejected("(1.x) can0 123#00", 4, "time");
+    rejected("(1.5 can0 123#00", 5, "time");
+    rejected("(1.5) can0 12g#00", 14, "three or eight");
+    rejected("(1.5) can0 123#R9", 17, "end of the line");
+    rejected("(1.5) can0 123#R/", 17, "end of the line");
+    rejected("(1.5) can0 123#00 X", 18, "end of the line");
     // Of the length and form that nearly every line has, one character wrong at a time.
-    refused("[1436509053.650713) vcan0 044#2A", 1, "time");
-    refused("(1436509053,650713) vcan0 044#2A", 12, "time");
-    refused("(1436509053.650713] vcan0 044#2A", 19, "time");
-    refused("(1436509053.650713)_vcan0 044#2A", 20, "interface");
-    refused("(143650905x.650713) vcan0 044#2A", 11, "time");
-    refused("(1436509053.65071x) vcan0 044#2A", 18, "time");
-    refused("(9000000001.650713) vcan0 044#2A", 11, "below 9e9 s");
-    refused("(1436509053.650713) vcan0_044#2A", 33, "frame");
-    refused("(1436509053.650713) vcan0 04", 29, "three or eight");
-    refused("(1436509053.650713) vcan0 044_2A", 30, "expected #");
-    refused("(1436509053.650713) vcan0 0g4#2A", 28, "three or eight");
-    refused("(1436509053.650713) vcan0 944#2A", 30, "000 to 7FF");
-    refused("(1436509053.650713) vcan0 044#2", 32, "two hexadecimal digits");
-    refused("(1436509053.650713) vcan0 044#2x", 32, "two hexadecimal digits");
-    refused("(1436509053.650713) vcan0 044#112233445566778899", 47, "at most eight");
+    rejected("[1436509053.650713) vcan0 044#2A", 1, "time");
+    rejected("(1436509053,650713) vcan0 044#2A", 12, "time");
+    rejected("(1436509053.650713] vcan0 044#2A", 19, "time");
+    rejected("(1436509053.650713)_vcan0 044#2A", 20, "interface");
+    rejected("(143650905x.650713) vcan0 044#2A", 11, "time");
+    rejected("(1436509053.65071x) vcan0 044#2A", 18, "time");
+    rejected("(9000000001.650713) vcan0 044#2A", 11, "below 9e9 s");
+    rejected("(1436509053.650713) vcan0_044#2A", 33, "frame");
+    rejected("(1436509053.650713) vcan0 04", 29, "three or eight");
+    rejected("(1436509053.650713) vcan0 044_2A", 30, "expected #");
+    rejected("(1436509053.650713) vcan0 0g4#2A", 28, "three or eight");
+    rejected("(1436509053.650713) vcan0 944#2A", 30, "000 to 7FF");
+    rejected("(1436509053.650713) vcan0 044#2", 32, "two hexadecimal digits");
+    rejected("(1436509053.650713) vcan0 044#2x", 32, "two hexadecimal digits");
+    rejected("(1436509053.650713) vcan0 044#112233445566778899", 47, "at most eight");
 }
 
 TEST_CASE("remote, extended and error frames are written as candump has them", "[CAN-050][CAN-201]") {
     const auto written = [](const CandumpLine& line) {
-        std::array<char, kCandumpLineMost> text{};
+        std::array<char, kCandumpLineMax> text{};
         return std::string(text.data(), format_candump(line, text));
     };
     CandumpLine line;
@@ -300,14 +300,14 @@ TEST_CASE("remote, extended and error frames are written as candump has them", "
 
 TEST_CASE("what is written is read again, and fits or is refused whole", "[CAN-050]") {
     std::mt19937 random(90);
-    const auto draw = [&random](std::int64_t most) { return std::uniform_int_distribution<std::int64_t>(0, most)(random); };
+    const auto draw = [&random](std::int64_t max) { return std::uniform_int_distribution<std::int64_t>(0, max)(random); };
     for (int i = 0; i < 2000; ++i) {
         Frame frame;
         frame.id = static_cast<std::uint32_t>(draw(0x7FF));
         frame.length = static_cast<std::uint8_t>(draw(8));
         for (std::size_t k = 0; k < frame.length; ++k) frame.data[k] = static_cast<std::uint8_t>(draw(255));
         const Time time{draw(8'000'000'000'000'000) * 1000};
-        std::array<char, kCandumpLineMost> text{};
+        std::array<char, kCandumpLineMax> text{};
         const std::size_t size = format_candump(time, "interface123456", frame, text);
         REQUIRE(size != 0);
         const auto line = std::get<CandumpLine>(parse_candump({text.data(), size}));
@@ -317,7 +317,7 @@ TEST_CASE("what is written is read again, and fits or is refused whole", "[CAN-0
         CHECK(line.frame.data == frame.data);
         CHECK(format_candump(time, "interface123456", frame, std::span(text).first(size - 1)) == 0);
     }
-    std::array<char, kCandumpLineMost> text{};
+    std::array<char, kCandumpLineMax> text{};
     const Frame frame{.id = 0x1A, .length = 2, .data = {0, 0xFF}, .received = {}};
     CHECK(std::string_view(text.data(), format_candump(Time{1'002'003'004}, "vcan0", frame, text)) == "(0000000001.002003) vcan0 01A#00FF");
 }

@@ -125,7 +125,7 @@ TEST_CASE("a line that just fits is written, one that does not leaves its neighb
     const Frame frame{.id = 0x1A0, .length = 2, .data = {0, 0x11}, .received = {}};
     const std::string wanted = "(0000000001.000002) vcan0 1A0#0011";
     for (const std::size_t room : {wanted.size() + 1, wanted.size(), wanted.size() - 1}) {
-        std::array<char, kCandumpLineMost> out{};
+        std::array<char, kCandumpLineMax> out{};
         out.fill('~');
         const std::size_t size = format_candump(Time{1'000'002'000}, "vcan0", frame, {out.data(), room});
         CHECK(size == (room < wanted.size() ? 0 : wanted.size()));
@@ -136,6 +136,6 @@ TEST_CASE("a line that just fits is written, one that does not leaves its neighb
     remote.interface = "c";
     remote.remote = true;
     remote.frame.length = 1;
-    std::array<char, kCandumpLineMost> out{};
+    std::array<char, kCandumpLineMax> out{};
     CHECK(std::string(out.data(), format_candump(remote, out)) == "(0000000000.000000) c 000#R1");
 }

@@ -54,7 +54,7 @@ Frame frame_with(const E2e& config, unsigned counter) {
     return frame;
 }
 
-E2eVerdict check(E2eChecker& checker, const E2e& config, const Frame& frame, std::uint32_t& lost) {
+E2eResult check(E2eChecker& checker, const E2e& config, const Frame& frame, std::uint32_t& lost) {
     return checker.check(config, frame, Payload(frame.data), lost);
 }
 
@@ -168,19 +168,19 @@ TEST_CASE("the checker accepts steps of 1 to max_delta, from every counter value
             for (unsigned second = 0; second < 16; ++second) {
                 E2eChecker checker;
                 std::uint32_t lost = 0;
-                REQUIRE(check(checker, config, frame_with(config, first), lost) == E2eVerdict::ok);
-                const E2eVerdict verdict = check(checker, config, frame_with(config, second), lost);
+                REQUIRE(check(checker, config, frame_with(config, first), lost) == E2eResult::ok);
+                const E2eResult verdict = check(checker, config, frame_with(config, second), lost);
                 const unsigned delta = (second + 15 - first) % 15;
                 INFO("max_delta " << max_delta << ": " << first << " then " << second);
                 if (second == 15) {
-                    CHECK(verdict == E2eVerdict::wrong_sequence);
+                    CHECK(verdict == E2eResult::wrong_sequence);
                 } else if (delta == 0) {
-                    CHECK(verdict == E2eVerdict::repeated);
+                    CHECK(verdict == E2eResult::repeated);
                 } else if (delta <= max_delta) {
-                    CHECK(verdict == E2eVerdict::ok);
+                    CHECK(verdict == E2eResult::ok);
                     CHECK(lost == delta - 1);
                 } else {
-                    CHECK(verdict == E2eVerdict::wrong_sequence);
+                    CHECK(verdict == E2eResult::wrong_sequence);
                     CHECK(lost == 0);
                 }
             }
@@ -192,26 +192,26 @@ TEST_CASE("a step that is too large costs one frame, then the sequence goes on f
     const E2e config = profile(2);
     E2eChecker checker;
     std::uint32_t lost = 0;
-    CHECK(check(checker, config, frame_with(config, 3), lost) == E2eVerdict::ok);
-    CHECK(check(checker, config, frame_with(config, 9), lost) == E2eVerdict::wrong_sequence);
-    CHECK(check(checker, config, frame_with(config, 10), lost) == E2eVerdict::ok);
-    CHECK(check(checker, config, frame_with(config, 9), lost) == E2eVerdict::wrong_sequence);
-    CHECK(check(checker, config, frame_with(config, 11), lost) == E2eVerdict::ok);
+    CHECK(check(checker, config, frame_with(config, 3), lost) == E2eResult::ok);
+    CHECK(check(checker, config, frame_with(config, 9), lost) == E2eResult::wrong_sequence);
+    CHECK(check(checker, config, frame_with(config, 10), lost) == E2eResult::ok);
+    CHECK(check(checker, config, frame_with(config, 9), lost) == E2eResult::wrong_sequence);
+    CHECK(check(checker, config, frame_with(config, 11), lost) == E2eResult::ok);
 }
 
 TEST_CASE("repeats and frames with a wrong CRC leave the sequence as it was", "[CAN-010]") {
     const E2e config = profile(1);
     E2eChecker checker;
     std::uint32_t lost = 0;
-    CHECK(check(checker, config, frame_with(config, 3), lost) == E2eVerdict::ok);
+    CHECK(check(checker, config, frame_with(config, 3), lost) == E2eResult::ok);
     for (int i = 0; i < 5; ++i) {
-        CHECK(check(checker, config, frame_with(config, 3), lost) == E2eVerdict::repeated);
+        CHECK(check(checker, config, frame_with(config, 3), lost) == E2eResult::repeated);
         Frame wrong = frame_with(config, 9);
         wrong.data[5] ^= 1U;
-        CHECK(check(checker, config, wrong, lost) == E2eVerdict::wrong_crc);
-        CHECK(check(checker, config, frame_with(config, 15), lost) == E2eVerdict::wrong_sequence);
+        CHECK(check(checker, config, wrong, lost) == E2eResult::wrong_crc);
+        CHECK(check(checker, config, frame_with(config, 15), lost) == E2eResult::wrong_sequence);
     }
-    CHECK(check(checker, config, frame_with(config, 4), lost) == E2eVerdict::ok);
+    CHECK(check(checker, config, frame_with(config, 4), lost) == E2eResult::ok);
 }
 
 TEST_CASE("an emergency stop counts however its counter stands, but never with a wrong CRC", "[CAN-010]") {

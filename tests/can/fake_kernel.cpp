@@ -25,7 +25,7 @@ constexpr std::int64_t kNanoseconds = 1'000'000'000;
 // The wrapped calls have no other way to it. NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
 FakeKernel* fake = nullptr;
 
-int refuse(int error) {
+int reject(int error) {
     errno = error;
     return -1;
 }
@@ -73,7 +73,7 @@ FakeKernel::~FakeKernel() {
 
 using can_test::fake;
 using can_test::FakeKernel;
-using can_test::refuse;
+using can_test::reject;
 
 // The linker's --wrap prescribes these names. NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
@@ -85,7 +85,7 @@ int __real_clock_gettime(clockid_t clock, timespec* now);
 
 int __wrap_socket(int domain, int type, int protocol) {
     if (fake == nullptr) return __real_socket(domain, type, protocol);
-    if (fake->socket_error != 0) return refuse(fake->socket_error);
+    if (fake->socket_error != 0) return reject(fake->socket_error);
     if (domain != PF_CAN || (type | SOCK_NONBLOCK) != (SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK) || protocol != CAN_RAW)
         throw std::logic_error("not a raw CAN socket that no child inherits");
     const int descriptor = can_test::kFirst + static_cast<int>(fake->open.size());
@@ -107,19 +107,19 @@ int __wrap_ioctl(int /*descriptor*/, unsigned long request, ...) {
     fake->looked_up = answer->ifr_name;
     if (request == SIOCGIFINDEX) {
         answer->ifr_ifindex = fake->index;
-        return fake->index_error == 0 ? 0 : refuse(fake->index_error);
+        return fake->index_error == 0 ? 0 : reject(fake->index_error);
     }
     if (request == SIOCGIFHWADDR) {
         answer->ifr_hwaddr.sa_family = fake->hardware;
-        return fake->address_error == 0 ? 0 : refuse(fake->address_error);
+        return fake->address_error == 0 ? 0 : reject(fake->address_error);
     }
     answer->ifr_flags = fake->flags;
-    return fake->flags_error == 0 ? 0 : refuse(fake->flags_error);
+    return fake->flags_error == 0 ? 0 : reject(fake->flags_error);
 }
 
 int __wrap_setsockopt(int /*descriptor*/, int level, int option, const void* value, socklen_t size) {
     const auto error = fake->option_errors.find({level, option});
-    if (error != fake->option_errors.end()) return refuse(error->second);
+    if (error != fake->option_errors.end()) return reject(error->second);
     const auto* const bytes = static_cast<const unsigned char*>(value);
     fake->options[{level, option}].assign(bytes, bytes + size);
     return 0;
@@ -128,16 +128,16 @@ int __wrap_setsockopt(int /*descriptor*/, int level, int option, const void* val
 int __wrap_bind(int /*descriptor*/, const sockaddr* address, socklen_t /*size*/) {
     sockaddr_can can{};
     std::memcpy(&can, address, sizeof can);
-    if (can.can_family != AF_CAN) return refuse(EINVAL);
+    if (can.can_family != AF_CAN) return reject(EINVAL);
     fake->bound_index = can.can_ifindex;
-    return fake->bind_error == 0 ? 0 : refuse(fake->bind_error);
+    return fake->bind_error == 0 ? 0 : reject(fake->bind_error);
 }
 
 int __wrap_recvmmsg(int /*descriptor*/, mmsghdr* messages, unsigned count, int flags, timespec* /*timeout*/) {
     const bool limited = (flags & MSG_WAITFORONE) != 0 && fake->options.contains({SOL_SOCKET, SO_RCVTIMEO});
     if ((flags & MSG_DONTWAIT) == 0 && !limited) throw std::logic_error("may wait for ever, or for a full batch");
     fake->calls.emplace_back((flags & MSG_DONTWAIT) != 0 ? "receive" : "wait and receive");
-    if (fake->arrivals.empty()) return refuse(fake->receive_error);
+    if (fake->arrivals.empty()) return reject(fake->receive_error);
     unsigned received = 0;
     for (; received < count && !fake->arrivals.empty(); ++received) {
         can_test::deliver(fake->arrivals.front(), messages[received]);
@@ -148,7 +148,7 @@ int __wrap_recvmmsg(int /*descriptor*/, mmsghdr* messages, unsigned count, int f
 
 ssize_t __wrap_send(int /*descriptor*/, const void* data, std::size_t size, int flags) {
     if ((flags & MSG_DONTWAIT) == 0) throw std::logic_error("may wait for room");
-    if (fake->send_error != 0) return refuse(fake->send_error);
+    if (fake->send_error != 0) return reject(fake->send_error);
     can_frame frame{};
     std::memcpy(&frame, data, sizeof frame);
     fake->sent.push_back(frame);
@@ -162,7 +162,7 @@ int __wrap_sendmmsg(int descriptor, mmsghdr* messages, unsigned count, int flags
         const iovec& bytes = *messages[sent].msg_hdr.msg_iov;
         if (__wrap_send(descriptor, bytes.iov_base, bytes.iov_len, flags) < 0) return -1;
     }
-    return sent > 0 ? sent : can_test::refuse(ENOBUFS);
+    return sent > 0 ? sent : can_test::reject(ENOBUFS);
 }
 
 int __wrap_getsockopt(int descriptor, int level, int option, void* value, socklen_t* size) {
@@ -170,14 +170,14 @@ int __wrap_getsockopt(int descriptor, int level, int option, void* value, sockle
     fake->calls.emplace_back("look at the queue");
     std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
     if (level != SOL_SOCKET || option != SO_MEMINFO || *size != sizeof memory) throw std::logic_error("not the memory of this socket");
-    if (fake->memory_error != 0) return refuse(fake->memory_error);
+    if (fake->memory_error != 0) return reject(fake->memory_error);
     memory[SK_MEMINFO_WMEM_ALLOC] = fake->queued_bytes;
     std::memcpy(value, memory.data(), sizeof memory);
     return 0;
 }
 
 int __wrap_epoll_create1(int flags) {
-    if (fake->epoll_error != 0) return refuse(fake->epoll_error);
+    if (fake->epoll_error != 0) return reject(fake->epoll_error);
     if (flags != EPOLL_CLOEXEC) throw std::logic_error("a child would inherit it");
     const int descriptor = can_test::kFirst + static_cast<int>(fake->open.size());
     fake->open.insert(descriptor);
@@ -187,7 +187,7 @@ int __wrap_epoll_create1(int flags) {
 int __wrap_epoll_ctl(int /*epoll*/, int operation, int descriptor, epoll_event* event) {
     if (operation != EPOLL_CTL_ADD || event->events != (EPOLLIN | EPOLLET) || !fake->open.contains(descriptor))
         throw std::logic_error("not each arrival at an open socket");
-    return fake->epoll_add_error == 0 ? 0 : refuse(fake->epoll_add_error);
+    return fake->epoll_add_error == 0 ? 0 : reject(fake->epoll_add_error);
 }
 
 int __wrap_epoll_pwait2(int epoll, epoll_event* /*events*/, int /*most*/, const timespec* timeout, const void* /*mask*/) {

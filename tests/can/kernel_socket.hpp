@@ -33,7 +33,7 @@ inline FakeKernel::Arrival error_frame(std::uint32_t classes) {
 }
 
 /// Why `interface` was refused.
-inline std::string refusal(const std::string& interface) {
+inline std::string rejection(const std::string& interface) {
     try {
         const SocketCan bus(interface, kWanted);
     } catch (const std::runtime_error& error) {

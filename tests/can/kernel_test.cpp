@@ -71,7 +71,7 @@ TEST_CASE("whatever the kernel refuses while a socket is set up is named, and no
     for (const Case& c : cases) {
         FakeKernel kernel;
         c.set(kernel);
-        CHECK_THAT(refusal(c.interface), ContainsSubstring("CAN interface '" + c.interface + "' ") && ContainsSubstring(c.expected));
+        CHECK_THAT(rejection(c.interface), ContainsSubstring("CAN interface '" + c.interface + "' ") && ContainsSubstring(c.expected));
         CHECK(kernel.open.empty());
     }
 }
@@ -228,7 +228,7 @@ TEST_CASE("what is sent is a classic data frame, whatever the caller's frame say
 TEST_CASE("a period's frames go out by one call, in order; what follows one that was refused is given up", "[CAN-058]") {
     FakeKernel kernel;
     SocketCan bus("can0", kWanted);
-    std::array<Frame, SocketCan::kMostSent + 1> frames{};
+    std::array<Frame, SocketCan::kMaxSent + 1> frames{};
     for (std::uint32_t i = 0; i < frames.size(); ++i) frames[i].id = 0x100 + i;
     CHECK(bus.send_all({}) == 0);
     CHECK(kernel.calls.empty());
@@ -247,7 +247,7 @@ TEST_CASE("a period's frames go out by one call, in order; what follows one that
     CHECK(bus.status().transmit_dropped == 4);
     CHECK(bus.status().up);
     kernel.room = SIZE_MAX;
-    CHECK(bus.send_all(frames) == SocketCan::kMostSent);
+    CHECK(bus.send_all(frames) == SocketCan::kMaxSent);
     CHECK(bus.status().transmit_dropped == 5);
 
     kernel.send_error = ENETDOWN;

@@ -38,7 +38,7 @@ RigSample sample_at(int step) {
 }
 
 std::vector<Frame> due(RigPort& port, const RigSample& sample) {
-    std::array<Frame, RigPort::kMostFrames> frames;
+    std::array<Frame, RigPort::kMaxFrames> frames;
     const std::size_t count = port.due_frames(sample, frames);
     return {frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(count)};
 }
@@ -175,7 +175,7 @@ TEST_CASE("the observer reads what the addressees read, in either direction", "[
             command.current_mA = 0.01F * static_cast<float>(step);
             command.state = static_cast<control::State>(step % control::kStateCount);
             command.slip = 0.2F;
-            std::array<Frame, ControllerPort::kMostFrames> frames;
+            std::array<Frame, ControllerPort::kMaxFrames> frames;
             const std::size_t count = port.due_frames(command, frames);
             for (std::size_t i = 0; i < count; ++i) {
                 frames[i].received = now;

@@ -4,7 +4,7 @@
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/rig_port.hpp"
 
-namespace port_test {
+namespace pohost_test {
 
 using namespace antiskid;
 using namespace antiskid::can;
@@ -39,4 +39,4 @@ inline std::uint32_t rejected(const ControllerPort& port) {
     return sum;
 }
 
-}  // namespace port_test
+}  // namespace pohost_test

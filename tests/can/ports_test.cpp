@@ -16,7 +16,7 @@ using namespace antiskid::can;
 using can_test::foreign;
 using can_test::ours;
 using control::Time;
-using namespace port_test;
+using namespace pohost_test;
 
 namespace {
 
@@ -78,7 +78,7 @@ TEST_CASE("all 2048 identifiers, every length, right and wrong contents: only wh
 TEST_CASE("the controller does not listen to its own messages", "[CAN-050]") {
     ControllerPort other(ours(), kStep);
     ControllerPort port(ours(), kStep);
-    std::array<Frame, ControllerPort::kMostFrames> frames;
+    std::array<Frame, ControllerPort::kMaxFrames> frames;
     std::uint32_t sent = 0;
     for (int i = 0; i < 100; ++i) {
         const std::size_t count = other.due_frames({}, frames);

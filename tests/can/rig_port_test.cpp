@@ -12,7 +12,7 @@ using namespace antiskid::can;
 using can_test::foreign;
 using can_test::ours;
 using control::Time;
-using namespace port_test;
+using namespace pohost_test;
 
 TEST_CASE("command, state and every fault arrive at the rig", "[CAN-058]") {
     for (const Layout* layout : {&ours(), &foreign()}) {
@@ -92,7 +92,7 @@ TEST_CASE("every message comes at its period, and slow ones never meet within a 
 TEST_CASE("an emergency stop goes first, every step, for as long as it is asked for", "[CAN-058]") {
     RigPort rig(ours(), kStep);
     RigSample sample = some_sample();
-    std::array<Frame, RigPort::kMostFrames> frames;
+    std::array<Frame, RigPort::kMaxFrames> frames;
     for (int step = 0; step < 10; ++step) {
         sample.emergency_stop = step >= 3 && step < 6;
         REQUIRE(rig.due_frames(sample, frames) >= 3);
@@ -115,7 +115,7 @@ TEST_CASE("the rig counts what is spoilt or has no meaning, and sends a valve co
     slow[Role::valve].period = Time{2'000'000};
     ControllerPort port(slow, kStep);
     RigPort rig(slow, kStep);
-    std::array<Frame, ControllerPort::kMostFrames> frames;
+    std::array<Frame, ControllerPort::kMaxFrames> frames;
     control::Command command;
     command.state = static_cast<control::State>(9);
     unsigned valve_commands = 0;

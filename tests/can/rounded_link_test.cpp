@@ -41,12 +41,12 @@ class Draw {
   public:
     explicit Draw(unsigned seed) : random_(seed) {}
     unsigned below(unsigned n) { return std::uniform_int_distribution<unsigned>(0, n - 1)(random_); }
-    float value(float most) {
+    float value(float max) {
         switch (below(12)) {
             case 0:
-                return -most * fraction();
+                return -max * fraction();
             case 1:
-                return most * 1e6F * fraction();
+                return max * 1e6F * fraction();
             case 2:
                 return std::numeric_limits<float>::quiet_NaN();
             case 3:
@@ -54,7 +54,7 @@ class Draw {
             case 4:
                 return std::numeric_limits<float>::denorm_min();
             default:
-                return most * fraction();
+                return max * fraction();
         }
     }
     std::uint32_t edges() { return below(20) == 0 ? below(1U << 31U) : below(10); }
@@ -97,7 +97,7 @@ TEST_CASE("the short cut without bytes gives the controller exactly what the fra
             RigSample sample;
             sample.wheel.edge_count = 0xFFFF'FFF0U;
             sample.flywheel.edge_time = Time{-5'000'000'000};
-            std::array<Frame, RigPort::kMostFrames> frames;
+            std::array<Frame, RigPort::kMaxFrames> frames;
             std::size_t differences = 0;
             for (int i = 0; i < 100'000; ++i) {
                 advance(sample, draw);
@@ -128,7 +128,7 @@ TEST_CASE(
     RoundedLink link(slow, step);
     RigSample sample;
     sample.maneuver.law = static_cast<control::Law>(control::kLawCount);
-    std::array<Frame, RigPort::kMostFrames> frames;
+    std::array<Frame, RigPort::kMaxFrames> frames;
     for (int i = 0; i < 60; ++i) {
         const std::size_t count = rig.due_frames(sample, frames);
         for (std::size_t k = 0; k < count; ++k) {

@@ -63,7 +63,7 @@ TEST_CASE("a field lies where the DBC says, in both byte orders, at every place 
     const std::string binding = can_test::replaced(can_test::contents("config/foreign_binding.toml"),
                                                    "protection = \"counter\"\ncounter = \"MsgCnt\"\nmax_delta = 3\n", "protection = \"none\"\n");
     std::mt19937 random(20);
-    const auto draw = [&](unsigned most) { return std::uniform_int_distribution<unsigned>(0, most)(random); };
+    const auto draw = [&](unsigned max) { return std::uniform_int_distribution<unsigned>(0, max)(random); };
     unsigned fields = 0;
     while (fields < 400) {
         const unsigned length = 1 + draw(7);
@@ -163,7 +163,7 @@ TEST_CASE("what the addressees said arrives with its time, each by itself", "[CA
     command.faults = control::FaultSet::from_bits(0xFFFF'FFFFU);
     command.state = control::State::safe;
     ControllerView view;
-    std::array<Frame, ControllerPort::kMostFrames> frames{};
+    std::array<Frame, ControllerPort::kMaxFrames> frames{};
     std::int64_t at = 0;
     for (int step = 0; step < 200; ++step) {
         const std::size_t count = port.due_frames(command, frames);

@@ -93,8 +93,8 @@ TEST_CASE("a law that takes over is held back at the rate of a demand that passe
     b.sensors.maneuver.law = Law::threshold;
     b.slip = 0.05;
     for (int k = 1; k <= 200; ++k) {
-        const auto most = static_cast<double>(before) + 10e3 * k;
-        REQUIRE(static_cast<double>(b.step().pressure_request_Pa) == Approx(most).epsilon(1e-3));
+        const auto max = static_cast<double>(before) + 10e3 * k;
+        REQUIRE(static_cast<double>(b.step().pressure_request_Pa) == Approx(max).epsilon(1e-3));
     }
     // What braked before does not hold back what brakes anew.
     b.sensors.maneuver.demand_Pa = 0.0F;

@@ -9,7 +9,7 @@
 #include "firmware/can/rounded_link.hpp"
 #include "firmware/can/value_names.hpp"
 #include "firmware/control/controller.hpp"
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "tests/catch.hpp"
 #include "tests/settings/refusal.hpp"
@@ -29,8 +29,8 @@ std::string words(const FaultSet faults) {
 }
 
 /// One stop; fails on any fault, and where the aircraft does not come to rest.
-void expect_no_fault(const plant_sim::ScenarioOptions& options) {
-    const plant_sim::Scenario s = plant_sim::load_scenario(options);
+void expect_no_fault(const plant_sim::StopOptions& options) {
+    const plant_sim::StopInputs s = plant_sim::load_scenario(options);
     const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
     CAPTURE(options.choice.surface, options.choice.maneuver, options.law, options.seed, words(result.faults));
     CHECK(result.faults.empty());
@@ -39,9 +39,9 @@ void expect_no_fault(const plant_sim::ScenarioOptions& options) {
 
 template <typename Change>
 void all_scenarios(const Change& change) {
-    for (const std::string& surface : plant::surface_names("config")) {
-        for (const std::string& maneuver : plant::maneuver_names("config")) {
-            plant_sim::ScenarioOptions options;
+    for (const std::string& surface : rig::surface_names("config")) {
+        for (const std::string& maneuver : rig::maneuver_names("config")) {
+            plant_sim::StopOptions options;
             options.choice.surface = surface;
             options.choice.maneuver = maneuver;
             change(options);
@@ -80,51 +80,51 @@ void put_with_period(const std::filesystem::path& file, const int period_ms) {
 
 TEST_CASE("no false fault on the 32 scenarios, whatever the seed", "[CTL-085]") {
     const auto seed = static_cast<std::uint64_t>(GENERATE(1, 2, 3, 77));
-    all_scenarios([seed](plant_sim::ScenarioOptions& o) { o.seed = seed; });
+    all_scenarios([seed](plant_sim::StopOptions& o) { o.seed = seed; });
 }
 
 TEST_CASE("no false fault with a worn or a sharp brake", "[CTL-085]") {
     const double friction = GENERATE(0.2, 0.36);
-    all_scenarios([friction](plant_sim::ScenarioOptions& o) { o.choice.friction = friction; });
+    all_scenarios([friction](plant_sim::StopOptions& o) { o.choice.friction = friction; });
 }
 
 TEST_CASE("no false fault with the loading device of the flywheel rig", "[CTL-085]") {
-    all_scenarios([](plant_sim::ScenarioOptions& o) { o.choice.carrier = plant::Carrier::flywheel; });
+    all_scenarios([](plant_sim::StopOptions& o) { o.choice.carrier = rig::Carrier::flywheel; });
 }
 
 TEST_CASE("no false fault with any law", "[CTL-085][CTL-330][CTL-340]") {
     SECTION("threshold") {
-        all_scenarios([](plant_sim::ScenarioOptions& o) { o.law = "threshold"; });
+        all_scenarios([](plant_sim::StopOptions& o) { o.law = "threshold"; });
     }
     SECTION("pressure bias") {
-        all_scenarios([](plant_sim::ScenarioOptions& o) { o.law = "pressure_bias"; });
+        all_scenarios([](plant_sim::StopOptions& o) { o.law = "pressure_bias"; });
     }
     SECTION("peak slip") {
-        all_scenarios([](plant_sim::ScenarioOptions& o) { o.law = "peak_slip"; });
+        all_scenarios([](plant_sim::StopOptions& o) { o.law = "peak_slip"; });
     }
     SECTION("deceleration") {
         const double mps2 = GENERATE(1.5, 6.0);
-        all_scenarios([mps2](plant_sim::ScenarioOptions& o) {
+        all_scenarios([mps2](plant_sim::StopOptions& o) {
             o.law = "deceleration";
             o.deceleration_mps2 = mps2;
         });
     }
     SECTION("slip far beyond and far below the peak") {
         const double slip = GENERATE(0.05, 0.5);
-        all_scenarios([slip](plant_sim::ScenarioOptions& o) { o.slip = slip; });
+        all_scenarios([slip](plant_sim::StopOptions& o) { o.slip = slip; });
     }
     SECTION("open loop, more than most surfaces bear") {
         const TemporaryDirectory directory;
         put(directory / "profile.csv", "time_s,current_mA\n0,4\n2,10\n4,20\n6,5\n");
-        all_scenarios([&directory](plant_sim::ScenarioOptions& o) {
+        all_scenarios([&directory](plant_sim::StopOptions& o) {
             o.law = "open_loop";
             o.profile = directory / "profile.csv";
         });
     }
     SECTION("the endurance maneuver") {
         for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-            plant_sim::ScenarioOptions options;
-            options.choice.maneuver = plant::kEndurance;
+            plant_sim::StopOptions options;
+            options.choice.maneuver = rig::kEndurance;
             options.law = "deceleration";
             options.seed = seed;
             expect_no_fault(options);
@@ -136,7 +136,7 @@ TEST_CASE("no false fault at other control periods", "[CTL-085]") {
     const int period_ms = GENERATE(2, 5);
     const TemporaryDirectory directory;
     put_with_period(directory / "controller.toml", period_ms);
-    all_scenarios([&directory](plant_sim::ScenarioOptions& o) { o.controller = directory / "controller.toml"; });
+    all_scenarios([&directory](plant_sim::StopOptions& o) { o.controller = directory / "controller.toml"; });
 }
 
 namespace {
@@ -146,17 +146,17 @@ using Spoil = std::function<void(Sensors&, double since_s)>;
 
 struct Outcome {
     FaultSet faults;
-    double fault_s = -1.0;         ///< since brake-on
-    double longest_lock_s = 0.0;   ///< slip above 0.95 above 5 m/s
-    double most_request_Pa = 0.0;  ///< after 1 s
+    double fault_s = -1.0;        ///< since brake-on
+    double longest_lock_s = 0.0;  ///< slip above 0.95 above 5 m/s
+    double max_request_Pa = 0.0;  ///< after 1 s
     State last = State::self_test;
 };
 
 /// The reference landing on a surface with spoilt sensors, in closed loop, until 3 s after brake-on.
 Outcome brake(const std::string& surface, const Spoil& spoil) {
-    plant_sim::ScenarioOptions options;
+    plant_sim::StopOptions options;
     options.choice.surface = surface;
-    const plant_sim::Scenario s = plant_sim::load_scenario(options);
+    const plant_sim::StopInputs s = plant_sim::load_scenario(options);
     study::RigSession session(s.plant.rig, s.session);
     constexpr Time kPeriod{1'000'000};
     antiskid::can::RoundedLink link(s.layout, kPeriod);
@@ -174,7 +174,7 @@ Outcome brake(const std::string& surface, const Spoil& spoil) {
             outcome.fault_s = since;
             outcome.faults = command.faults;
         }
-        if (since > 1.0) outcome.most_request_Pa = std::max(outcome.most_request_Pa, static_cast<double>(command.pressure_request_Pa));
+        if (since > 1.0) outcome.max_request_Pa = std::max(outcome.max_request_Pa, static_cast<double>(command.pressure_request_Pa));
         const bool locked = session.rig().forces().slip > 0.95 && session.rig().wheel().v_mps > 5.0 && since > 0.0;
         lock_s = locked ? lock_s + 1e-3 : 0.0;
         outcome.longest_lock_s = std::max(outcome.longest_lock_s, lock_s);
@@ -230,10 +230,10 @@ TEST_CASE("frames that are lost for less than their age hardly show", "[CTL-085]
     const Outcome undisturbed = brake(surface, [](Sensors&, double) {});
     const auto check = [&](const Spoil& spoil) {
         const Outcome o = brake(surface, spoil);
-        CAPTURE(surface, gap_s, o.most_request_Pa, undisturbed.most_request_Pa);
+        CAPTURE(surface, gap_s, o.max_request_Pa, undisturbed.max_request_Pa);
         CHECK(o.faults.empty());
         CHECK(o.longest_lock_s == 0.0);
-        CHECK(o.most_request_Pa < undisturbed.most_request_Pa + 1.0e6);
+        CHECK(o.max_request_Pa < undisturbed.max_request_Pa + 1.0e6);
     };
     check(gap(&Sensors::wheel, gap_s));
     check(gap(&Sensors::flywheel, gap_s));
@@ -246,10 +246,10 @@ TEST_CASE("one wrong reading hardly shows", "[CTL-085]") {
     const auto at_one_second = [](const double since) { return since > 0.9995 && since < 1.0005; };
     const auto check = [&](const Spoil& spoil) {
         const Outcome o = brake(surface, spoil);
-        CAPTURE(surface, o.most_request_Pa, undisturbed.most_request_Pa);
+        CAPTURE(surface, o.max_request_Pa, undisturbed.max_request_Pa);
         CHECK(o.faults.empty());
         CHECK(o.longest_lock_s == 0.0);
-        CHECK(o.most_request_Pa < undisturbed.most_request_Pa + 1.0e6);
+        CHECK(o.max_request_Pa < undisturbed.max_request_Pa + 1.0e6);
     };
     check([&](Sensors& s, const double t) {
         if (at_one_second(t)) s.wheel.edge_count += 1'000'000;
@@ -267,18 +267,18 @@ TEST_CASE("one wrong reading hardly shows", "[CTL-085]") {
 
 TEST_CASE("the peak law's grip is the runway's peak friction force where it is confident", "[CTL-340]") {
     const std::string surface = GENERATE("dry_asphalt", "wet_asphalt", "wet_cobblestone", "snow");
-    plant_sim::ScenarioOptions options;
+    plant_sim::StopOptions options;
     options.law = "peak_slip";
     options.choice.surface = surface;
-    const plant_sim::Scenario s = plant_sim::load_scenario(options);
-    const double mu_max = plant::peak(s.plant.rig.surface).mu;
+    const plant_sim::StopInputs s = plant_sim::load_scenario(options);
+    const double mu_max = rig::peak(s.plant.rig.surface).mu;
     const double k_b_m3 = static_cast<double>(s.controller.wheel.brake_gain_m3);
     double share = 0.0;
     int sure = 0;
     static_cast<void>(study::run_in_process(
         s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded,
         [&](const study::RigSession& session, const antiskid::can::ControllerView& view, double) {
-            const bool tracks = session.pilot().phase() == study::Phase::braking && session.rig().time_s() > session.pilot().brake_on_s() + 1.0 &&
+            const bool tracks = session.pilot().phase() == study::StopPhase::braking && session.rig().time_s() > session.pilot().brake_on_s() + 1.0 &&
                                 session.rig().wheel().v_mps > 25.0;
             if (!tracks || view.road.confidence < 0.6F) return;
             ++sure;

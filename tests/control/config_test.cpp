@@ -73,10 +73,10 @@ struct Check {
     std::filesystem::path path;
     TemporaryDirectory directory;
 
-    [[nodiscard]] settings::Error refusal(const std::string& text) const {
+    [[nodiscard]] settings::Error rejection(const std::string& text) const {
         const auto file = directory / "controller.toml";
         put(file, text);
-        return refusal_of([&file] { return load_controller_config(file); });
+        return rejection_of([&file] { return load_controller_config(file); });
     }
 };
 
@@ -93,11 +93,11 @@ TEST_CASE("each missing, misspelt, mis-united or mistyped key is refused at its 
         const std::string rest = line.substr(entry.key.size());
         CAPTURE(entry.path(), line);
 
-        const settings::Error missing = check.refusal(file.with(entry.line, ""));
+        const settings::Error missing = check.rejection(file.with(entry.line, ""));
         CHECK(missing.file() == name);
         CHECK(missing.key() == entry.path());
 
-        const settings::Error misspelt = check.refusal(file.with(entry.line, "x" + line));
+        const settings::Error misspelt = check.rejection(file.with(entry.line, "x" + line));
         CHECK(misspelt.file() == name);
         if (entry.key.size() > 3)
             CHECK(misspelt.line() == entry.line + 1);
@@ -105,7 +105,7 @@ TEST_CASE("each missing, misspelt, mis-united or mistyped key is refused at its 
             CHECK(misspelt.key() == entry.path());  // too short to guess: it is missing
         CHECK_THAT(misspelt.what(), ContainsSubstring(entry.key));
 
-        const settings::Error united = check.refusal(file.with(entry.line, in_another_unit(entry.key) + rest));
+        const settings::Error united = check.rejection(file.with(entry.line, in_another_unit(entry.key) + rest));
         CHECK(united.file() == name);
         CHECK_THAT(united.what(), ContainsSubstring(entry.key));
         if (has_unit(entry.key))
@@ -114,7 +114,7 @@ TEST_CASE("each missing, misspelt, mis-united or mistyped key is refused at its 
             CHECK(united.key() == entry.path());  // "k_d_percent" is no unit of k_d, so k_d is missing
 
         for (const char* const wrong : {"\"1\"", "true", "nan", "inf", "-inf"}) {
-            const settings::Error mistyped = check.refusal(file.with(entry.line, entry.key + " = " + wrong));
+            const settings::Error mistyped = check.rejection(file.with(entry.line, entry.key + " = " + wrong));
             CHECK(mistyped.file() == name);
             CHECK(mistyped.line() == entry.line + 1);
             CHECK(mistyped.key() == entry.path());
@@ -131,7 +131,7 @@ TEST_CASE("each value out of range is refused at its line, above and below", "[C
         for (const std::string far : {"1e30", "-1e30"}) {
             const bool integer = entry.key == "teeth";
             const std::string number = integer ? (far == "1e30" ? "1000000" : "-1000000") : far;
-            const settings::Error error = check.refusal(file.with(entry.line, entry.key + " = " + (array ? "[0.0, " + number + "]" : number)));
+            const settings::Error error = check.rejection(file.with(entry.line, entry.key + " = " + (array ? "[0.0, " + number + "]" : number)));
             CAPTURE(entry.path(), number, error.what());
             CHECK(error.file() == name);
             CHECK(error.line() == entry.line + 1);
@@ -143,10 +143,10 @@ TEST_CASE("each value out of range is refused at its line, above and below", "[C
 TEST_CASE("values that contradict each other are refused where they stand", "[CTL-090]") {
     const File file("config/controller.toml");
     const Check check{"config/controller.toml", {}};
-    const auto refused = [&](const std::string& path, const std::string& value) {
+    const auto rejected = [&](const std::string& path, const std::string& value) {
         for (const Entry& entry : file.entries) {
             if (entry.path() != path) continue;
-            const settings::Error error = check.refusal(file.with(entry.line, entry.key + " = " + value));
+            const settings::Error error = check.rejection(file.with(entry.line, entry.key + " = " + value));
             CAPTURE(path, value, error.what());
             CHECK(error.line() == entry.line + 1);
             CHECK(error.key().starts_with(path));
@@ -154,18 +154,18 @@ TEST_CASE("values that contradict each other are refused where they stand", "[CT
         }
         FAIL(path << " is not in the file");
     };
-    refused("period_ms", "0.9");
-    refused("period_ms", "5.1");
-    refused("slip.low_speed_floor_mps", "99.0");                                                 // not below low_speed_mps
-    refused("valve.pressure_Pa", "[0.0, 1.0e6]");                                                // not as many as currents
-    refused("valve.current_mA", "[3.0, 3.0]");                                                   // not increasing
-    refused("valve.pressure_Pa", "[2.0e6, 1.0e6]");                                              // falling
-    refused("valve.current_mA", "[3.0]");                                                        // one point is no map
-    refused("valve.current_mA", "[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17]");  // too many
-    refused("valve.safe_current_mA", "3.5");                                                     // would make pressure
-    refused("valve.full_pressure_Pa", "21.0e6");                                                 // more than the map gives
-    refused("valve.delay_ms", "16.5");                                                           // longer than the model's memory
-    refused("monitor.sensor_max_age_ms", "1.5");                                                 // younger than a sensor frame can be
+    rejected("period_ms", "0.9");
+    rejected("period_ms", "5.1");
+    rejected("slip.low_speed_floor_mps", "99.0");                                                 // not below low_speed_mps
+    rejected("valve.pressure_Pa", "[0.0, 1.0e6]");                                                // not as many as currents
+    rejected("valve.current_mA", "[3.0, 3.0]");                                                   // not increasing
+    rejected("valve.pressure_Pa", "[2.0e6, 1.0e6]");                                              // falling
+    rejected("valve.current_mA", "[3.0]");                                                        // one point is no map
+    rejected("valve.current_mA", "[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17]");  // too many
+    rejected("valve.safe_current_mA", "3.5");                                                     // would make pressure
+    rejected("valve.full_pressure_Pa", "21.0e6");                                                 // more than the map gives
+    rejected("valve.delay_ms", "16.5");                                                           // longer than the model's memory
+    rejected("monitor.sensor_max_age_ms", "1.5");                                                 // younger than a sensor frame can be
 }
 
 TEST_CASE("low_speed_mps = 0 is allowed whatever the floor is", "[CTL-090]") {
@@ -187,7 +187,7 @@ TEST_CASE("missing tables, unknown tables and missing files are refused by name"
         for (std::size_t i = 0; i < file.lines.size(); ++i) {
             if (!file.lines[i].starts_with("[" + table + "]")) continue;
             CAPTURE(table);
-            const settings::Error error = check.refusal(file.with(i, "[x" + table + "]"));
+            const settings::Error error = check.rejection(file.with(i, "[x" + table + "]"));
             CHECK_THAT(error.what(), ContainsSubstring(table));
         }
     }

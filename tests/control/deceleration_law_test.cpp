@@ -81,17 +81,17 @@ TEST_CASE("the prescribed deceleration is reached and held", "[CTL-050]") {
     DecelerationLaw d = law();
     Estimate e = decelerating(55.0F, 0.02F, 0.0F, 0.0F);
     d.start(e);
-    double a = 0.0, pressure = 0.0, most = 0.0;
+    double a = 0.0, pressure = 0.0, max = 0.0;
     auto omega = static_cast<double>(e.omega_radps);  // steps of a slow stop are few units in the last place of a float
     for (int i = 0; i < 4000; ++i) {
         pressure = static_cast<double>(d.pressure_Pa(e, reference, kFull_Pa));
         a += (0.8e-6 * pressure - a) * 1e-3 / 20e-3;
-        most = std::max(most, a);
+        max = std::max(max, a);
         omega -= a / static_cast<double>(e.radius_m) * 1e-3;
         e.omega_radps = static_cast<float>(omega);
     }
     CHECK(a == Approx(static_cast<double>(reference)).epsilon(1e-3));
-    CHECK(most < 1.1 * static_cast<double>(reference));
+    CHECK(max < 1.1 * static_cast<double>(reference));
 }
 
 TEST_CASE("one noisy reading of the wheel's acceleration at brake-on changes nothing", "[CTL-050]") {

@@ -137,7 +137,7 @@ struct Truth {
 
 }  // namespace
 
-TEST_CASE("road torque and outlook agree with an independent simulation", "[CTL-300]") {
+TEST_CASE("road torque and prediction agree with an independent simulation", "[CTL-300]") {
     // Pressure swings about the one that balances the road; the slip wanders between free rolling and half locked.
     const double balance_Pa = GENERATE(2e6, 8e6);
     const double v0 = GENERATE(30.0, 60.0);
@@ -168,18 +168,18 @@ TEST_CASE("road torque and outlook agree with an independent simulation", "[CTL-
         const double wanted = balance_Pa + swing + 1e5 * v0 * (0.2 - truth.slip()) * (k >= 60 ? 1.0 : 0.0);
         current_mA = static_cast<double>(valve_current_mA(config.valve, static_cast<float>(wanted)));
     }
-    double most = 0.0, least = 1.0;
+    double max = 0.0, min = 1.0;
     for (int k = 200; k + 6 < kPeriods; ++k) {
         const auto i = static_cast<std::size_t>(k);
         CAPTURE(k, balance_Pa, v0);
         REQUIRE(std::abs(late[i] - slips[i + 6]) < 0.01);
-        most = std::max(most, slips[i]);
-        least = std::min(least, slips[i]);
+        max = std::max(max, slips[i]);
+        min = std::min(min, slips[i]);
         // Constant slip needs omega_dot = omega v_dot / v: the wheel itself gives that much torque.
         const double own_Pa = 1.3 / 1.04e-3 * truth.omega * -truth.v_dot / truth.v;
         REQUIRE(balances[i] == Approx(balance_Pa + own_Pa).margin(0.05 * balance_Pa + 0.1e6));
     }
-    CHECK(most - least > 0.05);  // it did move
+    CHECK(max - min > 0.05);  // it did move
 }
 
 TEST_CASE("readings that cannot be leave no trace", "[CTL-010]") {
@@ -346,10 +346,10 @@ TEST_CASE("a bound above what a wheel can turn at bounds nothing", "[CTL-010]") 
 }
 
 TEST_CASE("a wheel whose speed changes by 60 rad/s2 is not free", "[CTL-300]") {
-    const float most_radps2 = GENERATE(60.0F, 59.9F);
+    const float max_radps2 = GENERATE(60.0F, 59.9F);
     Config config = Exact::config();
-    config.wheel.encoder.max_acceleration_radps2 = most_radps2;  // what the observer stops at
-    config.observer.answer_floor_per_s = 0.0F;                   // a road that answers nothing
+    config.wheel.encoder.max_acceleration_radps2 = max_radps2;  // what the observer stops at
+    config.observer.answer_floor_per_s = 0.0F;                  // a road that answers nothing
     Exact x;
     x.estimator = Estimator(config);
     for (int i = 0; i < 300; ++i) {
@@ -358,7 +358,7 @@ TEST_CASE("a wheel whose speed changes by 60 rad/s2 is not free", "[CTL-300]") {
     }
     const float before = x.estimator.estimate().radius_m;
     x.move(45.0F, 45.0F / 0.52F);
-    CHECK((x.estimator.estimate().radius_m == before) == (most_radps2 == 60.0F));
+    CHECK((x.estimator.estimate().radius_m == before) == (max_radps2 == 60.0F));
 }
 
 TEST_CASE("a wheel under 2 bar is not free", "[CTL-300]") {

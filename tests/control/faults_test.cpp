@@ -39,15 +39,15 @@ struct Injection {
 
 constexpr unsigned kCommandPeriods = 20;  // between two maneuver commands
 
-/// No frame is accepted; if `refused_each` is not 0, one is refused in as many periods.
+/// No frame is accepted; if `rejected_each` is not 0, one is refused in as many periods.
 template <typename Input>
-Spoil silent(Input Sensors::*const input, const unsigned refused_each) {
+Spoil silent(Input Sensors::*const input, const unsigned rejected_each) {
     auto last = std::make_shared<Input>();
     return [=](Bench&, Sensors& seen, const int period) {
         if (period == 0) *last = seen.*input;
         if (period == 0) return;
         seen.*input = *last;
-        if (refused_each > 0) (seen.*input).rejected += static_cast<unsigned>(period) / refused_each;
+        if (rejected_each > 0) (seen.*input).rejected += static_cast<unsigned>(period) / rejected_each;
     };
 }
 

@@ -33,7 +33,7 @@ namespace control_test {
                   .answer_noise = 3.5F,
                   .answer_floor_per_s = 100.0F,
                   .surprise = 6.0F,
-                  .outlook_share = 0.2F};
+                  .prediction_share = 0.2F};
     c.slip = {.k_p_per_s = 100.0F,
               .k_i_per_s2 = 200.0F,
               .k_d = 4.0F,
@@ -62,8 +62,8 @@ namespace control_test {
                    .slip_low = 0.2F,
                    .restore_share = 0.9F};
     c.peak = {.start_slip = 0.16F,
-              .least_slip = 0.03F,
-              .most_slip = 0.4F,
+              .min_slip = 0.03F,
+              .max_slip = 0.4F,
               .elasticity = 0.0F,
               .swing = 0.25F,
               .swing_Hz = 5.0F,
@@ -71,14 +71,14 @@ namespace control_test {
               .gain = 2.0F,
               .rate_per_s = 4.0F,
               .lock_fall_per_s = 10.0F,
-              .least_speed_mps = 6.0F};
+              .min_speed_mps = 6.0F};
     c.pressure_bias = {.reference_fall_mps2 = 10.0F,
                        .dead_band_mps = 2.0F,
                        .k_transient_Pa_per_mps = 0.5e6F,
                        .k_bias_Pa_per_m = 8e6F,
                        .first_bleed_Paps = 64e6F,
                        .bleed_Paps = 4e6F,
-                       .most_bias_share = 0.9F,
+                       .max_bias_share = 0.9F,
                        .lead_dead_band_mps2 = 40.0F,
                        .k_lead_Pa_per_mps2 = 1e4F};
     c.supervisor = {.self_test_s = 0.05F,
@@ -88,7 +88,7 @@ namespace control_test {
                     .demand_threshold_Pa = 0.2e6F,
                     .lock_share = 0.3F,
                     .unlock_share = 0.7F,
-                    .least_spin_up_mps2 = 50.0F,
+                    .min_spin_up_mps2 = 50.0F,
                     .release_s = 0.125F,
                     .drop_out_mps = 5.0F,
                     .drop_out_hysteresis_mps = 1.0F,
@@ -107,7 +107,7 @@ namespace control_test {
                  .off_command_s = 0.1F,
                  .plausible_above_mps = 8.0F,
                  .overruns = 10,
-                 .most_deceleration_mps2 = 15.0F};
+                 .max_deceleration_mps2 = 15.0F};
     return c;
 }
 

@@ -13,10 +13,10 @@ using control_test::fixed_config;
 namespace {
 
 /// The most that the law's reference comes to within the next 30 periods.
-float most_reference(Bench& b) {
-    float most = 0.0F;
-    for (int i = 0; i < 30; ++i) most = std::max(most, b.step().slip_reference);
-    return most;
+float max_reference(Bench& b) {
+    float max = 0.0F;
+    for (int i = 0; i < 30; ++i) max = std::max(max, b.step().slip_reference);
+    return max;
 }
 
 void slip_to(Bench& b, const double slip) {
@@ -30,12 +30,12 @@ void slip_to(Bench& b, const double slip) {
 void to_retreated(Bench& b) {
     b.to_braking();
     b.sensors.maneuver.slip_reference = 0.2F;
-    REQUIRE(most_reference(b) == Approx(0.2));
+    REQUIRE(max_reference(b) == Approx(0.2));
     slip_to(b, 0.65);
     b.seconds(0.1);
     REQUIRE(b.command.state == State::braking);
     slip_to(b, 0.07);
-    REQUIRE(most_reference(b) < 0.15F);
+    REQUIRE(max_reference(b) < 0.15F);
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ TEST_CASE("a reference that has retreated is whole on the next landing", "[CTL-0
         REQUIRE(b.command.state == State::armed);
         b.sensors.maneuver.demand_Pa = 6e6F;
     }
-    CHECK(most_reference(b) == Approx(0.2));
+    CHECK(max_reference(b) == Approx(0.2));
     CHECK(b.command.state == State::braking);
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("a reference that has retreated stays so within a landing", "[CTL-040]
         b.steps(1);
     }
     REQUIRE(b.command.state == State::braking);
-    CHECK(most_reference(b) < 0.15F);
+    CHECK(max_reference(b) < 0.15F);
 }
 
 TEST_CASE("the slip of most friction is sought from its start on each landing, and told", "[CTL-340]") {
@@ -149,7 +149,7 @@ TEST_CASE("the slip of most friction is sought from its start on each landing, a
 
 TEST_CASE("the bias outlasts a lock, neither another law nor a landing", "[CTL-330]") {
     Config config = fixed_config();
-    config.pressure_bias.most_bias_share = 1.0F;
+    config.pressure_bias.max_bias_share = 1.0F;
     Bench b(config);
     b.to_braking(Law::pressure_bias);
     b.sensors.maneuver.demand_Pa = 20e6F;

@@ -84,10 +84,10 @@ TEST_CASE("a model exactly at the pressure that counts as released, or as hardly
 }
 
 TEST_CASE("a wheel that changes its speed by 15 m/s2 is not steady", "[CTL-081]") {
-    const float most_radps2 = GENERATE(30.0F, 29.9F);  // at radii of 0.5 m
+    const float max_radps2 = GENERATE(30.0F, 29.9F);  // at radii of 0.5 m
     Config config = exact_config();
-    config.wheel.encoder.max_acceleration_radps2 = most_radps2;  // what the observer stops at
-    config.observer.answer_floor_per_s = 0.0F;                   // a road that answers nothing
+    config.wheel.encoder.max_acceleration_radps2 = max_radps2;  // what the observer stops at
+    config.observer.answer_floor_per_s = 0.0F;                  // a road that answers nothing
     config.monitor.free_slip = 0.25F;
     Watch w(config);
     w.sensors.flywheel.speed_radps = 128.0F;
@@ -96,10 +96,10 @@ TEST_CASE("a wheel that changes its speed by 15 m/s2 is not steady", "[CTL-081]"
         w.sensors.wheel.speed_radps -= 0.05F;  // 51 rad/s2
         w.step();
     }
-    REQUIRE(w.estimator.estimate().omega_dot_radps2 == -most_radps2);
+    REQUIRE(w.estimator.estimate().omega_dot_radps2 == -max_radps2);
     w.before.rolling = true;
     w.sensors.wheel.speed_radps -= 0.05F;
-    CHECK(w.step().contains(Fault::speeds_disagree) == (most_radps2 < 30.0F));
+    CHECK(w.step().contains(Fault::speeds_disagree) == (max_radps2 < 30.0F));
 }
 
 TEST_CASE("a wheel that loses more than the brake can take is named, one that the brake slows is not", "[CTL-081]") {

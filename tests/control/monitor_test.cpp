@@ -54,12 +54,12 @@ TEST_CASE("at rest nothing is wrong, and the ages are allowed to their last nano
 
 TEST_CASE("more refused frames than the maximum age has periods are corrupt", "[CTL-081]") {
     // 20 periods. The good frame among them pays for one, and good ones before them are no credit.
-    const std::uint32_t refused = GENERATE(21U, 22U);
+    const std::uint32_t rejected = GENERATE(21U, 22U);
     const int before = GENERATE(0, 5);
     Watch w(exact_config());
     for (int k = 0; k < before; ++k) REQUIRE(w.step().empty());
-    w.sensors.wheel.rejected = refused;
-    CHECK(w.step().contains(Fault::wheel_corrupt) == (refused == 22U));
+    w.sensors.wheel.rejected = rejected;
+    CHECK(w.step().contains(Fault::wheel_corrupt) == (rejected == 22U));
 }
 
 TEST_CASE("good frames pay for refused ones, to the end", "[CTL-081]") {
@@ -246,7 +246,7 @@ TEST_CASE("an encoder at the least that the aircraft must still have is believed
     Config config = exact_config();
     config.monitor.plausible_above_mps = row.plausible_above_mps;
     config.monitor.overspeed_share = 0.5F;
-    config.monitor.most_deceleration_mps2 = 16.0F;
+    config.monitor.max_deceleration_mps2 = 16.0F;
     config.monitor.stuck_s = 1.0F;
     Watch w(config);
     w.sensors.flywheel.speed_radps = 128.0F;
@@ -303,11 +303,11 @@ TEST_CASE("rim speeds and slip exactly at their limits", "[CTL-081]") {
 TEST_CASE("more refused maneuver commands than its maximum age has frames are corrupt", "[CTL-081]") {
     // 0.1 s and 10 ms; the good frame among them pays for one.
     const float period_s = GENERATE(1e-3F, 5e-3F);
-    const std::uint32_t refused = GENERATE(11U, 12U);
+    const std::uint32_t rejected = GENERATE(11U, 12U);
     Watch w(fixed_config(period_s));
     REQUIRE(w.step().empty());
-    w.sensors.maneuver.rejected = refused;
-    CHECK(w.step().contains(Fault::maneuver_corrupt) == (refused == 12U));
+    w.sensors.maneuver.rejected = rejected;
+    CHECK(w.step().contains(Fault::maneuver_corrupt) == (rejected == 12U));
 }
 
 TEST_CASE("a landed aircraft gets faster by no more than it can lose and the share, and only above the least speed", "[CTL-081]") {
@@ -316,9 +316,9 @@ TEST_CASE("a landed aircraft gets faster by no more than it can lose and the sha
         bool rolling, armed, named;
     };
     // 8 m/s and 16 m/s2 over 1/1024 s, and a quarter more.
-    constexpr float kMost_mps = 10.01953125F;
-    const Row row = GENERATE(values<Row>({{8.0F, kMost_mps, true, true, false},
-                                          {8.0F, std::nextafter(kMost_mps, 20.0F), true, true, true},
+    constexpr float kMax_mps = 10.01953125F;
+    const Row row = GENERATE(values<Row>({{8.0F, kMax_mps, true, true, false},
+                                          {8.0F, std::nextafter(kMax_mps, 20.0F), true, true, true},
                                           {8.0F, 20.0F, false, true, false},
                                           {8.0F, 20.0F, true, false, false},
                                           {8.0F, 20.0F, true, true, true},
@@ -328,7 +328,7 @@ TEST_CASE("a landed aircraft gets faster by no more than it can lose and the sha
     Config config = exact_config();
     config.flywheel.encoder.max_acceleration_radps2 = 1e9F;
     config.monitor.overspeed_share = 0.25F;
-    config.monitor.most_deceleration_mps2 = 16.0F;
+    config.monitor.max_deceleration_mps2 = 16.0F;
     config.monitor.plausible_above_mps = 4.0F;
     Watch w(config);
     w.sensors.maneuver.arm = row.armed;

@@ -11,7 +11,7 @@ using control_test::kPeriod_s;
 
 namespace {
 
-/// A rim at `mps` that gains `mps2`. Slip, aircraft's speed and outlook are nonsense: the law must not look at them.
+/// A rim at `mps` that gains `mps2`. Slip, aircraft's speed and prediction are nonsense: the law must not look at them.
 Estimate rim_at(const float mps, const float mps2 = 0.0F, const float pressure_Pa = 5e6F) {
     Estimate e;
     e.radius_m = 0.5F;  // exact quotients

@@ -192,12 +192,12 @@ TEST_CASE("a change of set-point moves the request at a limited rate", "[CTL-040
     const Estimate e = at_rest(40.0F, 0.1F);
     float before = law.pressure_Pa(e, 0.1F, kCeiling_Pa);
     // One period of reference rate through the proportional gain, and the little that the integral adds.
-    const double most = 100.0 * 50.0 * 1e-3 / rate_per_Pa(e) * 1.02;
+    const double max = 100.0 * 50.0 * 1e-3 / rate_per_Pa(e) * 1.02;
     for (const float set_point : {0.24F, 0.05F, 0.5F, 0.0F}) {
         for (int i = 0; i < 20; ++i) {
             const float now = law.pressure_Pa(e, set_point, 1e12F);
             if (now > 0.0F && before > 0.0F) {
-                REQUIRE(std::abs(static_cast<double>(now - before)) <= most);
+                REQUIRE(std::abs(static_cast<double>(now - before)) <= max);
             }
             before = now;
         }

@@ -45,11 +45,11 @@ TEST_CASE("the reading is the mean speed over its interval", "[CTL-010]") {
     const double acceleration = GENERATE(-900.0, -50.0, 50.0, 900.0, 10'000.0);
     Line line;
     double radps = acceleration > 0.0 ? 20.0 : 350.0;
-    const double least = 20.0, most = 390.0;
+    const double min = 20.0, max = 390.0;
     double before_edge = 0.0;  // speed at the last edge of the frame before
     int checked = 0;
     int edges = 0;
-    while (radps >= least && radps <= most) {
+    while (radps >= min && radps <= max) {
         radps += acceleration * 1e-3;
         const SpeedReading reading = line.turn_to(radps);
         // Speed at the newest edge, from the motion: v(t) is linear.

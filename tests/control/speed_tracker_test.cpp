@@ -14,8 +14,8 @@ using antiskid::control::SpeedTracker;
 namespace {
 
 constexpr float kPeriod_s = 1e-3F;
-constexpr float kMost = 30'000.0F;  // of acceleration
-constexpr EncoderConfig kEncoder{.max_speed_radps = 1e6F, .max_acceleration_radps2 = kMost};
+constexpr float kMax = 30'000.0F;  // of acceleration
+constexpr EncoderConfig kEncoder{.max_speed_radps = 1e6F, .max_acceleration_radps2 = kMax};
 
 /// A reading over one whole period that ended, on average, half a period ago.
 SpeedReading reading_of(const double speed, const float interval_s = kPeriod_s) {
@@ -181,23 +181,23 @@ TEST_CASE("a prediction that ends at zero is not looked back along", "[CTL-010]"
 TEST_CASE("a reading that no wheel can have got to is not believed for 10 ms", "[CTL-300]") {
     SpeedTracker tracker(450.0F, kEncoder);
     for (int i = 0; i < 50; ++i) tracker.update(reading_of(33.0), kPeriod_s);
-    const auto most = 0.99 * static_cast<double>(kMost * kPeriod_s);
+    const auto max = 0.99 * static_cast<double>(kMax * kPeriod_s);
     SECTION("wild ones leave nothing behind") {
-        for (int i = 0; i < 5; ++i) tracker.update(reading_of(33.0 + 16.0 * most), kPeriod_s);
+        for (int i = 0; i < 5; ++i) tracker.update(reading_of(33.0 + 16.0 * max), kPeriod_s);
         CHECK(tracker.speed() == Approx(33.0).epsilon(1e-4));
         CHECK(std::abs(tracker.acceleration()) < 1.0F);
     }
     SECTION("the fastest change is believed at once") {
-        tracker.update(reading_of(33.0 + 2.0 * most), kPeriod_s);
-        CHECK(tracker.speed() > 33.0F + static_cast<float>(most));
+        tracker.update(reading_of(33.0 + 2.0 * max), kPeriod_s);
+        CHECK(tracker.speed() > 33.0F + static_cast<float>(max));
     }
     SECTION("what stays is believed in the end") {
-        for (int i = 0; i < 9; ++i) tracker.update(reading_of(33.0 + 16.0 * most), kPeriod_s);
+        for (int i = 0; i < 9; ++i) tracker.update(reading_of(33.0 + 16.0 * max), kPeriod_s);
         CHECK(tracker.speed() == Approx(33.0).epsilon(1e-4));
-        tracker.update(reading_of(33.0 + 16.0 * most), kPeriod_s);
+        tracker.update(reading_of(33.0 + 16.0 * max), kPeriod_s);
         CHECK(tracker.speed() > 100.0F);
-        for (int i = 0; i < 100; ++i) tracker.update(reading_of(33.0 + 16.0 * most), kPeriod_s);
-        CHECK(tracker.speed() == Approx(33.0 + 16.0 * most).epsilon(1e-2));
+        for (int i = 0; i < 100; ++i) tracker.update(reading_of(33.0 + 16.0 * max), kPeriod_s);
+        CHECK(tracker.speed() == Approx(33.0 + 16.0 * max).epsilon(1e-2));
     }
 }
 

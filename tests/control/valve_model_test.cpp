@@ -57,8 +57,8 @@ TEST_CASE("the static map is hit at its points and linear between them", "[CTL-0
 
 TEST_CASE("a map may use every point there is, or only two", "[CTL-020]") {
     ValveConfig v;
-    v.points = ValveConfig::kMostPoints;
-    for (std::size_t i = 0; i < ValveConfig::kMostPoints; ++i) {
+    v.points = ValveConfig::kMaxPoints;
+    for (std::size_t i = 0; i < ValveConfig::kMaxPoints; ++i) {
         v.current_mA[i] = 2.0F + static_cast<float>(i);
         v.pressure_Pa[i] = 1e6F * static_cast<float>(i);
     }
@@ -152,7 +152,7 @@ TEST_CASE("random commands: the model is an independent integration of eq. (6)",
     }
 }
 
-TEST_CASE("the outlook is what then happens, whatever is commanded from now on", "[CTL-020]") {
+TEST_CASE("the prediction is what then happens, whatever is commanded from now on", "[CTL-020]") {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> command(0.0F, 20.7e6F);
     const double delay_s = GENERATE(0.0, 0.5e-3, 1e-3, 6e-3, 6.4e-3, 16e-3);
@@ -205,13 +205,13 @@ TEST_CASE("what the valve gives beside its map is learnt and made up for", "[CTL
     const ValveConfig v = valve(20.0, 0.8, 6e-3);
     ValveModel model(v, 1e-3F, learns);
     ValveTruth truth(2.0 * std::numbers::pi * 20.0, 0.8, 6e-3);
-    constexpr float kAsked_Pa = 10e6F;
-    float given_Pa = kAsked_Pa;
+    constexpr float kRequested_Pa = 10e6F;
+    float given_Pa = kRequested_Pa;
     const auto run = [&](const int periods) {
         for (int k = 0; k < periods; ++k) {
             truth.hold(static_cast<double>(gain * given_Pa), 1e-3);
             model.update(given_Pa, static_cast<float>(truth.pressure_Pa()), true);
-            given_Pa = model.made_up_for_Pa(kAsked_Pa);
+            given_Pa = model.compensated_Pa(kRequested_Pa);
         }
         return truth.pressure_Pa() / 10e6 - 1.0;
     };
@@ -227,17 +227,17 @@ TEST_CASE("what the valve gives beside its map is learnt and made up for", "[CTL
     CHECK(measured > rate);
     CHECK(measured < 1.1 * rate);
     CHECK(std::abs(run(2000)) < 1e-4);
-    CHECK(model.now().pressure_Pa == Approx(kAsked_Pa).epsilon(1e-4));
-    CHECK(model.uncorrected_Pa() == Approx(kAsked_Pa / gain).epsilon(1e-3));  // the map's view: it is that far off
+    CHECK(model.now().pressure_Pa == Approx(kRequested_Pa).epsilon(1e-4));
+    CHECK(model.uncorrected_Pa() == Approx(kRequested_Pa / gain).epsilon(1e-3));  // the map's view: it is that far off
     PressureState ahead = model.now();
     for (std::size_t periods = 1; periods <= model.delay_periods(); ++periods) {
         ahead = model.after(ahead, periods);
-        CHECK(ahead.pressure_Pa == Approx(kAsked_Pa).epsilon(1e-4));
+        CHECK(ahead.pressure_Pa == Approx(kRequested_Pa).epsilon(1e-4));
     }
 
     ValveModel blind(v, 1e-3F, {.pressure_bandwidth_radps = 30.0F, .valve_offset_share = 0.25F});
     for (int k = 0; k < 500; ++k) blind.update(10e6F, 8e6F, true);
-    CHECK(blind.made_up_for_Pa(kAsked_Pa) == kAsked_Pa);
+    CHECK(blind.compensated_Pa(kRequested_Pa) == kRequested_Pa);
 }
 
 TEST_CASE("what is made up for is a share of what is asked, and what is learnt one of full pressure", "[CTL-020]") {
@@ -246,17 +246,17 @@ TEST_CASE("what is made up for is a share of what is asked, and what is learnt o
     ValveModel model(v, 1e-3F, {.pressure_bandwidth_radps = 30.0F, .valve_offset_radps = 7.0F, .valve_offset_share = 0.25F});
     // Off by 8 MPa for ten seconds, as no valve that is only off its map is.
     for (int k = 0; k < 10'000; ++k) model.update(10e6F, 10e6F + sign * 8e6F, true);
-    CHECK(model.made_up_for_Pa(0.0F) == 0.0F);
-    CHECK(model.made_up_for_Pa(4e6F) == 4e6F - sign * 1e6F);
-    CHECK(model.made_up_for_Pa(20e6F) == 20e6F - sign * 5e6F);
-    CHECK(model.made_up_for_Pa(30e6F) == 30e6F - sign * 0.25F * v.full_pressure_Pa);
+    CHECK(model.compensated_Pa(0.0F) == 0.0F);
+    CHECK(model.compensated_Pa(4e6F) == 4e6F - sign * 1e6F);
+    CHECK(model.compensated_Pa(20e6F) == 20e6F - sign * 5e6F);
+    CHECK(model.compensated_Pa(30e6F) == 30e6F - sign * 0.25F * v.full_pressure_Pa);
     // What is not fresh teaches nothing.
-    const float before = model.made_up_for_Pa(30e6F);
+    const float before = model.compensated_Pa(30e6F);
     for (int k = 0; k < 100; ++k) model.update(10e6F, 10e6F, false);
-    CHECK(model.made_up_for_Pa(30e6F) == before);
+    CHECK(model.compensated_Pa(30e6F) == before);
     // Nothing has wound up: a second of a sound valve is enough.
     for (int k = 0; k < 1000; ++k) model.update(10e6F, 10e6F, true);
-    CHECK(model.made_up_for_Pa(30e6F) == Approx(30e6F).epsilon(1e-3));
+    CHECK(model.compensated_Pa(30e6F) == Approx(30e6F).epsilon(1e-3));
 }
 
 TEST_CASE("a map that begins above no pressure is held before its first point", "[CTL-020]") {

@@ -94,17 +94,17 @@ TEST_CASE("an answer without noise is known, and stays what it is", "[CTL-300]")
     WheelObserver observer(known, fixed_config().wheel.encoder, 1e-3F);
     Wheel wheel{.answer_per_s = 300.0};
     observer.update(reading(wheel.omega_radps), drive(0.0));
-    float most = 0.0F, least = 1e6F;
+    float max = 0.0F, min = 1e6F;
     for (int i = 0; i < 1000; ++i) {
         if (i == 700) wheel.omega_radps -= 40.0;  // another road
         const double brake = brake_radps2(3000.0, i);
         observer.update(reading(wheel.turn(brake)), drive(brake));
-        most = std::max(most, observer.answer_per_s());
-        least = std::min(least, observer.answer_per_s());
+        max = std::max(max, observer.answer_per_s());
+        min = std::min(min, observer.answer_per_s());
         if (i > 100 && (i < 700 || i > 800)) CHECK(std::abs(static_cast<double>(observer.motion().omega_radps) - wheel.omega_radps) < 1.5);
     }
-    CHECK(least == Approx(300.0).margin(1.0));
-    CHECK(most == Approx(300.0).margin(1.0));
+    CHECK(min == Approx(300.0).margin(1.0));
+    CHECK(max == Approx(300.0).margin(1.0));
 }
 
 TEST_CASE("a step of the equations is the exact one for short steps, and stable for any", "[CTL-300]") {

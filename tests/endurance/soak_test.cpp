@@ -21,7 +21,7 @@ std::size_t constant() {
 }  // namespace
 
 TEST_CASE("landings back to back: nothing creeps, same seed, same result", "[STUDY-590]") {
-    const endurance::Setup s = setup("heavy");
+    const endurance::EnduranceSetup s = setup("heavy");
     double share = 0.0;
     const SoakResult r = endurance::soak(s, kShort, constant, [&share](double now) {
         CHECK(now >= share);
@@ -41,7 +41,7 @@ TEST_CASE("landings back to back: nothing creeps, same seed, same result", "[STU
 }
 
 TEST_CASE("heap that grows by a byte an hour is a complaint, heap that was warmed up is none", "[STUDY-590]") {
-    const endurance::Setup s = setup("heavy");
+    const endurance::EnduranceSetup s = setup("heavy");
     std::size_t heap = 0;
     SECTION("it grows") {
         const auto grown = complaints(endurance::soak(s, kShort, [&heap] { return ++heap; }));
@@ -54,7 +54,7 @@ TEST_CASE("heap that grows by a byte an hour is a complaint, heap that was warme
 }
 
 TEST_CASE("a landing that goes wrong ends the soak and is named", "[STUDY-590]") {
-    endurance::Setup s = setup("heavy");
+    endurance::EnduranceSetup s = setup("heavy");
     s.controller.monitor.off_command_Pa = 1e4F;  // every landing has this fault
     const SoakResult r = endurance::soak(s, kShort, constant);
     CHECK(r.landings == 1);
@@ -65,7 +65,7 @@ TEST_CASE("a landing that goes wrong ends the soak and is named", "[STUDY-590]")
 TEST_CASE("stops that get longer are a complaint, stops that scatter are none", "[STUDY-590]") {
     SoakResult r;
     for (std::size_t i = 0; i < SoakResult::kSpans; ++i)
-        r.spans[i] = {.landings = 100, .length_m_mean = 200.0, .length_m_deviation = 2.0, .most_heap_bytes = 1};
+        r.spans[i] = {.landings = 100, .length_m_mean = 200.0, .length_m_deviation = 2.0, .max_heap_bytes = 1};
     CHECK(complaints(r).empty());
     // Standard error of a third: 2 / sqrt(400) = 0.1 m; of the difference 0.141 m.
     const double longer_m = GENERATE(0.55, 0.58);

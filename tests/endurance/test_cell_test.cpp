@@ -2,21 +2,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rig_bridge/scenario/acceptance.hpp"
+#include "rig_bridge/rig/acceptance.hpp"
 #include "tests/catch.hpp"
 #include "tests/endurance/truth.hpp"
 
 using endurance::Outcome;
 using endurance_test::cell;
 using endurance_test::setup;
-using sequencer::Abort;
-using sequencer::Phase;
+using rig::Abort;
+using rig::Phase;
 
 TEST_CASE("every shipped scenario runs to its end, twice on the same rig", "[STUDY-070]") {
     const std::string name = GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance", "ramp", "step", "sweep",
                                       "slow_braking", "below_peak");
     CAPTURE(name);
-    const endurance::Setup s = setup(name);
+    const endurance::EnduranceSetup s = setup(name);
     auto rig = cell(s);
     for (int number = 1; number <= 2; ++number) {
         const auto plan = rig::plan(s.scenario, 1, number);
@@ -37,13 +37,13 @@ TEST_CASE("what the rig does with a shipped scenario is within its bands; anothe
     const std::string name = GENERATE("light", "medium_a", "medium_b", "heavy", "rejected_takeoff", "open_loop", "endurance", "ramp", "step", "sweep",
                                       "slow_braking", "below_peak");
     CAPTURE(name);
-    const endurance::Setup s = setup(name);
+    const endurance::EnduranceSetup s = setup(name);
     auto rig = cell(s);
-    const sequencer::Plan plan = rig::plan(s.scenario, 1, 1);
+    const rig::Plan plan = rig::plan(s.scenario, 1, 1);
     const std::vector<rig::Band> bands = rig::acceptance(s.scenario, plan);
     const Outcome good = rig.run(plan);
     CHECK(rig::what_is_outside(bands, good.figures).empty());
-    sequencer::Plan light = plan;
+    rig::Plan light = plan;
     light.load_base_N *= 0.9;
     const Outcome off = rig.run(light);
     CHECK(off.phase == Phase::finished);
@@ -51,10 +51,10 @@ TEST_CASE("what the rig does with a shipped scenario is within its bands; anothe
 }
 
 TEST_CASE("a stop that is as long as the brake is weak finishes, and is out of tolerance", "[STUDY-070]") {
-    const endurance::Setup s = setup("endurance");
+    const endurance::EnduranceSetup s = setup("endurance");
     auto rig = cell(s);
-    const sequencer::Plan plan = rig::plan(s.scenario, 1, 1);
-    sequencer::Plan weak = plan;
+    const rig::Plan plan = rig::plan(s.scenario, 1, 1);
+    rig::Plan weak = plan;
     weak.demand_Pa = 6.5e6;  // of the 9.4 MPa that the deceleration takes
     const Outcome out = rig.run(weak);
     CHECK(out.phase == Phase::finished);
@@ -64,7 +64,7 @@ TEST_CASE("a stop that is as long as the brake is weak finishes, and is out of t
 }
 
 TEST_CASE("the slip landing uses the friction of the road", "[STUDY-070]") {
-    const endurance::Setup s = setup("heavy");
+    const endurance::EnduranceSetup s = setup("heavy");
     auto rig = cell(s);
     const Outcome out = rig.run(rig::plan(s.scenario, 1, 1));
     CHECK(out.figures.j_mu > 0.93);
@@ -72,7 +72,7 @@ TEST_CASE("the slip landing uses the friction of the road", "[STUDY-070]") {
 }
 
 TEST_CASE("the meter's figures are the plant's", "[STUDY-070]") {
-    const endurance::Setup s = setup("endurance");
+    const endurance::EnduranceSetup s = setup("endurance");
     auto rig = cell(s);
     const double energy_before = rig.rig().cumulative_energy_J();
     const Outcome out = rig.run(rig::plan(s.scenario, 1, 1));
@@ -85,7 +85,7 @@ TEST_CASE("the meter's figures are the plant's", "[STUDY-070]") {
 TEST_CASE("an interlock that opens while the sequencer runs ends the maneuver, and the rig runs the next", "[STUDY-070]") {
     const unsigned bit = GENERATE(0U, 1U, 2U, 3U);
     constexpr Abort kCauses[] = {Abort::emergency_stop, Abort::guard_open, Abort::hydraulics_lost, Abort::drive_fault};
-    const endurance::Setup s = setup("light");
+    const endurance::EnduranceSetup s = setup("light");
     auto rig = cell(s);
     rig.rig().open_interlocks(1U << bit);
     const Outcome out = rig.run(rig::plan(s.scenario, 1, 1));
@@ -98,21 +98,21 @@ TEST_CASE("an interlock that opens while the sequencer runs ends the maneuver, a
 TEST_CASE("the valve's experiments run at standstill", "[BRG-100]") {
     const std::string name = GENERATE("ramp", "step", "sweep");
     CAPTURE(name);
-    const endurance::Setup s = setup(name);
+    const endurance::EnduranceSetup s = setup(name);
     auto rig = cell(s);
     double still_s = 0.0;
-    double least_mA = 100.0;
-    double most_mA = 0.0;
+    double min_mA = 100.0;
+    double max_mA = 0.0;
     const Outcome out = rig.run(rig::plan(s.scenario, 1, 1), [&](const endurance::Period& p) {
         if (p.sample.maneuver_state.phase != static_cast<std::uint8_t>(Phase::standstill)) return;
         still_s += 1e-3;
         CHECK(rig.rig().rig().wheel().v_mps < 0.1);
-        least_mA = std::min(least_mA, p.current_mA);
-        most_mA = std::max(most_mA, p.current_mA);
+        min_mA = std::min(min_mA, p.current_mA);
+        max_mA = std::max(max_mA, p.current_mA);
     });
     CHECK(out.phase == Phase::finished);
     CHECK(out.faults.empty());
     CHECK(still_s > 20.0);
-    CHECK(most_mA == Approx(name == "ramp" ? 40.0 : name == "step" ? 36.0 : 22.0).margin(0.1));
-    CHECK(least_mA <= 8.0);
+    CHECK(max_mA == Approx(name == "ramp" ? 40.0 : name == "step" ? 36.0 : 22.0).margin(0.1));
+    CHECK(min_mA <= 8.0);
 }

@@ -29,7 +29,7 @@ def run(out, maneuvers, *more):
 
 def rows(out, what="number"):
     # Not read-only: after SIGKILL a journal may lie there, and reading begins with rolling it back.
-    with sqlite3.connect(f"file:{out}/ledger.sqlite?mode=rw", uri=True, timeout=30) as db:
+    with sqlite3.connect(f"file:{out}/campaign.sqlite?mode=rw", uri=True, timeout=30) as db:
         return [r[0] for r in db.execute(f"select {what} from maneuvers where state = 'finished' order by number")]
 
 
@@ -38,7 +38,7 @@ def interrupt(out, maneuvers, number, at_least, *more):
     child = start(out, maneuvers, *more)
     deadline = time.monotonic() + 120
     while child.poll() is None and time.monotonic() < deadline:
-        if (out / "ledger.sqlite").exists():
+        if (out / "campaign.sqlite").exists():
             try:
                 if len(rows(out)) >= at_least:
                     break

@@ -35,37 +35,37 @@ Fault fault(Signal signal, Kind kind, double strength = 0.5, double share = 1.0,
     return {.what = {signal, kind}, .strength = strength, .share = share, .negative = negative, .lasts_s = Fault::kForGood};
 }
 
-struct Heard {
+struct Reception {
     std::vector<std::int64_t> periods;
     std::vector<float> pressures_Pa;
     antiskid::can::MessageStats stats;
 };
 
 /// A thousand pressure frames, one a period, 500 Pa higher each, through a fault that acts from the first on.
-Heard through(const Fault& f) {
+Reception through(const Fault& f) {
     antiskid::can::RigPort rig(layout(), std::chrono::milliseconds{1});
     antiskid::can::ControllerPort port(layout(), std::chrono::milliseconds{1});
     faults::FrameFault bus(f, layout(), Role::pressure);
-    plant::Random random(7);
-    Heard heard;
+    rig::Random random(7);
+    Reception reception;
     for (std::int64_t period = 0; period < 1300; ++period) {
         if (period < 1000) bus.send(rig.pressure(500.0F * static_cast<float>(period)), true, period, random);
         while (const auto frame = bus.receive(period)) {
             const std::uint32_t before = port.stats(Role::pressure).accepted;
             port.accept(*frame);
-            heard.periods.push_back(period);
-            if (port.stats(Role::pressure).accepted != before) heard.pressures_Pa.push_back(port.sensors().pressure.pressure_Pa);
+            reception.periods.push_back(period);
+            if (port.stats(Role::pressure).accepted != before) reception.pressures_Pa.push_back(port.sensors().pressure.pressure_Pa);
         }
     }
-    heard.stats = port.stats(Role::pressure);
-    return heard;
+    reception.stats = port.stats(Role::pressure);
+    return reception;
 }
 
 /// An encoder of 60 teeth at 100 rad/s for a second behind a fault that acts in the second half of it; the speed it shows over the last
 /// 0.4 s.
 double shown_radps(const Fault& f) {
     faults::EncoderFault encoder(f, 60.0, 400.0);
-    plant::Random random(7);
+    rig::Random random(7);
     plant::Encoder truth({.teeth = 60.0});
     antiskid::can::SpeedSample early;
     antiskid::can::SpeedSample late;
@@ -86,41 +86,41 @@ double shown_radps(const Fault& f) {
 
 TEST_CASE("fault campaign: frames are lost, late, twice or out of order", "[RIG-700]") {
     CHECK(through(fault(Signal::pressure, Kind::drop)).periods.empty());
-    const Heard some = through(fault(Signal::pressure, Kind::drop, 0.5, 0.3));
+    const Reception some = through(fault(Signal::pressure, Kind::drop, 0.5, 0.3));
     CHECK(some.periods.size() > 620);
     CHECK(some.periods.size() < 780);
 
-    const Heard late = through(fault(Signal::pressure, Kind::delay, 0.5));  // 20 periods
+    const Reception late = through(fault(Signal::pressure, Kind::delay, 0.5));  // 20 periods
     REQUIRE(late.periods.size() == 1000);
     CHECK(late.periods.front() == 20);
     CHECK(late.stats.accepted == 1000);
 
-    const Heard jitter = through(fault(Signal::pressure, Kind::jitter, 1.0));  // up to 50
+    const Reception jitter = through(fault(Signal::pressure, Kind::jitter, 1.0));  // up to 50
     REQUIRE(jitter.periods.size() == 1000);
     CHECK(std::is_sorted(jitter.pressures_Pa.begin(), jitter.pressures_Pa.end()));
     CHECK(jitter.stats.accepted == 1000);
     CHECK(jitter.periods.back() <= 999 + 50);
 
-    const Heard twice = through(fault(Signal::pressure, Kind::duplicated));
+    const Reception twice = through(fault(Signal::pressure, Kind::duplicated));
     CHECK(twice.periods.size() == 2000);
     CHECK(twice.stats.wrong_counter == 1000);
 
-    const Heard swapped = through(fault(Signal::pressure, Kind::reordered));
+    const Reception swapped = through(fault(Signal::pressure, Kind::reordered));
     CHECK(swapped.periods.size() == 1000);
     CHECK(swapped.stats.wrong_counter > 0);
     CHECK_FALSE(std::is_sorted(swapped.periods.begin(), swapped.periods.end(), std::less_equal<>()));
 }
 
 TEST_CASE("fault campaign: corrupt frames fail their check value, wrong counters have a right one", "[RIG-700]") {
-    const Heard corrupt = through(fault(Signal::pressure, Kind::corrupt));
+    const Reception corrupt = through(fault(Signal::pressure, Kind::corrupt));
     CHECK(corrupt.stats.wrong_crc > 900);
-    const Heard counter = through(fault(Signal::pressure, Kind::wrong_counter));
+    const Reception counter = through(fault(Signal::pressure, Kind::wrong_counter));
     CHECK(counter.stats.wrong_crc == 0);
     CHECK(counter.stats.wrong_counter > 500);
-    const Heard standing = through(fault(Signal::pressure, Kind::wrong_counter, 0.5, 1.0, true));
+    const Reception standing = through(fault(Signal::pressure, Kind::wrong_counter, 0.5, 1.0, true));
     CHECK(standing.stats.accepted == 1);
     CHECK(standing.stats.wrong_counter == 999);
-    const Heard old = through(fault(Signal::pressure, Kind::replayed, 0.5, 0.5));
+    const Reception old = through(fault(Signal::pressure, Kind::replayed, 0.5, 0.5));
     CHECK(old.stats.wrong_counter > 100);
     CHECK_FALSE(std::is_sorted(old.pressures_Pa.begin(), old.pressures_Pa.end()));
 }
@@ -139,8 +139,8 @@ TEST_CASE("fault campaign: an encoder's faults show in its speed", "[RIG-700]") 
 }
 
 TEST_CASE("fault campaign: values and switches", "[RIG-700]") {
-    plant::Random random(7);
-    const faults::Scale scale{.least_bias = 1.0, .most_bias = 100.0, .full = 50.0};
+    rig::Random random(7);
+    const faults::Scale scale{.min_bias = 1.0, .max_bias = 100.0, .full = 50.0};
     const auto value = [&](Kind kind, double x, bool negative = false) {
         faults::ValueFault f(fault(Signal::pressure, kind, 0.5, 1.0, negative), scale);
         CHECK(f.apply(x, false, random) == x);
@@ -164,7 +164,7 @@ TEST_CASE("fault campaign: values and switches", "[RIG-700]") {
 }
 
 TEST_CASE("fault campaign: valve and machine", "[RIG-700]") {
-    plant::Random random(7);
+    rig::Random random(7);
     const auto valve = [&](Kind kind, bool negative = false) {
         faults::ValveFault f(fault(Signal::valve, kind, 0.5, 1.0, negative), kPeriod_s);
         CHECK(f.apply(20.0, false, random) == 20.0);
@@ -204,7 +204,7 @@ TEST_CASE("fault campaign: the valve's driver", "[RIG-700]") {
     CHECK_FALSE(driver.hears());
     CHECK(driver.current_mA() == 0.0);
     // Three of four are refused, the fourth is fresh.
-    int heard = 0;
+    int reception = 0;
     for (int i = 0; i < 100; ++i) {
         const Time now{22'000'000 + i * 1'000'000};
         if (i % 4 == 0) {
@@ -214,9 +214,9 @@ TEST_CASE("fault campaign: the valve's driver", "[RIG-700]") {
             ++stats.wrong_counter;
         }
         driver.update(view, stats, now);
-        if (driver.hears()) ++heard;
+        if (driver.hears()) ++reception;
     }
-    CHECK(heard > 20);
-    CHECK(heard < 60);
+    CHECK(reception > 20);
+    CHECK(reception < 60);
     CHECK(driver.current_mA() == 0.0);
 }

@@ -38,12 +38,12 @@ faults::Judge judge(bool changed_wish = false, bool emergency_stop = false) {
 }
 
 /// `count` periods of one kind, then the end.
-faults::Verdict after(faults::Judge j, const faults::Observation& seen, int count, bool stood = true) {
+faults::Judgement after(faults::Judge j, const faults::Observation& seen, int count, bool stood = true) {
     for (int i = 0; i < count; ++i) j.observe(seen);
     return j.verdict(stood);
 }
 
-faults::Verdict stopped_after(double distance_m, State state = State::braking, bool stood = true) {
+faults::Judgement stopped_after(double distance_m, State state = State::braking, bool stood = true) {
     faults::Judge j = judge();
     j.observe(braking(0.0));
     faults::Observation end = braking(distance_m);
@@ -89,21 +89,21 @@ TEST_CASE("fault campaign: a named fault with the valve safe is safe, and the ti
     j.observe(braking(0.0));
     j.observe(braking(0.0));
     j.observe(safe(0.0));
-    const faults::Verdict v = j.verdict(false);
+    const faults::Judgement v = j.verdict(false);
     CHECK(v.outcome == Outcome::safe);
     CHECK(v.named.contains(Named::wheel_lost));
     CHECK(v.named_after_s == Approx(3e-3));
 }
 
 TEST_CASE("fault campaign: permission that was never given is safe by the state that says so", "[RIG-700]") {
-    faults::Observation refused = braking(0.0);
-    refused.state = State::standby;
-    refused.driver_mA = 0.0;
-    refused.pressure_Pa = 0.0;
-    CHECK(after(judge(), refused, 1000, false).outcome == Outcome::safe);
+    faults::Observation rejected = braking(0.0);
+    rejected.state = State::standby;
+    rejected.driver_mA = 0.0;
+    rejected.pressure_Pa = 0.0;
+    CHECK(after(judge(), rejected, 1000, false).outcome == Outcome::safe);
     faults::Judge withdrawn = judge();
     withdrawn.observe(braking(0.0));
-    CHECK(after(withdrawn, refused, 1000, false).hazard == Hazard::silent_loss);
+    CHECK(after(withdrawn, rejected, 1000, false).hazard == Hazard::silent_loss);
 }
 
 TEST_CASE("fault campaign: a driver that keeps its current under a safe controller is unsafe", "[RIG-700]") {
@@ -118,7 +118,7 @@ TEST_CASE("fault campaign: pressure that nobody asks for", "[RIG-700]") {
     o.asked_Pa = 3.9e6;
     CHECK(after(judge(), o, 249).outcome == Outcome::handled);
     CHECK(after(judge(), o, 252).hazard == Hazard::unasked_pressure);
-    CHECK(after(judge(), o, 252).most_unasked_Pa == Approx(1.1e6));
+    CHECK(after(judge(), o, 252).max_uncommanded_Pa == Approx(1.1e6));
     o.asked_Pa = 4.1e6;
     CHECK(after(judge(), o, 1000).outcome == Outcome::handled);
     // Told to release, and why: what the hydraulics still do is not in the controller's hands.
@@ -143,8 +143,8 @@ TEST_CASE("fault campaign: a locked wheel counts under pressure and at speed", "
 TEST_CASE("fault campaign: an emergency stop is to be heard within half a second", "[RIG-700]") {
     CHECK(after(judge(false, true), braking(0.0), 499).hazard == Hazard::none);
     CHECK(after(judge(false, true), braking(0.0), 502).hazard == Hazard::stop_not_heard);
-    faults::Observation heard = safe(0.0);
-    heard.named.insert(Named::emergency_stop);
-    CHECK(after(judge(false, true), heard, 1000).outcome == Outcome::safe);
+    faults::Observation reception = safe(0.0);
+    reception.named.insert(Named::emergency_stop);
+    CHECK(after(judge(false, true), reception, 1000).outcome == Outcome::safe);
     CHECK(after(judge(false, true), safe(0.0), 1000).hazard == Hazard::stop_not_heard);
 }

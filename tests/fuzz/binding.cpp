@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         static_cast<void>(document.root().table("wheel").text("message"));
         const can::Layout layout = can::load_layout("config/foreign.dbc", file.holding(input.text()));
         can::RigPort rig(layout, control::Time{1'000'000});
-        std::array<can::Frame, can::RigPort::kMostFrames> frames;
+        std::array<can::Frame, can::RigPort::kMaxFrames> frames;
         for (int i = 0; i < 20; ++i) static_cast<void>(rig.due_frames({}, frames));
     } catch (const settings::Error&) {
     }

@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto& line = std::get<CandumpLine>(parsed);
     fuzz::require(line.frame.length <= 8 && line.time.count() >= 0 && !line.interface.empty());
     fuzz::require(line.extended || line.error || line.frame.id <= 0x7FF);
-    std::array<char, kCandumpLineMost> text{};
+    std::array<char, kCandumpLineMax> text{};
     const std::size_t written = format_candump(line, text);
     if (written == 0) {
         fuzz::require(line.interface.size() > 15);

@@ -97,7 +97,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const control::Command command = controller.step(port.sensors(), now);
         port.clear_one_shots();
         check(command);
-        std::array<can::Frame, can::ControllerPort::kMostFrames> frames;
+        std::array<can::Frame, can::ControllerPort::kMaxFrames> frames;
         const std::size_t count = port.due_frames(command, frames);
         for (std::size_t i = 0; i < count; ++i) fuzz::require(has_its_length(chosen, frames[i]));
     }

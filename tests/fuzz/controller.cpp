@@ -9,7 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const fuzz::File file("fuzz.toml");
     try {
         const control::Config config = load_controller_config(file.holding(input.text()));
-        fuzz::require(config.valve.points >= 2 && config.valve.points <= control::ValveConfig::kMostPoints);
+        fuzz::require(config.valve.points >= 2 && config.valve.points <= control::ValveConfig::kMaxPoints);
     } catch (const settings::Error&) {
     }
     return 0;

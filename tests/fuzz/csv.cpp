@@ -2,13 +2,13 @@
 #include <cmath>
 
 #include "rig_bridge/replay/recording.hpp"
-#include "rig_bridge/wear/campaign.hpp"
+#include "rig_bridge/wear/wear_campaign.hpp"
 #include "tests/fuzz/input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::Input input(data, size);
     const auto how = input.take<std::uint8_t>();
-    rig::ImportMap map;
+    rig::replay::ImportMap map;
     if ((how & 1U) != 0) map.separator = ';';
     if ((how & 2U) != 0) map.decimal = ',';
     if ((how & 4U) != 0) {
@@ -17,8 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     static const fuzz::File file("fuzz.csv");
     try {
-        const auto recording = rig::open_recording(file.holding(input.text()), map, {"t", "p"});
-        for (rig::RecordedRow row; recording->next(row);) {
+        const auto recording = rig::replay::open_recording(file.holding(input.text()), map, {"t", "p"});
+        for (rig::replay::RecordedRow row; recording->next(row);) {
             fuzz::require(row.values.size() == 2);
             std::size_t none = 0;
             for (const double value : row.values) none += std::isnan(value) ? 1 : 0;

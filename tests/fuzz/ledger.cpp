@@ -9,7 +9,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const fuzz::File file("fuzz.sqlite");
     const std::filesystem::path& path = file.holding(input.text());
     try {
-        for (const rig::Campaign& campaign : rig::read_campaigns(path)) static_cast<void>(rig::read_ledger(path, campaign.name));
+        for (const rig::record::Campaign& campaign : rig::record::read_campaigns(path))
+            static_cast<void>(rig::record::read_ledger(path, campaign.name));
     } catch (const std::runtime_error& error) {
         fuzz::require(std::string_view(error.what()).find("fuzz.sqlite") != std::string_view::npos);
     }

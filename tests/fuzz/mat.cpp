@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     };
     try {
         // What open_mat() begins with: most end here, and need no file.
-        rig::check_mat_structure("fuzz.mat", input.rest());
+        rig::replay::check_mat_structure("fuzz.mat", input.rest());
     } catch (const std::runtime_error& error) {
         fuzz::require(names_the_file(error));
         return 0;
@@ -19,8 +19,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::filesystem::path& path = file.holding(input.text());
     for (const char* const wanted : {"p", "bench.p", "data:2"}) {
         try {
-            const auto recording = rig::open_mat(path, {wanted});
-            for (rig::RecordedRow row; recording->next(row);) fuzz::require(row.values.size() == 1);
+            const auto recording = rig::replay::open_mat(path, {wanted});
+            for (rig::replay::RecordedRow row; recording->next(row);) fuzz::require(row.values.size() == 1);
         } catch (const std::runtime_error& error) {
             fuzz::require(names_the_file(error));
         }

@@ -4,7 +4,7 @@
 
 #include "rig_bridge/modbus/confirmation.hpp"
 #include "rig_bridge/modbus/request.hpp"
-#include "rig_bridge/registers/register_map.hpp"
+#include "rig_bridge/rig/register_map.hpp"
 #include "tests/fuzz/input.hpp"
 
 namespace {
@@ -19,24 +19,24 @@ void judge_answer(fuzz::Input& input) {
     const auto count = static_cast<std::uint16_t>(1U + input.take<std::uint8_t>() % 123U);
     const bool writes = (input.take<std::uint8_t>() & 1U) != 0;
     const std::vector<std::uint16_t> words(count, 0x1234);
-    const std::vector<std::uint8_t> request = writes ? rig::write_request(address, words) : rig::read_request(4, address, count);
+    const std::vector<std::uint8_t> request = writes ? rig::modbus::write_request(address, words) : rig::modbus::read_request(4, address, count);
     const auto answer = input.rest();
-    if (rig::tcp_header_fault(address, 1, answer).empty()) fuzz::require(answer.size() > 7);
+    if (rig::modbus::tcp_header_fault(address, 1, answer).empty()) fuzz::require(answer.size() > 7);
     if (answer.empty()) return;
-    const unsigned exception = rig::exception_of(request, answer);
-    const bool fits = rig::answer_fault(request, answer).empty();
+    const unsigned exception = rig::modbus::exception_of(request, answer);
+    const bool fits = rig::modbus::answer_fault(request, answer).empty();
     fuzz::require(!(exception != 0 && fits));
     if (fits) fuzz::require(answer.size() == (writes ? 5U : 2U + 2U * count));
 }
 
 void judge_request(const fuzz::Input& input) {
-    static const rig::RegisterSet inputs(map().measured);
-    static const rig::RegisterSet holdings(map().commanded);
+    static const rig::modbus::RegisterSet inputs(map().measured);
+    static const rig::modbus::RegisterSet holdings(map().commanded);
     const auto bytes = input.rest();
-    const rig::TcpFrame frame = rig::tcp_frame(bytes);
-    if (frame.state != rig::FrameState::whole) return;
-    fuzz::require(frame.length > rig::kTcpHeader && frame.length <= bytes.size() && frame.length <= rig::kTcpMost);
-    static_cast<void>(rig::judge(bytes.subspan(rig::kTcpHeader, frame.length - rig::kTcpHeader), inputs, holdings));
+    const rig::modbus::TcpFrame frame = rig::modbus::tcp_frame(bytes);
+    if (frame.state != rig::modbus::FrameState::whole) return;
+    fuzz::require(frame.length > rig::modbus::kTcpHeader && frame.length <= bytes.size() && frame.length <= rig::modbus::kTcpMax);
+    static_cast<void>(rig::modbus::judge(bytes.subspan(rig::modbus::kTcpHeader, frame.length - rig::modbus::kTcpHeader), inputs, holdings));
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 #include "tests/catch.hpp"
 #include "tests/host/loop_bench.hpp"
 
-using namespace rt_test;
-using rt::FrameIntake;
+using namespace host_test;
+using host::FrameIntake;
 
 namespace {
 
@@ -30,22 +30,22 @@ class FloodBus final : public can::Bus {
 }  // namespace
 
 TEST_CASE("a flood of frames takes a bounded share of a period", "[RT-034]") {
-    const rt::Setup setup = default_setup();
+    const controller::ControllerSetup setup = default_setup();
     can::ControllerPort port(setup.layout, setup.period);
     FloodBus bus({.id = 0x7FF, .length = 8, .data = {}, .received = {}});
     FrameIntake intake(bus, port);
     const auto drained = intake.drain(1s);
-    CHECK(drained.frames == FrameIntake::kMost);
+    CHECK(drained.frames == FrameIntake::kMax);
     CHECK(drained.full);
-    CHECK(bus.given <= FrameIntake::kMost + 32);
+    CHECK(bus.given <= FrameIntake::kMax + 32);
     const auto taken = intake.take_until_sync(1s);
-    CHECK(taken.frames == FrameIntake::kMost);
+    CHECK(taken.frames == FrameIntake::kMax);
     CHECK(taken.full);
     CHECK_FALSE(taken.sync);
 }
 
 TEST_CASE("frames behind SYNC belong to the next cycle", "[RT-030]") {
-    const rt::Setup setup = default_setup();
+    const controller::ControllerSetup setup = default_setup();
     can::ControllerPort port(setup.layout, setup.period);
     can::RigPort rig(setup.layout, setup.period);
     can::Loopback hub;
@@ -78,7 +78,7 @@ TEST_CASE("frames behind SYNC belong to the next cycle", "[RT-030]") {
 }
 
 TEST_CASE("by the timer a frame keeps its time of reception, but never lies ahead of the step", "[RT-045]") {
-    const rt::Setup setup = default_setup();
+    const controller::ControllerSetup setup = default_setup();
     can::ControllerPort port(setup.layout, setup.period);
     can::RigPort rig(setup.layout, setup.period);
     can::Loopback hub;

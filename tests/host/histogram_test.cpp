@@ -11,7 +11,7 @@
 #include "tests/catch.hpp"
 
 using antiskid::control::Time;
-using antiskid::rt::Histogram;
+using antiskid::host::Histogram;
 
 namespace {
 

@@ -14,19 +14,20 @@
 #include "firmware/can/load_layout.hpp"
 #include "firmware/can/loopback.hpp"
 #include "firmware/can/rig_port.hpp"
+#include "firmware/controller/session.hpp"
 #include "firmware/host/controller_config.hpp"
-#include "firmware/host/session.hpp"
 
-namespace rt_test {
+namespace host_test {
 
 using namespace std::chrono_literals;
 namespace can = antiskid::can;
 namespace control = antiskid::control;
-namespace rt = antiskid::rt;
+namespace host = antiskid::host;
+namespace controller = antiskid::controller;
 using control::Time;
 
 /// Time passes in sleeps only; the test may act in each.
-class StepClock final : public rt::Clock {
+class StepClock final : public host::Clock {
   public:
     Time now() override { return now_; }
     void sleep_until(const Time deadline) override {
@@ -46,7 +47,7 @@ class WaitingBus final : public can::Bus {
   public:
     WaitingBus(can::Bus& end, StepClock& clock) : end_(end), clock_(clock) {}
     std::size_t receive(const std::span<can::Frame> frames) override { return end_.receive(frames); }
-    bool send(const can::Frame& frame) override { return !(refuses && refuses(frame)) && end_.send(frame); }
+    bool send(const can::Frame& frame) override { return !(rejects && rejects(frame)) && end_.send(frame); }
     bool wait(const Time timeout) override {
         if (on_wait) on_wait();
         if (end_.wait(timeout)) return true;
@@ -56,31 +57,31 @@ class WaitingBus final : public can::Bus {
     [[nodiscard]] can::LinkStatus status() const override { return end_.status(); }
 
     std::function<void()> on_wait;
-    std::function<bool(const can::Frame&)> refuses;  ///< a full queue
+    std::function<bool(const can::Frame&)> rejects;  ///< a full queue
 
   private:
     can::Bus& end_;
     StepClock& clock_;
 };
 
-inline rt::Setup default_setup() {
-    rt::Options options;
-    return rt::load_setup(options);
+inline controller::ControllerSetup default_setup() {
+    controller::Options options;
+    return controller::load_setup(options);
 }
 
 struct LoopBench {
-    explicit LoopBench(const rt::ClockSource source, const rt::Setup& with = default_setup())
+    explicit LoopBench(const controller::ClockSource source, const controller::ControllerSetup& with = default_setup())
         : setup(with), controller_end(hub.connect()), rig_end(hub.connect()), bus(controller_end, clock), rig(setup.layout, setup.period) {
-        rt::Options options;
+        controller::Options options;
         options.clock = source;
-        session = std::make_unique<rt::Session>(setup, options, bus, clock);
+        session = std::make_unique<controller::Session>(setup, options, bus, clock);
     }
 
     /// What the rig sends in a period, before SYNC; it also takes in what came from the controller since.
     void rig_period(const can::RigSample& sample) {
         collect();
         hub.set_time(clock.now());
-        std::array<can::Frame, can::RigPort::kMostFrames> frames;
+        std::array<can::Frame, can::RigPort::kMaxFrames> frames;
         const std::size_t count = rig.due_frames(sample, frames);
         for (const can::Frame& frame : std::span(frames).first(count)) rig_end.send(frame);
     }
@@ -92,7 +93,7 @@ struct LoopBench {
         for (std::size_t n = rig_end.receive(batch); n > 0; n = rig_end.receive(batch))
             for (const can::Frame& frame : std::span(batch).first(n)) {
                 rig.accept(frame);
-                heard.push_back(frame);
+                reception.push_back(frame);
             }
     }
 
@@ -135,20 +136,20 @@ struct LoopBench {
         run();
     }
 
-    [[nodiscard]] const rt::LoopStatistics& statistics() const { return session->loop().statistics(); }
+    [[nodiscard]] const host::LoopStatistics& statistics() const { return session->loop().statistics(); }
     [[nodiscard]] std::uint16_t id(const can::Role role) const { return setup.layout[role].id; }
 
-    rt::Setup setup;
+    controller::ControllerSetup setup;
     StepClock clock;
     can::Loopback hub;
     can::Loopback::End& controller_end;
     can::Loopback::End& rig_end;
     WaitingBus bus;
     can::RigPort rig;
-    std::unique_ptr<rt::Session> session;
+    std::unique_ptr<controller::Session> session;
     std::atomic<bool> stop{false};
     std::uint32_t syncs = 0;
-    std::vector<can::Frame> heard;  ///< by the rig, in order
+    std::vector<can::Frame> reception;  ///< by the rig, in order
 };
 
 /// A rig at rest: nothing turns, no pressure, disarmed.
@@ -156,4 +157,4 @@ inline can::RigSample at_rest() {
     return {};
 }
 
-}  // namespace rt_test
+}  // namespace host_test

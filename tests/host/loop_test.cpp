@@ -7,8 +7,8 @@
 #include "tests/host/loop_bench.hpp"
 #include "tests/host/toy_rig.hpp"
 
-using namespace rt_test;
-using rt::ClockSource;
+using namespace host_test;
+using controller::ClockSource;
 
 namespace {
 
@@ -30,7 +30,7 @@ std::vector<can::Frame> landing(const int periods, const std::uint64_t noise, co
     });
     if (last != nullptr) *last = bench.statistics().last_state;
     if (faults != nullptr) *faults = bench.statistics().faults_seen;
-    return bench.heard;
+    return bench.reception;
 }
 
 }  // namespace
@@ -40,8 +40,8 @@ TEST_CASE("lockstep: one valve command for each SYNC, and it is the last frame o
     std::size_t heard_before = 0;
     bench.run_sync(1000, [&](const int period) {
         bench.collect();
-        const auto fresh = std::span(bench.heard).subspan(heard_before);
-        heard_before = bench.heard.size();
+        const auto fresh = std::span(bench.reception).subspan(heard_before);
+        heard_before = bench.reception.size();
         if (period == 0) {
             REQUIRE(fresh.empty());
         } else {
@@ -53,10 +53,10 @@ TEST_CASE("lockstep: one valve command for each SYNC, and it is the last frame o
         bench.rig_sync();
     });
     const auto count = [&](const can::Role role) {
-        return std::count_if(bench.heard.begin(), bench.heard.end(), [&](const can::Frame& f) { return f.id == bench.id(role); });
+        return std::count_if(bench.reception.begin(), bench.reception.end(), [&](const can::Frame& f) { return f.id == bench.id(role); });
     };
     CHECK(bench.statistics().steps == 1000);
-    CHECK(count(can::Role::valve) == 1000 + rt::ControlLoop::kSafeCommands);
+    CHECK(count(can::Role::valve) == 1000 + host::ControlLoop::kSafeCommands);
     CHECK(count(can::Role::status) == 100);
     CHECK(count(can::Role::faults) == 100);
     CHECK(count(can::Role::controller_heartbeat) == 10);
@@ -69,8 +69,8 @@ TEST_CASE("by the timer the valve command goes first", "[RT-045]") {
     std::size_t heard_before = 0;
     bench.run_timer(500, [&](const int period) {
         bench.collect();
-        const auto fresh = std::span(bench.heard).subspan(heard_before);
-        heard_before = bench.heard.size();
+        const auto fresh = std::span(bench.reception).subspan(heard_before);
+        heard_before = bench.reception.size();
         if (period > 0) REQUIRE(fresh.front().id == bench.id(can::Role::valve));
         bench.rig_period(at_rest());
     });
@@ -97,15 +97,15 @@ TEST_CASE("a landing in lockstep brakes, and ends with the safe current as the l
     REQUIRE(bench.statistics().last_state == control::State::braking);
     REQUIRE(braking_mA == Approx(12.0F).margin(0.1));
 
-    REQUIRE(bench.statistics().safe_commands_sent == rt::ControlLoop::kSafeCommands);
-    const auto tail = std::span(bench.heard).last(rt::ControlLoop::kSafeCommands);
+    REQUIRE(bench.statistics().safe_commands_sent == host::ControlLoop::kSafeCommands);
+    const auto tail = std::span(bench.reception).last(host::ControlLoop::kSafeCommands);
     can::RigPort listener(bench.setup.layout, bench.setup.period);
     for (const can::Frame& frame : tail) {
         CHECK(frame.id == bench.id(can::Role::valve));
         listener.accept(frame);
         CHECK(listener.controller().current_mA == Approx(bench.setup.control.valve.safe_current_mA).margin(1e-6));
     }
-    CHECK(listener.stats(can::Role::valve).accepted == rt::ControlLoop::kSafeCommands);
+    CHECK(listener.stats(can::Role::valve).accepted == host::ControlLoop::kSafeCommands);
     CHECK(bench.rig.stats(can::Role::valve).rejected() == 0);
     CHECK(bench.rig.stats(can::Role::valve).lost == 0);
 }
@@ -120,7 +120,7 @@ TEST_CASE("by the timer, too, stopping while braking ends with the safe current"
         rig.advance(static_cast<double>(braking_mA), 1e-3);
     });
     REQUIRE(braking_mA == Approx(12.0F).margin(0.1));
-    CHECK(bench.heard.back().id == bench.id(can::Role::valve));
+    CHECK(bench.reception.back().id == bench.id(can::Role::valve));
     CHECK(bench.rig.controller().current_mA == Approx(bench.setup.control.valve.safe_current_mA).margin(1e-6));
 }
 
@@ -154,7 +154,7 @@ TEST_CASE("the safe current is tried until it gets through, but not for ever", "
         late.collect();
         CHECK(late.statistics().safe_commands_sent == 3);
         CHECK(closing == 13);
-        CHECK(late.heard.back().id == late.id(can::Role::valve));
+        CHECK(late.reception.back().id == late.id(can::Role::valve));
     }
 }
 
@@ -177,7 +177,7 @@ TEST_CASE("nothing is sent before the first SYNC", "[RT-030]") {
     LoopBench bench(ClockSource::sync);
     bench.run_sync(200, [&](int) { bench.rig_period(at_rest()); });  // 4 s of waiting, sensors but no SYNC
     CHECK(bench.statistics().steps == 0);
-    CHECK(bench.heard.size() == rt::ControlLoop::kSafeCommands);  // the closing ones
+    CHECK(bench.reception.size() == host::ControlLoop::kSafeCommands);  // the closing ones
 }
 
 TEST_CASE("a SYNC that fails to come: stepping goes on, what is missing is named, the valve is safe", "[RT-030]") {
@@ -278,7 +278,7 @@ TEST_CASE("foreign and damaged frames change nothing but their counts", "[RT-034
             rig.advance(static_cast<double>(bench.rig.controller().current_mA), 1e-3);
         });
         if (disturbed) CHECK(bench.session->port().unknown_ids() > 40'000);
-        return bench.heard;
+        return bench.reception;
     };
     CHECK(same_bytes(run(false), run(true)));
 }
@@ -303,7 +303,7 @@ TEST_CASE("a valve command that the bus did not take is not taken for sent", "[R
     const auto source = GENERATE(ClockSource::timer, ClockSource::sync);
     LoopBench bench(source);
     std::vector<bool> unsent;
-    bench.bus.refuses = [&](const can::Frame& frame) {
+    bench.bus.rejects = [&](const can::Frame& frame) {
         const auto period = unsent.size();
         if (period > 200 && period <= 203) return true;
         return period > 300 && period <= 400 && frame.id != bench.id(can::Role::valve);
@@ -334,7 +334,7 @@ TEST_CASE("every step leaves a record, and the ring gives them in order", "[RT-0
         bench.rig_period(at_rest());
         bench.rig_sync();
     });
-    rt::CycleRecord record;
+    host::CycleRecord record;
     for (std::uint64_t step = 1; step <= 1000; ++step) {
         REQUIRE(bench.session->ring().pop(record));
         REQUIRE(record.step == step);

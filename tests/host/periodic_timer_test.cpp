@@ -7,9 +7,9 @@
 
 #include "tests/catch.hpp"
 
-using antiskid::rt::Clock;
-using antiskid::rt::PeriodicTimer;
-using antiskid::rt::Time;
+using antiskid::host::Clock;
+using antiskid::host::PeriodicTimer;
+using antiskid::host::Time;
 using namespace std::chrono_literals;
 
 namespace {
@@ -108,7 +108,7 @@ TEST_CASE("a clock that jumps ahead an hour gives one tick", "[RT-001]") {
 }
 
 TEST_CASE("the monotonic clock never wakes before its deadline and ignores deadlines gone by", "[RT-001]") {
-    antiskid::rt::MonotonicClock clock;
+    antiskid::host::MonotonicClock clock;
     const Time before = clock.now();
     clock.sleep_until(before - 1s);
     clock.sleep_until(before + 3ms);

@@ -15,8 +15,8 @@
 #include "tests/host/toy_rig.hpp"
 #include "tests/host/traps.hpp"
 
-using namespace rt_test;
-using rt::ClockSource;
+using namespace host_test;
+using controller::ClockSource;
 using traps::Call;
 
 namespace {
@@ -24,17 +24,17 @@ namespace {
 constexpr int kPeriods = 10'000;
 
 /// What goes wrong while the loop runs.
-enum class Plight { none, link_lost, silence, damage, overruns };
+enum class Disturbance { none, link_lost, silence, damage, overruns };
 
 /// The test's own part of a period, which may do what it likes.
-void act(LoopBench& bench, ToyRig& rig, const Plight plight, const int period) {
+void act(LoopBench& bench, ToyRig& rig, const Disturbance disturbance, const int period) {
     const traps::Disarmed disarmed;
     const bool trouble = period % 1000 >= 900;
-    if (plight == Plight::link_lost) bench.controller_end.set_link(!trouble, trouble && period % 2000 > 1000);
-    if (plight == Plight::overruns && trouble) bench.clock.advance(2500us);
-    if (plight == Plight::silence && trouble) return;
+    if (disturbance == Disturbance::link_lost) bench.controller_end.set_link(!trouble, trouble && period % 2000 > 1000);
+    if (disturbance == Disturbance::overruns && trouble) bench.clock.advance(2500us);
+    if (disturbance == Disturbance::silence && trouble) return;
     bench.rig_period(rig.sample());
-    if (plight == Plight::damage && trouble) {
+    if (disturbance == Disturbance::damage && trouble) {
         can::Frame broken = bench.rig.pressure(0.0F);
         broken.data[0] ^= 0xFFU;
         bench.rig_end.send(broken);
@@ -50,11 +50,11 @@ TEST_CASE("the loop does nothing forbidden", "[RT-050]") {
     const auto source = GENERATE(ClockSource::sensors, ClockSource::timer, ClockSource::sync);
     const auto law = GENERATE(control::Law::wheel_slip, control::Law::deceleration, control::Law::open_loop, control::Law::threshold,
                               control::Law::pressure_bias, control::Law::peak_slip);
-    const auto plight = GENERATE(Plight::none, Plight::link_lost, Plight::silence, Plight::damage, Plight::overruns);
+    const auto disturbance = GENERATE(Disturbance::none, Disturbance::link_lost, Disturbance::silence, Disturbance::damage, Disturbance::overruns);
     LoopBench bench(source);
-    bench.heard.reserve(100'000);
+    bench.reception.reserve(100'000);
     ToyRig rig(bench.setup.control, law);
-    const auto before = [&](const int period) { act(bench, rig, plight, period); };
+    const auto before = [&](const int period) { act(bench, rig, disturbance, period); };
     if (source == ClockSource::timer)
         bench.plan_timer(kPeriods, before);
     else if (source == ClockSource::sensors)
@@ -66,32 +66,32 @@ TEST_CASE("the loop does nothing forbidden", "[RT-050]") {
         const traps::Armed armed;
         bench.session->loop().run(bench.stop);
     }
-    INFO("clock " << static_cast<int>(source) << ", law " << static_cast<int>(law) << ", plight " << static_cast<int>(plight));
+    INFO("clock " << static_cast<int>(source) << ", law " << static_cast<int>(law) << ", plight " << static_cast<int>(disturbance));
     for (std::size_t call = 0; call < traps::kCalls; ++call) {
         INFO(traps::kNames[call]);
         CHECK(traps::caught(static_cast<Call>(call)) == 0);
     }
     // Without SYNC the controller steps less often than the rig would.
-    const bool starved = source == ClockSource::sync && (plight == Plight::silence || plight == Plight::link_lost);
+    const bool starved = source == ClockSource::sync && (disturbance == Disturbance::silence || disturbance == Disturbance::link_lost);
     CHECK(bench.statistics().steps >= static_cast<std::uint64_t>(starved ? kPeriods * 9 / 10 : kPeriods));
     const control::FaultSet faults = bench.statistics().faults_seen;
     INFO("faults " << faults.bits());
-    switch (plight) {
-        case Plight::none:
+    switch (disturbance) {
+        case Disturbance::none:
             CHECK(faults.empty());
             CHECK(bench.statistics().steps_in_state[static_cast<std::size_t>(control::State::braking)] > 1000);
             break;
-        case Plight::link_lost:
+        case Disturbance::link_lost:
             CHECK(faults.contains(control::Fault::bus_off));
             break;
-        case Plight::silence:
+        case Disturbance::silence:
             CHECK(faults.contains(control::Fault::wheel_lost));
             break;
-        case Plight::damage:
+        case Disturbance::damage:
             CHECK(bench.session->port().unknown_ids() > 0);
             CHECK(bench.session->port().stats(can::Role::pressure).wrong_crc > 0);
             break;
-        case Plight::overruns:
+        case Disturbance::overruns:
             CHECK(faults.contains(control::Fault::overrun) == (source != ClockSource::sync));
             break;
     }
@@ -137,7 +137,7 @@ TEST_CASE("the traps catch each forbidden call, in the program and in shared lib
 
 TEST_CASE("an allocation in the real loop is caught", "[RT-050]") {
     LoopBench bench(ClockSource::timer);
-    bench.heard.reserve(10'000);
+    bench.reception.reserve(10'000);
     std::unique_ptr<int> leak;
     bench.plan_timer(100, [&](const int period) {
         if (period == 50) leak = std::make_unique<int>(period);  // as if the loop had done it: not disarmed

@@ -5,7 +5,7 @@
 #include "tests/catch.hpp"
 #include "tests/host/loop_bench.hpp"
 
-using namespace rt_test;
+using namespace host_test;
 
 namespace {
 
@@ -44,7 +44,7 @@ struct PacerBench {
     /// A period's sensors as a bus of 1 Mbit/s brings them, the last one at `at`.
     void sensors(const Time at) {
         const can::RigSample sample;
-        std::array<can::Frame, can::RigPort::kMostFrames> frames;
+        std::array<can::Frame, can::RigPort::kMaxFrames> frames;
         const std::size_t count = rig.due_frames(sample, frames);
         for (const can::Frame& frame : std::span(frames).first(count)) {
             if (frame.id == setup.layout[can::Role::wheel].id) bus.arrives(at - 260us, frame);
@@ -52,33 +52,33 @@ struct PacerBench {
             if (frame.id == setup.layout[can::Role::pressure].id) bus.arrives(at, frame);
         }
     }
-    rt::Wake next() {
+    host::Wake next() {
         const auto wake = pacer.next(stop);
         REQUIRE(wake);
         return *wake;
     }
 
-    rt::Setup setup = default_setup();
+    controller::ControllerSetup setup = default_setup();
     StepClock clock;
     Time start = clock.now();
     TimedBus bus{clock};
     can::ControllerPort port{setup.layout, setup.period};
     can::RigPort rig{setup.layout, setup.period};
-    rt::FrameIntake intake{bus, port};
-    rt::SensorPacer pacer{clock, setup.period, can::Role::pressure, bus, port, intake};
+    host::FrameIntake intake{bus, port};
+    host::SensorPacer pacer{clock, setup.period, can::Role::pressure, bus, port, intake};
     std::atomic<bool> stop{false};
 };
 
 }  // namespace
 
 TEST_CASE("the message to go by is the last of the sensors' that comes once a period", "[RT-045]") {
-    const rt::Setup ours = default_setup();
-    CHECK(rt::SensorPacer::message(ours.layout, 1ms) == can::Role::pressure);
-    CHECK_FALSE(rt::SensorPacer::message(ours.layout, 2ms));
-    rt::Options options;
+    const controller::ControllerSetup ours = default_setup();
+    CHECK(host::SensorPacer::message(ours.layout, 1ms) == can::Role::pressure);
+    CHECK_FALSE(host::SensorPacer::message(ours.layout, 2ms));
+    controller::Options options;
     options.dbc = "config/foreign.dbc";
     options.binding = "config/foreign_binding.toml";
-    CHECK(rt::SensorPacer::message(rt::load_setup(options).layout, 1ms) == can::Role::wheel);
+    CHECK(host::SensorPacer::message(controller::load_setup(options).layout, 1ms) == can::Role::wheel);
 }
 
 TEST_CASE("a step for each period of the sensors, when their last frame is there", "[RT-045]") {
@@ -90,7 +90,7 @@ TEST_CASE("a step for each period of the sensors, when their last frame is there
         bench.sensors(sent.back());
     }
     for (const Time at : sent) {
-        const rt::Wake wake = bench.next();
+        const host::Wake wake = bench.next();
         REQUIRE(wake.now == at);
         REQUIRE(wake.woke == at);
         REQUIRE(wake.latency == 0ms);
@@ -105,7 +105,7 @@ TEST_CASE("a frame that is lost costs no step: the timer makes it half a period 
     PacerBench bench;
     for (const int period : {1, 2, 4, 5}) bench.sensors(bench.start + period * 1ms);
     for (const Time at : {1000us, 2000us, 3500us, 4000us, 5000us}) {
-        const rt::Wake wake = bench.next();
+        const host::Wake wake = bench.next();
         CHECK(wake.now - bench.start == at);
         CHECK(wake.by_timer == (at == 3500us));
         CHECK(wake.skipped == 0);
@@ -120,7 +120,7 @@ TEST_CASE("a damaged frame keeps the rig's time", "[RT-045]") {
     bench.bus.arrives(bench.start + 2ms, damaged);
     bench.sensors(bench.start + 3ms);
     for (const int period : {1, 2, 3}) {
-        const rt::Wake wake = bench.next();
+        const host::Wake wake = bench.next();
         CHECK(wake.now - bench.start == period * 1ms);
         CHECK_FALSE(wake.by_timer);
     }
@@ -132,12 +132,12 @@ TEST_CASE("without the sensors the timer makes every step, until they are there"
     for (int period = 1; period <= 10; ++period) {
         // Other frames wake nobody up.
         bench.bus.arrives(bench.start + period * 1ms - 300us, bench.rig.heartbeat());
-        const rt::Wake wake = bench.next();
+        const host::Wake wake = bench.next();
         CHECK(wake.now - bench.start == period * 1ms);
         CHECK(wake.by_timer);
         CHECK(wake.latency == 0ms);
     }
-    const rt::Wake back = bench.next();
+    const host::Wake back = bench.next();
     CHECK_FALSE(back.by_timer);
     CHECK(back.now - bench.start == 10500us);  // half a period after the timer's
     bench.sensors(bench.start + 11400us);
@@ -157,20 +157,20 @@ TEST_CASE("a loop that is held up steps once, with the newest, and says how many
     for (int period = 1; period <= 6; ++period) bench.sensors(bench.start + period * 1ms);
     CHECK(bench.next().skipped == 0);
     bench.clock.advance(3300us);
-    const rt::Wake late = bench.next();
+    const host::Wake late = bench.next();
     CHECK(late.now - bench.start == 4300us);
     CHECK(late.skipped == 2);
     CHECK(late.latency == 2300us);
     CHECK(late.taken.frames == 9);
-    const rt::Wake next = bench.next();
+    const host::Wake next = bench.next();
     CHECK(next.now - bench.start == 5000us);
     CHECK(next.skipped == 0);
 
     bench.clock.advance(6700us);  // the rig is gone after 6 ms
-    const rt::Wake alone = bench.next();
+    const host::Wake alone = bench.next();
     CHECK(alone.now - bench.start == 11700us);
     CHECK(alone.skipped == 5);
-    const rt::Wake timer = bench.next();
+    const host::Wake timer = bench.next();
     CHECK(timer.by_timer);
     CHECK(timer.skipped == 0);
     CHECK(timer.now - bench.start == 12200us);
@@ -189,7 +189,7 @@ TEST_CASE("the pacer ends when it is told to", "[RT-045]") {
 
 TEST_CASE("by the sensors the loop answers at once, by the timer when that comes", "[RT-045]") {
     const bool by_sensors = GENERATE(false, true);
-    LoopBench bench(by_sensors ? rt::ClockSource::sensors : rt::ClockSource::timer);
+    LoopBench bench(by_sensors ? controller::ClockSource::sensors : controller::ClockSource::timer);
     if (by_sensors)
         bench.plan_sensors(500, [&](int) { bench.rig_period(at_rest()); });
     else
@@ -204,13 +204,13 @@ TEST_CASE("by the sensors the loop answers at once, by the timer when that comes
 }
 
 TEST_CASE("in lockstep the answer is counted from SYNC", "[RT-045]") {
-    LoopBench bench(rt::ClockSource::sync);
+    LoopBench bench(controller::ClockSource::sync);
     bench.run_sync(100, [&](int) {
         bench.rig_period(at_rest());
         bench.rig_sync();
         bench.clock.advance(70us);
     });
-    CHECK(bench.statistics().edge_to_command.count() == 100 / rt::ControlLoop::kTimedSteps + 1);
+    CHECK(bench.statistics().edge_to_command.count() == 100 / host::ControlLoop::kTimedSteps + 1);
     CHECK(bench.statistics().edge_to_command.minimum() == 70us);
     CHECK(bench.statistics().edge_to_command.maximum() == 70us);
 }

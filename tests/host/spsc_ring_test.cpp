@@ -6,7 +6,7 @@
 
 #include "tests/catch.hpp"
 
-using antiskid::rt::SpscRing;
+using antiskid::host::SpscRing;
 
 TEST_CASE("a ring gives back what was put in, in order, over many turns", "[RT-073]") {
     SpscRing<int, 8> ring;

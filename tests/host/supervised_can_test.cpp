@@ -8,7 +8,7 @@
 #include "tests/catch.hpp"
 
 namespace can = antiskid::can;
-using antiskid::rt::SupervisedCan;
+using antiskid::host::SupervisedCan;
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include "firmware/can/rig_sample.hpp"
 #include "firmware/control/config.hpp"
 
-namespace rt_test {
+namespace host_test {
 
 /// In the air with the wheel at rest, armed at 0.2 s, on the ground at 0.5 s, spun up, brake on at 1.2 s. The aircraft slows down as the
 /// pressure says; the wheel slips in proportion to it.
@@ -75,4 +75,4 @@ class ToyRig {
     double flywheel_angle_ = 0.0;
 };
 
-}  // namespace rt_test
+}  // namespace host_test

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <ctime>
 
-namespace rt_test::traps {
+namespace host_test::traps {
 
 namespace {
 
@@ -58,14 +58,14 @@ void clear() {
     for (std::uint64_t& count : counts) count = 0;
 }
 
-}  // namespace rt_test::traps
+}  // namespace host_test::traps
 
 // operator new and delete of libstdc++ come through here, too.
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the C library's names
 extern "C" {
 
-using rt_test::traps::Call;
-using rt_test::traps::note;
+using host_test::traps::Call;
+using host_test::traps::note;
 
 void* __libc_malloc(size_t size);
 void* __libc_calloc(size_t count, size_t size);
@@ -100,37 +100,37 @@ void free(void* block) {
 
 int pthread_mutex_lock(pthread_mutex_t* mutex) {
     note(Call::lock);
-    static const auto next = rt_test::traps::behind<int(pthread_mutex_t*)>("pthread_mutex_lock");
+    static const auto next = host_test::traps::behind<int(pthread_mutex_t*)>("pthread_mutex_lock");
     return next(mutex);
 }
 
 int pthread_rwlock_rdlock(pthread_rwlock_t* lock) {
     note(Call::lock);
-    static const auto next = rt_test::traps::behind<int(pthread_rwlock_t*)>("pthread_rwlock_rdlock");
+    static const auto next = host_test::traps::behind<int(pthread_rwlock_t*)>("pthread_rwlock_rdlock");
     return next(lock);
 }
 
 int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
     note(Call::wait_condition);
-    static const auto next = rt_test::traps::behind<int(pthread_cond_t*, pthread_mutex_t*)>("pthread_cond_wait");
+    static const auto next = host_test::traps::behind<int(pthread_cond_t*, pthread_mutex_t*)>("pthread_cond_wait");
     return next(condition, mutex);
 }
 
 ssize_t write(const int descriptor, const void* bytes, const size_t count) {
     note(Call::write);
-    static const auto next = rt_test::traps::behind<ssize_t(int, const void*, size_t)>("write");
+    static const auto next = host_test::traps::behind<ssize_t(int, const void*, size_t)>("write");
     return next(descriptor, bytes, count);
 }
 
 size_t fwrite(const void* bytes, const size_t size, const size_t count, FILE* stream) {
     note(Call::print);
-    static const auto next = rt_test::traps::behind<size_t(const void*, size_t, size_t, FILE*)>("fwrite");
+    static const auto next = host_test::traps::behind<size_t(const void*, size_t, size_t, FILE*)>("fwrite");
     return next(bytes, size, count, stream);
 }
 
 int printf(const char* format, ...) {
     note(Call::print);
-    static const auto next = rt_test::traps::behind<int(const char*, va_list)>("vprintf");
+    static const auto next = host_test::traps::behind<int(const char*, va_list)>("vprintf");
     va_list arguments;
     va_start(arguments, format);
     const int written = next(format, arguments);
@@ -140,19 +140,19 @@ int printf(const char* format, ...) {
 
 int puts(const char* text) {
     note(Call::print);
-    static const auto next = rt_test::traps::behind<int(const char*)>("puts");
+    static const auto next = host_test::traps::behind<int(const char*)>("puts");
     return next(text);
 }
 
 int nanosleep(const timespec* request, timespec* remaining) {
     note(Call::sleep);
-    static const auto next = rt_test::traps::behind<int(const timespec*, timespec*)>("nanosleep");
+    static const auto next = host_test::traps::behind<int(const timespec*, timespec*)>("nanosleep");
     return next(request, remaining);
 }
 
 void* __cxa_allocate_exception(const size_t size) noexcept {
     note(Call::throw_exception);
-    static const auto next = rt_test::traps::behind<void*(size_t)>("__cxa_allocate_exception");
+    static const auto next = host_test::traps::behind<void*(size_t)>("__cxa_allocate_exception");
     return next(size);
 }
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace rt_test::traps {
+namespace host_test::traps {
 
 enum class Call : std::uint8_t { allocate, release, lock, wait_condition, write, print, throw_exception, sleep };
 inline constexpr std::size_t kCalls = 8;
@@ -38,4 +38,4 @@ class Disarmed {
 [[nodiscard]] std::uint64_t caught();
 void clear();
 
-}  // namespace rt_test::traps
+}  // namespace host_test::traps

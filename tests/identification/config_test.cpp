@@ -45,9 +45,9 @@ TEST_CASE("a written configuration is read by plant and controller, whatever the
     CAPTURE(full_Pa);
     const antiskid::control::Config controller = antiskid::load_controller_config(to / "controller.toml");
     CHECK(static_cast<double>(controller.valve.full_pressure_Pa) == Approx(full_Pa).epsilon(1e-6));
-    plant::ManeuverChoice choice;
+    rig::ManeuverChoice choice;
     choice.surface = "snow";
-    const plant::LoadedRig loaded = plant::load_rig(to, choice);
+    const rig::LoadedRig loaded = rig::load_rig(to, choice);
     CHECK(loaded.full_pressure_Pa == Approx(full_Pa).epsilon(1e-6));
     CHECK(loaded.rig.valve.hysteresis_mA == Approx(0.25));
     CHECK(loaded.rig.valve.delay_s == Approx(5.5e-3));

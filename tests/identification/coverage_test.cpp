@@ -26,7 +26,7 @@ using Coverage = std::map<std::string, Hits>;
 std::vector<Run> runs(std::uint64_t seed) {
     std::vector<Run> all;
     for (const char* name : {"ramp", "step", "sweep", "slow_braking", "heavy"}) {
-        const endurance::Setup s = identification_test::setup(name);
+        const endurance::EnduranceSetup s = identification_test::setup(name);
         all.push_back({.recording = identification_test::record(s, 10 * seed + all.size()),
                        .rig = identification_test::known(s),
                        .surface = s.scenario.choice.surface,
@@ -47,7 +47,7 @@ void add_seed(Coverage& coverage, std::uint64_t seed) {
     std::vector<identification::Recording> recordings;
     recordings.reserve(all.size());
     for (const Run& run : all) recordings.push_back(run.recording);
-    const plant::RigParameters truth = identification_test::setup("heavy").scenario.rig.rig;
+    const rig::RigParameters truth = identification_test::setup("heavy").scenario.rig.rig;
 
     const auto valve = identification::fit_valve(recordings, all.front().rig);
     count(coverage, "dead zone", valve.dead_zone_mA, truth.pressure_map.points()[0].current_mA);
@@ -109,7 +109,7 @@ TEST_CASE("intervals count correlated residuals", "[STUDY-100]") {
     constexpr Eigen::Index kRows = 400;
     constexpr double kCorrelation = 0.7;
     const double slope = 0.02;
-    plant::Random random(5);
+    rig::Random random(5);
     const std::vector<std::string> names{"offset", "slope"};
     int hits = 0;
     double deviation = 0.0;
@@ -120,12 +120,12 @@ TEST_CASE("intervals count correlated residuals", "[STUDY-100]") {
             y[i] = 3.0 + slope * static_cast<double>(i) + noise;
             noise = kCorrelation * noise + random.noise();
         }
-        identification::LeastSquares least;
-        least.start = Eigen::Vector2d::Zero();
-        least.scale = Eigen::Vector2d(1.0, 0.01);
-        least.least = Eigen::Vector2d::Constant(-100.0);
-        least.most = Eigen::Vector2d::Constant(100.0);
-        const auto fit = identification::fit(least, names, [&y](const Eigen::VectorXd& theta, Eigen::VectorXd& r) {
+        identification::LeastSquares problem;
+        problem.start = Eigen::Vector2d::Zero();
+        problem.scale = Eigen::Vector2d(1.0, 0.01);
+        problem.min = Eigen::Vector2d::Constant(-100.0);
+        problem.max = Eigen::Vector2d::Constant(100.0);
+        const auto fit = identification::fit(problem, names, [&y](const Eigen::VectorXd& theta, Eigen::VectorXd& r) {
             r.resize(kRows);
             for (Eigen::Index i = 0; i < kRows; ++i) r[i] = y[i] - theta[0] - theta[1] * static_cast<double>(i);
         });
@@ -144,19 +144,19 @@ TEST_CASE("where few readings decide, intervals of whitened residuals hold", "[S
     constexpr int kTrials = 1000;
     constexpr Eigen::Index kRows = 1000;
     constexpr Eigen::Index kLast = 25;
-    plant::Random random(7);
+    rig::Random random(7);
     const std::vector<std::string> names{"step"};
     int hits = 0;
     for (int trial = 0; trial < kTrials; ++trial) {
         Eigen::VectorXd y(kRows);
         for (Eigen::Index i = 0; i < kRows; ++i) y[i] = (i < kRows - kLast ? 0.0 : 2.0) + random.noise();
-        identification::LeastSquares least;
-        least.start = Eigen::VectorXd::Zero(1);
-        least.scale = Eigen::VectorXd::Ones(1);
-        least.least = Eigen::VectorXd::Constant(1, -100.0);
-        least.most = Eigen::VectorXd::Constant(1, 100.0);
-        least.whitened = true;
-        const auto fit = identification::fit(least, names, [&y](const Eigen::VectorXd& theta, Eigen::VectorXd& r) {
+        identification::LeastSquares problem;
+        problem.start = Eigen::VectorXd::Zero(1);
+        problem.scale = Eigen::VectorXd::Ones(1);
+        problem.min = Eigen::VectorXd::Constant(1, -100.0);
+        problem.max = Eigen::VectorXd::Constant(1, 100.0);
+        problem.whitened = true;
+        const auto fit = identification::fit(problem, names, [&y](const Eigen::VectorXd& theta, Eigen::VectorXd& r) {
             r = y;
             r.tail(kLast).array() -= theta[0];
         });
@@ -169,7 +169,7 @@ TEST_CASE("where few readings decide, intervals of whitened residuals hold", "[S
 
 TEST_CASE("what a landing does not show is refused with the landing that is missing", "[STUDY-100]") {
     const std::vector<Run> all = runs(9);
-    const auto refusal = [](const auto& fit) -> std::string {
+    const auto rejection = [](const auto& fit) -> std::string {
         try {
             fit();
         } catch (const identification::NotIdentifiable& e) {
@@ -178,10 +178,10 @@ TEST_CASE("what a landing does not show is refused with the landing that is miss
         return "";
     };
     const std::vector<Run> valve_only{all[0], all[1]};
-    CHECK_THAT(refusal([&] { (void)identification::fit_wheel(valve_only, "heavy"); }),
+    CHECK_THAT(rejection([&] { (void)identification::fit_wheel(valve_only, "heavy"); }),
                ContainsSubstring("heavy.toml") && ContainsSubstring("touchdown"));
-    CHECK_THAT(refusal([&] { (void)identification::fit_friction(valve_only, "snow"); }),
+    CHECK_THAT(rejection([&] { (void)identification::fit_friction(valve_only, "snow"); }),
                ContainsSubstring("snow") && ContainsSubstring("load cells"));
     const std::vector<Run> below_peak{all[3]};
-    CHECK_THAT(refusal([&] { (void)identification::fit_friction(below_peak, "dry_asphalt"); }), ContainsSubstring("beyond the peak"));
+    CHECK_THAT(rejection([&] { (void)identification::fit_friction(below_peak, "dry_asphalt"); }), ContainsSubstring("beyond the peak"));
 }

@@ -13,14 +13,14 @@
 namespace identification_test {
 
 /// With a brake of nominal friction: that is the truth to find.
-inline endurance::Setup setup(const std::string& scenario) {
-    endurance::Setup s = endurance_test::setup(scenario);
+inline endurance::EnduranceSetup setup(const std::string& scenario) {
+    endurance::EnduranceSetup s = endurance_test::setup(scenario);
     s.machinery.brake.reset();
     return s;
 }
 
 /// Rounded as the frames would; load cells every 10 ms, in the third period as the schedule has it.
-inline identification::Recording record(const endurance::Setup& setup, std::uint64_t seed) {
+inline identification::Recording record(const endurance::EnduranceSetup& setup, std::uint64_t seed) {
     const antiskid::can::Layout& layout = setup.layout;
     identification::Recording out{.name = setup.scenario.name, .period_s = static_cast<double>(setup.controller.period_s), .samples = {}};
     endurance::TestCell cell = endurance_test::cell(setup, seed);
@@ -46,12 +46,12 @@ inline identification::Recording record(const endurance::Setup& setup, std::uint
         }
         out.samples.push_back(s);
     });
-    if (outcome.phase != sequencer::Phase::finished) throw std::runtime_error(setup.scenario.name + " was aborted");
+    if (outcome.phase != rig::Phase::finished) throw std::runtime_error(setup.scenario.name + " was aborted");
     return out;
 }
 
-inline identification::KnownRig known(const endurance::Setup& setup) {
-    const plant::RigParameters& rig = setup.scenario.rig.rig;
+inline identification::KnownRig known(const endurance::EnduranceSetup& setup) {
+    const rig::RigParameters& rig = setup.scenario.rig.rig;
     identification::KnownRig known{.wheel_teeth = rig.wheel_encoder.teeth,
                                    .flywheel_teeth = rig.flywheel_encoder.teeth,
                                    .flywheel_radius_m = rig.flywheel_radius_m,

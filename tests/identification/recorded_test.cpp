@@ -9,14 +9,14 @@
 #include "tests/settings/refusal.hpp"
 
 TEST_CASE("the bus log of a maneuver in process holds its samples", "[BRG-200]") {
-    const endurance::Setup setup = identification_test::setup("rejected_takeoff");
+    const endurance::EnduranceSetup setup = identification_test::setup("rejected_takeoff");
     const identification::Recording direct = identification_test::record(setup, 2);
     const TemporaryDirectory directory;
     endurance::TestCell cell = endurance_test::cell(setup, 2);
     endurance::FrameLog log(setup.layout, std::chrono::milliseconds(1), directory / "bus.log");
-    REQUIRE(cell.run(rig::plan(setup.scenario, 2, 1), [&log](const endurance::Period& p) { log.add(p); }).phase == sequencer::Phase::finished);
+    REQUIRE(cell.run(rig::plan(setup.scenario, 2, 1), [&log](const endurance::Period& p) { log.add(p); }).phase == rig::Phase::finished);
     log.finish();
-    const identification::Recording read = plant_sim::read_recording(directory / "bus.log", setup.layout, 1e-3);
+    const identification::Recording read = plant_sim::lab::read_recording(directory / "bus.log", setup.layout, 1e-3);
     REQUIRE(read.samples.size() == direct.samples.size());
     double force = 0.0;
     for (std::size_t i = 0; i + 1 < read.samples.size(); ++i) {
@@ -37,5 +37,5 @@ TEST_CASE("the bus log of a maneuver in process holds its samples", "[BRG-200]")
     CHECK(force > 1e4);
     const std::string empty = (directory / "empty.log").string();
     put(empty, "");
-    CHECK_THROWS_WITH(plant_sim::read_recording(empty, setup.layout, 1e-3), ContainsSubstring("no sample"));
+    CHECK_THROWS_WITH(plant_sim::lab::read_recording(empty, setup.layout, 1e-3), ContainsSubstring("no sample"));
 }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kAge_s = 1e-3;  // the cells are read at the end of a PLC scan, one period before their frame
 
-Run run(const endurance::Setup& setup, std::uint64_t seed) {
+Run run(const endurance::EnduranceSetup& setup, std::uint64_t seed) {
     return {.recording = identification_test::record(setup, seed),
             .rig = identification_test::known(setup),
             .surface = setup.scenario.choice.surface,
@@ -26,8 +26,8 @@ Run run(const endurance::Setup& setup, std::uint64_t seed) {
 
 TEST_CASE("divided by their expected covariance, errors of friction readings are white and of unit size", "[STUDY-100]") {
     const char* name = GENERATE("slow_braking", "heavy");
-    const endurance::Setup setup = identification_test::setup(name);
-    const plant::Surface& truth = setup.scenario.rig.rig.surface;
+    const endurance::EnduranceSetup setup = identification_test::setup(name);
+    const rig::Surface& truth = setup.scenario.rig.rig.surface;
     constexpr int kSeeds = 3;
     double square = 0.0;
     double neighbours = 0.0;
@@ -39,7 +39,7 @@ TEST_CASE("divided by their expected covariance, errors of friction readings are
         Eigen::VectorXd error(n);
         for (Eigen::Index i = 0; i < n; ++i) {
             const auto& r = readings->all()[static_cast<std::size_t>(i)];
-            error[i] = r.mu - plant::friction(truth, r.slip).mu;
+            error[i] = r.mu - rig::friction(truth, r.slip).mu;
         }
         const auto v = readings->covariance(truth, setup.machinery.machinery.gauges.force.noise);
         const Eigen::MatrixXd whole = v.own.toDense() + v.common * v.common.transpose();
@@ -54,7 +54,7 @@ TEST_CASE("divided by their expected covariance, errors of friction readings are
 }
 
 TEST_CASE("the free radius is as certain as it says", "[STUDY-100]") {
-    const endurance::Setup setup = identification_test::setup("heavy");
+    const endurance::EnduranceSetup setup = identification_test::setup("heavy");
     constexpr int kSeeds = 30;
     double square = 0.0;
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {

@@ -21,15 +21,15 @@ using identification_test::record;
 namespace {
 
 /// The three experiments on a valve of these parameters, and of the shipped map with this gain.
-std::vector<Recording> experiments(const plant::ValveParameters& valve, double gain, std::uint64_t seed) {
+std::vector<Recording> experiments(const rig::ValveParameters& valve, double gain, std::uint64_t seed) {
     std::vector<Recording> all;
     for (const char* name : {"ramp", "step", "sweep"}) {
-        endurance::Setup s = identification_test::setup(name);
-        plant::RigParameters& rig = s.scenario.rig.rig;
+        endurance::EnduranceSetup s = identification_test::setup(name);
+        rig::RigParameters& rig = s.scenario.rig.rig;
         rig.valve = valve;
         auto points = rig.pressure_map.points();
         for (auto& point : points) point.pressure_Pa *= gain;
-        rig.pressure_map = plant::PressureMap(points);
+        rig.pressure_map = rig::PressureMap(points);
         all.push_back(record(s, seed));
     }
     return all;
@@ -49,7 +49,7 @@ struct Count {
     }
 };
 
-std::string refusal(const std::vector<Recording>& recordings, const KnownRig& rig) {
+std::string rejection(const std::vector<Recording>& recordings, const KnownRig& rig) {
     try {
         (void)fit_valve(recordings, rig);
     } catch (const NotIdentifiable& e) {
@@ -62,7 +62,7 @@ std::string refusal(const std::vector<Recording>& recordings, const KnownRig& ri
 
 TEST_CASE("map, hysteresis and dynamics of the valve are found, each within its interval", "[STUDY-100]") {
     struct Case {
-        plant::ValveParameters valve;
+        rig::ValveParameters valve;
         double gain;
     };
     constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -89,8 +89,8 @@ TEST_CASE("map, hysteresis and dynamics of the valve are found, each within its 
 }
 
 TEST_CASE("the modelled pressure is eq. (6), integrated by brute force", "[STUDY-100]") {
-    const plant::PressureMap map({{3.0, 0.0}, {10.0, 4.0e6}, {40.0, 20.0e6}});
-    const plant::ValveParameters valve{.natural_frequency_radps = 110.0, .damping = 0.6, .delay_s = 3.7e-3, .hysteresis_mA = 1.0};
+    const rig::PressureMap map({{3.0, 0.0}, {10.0, 4.0e6}, {40.0, 20.0e6}});
+    const rig::ValveParameters valve{.natural_frequency_radps = 110.0, .damping = 0.6, .delay_s = 3.7e-3, .hysteresis_mA = 1.0};
     constexpr double kPeriod_s = 1e-3;
     std::vector<double> current_mA;
     for (int k = 0; k < 400; ++k) current_mA.push_back(k < 150 ? 20.0 : k < 250 ? 12.0 + 0.02 * k : 16.7);
@@ -120,38 +120,38 @@ TEST_CASE("the modelled pressure is eq. (6), integrated by brute force", "[STUDY
 }
 
 TEST_CASE("what the recordings do not show is refused with the experiment that is missing", "[STUDY-100]") {
-    const plant::ValveParameters shipped = identification_test::setup("ramp").scenario.rig.rig.valve;
+    const rig::ValveParameters shipped = identification_test::setup("ramp").scenario.rig.rig.valve;
     static const std::vector<Recording> kAll = experiments(shipped, 1.0, 3);
     const auto says = [](const std::string& what) { return ContainsSubstring(what); };
-    CHECK_THAT(refusal({}, light_rig()), says("ramp, step and sweep"));
-    CHECK_THAT(refusal({kAll[1], kAll[2]}, light_rig()), says("config/scenarios/ramp.toml") && says("5, 8, 12"));
-    CHECK_THAT(refusal({kAll[0]}, light_rig()), says("config/scenarios/step.toml"));
+    CHECK_THAT(rejection({}, light_rig()), says("ramp, step and sweep"));
+    CHECK_THAT(rejection({kAll[1], kAll[2]}, light_rig()), says("config/scenarios/ramp.toml") && says("5, 8, 12"));
+    CHECK_THAT(rejection({kAll[0]}, light_rig()), says("config/scenarios/step.toml"));
 
     KnownRig narrow = light_rig();
     narrow.map_currents.pop_back();
-    CHECK_THAT(refusal(kAll, narrow), says("outside of the map") && says("--currents"));
+    CHECK_THAT(rejection(kAll, narrow), says("outside of the map") && says("--currents"));
     KnownRig gauge = light_rig();
     gauge.gauge_range_Pa = 15.0e6;
     std::vector<Recording> saturated = kAll;
     for (Recording& r : saturated) {
         for (auto& s : r.samples) s.pressure_Pa = std::min(s.pressure_Pa, gauge.gauge_range_Pa);
     }
-    CHECK_THAT(refusal(saturated, gauge), says("saturates"));
+    CHECK_THAT(rejection(saturated, gauge), says("saturates"));
 
     std::vector<Recording> broken = kAll;
     broken[1].samples[20000].pressure_Pa = NAN;
-    CHECK_THAT(refusal(broken, light_rig()), says("step") && says("no number"));
+    CHECK_THAT(rejection(broken, light_rig()), says("step") && says("no number"));
     broken = kAll;
     std::swap(broken[2].samples[500].time_s, broken[2].samples[600].time_s);
-    CHECK_THAT(refusal(broken, light_rig()), says("sweep") && says("time does not rise"));
+    CHECK_THAT(rejection(broken, light_rig()), says("sweep") && says("time does not rise"));
     broken = kAll;
     auto& samples = broken[0].samples;
     samples.erase(samples.begin() + 50000, samples.begin() + 50200);
-    CHECK_THAT(refusal(broken, light_rig()), says("ramp") && says("without samples"));
+    CHECK_THAT(rejection(broken, light_rig()), says("ramp") && says("without samples"));
 }
 
 TEST_CASE("samples that are missing are bridged", "[STUDY-100]") {
-    const plant::ValveParameters shipped = identification_test::setup("ramp").scenario.rig.rig.valve;
+    const rig::ValveParameters shipped = identification_test::setup("ramp").scenario.rig.rig.valve;
     std::vector<Recording> holes = experiments(shipped, 1.0, 4);
     for (Recording& r : holes) {
         for (std::size_t k = 40000 % r.samples.size(); k + 10 < r.samples.size(); k += 997)

@@ -39,7 +39,7 @@ with tempfile.TemporaryDirectory() as scratch:
     config = scratch / "config"
     shutil.copytree("config", config)
     margins = (config / "margins.toml").read_text()
-    (config / "margins.toml").write_text(changed(changed(margins, "draws", 1), "least_gain", 1.0))
+    (config / "margins.toml").write_text(changed(changed(margins, "draws", 1), "min_gain", 1.0))
     controller = (config / "controller.toml").read_text()
     (config / "controller.toml").write_text(changed(controller, "k_d", "15.0"))
     done = tune("--check", "--config", config, "--out", scratch)

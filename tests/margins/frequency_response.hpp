@@ -21,7 +21,7 @@ namespace margins_test {
 /// tyre that gives way the wheel is plant::CompliantWheel, and speed stays constant only with a mass that nothing slows down.
 class FrozenStop {
   public:
-    FrozenStop(antiskid::control::Config config, const plant::RigParameters& rig, const study::margins::OperatingPoint& at)
+    FrozenStop(antiskid::control::Config config, const rig::RigParameters& rig, const study::margins::OperatingPoint& at)
         : at_(at),
           surface_(rig.surface),
           config_(with_radius(config, at)),
@@ -70,7 +70,7 @@ class FrozenStop {
         const auto& e = estimator_.update(sensors_, static_cast<float>(given));
         if (!hold_)
             command_Pa_ =
-                static_cast<double>(estimator_.made_up_for_Pa(law_.pressure_Pa(e, static_cast<float>(at_.slip), config_.valve.full_pressure_Pa)));
+                static_cast<double>(estimator_.compensated_Pa(law_.pressure_Pa(e, static_cast<float>(at_.slip), config_.valve.full_pressure_Pa)));
         return command_Pa_;
     }
 
@@ -146,14 +146,14 @@ class FrozenStop {
     }
 
     [[nodiscard]] double rate(double pressure_Pa) const {
-        const double mu = plant::friction(surface_, slip_).mu;
+        const double mu = rig::friction(surface_, slip_).mu;
         const double ratio = at_.mass_kg * at_.radius_m * at_.radius_m / at_.inertia_kgm2;
         return at_.radius_m * at_.brake_gain_m3 * pressure_Pa / (at_.inertia_kgm2 * at_.speed_mps) -
                at_.load_N * mu / (at_.mass_kg * at_.speed_mps) * ((1.0 - slip_) + ratio);
     }
 
     study::margins::OperatingPoint at_;
-    plant::Surface surface_;
+    rig::Surface surface_;
     double gain_ = 1.0;
     antiskid::control::Config config_;
     antiskid::control::Estimator estimator_;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 #include "tests/catch.hpp"
 
 using namespace study::margins;
@@ -16,13 +16,13 @@ constexpr double kNothing = -std::numeric_limits<double>::infinity();
 
 /// Two short stops, of which the first decides on the second.
 struct Bench {
-    std::vector<plant_sim::Scenario> loaded;
-    std::vector<Scenario> scenarios;
+    std::vector<plant_sim::StopConditions> loaded;
+    std::vector<StopConditions> scenarios;
     TrialStops trial;
 
     Bench() {
         for (const char* surface : {"dry_concrete", "wet_asphalt"}) {
-            plant_sim::ScenarioOptions o;
+            plant_sim::StopOptions o;
             o.choice.surface = surface;
             o.choice.maneuver = "light";
             loaded.push_back(plant_sim::load_scenario(o));
@@ -34,7 +34,7 @@ struct Bench {
         }
         trial.layout = &loaded.front().layout;
         trial.first = 1;
-        trial.least_j_mu = {0.9, 0.9};
+        trial.min_j_mu = {0.9, 0.9};
         trial.requirement = {.mean_j_mu = 0.9, .longest_lock_s = 0.05, .tracked_share = 0.95};
     }
     [[nodiscard]] const Config& controller() const { return loaded.front().controller; }
@@ -50,13 +50,13 @@ TEST_CASE("stops are judged by friction, each surface's too, and cut short where
     CHECK(good.mean_j_mu == Approx(0.5 * (good.group_j_mu[0] + good.group_j_mu[1])));
     CHECK(good.mean_j_mu > 0.95);
 
-    b.trial.least_j_mu[1] = good.group_j_mu[1] + 0.01;
+    b.trial.min_j_mu[1] = good.group_j_mu[1] + 0.01;
     CHECK(make_stops(b.trial, b.controller(), 1.0).violation == Approx(0.005));
-    b.trial.least_j_mu = {good.group_j_mu[0] + 0.02, 0.9};
+    b.trial.min_j_mu = {good.group_j_mu[0] + 0.02, 0.9};
     const StopsShown cut = make_stops(b.trial, b.controller(), 0.0);
     CHECK_FALSE(cut.whole);
     CHECK(cut.violation == Approx(0.01));
-    b.trial.least_j_mu[0] = 0.9;
+    b.trial.min_j_mu[0] = 0.9;
     b.trial.requirement.mean_j_mu = good.mean_j_mu + 0.003;
     CHECK(make_stops(b.trial, b.controller(), 1.0).violation == Approx(0.003));
     b.trial.requirement.mean_j_mu = 0.9;
@@ -66,9 +66,9 @@ TEST_CASE("stops are judged by friction, each surface's too, and cut short where
     loose.slip.k_d = 0.0F;
     loose.slip.k_dd_s = 0.0F;
     const StopsShown bad = make_stops(b.trial, loose, 100.0);
-    REQUIRE(bad.least_tracked);
-    CHECK(*bad.least_tracked < 0.95);
-    CHECK(bad.violation >= 0.95 - *bad.least_tracked);
+    REQUIRE(bad.min_tracked);
+    CHECK(*bad.min_tracked < 0.95);
+    CHECK(bad.violation >= 0.95 - *bad.min_tracked);
 }
 
 TEST_CASE("tracking that no stop measured is missing, not perfect", "[STUDY-561]") {
@@ -78,7 +78,7 @@ TEST_CASE("tracking that no stop measured is missing, not perfect", "[STUDY-561]
         stop.rig.touchdown_mps = 0.0;
     }
     const StopsShown shown = make_stops(b.trial, b.controller(), 100.0);
-    CHECK_FALSE(shown.least_tracked);
+    CHECK_FALSE(shown.min_tracked);
     CHECK(shown.violation >= b.trial.requirement.tracked_share);
 }
 

@@ -71,20 +71,20 @@ TEST_CASE("an unstable pole with delay: one encirclement, margins both ways", "[
     const auto loop = [&](double k) { return DelayLoop(k, {}, {p}, tau); };
     // On the negative real axis where atan(w / p) = w tau.
     const double w = root([&](double x) { return std::atan(x / p) - x * tau; }, 1.0, kPi / tau);
-    const double most = std::hypot(w, p);
-    for (const double k : {31.0, 60.0, 0.99 * most}) {
+    const double max = std::hypot(w, p);
+    for (const double k : {31.0, 60.0, 0.99 * max}) {
         INFO("k " << k);
         const Margins m = margins(loop(k));
         CHECK(m.stable);
         CHECK(m.unstable_poles == 1);
         CHECK(m.encirclements == 1);
         CHECK(m.gain_down_dB == Approx(dB(k / p)).margin(1e-5));
-        CHECK(m.gain_up_dB == Approx(dB(most / k)).epsilon(1e-6));
+        CHECK(m.gain_up_dB == Approx(dB(max / k)).epsilon(1e-6));
         const double crossover = std::sqrt(k * k - p * p);
         CHECK(m.phase_deg == Approx(std::abs(degrees(std::atan(crossover / p) - crossover * tau))).epsilon(1e-6));
     }
     CHECK(margins(loop(0.99 * p)).unstable_closed == 1);
-    CHECK(margins(loop(1.01 * most)).unstable_closed == 2);
+    CHECK(margins(loop(1.01 * max)).unstable_closed == 2);
     CHECK(std::isnan(margins(loop(0.99 * p)).phase_deg));
 }
 
@@ -107,7 +107,7 @@ TEST_CASE("a loop that no gain makes stable is called so", "[STUDY-123]") {
 }
 
 TEST_CASE("the PID's loop is C(s) A(s) G(s), term by term", "[STUDY-123]") {
-    const plant::ValveParameters valve{.natural_frequency_radps = 125.0, .damping = 0.8, .delay_s = 0.006};
+    const rig::ValveParameters valve{.natural_frequency_radps = 125.0, .damping = 0.8, .delay_s = 0.006};
     OperatingPoint at;
     at.speed_mps = 20.0;
     at.slip = 0.24;

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "plant_sim/model/compliant_wheel.hpp"
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/margins/dense.hpp"
 #include "plant_sim/study/margins/law_loop.hpp"
 #include "plant_sim/study/margins/linear_wheel.hpp"
@@ -23,8 +23,8 @@ constexpr double kPi = std::numbers::pi;
 /// Nothing slows it down: speed stays what it is.
 constexpr double kNoAircraft_kg = 1e12;
 
-plant_sim::Scenario on(const std::string& surface) {
-    plant_sim::ScenarioOptions o;
+plant_sim::StopConditions on(const std::string& surface) {
+    plant_sim::StopOptions o;
     o.choice.surface = surface;
     o.choice.maneuver = "medium_a";
     return plant_sim::load_scenario(o);
@@ -38,7 +38,7 @@ double per_pressure(const OperatingPoint& at) {
 /// The plant's wheel about an operating point, its brake pressed as a test says.
 class RealWheel {
   public:
-    RealWheel(const plant::RigParameters& rig, const OperatingPoint& at)
+    RealWheel(const rig::RigParameters& rig, const OperatingPoint& at)
         : at_(at),
           wheel_(rig.wheel, plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps), rig.surface.law(), 1e-11),
           state_{.v_mps = at.speed_mps, .omega_radps = (1.0 - at.slip) * at.speed_mps / at.radius_m, .held = false} {
@@ -63,7 +63,7 @@ struct Case {
     const char* what = "";
     const char* surface = "";
     double speed_mps = 0.0, slip = 0.0;
-    plant::Compliance tyre;
+    rig::Compliance tyre;
 };
 const std::vector<Case> kBeforePeak{{"soft ring", "dry_asphalt", 40.0, 0.10, {.ring = {0.45, 50.0, 0.03}, .relaxation = {}, .leg = {}}},
                                     {"stiff ring", "wet_asphalt", 20.0, 0.08, {.ring = {0.25, 120.0, 0.10}, .relaxation = {}, .leg = {}}},
@@ -75,22 +75,22 @@ const std::vector<Case> kBeyondPeak{
     {"ring that does not", "wet_asphalt", 45.0, 0.24, {.ring = {0.45, 120.0, 0.10}, .relaxation = {}, .leg = {}}},
     {"relaxation at its floor", "dry_concrete", 30.0, 0.30, {.ring = {}, .relaxation = {0.3, 0.05}, .leg = {}}}};
 
-plant::RigParameters rig_of(const Case& c, double mass_kg) {
-    plant::RigParameters rig = on(c.surface).plant.rig;
+rig::RigParameters rig_of(const Case& c, double mass_kg) {
+    rig::RigParameters rig = on(c.surface).plant.rig;
     rig.wheel.compliance = c.tyre;
     rig.wheel.mass_kg = mass_kg;
     return rig;
 }
 
 /// A tyre that gives way at frequencies and lengths beyond all that matters.
-const std::vector<plant::Compliance> kNearlyRigid{{.ring = {0.35, 2e5, 1.0}, .relaxation = {}, .leg = {}},
-                                                  {.ring = {}, .relaxation = {1e-6, 1e-6}, .leg = {}}};
+const std::vector<rig::Compliance> kNearlyRigid{{.ring = {0.35, 2e5, 1.0}, .relaxation = {}, .leg = {}},
+                                                {.ring = {}, .relaxation = {1e-6, 1e-6}, .leg = {}}};
 
 }  // namespace
 
 TEST_CASE("rim's slip against brake torque: the frequency response of the plant's own wheel", "[STUDY-123]") {
     for (const Case& c : kBeforePeak) {
-        const plant::RigParameters rig = rig_of(c, kNoAircraft_kg);
+        const rig::RigParameters rig = rig_of(c, kNoAircraft_kg);
         const OperatingPoint at = operating_point(rig, c.speed_mps, c.slip);
         const LinearWheel wheel = linear_wheel(at, Linearisation::full);
         for (const double frequency_Hz : {5.0, 25.0, 50.0, 90.0, 150.0}) {
@@ -124,7 +124,7 @@ TEST_CASE("rim's slip against brake torque: the frequency response of the plant'
 
 TEST_CASE("beyond the peak the plant's own wheel leaves its equilibrium as the linearised one does", "[STUDY-123]") {
     for (const Case& c : kBeyondPeak) {
-        const plant::RigParameters rig = rig_of(c, kNoAircraft_kg);
+        const rig::RigParameters rig = rig_of(c, kNoAircraft_kg);
         const OperatingPoint at = operating_point(rig, c.speed_mps, c.slip);
         const LinearWheel wheel = linear_wheel(at, Linearisation::full);
         RealWheel left(rig, at);
@@ -140,16 +140,16 @@ TEST_CASE("beyond the peak the plant's own wheel leaves its equilibrium as the l
         const Eigen::MatrixXd over_h = exponential(system * h);
         Eigen::VectorXd x = Eigen::VectorXd::Zero(n + 1);
         x[n] = 1.0;
-        double most = 0.0, furthest = 0.0;
+        double max = 0.0, furthest = 0.0;
         for (int i = 0; i < 400; ++i) {
             left.press(at.pressure_Pa, h);
             pressed.press(at.pressure_Pa + kick_Pa, h);
             x = (over_h * x).eval();
-            most = std::max(most, std::abs(pressed.slip() - left.slip() - x[0]));
+            max = std::max(max, std::abs(pressed.slip() - left.slip() - x[0]));
             furthest = std::max(furthest, std::abs(x[0]));
         }
-        INFO("wrong by " << most << " of " << furthest);
-        CHECK(most < 5e-3 * furthest);
+        INFO("wrong by " << max << " of " << furthest);
+        CHECK(max < 5e-3 * furthest);
     }
     const auto swing = [](const Case& c) {
         return linear_wheel(operating_point(rig_of(c, kNoAircraft_kg), c.speed_mps, c.slip), Linearisation::full).swing();
@@ -160,10 +160,10 @@ TEST_CASE("beyond the peak the plant's own wheel leaves its equilibrium as the l
 }
 
 TEST_CASE("a tyre that hardly gives way has the rigid one's margins", "[STUDY-123]") {
-    const plant_sim::Scenario s = on("dry_asphalt");
+    const plant_sim::StopConditions s = on("dry_asphalt");
     const Pid pid = load_margins_settings("config/margins.toml").pid;
-    for (const plant::Compliance& tyre : kNearlyRigid) {
-        plant::RigParameters rig = s.plant.rig;
+    for (const rig::Compliance& tyre : kNearlyRigid) {
+        rig::RigParameters rig = s.plant.rig;
         rig.wheel.compliance = tyre;
         for (const double v : {48.0, 30.0, 12.0}) {
             const double slip = scheduled_slip(s.controller.slip, 0.24, v);
@@ -194,12 +194,12 @@ TEST_CASE("the real estimator and law on the plant's own ring: the loop that a f
     struct Ring {
         const char* surface = "";
         double speed_mps = 0.0, slip = 0.0;
-        plant::RingParameters ring;
+        rig::RingParameters ring;
     };
     for (const Ring& r : {Ring{"dry_asphalt", 46.0, 0.12, {0.25, 120.0, 0.10}}, Ring{"dry_asphalt", 46.0, 0.12, {0.35, 80.0, 0.06}},
                           Ring{"dry_asphalt", 46.0, 0.12, {0.45, 50.0, 0.10}}}) {
-        const plant_sim::Scenario s = on(r.surface);
-        plant::RigParameters rig = s.plant.rig;
+        const plant_sim::StopConditions s = on(r.surface);
+        rig::RigParameters rig = s.plant.rig;
         rig.wheel.compliance.ring = r.ring;
         rig.wheel.mass_kg = kNoAircraft_kg;
         const OperatingPoint at = operating_point(rig, r.speed_mps, r.slip);

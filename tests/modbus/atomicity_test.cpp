@@ -32,7 +32,7 @@ Context connected(std::uint16_t port) {
 
 TEST_CASE("Multi-register commands are seen whole, under fire", "[BRG-020]") {
     const auto map = stub::shipped_map();
-    rig::ModbusServer server(map, {});
+    rig::modbus::ModbusServer server(map, {});
     constexpr int kCommands = 2000;
     std::atomic<bool> wrong{false};
     std::atomic<bool> done{false};
@@ -73,10 +73,10 @@ TEST_CASE("Multi-register commands are seen whole, under fire", "[BRG-020]") {
         scan = scan >= 30'000.0 ? 0.0 : scan + 1.0;
         for (const auto q : {Measured::loading_force_N, Measured::vertical_load_N, Measured::longitudinal_force_N, Measured::brake_torque_Nm})
             at(measured, q) = scan;
-        const auto orders = server.exchange(measured).commanded;
-        const double k = at(orders, Commanded::commit);
-        if (at(orders, Commanded::flywheel_speed_mps) != k || at(orders, Commanded::load_base_N) != k ||
-            at(orders, Commanded::load_lift_Ns2pm2) != k || k < newest)
+        const auto commands = server.exchange(measured).commanded;
+        const double k = at(commands, Commanded::commit);
+        if (at(commands, Commanded::flywheel_speed_mps) != k || at(commands, Commanded::load_base_N) != k ||
+            at(commands, Commanded::load_lift_Ns2pm2) != k || k < newest)
             wrong = true;
         if (k != newest) ++seen;
         newest = k;

@@ -9,8 +9,8 @@
 using namespace std::chrono_literals;
 using fake::Bytes;
 using fake::Request;
-using rig::LinkState;
 using rig::Measured;
+using rig::modbus::LinkState;
 using stub::eventually;
 
 namespace {
@@ -50,7 +50,7 @@ void check_only_truth(const std::string& expected_error, const fake::Manners& sp
             return spoil(request);
         },
         kTruth);
-    const rig::ModbusClient client(impatient(), rig::TcpServer{"127.0.0.1", plc.port()});
+    const rig::modbus::ModbusClient client(impatient(), rig::modbus::TcpServer{"127.0.0.1", plc.port()});
     bool believed = false;
     std::string error;
     REQUIRE(eventually([&] {
@@ -70,12 +70,12 @@ void check_only_truth(const std::string& expected_error, const fake::Manners& sp
 
 TEST_CASE("Nobody at the address: named, tried again, nothing believed", "[BRG-034]") {
     std::uint16_t port = 0;
-    { port = rig::ModbusServer(stub::shipped_map(), {}).port(); }  // free again now
-    const rig::ModbusClient client(impatient(), rig::TcpServer{"127.0.0.1", port});
+    { port = rig::modbus::ModbusServer(stub::shipped_map(), {}).port(); }  // free again now
+    const rig::modbus::ModbusClient client(impatient(), rig::modbus::TcpServer{"127.0.0.1", port});
     REQUIRE(eventually([&] { return client.snapshot().counters.failed_connects >= 5; }));
     const auto now = client.snapshot();
     CHECK(now.link == LinkState::connecting);
-    CHECK_THAT(now.error, ContainsSubstring("127.0.0.1:" + std::to_string(port)) && ContainsSubstring("refused"));
+    CHECK_THAT(now.error, ContainsSubstring("127.0.0.1:" + std::to_string(port)) && ContainsSubstring("rejected"));
     CHECK(std::isnan(now.value(Measured::flywheel_speed_mps)));
     CHECK(std::isinf(now.age_s[0]));
     CHECK(std::isinf(now.plc_watchdog_age_s));
@@ -89,18 +89,18 @@ TEST_CASE("The client waits between attempts, longer each time, also where a con
     const auto begin = std::chrono::steady_clock::now();
     SECTION("nobody there") {
         std::uint16_t port = 0;
-        { port = rig::ModbusServer(stub::shipped_map(), {}).port(); }
-        const rig::ModbusClient client(map, rig::TcpServer{"127.0.0.1", port});
+        { port = rig::modbus::ModbusServer(stub::shipped_map(), {}).port(); }
+        const rig::modbus::ModbusClient client(map, rig::modbus::TcpServer{"127.0.0.1", port});
         REQUIRE(eventually([&] { return client.snapshot().counters.failed_connects >= 5; }));
     }
     SECTION("closed at the first request") {
         fake::TcpPlc plc([](const Request&) { return false; });
-        const rig::ModbusClient client(map, rig::TcpServer{"127.0.0.1", plc.port()});
+        const rig::modbus::ModbusClient client(map, rig::modbus::TcpServer{"127.0.0.1", plc.port()});
         REQUIRE(eventually([&] { return plc.requests() >= 5; }));
     }
     SECTION("closed at the poll") {
         fake::TcpPlc plc([](const Request& request) { return !is_poll(request) && fake::honest(request); });
-        const rig::ModbusClient client(map, rig::TcpServer{"127.0.0.1", plc.port()});
+        const rig::modbus::ModbusClient client(map, rig::modbus::TcpServer{"127.0.0.1", plc.port()});
         REQUIRE(eventually([&] { return client.snapshot().counters.connects >= 5; }));
     }
     CHECK(std::chrono::steady_clock::now() - begin >= 20ms + 40ms + 80ms + 80ms);
@@ -108,7 +108,7 @@ TEST_CASE("The client waits between attempts, longer each time, also where a con
 
 TEST_CASE("A server that accepts and never answers", "[BRG-034]") {
     fake::TcpPlc plc([](const Request&) { return true; });
-    const rig::ModbusClient client(impatient(), rig::TcpServer{"127.0.0.1", plc.port()});
+    const rig::modbus::ModbusClient client(impatient(), rig::modbus::TcpServer{"127.0.0.1", plc.port()});
     REQUIRE(eventually([&] { return client.snapshot().counters.timeouts >= 4; }));
     const auto now = client.snapshot();
     CHECK(now.link == LinkState::connecting);
@@ -120,7 +120,7 @@ TEST_CASE("A server that accepts and never answers", "[BRG-034]") {
 TEST_CASE("Values grow old when the server falls silent", "[BRG-034]") {
     std::atomic<bool> silent{false};
     fake::TcpPlc plc([&](const Request& request) { return silent || fake::honest(request); }, kTruth);
-    const rig::ModbusClient client(impatient(), rig::TcpServer{"127.0.0.1", plc.port()});
+    const rig::modbus::ModbusClient client(impatient(), rig::modbus::TcpServer{"127.0.0.1", plc.port()});
     REQUIRE(eventually([&] { return client.snapshot().fresh(Measured::flywheel_speed_mps, 60.0); }));
     silent = true;
     REQUIRE(eventually([&] { return client.snapshot().link == LinkState::lost; }));
@@ -240,16 +240,16 @@ TEST_CASE("The confirmation of another write is not believed", "[BRG-034]") {
         raw::send(request.line, answer);
         return true;
     });
-    rig::ModbusClient client(impatient(), rig::TcpServer{"127.0.0.1", plc.port()});
+    rig::modbus::ModbusClient client(impatient(), rig::modbus::TcpServer{"127.0.0.1", plc.port()});
     REQUIRE(eventually([&] {
         client.command({});
         return client.snapshot().error.find("confirmation of another write") != std::string::npos;
     }));
-    CHECK(client.snapshot().command == rig::CommandState::pending);
+    CHECK(client.snapshot().command == rig::modbus::CommandState::pending);
     spoil = false;
     REQUIRE(eventually([&] {
         client.command({});
-        return client.snapshot().command == rig::CommandState::applied;
+        return client.snapshot().command == rig::modbus::CommandState::applied;
     }));
 }
 
@@ -282,7 +282,7 @@ TEST_CASE("On a serial line late answers are not believed either", "[BRG-034]") 
             return true;
         },
         kTruth);
-    const rig::ModbusClient client(impatient(), rig::SerialDevice{plc.path()});
+    const rig::modbus::ModbusClient client(impatient(), rig::modbus::SerialDevice{plc.path()});
     bool believed = false;
     REQUIRE(eventually([&] {
         const auto now = client.snapshot();
@@ -312,7 +312,7 @@ TEST_CASE("On a serial line a wrong checksum or unit is not believed", "[BRG-034
             return true;
         },
         kTruth);
-    const rig::ModbusClient client(impatient(), rig::SerialDevice{plc.path()});
+    const rig::modbus::ModbusClient client(impatient(), rig::modbus::SerialDevice{plc.path()});
     bool believed = false;
     std::string error;
     REQUIRE(eventually([&] {
@@ -331,13 +331,13 @@ TEST_CASE("The checksum of the serial fake is the published one", "[BRG-034]") {
 }
 
 TEST_CASE("A serial device that is not there is named", "[BRG-034]") {
-    const rig::ModbusClient client(impatient(), rig::SerialDevice{"/dev/no-such-line"});
+    const rig::modbus::ModbusClient client(impatient(), rig::modbus::SerialDevice{"/dev/no-such-line"});
     REQUIRE(eventually([&] { return client.snapshot().counters.failed_connects >= 2; }));
     CHECK_THAT(client.snapshot().error, ContainsSubstring("/dev/no-such-line") && ContainsSubstring("No such file"));
 }
 
 TEST_CASE("A line that never falls silent is given up", "[BRG-034]") {
-    const rig::PseudoTerminal terminal;
+    const rig::modbus::PseudoTerminal terminal;
     std::atomic<bool> stop{false};
     std::thread noise([&] {
         while (!stop) {
@@ -346,7 +346,7 @@ TEST_CASE("A line that never falls silent is given up", "[BRG-034]") {
         }
     });
     {
-        const rig::ModbusClient client(impatient(), rig::SerialDevice{terminal.path()});
+        const rig::modbus::ModbusClient client(impatient(), rig::modbus::SerialDevice{terminal.path()});
         CHECK(eventually([&] { return client.snapshot().error.find("never quiet") != std::string::npos; }));
     }
     stop = true;

@@ -23,13 +23,13 @@ inline rig::CommandedValues landing(double speed_mps) {
     return wanted;
 }
 
-inline rig::TcpServer at_port(std::uint16_t port) {
+inline rig::modbus::TcpServer at_port(std::uint16_t port) {
     return {"127.0.0.1", port};
 }
 
 /// Calls `client.command` as a bridge does until `done`.
 template <typename Condition>
-inline bool commanding(rig::ModbusClient& client, const rig::CommandedValues& wanted, const Condition& done) {
+inline bool commanding(rig::modbus::ModbusClient& client, const rig::CommandedValues& wanted, const Condition& done) {
     return eventually([&] {
         client.command(wanted);
         return done();
@@ -38,7 +38,7 @@ inline bool commanding(rig::ModbusClient& client, const rig::CommandedValues& wa
 
 /// 75 m/s under commit 4711, in one request.
 inline void other_master_commands(const rig::RegisterMap& map, std::uint16_t port) {
-    const rig::ModbusContext other(modbus_new_tcp("127.0.0.1", port));
+    const rig::modbus::ModbusContext other(modbus_new_tcp("127.0.0.1", port));
     REQUIRE(modbus_connect(other.get()) == 0);
     modbus_set_slave(other.get(), map.unit_id);
     rig::RegisterImage image(map.commanded, map.word_order);

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "rig_bridge/registers/lockstep_turn.hpp"
+#include "rig_bridge/rig/lockstep_turn.hpp"
 #include "tests/catch.hpp"
 #include "tests/modbus/client_commands.hpp"
 #include "tests/modbus/plc_stub.hpp"
@@ -12,9 +12,9 @@
 using namespace std::chrono_literals;
 using rig::at;
 using rig::Commanded;
-using rig::CommandState;
-using rig::LinkState;
 using rig::Measured;
+using rig::modbus::CommandState;
+using rig::modbus::LinkState;
 using stub::eventually;
 using namespace client_test;
 
@@ -25,7 +25,7 @@ TEST_CASE("Measured values arrive in SI with their age and quality", "[BRG-030]"
     plc.set(Measured::brake_temperature_C, -12.34);
     plc.set(Measured::hydraulic_pressure_Pa, 20.996e6);
     plc.set(Measured::interlocks, 0b1101);
-    const rig::ModbusClient client(map, at_port(plc.server().port()));
+    const rig::modbus::ModbusClient client(map, at_port(plc.server().port()));
     REQUIRE(eventually([&] { return client.snapshot().value(Measured::flywheel_speed_mps) == 61.25; }));
     const auto now = client.snapshot();
     CHECK(now.link == LinkState::connected);
@@ -42,23 +42,23 @@ TEST_CASE("Measured values arrive in SI with their age and quality", "[BRG-030]"
 TEST_CASE("A command is applied whole and confirmed by its number", "[BRG-030]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
-    rig::ModbusClient client(map, at_port(plc.server().port()));
+    rig::modbus::ModbusClient client(map, at_port(plc.server().port()));
     CHECK(client.snapshot().command == CommandState::none);
     const auto wanted = landing(50.0);
     REQUIRE(commanding(client, wanted, [&] { return client.snapshot().command == CommandState::applied; }));
-    const auto orders = plc.orders().commanded;
-    CHECK(at(orders, Commanded::drive_enable) == 1.0);
-    CHECK(at(orders, Commanded::flywheel_speed_mps) == 50.0);
-    CHECK(at(orders, Commanded::load_base_N) == 43609.5);
-    CHECK(at(orders, Commanded::load_lift_Ns2pm2) == 3.625);
-    CHECK(at(orders, Commanded::commit) == client.snapshot().commit);
+    const auto commands = plc.commands().commanded;
+    CHECK(at(commands, Commanded::drive_enable) == 1.0);
+    CHECK(at(commands, Commanded::flywheel_speed_mps) == 50.0);
+    CHECK(at(commands, Commanded::load_base_N) == 43609.5);
+    CHECK(at(commands, Commanded::load_lift_Ns2pm2) == 3.625);
+    CHECK(at(commands, Commanded::commit) == client.snapshot().commit);
     CHECK(client.snapshot().pending_s == 0.0);
 }
 
 TEST_CASE("A second master's command is seen, and the client's own restored", "[BRG-136]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
-    rig::ModbusClient client(map, at_port(plc.server().port()));
+    rig::modbus::ModbusClient client(map, at_port(plc.server().port()));
     const auto wanted = landing(49.0);
     REQUIRE(commanding(client, wanted, [&] { return client.snapshot().command == CommandState::applied; }));
     CHECK(client.snapshot().foreign_commands == 0);
@@ -67,15 +67,15 @@ TEST_CASE("A second master's command is seen, and the client's own restored", "[
     REQUIRE(commanding(client, wanted, [&] { return client.snapshot().foreign_commands == 1; }));
     CHECK(client.snapshot().foreign_commit == 4711);
     REQUIRE(commanding(client, wanted, [&] {
-        return at(plc.orders().commanded, Commanded::flywheel_speed_mps) == 49.0 && client.snapshot().command == CommandState::applied;
+        return at(plc.commands().commanded, Commanded::flywheel_speed_mps) == 49.0 && client.snapshot().command == CommandState::applied;
     }));
-    CHECK(at(plc.orders().commanded, Commanded::load_base_N) == 43609.5);
+    CHECK(at(plc.commands().commanded, Commanded::load_base_N) == 43609.5);
 }
 
 TEST_CASE("A second master's command is seen, though the client's next one takes its place before the PLC looks", "[BRG-136]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
-    rig::ModbusClient client(map, at_port(plc.server().port()));
+    rig::modbus::ModbusClient client(map, at_port(plc.server().port()));
     REQUIRE(commanding(client, landing(49.0), [&] { return client.snapshot().command == CommandState::applied; }));
 
     plc.freeze(true);
@@ -91,23 +91,23 @@ TEST_CASE("A second master's command is seen, though the client's next one takes
 TEST_CASE("A refused command is told, and so is one that cannot be sent", "[BRG-030]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
-    plc.refuse(true);
-    rig::ModbusClient client(map, at_port(plc.server().port()));
-    REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().command == CommandState::refused; }));
-    CHECK(client.snapshot().value(Measured::refused_commit) == client.snapshot().commit);
-    plc.refuse(false);
+    plc.reject(true);
+    rig::modbus::ModbusClient client(map, at_port(plc.server().port()));
+    REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().command == CommandState::rejected; }));
+    CHECK(client.snapshot().value(Measured::rejected_commit) == client.snapshot().commit);
+    plc.reject(false);
     REQUIRE(commanding(client, landing(51.0), [&] { return client.snapshot().command == CommandState::applied; }));
     client.command(landing(1e6));
     CHECK(client.snapshot().command == CommandState::unsendable);
     CHECK_THAT(client.snapshot().command_error, ContainsSubstring("flywheel_speed"));
-    CHECK(at(plc.orders().commanded, Commanded::flywheel_speed_mps) == 51.0);
+    CHECK(at(plc.commands().commanded, Commanded::flywheel_speed_mps) == 51.0);
 }
 
 TEST_CASE("Many commands in a row: each as it was wanted, the last one applied", "[BRG-030]") {
     auto map = stub::shipped_map();
     map.link.poll = 1ms;
     stub::Plc plc(map);
-    rig::ModbusClient client(map, at_port(plc.server().port()));
+    rig::modbus::ModbusClient client(map, at_port(plc.server().port()));
     rig::CommandedValues wanted{};
     int k = 0;
     REQUIRE(eventually([&] {
@@ -126,7 +126,7 @@ TEST_CASE("Many commands in a row: each as it was wanted, the last one applied",
         CHECK(at(commit, Commanded::commit) > before);
         before = at(commit, Commanded::commit);
     }
-    CHECK(at(plc.orders().commanded, Commanded::flywheel_speed_mps) == k);
+    CHECK(at(plc.commands().commanded, Commanded::flywheel_speed_mps) == k);
 }
 
 TEST_CASE("A server that was killed and restarted gets the newest command again", "[BRG-030]") {
@@ -135,7 +135,7 @@ TEST_CASE("A server that was killed and restarted gets the newest command again"
     map.link.backoff_max = 20ms;
     auto plc = std::make_unique<stub::Plc>(map);
     const auto port = plc->server().port();
-    rig::ModbusClient client(map, at_port(port));
+    rig::modbus::ModbusClient client(map, at_port(port));
     const auto applied = [&] { return client.snapshot().command == CommandState::applied; };
     REQUIRE(commanding(client, landing(50.0), applied));
     const auto first = client.snapshot();
@@ -149,9 +149,9 @@ TEST_CASE("A server that was killed and restarted gets the newest command again"
     client.command(wanted);
     CHECK(client.snapshot().command == CommandState::pending);
 
-    plc = std::make_unique<stub::Plc>(map, rig::ServerOptions{.port = port});
+    plc = std::make_unique<stub::Plc>(map, rig::modbus::ServerOptions{.port = port});
     REQUIRE(commanding(client, wanted, applied));
-    CHECK(at(plc->orders().commanded, Commanded::flywheel_speed_mps) == 30.0);
+    CHECK(at(plc->commands().commanded, Commanded::flywheel_speed_mps) == 30.0);
     CHECK(client.snapshot().commit > first.commit);
     CHECK(client.snapshot().counters.connects == 2);
     CHECK(client.snapshot().link == LinkState::connected);
@@ -166,8 +166,8 @@ TEST_CASE("A PLC with another map version is refused by number and left alone", 
     auto map = stub::shipped_map();
     map.link.backoff_min = 1ms;
     map.link.backoff_max = 20ms;
-    rig::ModbusClient client(map, at_port(port));
-    REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().link == LinkState::map_refused; }));
+    rig::modbus::ModbusClient client(map, at_port(port));
+    REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().link == LinkState::map_rejected; }));
     REQUIRE(commanding(client, landing(50.0), [&] { return plc->server().counters().requests >= 5; }));
     const auto now = client.snapshot();
     CHECK_THAT(now.error, ContainsSubstring("version 2") && ContainsSubstring("bridge's is 1"));
@@ -175,10 +175,10 @@ TEST_CASE("A PLC with another map version is refused by number and left alone", 
     CHECK(now.command == CommandState::pending);
     CHECK(std::isnan(now.value(Measured::plc_state)));
     CHECK(plc->commits().empty());
-    CHECK(at(plc->orders().commanded, Commanded::bridge_watchdog) == 0.0);
+    CHECK(at(plc->commands().commanded, Commanded::bridge_watchdog) == 0.0);
 
     plc.reset();
-    plc = std::make_unique<stub::Plc>(map, rig::ServerOptions{.port = port});
+    plc = std::make_unique<stub::Plc>(map, rig::modbus::ServerOptions{.port = port});
     REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().command == CommandState::applied; }));
 }
 
@@ -186,8 +186,9 @@ TEST_CASE("The watchdog moves only while the bridge's thread calls", "[BRG-030]"
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
     std::atomic<std::int64_t> now_ms{1000};
-    rig::ModbusClient client(map, at_port(plc.server().port()), [&] { return rig::ClockTime(std::chrono::milliseconds(now_ms.load())); });
-    const auto watchdog = [&] { return at(plc.orders().commanded, Commanded::bridge_watchdog); };
+    rig::modbus::ModbusClient client(map, at_port(plc.server().port()),
+                                     [&] { return rig::modbus::ClockTime(std::chrono::milliseconds(now_ms.load())); });
+    const auto watchdog = [&] { return at(plc.commands().commanded, Commanded::bridge_watchdog); };
     const auto polled = [&](std::uint64_t more) {
         const auto goal = client.snapshot().counters.polls + more;
         return eventually([&] { return client.snapshot().counters.polls >= goal; });
@@ -231,7 +232,7 @@ TEST_CASE("Commands wait until the PLC has seen the watchdog move", "[BRG-030]")
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
     plc.freeze(true);
-    rig::ModbusClient client(map, at_port(plc.server().port()));
+    rig::modbus::ModbusClient client(map, at_port(plc.server().port()));
     REQUIRE(commanding(client, landing(40.0), [&] { return client.snapshot().counters.polls >= 10; }));
     CHECK(client.snapshot().commit == 0);
     CHECK(client.snapshot().command == CommandState::pending);
@@ -244,7 +245,7 @@ TEST_CASE("Commands wait until the PLC has seen the watchdog move", "[BRG-030]")
 TEST_CASE("A PLC that hangs is seen by the age of its watchdog, though it answers", "[BRG-034]") {
     const auto map = stub::shipped_map();
     stub::Plc plc(map);
-    rig::ModbusClient client(map, at_port(plc.server().port()));
+    rig::modbus::ModbusClient client(map, at_port(plc.server().port()));
     REQUIRE(eventually([&] { return std::isfinite(client.snapshot().plc_watchdog_age_s); }));
     plc.freeze(true);
     REQUIRE(eventually([&] { return client.snapshot().plc_watchdog_age_s > 0.3; }));
@@ -256,7 +257,7 @@ TEST_CASE("A server that hangs after the request loses the link and gets it back
     map.link.response_timeout = 50ms;
     map.link.backoff_max = 100ms;
     stub::Plc plc(map);
-    rig::ModbusClient client(map, at_port(plc.server().port()));
+    rig::modbus::ModbusClient client(map, at_port(plc.server().port()));
     REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().command == CommandState::applied; }));
     const auto timeouts = client.snapshot().counters.timeouts;
     const raw::Client other(plc.server().port());
@@ -280,24 +281,24 @@ TEST_CASE("Little word order and scattered registers work as well", "[BRG-030]")
     plc.set(Measured::brake_torque_Nm, -1234.5);
     plc.set(Measured::wheel_on_rim, 1.0);
     plc.set(Measured::interlocks, 0b0011);
-    rig::ModbusClient client(map, at_port(plc.server().port()));
+    rig::modbus::ModbusClient client(map, at_port(plc.server().port()));
     REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().command == CommandState::applied; }));
     REQUIRE(eventually([&] { return client.snapshot().value(Measured::brake_torque_Nm) == -1234.5; }));
     CHECK(client.snapshot().value(Measured::wheel_on_rim) == 1.0);
     CHECK(client.snapshot().value(Measured::interlocks) == 3.0);
-    CHECK(at(plc.orders().commanded, Commanded::load_lift_Ns2pm2) == 3.625);
+    CHECK(at(plc.commands().commanded, Commanded::load_lift_Ns2pm2) == 3.625);
 }
 
 TEST_CASE("Turn by turn the PLC is read and told on the caller's thread, by the caller's time", "[BRG-465]") {
     auto map = stub::shipped_map();
     map.link.response_timeout = 60s;  // a busy host may stop the server for longer than a PLC would take
-    rig::ModbusServer server(map, {});
+    rig::modbus::ModbusServer server(map, {});
     rig::MeasuredValues measured{};
-    rig::ClockTime now{};
+    rig::modbus::ClockTime now{};
     std::uint16_t turn = 0;
     {
-        rig::ModbusClient client(
-            map, at_port(server.port()), [&] { return now; }, rig::Polling::turns);
+        rig::modbus::ModbusClient client(
+            map, at_port(server.port()), [&] { return now; }, rig::modbus::Polling::turns);
         CHECK(client.snapshot().link == LinkState::connecting);
         client.look();
         client.turn(rig::kJoined);
@@ -305,8 +306,8 @@ TEST_CASE("Turn by turn the PLC is read and told on the caller's thread, by the 
         CHECK(eventually([&] { return server.bridge_turn() == rig::kJoined; }));
         CHECK(client.snapshot().link == LinkState::connected);
         const auto polls = client.snapshot().counters.polls;
-        rig::Orders orders;
-        while (at(orders.commanded, Commanded::flywheel_speed_mps) != 61.0 && turn < 20) {
+        rig::modbus::PlcCommands commands;
+        while (at(commands.commanded, Commanded::flywheel_speed_mps) != 61.0 && turn < 20) {
             now += 10ms;
             at(measured, Measured::plc_watchdog) += 1.0;
             at(measured, Measured::flywheel_speed_mps) = 0.5 * turn;
@@ -317,7 +318,7 @@ TEST_CASE("Turn by turn the PLC is read and told on the caller's thread, by the 
             CHECK(eventually([&] { return server.bridge_turn() == turn; }));
             CHECK(client.snapshot().value(Measured::flywheel_speed_mps) == 0.5 * (turn - 1));
             CHECK(client.snapshot().counters.polls == polls + turn);
-            orders = server.exchange(measured);
+            commands = server.exchange(measured);
         }
         // Told as soon as the PLC has seen the bridge's watchdog move.
         CHECK(turn == 3);

@@ -193,7 +193,7 @@ class RtuPlc {
 
     Manners manners_;
     Registers registers_;
-    rig::PseudoTerminal terminal_;
+    rig::modbus::PseudoTerminal terminal_;
     std::atomic<std::uint64_t> requests_{0};
     std::atomic<bool> stop_{false};
     std::thread thread_;

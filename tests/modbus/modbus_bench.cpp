@@ -44,9 +44,9 @@ int serve() {
         words >> name >> value;
         if (name == "orders") {
             plc.settle();
-            const auto orders = plc.orders();
-            auto object = named<rig::Commanded>(orders.commanded);
-            object["open_interlocks"] = orders.open_interlocks;
+            const auto commands = plc.commands();
+            auto object = named<rig::Commanded>(commands.commanded);
+            object["open_interlocks"] = commands.open_interlocks;
             std::cout << object << std::endl;
         } else {
             plc.set(by_name<rig::Measured, rig::kMeasuredCount>(name), value);
@@ -62,10 +62,10 @@ int ask(const std::vector<std::string>& arguments) {
         const auto q = by_name<rig::Commanded, rig::kCommandedCount>(arguments[i].substr(0, equals));
         rig::at(wanted, q) = std::stod(arguments[i].substr(equals + 1));
     }
-    rig::ModbusClient client(stub::shipped_map(), rig::parse_plc_address(arguments.at(0)));
+    rig::modbus::ModbusClient client(stub::shipped_map(), rig::modbus::parse_plc_address(arguments.at(0)));
     const bool applied = stub::eventually([&] {
         client.command(wanted);
-        return client.snapshot().command == rig::CommandState::applied;
+        return client.snapshot().command == rig::modbus::CommandState::applied;
     });
     const auto now = client.snapshot();
     auto object = named<rig::Measured>(now.values);

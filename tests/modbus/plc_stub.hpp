@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "rig_bridge/modbus/server.hpp"
-#include "rig_bridge/registers/register_map.hpp"
+#include "rig_bridge/rig/register_map.hpp"
 
 namespace stub {
 
@@ -32,7 +32,7 @@ template <typename Condition>
 
 class Plc {
   public:
-    explicit Plc(const rig::RegisterMap& map, const rig::ServerOptions& options = {}) : server_(map, options), thread_([this] { run(); }) {}
+    explicit Plc(const rig::RegisterMap& map, const rig::modbus::ServerOptions& options = {}) : server_(map, options), thread_([this] { run(); }) {}
     ~Plc() {
         stop_ = true;
         thread_.join();
@@ -40,14 +40,14 @@ class Plc {
     Plc(const Plc&) = delete;
     Plc& operator=(const Plc&) = delete;
 
-    [[nodiscard]] const rig::ModbusServer& server() const { return server_; }
+    [[nodiscard]] const rig::modbus::ModbusServer& server() const { return server_; }
     void set(rig::Measured q, double value) {
         const std::lock_guard lock(mutex_);
         rig::at(measured_, q) = value;
     }
-    [[nodiscard]] rig::Orders orders() const {
+    [[nodiscard]] rig::modbus::PlcCommands commands() const {
         const std::lock_guard lock(mutex_);
-        return orders_;
+        return commands_;
     }
     /// Every commit that was seen, in order of appearance; a number twice is there twice.
     [[nodiscard]] std::vector<rig::CommandedValues> commits() const {
@@ -59,7 +59,7 @@ class Plc {
         const std::uint64_t goal = scans_ + 2;
         while (scans_ < goal) std::this_thread::sleep_for(1ms);
     }
-    void refuse(bool on) { refuse_ = on; }
+    void reject(bool on) { reject_ = on; }
     void freeze(bool on) { frozen_ = on; }
 
   private:
@@ -73,23 +73,23 @@ class Plc {
         const std::lock_guard lock(mutex_);
         auto& watchdog = rig::at(measured_, rig::Measured::plc_watchdog);
         watchdog = watchdog >= 65535.0 ? 0.0 : watchdog + 1.0;
-        orders_ = server_.exchange(measured_);
+        commands_ = server_.exchange(measured_);
         ++scans_;
-        const double commit = rig::at(orders_.commanded, rig::Commanded::commit);
+        const double commit = rig::at(commands_.commanded, rig::Commanded::commit);
         if (commit == commit_) return;
         commit_ = commit;
-        commits_.push_back(orders_.commanded);
-        rig::at(measured_, refuse_ ? rig::Measured::refused_commit : rig::Measured::applied_commit) = commit;
+        commits_.push_back(commands_.commanded);
+        rig::at(measured_, reject_ ? rig::Measured::rejected_commit : rig::Measured::applied_commit) = commit;
     }
 
-    rig::ModbusServer server_;
+    rig::modbus::ModbusServer server_;
     mutable std::mutex mutex_;
     rig::MeasuredValues measured_{};
-    rig::Orders orders_;
+    rig::modbus::PlcCommands commands_;
     std::vector<rig::CommandedValues> commits_;
     double commit_ = 0.0;
     std::atomic<std::uint64_t> scans_{0};
-    std::atomic<bool> stop_{false}, refuse_{false}, frozen_{false};
+    std::atomic<bool> stop_{false}, reject_{false}, frozen_{false};
     std::thread thread_;
 };
 

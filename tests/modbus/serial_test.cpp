@@ -3,7 +3,7 @@
 
 #include <fcntl.h>
 
-#include "rig_bridge/registers/lockstep_turn.hpp"
+#include "rig_bridge/rig/lockstep_turn.hpp"
 #include "tests/catch.hpp"
 #include "tests/modbus/client_commands.hpp"
 #include "tests/modbus/fake_plc.hpp"
@@ -13,8 +13,8 @@
 using namespace std::chrono_literals;
 using rig::at;
 using rig::Commanded;
-using rig::CommandState;
 using rig::Measured;
+using rig::modbus::CommandState;
 using stub::eventually;
 using namespace client_test;
 
@@ -24,18 +24,18 @@ TEST_CASE("The client speaks RTU to the server's pseudo-terminal", "[BRG-020]") 
     stub::Plc plc(map, {.rtu = true});
     plc.set(Measured::vertical_load_N, 43609.5);
     CHECK_THAT(plc.server().rtu_path(), ContainsSubstring("/dev/pts/"));
-    rig::ModbusClient client(map, rig::SerialDevice{plc.server().rtu_path()});
+    rig::modbus::ModbusClient client(map, rig::modbus::SerialDevice{plc.server().rtu_path()});
     REQUIRE(commanding(client, landing(50.0), [&] { return client.snapshot().command == CommandState::applied; }));
     CHECK(client.snapshot().value(Measured::vertical_load_N) == 43609.5);
-    CHECK(at(plc.orders().commanded, Commanded::load_base_N) == 43609.5);
+    CHECK(at(plc.commands().commanded, Commanded::load_base_N) == 43609.5);
     // The same registers over TCP at the same time.
-    rig::ModbusClient tcp(map, at_port(plc.server().port()));
+    rig::modbus::ModbusClient tcp(map, at_port(plc.server().port()));
     REQUIRE(eventually([&] { return tcp.snapshot().value(Measured::vertical_load_N) == 43609.5; }));
 }
 
 TEST_CASE("The server's RTU side ignores other units, noise and broken frames", "[BRG-020]") {
     const auto map = stub::shipped_map();
-    const rig::ModbusServer server(map, {.port = std::nullopt, .rtu = true});
+    const rig::modbus::ModbusServer server(map, {.port = std::nullopt, .rtu = true});
     CHECK(server.port() == 0);
     const settings::FileDescriptor line(::open(server.rtu_path().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
     REQUIRE(line.is_open());
@@ -73,5 +73,5 @@ TEST_CASE("The server's RTU side ignores other units, noise and broken frames", 
 TEST_CASE("A map that a serial line cannot carry safely is refused", "[BRG-034]") {
     auto map = stub::shipped_map();
     map.measured[static_cast<std::size_t>(Measured::wheel_on_rim)].address = 500;
-    CHECK_THROWS_WITH(rig::ModbusClient(map, rig::SerialDevice{"/dev/ttyS9"}), ContainsSubstring("groups of two"));
+    CHECK_THROWS_WITH(rig::modbus::ModbusClient(map, rig::modbus::SerialDevice{"/dev/ttyS9"}), ContainsSubstring("groups of two"));
 }

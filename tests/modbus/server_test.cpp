@@ -21,7 +21,7 @@ namespace {
 /// A server and one exchange with it.
 struct Bench {
     rig::RegisterMap map = stub::shipped_map();
-    rig::ModbusServer server{map, {}};
+    rig::modbus::ModbusServer server{map, {}};
     rig::MeasuredValues measured{};
 
     Bench() {
@@ -30,7 +30,7 @@ struct Bench {
         at(measured, Measured::flywheel_speed_mps) = 1.0;
         exchange();
     }
-    rig::Orders exchange() { return server.exchange(measured); }
+    rig::modbus::PlcCommands exchange() { return server.exchange(measured); }
 };
 
 Bytes exception(std::uint8_t function, std::uint8_t code) {
@@ -233,7 +233,7 @@ TEST_CASE("Requests may come in pieces, or several at once; half a request holds
 
 TEST_CASE("The number of clients is bounded; a place that becomes free is given away", "[BRG-020]") {
     const auto map = stub::shipped_map();
-    const rig::ModbusServer server(map, {.clients = 2});
+    const rig::modbus::ModbusServer server(map, {.clients = 2});
     auto first = std::make_unique<raw::Client>(server.port());
     CHECK(first->ask({4, 0, 0, 0, 1}).size() == 4);
     const raw::Client second(server.port());
@@ -248,7 +248,7 @@ TEST_CASE("The number of clients is bounded; a place that becomes free is given 
 
 TEST_CASE("Clients that only connect, or send half a request, keep nobody out", "[BRG-020]") {
     const auto map = stub::shipped_map();
-    const rig::ModbusServer server(map, {.clients = 3, .idle = 50ms});
+    const rig::modbus::ModbusServer server(map, {.clients = 3, .idle = 50ms});
     const raw::Client working(server.port());
     const raw::Client silent(server.port());
     const raw::Client slow(server.port());
@@ -268,7 +268,7 @@ TEST_CASE("Clients that only connect, or send half a request, keep nobody out", 
     CHECK(server.counters().idle == 2);
     CHECK(working.ask({4, 0, 0, 0, 1}).size() == 4);
     // While all of them ask, one more is closed as it comes.
-    const rig::ModbusServer busy(map, {.clients = 1, .idle = 1h});
+    const rig::modbus::ModbusServer busy(map, {.clients = 1, .idle = 1h});
     const raw::Client first(busy.port());
     CHECK(first.ask({4, 0, 0, 0, 1}).size() == 4);
     CHECK(raw::Client(busy.port()).receive().empty());
@@ -277,54 +277,54 @@ TEST_CASE("Clients that only connect, or send half a request, keep nobody out", 
 
 TEST_CASE("An address that cannot be served is named with the reason", "[BRG-020]") {
     const auto map = stub::shipped_map();
-    const rig::ModbusServer server(map, {});
+    const rig::modbus::ModbusServer server(map, {});
     const std::string port = std::to_string(server.port());
-    CHECK_THROWS_WITH(rig::ModbusServer(map, {.port = server.port()}), ContainsSubstring("127.0.0.1:" + port) && ContainsSubstring("in use"));
-    CHECK_THROWS_WITH(rig::ModbusServer(map, {.address = "localhost"}), ContainsSubstring("numeric IPv4"));
-    CHECK_THROWS_WITH(rig::ModbusServer(map, {.address = "192.0.2.1"}), ContainsSubstring("192.0.2.1"));
+    CHECK_THROWS_WITH(rig::modbus::ModbusServer(map, {.port = server.port()}), ContainsSubstring("127.0.0.1:" + port) && ContainsSubstring("in use"));
+    CHECK_THROWS_WITH(rig::modbus::ModbusServer(map, {.address = "localhost"}), ContainsSubstring("numeric IPv4"));
+    CHECK_THROWS_WITH(rig::modbus::ModbusServer(map, {.address = "192.0.2.1"}), ContainsSubstring("192.0.2.1"));
 }
 
 TEST_CASE("A port is free again when its server has gone, clients or not", "[BRG-020]") {
     const auto map = stub::shipped_map();
-    auto server = std::make_unique<rig::ModbusServer>(map, rig::ServerOptions{});
+    auto server = std::make_unique<rig::modbus::ModbusServer>(map, rig::modbus::ServerOptions{});
     const auto port = server->port();
     const raw::Client client(port);
     CHECK(client.ask({4, 0, 0, 0, 1}).size() == 4);
     server.reset();
-    server = std::make_unique<rig::ModbusServer>(map, rig::ServerOptions{.port = port});
+    server = std::make_unique<rig::modbus::ModbusServer>(map, rig::modbus::ServerOptions{.port = port});
     CHECK(raw::Client(port).ask({4, 0, 0, 0, 1}).size() == 4);
 }
 
 TEST_CASE("A peer that is not on the list is closed unheard and named once; one that is, is served", "[BRG-020]") {
     const rig::RegisterMap map = stub::shipped_map();
     std::mutex mutex;
-    std::vector<std::string> refused;
-    const rig::ServerOptions options{.allow = {"127.0.0.1", "127.0.0.3"}, .on_refused = [&](const std::string& peer) {
-                                         const std::lock_guard lock(mutex);
-                                         refused.push_back(peer);
-                                     }};
-    rig::ModbusServer server(map, options);
+    std::vector<std::string> rejected;
+    const rig::modbus::ServerOptions options{.allow = {"127.0.0.1", "127.0.0.3"}, .on_rejected = [&](const std::string& peer) {
+                                                 const std::lock_guard lock(mutex);
+                                                 rejected.push_back(peer);
+                                             }};
+    rig::modbus::ModbusServer server(map, options);
     static_cast<void>(server.exchange({}));
     for (int i = 0; i < 3; ++i) {
         const raw::Client stranger(server.port(), "127.0.0.2");
         CHECK(stranger.ask({6, 0, 2, 0, 1}).empty());
     }
-    CHECK(server.counters().refused == 3);
+    CHECK(server.counters().rejected == 3);
     CHECK(server.counters().requests == 0);
     const raw::Client guest(server.port(), "127.0.0.3");
     CHECK(guest.ask({3, 0, 2, 0, 1}) == Bytes{3, 2, 0, 0});  // what the stranger wrote did not arrive
     const raw::Client other(server.port());
     CHECK(other.ask({3, 0, 2, 0, 1}) == Bytes{3, 2, 0, 0});
     const std::lock_guard lock(mutex);
-    CHECK(refused == std::vector<std::string>{"127.0.0.2"});
+    CHECK(rejected == std::vector<std::string>{"127.0.0.2"});
 }
 
 TEST_CASE("Unless told otherwise only this machine's own address is served; no list, nobody", "[BRG-020]") {
     const rig::RegisterMap map = stub::shipped_map();
-    const rig::ModbusServer usual(map, {.address = "0.0.0.0"});
+    const rig::modbus::ModbusServer usual(map, {.address = "0.0.0.0"});
     CHECK(raw::Client(usual.port(), "127.0.0.2").receive().empty());
-    CHECK(eventually([&] { return usual.counters().refused == 1; }));
-    const rig::ModbusServer closed(map, {.allow = {}});
+    CHECK(eventually([&] { return usual.counters().rejected == 1; }));
+    const rig::modbus::ModbusServer closed(map, {.allow = {}});
     CHECK(raw::Client(closed.port()).receive().empty());
-    CHECK_THROWS_WITH(rig::ModbusServer(map, {.allow = {"plc.local"}}), ContainsSubstring("plc.local") && ContainsSubstring("numeric IPv4"));
+    CHECK_THROWS_WITH(rig::modbus::ModbusServer(map, {.allow = {"plc.local"}}), ContainsSubstring("plc.local") && ContainsSubstring("numeric IPv4"));
 }

@@ -28,7 +28,7 @@ WIDTH = {"u16": 1, "i16": 1, "u32": 2, "float32": 2}
 
 # Values that their registers hold exactly, or to half a count.
 MEASURED = {
-    "plc_state": 1, "refused_commit": 513, "interlocks": 0b1010, "wheel_on_rim": 1, "brake_temperature": -12.3,
+    "plc_state": 1, "rejected_commit": 513, "interlocks": 0b1010, "wheel_on_rim": 1, "brake_temperature": -12.3,
     "hydraulic_pressure": 20.99e6, "sledge_position": 0.2468, "flywheel_speed": 61.0625, "loading_force": 43609.5,
     "vertical_load": 43500.25, "longitudinal_force": -12345.75, "brake_torque": 7654.5,
 }
@@ -195,7 +195,7 @@ def stock_clients(program):
 def stock_server(program):
     """[BRG-050]"""
     inputs, holdings = [0] * 64, [0] * 64
-    for name, value in {**MEASURED, "map_version": MAP["map_version"], "refused_commit": 0}.items():
+    for name, value in {**MEASURED, "map_version": MAP["map_version"], "rejected_commit": 0}.items():
         field = MAP["input"][name]
         inputs[field["address"]:field["address"] + WIDTH[field["type"]]] = to_words(field, value)
     store = ModbusSlaveContext(ir=ModbusSequentialDataBlock(1, inputs), hr=ModbusSequentialDataBlock(1, holdings))  # it adds 1
@@ -230,7 +230,7 @@ def stock_server(program):
     seen = json.loads(asked.stdout)
     if not seen["good"] or seen["error"]:
         sys.exit(f"our client complains: {seen}")
-    for name, value in {**MEASURED, "refused_commit": 0}.items():
+    for name, value in {**MEASURED, "rejected_commit": 0}.items():
         equal(f"pymodbus server: {name}", seen[name], value, 0.51 * MAP["input"][name].get("scale", 0))
     for name, value in COMMANDED.items():
         field = MAP["holding"][name]

@@ -65,7 +65,7 @@ TEST_CASE("pressure profiles: speeds, energies and distances agree with the refe
 TEST_CASE("static pressure through the valve: agreement on all 32 scenarios", "[RIG-001][RIG-050]") {
     Worst worst("through the valve, 1 ms");
     for (const NamedScenario& s : all_scenarios()) {
-        const double peak = least_peak_pressure_Pa(s.loaded.rig);
+        const double peak = min_peak_pressure_Pa(s.loaded.rig);
         // Held commands, as a controller sends them, with full release: the pressure runs into zero.
         reference::Profile held{{0.0, 0.0}};
         constexpr std::array<double, 8> kShares{0.4, 0.9, 0.6, 1.3, 0.0, 0.8, 0.2, 1.6};

@@ -2,20 +2,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "tests/catch.hpp"
 
 TEST_CASE("energy: the books of every closed-loop stop close to a millionth", "[RIG-050]") {
     double worst = 0.0;
     for (const std::string law : {"slip", "threshold"}) {
-        for (const std::string& surface : plant::surface_names("config")) {
-            for (const std::string& maneuver : plant::maneuver_names("config")) {
-                plant_sim::ScenarioOptions options;
+        for (const std::string& surface : rig::surface_names("config")) {
+            for (const std::string& maneuver : rig::maneuver_names("config")) {
+                plant_sim::StopOptions options;
                 options.choice.surface = surface;
                 options.choice.maneuver = maneuver;
                 options.law = law;
-                const plant_sim::Scenario s = plant_sim::load_scenario(options);
+                const plant_sim::StopInputs s = plant_sim::load_scenario(options);
                 const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
                 CAPTURE(law, surface, maneuver);
                 CHECK(result.figures.standstill);

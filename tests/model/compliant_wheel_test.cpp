@@ -15,14 +15,14 @@ namespace {
 
 constexpr double kMass_kg = 2800.0, kInertia_kgm2 = 1.3, kFree_m = 0.335, kStiffness_Npm = 2.7e6;
 constexpr double kWeight_N = kMass_kg * 9.80665, kLift = 3.6, kGain_m3 = 1.04e-3;
-constexpr FrictionLaw kTyre{1.0686, 15.0, 0.5};
+constexpr rig::FrictionLaw kTyre{1.0686, 15.0, 0.5};
 
-WheelParameters wheel(const Compliance& compliance) {
+rig::WheelParameters wheel(const rig::Compliance& compliance) {
     return {.mass_kg = kMass_kg, .inertia_kgm2 = kInertia_kgm2, .free_radius_m = kFree_m, .stiffness_Npm = kStiffness_Npm, .compliance = compliance};
 }
 
-BrakeTorque brake() {
-    return {BrakeGeometry{kGain_m3 / 0.3, 1.0, 1.0, 1.0}, FrictionCurve{0.3, 0.0, 0.0, 0.0}, 0.3, 49.0};
+plant::BrakeTorque brake() {
+    return {rig::BrakeGeometry{kGain_m3 / 0.3, 1.0, 1.0, 1.0}, rig::FrictionCurve{0.3, 0.0, 0.0, 0.0}, 0.3, 49.0};
 }
 
 /// A build-up towards the peak in 0.2 s, then a swing about it: through all that a stop does but a lock.
@@ -51,7 +51,7 @@ double flooded_grip(double v_mps) {
 
 /// Written from the definitions of compliance.hpp, not from the code: forces first, then Newton.
 struct Reference {
-    Compliance c;
+    rig::Compliance c;
     bool flooded = false;
     double pressure_share = 1.0;
 
@@ -91,7 +91,7 @@ struct Reference {
 
 struct Case {
     const char* name;
-    Compliance compliance;
+    rig::Compliance compliance;
     bool flooded = false;
     double pressure_share = 1.0;  ///< of pressure_Pa(): a flooded road holds less
     int steps = 600;
@@ -103,7 +103,8 @@ const std::vector<Case> kCases{{"ring, soft", {.ring = {0.45, 50.0, 0.03}, .rela
                                {"leg", {.ring = {}, .relaxation = {}, .leg = {120.0, 12.0, 0.05}}},
                                {"all at once", {.ring = {0.35, 80.0, 0.06}, .relaxation = {0.2, 0.05}, .leg = {120.0, 8.0, 0.02}}}};
 
-const Surface kFlooded{.name = "flooded", .c1 = kTyre.c1, .c2 = kTyre.c2, .c3 = kTyre.c3, .wet = WetGrip(kTyre_psi, Texture::smooth, 0.05)};
+const rig::Surface kFlooded{
+    .name = "flooded", .c1 = kTyre.c1, .c2 = kTyre.c2, .c3 = kTyre.c3, .wet = rig::WetGrip(kTyre_psi, rig::Texture::smooth, 0.05)};
 // From 95 knots, where 101 are those of hydroplaning, down to where a third more friction is back.
 const std::vector<Case> kFloodedCases{
     {"static", {}, true, 0.14, 3000},
@@ -113,12 +114,12 @@ const std::vector<Case> kFloodedCases{
 void check_against_reference(const std::vector<Case>& cases) {
     for (const Case& one : cases) {
         INFO(one.name);
-        WheelState state;
+        plant::WheelState state;
         state.v_mps = 49.0;
         const double F_z = kWeight_N - kLift * 49.0 * 49.0;
         state.omega_radps = 49.0 / (kFree_m - F_z / kStiffness_Npm);
         state.held = false;
-        CompliantWheel mine(wheel(one.compliance), brake(), kTyre);
+        plant::CompliantWheel mine(wheel(one.compliance), brake(), kTyre);
         if (one.flooded) mine.set_surface(kFlooded, true);
         mine.settle(state);
         Vector y{state.v_mps, state.v_mps, 0.0, state.omega_radps, 0.0, state.omega_radps, 0.0, 0.0, 0.0, 0.0};
@@ -132,7 +133,7 @@ void check_against_reference(const std::vector<Case>& cases) {
         for (int i = 0; i < one.steps; ++i) {
             const double t0 = i * kStep_s, t1 = t0 + kStep_s;
             const auto rate = [&](double t) { return (pressure(t + 1e-6) - pressure(t - 1e-6)) / 2e-6; };
-            const PressureArc arc = PressureArc::hermite(pressure(t0), rate(t0), pressure(t1), rate(t1), kStep_s);
+            const plant::PressureArc arc = plant::PressureArc::hermite(pressure(t0), rate(t0), pressure(t1), rate(t1), kStep_s);
             mine.advance(state, arc, {kWeight_N, 0.0, kLift}, kStep_s);
             ode::integrate_adaptive(stepper, reference, y, t0, t1, 1e-5);
             worst = std::max({worst, std::abs(state.v_mps / y[0] - 1.0), std::abs(state.omega_radps - y[3]) * kFree_m / y[0]});
@@ -158,18 +159,18 @@ TEST_CASE("so does a wheel whose friction depends on speed, on a rigid and on a 
 TEST_CASE("the books close where friction depends on speed, through floating, locks and releases", "[RIG-262]") {
     for (const Case& one : kFloodedCases) {
         INFO(one.name);
-        WheelState state;
+        plant::WheelState state;
         state.v_mps = 52.5;  // afloat
         state.omega_radps = 165.0;
         state.held = false;
-        CompliantWheel mine(wheel(one.compliance), brake(), kTyre);
+        plant::CompliantWheel mine(wheel(one.compliance), brake(), kTyre);
         mine.set_surface(kFlooded, true);
         mine.settle(state);
         const double before = mine.energy_J(state);
         bool locked = false;
         for (int i = 0; i < 12000; ++i) {
             const double P = i < 500 ? 0.2e6 : (i < 8000 ? 8e6 : 0.1e6);
-            mine.advance(state, PressureArc::linear(P, P), {kWeight_N, 0.0, kLift}, 1e-3);
+            mine.advance(state, plant::PressureArc::linear(P, P), {kWeight_N, 0.0, kLift}, 1e-3);
             locked = locked || (state.held && state.omega_radps == 0.0);
         }
         CHECK(locked);
@@ -183,17 +184,17 @@ TEST_CASE("the books close where friction depends on speed, through floating, lo
 TEST_CASE("the books of a compliant wheel close, through a lock and its release, too", "[RIG-250]") {
     for (const Case& one : kCases) {
         INFO(one.name);
-        WheelState state;
+        plant::WheelState state;
         state.v_mps = 49.0;
         state.omega_radps = 150.0;
         state.held = false;
-        CompliantWheel mine(wheel(one.compliance), brake(), kTyre);
+        plant::CompliantWheel mine(wheel(one.compliance), brake(), kTyre);
         mine.settle(state);
         const double before = mine.energy_J(state);
         bool locked = false;
         for (int i = 0; i < 2000; ++i) {
             const double P = i < 500 ? 4e6 : (i < 900 ? 20e6 : 2e6);
-            mine.advance(state, PressureArc::linear(P, P), {kWeight_N, 0.0, kLift}, 1e-3);
+            mine.advance(state, plant::PressureArc::linear(P, P), {kWeight_N, 0.0, kLift}, 1e-3);
             locked = locked || (state.held && state.omega_radps == 0.0);
             CHECK(state.omega_radps >= 0.0);
         }
@@ -205,39 +206,39 @@ TEST_CASE("the books of a compliant wheel close, through a lock and its release,
 }
 
 TEST_CASE("a belt that swings under a locked rim, far beyond slip 1, takes few steps", "[RIG-250]") {
-    const Compliance c{.ring = {0.35, 100.0, 0.03}, .relaxation = {}, .leg = {}};
-    CompliantWheel mine(wheel(c), brake(), kTyre);
-    WheelState state;
+    const rig::Compliance c{.ring = {0.35, 100.0, 0.03}, .relaxation = {}, .leg = {}};
+    plant::CompliantWheel mine(wheel(c), brake(), kTyre);
+    plant::WheelState state;
     state.v_mps = 4.0;
     state.omega_radps = 0.0;
     state.held = true;
     mine.settle(state);
-    double most_slip = 0.0;
+    double max_slip = 0.0;
     constexpr int kMs = 150;
     for (int i = 0; i < kMs; ++i) {
-        mine.advance(state, PressureArc::linear(20e6, 20e6), {kWeight_N, 0.0, kLift}, 1e-3);
+        mine.advance(state, plant::PressureArc::linear(20e6, 20e6), {kWeight_N, 0.0, kLift}, 1e-3);
         const double r = kFree_m - (kWeight_N - kLift * state.v_mps * state.v_mps) / kStiffness_Npm;
-        most_slip = std::max(most_slip, 1.0 - mine.belt_radps() * r / state.v_mps);
+        max_slip = std::max(max_slip, 1.0 - mine.belt_radps() * r / state.v_mps);
     }
     CHECK(state.held);
     CHECK(state.v_mps > 1.0);
-    CHECK(most_slip > 1.2 * kTyre.c1 / kTyre.c3);  // there eq. (4) is below zero
+    CHECK(max_slip > 1.2 * kTyre.c1 / kTyre.c3);  // there eq. (4) is below zero
     CHECK(mine.steps() < 60UL * kMs);
 }
 
 TEST_CASE("off the ground, rim and belt swing at the mode that was asked for, and die out as asked", "[RIG-250]") {
-    const Compliance c{.ring = {0.35, 70.0, 0.05}, .relaxation = {}, .leg = {}};
-    CompliantWheel mine(wheel(c), BrakeTorque(), kTyre, 1e-10);
-    WheelState state;
+    const rig::Compliance c{.ring = {0.35, 70.0, 0.05}, .relaxation = {}, .leg = {}};
+    plant::CompliantWheel mine(wheel(c), plant::BrakeTorque(), kTyre, 1e-10);
+    plant::WheelState state;
     state.v_mps = 49.0;
     state.omega_radps = 100.0;
     state.held = false;
     mine.settle(state);
     // A push on the rim alone: settle() with another speed first, then the rim's by a stretch of brake.
-    CompliantWheel pushed(wheel(c), brake(), kTyre, 1e-10);
+    plant::CompliantWheel pushed(wheel(c), brake(), kTyre, 1e-10);
     pushed.settle(state);
-    pushed.advance(state, PressureArc::linear(5e6, 5e6), {}, 1e-3);
-    const BrakeTorque none;
+    pushed.advance(state, plant::PressureArc::linear(5e6, 5e6), {}, 1e-3);
+    const plant::BrakeTorque none;
     pushed.set_brake(none);
     const double w = 2.0 * std::numbers::pi * 70.0, d = 0.05;
     const double w_d = w * std::sqrt(1.0 - d * d);
@@ -251,17 +252,17 @@ TEST_CASE("off the ground, rim and belt swing at the mode that was asked for, an
 }
 
 TEST_CASE("a tyre that hardly gives way is the paper's", "[RIG-250]") {
-    const Compliance stiff{.ring = {0.3, 3000.0, 0.5}, .relaxation = {}, .leg = {}};
-    WheelState a;
+    const rig::Compliance stiff{.ring = {0.3, 3000.0, 0.5}, .relaxation = {}, .leg = {}};
+    plant::WheelState a;
     a.v_mps = 49.0;
     a.omega_radps = 150.0;
     a.held = false;
-    WheelState b = a;
-    Wheel paper(wheel({}), brake(), Surface{"x", kTyre.c1, kTyre.c2, kTyre.c3});
-    CompliantWheel mine(wheel(stiff), brake(), kTyre);
+    plant::WheelState b = a;
+    plant::Wheel paper(wheel({}), brake(), rig::Surface{"x", kTyre.c1, kTyre.c2, kTyre.c3});
+    plant::CompliantWheel mine(wheel(stiff), brake(), kTyre);
     mine.settle(b);
     for (int i = 0; i < 500; ++i) {
-        const PressureArc arc = PressureArc::linear(pressure_Pa(i * 1e-3), pressure_Pa((i + 1) * 1e-3));
+        const plant::PressureArc arc = plant::PressureArc::linear(pressure_Pa(i * 1e-3), pressure_Pa((i + 1) * 1e-3));
         paper.advance(a, arc, {kWeight_N, 0.0, kLift}, 1e-3);
         mine.advance(b, arc, {kWeight_N, 0.0, kLift}, 1e-3);
     }
@@ -270,9 +271,9 @@ TEST_CASE("a tyre that hardly gives way is the paper's", "[RIG-250]") {
 }
 
 TEST_CASE("compliance that cannot be is refused", "[RIG-250]") {
-    const auto refused = [](const Compliance& c) { CHECK_THROWS_AS(CompliantWheel(wheel(c), brake(), kTyre), std::invalid_argument); };
-    refused({.ring = {1.0, 70.0, 0.05}, .relaxation = {}, .leg = {}});
-    refused({.ring = {0.3, 0.0, 0.05}, .relaxation = {}, .leg = {}});
-    refused({.ring = {}, .relaxation = {0.3, 0.0}, .leg = {}});
-    refused({.ring = {}, .relaxation = {}, .leg = {kMass_kg, 10.0, 0.05}});
+    const auto rejected = [](const rig::Compliance& c) { CHECK_THROWS_AS(plant::CompliantWheel(wheel(c), brake(), kTyre), std::invalid_argument); };
+    rejected({.ring = {1.0, 70.0, 0.05}, .relaxation = {}, .leg = {}});
+    rejected({.ring = {0.3, 0.0, 0.05}, .relaxation = {}, .leg = {}});
+    rejected({.ring = {}, .relaxation = {0.3, 0.0}, .leg = {}});
+    rejected({.ring = {}, .relaxation = {}, .leg = {kMass_kg, 10.0, 0.05}});
 }

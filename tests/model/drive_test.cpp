@@ -21,8 +21,8 @@ study::DriveProfile read(const std::string& text) {
     return study::read_profile(directory / "in.csv");
 }
 
-settings::Error refused(const std::string& text) {
-    return refusal_of([&] { return read(text); });
+settings::Error rejected(const std::string& text) {
+    return rejection_of([&] { return read(text); });
 }
 
 /// The table as numbers; the header is checked.
@@ -85,13 +85,13 @@ TEST_CASE("drive: every bad input names its line", "[RIG-090]") {
              {good + "1e9,0\n", 3, "3600"},
          }) {
         CAPTURE(bad.text);
-        const settings::Error error = refused(bad.text);
+        const settings::Error error = rejected(bad.text);
         INFO(error.what());
         CHECK_THAT(error.what(), ContainsSubstring(bad.says));
         CHECK_THAT(error.what(), ContainsSubstring("in.csv"));
         CHECK(error.line() == bad.line);
     }
-    CHECK_THAT(refusal_of([] { return study::read_profile("no/such.csv"); }).what(), ContainsSubstring("no/such.csv"));
+    CHECK_THAT(rejection_of([] { return study::read_profile("no/such.csv"); }).what(), ContainsSubstring("no/such.csv"));
     CHECK_THROWS_AS(study::read_profile("config"), settings::Error);
 }
 
@@ -102,7 +102,7 @@ TEST_CASE("drive: what is well-formed is read, with blank lines, spaces, CRLF an
     CHECK(p.value == std::vector<double>{3.0, 4.0, 12.25});
     CHECK(read("time_s,pressure_Pa\n0,0\n1,2e6\n").input == DriveInput::pressure_Pa);
     // A start between two milliseconds is kept.
-    const auto rows = table(study::drive(plant::load_rig("config", {}).rig, read("time_s,pressure_Pa\n0.0005,0\n0.0035,0\n")));
+    const auto rows = table(study::drive(rig::load_rig("config", {}).rig, read("time_s,pressure_Pa\n0.0005,0\n0.0035,0\n")));
     REQUIRE(rows.size() == 4);
     for (std::size_t i = 0; i < rows.size(); ++i) CHECK(rows[i][kTime] == Approx(0.0005 + 1e-3 * static_cast<double>(i)).epsilon(1e-12));
 }
@@ -110,7 +110,7 @@ TEST_CASE("drive: what is well-formed is read, with blank lines, spaces, CRLF an
 TEST_CASE("drive: the table is the motion that the reference integrates", "[RIG-001]") {
     for (const NamedScenario& s : all_scenarios()) {
         CAPTURE(s.name);
-        const plant::RigParameters& rig = s.loaded.rig;
+        const rig::RigParameters& rig = s.loaded.rig;
         const NamedProfile triangles = profiles(rig).at(1);
         study::DriveProfile profile;
         for (const reference::Knot& knot : triangles.pressure_Pa) {
@@ -135,9 +135,9 @@ TEST_CASE("drive: the table is the motion that the reference integrates", "[RIG-
 }
 
 TEST_CASE("drive: the columns obey the equations row by row", "[RIG-001]") {
-    plant::ManeuverChoice choice;
+    rig::ManeuverChoice choice;
     choice.surface = "wet_asphalt";
-    const plant::RigParameters rig = plant::load_rig("config", choice).rig;
+    const rig::RigParameters rig = rig::load_rig("config", choice).rig;
     const auto rows = table(study::drive(rig, read("time_s,pressure_Pa\n0.25,0\n1.25,4e6\n60,4e6\n")));
     CHECK(rows.front()[kTime] == 0.25);
     CHECK(rows.front()[kSpeed] == rig.brake_on_mps);
@@ -151,14 +151,14 @@ TEST_CASE("drive: the columns obey the equations row by row", "[RIG-001]") {
         REQUIRE(r[kRadius] == Approx(rig.wheel.free_radius_m - r[kF_z] / rig.wheel.stiffness_Npm).epsilon(1e-8));
         REQUIRE(r[kSlip] == Approx(1.0 - r[kOmega] * r[kRadius] / r[kSpeed]).margin(1e-7));
         REQUIRE(r[kF_x] == Approx(r[kF_z] * r[kMu]).epsilon(1e-8).margin(1e-6));
-        REQUIRE(r[kMu] == Approx(plant::friction(rig.surface, r[kSlip]).mu).margin(1e-7));
+        REQUIRE(r[kMu] == Approx(rig::friction(rig.surface, r[kSlip]).mu).margin(1e-7));
     }
     const double start_J = 0.5 * rig.wheel.mass_kg * std::pow(rows[0][kSpeed], 2) + 0.5 * rig.wheel.inertia_kgm2 * std::pow(rows[0][kOmega], 2);
     CHECK(rows.back()[kBrake] + rows.back()[kTyre] == Approx(start_J).epsilon(2e-6));
 }
 
 TEST_CASE("drive: driven by current it is the valve in front of the same plant", "[RIG-001]") {
-    const plant::RigParameters rig = plant::load_rig("config", {}).rig;
+    const rig::RigParameters rig = rig::load_rig("config", {}).rig;
     const auto rows = table(study::drive(rig, read("time_s,current_mA\n0,0\n0.5,3\n1.5,12\n2.5,12\n2.501,0\n3.5,0\n")));
     REQUIRE(rows.size() == 3501);
     plant::Valve valve(rig.valve, 1e-3);
@@ -184,8 +184,8 @@ TEST_CASE("drive: driven by current it is the valve in front of the same plant",
 }
 
 TEST_CASE("drive: a step or a knot between two rows of output acts at its own time", "[RIG-001]") {
-    const plant::RigParameters rig = plant::load_rig("config", {}).rig;
-    const double peak = least_peak_pressure_Pa(rig);
+    const rig::RigParameters rig = rig::load_rig("config", {}).rig;
+    const double peak = min_peak_pressure_Pa(rig);
     for (const double at_s : {1.0, 1.0003, 1.0009}) {
         CAPTURE(at_s);
         study::DriveProfile profile;

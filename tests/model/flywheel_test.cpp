@@ -1,23 +1,23 @@
 /// Flywheel mode: rim speed for aircraft speed, the loading device for eq. (2), and the endurance stop of Table III.
 #include <cmath>
 
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "tests/catch.hpp"
 #include "tests/settings/refusal.hpp"
 
 namespace {
 
-plant::RigParameters endurance_rig() {
-    plant::ManeuverChoice choice;
-    choice.maneuver = plant::kEndurance;
-    return plant::load_rig("config", choice).rig;
+rig::RigParameters endurance_rig() {
+    rig::ManeuverChoice choice;
+    choice.maneuver = rig::kEndurance;
+    return rig::load_rig("config", choice).rig;
 }
 
 /// J_f domega_f/dt = -R_f F_x and J_w domega/dt = r F_x - T_b, integrated as they are printed, in tiny explicit steps.
 struct FlywheelAndWheel {
     double J_f = 0.0, R_f = 0.0;
-    plant::RigParameters rig;
+    rig::RigParameters rig;
     double omega_f = 0.0, omega = 0.0;
 
     struct Rates {
@@ -43,7 +43,7 @@ struct FlywheelAndWheel {
 }  // namespace
 
 TEST_CASE("flywheel: J_f and R_f act as the mass J_f / R_f^2 on the rim", "[RIG-100]") {
-    plant::RigParameters rig = endurance_rig();
+    rig::RigParameters rig = endurance_rig();
     const auto doc = settings::Document::load("config/flywheel_rig.toml");
     const double J_f = doc.root().table("flywheel").number("inertia_kgm2");
     const double R_f = doc.root().table("flywheel").number("radius_m");
@@ -72,7 +72,7 @@ TEST_CASE("flywheel: J_f and R_f act as the mass J_f / R_f^2 on the rim", "[RIG-
 }
 
 TEST_CASE("loading device: a first-order lag on touchdown and on lift-off", "[RIG-100]") {
-    const plant::RigParameters rig = endurance_rig();
+    const rig::RigParameters rig = endurance_rig();
     CHECK(rig.load.lag_s == Approx(0.1));
     for (const double step_s : {1e-3, 5e-3}) {
         CAPTURE(step_s);
@@ -93,9 +93,9 @@ TEST_CASE("loading device: a first-order lag on touchdown and on lift-off", "[RI
 }
 
 TEST_CASE("loading device: follows eq. (2) of a landing with its lag behind", "[RIG-100]") {
-    plant::ManeuverChoice choice;
-    choice.carrier = plant::Carrier::flywheel;
-    const plant::RigParameters rig = plant::load_rig("config", choice).rig;
+    rig::ManeuverChoice choice;
+    choice.carrier = rig::Carrier::flywheel;
+    const rig::RigParameters rig = rig::load_rig("config", choice).rig;
     plant::Rig plant(rig, 1e-3, 1);
     plant.start_rolling();
     for (int i = 0; i < 3000; ++i) {
@@ -117,7 +117,7 @@ TEST_CASE("loading device: follows eq. (2) of a landing with its lag behind", "[
 }
 
 TEST_CASE("endurance: spinning the wheel up leaves the flywheel at the campaign's speed", "[RIG-100]") {
-    const plant::RigParameters rig = endurance_rig();
+    const rig::RigParameters rig = endurance_rig();
     plant::Rig plant(rig, 1e-3, 1);
     CHECK(plant.wheel().v_mps > rig.brake_on_mps + 1.0);
     plant.touch_down();
@@ -127,10 +127,10 @@ TEST_CASE("endurance: spinning the wheel up leaves the flywheel at the campaign'
 }
 
 TEST_CASE("endurance: one stop meets Table III within a standard deviation", "[RIG-100]") {
-    plant_sim::ScenarioOptions options;
-    options.choice.maneuver = plant::kEndurance;
+    plant_sim::StopOptions options;
+    options.choice.maneuver = rig::kEndurance;
     options.law = "deceleration";
-    const plant_sim::Scenario s = plant_sim::load_scenario(options);
+    const plant_sim::StopInputs s = plant_sim::load_scenario(options);
     const study::RunResult result = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
     const study::StopFigures& f = result.figures;
     CHECK(f.standstill);

@@ -152,10 +152,10 @@ int damage_all(const std::string& file, const std::function<void(const fs::path&
 TEST_CASE("loader: every key of the plant's files, damaged in every way, is refused by name", "[RIG-090]") {
     for (const std::string file : {"surfaces.toml", "maneuvers.toml", "landing_gear.toml", "flywheel_rig.toml"}) {
         // The rig is read whole, whatever the maneuver needs.
-        for (const std::string maneuver : {"heavy", plant::kEndurance}) {
-            plant::ManeuverChoice choice;
+        for (const std::string maneuver : {"heavy", rig::kEndurance}) {
+            rig::ManeuverChoice choice;
             choice.maneuver = maneuver;
-            CHECK(damage_all(file, [&](const fs::path& directory) { (void)plant::load_rig(directory, choice); }) > 100);
+            CHECK(damage_all(file, [&](const fs::path& directory) { (void)rig::load_rig(directory, choice); }) > 100);
         }
     }
 }
@@ -170,94 +170,94 @@ TEST_CASE("loader: a missing file is named", "[RIG-090]") {
     for (const std::string file : {"surfaces.toml", "maneuvers.toml", "landing_gear.toml", "flywheel_rig.toml"}) {
         const ConfigCopy config;
         fs::remove(config.path() / file);
-        CHECK(refusal_of([&] { return plant::load_rig(config.path(), {}); }).file() == (config.path() / file).string());
+        CHECK(rejection_of([&] { return rig::load_rig(config.path(), {}); }).file() == (config.path() / file).string());
     }
 }
 
 TEST_CASE("loader: an unknown surface or maneuver names those there are", "[RIG-090]") {
-    plant::ManeuverChoice choice;
+    rig::ManeuverChoice choice;
     choice.surface = "gravel";
-    const auto surface = refusal_of([&] { return plant::load_rig("config", choice); });
+    const auto surface = rejection_of([&] { return rig::load_rig("config", choice); });
     CHECK_THAT(surface.what(), ContainsSubstring("config/surfaces.toml"));
-    for (const std::string& name : plant::surface_names("config")) CHECK_THAT(surface.what(), ContainsSubstring(name));
+    for (const std::string& name : rig::surface_names("config")) CHECK_THAT(surface.what(), ContainsSubstring(name));
     choice.surface = "ice";
     choice.maneuver = "ditching";
-    const auto maneuver = refusal_of([&] { return plant::load_rig("config", choice); });
+    const auto maneuver = rejection_of([&] { return rig::load_rig("config", choice); });
     CHECK_THAT(maneuver.what(), ContainsSubstring("config/maneuvers.toml"));
-    for (const std::string& name : plant::maneuver_names("config")) CHECK_THAT(maneuver.what(), ContainsSubstring(name));
-    CHECK_THAT(maneuver.what(), ContainsSubstring(plant::kEndurance));
+    for (const std::string& name : rig::maneuver_names("config")) CHECK_THAT(maneuver.what(), ContainsSubstring(name));
+    CHECK_THAT(maneuver.what(), ContainsSubstring(rig::kEndurance));
 }
 
 TEST_CASE("loader: what cannot be simulated is refused", "[RIG-090]") {
     SECTION("more lift than weight, from the file or by the speed asked for") {
         const ConfigCopy config;
         config.replace("landing_gear.toml", "lift_area_m2 = 5.9", "lift_area_m2 = 50.0");
-        const auto error = refusal_of([&] { return plant::load_rig(config.path(), {}); });
+        const auto error = rejection_of([&] { return rig::load_rig(config.path(), {}); });
         CHECK(error.key() == "aircraft.lift_area_m2");
-        plant::ManeuverChoice fast;
+        rig::ManeuverChoice fast;
         fast.maneuver = "light";
         fast.speed_mps = 115.0;
-        CHECK_THAT(refusal_of([&] { return plant::load_rig("config", fast); }).what(), ContainsSubstring("lift_area_m2"));
+        CHECK_THAT(rejection_of([&] { return rig::load_rig("config", fast); }).what(), ContainsSubstring("lift_area_m2"));
     }
     SECTION("a tyre that the load flattens to the rim") {
         const ConfigCopy config;
         config.replace("landing_gear.toml", "stiffness_Npm = 2.7e6", "stiffness_Npm = 1e5");
-        CHECK_THAT(refusal_of([&] { return plant::load_rig(config.path(), {}); }).what(), ContainsSubstring("stiffness_Npm"));
-        plant::ManeuverChoice heavy;
+        CHECK_THAT(rejection_of([&] { return rig::load_rig(config.path(), {}); }).what(), ContainsSubstring("stiffness_Npm"));
+        rig::ManeuverChoice heavy;
         heavy.mass_kg = 99000.0;
-        CHECK_THAT(refusal_of([&] { return plant::load_rig("config", heavy); }).what(), ContainsSubstring("stiffness_Npm"));
+        CHECK_THAT(rejection_of([&] { return rig::load_rig("config", heavy); }).what(), ContainsSubstring("stiffness_Npm"));
         const ConfigCopy bench;
         bench.replace("flywheel_rig.toml", "stiffness_Npm = 2.7e6", "stiffness_Npm = 5e4");
-        CHECK_THAT(refusal_of([&] { return plant::load_rig(bench.path(), {}); }).what(), ContainsSubstring("stiffness_Npm"));
+        CHECK_THAT(rejection_of([&] { return rig::load_rig(bench.path(), {}); }).what(), ContainsSubstring("stiffness_Npm"));
     }
     SECTION("a brake whose friction would turn negative") {
         const ConfigCopy config;
         config.replace("landing_gear.toml", "heavy = [1.22, -1.02, 0.72, 0.20]", "heavy = [1.22, -9.02, 0.72, 0.20]");
-        CHECK_THAT(refusal_of([&] { return plant::load_rig(config.path(), {}); }).what(), ContainsSubstring("heavy"));
-        plant::ManeuverChoice worn;
+        CHECK_THAT(rejection_of([&] { return rig::load_rig(config.path(), {}); }).what(), ContainsSubstring("heavy"));
+        rig::ManeuverChoice worn;
         worn.friction = 0.011;
-        CHECK_THROWS_AS(plant::load_rig("config", worn), std::invalid_argument);
+        CHECK_THROWS_AS(rig::load_rig("config", worn), std::invalid_argument);
     }
     SECTION("a map whose pressure falls, or has another number of points") {
         const ConfigCopy config;
         config.replace("landing_gear.toml", "[0.0, 0.7e6, 2.1e6", "[0.0, 2.7e6, 2.1e6");
-        CHECK(refusal_of([&] { return plant::load_rig(config.path(), {}); }).key() == "valve.pressure_Pa");
+        CHECK(rejection_of([&] { return rig::load_rig(config.path(), {}); }).key() == "valve.pressure_Pa");
     }
     SECTION("overrides out of range") {
         for (const double wrong : {-1.0, 0.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
             CAPTURE(wrong);
-            plant::ManeuverChoice mass, speed, friction;
+            rig::ManeuverChoice mass, speed, friction;
             mass.mass_kg = wrong;
             speed.speed_mps = wrong;
             friction.friction = wrong;
-            CHECK_THROWS_AS(plant::load_rig("config", mass), std::invalid_argument);
-            CHECK_THROWS_AS(plant::load_rig("config", speed), std::invalid_argument);
-            CHECK_THROWS_AS(plant::load_rig("config", friction), std::invalid_argument);
+            CHECK_THROWS_AS(rig::load_rig("config", mass), std::invalid_argument);
+            CHECK_THROWS_AS(rig::load_rig("config", speed), std::invalid_argument);
+            CHECK_THROWS_AS(rig::load_rig("config", friction), std::invalid_argument);
         }
     }
     SECTION("no surface, no maneuver") {
         const ConfigCopy config;
         put(config.path() / "surfaces.toml", "[surfaces]\n");
-        CHECK_THROWS_AS(plant::load_rig(config.path(), {}), settings::Error);
+        CHECK_THROWS_AS(rig::load_rig(config.path(), {}), settings::Error);
         const ConfigCopy other;
         put(other.path() / "maneuvers.toml", "[maneuvers]\n[reference]\nmaneuver = \"heavy\"\nsurface = \"ice\"\nslip_reference = 0.2\n");
-        CHECK_THROWS_AS(plant::load_rig(other.path(), {}), settings::Error);
+        CHECK_THROWS_AS(rig::load_rig(other.path(), {}), settings::Error);
     }
     SECTION("an unknown table or key anywhere") {
         for (const std::string file : {"surfaces.toml", "maneuvers.toml", "landing_gear.toml", "flywheel_rig.toml"}) {
             const ConfigCopy config;
             put(config.path() / file, content_of(config.path() / file) + "\n[extra]\nthing = 1\n");
-            CHECK_THAT(refusal_of([&] { return plant::load_rig(config.path(), {}); }).what(), ContainsSubstring("extra"));
+            CHECK_THAT(rejection_of([&] { return rig::load_rig(config.path(), {}); }).what(), ContainsSubstring("extra"));
         }
     }
 }
 
 TEST_CASE("loader: what is in the files is what the plant gets", "[RIG-090]") {
-    plant::ManeuverChoice choice;
+    rig::ManeuverChoice choice;
     choice.maneuver = "medium_a";
     choice.surface = "snow";
-    const plant::LoadedRig loaded = plant::load_rig("config", choice);
-    const plant::RigParameters& rig = loaded.rig;
+    const rig::LoadedRig loaded = rig::load_rig("config", choice);
+    const rig::RigParameters& rig = loaded.rig;
     CHECK(rig.wheel.mass_kg == 3150.0);
     CHECK(rig.wheel.inertia_kgm2 == 1.3);
     CHECK(rig.wheel.free_radius_m == 0.335);
@@ -284,8 +284,8 @@ TEST_CASE("loader: what is in the files is what the plant gets", "[RIG-090]") {
     choice.mass_kg = 3000.0;
     choice.speed_mps = 40.0;
     choice.friction = 0.2;
-    choice.carrier = plant::Carrier::flywheel;
-    const plant::RigParameters other = plant::load_rig("config", choice).rig;
+    choice.carrier = rig::Carrier::flywheel;
+    const rig::RigParameters other = rig::load_rig("config", choice).rig;
     CHECK(other.wheel.mass_kg == 3000.0);
     CHECK(other.load.base_N == Approx(3000.0 * 9.80665).epsilon(1e-15));
     CHECK(other.brake_on_mps == 40.0);

@@ -8,7 +8,7 @@
 
 namespace {
 
-plant::Wheel wheel_of(const plant::RigParameters& rig) {
+plant::Wheel wheel_of(const rig::RigParameters& rig) {
     return plant::Wheel(rig.wheel, plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps), rig.surface);
 }
 
@@ -19,7 +19,7 @@ TEST_CASE("a locked wheel holds exactly, gives the brake no energy, and spins up
         CAPTURE(s.name);
         plant::Rig rig(s.loaded.rig, 1e-3, 1);
         rig.start_rolling();
-        const double hard_Pa = 2.5 * least_peak_pressure_Pa(s.loaded.rig);
+        const double hard_Pa = 2.5 * min_peak_pressure_Pa(s.loaded.rig);
         int steps = 0;
         while (!rig.wheel().held && steps < 20000) {
             rig.advance_pressure(hard_Pa, hard_Pa);
@@ -54,12 +54,12 @@ TEST_CASE("a locked wheel holds exactly, gives the brake no energy, and spins up
 TEST_CASE("a locked wheel decelerates as sliding friction says", "[RIG-050]") {
     // mu(1) is constant, so v_dot = -(mu / m) (m g - L v^2) has the closed solution v = a tanh(...) of a Riccati equation.
     for (const NamedScenario& s : all_scenarios()) {
-        const plant::RigParameters& rig = s.loaded.rig;
+        const rig::RigParameters& rig = s.loaded.rig;
         plant::Wheel wheel = wheel_of(rig);
         const plant::LoadArc load{rig.load.base_N, 0.0, rig.load.lift_Ns2pm2};
         plant::WheelState state;
         state.v_mps = 30.0;
-        const double mu = plant::friction(rig.surface, 1.0).mu;
+        const double mu = rig::friction(rig.surface, 1.0).mu;
         const double a = std::sqrt(load.base_N / load.lift_Ns2pm2);
         const double k = mu / rig.wheel.mass_kg * std::sqrt(load.base_N * load.lift_Ns2pm2);
         for (int i = 0; i < 1000; ++i) wheel.advance(state, plant::PressureArc::linear(2e7, 2e7), load, 1e-3);
@@ -74,7 +74,7 @@ TEST_CASE("a locked wheel decelerates as sliding friction says", "[RIG-050]") {
 }
 
 TEST_CASE("in the air the brake stops the wheel and does not turn it back; the speed stays", "[RIG-050]") {
-    const plant::RigParameters parameters = plant::load_rig("config", {}).rig;
+    const rig::RigParameters parameters = rig::load_rig("config", {}).rig;
     plant::Rig rig(parameters, 1e-3, 1);
     rig.start_rolling();
     for (int i = 0; i < 100; ++i) rig.advance_pressure(0.0, 0.0);
@@ -99,12 +99,12 @@ TEST_CASE("in the air the brake stops the wheel and does not turn it back; the s
 }
 
 TEST_CASE("any state, any input: finite, no energy from nothing, no wheel turning back, no time lost", "[RIG-001]") {
-    plant::Random random(20260102);
+    rig::Random random(20260102);
     const auto share = [&] { return static_cast<double>(random.bits() >> 11U) * 0x1p-53; };
     const auto scenarios = all_scenarios();
     double worst_residual = 0.0;
     for (int run = 0; run < 20000; ++run) {
-        const plant::RigParameters& rig = scenarios.at(random.bits() % scenarios.size()).loaded.rig;
+        const rig::RigParameters& rig = scenarios.at(random.bits() % scenarios.size()).loaded.rig;
         plant::Wheel wheel = wheel_of(rig);
         const bool air = share() < 0.1;
         const plant::LoadArc load = air ? plant::LoadArc{} : plant::LoadArc{rig.load.base_N, 0.0, rig.load.lift_Ns2pm2};
@@ -156,8 +156,8 @@ TEST_CASE("any state, any input: finite, no energy from nothing, no wheel turnin
 }
 
 TEST_CASE("a load that drifts is followed: energies close, steps of any size agree", "[RIG-001]") {
-    const plant::RigParameters rig = plant::load_rig("config", {}).rig;
-    const double pressure_Pa = 0.6 * least_peak_pressure_Pa(rig);
+    const rig::RigParameters rig = rig::load_rig("config", {}).rig;
+    const double pressure_Pa = 0.6 * min_peak_pressure_Pa(rig);
     const auto run = [&](double h) {
         plant::Wheel wheel = wheel_of(rig);
         plant::WheelState state;
@@ -186,13 +186,13 @@ TEST_CASE("a load that drifts is followed: energies close, steps of any size agr
 }
 
 TEST_CASE("what the wheel remembers between steps changes no bit", "[RIG-001]") {
-    const plant::RigParameters rig = plant::load_rig("config", {}).rig;
+    const rig::RigParameters rig = rig::load_rig("config", {}).rig;
     const plant::LoadArc load{rig.load.base_N, 0.0, rig.load.lift_Ns2pm2};
     plant::Wheel remembering = wheel_of(rig);
     plant::WheelState a;
     a.v_mps = rig.brake_on_mps;
     plant::WheelState b = a;
-    plant::Random random(3);
+    rig::Random random(3);
     double from = 0.0;
     for (int i = 0; i < 6000; ++i) {
         const double to = std::clamp(from + 3e5 * random.noise(), 0.0, 1.4e7);

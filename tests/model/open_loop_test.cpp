@@ -46,20 +46,20 @@ TEST_CASE("open loop: locks and release too, at the tighter tolerance", "[RIG-00
 }
 
 TEST_CASE("open loop: what it cannot do is refused", "[RIG-001]") {
-    plant::ManeuverChoice choice;
-    choice.carrier = plant::Carrier::flywheel;
-    const plant::RigParameters lagging = plant::load_rig("config", choice).rig;
-    const plant::RigParameters rig = plant::load_rig("config", {}).rig;
+    rig::ManeuverChoice choice;
+    choice.carrier = rig::Carrier::flywheel;
+    const rig::RigParameters lagging = rig::load_rig("config", choice).rig;
+    const rig::RigParameters rig = rig::load_rig("config", {}).rig;
     const std::vector<OpenLoop::Point> good{{0.0, 0.0}, {1.0, 1e6}};
     const std::vector<OpenLoop::Point> back{{0.0, 0.0}, {1.0, 1e6}, {0.5, 0.0}};
     CHECK_THROWS_AS(OpenLoop(rig, OpenLoop::Input::valve, {}), std::invalid_argument);
     CHECK_THROWS_AS(OpenLoop(rig, OpenLoop::Input::valve, back), std::invalid_argument);
     CHECK_THROWS_AS(OpenLoop(lagging, OpenLoop::Input::valve, good), std::invalid_argument);
-    plant::RigParameters ring = rig, line = rig, patches = rig;
+    rig::RigParameters ring = rig, line = rig, patches = rig;
     ring.wheel.compliance.ring = {.belt_share = 0.3, .frequency_Hz = 80.0, .damping = 0.06};
     line.valve.line_s = 4e-3;
     patches.runway.patches = {{10.0, rig.surface}};
-    for (const plant::RigParameters& hard : {ring, line, patches})
+    for (const rig::RigParameters& hard : {ring, line, patches})
         CHECK_THROWS_AS(OpenLoop(hard, OpenLoop::Input::pressure, good), std::invalid_argument);
     OpenLoop plant(rig, OpenLoop::Input::pressure, good);
     while (plant.step(2.0)) {

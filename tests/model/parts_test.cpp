@@ -9,12 +9,12 @@
 
 namespace {
 
-std::vector<plant::Surface> surfaces() {
-    std::vector<plant::Surface> all;
-    for (const std::string& name : plant::surface_names("config")) {
-        plant::ManeuverChoice choice;
+std::vector<rig::Surface> surfaces() {
+    std::vector<rig::Surface> all;
+    for (const std::string& name : rig::surface_names("config")) {
+        rig::ManeuverChoice choice;
         choice.surface = name;
-        all.push_back(plant::load_rig("config", choice).rig.surface);
+        all.push_back(rig::load_rig("config", choice).rig.surface);
     }
     return all;
 }
@@ -37,52 +37,52 @@ TEST_CASE("tyre: every surface peaks where its coefficients say, and where the p
     const auto all = surfaces();
     REQUIRE(all.size() == kPublished.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
-        const plant::Surface& s = all[i];
+        const rig::Surface& s = all[i];
         CAPTURE(s.name);
         CHECK(s.name == kPublished.at(i).name);
-        const plant::Peak peak = plant::peak(s);
+        const rig::Peak peak = rig::peak(s);
         CHECK(std::abs(peak.slip - kPublished.at(i).slip) <= 0.001);
         CHECK(std::abs(peak.mu - kPublished.at(i).mu) <= 0.001);
         CHECK(peak.slip == Approx(std::log(s.c1 * s.c2 / s.c3) / s.c2).epsilon(1e-14));
         // Nothing on the curve is higher, and the slope vanishes there.
-        for (int k = 0; k <= 10000; ++k) CHECK_FALSE(plant::friction(s, k * 1e-4).mu > peak.mu);
-        CHECK(std::abs(plant::friction(s, peak.slip).mu_1) < 1e-12);
+        for (int k = 0; k <= 10000; ++k) CHECK_FALSE(rig::friction(s, k * 1e-4).mu > peak.mu);
+        CHECK(std::abs(rig::friction(s, peak.slip).mu_1) < 1e-12);
     }
 }
 
 TEST_CASE("tyre: eq. (4) for slip, its odd extension for overspeed, slope as by differences", "[RIG-020]") {
-    for (const plant::Surface& s : surfaces()) {
+    for (const rig::Surface& s : surfaces()) {
         CAPTURE(s.name);
         for (double lambda = 1e-6; lambda < 1.0; lambda *= 1.07) {
-            const plant::Friction f = plant::friction(s, lambda);
+            const rig::Friction f = rig::friction(s, lambda);
             const double printed = s.c1 * (1.0 - std::exp(-s.c2 * lambda)) - s.c3 * lambda;
             CHECK(f.mu == Approx(printed).epsilon(1e-13));
-            const plant::Friction odd = plant::friction(s, -lambda);
+            const rig::Friction odd = rig::friction(s, -lambda);
             CHECK(odd.mu == -f.mu);
             CHECK(odd.mu_1 == f.mu_1);
             const double d = 1e-4 * lambda;
-            const double slope = (plant::friction(s, lambda + d).mu - plant::friction(s, lambda - d).mu) / (2.0 * d);
+            const double slope = (rig::friction(s, lambda + d).mu - rig::friction(s, lambda - d).mu) / (2.0 * d);
             CHECK(f.mu_1 == Approx(slope).epsilon(1e-5).margin(1e-6 * s.c1 * s.c2));
         }
-        CHECK(plant::friction(s, 0.0).mu == 0.0);
-        CHECK(plant::friction(s, 0.0).mu_1 == Approx(s.c1 * s.c2 - s.c3).epsilon(1e-15));
+        CHECK(rig::friction(s, 0.0).mu == 0.0);
+        CHECK(rig::friction(s, 0.0).mu_1 == Approx(s.c1 * s.c2 - s.c3).epsilon(1e-15));
     }
 }
 
 TEST_CASE("tyre: a curve without c3 never falls; its peak is at slip 1", "[RIG-020]") {
-    const plant::Surface s{.name = "no c3", .c1 = 0.05, .c2 = 306.39, .c3 = 0.0};
-    CHECK(plant::peak(s).slip == 1.0);
-    CHECK(plant::peak(s).mu == Approx(0.05));
+    const rig::Surface s{.name = "no c3", .c1 = 0.05, .c2 = 306.39, .c3 = 0.0};
+    CHECK(rig::peak(s).slip == 1.0);
+    CHECK(rig::peak(s).mu == Approx(0.05));
     // So weak that the peak would lie beyond a locked wheel, or below zero slip.
-    CHECK(plant::peak({.name = "late", .c1 = 1.0, .c2 = 1.0, .c3 = 1e-3}).slip == 1.0);
-    CHECK(plant::peak({.name = "none", .c1 = 0.1, .c2 = 1.0, .c3 = 0.2}).slip == 0.0);
+    CHECK(rig::peak({.name = "late", .c1 = 1.0, .c2 = 1.0, .c3 = 1e-3}).slip == 1.0);
+    CHECK(rig::peak({.name = "none", .c1 = 0.1, .c2 = 1.0, .c3 = 0.2}).slip == 0.0);
 }
 
 TEST_CASE("brake: k_b is eq. (5) with a friction curve brought to the given mean", "[RIG-020]") {
-    const plant::BrakeGeometry geometry{.piston_area_m2 = 8.04e-4, .pistons = 6, .surfaces = 6, .effective_radius_m = 0.12};
+    const rig::BrakeGeometry geometry{.piston_area_m2 = 8.04e-4, .pistons = 6, .surfaces = 6, .effective_radius_m = 0.12};
     CHECK(geometry.gain_m3() == Approx(8.04e-4 * 6 * 6 * 0.12).epsilon(1e-15));
     constexpr double kSpeed_mps = 61.0;
-    for (const plant::FrictionCurve& curve : {plant::FrictionCurve{0.33, -0.048, -0.018, 0.0}, plant::FrictionCurve{0.366, -0.306, 0.216, 0.06}}) {
+    for (const rig::FrictionCurve& curve : {rig::FrictionCurve{0.33, -0.048, -0.018, 0.0}, rig::FrictionCurve{0.366, -0.306, 0.216, 0.06}}) {
         for (const double mean : {0.30, 0.22, 0.4}) {
             CAPTURE(mean);
             const plant::BrakeTorque brake(geometry, curve, mean, kSpeed_mps);
@@ -106,15 +106,15 @@ TEST_CASE("brake: k_b is eq. (5) with a friction curve brought to the given mean
 
 TEST_CASE("brake: eq. (7) gives back the mean friction from a stop", "[RIG-020]") {
     for (const std::string maneuver : {"light", "medium_a", "heavy"}) {
-        plant::ManeuverChoice choice;
+        rig::ManeuverChoice choice;
         choice.maneuver = maneuver;
         choice.friction = 0.27;
-        const plant::RigParameters rig = plant::load_rig("config", choice).rig;
+        const rig::RigParameters rig = rig::load_rig("config", choice).rig;
         plant::Rig plant(rig, 1e-3, 1);
         plant.start_rolling();
         // Constant pressure far below the peak: what differs from constant deceleration is the curve itself, by some 10 %, so
         // that the mean over time weighs speeds unequally in the first order of that.
-        const double pressure_Pa = 0.3 * least_peak_pressure_Pa(rig);
+        const double pressure_Pa = 0.3 * min_peak_pressure_Pa(rig);
         double torque_Nms = 0.0;
         double duration_s = 0.0;
         plant.start_pressure(pressure_Pa);

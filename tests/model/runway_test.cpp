@@ -9,8 +9,8 @@
 #include "tests/catch.hpp"
 #include "tests/settings/refusal.hpp"
 
-using plant::Texture;
-using plant::WetGrip;
+using rig::Texture;
+using rig::WetGrip;
 
 namespace {
 
@@ -30,15 +30,15 @@ struct HardConfig {
         }
         put(directory / "landing_gear.toml", text);
     }
-    [[nodiscard]] plant::RigParameters rig(const plant::ManeuverChoice& choice = {}) const { return plant::load_rig(directory.path(), choice).rig; }
+    [[nodiscard]] rig::RigParameters rig(const rig::ManeuverChoice& choice = {}) const { return rig::load_rig(directory.path(), choice).rig; }
     TemporaryDirectory directory;
 };
 
-plant::LoadedRig on_runway(const std::string& text, const std::filesystem::path& file) {
+rig::LoadedRig on_runway(const std::string& text, const std::filesystem::path& file) {
     put(file, text);
-    plant::ManeuverChoice choice;
+    rig::ManeuverChoice choice;
     choice.runway = file;
-    return plant::load_rig("config", choice);
+    return rig::load_rig("config", choice);
 }
 
 }  // namespace
@@ -76,7 +76,7 @@ TEST_CASE("wet friction falls with speed and with tyre pressure, and grooves hel
             for (double psi = 50.0; psi <= 300.0; psi += 12.5) {
                 CAPTURE(psi);
                 const WetGrip grip(psi, texture);
-                const WetGrip::Most here = grip.at(v);
+                const WetGrip::Peak here = grip.at(v);
                 CHECK(here.mu > 0.05);
                 CHECK(here.mu_v < 0.0);
                 CHECK(here.mu_v == Approx((grip.at(v + 1e-3).mu - grip.at(v - 1e-3).mu) / 2e-3).epsilon(1e-6));
@@ -126,33 +126,33 @@ TEST_CASE("on a flooded runway friction is gone at 9 sqrt(p) knots, for a wheel 
 
 TEST_CASE("a wheel that touches down between the two speeds floats until it has spun up", "[RIG-262]") {
     const TemporaryDirectory directory;
-    plant::RigParameters rig = on_runway(
-                                   "[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 100, texture = \"smooth\", "
-                                   "flooded = true, flooded_mu = 0.02}\n",
-                                   directory / "r.toml")
-                                   .rig;
+    rig::RigParameters rig = on_runway(
+                                 "[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 100, texture = \"smooth\", "
+                                 "flooded = true, flooded_mu = 0.02}\n",
+                                 directory / "r.toml")
+                                 .rig;
     const WetGrip grip = *rig.surface.wet;
     rig.brake_on_mps = 0.5 * (0.85 * grip.hydroplaning_mps(true) + grip.hydroplaning_mps(false));
     plant::Rig landing(rig, 1e-3, 1);
     landing.touch_down();
     landing.advance_current(0.0);
-    const double curve = plant::friction(rig.surface, 1.0).mu / plant::peak(rig.surface).mu;
+    const double curve = rig::friction(rig.surface, 1.0).mu / rig::peak(rig.surface).mu;
     CHECK(landing.forces().mu == Approx(0.02 * curve).epsilon(0.05));
     for (int i = 0; i < 3000; ++i) landing.advance_current(0.0);
     CHECK(landing.wheel().omega_radps * landing.forces().radius_m == Approx(landing.wheel().v_mps).epsilon(1e-3));
-    CHECK(plant::peak(landing.surface(), landing.wheel().v_mps).mu > 0.2);
+    CHECK(rig::peak(landing.surface(), landing.wheel().v_mps).mu > 0.2);
 }
 
 TEST_CASE("a wheel held from touchdown on a wet runway stops where the quadrature says", "[RIG-262]") {
     const TemporaryDirectory directory;
-    plant::RigParameters rig = on_runway("[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 160, texture = \"grooved\"}\n", directory / "r.toml").rig;
+    rig::RigParameters rig = on_runway("[[patch]]\nfrom_m = 0\nwet = {tyre_pressure_psi = 160, texture = \"grooved\"}\n", directory / "r.toml").rig;
     rig.load.lift_Ns2pm2 = 0.0;
     plant::Rig stop(rig, 1e-3, 1);
     stop.touch_down();
     const double from_mps = stop.wheel().v_mps;
     while (stop.wheel().v_mps > 5.0) stop.advance_pressure(20.7e6, 20.7e6);
     const double to_mps = stop.wheel().v_mps;
-    const double curve = plant::friction(rig.surface, 1.0).mu / plant::peak(rig.surface).mu;
+    const double curve = rig::friction(rig.surface, 1.0).mu / rig::peak(rig.surface).mu;
     // x = integral of v dv / (g mu(v)), by Simpson.
     constexpr int kParts = 2000;
     double metres = 0.0;
@@ -168,23 +168,23 @@ TEST_CASE("a wheel held from touchdown on a wet runway stops where the quadratur
 
 TEST_CASE("a runway's file: surfaces by name, wet ones by the regulation, counted from touchdown", "[RIG-262]") {
     const TemporaryDirectory directory;
-    const plant::LoadedRig loaded = on_runway(
+    const rig::LoadedRig loaded = on_runway(
         "[[patch]]\nfrom_m = 0.0\nsurface = \"dry_asphalt\"\n"
         "[[patch]]\nfrom_m = 30.0\nwet = {tyre_pressure_psi = 120, texture = \"smooth\", peak_slip = 0.09}\n"
         "[[patch]]\nfrom_m = 60.0\nwet = {tyre_pressure_psi = 120, texture = \"grooved\", curve = "
         "\"snow\"}\n",
         directory / "r.toml");
-    const plant::Runway& runway = loaded.rig.runway;
+    const rig::Runway& runway = loaded.rig.runway;
     REQUIRE(runway.patches.size() == 3);
     CHECK(loaded.rig.surface.name == "dry_asphalt");
     CHECK(std::find(loaded.files.begin(), loaded.files.end(), directory / "r.toml") != loaded.files.end());
     CHECK(runway.from_touchdown);
     CHECK_FALSE(runway.patches[0].surface.wet);
-    const plant::Surface& early = runway.patches[1].surface;
+    const rig::Surface& early = runway.patches[1].surface;
     CHECK(early.name == "wet smooth at 120 psi");
-    CHECK(plant::peak(early, 30.0).slip == Approx(0.09).epsilon(1e-12));
-    CHECK(plant::peak(early, 30.0).mu == WetGrip(120.0, Texture::smooth).at(30.0).mu);
-    CHECK(plant::peak(runway.patches[2].surface).slip == Approx(0.060).margin(1e-3));
+    CHECK(rig::peak(early, 30.0).slip == Approx(0.09).epsilon(1e-12));
+    CHECK(rig::peak(early, 30.0).mu == WetGrip(120.0, Texture::smooth).at(30.0).mu);
+    CHECK(rig::peak(runway.patches[2].surface).slip == Approx(0.060).margin(1e-3));
 
     plant::Rig rig(loaded.rig, 1e-3, 1);
     for (int i = 0; i < 1000; ++i) rig.advance_current(0.0);  // 61 m of approach
@@ -235,7 +235,7 @@ TEST_CASE("every mistake in a runway's file is refused with file, line and key",
          }) {
         CAPTURE(m.text);
         const TemporaryDirectory directory;
-        const auto error = refusal_of([&] { return on_runway(m.text, directory / "r.toml"); });
+        const auto error = rejection_of([&] { return on_runway(m.text, directory / "r.toml"); });
         CHECK(error.file() == (directory / "r.toml").string());
         CHECK(error.line() == m.line);
         CHECK_THAT(error.what(), ContainsSubstring(m.says));
@@ -245,9 +245,9 @@ TEST_CASE("every mistake in a runway's file is refused with file, line and key",
 TEST_CASE("the shipped runways are read", "[RIG-262]") {
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator("config/runways")) {
-        plant::ManeuverChoice choice;
+        rig::ManeuverChoice choice;
         choice.runway = entry.path();
-        CHECK(plant::load_rig("config", choice).rig.runway.wet());
+        CHECK(rig::load_rig("config", choice).rig.runway.wet());
         CHECK(choice.road() == entry.path().stem().string());
         ++count;
     }
@@ -255,7 +255,7 @@ TEST_CASE("the shipped runways are read", "[RIG-262]") {
 }
 
 TEST_CASE("tyre, leg, teeth and line stand in the rig's file; without them it is the paper's", "[RIG-250]") {
-    const plant::RigParameters paper = plant::load_rig("config", {}).rig;
+    const rig::RigParameters paper = rig::load_rig("config", {}).rig;
     CHECK_FALSE(paper.wheel.compliance.any());
     CHECK(paper.valve.line_s == 0.0);
     CHECK(paper.wheel_encoder.pitch_error == 0.0);
@@ -278,8 +278,8 @@ TEST_CASE("tyre, leg, teeth and line stand in the rig's file; without them it is
         "120\nfrequency_Hz = 12\ndamping = 0.05\n");
     CHECK(relaxing.rig().wheel.compliance.relaxation.length_m == 0.2);
     CHECK(relaxing.rig().wheel.compliance.relaxation.floor_m == 0.03);
-    plant::ManeuverChoice on_flywheel;
-    on_flywheel.carrier = plant::Carrier::flywheel;
+    rig::ManeuverChoice on_flywheel;
+    on_flywheel.carrier = rig::Carrier::flywheel;
     CHECK(relaxing.rig(on_flywheel).wheel.compliance.leg.mass_kg == 0.0);  // a sledge carries the wheel
     CHECK(relaxing.rig(on_flywheel).wheel.compliance.relaxation.length_m == 0.2);
     const HardConfig line("delay_ms = 6.0", "line_ms = 4.0\ndelay_ms = 6.0");
@@ -314,14 +314,14 @@ TEST_CASE("tyre, leg, teeth and line that cannot be are refused by name", "[RIG-
          }) {
         CAPTURE(m.from, m.to);
         const HardConfig config(m.from, m.to);
-        const auto error = refusal_of([&] { return config.rig(); });
+        const auto error = rejection_of([&] { return config.rig(); });
         CHECK(error.key() == m.key);
         CHECK(error.file() == (config.directory / "landing_gear.toml").string());
         CHECK(error.line() > 0);
     }
-    plant::ManeuverChoice light;
+    rig::ManeuverChoice light;
     light.mass_kg = 150.0;
     light.speed_mps = 10.0;
     const HardConfig heavy_leg("\n[leg]\nmass_kg = 200\nfrequency_Hz = 12\ndamping = 0.05\n");
-    CHECK(refusal_of([&] { return heavy_leg.rig(light); }).key() == "leg.mass_kg");
+    CHECK(rejection_of([&] { return heavy_leg.rig(light); }).key() == "leg.mass_kg");
 }

@@ -9,19 +9,19 @@
 
 struct NamedScenario {
     std::string name;
-    plant::LoadedRig loaded;
+    rig::LoadedRig loaded;
 };
 
 inline std::vector<NamedScenario> all_scenarios() {
     std::vector<NamedScenario> all;
-    for (const std::string& surface : plant::surface_names("config")) {
-        for (const std::string& maneuver : plant::maneuver_names("config")) {
-            plant::ManeuverChoice choice;
+    for (const std::string& surface : rig::surface_names("config")) {
+        for (const std::string& maneuver : rig::maneuver_names("config")) {
+            rig::ManeuverChoice choice;
             choice.maneuver = maneuver;
             choice.surface = surface;
             std::string name = surface;
             name.append("/").append(maneuver);
-            all.push_back({std::move(name), plant::load_rig("config", choice)});
+            all.push_back({std::move(name), rig::load_rig("config", choice)});
         }
     }
     return all;

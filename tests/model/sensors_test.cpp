@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kStep_s = 1e-3;
 constexpr double kToothPitch_rad = 2.0 * std::numbers::pi / 60.0;
-constexpr plant::EncoderParameters kClean{.teeth = 60.0, .jitter_s = 0.0, .slowest_edges_hz = 10.0};
+constexpr rig::EncoderParameters kClean{.teeth = 60.0, .jitter_s = 0.0, .slowest_edges_hz = 10.0};
 
-plant::EncoderParameters with_jitter(double jitter_s) {
-    plant::EncoderParameters parameters = kClean;
+rig::EncoderParameters with_jitter(double jitter_s) {
+    rig::EncoderParameters parameters = kClean;
     parameters.jitter_s = jitter_s;
     return parameters;
 }
@@ -41,7 +41,7 @@ TEST_CASE("encoder: counts are the exact angle, edge times the closed form at co
     for (const Shaft shaft : {Shaft{190.0, 0.0}, Shaft{190.0, -60.0}, Shaft{5.0, 900.0}, Shaft{40.0, -9.0}}) {
         CAPTURE(shaft.omega_0, shaft.acceleration);
         plant::Encoder encoder(kClean);
-        plant::Random random(1);
+        rig::Random random(1);
         double worst_s = 0.0;
         std::uint32_t last = 0;
         for (int i = 1; i <= 1500; ++i) {
@@ -60,7 +60,7 @@ TEST_CASE("encoder: counts are the exact angle, edge times the closed form at co
 }
 
 TEST_CASE("encoder: on the plant its last edge and count tell the speed", "[RIG-070]") {
-    plant::RigParameters parameters = plant::load_rig("config", {}).rig;
+    rig::RigParameters parameters = rig::load_rig("config", {}).rig;
     parameters.wheel_encoder.jitter_s = 0.0;
     parameters.flywheel_encoder.jitter_s = 0.0;
     plant::Rig rig(parameters, kStep_s, 1);
@@ -89,7 +89,7 @@ TEST_CASE("encoder: jitter has the given deviation and no bias; stamps never run
     constexpr double kJitter_s = 5e-6;
     const Shaft shaft{150.0, 0.0};
     plant::Encoder encoder(with_jitter(kJitter_s));
-    plant::Random random(20260103);
+    rig::Random random(20260103);
     double sum = 0.0;
     double squares = 0.0;
     double count = 0.0;
@@ -115,7 +115,7 @@ TEST_CASE("encoder: jitter has the given deviation and no bias; stamps never run
 
 TEST_CASE("encoder: blind below ten edges a second, counts on when the shaft is fast again", "[RIG-070]") {
     plant::Encoder encoder(kClean);
-    plant::Random random(1);
+    rig::Random random(1);
     double angle = 0.0;
     double now = 0.0;
     const auto turn = [&](double omega, double seconds) {
@@ -142,7 +142,7 @@ TEST_CASE("encoder: blind below ten edges a second, counts on when the shaft is 
 
 TEST_CASE("encoder: the count rolls over at 32 bits", "[RIG-070]") {
     plant::Encoder encoder(kClean);
-    plant::Random random(1);
+    rig::Random random(1);
     // Two turns of the counter less one edge, in strides that a 32-bit number holds.
     const double almost = (4294967295.0 + 0.5) * kToothPitch_rad;
     double now = 0.0;
@@ -156,7 +156,7 @@ TEST_CASE("encoder: the count rolls over at 32 bits", "[RIG-070]") {
 }
 
 TEST_CASE("sensors: the same seed gives the same readings, another seed others", "[RIG-070]") {
-    const plant::RigParameters parameters = plant::load_rig("config", {}).rig;
+    const rig::RigParameters parameters = rig::load_rig("config", {}).rig;
     const auto readings = [&](std::uint64_t seed) {
         plant::Rig rig(parameters, kStep_s, seed);
         rig.start_rolling();
@@ -177,8 +177,8 @@ TEST_CASE("sensors: the same seed gives the same readings, another seed others",
 }
 
 TEST_CASE("transducer: range, resolution, noise", "[RIG-070]") {
-    plant::Random random(20260104);
-    const plant::TransducerParameters clean{.range_Pa = 25e6, .noise_Pa = 0.0, .resolution_Pa = 5000.0};
+    rig::Random random(20260104);
+    const rig::TransducerParameters clean{.range_Pa = 25e6, .noise_Pa = 0.0, .resolution_Pa = 5000.0};
     for (double p = 0.0; p <= 25e6; p += 12345.6) {
         const double reading = plant::reading_Pa(clean, p, random);
         CHECK(std::abs(reading - p) <= 2500.0);
@@ -187,7 +187,7 @@ TEST_CASE("transducer: range, resolution, noise", "[RIG-070]") {
     CHECK(plant::reading_Pa(clean, -1e6, random) == 0.0);
     CHECK(plant::reading_Pa(clean, 26e6, random) == 25e6);
 
-    const plant::TransducerParameters noisy{.range_Pa = 25e6, .noise_Pa = 20e3, .resolution_Pa = 0.0};
+    const rig::TransducerParameters noisy{.range_Pa = 25e6, .noise_Pa = 20e3, .resolution_Pa = 0.0};
     constexpr double kCount = 200000.0;
     double sum = 0.0;
     double squares = 0.0;
@@ -205,12 +205,12 @@ TEST_CASE("transducer: range, resolution, noise", "[RIG-070]") {
 }
 
 TEST_CASE("random: SplitMix64 as published", "[RIG-070]") {
-    plant::Random from_zero(0);
+    rig::Random from_zero(0);
     for (const std::uint64_t expected :
          {0xE220A8397B1DCDAFULL, 0x6E789E6AA1B965F4ULL, 0x06C45D188009454FULL, 0xF88BB8A8724C81ECULL, 0x1B39896A51A8749BULL}) {
         CHECK(from_zero.bits() == expected);
     }
-    plant::Random random(1234567);
+    rig::Random random(1234567);
     for (const std::uint64_t expected :
          {6457827717110365317ULL, 3203168211198807973ULL, 9817491932198370423ULL, 4593380528125082431ULL, 16408922859458223821ULL}) {
         CHECK(random.bits() == expected);
@@ -218,7 +218,7 @@ TEST_CASE("random: SplitMix64 as published", "[RIG-070]") {
 }
 
 TEST_CASE("random: noise has mean 0, deviation 1, no third moment, its bound and nearly the normal law", "[RIG-070]") {
-    plant::Random random(20260105);
+    rig::Random random(20260105);
     constexpr int kCount = 1000000;
     std::vector<double> draws(kCount);
     std::array<double, 5> moments{};
@@ -252,13 +252,13 @@ TEST_CASE("random: noise has mean 0, deviation 1, no third moment, its bound and
 }
 
 TEST_CASE("teeth that stand in the wrong place move their stamps, not their number nor the mean speed", "[RIG-070]") {
-    plant::EncoderParameters off = kClean;
+    rig::EncoderParameters off = kClean;
     off.pitch_error = 0.02;
     off.eccentricity = 0.003;
     plant::Encoder sound(kClean), worn(off);
-    plant::Random random(1);
+    rig::Random random(1);
     constexpr double kOmega = 100.0;
-    double most_s = 0.0, first_s = 0.0, last_s = 0.0;
+    double max_s = 0.0, first_s = 0.0, last_s = 0.0;
     std::uint32_t first = 0;
     double slowest = 1e9, fastest = 0.0;
     for (int i = 1; i <= 20'000; ++i) {
@@ -266,7 +266,7 @@ TEST_CASE("teeth that stand in the wrong place move their stamps, not their numb
         sound.advance(kOmega * t, kOmega, kOmega, t, kStep_s, random);
         worn.advance(kOmega * t, kOmega, kOmega, t, kStep_s, random);
         REQUIRE(sound.edge_count() == worn.edge_count());
-        most_s = std::max(most_s, std::abs(worn.edge_time_s() - sound.edge_time_s()));
+        max_s = std::max(max_s, std::abs(worn.edge_time_s() - sound.edge_time_s()));
         if (i == 100) {
             first_s = worn.edge_time_s();
             first = worn.edge_count();
@@ -278,8 +278,8 @@ TEST_CASE("teeth that stand in the wrong place move their stamps, not their numb
         last_s = worn.edge_time_s();
     }
     // Neighbours are apart by as much as both are off: 2 % of the pitch each way, 0.3 % by the ring, over one edge.
-    CHECK(most_s <= (0.02 * kToothPitch_rad + 0.003) / kOmega + 1e-9);
-    CHECK(most_s > 0.5 * 0.02 * kToothPitch_rad / kOmega);
+    CHECK(max_s <= (0.02 * kToothPitch_rad + 0.003) / kOmega + 1e-9);
+    CHECK(max_s > 0.5 * 0.02 * kToothPitch_rad / kOmega);
     CHECK((worn.edge_count() - first) * kToothPitch_rad / (last_s - first_s) == Approx(kOmega).epsilon(1e-4));
     CHECK(slowest < 0.99 * kOmega);
     CHECK(fastest > 1.01 * kOmega);

@@ -9,7 +9,7 @@
 namespace {
 
 /// d(omega_dot)/d(omega) at zero slip.
-double pole_per_s(const plant::RigParameters& rig, double v) {
+double pole_per_s(const rig::RigParameters& rig, double v) {
     const double F_z = rig.load.base_N - rig.load.lift_Ns2pm2 * v * v;
     const double r = rig.wheel.free_radius_m - F_z / rig.wheel.stiffness_Npm;
     const double mu_1 = rig.surface.c1 * rig.surface.c2 - rig.surface.c3;
@@ -23,10 +23,10 @@ TEST_CASE("low speed: accurate at 1 ms and 5 ms on every surface", "[RIG-001]") 
     for (const NamedScenario& s : all_scenarios()) {
         for (const double start_mps : {5.5, 2.0}) {
             for (const double step_s : {1e-3, 5e-3}) {
-                plant::RigParameters rig = s.loaded.rig;
+                rig::RigParameters rig = s.loaded.rig;
                 rig.brake_on_mps = start_mps;
                 fastest_pole = std::min(fastest_pole, pole_per_s(rig, start_mps));
-                const double peak = least_peak_pressure_Pa(rig);
+                const double peak = min_peak_pressure_Pa(rig);
                 CAPTURE(s.name, start_mps, step_s, peak);
                 reference::Options options;
                 options.until_mps = 1.0;
@@ -44,7 +44,7 @@ TEST_CASE("low speed: accurate at 1 ms and 5 ms on every surface", "[RIG-001]") 
 
 TEST_CASE("low speed: a disturbed wheel returns to its slip without oscillation", "[RIG-001]") {
     for (const NamedScenario& s : all_scenarios()) {
-        const plant::RigParameters& rig = s.loaded.rig;
+        const rig::RigParameters& rig = s.loaded.rig;
         plant::Wheel wheel(rig.wheel, plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps), rig.surface);
         const plant::LoadArc load{rig.load.base_N, 0.0, rig.load.lift_Ns2pm2};
         for (const double v : {5.5, 2.0}) {

@@ -12,10 +12,10 @@
 namespace {
 
 constexpr double kFull_Pa = 2.07e7;
-constexpr plant::ValveParameters kValve{.natural_frequency_radps = 2.0 * std::numbers::pi * 20.0, .damping = 0.8, .delay_s = 6e-3};
+constexpr rig::ValveParameters kValve{.natural_frequency_radps = 2.0 * std::numbers::pi * 20.0, .damping = 0.8, .delay_s = 6e-3};
 
 /// Response of eq. (6) to a unit step at time zero, before the delay.
-double step_response(const plant::ValveParameters& valve, double t) {
+double step_response(const rig::ValveParameters& valve, double t) {
     t -= valve.delay_s;
     if (t <= 0.0) return 0.0;
     const double decay = valve.damping * valve.natural_frequency_radps;
@@ -24,7 +24,7 @@ double step_response(const plant::ValveParameters& valve, double t) {
 }
 
 /// Response to a unit ramp: the integral of the step response.
-double ramp_response(const plant::ValveParameters& valve, double t) {
+double ramp_response(const rig::ValveParameters& valve, double t) {
     t -= valve.delay_s;
     if (t <= 0.0) return 0.0;
     const double w = valve.natural_frequency_radps;
@@ -35,7 +35,7 @@ double ramp_response(const plant::ValveParameters& valve, double t) {
 }
 
 /// The same behind a line, by the residues of w^2 a / ((s - p1) (s - p2) (s - p3) s), a = -p3 = 1 / line_s.
-double step_behind_line(const plant::ValveParameters& valve, double t) {
+double step_behind_line(const rig::ValveParameters& valve, double t) {
     t -= valve.delay_s;
     if (t <= 0.0) return 0.0;
     using Complex = std::complex<double>;
@@ -52,8 +52,8 @@ double step_behind_line(const plant::ValveParameters& valve, double t) {
     return sum.real();
 }
 
-plant::ValveParameters with_delay(double delay_s) {
-    plant::ValveParameters valve = kValve;
+rig::ValveParameters with_delay(double delay_s) {
+    rig::ValveParameters valve = kValve;
     valve.delay_s = delay_s;
     return valve;
 }
@@ -67,7 +67,7 @@ TEST_CASE("valve: step response, whatever the delay and the step", "[RIG-040]") 
     for (const double delay_s : kDelays_s) {
         for (const double step_s : kSteps_s) {
             CAPTURE(delay_s, step_s);
-            const plant::ValveParameters parameters = with_delay(delay_s);
+            const rig::ValveParameters parameters = with_delay(delay_s);
             plant::Valve valve(parameters, step_s);
             CHECK(valve.first_s() >= 0.0);
             CHECK(valve.first_s() + valve.second_s() == Approx(step_s).epsilon(1e-12));
@@ -87,7 +87,7 @@ TEST_CASE("valve: the step response behind a line, whatever its lag, the delay a
         for (const double delay_s : kDelays_s) {
             for (const double step_s : kSteps_s) {
                 CAPTURE(line_s, delay_s, step_s);
-                plant::ValveParameters parameters = with_delay(delay_s);
+                rig::ValveParameters parameters = with_delay(delay_s);
                 parameters.line_s = line_s;
                 plant::Valve valve(parameters, step_s);
                 double worst = 0.0, seam = 0.0, last = 0.0;
@@ -107,7 +107,7 @@ TEST_CASE("valve: the step response behind a line, whatever its lag, the delay a
 }
 
 TEST_CASE("valve: a line that hardly lags is none; a ramp comes later by its lag; one below zero is refused", "[RIG-040]") {
-    plant::ValveParameters parameters = kValve;
+    rig::ValveParameters parameters = kValve;
     plant::Valve bare(parameters, 1e-3);
     parameters.line_s = 1e-7;
     plant::Valve short_line(parameters, 1e-3);
@@ -132,7 +132,7 @@ TEST_CASE("valve: exact for an input that is linear in time", "[RIG-040]") {
     for (const double delay_s : kDelays_s) {
         for (const double step_s : kSteps_s) {
             CAPTURE(delay_s, step_s);
-            const plant::ValveParameters parameters = with_delay(delay_s);
+            const rig::ValveParameters parameters = with_delay(delay_s);
             plant::Valve valve(parameters, step_s);
             constexpr double kRate = 1e8;
             double worst = 0.0;
@@ -148,9 +148,9 @@ TEST_CASE("valve: exact for an input that is linear in time", "[RIG-040]") {
 TEST_CASE("valve: any sequence of held commands is the sum of its steps", "[RIG-040]") {
     for (const double delay_s : kDelays_s) {
         CAPTURE(delay_s);
-        const plant::ValveParameters parameters = with_delay(delay_s);
+        const rig::ValveParameters parameters = with_delay(delay_s);
         plant::Valve valve(parameters, 1e-3);
-        plant::Random random(7);
+        rig::Random random(7);
         std::vector<double> commands;
         double worst = 0.0;
         for (int i = 0; i < 200; ++i) {
@@ -172,7 +172,7 @@ TEST_CASE("valve: any sequence of held commands is the sum of its steps", "[RIG-
 
 TEST_CASE("valve: within a step the pressure follows the closed form to a millionth", "[RIG-040]") {
     for (const double delay_s : {6e-3, 6.3e-3}) {
-        const plant::ValveParameters parameters = with_delay(delay_s);
+        const rig::ValveParameters parameters = with_delay(delay_s);
         plant::Valve valve(parameters, 1e-3);
         double worst = 0.0;
         for (int i = 0; i < 100; ++i) {
@@ -226,7 +226,7 @@ TEST_CASE("valve: a part of an arc is the arc", "[RIG-040]") {
 }
 
 TEST_CASE("valve: parameters that it cannot integrate are refused", "[RIG-040]") {
-    plant::ValveParameters valve = kValve;
+    rig::ValveParameters valve = kValve;
     for (const double damping : {0.0, 1.0, 1.5, -0.1, std::nan("")}) {
         valve.damping = damping;
         CHECK_THROWS_AS(plant::Valve(valve, 1e-3), std::invalid_argument);
@@ -234,7 +234,7 @@ TEST_CASE("valve: parameters that it cannot integrate are refused", "[RIG-040]")
 }
 
 TEST_CASE("static map: dead zone, points, linear between, saturating", "[RIG-040]") {
-    const plant::PressureMap map = plant::load_rig("config", {}).rig.pressure_map;
+    const rig::PressureMap map = rig::load_rig("config", {}).rig.pressure_map;
     const auto& points = map.points();
     CHECK(points.front().current_mA == 3.0);
     CHECK(points.back().current_mA == 40.0);
@@ -255,17 +255,17 @@ TEST_CASE("static map: dead zone, points, linear between, saturating", "[RIG-040
         CHECK(map.pressure_Pa(mA) >= last);
         last = map.pressure_Pa(mA);
     }
-    using Points = std::vector<plant::PressureMap::Point>;
-    CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 0.0}}), std::invalid_argument);
-    CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 0.0}, {3.0, 1.0}}), std::invalid_argument);
-    CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 2.0}, {4.0, 1.0}}), std::invalid_argument);
-    CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 0.0}, {std::nan(""), 1.0}}), std::invalid_argument);
-    CHECK_THROWS_AS(plant::PressureMap(Points{{3.0, 0.0}, {4.0, std::nan("")}}), std::invalid_argument);
+    using Points = std::vector<rig::PressureMap::Point>;
+    CHECK_THROWS_AS(rig::PressureMap(Points{{3.0, 0.0}}), std::invalid_argument);
+    CHECK_THROWS_AS(rig::PressureMap(Points{{3.0, 0.0}, {3.0, 1.0}}), std::invalid_argument);
+    CHECK_THROWS_AS(rig::PressureMap(Points{{3.0, 2.0}, {4.0, 1.0}}), std::invalid_argument);
+    CHECK_THROWS_AS(rig::PressureMap(Points{{3.0, 0.0}, {std::nan(""), 1.0}}), std::invalid_argument);
+    CHECK_THROWS_AS(rig::PressureMap(Points{{3.0, 0.0}, {4.0, std::nan("")}}), std::invalid_argument);
 }
 
 TEST_CASE("valve: play before the map shows as two branches", "[STUDY-100]") {
     constexpr double kWidth_mA = 0.8;
-    plant::RigParameters parameters = plant::load_rig("config", {}).rig;
+    rig::RigParameters parameters = rig::load_rig("config", {}).rig;
     parameters.valve.hysteresis_mA = kWidth_mA;
     plant::Rig rig(parameters, 1e-3, 1);
     rig.start_at_rest();
@@ -273,7 +273,7 @@ TEST_CASE("valve: play before the map shows as two branches", "[STUDY-100]") {
         for (int i = 0; i <= 1000; ++i) rig.advance_current(from_mA + (to_mA - from_mA) * std::min(1.0, i / 200.0));
         return rig.pressure_Pa();
     };
-    const plant::PressureMap& map = parameters.pressure_map;
+    const rig::PressureMap& map = parameters.pressure_map;
     CHECK(settle(0.0, 20.0) == Approx(map.pressure_Pa(20.0 - 0.5 * kWidth_mA)));
     static_cast<void>(settle(20.0, 40.0));
     CHECK(settle(40.0, 20.0) == Approx(map.pressure_Pa(20.0 + 0.5 * kWidth_mA)));
@@ -281,7 +281,7 @@ TEST_CASE("valve: play before the map shows as two branches", "[STUDY-100]") {
     CHECK(settle(20.0, 20.0 + 0.9 * kWidth_mA) == Approx(map.pressure_Pa(20.0 + 0.5 * kWidth_mA)));
 
     plant::Play none(0.0);
-    plant::Random random(7);
+    rig::Random random(7);
     for (int i = 0; i < 1000; ++i) {
         const double current_mA = 20.0 + 5.0 * random.noise();
         CHECK(none.follow(current_mA) == current_mA);

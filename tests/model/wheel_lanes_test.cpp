@@ -21,7 +21,7 @@ std::array<std::uint64_t, kMembers> bits(const plant::wheel_step::Step& step) {
 }  // namespace
 
 TEST_CASE("wheels in lanes: bits of the single wheel, on any instruction set", "[STUDY-160]") {
-    plant::Random random(7);
+    rig::Random random(7);
     const auto between = [&random](double low, double high) { return low + (high - low) * static_cast<double>(random.bits() >> 11U) * 0x1p-53; };
     using Instructions = plant::WheelLanes::Instructions;
     int infinite = 0;

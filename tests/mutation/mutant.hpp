@@ -9,9 +9,9 @@
 
 namespace mutant {
 
-inline constexpr int kMost = 16384;  // as MOST of mutate.py
+inline constexpr int kMax = 16384;  // as MOST of mutate.py
 inline int active = 0;
-inline unsigned char met[kMost] = {};
+inline unsigned char met[kMax] = {};
 
 // Before any other initialisation: constants of the program are sites too.
 [[gnu::constructor(101)]] static void activate() {

@@ -23,7 +23,7 @@ std::string section(const std::string& id, const std::string& commands, const st
     return "[[section]]\nid = \"" + id + "\"\ntitle = \"S <" + id + ">\"\ncommands = \"\"\"\n" + commands + "\n\"\"\"\n" + more;
 }
 
-std::string refusal(const std::string& text) {
+std::string rejection(const std::string& text) {
     const TempDir dir;
     try {
         (void)paper::load_contents(dir.write("report.toml", text));
@@ -75,14 +75,14 @@ TEST_CASE("a report's sections are read, and mistakes refused with line and key"
     CHECK(c.sections[0].pictures[1].command == 1);
     CHECK(c.sections[1].after == "a");
     CHECK(c.sections[1].comparisons[0].printed == 1.0);
-    CHECK_THAT(refusal(kHead), ContainsSubstring("section"));
-    CHECK_THAT(refusal(kHead + section("a", "x") + section("a", "x")), ContainsSubstring("there are two sections 'a'"));
-    CHECK_THAT(refusal(kHead + section("../a", "x")), ContainsSubstring("report.toml:3: section[0].id: names a directory"));
-    CHECK_THAT(refusal(kHead + section("a", "x", "after = \"z\"\n")), ContainsSubstring("'z' is no section above"));
-    CHECK_THAT(refusal(kHead + section("a", "  ")), ContainsSubstring("no command"));
-    CHECK_THAT(refusal(kHead + section("a", "x", "quick_commands = \"\"\"\nx\ny\n\"\"\"\n")), ContainsSubstring("as many as commands"));
-    CHECK_THAT(refusal(kHead + section("a", "x", "show = [2]\n")), ContainsSubstring("show"));
-    CHECK_THAT(refusal(kHead + section("a", "x", "pictures = 3\n")), ContainsSubstring("pictures"));
+    CHECK_THAT(rejection(kHead), ContainsSubstring("section"));
+    CHECK_THAT(rejection(kHead + section("a", "x") + section("a", "x")), ContainsSubstring("there are two sections 'a'"));
+    CHECK_THAT(rejection(kHead + section("../a", "x")), ContainsSubstring("report.toml:3: section[0].id: names a directory"));
+    CHECK_THAT(rejection(kHead + section("a", "x", "after = \"z\"\n")), ContainsSubstring("'z' is no section above"));
+    CHECK_THAT(rejection(kHead + section("a", "  ")), ContainsSubstring("no command"));
+    CHECK_THAT(rejection(kHead + section("a", "x", "quick_commands = \"\"\"\nx\ny\n\"\"\"\n")), ContainsSubstring("as many as commands"));
+    CHECK_THAT(rejection(kHead + section("a", "x", "show = [2]\n")), ContainsSubstring("show"));
+    CHECK_THAT(rejection(kHead + section("a", "x", "pictures = 3\n")), ContainsSubstring("pictures"));
 }
 
 TEST_CASE("commands run after what they build on; 1 is an answer, 2 ends a section and those that wait for it", "[STUDY-185]") {

@@ -20,7 +20,7 @@ settings::Error with_line(std::size_t number, const std::string& line) {
         text += '\n';
     }
     put(directory / "rig_machinery.toml", text);
-    return refusal_of([&directory] { return plc::load_served_rig(directory.path(), plc::Bench::landing); });
+    return rejection_of([&directory] { return plc::load_served_rig(directory.path(), plc::Bench::landing); });
 }
 
 }  // namespace

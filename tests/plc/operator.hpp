@@ -10,11 +10,11 @@ namespace plc_test {
 using rig::Commanded;
 using rig::Measured;
 
-inline plant::LoadedRig loaded(plc::Bench bench) {
-    plant::ManeuverChoice choice;
-    choice.maneuver = bench == plc::Bench::endurance ? plant::kEndurance : "heavy";
-    choice.carrier = plant::Carrier::flywheel;
-    return plant::load_rig("config", choice);
+inline rig::LoadedRig loaded(plc::Bench bench) {
+    rig::ManeuverChoice choice;
+    choice.maneuver = bench == plc::Bench::endurance ? rig::kEndurance : "heavy";
+    choice.carrier = rig::Carrier::flywheel;
+    return rig::load_rig("config", choice);
 }
 
 class Operator {
@@ -61,7 +61,7 @@ class Operator {
     [[nodiscard]] double v() const { return rig.rig().wheel().v_mps; }
     [[nodiscard]] double measured(Measured q) const { return rig::at(rig.measured(), q); }
 
-    plant::LoadedRig plant;
+    rig::LoadedRig plant;
     plc::ServedRig rig;
     rig::CommandedValues registers{};
     bool alive = true;

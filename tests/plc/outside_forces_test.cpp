@@ -7,7 +7,7 @@
 
 namespace {
 
-plant::RigParameters parameters() {
+rig::RigParameters parameters() {
     return plc_test::loaded(plc::Bench::endurance).rig;
 }
 
@@ -18,7 +18,7 @@ double residual_J(const plant::Rig& rig, double start_J) {
 }  // namespace
 
 TEST_CASE("a constant force accelerates the free flywheel uniformly, encoder included", "[RIG-200]") {
-    const plant::RigParameters p = parameters();
+    const rig::RigParameters p = parameters();
     plant::Rig rig(p, 1e-3, 1);
     rig.start_at_rest();
     rig.set_outside_forces({.drive_N = 3000.0, .drag_N = 200.0});
@@ -31,10 +31,10 @@ TEST_CASE("a constant force accelerates the free flywheel uniformly, encoder inc
     CHECK(rig.wheel().omega_radps == 0.0);
     // The pick-up is blind at first; from then on every tooth counts, and the last one is where the motion says.
     const double teeth_per_m = p.flywheel_encoder.teeth / (2.0 * M_PI * p.flywheel_radius_m);
-    const double blind_mps = p.flywheel_encoder.slowest_edges_hz / teeth_per_m;
-    const double blind_m = blind_mps * blind_mps / (2.0 * a);
+    const double unseen_mps = p.flywheel_encoder.slowest_edges_hz / teeth_per_m;
+    const double unseen_m = unseen_mps * unseen_mps / (2.0 * a);
     const double edges = rig.wheel().distance_m * teeth_per_m;
-    CHECK(rig.flywheel_encoder().edge_count() == Approx(edges - blind_m * teeth_per_m).margin(1.5));
+    CHECK(rig.flywheel_encoder().edge_count() == Approx(edges - unseen_m * teeth_per_m).margin(1.5));
     const double last_edge_s = std::sqrt(2.0 * std::floor(edges) / teeth_per_m / a);
     CHECK(rig.flywheel_encoder().edge_time_s() == Approx(last_edge_s).margin(5.0 * p.flywheel_encoder.jitter_s));
 }
@@ -78,7 +78,7 @@ TEST_CASE("the books close with drive, drag, brake and tyre at once", "[RIG-200]
 }
 
 TEST_CASE("another load law acts with the device's own lag", "[RIG-200]") {
-    const plant::RigParameters p = parameters();
+    const rig::RigParameters p = parameters();
     plant::Rig rig(p, 1e-3, 1);
     rig.start_rolling();
     const double from_N = rig.forces().F_z_N;
@@ -95,7 +95,7 @@ TEST_CASE("another load law acts with the device's own lag", "[RIG-200]") {
 }
 
 TEST_CASE("another brake acts from the next step on", "[RIG-200]") {
-    const plant::RigParameters p = parameters();
+    const rig::RigParameters p = parameters();
     plant::Rig rig(p, 1e-3, 1);
     rig.start_rolling();
     for (int i = 0; i < 500; ++i) rig.advance_current(15.0);
@@ -110,7 +110,7 @@ TEST_CASE("another brake acts from the next step on", "[RIG-200]") {
 }
 
 TEST_CASE("idle time at once is idle time step by step", "[RIG-200]") {
-    const plant::RigParameters p = parameters();
+    const rig::RigParameters p = parameters();
     const plant::Drag drag{.bearing_N = 5.0, .windage_Ns2pm2 = 0.004};
     plant::Rig steps(p, 1e-3, 1);
     plant::Rig jump(p, 1e-3, 1);

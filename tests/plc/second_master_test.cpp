@@ -9,16 +9,16 @@
 #include "rig_bridge/bridge/node.hpp"
 #include "rig_bridge/modbus/modbus_context.hpp"
 #include "rig_bridge/modbus/server.hpp"
-#include "rig_bridge/scenario/scenario.hpp"
+#include "rig_bridge/rig/scenario.hpp"
 #include "tests/bridge/fakes.hpp"
 #include "tests/catch.hpp"
 
 using namespace std::chrono_literals;
 using bridge_test::FakeBus;
 using bridge_test::FakeFeed;
+using rig::Abort;
 using rig::Commanded;
-using sequencer::Abort;
-using sequencer::Phase;
+using rig::Phase;
 
 namespace {
 
@@ -29,14 +29,14 @@ rig::RegisterMap patient_map() {
     return map;
 }
 
-class ClientPlc final : public rig::Plc {
+class ClientPlc final : public rig::bridge::Plc {
   public:
-    ClientPlc(const rig::RegisterMap& map, std::uint16_t port) : client_(map, rig::TcpServer{"127.0.0.1", port}) {}
+    ClientPlc(const rig::RegisterMap& map, std::uint16_t port) : client_(map, rig::modbus::TcpServer{"127.0.0.1", port}) {}
     void command(const rig::CommandedValues& wanted) override { client_.command(wanted); }
-    [[nodiscard]] rig::Snapshot snapshot() const override { return client_.snapshot(); }
+    [[nodiscard]] rig::modbus::Snapshot snapshot() const override { return client_.snapshot(); }
 
   private:
-    rig::ModbusClient client_;
+    rig::modbus::ModbusClient client_;
 };
 
 /// A light landing, 49 m/s, from rest.
@@ -44,7 +44,7 @@ struct Bench {
     rig::Scenario scenario = rig::load_scenario("config/scenarios/light.toml");
     rig::RegisterMap map = patient_map();
     antiskid::can::Layout layout = bridge_test::layout();
-    rig::ModbusServer server{map, {}};
+    rig::modbus::ModbusServer server{map, {}};
     plc::ServedRig served = [this] {
         plc::ServedRigOptions options = plc::load_served_rig("config", plc::Bench::landing);
         options.watchdog_s = 30.0;
@@ -53,8 +53,8 @@ struct Bench {
     ClientPlc client{map, server.port()};
     FakeFeed feed;
     FakeBus bus;
-    rig::Node node{layout, 1e-3, {.registers_s = 30.0, .commit_s = 30.0, .watchdog_s = 30.0}, client, feed, bus};
-    sequencer::Sequencer sequencer{rig::plan(scenario, 1, 1)};
+    rig::bridge::Node node{layout, 1e-3, {.registers_s = 30.0, .commit_s = 30.0, .watchdog_s = 30.0}, client, feed, bus};
+    rig::Sequencer sequencer{rig::plan(scenario, 1, 1)};
     bridge_test::Time now = 1s;
     double encoder_scale = 1.0;  ///< of the flywheel's encoder on the bus
     double fastest_mps = 0.0;    ///< that the rim was
@@ -63,7 +63,7 @@ struct Bench {
     void step() {
         served.command(server.exchange(served.measured()).commanded);
         for (int i = 0; i < 10; ++i) served.advance(0.0);
-        now += rig::Node::kStep;
+        now += rig::bridge::Node::kStep;
         feed.bus = bridge_test::good_bus(now);
         const double rim_mps = served.rig().wheel().v_mps;
         feed.bus.rim_mps = encoder_scale * rim_mps;
@@ -99,7 +99,7 @@ class SecondMaster {
 
   private:
     const rig::RegisterMap& map_;
-    rig::ModbusContext context_;
+    rig::modbus::ModbusContext context_;
 };
 
 }  // namespace
@@ -107,18 +107,18 @@ class SecondMaster {
 TEST_CASE("A second master that commands 75 m/s in the spin-up of a 49 m/s landing ends it, and commands nothing", "[BRG-136]") {
     Bench b;
     SecondMaster other(b);
-    REQUIRE(b.until([&] { return b.served.plc().orders().drive && b.fastest_mps > 1.0; }));
+    REQUIRE(b.until([&] { return b.served.plc().commands().drive && b.fastest_mps > 1.0; }));
     REQUIRE(b.sequencer.phase() == Phase::spin_up);
-    CHECK(b.served.plc().orders().speed_mps == Approx(49.0).margin(0.5));
+    CHECK(b.served.plc().commands().speed_mps == Approx(49.0).margin(0.5));
     other.spin_up(75.0, 4711);
     REQUIRE(b.until([&] { return b.sequencer.over(); }));
     CHECK(b.sequencer.abort() == Abort::foreign_command);
-    REQUIRE(b.until([&] { return !b.served.plc().orders().drive; }));
+    REQUIRE(b.until([&] { return !b.served.plc().commands().drive; }));
     // It insists: the bridge, whose maneuver is over, still holds the rig at its safe end.
     for (std::uint16_t commit = 5000; commit < 5003; ++commit) {
         other.spin_up(75.0, commit);
         REQUIRE(b.until([&] { return b.node.moment().plc.foreign_commit == commit; }));
-        REQUIRE(b.until([&] { return !b.served.plc().orders().drive; }));
+        REQUIRE(b.until([&] { return !b.served.plc().commands().drive; }));
     }
     CHECK(b.fastest_mps < 49.0);
 }

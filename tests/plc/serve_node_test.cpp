@@ -45,7 +45,8 @@ TEST_CASE("the brake is handed out after each maneuver, to a reporter on another
         if (at(9.0) || at(21.0)) s.op.wish({});
     };
     std::vector<wear::BrakeState> kept;
-    antiskid::rt::SupervisedCan idle([&]() -> std::unique_ptr<antiskid::can::Bus> { return std::make_unique<WaitingBus>(s.hub.connect(), s.clock); });
+    antiskid::host::SupervisedCan idle(
+        [&]() -> std::unique_ptr<antiskid::can::Bus> { return std::make_unique<WaitingBus>(s.hub.connect(), s.clock); });
     std::vector<std::string> said;
     {
         const plant_sim::ServeReporter reporter(
@@ -209,7 +210,7 @@ TEST_CASE("trips and refusals are there for who reports", "[RIG-270]") {
     s.on_period = [&] { s.op.rig.open_interlocks(s.op.rig.time_s() > 0.5 ? 1U << 1U : 0U); };
     s.node.run_lockstep(s.stop);
     CHECK(s.node.state().trip == plc::Trip::guard_open);
-    CHECK(s.node.state().refused == 256U + static_cast<unsigned>(plc::Refusal::range));
+    CHECK(s.node.state().rejected == 256U + static_cast<unsigned>(plc::Rejection::range));
 }
 
 TEST_CASE("foreign traffic and broken commands move no valve", "[RIG-270]") {

@@ -37,7 +37,7 @@ TEST_CASE("refusal, trip, reset, a lost interface and its return are said once e
     antiskid::can::Loopback::End& end = hub.connect();
     // The first bus dies; the second is there at the third attempt.
     int opened = 0;
-    antiskid::rt::SupervisedCan bus([&]() -> std::unique_ptr<antiskid::can::Bus> {
+    antiskid::host::SupervisedCan bus([&]() -> std::unique_ptr<antiskid::can::Bus> {
         if (++opened == 2 || opened == 3) throw std::runtime_error("can7 does not exist");
         return std::make_unique<Near>(opened == 1 ? end : hub.connect());
     });
@@ -51,7 +51,7 @@ TEST_CASE("refusal, trip, reset, a lost interface and its return are said once e
 
     std::atomic<bool> stop{false};
     int act = 0;
-    antiskid::rt::MonotonicClock clock;
+    antiskid::host::MonotonicClock clock;
     constexpr antiskid::control::Time kStep{1'000'000};
     // Each act begins when the last one has been reported, however long that takes.
     const auto play = [&](plc::ServedRig& rig) {

@@ -25,7 +25,7 @@ using plc::Bench;
 inline constexpr Time kMillisecond{1'000'000};
 inline constexpr Time kSecond = 1000 * kMillisecond;
 
-class FakeClock final : public antiskid::rt::Clock {
+class FakeClock final : public antiskid::host::Clock {
   public:
     Time now() override { return now_; }
     void sleep_until(Time deadline) override {
@@ -74,7 +74,7 @@ struct Stand {
           far(hub.connect()),
           bus(near, clock),
           node(op.rig, layout, bus, clock, kMillisecond, [this](plc::ServedRig& rig) { exchange(rig); }) {
-        bus.on_send = [this](const Frame& frame) { heard(frame); };
+        bus.on_send = [this](const Frame& frame) { reception(frame); };
     }
 
     void exchange(plc::ServedRig& rig) {
@@ -83,7 +83,7 @@ struct Stand {
         if (on_period) on_period();
         if (rig.time_s() >= end_s) stop = true;
     }
-    void heard(const Frame& frame) {
+    void reception(const Frame& frame) {
         const auto role = [&] {
             for (std::size_t i = 0; i < antiskid::can::kRoleCount; ++i) {
                 const auto& message = layout[static_cast<Role>(i)];

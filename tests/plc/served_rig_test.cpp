@@ -105,10 +105,10 @@ TEST_CASE("touchdown spins the wheel up and costs the rim what the wheel took", 
     const plant::Forces f = op.rig.rig().forces();
     CHECK(f.slip == Approx(0.0).margin(1e-6));
     // Angular momentum about each axle, with a radius that the load flattens on the way.
-    const double most = before_mps / (1.0 + w.inertia_kgm2 / (w.mass_kg * w.free_radius_m * w.free_radius_m));
-    const double least = before_mps / (1.0 + w.inertia_kgm2 / (w.mass_kg * f.radius_m * f.radius_m));
-    CHECK(op.v() > least - 0.01);
-    CHECK(op.v() < most + 0.01);
+    const double max = before_mps / (1.0 + w.inertia_kgm2 / (w.mass_kg * w.free_radius_m * w.free_radius_m));
+    const double min = before_mps / (1.0 + w.inertia_kgm2 / (w.mass_kg * f.radius_m * f.radius_m));
+    CHECK(op.v() > min - 0.01);
+    CHECK(op.v() < max + 0.01);
     CHECK(op.rig.maneuvers() == 1);
 }
 

@@ -6,7 +6,7 @@
 
 #include "tests/catch.hpp"
 
-using plc::Refusal;
+using plc::Rejection;
 using plc::Trip;
 using rig::Commanded;
 using rig::Interlock;
@@ -38,8 +38,8 @@ struct Panel {
         number += 1.0;
         scan();
         const bool applied = plc.applied_commit() == number;
-        const bool refused = plc.refused_commit() == number;
-        REQUIRE(applied != refused);
+        const bool rejected = plc.rejected_commit() == number;
+        REQUIRE(applied != rejected);
         return applied;
     }
     void enable_drive() {
@@ -59,27 +59,27 @@ TEST_CASE("commands act with the commit, all at once, and only then", "[RIG-210]
     p[Commanded::drive_enable] = 1.0;
     p[Commanded::flywheel_speed_mps] = 50.0;
     p.scan(3);
-    CHECK_FALSE(p.plc.orders().drive);
+    CHECK_FALSE(p.plc.commands().drive);
     CHECK(p.plc.applied_commit() == 0);
     CHECK(p.commit());
-    CHECK(p.plc.orders().drive);
-    CHECK(p.plc.orders().speed_mps == 50.0);
+    CHECK(p.plc.commands().drive);
+    CHECK(p.plc.commands().speed_mps == 50.0);
     p[Commanded::flywheel_speed_mps] = 30.0;
     p.scan(3);
-    CHECK(p.plc.orders().speed_mps == 50.0);
+    CHECK(p.plc.commands().speed_mps == 50.0);
     CHECK(p.commit());
-    CHECK(p.plc.orders().speed_mps == 30.0);
+    CHECK(p.plc.commands().speed_mps == 30.0);
     // The same number again is no commit, and neither is 0.
     p[Commanded::flywheel_speed_mps] = 20.0;
     p.scan();
     p[Commanded::commit] = 0.0;
     p.scan();
-    CHECK(p.plc.orders().speed_mps == 30.0);
+    CHECK(p.plc.commands().speed_mps == 30.0);
     // Any other number is, wherever it comes from.
     p[Commanded::commit] = 65535.0;
     p.scan();
     CHECK(p.plc.applied_commit() == 65535);
-    CHECK(p.plc.orders().speed_mps == 20.0);
+    CHECK(p.plc.commands().speed_mps == 20.0);
 }
 
 TEST_CASE("a refused commit changes nothing and says so", "[RIG-210]") {
@@ -88,21 +88,21 @@ TEST_CASE("a refused commit changes nothing and says so", "[RIG-210]") {
     struct Case {
         Commanded quantity;
         double value;
-        Refusal refusal;
+        Rejection rejection;
     };
-    const auto bad = GENERATE(Case{Commanded::drive_enable, 2.0, Refusal::value}, Case{Commanded::sledge_advance, 0.5, Refusal::value},
-                              Case{Commanded::load_enable, -1.0, Refusal::value}, Case{Commanded::reset, 7.0, Refusal::value},
-                              Case{Commanded::flywheel_speed_mps, std::numeric_limits<double>::quiet_NaN(), Refusal::value},
-                              Case{Commanded::load_base_N, std::numeric_limits<double>::infinity(), Refusal::value},
-                              Case{Commanded::flywheel_speed_mps, 70.1, Refusal::range}, Case{Commanded::flywheel_speed_mps, -0.1, Refusal::range},
-                              Case{Commanded::load_base_N, 40.1e3, Refusal::range}, Case{Commanded::load_base_N, -1.0, Refusal::range},
-                              Case{Commanded::load_lift_Ns2pm2, 10.1, Refusal::range});
+    const auto bad = GENERATE(Case{Commanded::drive_enable, 2.0, Rejection::value}, Case{Commanded::sledge_advance, 0.5, Rejection::value},
+                              Case{Commanded::load_enable, -1.0, Rejection::value}, Case{Commanded::reset, 7.0, Rejection::value},
+                              Case{Commanded::flywheel_speed_mps, std::numeric_limits<double>::quiet_NaN(), Rejection::value},
+                              Case{Commanded::load_base_N, std::numeric_limits<double>::infinity(), Rejection::value},
+                              Case{Commanded::flywheel_speed_mps, 70.1, Rejection::range},
+                              Case{Commanded::flywheel_speed_mps, -0.1, Rejection::range}, Case{Commanded::load_base_N, 40.1e3, Rejection::range},
+                              Case{Commanded::load_base_N, -1.0, Rejection::range}, Case{Commanded::load_lift_Ns2pm2, 10.1, Rejection::range});
     p[Commanded::flywheel_speed_mps] = 40.0;
     p[bad.quantity] = bad.value;
     CHECK_FALSE(p.commit());
-    CHECK(p.plc.refusal() == bad.refusal);
-    CHECK(p.plc.orders().drive);
-    CHECK(p.plc.orders().speed_mps == 50.0);
+    CHECK(p.plc.rejection() == bad.rejection);
+    CHECK(p.plc.commands().drive);
+    CHECK(p.plc.commands().speed_mps == 50.0);
     CHECK(p.plc.state() == PlcState::ready);
     CHECK(p.plc.applied_commit() == 1);
 }
@@ -125,19 +125,19 @@ TEST_CASE("what does not go together is refused", "[RIG-210]") {
     SECTION("load without the sledge at the rim") {
         p[Commanded::load_enable] = 1.0;
         CHECK_FALSE(p.commit());
-        CHECK(p.plc.refusal() == Refusal::load_off_rim);
+        CHECK(p.plc.rejection() == Rejection::load_off_rim);
     }
     SECTION("the drive against the loaded wheel") {
         p[Commanded::load_enable] = p[Commanded::sledge_advance] = p[Commanded::drive_enable] = 1.0;
         CHECK_FALSE(p.commit());
-        CHECK(p.plc.refusal() == Refusal::drive_against_load);
+        CHECK(p.plc.rejection() == Rejection::drive_against_load);
     }
     SECTION("eq. (2) below zero at the rim's present speed") {
         p[Commanded::load_enable] = p[Commanded::sledge_advance] = 1.0;
         p[Commanded::load_lift_Ns2pm2] = 8.0;
         p.rim_mps = 50.1;
         CHECK_FALSE(p.commit());
-        CHECK(p.plc.refusal() == Refusal::load_law);
+        CHECK(p.plc.rejection() == Rejection::load_law);
         p.rim_mps = 50.0;
         CHECK(p.commit());
     }
@@ -155,7 +155,7 @@ TEST_CASE("nothing is enabled for a bridge whose watchdog does not move", "[RIG-
     const auto what = GENERATE(Commanded::drive_enable, Commanded::sledge_advance);
     p[what] = 1.0;
     CHECK_FALSE(p.commit());
-    CHECK(p.plc.refusal() == Refusal::unsupervised);
+    CHECK(p.plc.rejection() == Rejection::unsupervised);
     p.all_off();
     CHECK(p.commit());
     p.alive = true;
@@ -178,16 +178,16 @@ TEST_CASE("each interlock trips: everything off, at once, until reset", "[RIG-21
     p.scan();
     CHECK(p.plc.state() == PlcState::tripped);
     CHECK(p.plc.trip() == opened.trip);
-    CHECK_FALSE(p.plc.orders().drive);
-    CHECK_FALSE(p.plc.orders().advance);
-    CHECK_FALSE(p.plc.orders().load);
+    CHECK_FALSE(p.plc.commands().drive);
+    CHECK_FALSE(p.plc.commands().advance);
+    CHECK_FALSE(p.plc.commands().load);
     // Good again is not ready again.
     p.good = kGood;
     p.scan(10);
     CHECK(p.plc.state() == PlcState::tripped);
     CHECK_FALSE(p.commit());
-    CHECK(p.plc.refusal() == Refusal::tripped);
-    CHECK_FALSE(p.plc.orders().drive);
+    CHECK(p.plc.rejection() == Rejection::tripped);
+    CHECK_FALSE(p.plc.commands().drive);
 }
 
 TEST_CASE("the bridge's watchdog trips after its time, not before, and not before it has moved once", "[RIG-214]") {
@@ -200,11 +200,11 @@ TEST_CASE("the bridge's watchdog trips after its time, not before, and not befor
     p.alive = false;
     p.scan(49);
     CHECK(p.plc.state() == PlcState::ready);
-    CHECK(p.plc.orders().drive);
+    CHECK(p.plc.commands().drive);
     p.scan(2);
     CHECK(p.plc.state() == PlcState::tripped);
     CHECK(p.plc.trip() == Trip::bridge_silent);
-    CHECK_FALSE(p.plc.orders().drive);
+    CHECK_FALSE(p.plc.commands().drive);
 }
 
 TEST_CASE("a watchdog that moves slowly, or wraps, keeps the PLC ready", "[RIG-214]") {
@@ -229,7 +229,7 @@ TEST_CASE("reset: on its rising edge, with good interlocks, and it starts nothin
     SECTION("refused while an interlock is open") {
         p[Commanded::reset] = 1.0;
         CHECK_FALSE(p.commit());
-        CHECK(p.plc.refusal() == Refusal::interlock);
+        CHECK(p.plc.rejection() == Rejection::interlock);
         CHECK(p.plc.state() == PlcState::tripped);
         p.good = kGood;
         p.scan(5);
@@ -242,7 +242,7 @@ TEST_CASE("reset: on its rising edge, with good interlocks, and it starts nothin
         const auto what = GENERATE(Commanded::drive_enable, Commanded::sledge_advance);
         p[Commanded::reset] = p[what] = 1.0;
         CHECK_FALSE(p.commit());
-        CHECK(p.plc.refusal() == Refusal::tripped);
+        CHECK(p.plc.rejection() == Rejection::tripped);
         CHECK(p.plc.state() == PlcState::tripped);
     }
     SECTION("refused for a silent bridge") {
@@ -251,14 +251,14 @@ TEST_CASE("reset: on its rising edge, with good interlocks, and it starts nothin
         p.scan(60);
         p[Commanded::reset] = 1.0;
         CHECK_FALSE(p.commit());
-        CHECK(p.plc.refusal() == Refusal::unsupervised);
+        CHECK(p.plc.rejection() == Rejection::unsupervised);
     }
     SECTION("a reset that is held does not clear the next trip") {
         p.good = kGood;
         p[Commanded::reset] = 1.0;
         CHECK(p.commit());
         REQUIRE(p.plc.state() == PlcState::ready);
-        CHECK_FALSE(p.plc.orders().drive);
+        CHECK_FALSE(p.plc.commands().drive);
         p.good = 0b0111;
         p.scan();
         p.good = kGood;
@@ -294,7 +294,7 @@ TEST_CASE("any garbage in the registers leaves the PLC in one of its states, wit
         p.good = (x >> 16U) % 8 == 0 ? static_cast<unsigned>(x >> 20U) & kGood : kGood;
         p.alive = (x >> 32U) % 2 == 0;
         p.scan();
-        const plc::Orders& o = p.plc.orders();
+        const plc::MachineCommands& o = p.plc.commands();
         REQUIRE((o.speed_mps >= 0.0 && o.speed_mps <= 70.0));
         REQUIRE((o.load_base_N >= 0.0 && o.load_base_N <= 40e3));
         REQUIRE_FALSE((o.load && (o.drive || !o.advance)));

@@ -62,9 +62,9 @@ TEST_CASE("a brake worn beyond all use keeps a friction curve above zero, and no
     REQUIRE(op.until([&op] { return op.v() > 9.9; }, 60.0));
     op.wish({.advance = true, .load = true});
     REQUIRE(op.until([&op] { return op.rig.wheel_on_rim(); }, 10.0));
-    const plant::FrictionCurve& curve = op.plant.rig.friction_curve;
-    CHECK(op.rig.mean_friction() == plant::least_mean_friction(curve));
-    CHECK(plant::least_friction(curve, op.rig.mean_friction()) == Approx(0.01).margin(1e-12));
+    const rig::FrictionCurve& curve = op.plant.rig.friction_curve;
+    CHECK(op.rig.mean_friction() == rig::min_mean_friction(curve));
+    CHECK(rig::min_friction(curve, op.rig.mean_friction()) == Approx(0.01).margin(1e-12));
 }
 
 TEST_CASE("a rig without a wearing brake keeps the friction that it was given", "[RIG-300]") {

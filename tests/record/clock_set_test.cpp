@@ -30,7 +30,7 @@ std::vector<Frame> recorded(const std::vector<Frame>& sent, Time set_at, Time by
     const Time first = sent.front().received;
     Clocks clocks{.set_at = set_at, .by = by, .now = {}};
     antiskid::can::WallClockOffset stamps([&] { return antiskid::can::ClockReading{clocks.offset(clocks.now), clocks.now}; });
-    rig::StampLabel label(clocks.offset(Time{}));
+    rig::record::StampLabel label(clocks.offset(Time{}));
     std::vector<Frame> record;
     Time read{};
     for (Frame frame : sent) {
@@ -47,8 +47,8 @@ std::vector<Frame> recorded(const std::vector<Frame>& sent, Time set_at, Time by
     return record;
 }
 
-rig::Figures figures(const std::vector<Frame>& record) {
-    rig::BusMeter meter(can_test::ours(), kRig);
+rig::record::Figures figures(const std::vector<Frame>& record) {
+    rig::record::BusMeter meter(can_test::ours(), kRig);
     for (const Frame& frame : record) meter.accept(frame);
     CHECK(meter.steps_back() == 0);
     CHECK(meter.warnings().empty());
@@ -60,15 +60,16 @@ rig::Figures figures(const std::vector<Frame>& record) {
 TEST_CASE("a wall clock that is set, in any phase, forward or back, changes no figure of a landing", "[BRG-200]") {
     const ClosedForm c;
     const std::vector<Frame> sent = Recording(c, false).frames;
-    const rig::Figures sound = figures(recorded(sent, 1h, Time{}));
+    const rig::record::Figures sound = figures(recorded(sent, 1h, Time{}));
     CHECK(sound.length_m == Approx(c.length_m()).margin(0.1));
     CHECK(sound.duration_s == Approx(c.duration_s()).margin(0.02));
     const double rest_s = c.rest_s();
     for (const double at_s : {0.5, 1.9995, 2.0, 2.3, 0.5 * rest_s, rest_s - 0.2, rest_s, rest_s + 0.1}) {
         for (const Time by : {Time{1s}, Time{1h}, Time{-1s}, Time{-1h}}) {
             CAPTURE(at_s, by.count());
-            const rig::Figures set = figures(recorded(sent, Time{std::llround(at_s * 1e9)}, by));
-            for (const rig::FigureField& field : rig::kFigureFields) CHECK(set.*field.value == Approx(sound.*field.value).epsilon(1e-4).margin(1e-9));
+            const rig::record::Figures set = figures(recorded(sent, Time{std::llround(at_s * 1e9)}, by));
+            for (const rig::record::FigureField& field : rig::record::kFigureFields)
+                CHECK(set.*field.value == Approx(sound.*field.value).epsilon(1e-4).margin(1e-9));
         }
     }
 }

@@ -21,17 +21,17 @@ using antiskid::can::RigPort;
 using antiskid::can::RigSample;
 using antiskid::control::Time;
 
-inline constexpr rig::MeterParameters kRig{.wheel_teeth = 60.0,
-                                           .flywheel_teeth = 60.0,
-                                           .flywheel_radius_m = 0.6,
-                                           .wheel_radius_m = 0.309,
-                                           .wheel_stiffness_Npm = 2.7e6,
-                                           .brake_gain_m3 = 1.2e-3,
-                                           .wheel_inertia_kgm2 = 1.3,
-                                           .flywheel_mass_kg = 633.6,
-                                           .peak_friction = 1.17,
-                                           .drop_out_mps = 5.0,
-                                           .period_s = 1e-3};
+inline constexpr rig::record::MeterParameters kRig{.wheel_teeth = 60.0,
+                                                   .flywheel_teeth = 60.0,
+                                                   .flywheel_radius_m = 0.6,
+                                                   .wheel_radius_m = 0.309,
+                                                   .wheel_stiffness_Npm = 2.7e6,
+                                                   .brake_gain_m3 = 1.2e-3,
+                                                   .wheel_inertia_kgm2 = 1.3,
+                                                   .flywheel_mass_kg = 633.6,
+                                                   .peak_friction = 1.17,
+                                                   .drop_out_mps = 5.0,
+                                                   .period_s = 1e-3};
 
 struct ClosedForm {
     double v0_mps = 54.86;
@@ -141,7 +141,7 @@ class Recording {
                     frames.push_back(frame);
                 }
             };
-            std::array<Frame, RigPort::kMostFrames> due;
+            std::array<Frame, RigPort::kMaxFrames> due;
             add({due.data(), bridge.due_frames(sample, due)});
             add({due.data(), sensors.due_frames(sample, due)});
             if (sync) {

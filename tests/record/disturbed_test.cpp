@@ -27,7 +27,7 @@ std::vector<Frame> through(const std::vector<Frame>& sent, const Disturbance& d,
     constexpr std::int64_t kFrom_ns = 500'000'000;
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> draw(0.0, 1.0);
-    std::vector<Frame> heard;
+    std::vector<Frame> reception;
     for (Frame frame : sent) {
         const bool on = (frame.received - sent.front().received).count() > kFrom_ns;
         if (on && draw(random) < d.lost) continue;
@@ -35,11 +35,11 @@ std::vector<Frame> through(const std::vector<Frame>& sent, const Disturbance& d,
         for (int copies = on && draw(random) < d.twice ? 2 : 1; copies > 0; --copies) {
             const bool late = on && draw(random) < d.late;
             frame.received = stamp + Time{late ? std::llround(draw(random) * d.late_ms * 1e6) : 0};
-            heard.push_back(frame);
+            reception.push_back(frame);
         }
     }
-    std::stable_sort(heard.begin(), heard.end(), [](const Frame& a, const Frame& b) { return a.received < b.received; });
-    return heard;
+    std::stable_sort(reception.begin(), reception.end(), [](const Frame& a, const Frame& b) { return a.received < b.received; });
+    return reception;
 }
 
 /// Counts the rim's edges from a frame on: no clock, no SYNC, no gate.
@@ -64,9 +64,9 @@ class Listener {
 
 /// The greatest difference of summary and listener over so many landings.
 double worst_m(const Disturbance& disturbance) {
-    rig::MeterParameters gated = kRig;
-    gated.wheel_most_radps = 400.0;
-    gated.flywheel_most_radps = 250.0;
+    rig::record::MeterParameters gated = kRig;
+    gated.wheel_max_radps = 400.0;
+    gated.flywheel_max_radps = 250.0;
     gated.sensor_late_s = 0.02;
     ClosedForm c;
     c.v0_mps = 25.0;
@@ -75,7 +75,7 @@ double worst_m(const Disturbance& disturbance) {
     double worst = 0.0;
     for (unsigned seed = 1; seed <= 20; ++seed) {
         c.tooth = seed / 21.0;
-        rig::BusMeter meter(can_test::ours(), gated);
+        rig::record::BusMeter meter(can_test::ours(), gated);
         Listener listener;
         for (const Frame& frame : through(Recording(c, true, seed).frames, disturbance, seed)) {
             meter.accept(frame);
@@ -102,7 +102,7 @@ TEST_CASE("a report that brings its edge late is no slower shaft, reports withou
     constexpr double kEdges_hz = 970.0;
     const double late_s = GENERATE(0.0, 0.0011, 0.005, 0.018);
     CAPTURE(late_s);
-    rig::EdgeTrack track(1.0, {.edges_per_s = 3000.0, .late_s = 0.02});
+    rig::record::EdgeTrack track(1.0, {.edges_per_s = 3000.0, .late_s = 0.02});
     std::uint32_t edges = 0;
     double t = 0.0;
     const auto report = [&](double delay_s) {
@@ -119,7 +119,7 @@ TEST_CASE("a report that brings its edge late is no slower shaft, reports withou
     report(late_s);
     CHECK(track.speed(0.03) == Approx(kEdges_hz).epsilon(1e-6));
     // Nor is one without an edge, of which there are 30 a second at this speed.
-    rig::EdgeTrack other = track;
+    rig::record::EdgeTrack other = track;
     other.update(edges, Time{static_cast<std::int64_t>(edges / kEdges_hz * 1e9)}, t + late_s + 1.06e-3);
     CHECK(other.speed(0.03) == Approx(kEdges_hz).epsilon(1e-6));
     // No edge for 20 ms: it turns by less than one pitch in that time.

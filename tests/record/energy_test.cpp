@@ -12,16 +12,16 @@
 using namespace record_test;
 using antiskid::can::Role;
 using antiskid::can::SpeedSample;
-using rig::BusMeter;
-using rig::Figures;
+using rig::record::BusMeter;
+using rig::record::Figures;
 
 namespace {
 
 /// kRig with what config/controller.toml says of its encoders.
-rig::MeterParameters gated() {
-    rig::MeterParameters p = kRig;
-    p.wheel_most_radps = 400.0;
-    p.flywheel_most_radps = 250.0;
+rig::record::MeterParameters gated() {
+    rig::record::MeterParameters p = kRig;
+    p.wheel_max_radps = 400.0;
+    p.flywheel_max_radps = 250.0;
     p.sensor_late_s = 0.02;
     p.energy_band = 0.1;
     return p;
@@ -35,14 +35,14 @@ struct Measured {
         return std::any_of(warnings.begin(), warnings.end(), [&](const std::string& one) { return one.starts_with(of); });
     }
     [[nodiscard]] double counted_J() const {
-        rig::Summary summary;
+        rig::record::Summary summary;
         summary.figures = figures;
         summary.warnings = warnings;
         return counted_energy_J(summary);
     }
 };
 
-Measured measure(const std::vector<Frame>& frames, const rig::MeterParameters& parameters = gated()) {
+Measured measure(const std::vector<Frame>& frames, const rig::record::MeterParameters& parameters = gated()) {
     BusMeter meter(can_test::ours(), parameters);
     for (const Frame& frame : frames) meter.accept(frame);
     return {.figures = meter.figures(), .warnings = meter.warnings()};
@@ -79,7 +79,7 @@ TEST_CASE("a sound record has the same figures with the gate, and no warning", "
         const Recording recording(c, sync);
         const Measured believed = measure(recording.frames, kRig);
         const Measured judged = measure(recording.frames);
-        for (const rig::FigureField& field : rig::kFigureFields) CHECK(judged.figures.*field.value == believed.figures.*field.value);
+        for (const rig::record::FigureField& field : rig::record::kFigureFields) CHECK(judged.figures.*field.value == believed.figures.*field.value);
         CHECK(judged.warnings.empty());
     }
     // Nor has one with holes: frames of one encoder that are lost for a while do not make its edges impossible.
@@ -118,14 +118,14 @@ TEST_CASE("a sensor that starts anew in braking is counted, and its edges are no
 TEST_CASE("a sensor that is silent before it starts anew leaves energy unknown, and that is said", "[BRG-200][BRG-261]") {
     ClosedForm c;
     const Recording recording(c, true, 1, started_anew(6.5));
-    std::vector<Frame> heard;
+    std::vector<Frame> reception;
     for (std::size_t i = 0; i < recording.frames.size(); ++i) {
         const Frame& frame = recording.frames[i];
         const double t = c.rest_s() * static_cast<double>(i) / static_cast<double>(recording.frames.size());
         const bool sensor = frame.id == can_test::ours()[Role::wheel].id || frame.id == can_test::ours()[Role::flywheel].id;
-        if (!sensor || t < 3.5 || t > 6.5) heard.push_back(frame);
+        if (!sensor || t < 3.5 || t > 6.5) reception.push_back(frame);
     }
-    const Measured judged = measure(heard);
+    const Measured judged = measure(reception);
     CHECK(judged.warns("encoder_restarted: wheel 1"));
     CHECK(judged.warns("encoder_restarted: flywheel 1"));
     CHECK(judged.warns("energy_unbalanced: brake and tyre took "));
@@ -236,22 +236,22 @@ TEST_CASE("brake and tyre energy that is not the kinetic energy lost is flagged,
     CHECK(without_force(0.8F).warnings.empty());
     // Nor does it where the load cells are silent for a while and the speeds tell the tyre's part of that.
     const std::uint16_t load_cells = can_test::ours()[Role::load_cells].id;
-    std::vector<Frame> heard;
+    std::vector<Frame> reception;
     for (const Frame& frame : Recording(c, true, 1, [](double, RigSample& sample) {
                                   sample.load_cells.longitudinal_N = 0.0F;
                                   sample.load_cells.brake_torque_Nm *= 0.8F;
                               }).frames) {
         const double t = 1e-9 * static_cast<double>((frame.received - Time{1'436'509'053'000'000'000}).count());
-        if (frame.id != load_cells || t < 6.0 || t > 7.0) heard.push_back(frame);
+        if (frame.id != load_cells || t < 6.0 || t > 7.0) reception.push_back(frame);
     }
-    CHECK(measure(heard).warns("energy_by_speeds"));
-    CHECK_FALSE(measure(heard).warns("energy_unbalanced"));
+    CHECK(measure(reception).warns("energy_by_speeds"));
+    CHECK_FALSE(measure(reception).warns("energy_unbalanced"));
     CHECK(without_force(1.3F).warns("energy_unbalanced"));
 }
 
 TEST_CASE("torque over pressure that is no brake's friction is named with both numbers", "[BRG-261]") {
     ClosedForm c;
-    rig::MeterParameters p = gated();
+    rig::record::MeterParameters p = gated();
     p.friction = 0.26;  // 630 N m by 2 MPa through this brake
     const auto with_pressure = [&](float factor) {
         return measure(Recording(c, true, 1, [factor](double, RigSample& sample) { sample.pressure_Pa *= factor; }).frames, p);

@@ -22,8 +22,8 @@
 
 using namespace record_test;
 using can_test::TempDir;
-using rig::BusLog;
-using rig::CapturedFrame;
+using rig::record::BusLog;
+using rig::record::CapturedFrame;
 
 namespace {
 
@@ -61,8 +61,8 @@ class FileLimit {
     void (*handler_)(int) = nullptr;
 };
 
-rig::Summary some_summary() {
-    rig::Summary s;
+rig::record::Summary some_summary() {
+    rig::record::Summary s;
     s.campaign = "endurance \"A\"\n";
     s.number = 42;
     s.scenario = "endurance";
@@ -163,7 +163,7 @@ TEST_CASE("figures rebuilt from bus.log have the bits of the live ones", "[BRG-2
         ClosedForm c;
         c.jitter_s = 2e-6;
         const Recording recording(c, sync);
-        rig::BusMeter live(can_test::ours(), kRig);
+        rig::record::BusMeter live(can_test::ours(), kRig);
         {
             BusLog log(path, "vcan0");
             std::mt19937 random(211);
@@ -174,13 +174,13 @@ TEST_CASE("figures rebuilt from bus.log have the bits of the live ones", "[BRG-2
             }
             REQUIRE(log.finish());
         }
-        rig::BusMeter again(can_test::ours(), kRig);
+        rig::record::BusMeter again(can_test::ours(), kRig);
         for (const std::string& line : lines(path)) {
             const auto parsed = antiskid::can::parse_candump(line);
             again.accept(std::get<antiskid::can::CandumpLine>(parsed).frame);
         }
         CHECK(live.figures().standstill);
-        for (const rig::FigureField& field : rig::kFigureFields) {
+        for (const rig::record::FigureField& field : rig::record::kFigureFields) {
             INFO(field.key);
             CHECK(std::bit_cast<std::uint64_t>(live.figures().*field.value) == std::bit_cast<std::uint64_t>(again.figures().*field.value));
         }
@@ -216,7 +216,7 @@ TEST_CASE("Modbus samples are a table with units", "[BRG-210]") {
     rig::MeasuredValues values{};
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i) * 1.1;
     {
-        rig::SampleLog log(std::make_unique<rig::AppendFile>(path));
+        rig::record::SampleLog log(std::make_unique<rig::record::AppendFile>(path));
         log.write(Time{1'436'509'053'000'713'999}, values);
         at(values, rig::Measured::longitudinal_force_N) = -2048.0;
         log.write(Time{1'436'509'053'100'000'000}, values);
@@ -226,7 +226,7 @@ TEST_CASE("Modbus samples are a table with units", "[BRG-210]") {
     const auto text = lines(path);
     REQUIRE(text.size() == 3);
     CHECK(text[0] ==
-          "time_s,map_version,plc_watchdog,plc_state,applied_commit,refused_commit,interlocks,flywheel_speed_"
+          "time_s,map_version,plc_watchdog,plc_state,applied_commit,rejected_commit,interlocks,flywheel_speed_"
           "mps,"
           "sledge_position_m,wheel_on_rim,loading_force_N,vertical_load_N,longitudinal_force_N,brake_torque_Nm,"
           "brake_temperature_C,hydraulic_pressure_Pa");
@@ -240,8 +240,8 @@ TEST_CASE("a summary comes back bit for bit", "[BRG-210]") {
     const auto path = dir.write("x", "").parent_path() / "deep" / "summary.json";
     std::mt19937_64 random(214);
     for (int i = 0; i < 200; ++i) {
-        rig::Summary s = some_summary();
-        for (const rig::FigureField& field : rig::kFigureFields) {
+        rig::record::Summary s = some_summary();
+        for (const rig::record::FigureField& field : rig::record::kFigureFields) {
             double value = std::bit_cast<double>(random());
             if (!std::isfinite(value)) value = 0.1 * i;
             s.figures.*field.value = value;
@@ -249,8 +249,8 @@ TEST_CASE("a summary comes back bit for bit", "[BRG-210]") {
         s.figures.standstill = i % 2 == 0;
         s.cumulative_energy_J = 0.1 + 0.2;
         write_summary(path, s);
-        const rig::Summary r = rig::read_summary(path);
-        for (const rig::FigureField& field : rig::kFigureFields) {
+        const rig::record::Summary r = rig::record::read_summary(path);
+        for (const rig::record::FigureField& field : rig::record::kFigureFields) {
             CHECK(std::bit_cast<std::uint64_t>(r.figures.*field.value) == std::bit_cast<std::uint64_t>(s.figures.*field.value));
         }
         CHECK(r.cumulative_energy_J == s.cumulative_energy_J);
@@ -267,23 +267,23 @@ TEST_CASE("a summary comes back bit for bit", "[BRG-210]") {
         CHECK(r.version == s.version);
         CHECK(r.config_hash == s.config_hash);
     }
-    CHECK_THAT(rig::summary_table(some_summary()), ContainsSubstring("mean torque             0 N m") && ContainsSubstring("wheel_lost, bus_off") &&
-                                                       ContainsSubstring("51000, 3 dropped"));
+    CHECK_THAT(rig::record::summary_table(some_summary()), ContainsSubstring("mean torque             0 N m") &&
+                                                               ContainsSubstring("wheel_lost, bus_off") && ContainsSubstring("51000, 3 dropped"));
 }
 
 TEST_CASE("a summary that is none is refused by file and key", "[BRG-210]") {
     const TempDir dir;
     const auto path = dir.write("summary.json", "");
-    const auto refused = [&](const std::string& text, const std::string& why) {
+    const auto rejected = [&](const std::string& text, const std::string& why) {
         dir.write("summary.json", text);
-        CHECK_THROWS_WITH(rig::read_summary(path), ContainsSubstring("summary.json") && ContainsSubstring(why));
+        CHECK_THROWS_WITH(rig::record::read_summary(path), ContainsSubstring("summary.json") && ContainsSubstring(why));
     };
-    CHECK_THROWS_WITH(rig::read_summary(path.parent_path() / "none.json"), ContainsSubstring("none.json: cannot be opened"));
-    refused("", "is no whole JSON object");
-    refused("[]", "is no whole JSON object");
+    CHECK_THROWS_WITH(rig::record::read_summary(path.parent_path() / "none.json"), ContainsSubstring("none.json: cannot be opened"));
+    rejected("", "is no whole JSON object");
+    rejected("[]", "is no whole JSON object");
     write_summary(path, some_summary());
     const std::string whole = can_test::contents(path);
-    for (std::size_t cut : {std::size_t{1}, whole.size() / 2, whole.size() - 3}) refused(whole.substr(0, cut), "is no whole JSON object");
+    for (std::size_t cut : {std::size_t{1}, whole.size() / 2, whole.size() - 3}) rejected(whole.substr(0, cut), "is no whole JSON object");
     const auto with = [&](const char* key, const nlohmann::ordered_json& value) {
         auto json = nlohmann::ordered_json::parse(whole);
         json[key] = value;
@@ -294,14 +294,14 @@ TEST_CASE("a summary that is none is refused by file and key", "[BRG-210]") {
         json.erase(key);
         return json.dump();
     };
-    refused(with("format", "antiskid maneuver summary 9"), "format: expected \"antiskid maneuver summary 1\"");
-    refused(with("number", -1), "number: expected a whole number");
-    refused(with("number", 1.5), "number: expected a whole number");
-    refused(with("number", std::numeric_limits<std::uint64_t>::max()), "number: expected a smaller number");
-    refused(with("length_m", "long"), "length_m: expected a number");
-    refused(with("faults", 3), "faults: expected a list of texts");
-    refused(with("standstill", 1), "standstill: expected true or false");
-    refused(with("colour", "red"), "colour: unknown key");
+    rejected(with("format", "antiskid maneuver summary 9"), "format: expected \"antiskid maneuver summary 1\"");
+    rejected(with("number", -1), "number: expected a whole number");
+    rejected(with("number", 1.5), "number: expected a whole number");
+    rejected(with("number", std::numeric_limits<std::uint64_t>::max()), "number: expected a smaller number");
+    rejected(with("length_m", "long"), "length_m: expected a number");
+    rejected(with("faults", 3), "faults: expected a list of texts");
+    rejected(with("standstill", 1), "standstill: expected true or false");
+    rejected(with("colour", "red"), "colour: unknown key");
     for (const char* key : {"campaign", "length_m", "standstill", "seed", "cumulative_energy_J"})
-        refused(without(key), std::string(key) + ": is missing");
+        rejected(without(key), std::string(key) + ": is missing");
 }

@@ -16,15 +16,15 @@ using can_test::TempDir;
 namespace {
 
 std::filesystem::path ledger_in(const TempDir& dir) {
-    return dir.write("x", "").parent_path() / "ledger.sqlite";
+    return dir.write("x", "").parent_path() / "campaign.sqlite";
 }
 
-Campaign brake7() {
+rig::record::Campaign brake7() {
     return {.name = "brake7", .scenario = "endurance", .seed = 7, .planned = 9, .config_hash = "abc", .version = "0.1.0", .created = "t0"};
 }
 
-Summary of(std::int64_t number, double energy_J, const Ledger& ledger, const std::string& outcome = "finished") {
-    Summary s;
+rig::record::Summary of(std::int64_t number, double energy_J, const rig::record::Ledger& ledger, const std::string& outcome = "finished") {
+    rig::record::Summary s;
     s.campaign = "brake7";
     s.number = number;
     s.scenario = "endurance";
@@ -35,14 +35,14 @@ Summary of(std::int64_t number, double energy_J, const Ledger& ledger, const std
     return s;
 }
 
-void run(Ledger& ledger, double energy_J) {
+void run(rig::record::Ledger& ledger, double energy_J) {
     const std::int64_t number = ledger.begin(*ledger.next_number(), "t1").number;
     ledger.finish(of(number, energy_J, ledger));
 }
 
 std::vector<double> sums(const std::filesystem::path& path) {
     std::vector<double> all;
-    for (const LedgerRow& row : read_ledger(path, "brake7")) all.push_back(row.summary.cumulative_energy_J);
+    for (const rig::record::LedgerRow& row : rig::record::read_ledger(path, "brake7")) all.push_back(row.summary.cumulative_energy_J);
     return all;
 }
 
@@ -66,67 +66,68 @@ TEST_CASE("what a dead bridge had braked counts once its log was metered, and th
     const TempDir dir;
     const auto path = ledger_in(dir);
     {
-        Ledger ledger(path);
-        ledger.open_campaign(brake7(), IfChanged::refuse);
+        rig::record::Ledger ledger(path);
+        ledger.open_campaign(brake7(), rig::record::IfChanged::reject);
         run(ledger, 2e6);
         static_cast<void>(ledger.begin(2, "t2"));  // and here it dies
     }
     {
-        Ledger ledger(path);
-        const Resumed resumed = ledger.open_campaign(brake7(), IfChanged::refuse, [&](const Attempt& left) -> std::optional<Summary> {
-            CHECK(left.number == 2);
-            CHECK(left.folder == path.parent_path() / "brake7/0002");
-            Summary s;
-            s.outcome = "unfinished";
-            s.figures.energy_brake_J = 1.5e6;
-            s.figures.brake_on_mps = 50.0;
-            s.warnings = {"log_damaged: unfinished_line 1"};
-            return s;
-        });
+        rig::record::Ledger ledger(path);
+        const rig::record::Resumed resumed = ledger.open_campaign(brake7(), rig::record::IfChanged::reject,
+                                                                  [&](const rig::record::Attempt& left) -> std::optional<rig::record::Summary> {
+                                                                      CHECK(left.number == 2);
+                                                                      CHECK(left.folder == path.parent_path() / "brake7/0002");
+                                                                      rig::record::Summary s;
+                                                                      s.outcome = "unfinished";
+                                                                      s.figures.energy_brake_J = 1.5e6;
+                                                                      s.figures.brake_on_mps = 50.0;
+                                                                      s.warnings = {"log_damaged: unfinished_line 1"};
+                                                                      return s;
+                                                                  });
         CHECK(resumed.unfinished == std::vector<std::int64_t>{2});
         CHECK(ledger.cumulative_energy_J() == 3.5e6);
         CHECK(*ledger.next_number() == 2);
         run(ledger, 2e6);
         static_cast<void>(ledger.begin(3, "t3"));
         // A disk that did not take the record: what the meter saw is not lost.
-        Summary known = of(3, 0.5e6, ledger, "record_lost");
+        rig::record::Summary known = of(3, 0.5e6, ledger, "record_lost");
         known.cumulative_energy_J = -1.0;
         ledger.mark_unfinished(known);
         CHECK(ledger.cumulative_energy_J() == 6e6);
     }
-    const auto rows = read_ledger(path, "brake7");
+    const auto rows = rig::record::read_ledger(path, "brake7");
     REQUIRE(rows.size() == 4);
-    CHECK(rows[1].state == RowState::unfinished);
+    CHECK(rows[1].state == rig::record::RowState::unfinished);
     CHECK(rows[1].has_figures);
     CHECK(rows[1].summary.figures.brake_on_mps == 50.0);
     CHECK(rows[1].summary.started == "t2");
     CHECK(rows[1].summary.warnings == std::vector<std::string>{"log_damaged: unfinished_line 1"});
-    CHECK(rows[3].state == RowState::unfinished);
+    CHECK(rows[3].state == rig::record::RowState::unfinished);
     CHECK(rows[3].summary.outcome == "record_lost");
     CHECK(sums(path) == std::vector<double>{2e6, 3.5e6, 5.5e6, 6e6});
 }
 
 TEST_CASE("energy that does not balance is in its row, and not in the sum", "[BRG-261]") {
-    Summary s;
+    rig::record::Summary s;
     s.figures.energy_brake_J = 59.754e6;
-    CHECK(counted_energy_J(s) == 59.754e6);
+    CHECK(rig::record::counted_energy_J(s) == 59.754e6);
     s.warnings = {"encoder_restarted: wheel 1"};
-    CHECK(counted_energy_J(s) == 59.754e6);
-    s.warnings.push_back(std::string(kEnergyUnbalanced) + ": brake and tyre took 60 MJ of 3 MJ kinetic energy");
-    CHECK(counted_energy_J(s) == 0.0);
+    CHECK(rig::record::counted_energy_J(s) == 59.754e6);
+    s.warnings.push_back(std::string(rig::record::kEnergyUnbalanced) + ": brake and tyre took 60 MJ of 3 MJ kinetic energy");
+    CHECK(rig::record::counted_energy_J(s) == 0.0);
     const TempDir dir;
     s.scenario = "x";
     s.outcome = "finished";
-    write_summary(dir.write("x", "").parent_path() / "summary.json", s);
-    CHECK(read_summary(dir.write("x", "").parent_path() / "summary.json").warnings == s.warnings);
-    CHECK_THAT(summary_table(s), ContainsSubstring("energy_unbalanced: brake and tyre took 60 MJ"));
+    rig::record::write_summary(dir.write("x", "").parent_path() / "summary.json", s);
+    CHECK(rig::record::read_summary(dir.write("x", "").parent_path() / "summary.json").warnings == s.warnings);
+    CHECK_THAT(rig::record::summary_table(s), ContainsSubstring("energy_unbalanced: brake and tyre took 60 MJ"));
 }
 
 TEST_CASE("an amendment moves every sum that stands on the maneuver, and overwrites nothing", "[BRG-261]") {
     const TempDir dir;
     const auto path = ledger_in(dir);
-    Ledger ledger(path);
-    ledger.open_campaign(brake7(), IfChanged::refuse);
+    rig::record::Ledger ledger(path);
+    ledger.open_campaign(brake7(), rig::record::IfChanged::reject);
     run(ledger, 1e6);
     run(ledger, 59e6);
     run(ledger, 2e6);
@@ -148,7 +149,7 @@ TEST_CASE("an amendment moves every sum that stands on the maneuver, and overwri
     CHECK(sums(path) == std::vector<double>{1.25e6, 3.75e6, 5.75e6, 7.75e6});
     run(ledger, 1e6);
     CHECK(sums(path).back() == 8.75e6);
-    const auto rows = read_ledger(path, "brake7");
+    const auto rows = rig::record::read_ledger(path, "brake7");
     CHECK(rows[1].summary.figures.energy_brake_J == 59e6);
     CHECK(rows[1].counted_J == 2.5e6);
     REQUIRE(rows[1].amendments.size() == 2);
@@ -166,8 +167,8 @@ TEST_CASE("an attempt without figures can be amended, too, and a campaign is cho
     const TempDir dir;
     const auto path = ledger_in(dir);
     {
-        Ledger ledger(path);
-        ledger.open_campaign(brake7(), IfChanged::refuse);
+        rig::record::Ledger ledger(path);
+        ledger.open_campaign(brake7(), rig::record::IfChanged::reject);
         run(ledger, 1e6);
         static_cast<void>(ledger.begin(2, "t"));
         ledger.mark_unfinished();
@@ -177,9 +178,9 @@ TEST_CASE("an attempt without figures can be amended, too, and a campaign is cho
         CHECK(ledger.cumulative_energy_J() == 2.75e6);
         static_cast<void>(ledger.begin(3, "t"));
     }
-    Ledger ledger(path);
+    rig::record::Ledger ledger(path);
     CHECK_THROWS_WITH(ledger.choose("brake8"), ContainsSubstring("has no campaign 'brake8'"));
     ledger.choose("brake7");
-    CHECK(read_ledger(path, "brake7").back().state == RowState::running);
+    CHECK(rig::record::read_ledger(path, "brake7").back().state == rig::record::RowState::running);
     CHECK(ledger.cumulative_energy_J() == 2.75e6);
 }

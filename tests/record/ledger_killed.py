@@ -47,7 +47,7 @@ def main():
     said = {"adopted": 0, "unfinished": 0}
     moments = {"between": 0, "running": 0}
     with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "ledger.sqlite")
+        path = os.path.join(folder, "campaign.sqlite")
 
         def take(line):
             word, _, number = line.partition(" ")

@@ -21,15 +21,15 @@ void say(const std::string& text) {
 
 int main(int argc, char** argv) try {
     if (argc != 3) return 2;
-    rig::Ledger ledger(argv[1]);
-    const rig::Campaign campaign{
+    rig::record::Ledger ledger(argv[1]);
+    const rig::record::Campaign campaign{
         .name = "killed", .scenario = "endurance", .seed = 1, .planned = std::stoll(argv[2]), .config_hash = "abc", .version = "0", .created = "now"};
-    const rig::Resumed resumed = ledger.open_campaign(campaign, rig::IfChanged::refuse);
+    const rig::record::Resumed resumed = ledger.open_campaign(campaign, rig::record::IfChanged::reject);
     for (const std::int64_t number : resumed.adopted) say("adopted " + std::to_string(number));
     for (const std::int64_t number : resumed.unfinished) say("unfinished " + std::to_string(number));
     while (const auto number = ledger.next_number()) {
-        const rig::Attempt attempt = ledger.begin(*number, "now");
-        rig::Summary summary;
+        const rig::record::Attempt attempt = ledger.begin(*number, "now");
+        rig::record::Summary summary;
         summary.campaign = campaign.name;
         summary.number = *number;
         summary.scenario = campaign.scenario;
@@ -37,7 +37,7 @@ int main(int argc, char** argv) try {
         summary.started = "now";
         summary.figures.energy_brake_J = 1000.0 * static_cast<double>(*number);
         summary.cumulative_energy_J = ledger.cumulative_energy_J() + summary.figures.energy_brake_J;
-        rig::write_summary(attempt.folder / "summary.json", summary);
+        rig::record::write_summary(attempt.folder / "summary.json", summary);
         ledger.finish(summary);
         say("finished " + std::to_string(*number));
     }

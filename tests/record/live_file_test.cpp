@@ -13,7 +13,7 @@
 using namespace std::chrono_literals;
 using antiskid::can::Time;
 using can_test::TempDir;
-using rig::LiveFile;
+using rig::record::LiveFile;
 
 namespace {
 
@@ -75,7 +75,7 @@ TEST_CASE("a disk that stands still holds nobody up; what the queue does not hol
 
 TEST_CASE("the stamps of a record go on as the monotonic clock does, whoever sets the wall clock", "[BRG-200]") {
     const Time offset{1'700'000'000'000'000'000};
-    rig::StampLabel label(offset);
+    rig::record::StampLabel label(offset);
     const Time noise{20'000};
     Time wall = offset;
     Time monotonic{};

@@ -6,13 +6,13 @@
 #include "firmware/can/value_names.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
-#include "rig_bridge/sequencer/sequencer.hpp"
+#include "rig_bridge/rig/sequencer.hpp"
 #include "tests/catch.hpp"
 #include "tests/record/closed_form.hpp"
 
 using namespace record_test;
-using rig::BusMeter;
-using rig::Figures;
+using rig::record::BusMeter;
+using rig::record::Figures;
 
 namespace {
 
@@ -42,7 +42,7 @@ void check(const ClosedForm& c, const Figures& f, double late_s) {
 }
 
 bool same_bits(const Figures& a, const Figures& b) {
-    for (const rig::FigureField& field : rig::kFigureFields) {
+    for (const rig::record::FigureField& field : rig::record::kFigureFields) {
         if (std::bit_cast<std::uint64_t>(a.*field.value) != std::bit_cast<std::uint64_t>(b.*field.value)) return false;
     }
     return a.standstill == b.standstill;
@@ -210,8 +210,8 @@ TEST_CASE("frames that are missing are told, and cost little", "[BRG-200]") {
 }
 
 TEST_CASE("an aborted maneuver has its figures to the abort, a maneuver without a brake has none", "[BRG-200]") {
-    rig::Meter meter(kRig);
-    rig::MeterSample sample;
+    rig::record::Meter meter(kRig);
+    rig::record::MeterSample sample;
     sample.vertical_N = 20'000.0;
     double way = 0.0;
     const auto run = [&](std::uint8_t phase, int steps, double deceleration, double torque) {
@@ -253,7 +253,7 @@ TEST_CASE("an aborted maneuver has its figures to the abort, a maneuver without 
 
 TEST_CASE("sensors that report speed are measured, too", "[BRG-200]") {
     ClosedForm c;
-    rig::Meter meter(kRig);
+    rig::record::Meter meter(kRig);
     for (double t = 0.0; t < c.rest_s() + 0.5; t += 1e-3) {
         const double v = c.speed(t);
         const bool braking = Recording::begun(c, t) && v > 0.0;
@@ -285,10 +285,10 @@ TEST_CASE("samples rounded as on the bus give what the frames give", "[BRG-200]"
     const double pitch = 2.0 * std::numbers::pi / 60.0;
     Edges flywheel(c, pitch * kRig.flywheel_radius_m, 1);
     Edges wheel(c, pitch * c.radius_m() / (1.0 - c.slip), 2);
-    rig::Meter meter(kRig);
-    rig::MeterSample sample;
+    rig::record::Meter meter(kRig);
+    rig::record::MeterSample sample;
     const auto shaft = [](const antiskid::can::SpeedSample& s) {
-        return rig::ShaftSample{.edges = true, .edge_count = s.edge_count, .edge_time = s.edge_time, .speed_radps = 0.0};
+        return rig::record::ShaftSample{.edges = true, .edge_count = s.edge_count, .edge_time = s.edge_time, .speed_radps = 0.0};
     };
     const auto steps = static_cast<std::uint32_t>((c.rest_s() + c.standstill_s + 0.5) * 1000.0);
     for (std::uint32_t n = 1; n <= steps; ++n) {
@@ -308,7 +308,7 @@ TEST_CASE("samples rounded as on the bus give what the frames give", "[BRG-200]"
     }
     const Figures a = from_frames.figures();
     const Figures b = meter.figures();
-    for (const rig::FigureField& field : rig::kFigureFields) {
+    for (const rig::record::FigureField& field : rig::record::kFigureFields) {
         if (std::string_view(field.key) == "peak_temperature_C") continue;
         INFO(field.key);
         CHECK(b.*field.value == Approx(a.*field.value).epsilon(1e-9));
@@ -316,6 +316,6 @@ TEST_CASE("samples rounded as on the bus give what the frames give", "[BRG-200]"
 }
 
 TEST_CASE("phases have the same codes and names on the bus and in the sequencer", "[CAN-100]") {
-    REQUIRE(antiskid::can::kPhaseNames.size() == sequencer::kPhaseCount);
-    for (std::uint8_t i = 0; i < sequencer::kPhaseCount; ++i) CHECK(antiskid::can::kPhaseNames[i] == name(static_cast<sequencer::Phase>(i)));
+    REQUIRE(antiskid::can::kPhaseNames.size() == rig::kPhaseCount);
+    for (std::uint8_t i = 0; i < rig::kPhaseCount; ++i) CHECK(antiskid::can::kPhaseNames[i] == name(static_cast<rig::Phase>(i)));
 }

@@ -14,15 +14,15 @@ using antiskid::can::RigPort;
 
 namespace {
 
-std::uint8_t phase_code(study::Phase phase) {
+std::uint8_t phase_code(study::StopPhase phase) {
     switch (phase) {
-        case study::Phase::approach:
+        case study::StopPhase::approach:
             return 2;
-        case study::Phase::rolling:
+        case study::StopPhase::rolling:
             return 3;
-        case study::Phase::braking:
+        case study::StopPhase::braking:
             return 4;
-        case study::Phase::standstill:
+        case study::StopPhase::standstill:
             return 5;
         default:
             return 6;
@@ -31,7 +31,7 @@ std::uint8_t phase_code(study::Phase phase) {
 
 struct Both {
     study::StopFigures truth;
-    rig::Figures measured;
+    rig::record::Figures measured;
     double brake_on_mps = 0.0;
     double kinetic_J = 0.0;
     antiskid::control::FaultSet faults;
@@ -45,24 +45,24 @@ struct Hole {
     int every = 1;  ///< of the load cells' frames only every so many arrive
 };
 
-Both run(const plant_sim::ScenarioOptions& options, const Hole& hole = {}) {
-    const plant_sim::Scenario s = plant_sim::load_scenario(options);
-    const plant::RigParameters& r = s.plant.rig;
-    const rig::MeterParameters parameters{.wheel_teeth = r.wheel_encoder.teeth,
-                                          .flywheel_teeth = r.flywheel_encoder.teeth,
-                                          .flywheel_radius_m = r.flywheel_radius_m,
-                                          .wheel_radius_m = r.wheel.free_radius_m,
-                                          .wheel_stiffness_Npm = r.wheel.stiffness_Npm,
-                                          .brake_gain_m3 = r.brake.gain_m3(),
-                                          .wheel_inertia_kgm2 = r.wheel.inertia_kgm2,
-                                          .flywheel_mass_kg = r.wheel.mass_kg,
-                                          .peak_friction = plant::peak(r.surface).mu,
-                                          .drop_out_mps = s.session.drop_out_mps,
-                                          .period_s = 1e-3};
-    rig::BusMeter meter(s.layout, parameters);
+Both run(const plant_sim::StopOptions& options, const Hole& hole = {}) {
+    const plant_sim::StopInputs s = plant_sim::load_scenario(options);
+    const rig::RigParameters& r = s.plant.rig;
+    const rig::record::MeterParameters parameters{.wheel_teeth = r.wheel_encoder.teeth,
+                                                  .flywheel_teeth = r.flywheel_encoder.teeth,
+                                                  .flywheel_radius_m = r.flywheel_radius_m,
+                                                  .wheel_radius_m = r.wheel.free_radius_m,
+                                                  .wheel_stiffness_Npm = r.wheel.stiffness_Npm,
+                                                  .brake_gain_m3 = r.brake.gain_m3(),
+                                                  .wheel_inertia_kgm2 = r.wheel.inertia_kgm2,
+                                                  .flywheel_mass_kg = r.wheel.mass_kg,
+                                                  .peak_friction = rig::peak(r.surface).mu,
+                                                  .drop_out_mps = s.session.drop_out_mps,
+                                                  .period_s = 1e-3};
+    rig::record::BusMeter meter(s.layout, parameters);
     constexpr std::array kState{antiskid::can::Role::maneuver_state};
     RigPort bridge(s.layout, antiskid::control::Time{1'000'000}, kState);
-    study::Phase phase = study::Phase::approach;
+    study::StopPhase phase = study::StopPhase::approach;
     Both both;
     double braking_s = -1.0;
     int load_cells = 0;
@@ -73,15 +73,15 @@ Both run(const plant_sim::ScenarioOptions& options, const Hole& hole = {}) {
         if (!missing || (hole.load_cells_only && !of_cells)) meter.accept(frame);
     };
     const auto on_step = [&](const study::RigSession& session, const antiskid::can::ControllerView& /*view*/, double /*mA*/) {
-        if (phase != study::Phase::braking && session.pilot().phase() == study::Phase::braking) {
+        if (phase != study::StopPhase::braking && session.pilot().phase() == study::StopPhase::braking) {
             both.brake_on_mps = session.rig().wheel().v_mps;
             both.kinetic_J = session.rig().kinetic_energy_J();
         }
         phase = session.pilot().phase();
-        if (phase == study::Phase::braking || braking_s >= 0.0) braking_s = std::max(braking_s, 0.0) + 1e-3;
+        if (phase == study::StopPhase::braking || braking_s >= 0.0) braking_s = std::max(braking_s, 0.0) + 1e-3;
         antiskid::can::RigSample sample;
         sample.maneuver_state = {.phase = phase_code(phase), .number = 1, .brake_temperature_C = 20.0F};
-        std::array<Frame, RigPort::kMostFrames> due;
+        std::array<Frame, RigPort::kMaxFrames> due;
         for (std::size_t i = 0, count = bridge.due_frames(sample, due); i < count; ++i) hear(due[i]);
     };
     both.truth = run_in_process(s.controller, s.layout, r, s.session, study::Link::frames, on_step, hear).figures;
@@ -132,10 +132,10 @@ TEST_CASE("endurance stops: the meter's figures are the plant's", "[BRG-200]") {
 }
 
 TEST_CASE("where the load cells are silent, the speeds say what the brake took, and that is said", "[BRG-200]") {
-    std::vector<plant_sim::ScenarioOptions> stops{scenarios::options({"dry_asphalt", "endurance"}, "deceleration")};
+    std::vector<plant_sim::StopOptions> stops{scenarios::options({"dry_asphalt", "endurance"}, "deceleration")};
     for (const char* surface : {"dry_asphalt", "wet_asphalt", "snow"})
         for (const char* maneuver : {"light", "heavy"}) stops.push_back(scenarios::options({surface, maneuver}));
-    for (const plant_sim::ScenarioOptions& stop : stops) {
+    for (const plant_sim::StopOptions& stop : stops) {
         for (const Hole& hole :
              {Hole{0.0, 1e9}, Hole{0.0, 3.0}, Hole{1.0, 3.0}, Hole{2.0, 1e9}, Hole{0.05, 1.0, false}, Hole{1.5, 2.5, false}, Hole{0.3, 0.5}}) {
             CAPTURE(stop.choice.surface, stop.choice.maneuver, hole.from_s, hole.to_s, hole.load_cells_only);

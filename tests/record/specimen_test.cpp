@@ -12,7 +12,7 @@ using can_test::TempDir;
 
 namespace {
 
-Campaign campaign_of(const Specimen& specimen) {
+rig::record::Campaign campaign_of(const rig::record::Specimen& specimen) {
     return {.name = "brake7",
             .scenario = "light",
             .seed = 7,
@@ -24,8 +24,8 @@ Campaign campaign_of(const Specimen& specimen) {
 }
 
 /// The next maneuver, which takes a megajoule.
-void finish_next(Ledger& ledger) {
-    Summary s;
+void finish_next(rig::record::Ledger& ledger) {
+    rig::record::Summary s;
     s.campaign = "brake7";
     s.number = ledger.begin(*ledger.next_number(), "t1").number;
     s.outcome = "finished";
@@ -37,17 +37,17 @@ void finish_next(Ledger& ledger) {
 }  // namespace
 
 TEST_CASE("Texts of people are one line of UTF-8", "[BRG-270]") {
-    CHECK_NOTHROW(check_text("--notes", "Zoë, \"Ω\" 刹车 😀"));
+    CHECK_NOTHROW(rig::record::check_text("--notes", "Zoë, \"Ω\" 刹车 😀"));
     for (const char* const bad : {"a\nb", "a\tb", "\x7f", "\xC3", "\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80", "\xF0\x80\x80\x80", "\xF4\x90\x80\x80",
                                   "\xF5\x80\x80\x80", "\x80"}) {
         INFO(bad);
-        CHECK_THROWS_WITH(check_text("--notes", bad), ContainsSubstring("--notes: byte "));
+        CHECK_THROWS_WITH(rig::record::check_text("--notes", bad), ContainsSubstring("--notes: byte "));
     }
-    CHECK_NOTHROW(check_text("--disc", std::string(kLongestText, 'x')));
-    CHECK_THROWS_WITH(check_text("--disc", std::string(kLongestText + 1, 'x')), ContainsSubstring("too long"));
-    Specimen specimen;
+    CHECK_NOTHROW(rig::record::check_text("--disc", std::string(rig::record::kLongestText, 'x')));
+    CHECK_THROWS_WITH(rig::record::check_text("--disc", std::string(rig::record::kLongestText + 1, 'x')), ContainsSubstring("too long"));
+    rig::record::Specimen specimen;
     specimen.operator_name = "a\rb";
-    CHECK_THROWS_WITH(check_texts(specimen), ContainsSubstring("--operator"));
+    CHECK_THROWS_WITH(rig::record::check_texts(specimen), ContainsSubstring("--operator"));
 }
 
 TEST_CASE("Fields of a CSV are quoted where they must be", "[BRG-270]") {
@@ -63,38 +63,38 @@ TEST_CASE("Each maneuver keeps the specimen that was said when it began", "[BRG-
     const TempDir dir;
     const auto path = dir.write("x", "").parent_path() / "campaign.sqlite";
     {
-        Ledger ledger(path);
-        ledger.open_campaign(campaign_of({.brake = "B1", .disc = "D7", .operator_name = "Rossi"}), IfChanged::refuse);
+        rig::record::Ledger ledger(path);
+        ledger.open_campaign(campaign_of({.brake = "B1", .disc = "D7", .operator_name = "Rossi"}), rig::record::IfChanged::reject);
         finish_next(ledger);
     }
-    Ledger ledger(path);
+    rig::record::Ledger ledger(path);
     // What is not said again stays.
-    ledger.open_campaign(campaign_of({.tyre = "T2", .notes = "new tyre"}), IfChanged::refuse);
-    CHECK(ledger.specimen() == Specimen{.brake = "B1", .disc = "D7", .tyre = "T2", .operator_name = "Rossi", .notes = "new tyre"});
+    ledger.open_campaign(campaign_of({.tyre = "T2", .notes = "new tyre"}), rig::record::IfChanged::reject);
+    CHECK(ledger.specimen() == rig::record::Specimen{.brake = "B1", .disc = "D7", .tyre = "T2", .operator_name = "Rossi", .notes = "new tyre"});
     finish_next(ledger);
-    const auto rows = read_ledger(path, "brake7");
-    CHECK(rows[0].summary.specimen == Specimen{.brake = "B1", .disc = "D7", .operator_name = "Rossi"});
+    const auto rows = rig::record::read_ledger(path, "brake7");
+    CHECK(rows[0].summary.specimen == rig::record::Specimen{.brake = "B1", .disc = "D7", .operator_name = "Rossi"});
     CHECK(rows[1].summary.specimen == ledger.specimen());
-    CHECK(read_campaigns(path)[0].specimen == ledger.specimen());
-    CHECK(to_text(rows[0].summary.specimen) == "brake B1, disc D7, operator Rossi");
+    CHECK(rig::record::read_campaigns(path)[0].specimen == ledger.specimen());
+    CHECK(rig::record::to_text(rows[0].summary.specimen) == "brake B1, disc D7, operator Rossi");
 }
 
 TEST_CASE("Another brake or disc in a campaign is refused unless it is meant", "[BRG-270]") {
     const TempDir dir;
     const auto path = dir.write("x", "").parent_path() / "campaign.sqlite";
-    Ledger ledger(path);
-    ledger.open_campaign(campaign_of({.disc = "D7"}), IfChanged::refuse);
-    CHECK_NOTHROW(ledger.open_campaign(campaign_of({.brake = "B1"}), IfChanged::refuse));
-    CHECK_THROWS_WITH(ledger.open_campaign(campaign_of({.disc = "D8"}), IfChanged::refuse), ContainsSubstring("disc was D7, is D8"));
-    CHECK_THROWS_WITH(ledger.open_campaign(campaign_of({.brake = "B2"}), IfChanged::refuse), ContainsSubstring("brake was B1, is B2"));
-    CHECK(read_campaigns(path)[0].specimen == Specimen{.brake = "B1", .disc = "D7"});
-    const Resumed resumed = ledger.open_campaign(campaign_of({.disc = "D8"}), IfChanged::go_on);
+    rig::record::Ledger ledger(path);
+    ledger.open_campaign(campaign_of({.disc = "D7"}), rig::record::IfChanged::reject);
+    CHECK_NOTHROW(ledger.open_campaign(campaign_of({.brake = "B1"}), rig::record::IfChanged::reject));
+    CHECK_THROWS_WITH(ledger.open_campaign(campaign_of({.disc = "D8"}), rig::record::IfChanged::reject), ContainsSubstring("disc was D7, is D8"));
+    CHECK_THROWS_WITH(ledger.open_campaign(campaign_of({.brake = "B2"}), rig::record::IfChanged::reject), ContainsSubstring("brake was B1, is B2"));
+    CHECK(rig::record::read_campaigns(path)[0].specimen == rig::record::Specimen{.brake = "B1", .disc = "D7"});
+    const rig::record::Resumed resumed = ledger.open_campaign(campaign_of({.disc = "D8"}), rig::record::IfChanged::go_on);
     CHECK(resumed.changed == std::vector<std::string>{"disc was D7, is D8"});
-    CHECK(ledger.specimen() == Specimen{.brake = "B1", .disc = "D8"});
+    CHECK(ledger.specimen() == rig::record::Specimen{.brake = "B1", .disc = "D8"});
 }
 
 TEST_CASE("Energy is counted disc by disc", "[BRG-270]") {
-    DiscEnergy energy;
+    rig::record::DiscEnergy energy;
     CHECK(energy.after({.disc = "D7"}, 1.0) == 1.0);
     CHECK(energy.after({.disc = "D7"}, 3.0) == 3.0);
     CHECK(energy.after({.disc = "D8"}, 4.0) == 1.0);
@@ -106,24 +106,24 @@ TEST_CASE("What people note afterwards holds, and nothing is overwritten", "[BRG
     const TempDir dir;
     const auto path = dir.write("x", "").parent_path() / "campaign.sqlite";
     {
-        Ledger ledger(path);
+        rig::record::Ledger ledger(path);
         CHECK_THROWS_WITH(ledger.note(1, 1, {}), ContainsSubstring("no campaign is open"));
-        ledger.open_campaign(campaign_of({.disc = "D7", .notes = "first"}), IfChanged::refuse);
+        ledger.open_campaign(campaign_of({.disc = "D7", .notes = "first"}), rig::record::IfChanged::reject);
         finish_next(ledger);
         ledger.note(1, 1, {.field = "disc_serial", .text = "D8", .who = "A. Rossi", .made = "t8"});
         ledger.note(1, 1, {.field = "notes", .text = "second", .who = "B", .made = "t9"});
-        const auto refused = [&](std::int64_t number, const Note& note, const char* why) {
+        const auto rejected = [&](std::int64_t number, const rig::record::Note& note, const char* why) {
             CHECK_THROWS_WITH(ledger.note(number, 1, note), ContainsSubstring(why));
         };
-        refused(2, {.field = "notes", .text = "x", .who = "B"}, "maneuver 2, attempt 1 is not in campaign");
-        refused(1, {.field = "wheel", .text = "x", .who = "B"}, "nothing is called 'wheel'");
-        refused(1, {.field = "notes", .text = "", .who = "B"}, "only with who and what");
-        refused(1, {.field = "notes", .text = "x", .who = ""}, "only with who and what");
-        refused(1, {.field = "notes", .text = "x\ny", .who = "B"}, "notes: byte 2");
+        rejected(2, {.field = "notes", .text = "x", .who = "B"}, "maneuver 2, attempt 1 is not in campaign");
+        rejected(1, {.field = "wheel", .text = "x", .who = "B"}, "nothing is called 'wheel'");
+        rejected(1, {.field = "notes", .text = "", .who = "B"}, "only with who and what");
+        rejected(1, {.field = "notes", .text = "x", .who = ""}, "only with who and what");
+        rejected(1, {.field = "notes", .text = "x\ny", .who = "B"}, "notes: byte 2");
     }
-    const auto rows = read_ledger(path, "brake7");
-    CHECK(rows[0].summary.specimen == Specimen{.disc = "D8", .notes = "first; second"});
-    CHECK(rows[0].recorded == Specimen{.disc = "D7", .notes = "first"});
+    const auto rows = rig::record::read_ledger(path, "brake7");
+    CHECK(rows[0].summary.specimen == rig::record::Specimen{.disc = "D8", .notes = "first; second"});
+    CHECK(rows[0].recorded == rig::record::Specimen{.disc = "D7", .notes = "first"});
     REQUIRE(rows[0].notes.size() == 2);
     CHECK(rows[0].notes[0].who == "A. Rossi");
     CHECK(rows[0].notes[1].made == "t9");
@@ -132,20 +132,20 @@ TEST_CASE("What people note afterwards holds, and nothing is overwritten", "[BRG
 TEST_CASE("A summary keeps its specimen, and an older one has none", "[BRG-270]") {
     const TempDir dir;
     const auto path = dir.write("summary.json", "");
-    Summary s;
+    rig::record::Summary s;
     s.campaign = "brake7";
     s.number = 1;
     s.scenario = "light";
     s.outcome = "finished";
     s.specimen = {.brake = "B1", .disc = "D\"7\\", .tyre = "T", .specimen = "S", .operator_name = "Zoë", .notes = "a, b"};
-    write_summary(path, s);
-    CHECK(read_summary(path).specimen == s.specimen);
-    CHECK_THAT(summary_table(s), ContainsSubstring("notes                   a, b"));
+    rig::record::write_summary(path, s);
+    CHECK(rig::record::read_summary(path).specimen == s.specimen);
+    CHECK_THAT(rig::record::summary_table(s), ContainsSubstring("notes                   a, b"));
     std::string old = can_test::contents(path);
-    for (const SpecimenField& field : kSpecimenFields) {
+    for (const rig::record::SpecimenField& field : rig::record::kSpecimenFields) {
         const auto begin = old.find(std::string("  \"") + field.key);
         REQUIRE(begin != std::string::npos);
         old.erase(begin, old.find('\n', begin) - begin + 1);
     }
-    CHECK(read_summary(dir.write("summary.json", old)).specimen == Specimen{});
+    CHECK(rig::record::read_summary(dir.write("summary.json", old)).specimen == rig::record::Specimen{});
 }

@@ -5,8 +5,8 @@
 
 #include "tests/catch.hpp"
 
-using rig::CellReading;
-using rig::WorkBooks;
+using rig::record::CellReading;
+using rig::record::WorkBooks;
 
 namespace {
 

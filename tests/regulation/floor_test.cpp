@@ -6,9 +6,9 @@
 
 #include "tests/catch.hpp"
 
-using regulation::allowed;
-using regulation::FloorTable;
-using regulation::Range;
+using wear::allowed;
+using wear::FloorTable;
+using wear::Range;
 
 namespace {
 

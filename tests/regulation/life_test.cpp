@@ -19,7 +19,7 @@ using regulation::Stop;
 
 namespace {
 
-constexpr regulation::Range kRange{0.18, 0.38};
+constexpr wear::Range kRange{0.18, 0.38};
 
 /// The shipped model, scaled so that its campaign of 488 MJ is this life.
 wear::BrakeWear brake(double life_J) {
@@ -49,7 +49,7 @@ std::vector<Stop> landed_all(std::span<const regulation::LandingRequest> request
     return stops;
 }
 
-std::vector<regulation::PolicyLives> fleet(const regulation::Plan& plan, regulation::FleetOptions options) {
+std::vector<regulation::PolicyLives> fleet(const wear::WearPlan& plan, regulation::FleetOptions options) {
     options.scenarios = toy::Landings::kEnergy_J.size();
     return regulation::run_fleet(plan, {}, kRange, {{"regulated", std::nullopt}, {"fixed 0.24", 0.24}, {"fixed 0.30", 0.30}},
                                  brake(plan.brake_life_J), options, landed_all);
@@ -90,7 +90,7 @@ TEST_CASE("landings are drawn evenly, the same for every policy; balanced ones e
 }
 
 TEST_CASE("both limits are met where that is feasible, together where not; fixed references do neither", "[STUDY-167]") {
-    const regulation::Plan plan = toy::plan(256, 0.32);
+    const wear::WearPlan plan = toy::plan(256, 0.32);
     const auto all = fleet(plan, {.lives = 40, .seed = 9, .worst_stops = true});
     const std::vector<bool> possible = feasible(all);
     const regulation::Summary regulated = summary(all[0], possible, plan.tolerance);
@@ -117,7 +117,7 @@ TEST_CASE("both limits are met where that is feasible, together where not; fixed
 }
 
 TEST_CASE("with every scenario equally often the plan is feasible in every life, and met in every one", "[STUDY-167]") {
-    const regulation::Plan plan = toy::plan(256, 0.28);
+    const wear::WearPlan plan = toy::plan(256, 0.28);
     const auto all = fleet(plan, {.lives = 20, .seed = 4, .mix = Mix::balanced, .missing = 0.1});
     const regulation::Summary regulated = summary(all[0], feasible(all), plan.tolerance);
     CHECK(regulated.feasible == 20);
@@ -125,7 +125,7 @@ TEST_CASE("with every scenario equally often the plan is feasible in every life,
 }
 
 TEST_CASE("brakes that last differently are met together where inspections tell, and not by a fixed reference", "[STUDY-167]") {
-    const regulation::Plan plan = toy::plan(256, 0.30);
+    const wear::WearPlan plan = toy::plan(256, 0.30);
     const regulation::FleetOptions options{.lives = 20, .seed = 4, .brake_deviation = 0.05, .inspection = 32};
     const auto all = fleet(plan, options);
     const std::vector<bool> possible = feasible(all);
@@ -144,7 +144,7 @@ TEST_CASE("a share that is out of reach is no feasible life, and the limit that 
 }
 
 TEST_CASE("a stop beyond the worst reference's is noticed", "[STUDY-167]") {
-    const regulation::Plan plan = toy::plan(20, 0.3);
+    const wear::WearPlan plan = toy::plan(20, 0.3);
     regulation::LivingPair pair(plan, {}, kRange, regulation::draw_life(1, 1, 40, 20, 4, Mix::random, 0.0),
                                 {.fixed = {}, .brake = brake(plan.brake_life_J), .rule = {}, .worst_stops = true});
     for (int landing = 0; !pair.over(); ++landing) {
@@ -158,9 +158,9 @@ TEST_CASE("a stop beyond the worst reference's is noticed", "[STUDY-167]") {
 
 TEST_CASE("a surface that nobody reckoned with bounds the references once it was landed on", "[STUDY-167]") {
     // The fourth class of landings is a runway on which the floor allows no more than 0.27.
-    constexpr regulation::Range kWide{0.10, 0.45};
-    const std::vector<regulation::Range> allowed_on{kWide, kWide, kWide, {0.20, 0.27}};
-    const regulation::Plan plan = toy::plan(60, 0.40);
+    constexpr wear::Range kWide{0.10, 0.45};
+    const std::vector<wear::Range> allowed_on{kWide, kWide, kWide, {0.20, 0.27}};
+    const wear::WearPlan plan = toy::plan(60, 0.40);
     auto draws = regulation::draw_life(7, 2, 120, 60, 4, Mix::random, 0.0);
     constexpr std::size_t kFirst = 10;
     for (std::size_t i = 0; i < kFirst; ++i) draws[i].scenario %= 3;
@@ -180,13 +180,13 @@ TEST_CASE("a surface that nobody reckoned with bounds the references once it was
 }
 
 TEST_CASE("without inspections the brake's own friction tells how long it lasts", "[STUDY-167]") {
-    regulation::Plan plan = toy::plan(256, 0.30);
+    wear::WearPlan plan = toy::plan(256, 0.30);
     plan.brake_taken_J = 3.2 * plan.brake_life_J;  // a brake in the last quarter of its life
     plan.brake_life_J += plan.brake_taken_J;
     const wear::BrakeWear planned = brake(plan.brake_life_J);
     regulation::FleetOptions options{.lives = 5, .seed = 4, .mix = Mix::balanced, .brake_deviation = 0.10};
     const auto blind = fleet(plan, options);
-    options.life_forecast.emplace(regulation::forecast_model(planned), planned, 0.15 * plan.brake_budget_J());
+    options.life_forecast.emplace(wear::forecast_model(planned), planned, 0.15 * plan.brake_budget_J());
     const auto told = fleet(plan, options);
     const std::vector<bool> possible = feasible(told);
     const regulation::Summary without = summary(blind[0], possible, plan.tolerance);
@@ -203,7 +203,7 @@ TEST_CASE("without inspections the brake's own friction tells how long it lasts"
 
 TEST_CASE("a life is not forecast from what is no friction, nor from too little", "[STUDY-167]") {
     const wear::BrakeWear planned = brake(4e9);
-    regulation::LifeForecast life_forecast(regulation::forecast_model(planned), planned, 0.1e9);
+    wear::LifeForecast life_forecast(wear::forecast_model(planned), planned, 0.1e9);
     CHECK_FALSE(life_forecast.life_J());
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     life_forecast.learn(kNaN, 0.25);
@@ -224,7 +224,7 @@ TEST_CASE("a life is not forecast from what is no friction, nor from too little"
 }
 
 TEST_CASE("the same seed gives the same lives, and they end when told to", "[STUDY-167]") {
-    const regulation::Plan plan = toy::plan(64, 0.3);
+    const wear::WearPlan plan = toy::plan(64, 0.3);
     regulation::FleetOptions options{.lives = 6, .seed = 8, .missing = 0.05};
     const auto one = fleet(plan, options);
     std::size_t stops = 0;

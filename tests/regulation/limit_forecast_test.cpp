@@ -6,22 +6,22 @@
 #include "tests/catch.hpp"
 #include "tests/regulation/toy_landing.hpp"
 
-using regulation::LimitForecast;
-using regulation::Range;
-using regulation::Regulator;
-using regulation::Rules;
-using regulation::Verdict;
+using wear::Feasibility;
+using wear::LimitForecast;
+using wear::Range;
+using wear::Regulator;
+using wear::Rules;
 
 namespace {
 
 constexpr Range kWholeRange{0.18, 0.38};
 
-LimitForecast forecast_of(const regulation::Plan& plan) {
-    return regulation::limit_forecast(Regulator(plan, Rules{}, kWholeRange));
+LimitForecast forecast_of(const wear::WearPlan& plan) {
+    return wear::limit_forecast(Regulator(plan, Rules{}, kWholeRange));
 }
 
 /// Landing at which `life_J` is used up by landings of which `share` counts, over many lives: mean and deviation.
-regulation::When brute_force(double life_J, double share) {
+wear::When brute_force(double life_J, double share) {
     constexpr int kLives = 4000;
     toy::Landings landings({.offset = share, .slope = 0.0, .noise = 0.0}, 77);
     double sum = 0.0;
@@ -43,22 +43,22 @@ regulation::When brute_force(double life_J, double share) {
 }  // namespace
 
 TEST_CASE("what will happen is said: feasible, early, late, which limit comes first", "[STUDY-167]") {
-    const regulation::Plan good = toy::plan(250, 0.3);
-    CHECK(forecast_of(good).verdict == Verdict::together);
-    CHECK(forecast_of(toy::plan(250, 0.3, 0.9 * toy::Landings::kMean_J)).verdict == Verdict::early);
-    CHECK(forecast_of(toy::plan(250, 0.3, 1.1 * toy::Landings::kMean_J)).verdict == Verdict::late);
-    CHECK(forecast_of(toy::plan(250, 0.45)).verdict == Verdict::brake_first);
-    CHECK(forecast_of(toy::plan(250, 0.10)).verdict == Verdict::tyre_first);
+    const wear::WearPlan good = toy::plan(250, 0.3);
+    CHECK(forecast_of(good).verdict == Feasibility::together);
+    CHECK(forecast_of(toy::plan(250, 0.3, 0.9 * toy::Landings::kMean_J)).verdict == Feasibility::early);
+    CHECK(forecast_of(toy::plan(250, 0.3, 1.1 * toy::Landings::kMean_J)).verdict == Feasibility::late);
+    CHECK(forecast_of(toy::plan(250, 0.45)).verdict == Feasibility::brake_first);
+    CHECK(forecast_of(toy::plan(250, 0.10)).verdict == Feasibility::tyre_first);
     CHECK_THAT(sentence(forecast_of(good), good), ContainsSubstring("feasible: both limits near landing 250"));
     CHECK_THAT(sentence(forecast_of(toy::plan(250, 0.10)), good), ContainsSubstring("not feasible") && ContainsSubstring("tyre's limit comes first"));
 }
 
 TEST_CASE("the landings at which limits come are those of many lives", "[STUDY-167]") {
-    const regulation::Plan plan = toy::plan(250, 0.5);  // out of reach: the brake comes first
+    const wear::WearPlan plan = toy::plan(250, 0.5);  // out of reach: the brake comes first
     const LimitForecast o = forecast_of(plan);
-    REQUIRE(o.verdict == Verdict::brake_first);
-    const regulation::When brake = brute_force(plan.brake_life_J, 1.0 - kWholeRange.highest);
-    const regulation::When tyre = brute_force(plan.tyre_life_J, kWholeRange.highest);
+    REQUIRE(o.verdict == Feasibility::brake_first);
+    const wear::When brake = brute_force(plan.brake_life_J, 1.0 - kWholeRange.highest);
+    const wear::When tyre = brute_force(plan.tyre_life_J, kWholeRange.highest);
     CHECK(o.brake.landing == Approx(brake.landing).epsilon(0.005));
     CHECK(o.brake.deviation == Approx(brake.deviation).epsilon(0.05));
     CHECK(o.tyre.landing == Approx(tyre.landing).epsilon(0.005));
@@ -81,6 +81,6 @@ TEST_CASE("the chance that the landings bring the planned energy is that of many
 TEST_CASE("nothing left is said", "[STUDY-167]") {
     Regulator regulator(toy::plan(10, 0.3), Rules{}, kWholeRange);
     regulator.spent(0.0, 1e9);
-    CHECK(regulation::limit_forecast(regulator).verdict == Verdict::reached);
+    CHECK(wear::limit_forecast(regulator).verdict == Feasibility::reached);
     CHECK(regulator.tyre_left_J() == 0.0);
 }

@@ -11,12 +11,12 @@
 #include "tests/catch.hpp"
 #include "tests/regulation/toy_landing.hpp"
 
-using regulation::Landing;
-using regulation::Plan;
-using regulation::Range;
-using regulation::Reading;
-using regulation::Regulator;
-using regulation::Rules;
+using wear::Landing;
+using wear::Range;
+using wear::Reading;
+using wear::Regulator;
+using wear::Rules;
+using wear::WearPlan;
 
 namespace {
 
@@ -28,7 +28,7 @@ double apart(const Regulator& r) {
     return std::abs(r.brake_used_J() / r.plan().brake_life_J - r.tyre_used_J() / r.plan().tyre_life_J);
 }
 
-Regulator lived(const Plan& plan, const toy::Plant& plant, unsigned seed, const Rules& rules = {}) {
+Regulator lived(const WearPlan& plan, const toy::Plant& plant, unsigned seed, const Rules& rules = {}) {
     Regulator regulator(plan, rules, kRange);
     toy::Landings landings(plant, seed);
     while (regulator.brake_left_J() > 0.0 && regulator.tyre_left_J() > 0.0) regulator.after(landings.next(regulator.reference()));
@@ -54,7 +54,7 @@ TEST_CASE("brake and tyre reach their limits together, whatever landings come an
 }
 
 TEST_CASE("the error in the remaining ratio obeys D' = (1 - W/R) D - e W, and so shrinks with every landing", "[STUDY-167]") {
-    const Plan plan = toy::plan(200, 0.30);
+    const WearPlan plan = toy::plan(200, 0.30);
     const double ratio = plan.tyre_life_J / (plan.tyre_life_J + plan.brake_life_J);
     // Wide bounds and steps, no noise, a slope that is exactly what the regulator expects at first: no saturation, e = 0.
     Regulator r(plan, {.default_reference = 0.24, .step = 0.5}, {0.05, 0.5});
@@ -93,7 +93,7 @@ TEST_CASE("where the share is out of reach the reference stays at its bound", "[
 }
 
 TEST_CASE("a brake life that is revised on the way is met all the same", "[STUDY-167]") {
-    const Plan plan = toy::plan(250, 0.30);
+    const WearPlan plan = toy::plan(250, 0.30);
     Regulator r(plan, {}, kRange);
     toy::Landings landings({}, 21);
     for (int i = 0; i < 100; ++i) r.after(landings.next(r.reference()));
@@ -235,7 +235,7 @@ TEST_CASE("a measured J_mu below the floor moves the bound towards the default, 
 }
 
 TEST_CASE("the same landings give the same references: it is rebuilt from what was measured", "[STUDY-167]") {
-    const Plan plan = toy::plan(120, 0.28);
+    const WearPlan plan = toy::plan(120, 0.28);
     Regulator r(plan, {}, kRange);
     toy::Landings landings({}, 12);
     std::vector<Landing> seen;
@@ -252,19 +252,19 @@ TEST_CASE("the same landings give the same references: it is rebuilt from what w
 }
 
 TEST_CASE("plans and rules that cannot be are refused", "[STUDY-167]") {
-    const Plan good = toy::plan(100, 0.3);
-    const auto refuses = [](const Plan& plan, const Rules& rules, const char* what) {
+    const WearPlan good = toy::plan(100, 0.3);
+    const auto rejects = [](const WearPlan& plan, const Rules& rules, const char* what) {
         CHECK_THROWS_WITH(Regulator(plan, rules, kRange), ContainsSubstring(what));
     };
-    Plan plan = good;
+    WearPlan plan = good;
     plan.landings = 0;
-    refuses(plan, {}, "landings");
+    rejects(plan, {}, "landings");
     plan = good;
     plan.tyre_life_J = kNaN;
-    refuses(plan, {}, "life");
+    rejects(plan, {}, "life");
     plan = good;
     plan.brake_taken_J = plan.brake_life_J;
-    refuses(plan, {}, "brake has taken");
-    refuses(good, {.default_reference = 0.1}, "outside of the range");
-    refuses(good, {.step = 0.0}, "step");
+    rejects(plan, {}, "brake has taken");
+    rejects(good, {.default_reference = 0.1}, "outside of the range");
+    rejects(good, {.step = 0.0}, "step");
 }

@@ -6,11 +6,11 @@
 #include "plant_sim/study/regulation/fleet.hpp"
 #include "tests/catch.hpp"
 
-using plant_sim::land;
-using plant_sim::LandingSites;
+using plant_sim::lab::land;
+using plant_sim::lab::LandingSites;
 
 TEST_CASE("energies as the meter counts them are the plant's, and what the aircraft brought", "[STUDY-167]") {
-    const LandingSites sites = plant_sim::load_sites("config");
+    const LandingSites sites = plant_sim::lab::load_sites("config");
     REQUIRE(sites.sites.size() == 32);
     for (const std::size_t site : {std::size_t{0}, std::size_t{10}, std::size_t{19}, std::size_t{23}}) {
         const std::vector<regulation::LandingRequest> request{
@@ -28,7 +28,7 @@ TEST_CASE("energies as the meter counts them are the plant's, and what the aircr
 }
 
 TEST_CASE("landings side by side do not depend on the threads, nor on what lands beside them", "[STUDY-160]") {
-    const LandingSites sites = plant_sim::load_sites("config");
+    const LandingSites sites = plant_sim::lab::load_sites("config");
     std::vector<regulation::LandingRequest> requests;
     for (const std::size_t site : {0U, 3U, 10U, 16U, 9U, 5U, 1U, 8U, 4U, 11U, 12U})
         requests.push_back({.draw = {.scenario = site, .sensor_seed = 7 + site},
@@ -54,12 +54,12 @@ TEST_CASE("landings side by side do not depend on the threads, nor on what lands
 }
 
 TEST_CASE("the shipped table of J_mu is what these landings give", "[STUDY-167]") {
-    LandingSites sites = plant_sim::load_sites("config");
-    const regulation::RegulationConfig config = regulation::load_regulation_config("config/regulation.toml");
-    const plant_sim::CharacteriseOptions options{.references = {0.20, 0.36}, .seed = 1, .threads = 2};
+    LandingSites sites = plant_sim::lab::load_sites("config");
+    const wear::RegulationConfig config = wear::load_regulation_config("config/regulation.toml");
+    const plant_sim::lab::CharacteriseOptions options{.references = {0.20, 0.36}, .seed = 1, .threads = 2};
     // Snow and ice take long: the dry and wet runways are enough here.
     std::erase_if(sites.sites, [](const auto& s) { return s.surface == "snow" || s.surface == "ice"; });
-    const regulation::Characterisation made = characterise(sites, options);
+    const wear::Characterisation made = characterise(sites, options);
     const auto& grid = config.floor.reference;
     for (std::size_t i = 0; i < 2; ++i) {
         const auto at = std::find_if(grid.begin(), grid.end(), [&](double x) { return std::abs(x - options.references[i]) < 1e-9; });
@@ -74,11 +74,11 @@ TEST_CASE("the shipped table of J_mu is what these landings give", "[STUDY-167]"
 }
 
 TEST_CASE("a short life in closed loop: brake and tyre are used up together, no stop beyond the floor's", "[STUDY-167]") {
-    LandingSites sites = plant_sim::load_sites("config");
+    LandingSites sites = plant_sim::lab::load_sites("config");
     std::erase_if(sites.sites, [](const auto& s) { return s.surface != "dry_concrete" && s.surface != "damp_asphalt"; });
-    const regulation::RegulationConfig config = regulation::load_regulation_config("config/regulation.toml");
+    const wear::RegulationConfig config = wear::load_regulation_config("config/regulation.toml");
     const wear::BrakeWear brake = sites.sites.front().rig.wear;
-    regulation::Plan plan = regulation::plan_of(config, brake.life_J, sites.mean_J(), sites.deviation_J());
+    wear::WearPlan plan = wear::plan_of(config, brake.life_J, sites.mean_J(), sites.deviation_J());
     plan.landings = 48;
     const double left_J = 48 * sites.mean_J();
     plan.brake_taken_J = plan.brake_life_J - 0.72 * left_J;

@@ -24,7 +24,7 @@ class Landings {
 
     Landings(const Plant& plant, unsigned seed) : plant_(plant), generator_(seed) {}
 
-    regulation::Landing next(double reference) {
+    wear::Landing next(double reference) {
         const double energy_J = kEnergy_J[static_cast<std::size_t>(generator_() % kEnergy_J.size())];
         const double u = static_cast<double>(generator_() % 2001U) / 1000.0 - 1.0;
         const double share = plant_.offset + plant_.slope * reference + plant_.noise * u;
@@ -37,7 +37,7 @@ class Landings {
 };
 
 /// Both limits at landing `n` where the tyre takes `share` of it all.
-inline regulation::Plan plan(int n, double share, double energy_J = Landings::kMean_J) {
+inline wear::WearPlan plan(int n, double share, double energy_J = Landings::kMean_J) {
     return {.landings = n,
             .brake_life_J = (1.0 - share) * n * energy_J,
             .tyre_life_J = share * n * energy_J,

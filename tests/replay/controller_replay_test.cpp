@@ -12,18 +12,18 @@ using antiskid::can::Role;
 
 namespace {
 
-antiskid::rt::Setup setup_of(const plant_sim::ScenarioOptions& o) {
-    antiskid::rt::Options options;
-    if (o.choice.maneuver == plant::kEndurance) options.controller = "config/controller_endurance.toml";
+antiskid::controller::ControllerSetup setup_of(const plant_sim::StopOptions& o) {
+    antiskid::controller::Options options;
+    if (o.choice.maneuver == rig::kEndurance) options.controller = "config/controller_endurance.toml";
     if (!o.dbc.empty()) options.dbc = o.dbc;
     if (!o.binding.empty()) options.binding = o.binding;
-    return antiskid::rt::load_setup(options);
+    return antiskid::controller::load_setup(options);
 }
 
-rig::ControllerReplayReport replay(const std::filesystem::path& log, const antiskid::rt::Setup& setup,
-                                   rig::ReplayClock clock = rig::ReplayClock::automatic) {
-    rig::LogWarnings warnings("bus.log", {});
-    return rig::replay_controller(log, {}, setup, clock, warnings);
+rig::replay::ControllerReplayReport replay(const std::filesystem::path& log, const antiskid::controller::ControllerSetup& setup,
+                                           rig::replay::ReplayClock clock = rig::replay::ReplayClock::automatic) {
+    rig::replay::LogWarnings warnings("bus.log", {});
+    return rig::replay::replay_controller(log, {}, setup, clock, warnings);
 }
 
 const std::string& wet_landing() {
@@ -45,9 +45,9 @@ std::string joined(const std::vector<std::string>& lines) {
 
 TEST_CASE("lockstep logs of every law and layout: no command frame differs", "[BRG-310]") {
     const TempDir dir;
-    std::vector<plant_sim::ScenarioOptions> runs{scenarios::options({"dry_asphalt", "heavy"}), scenarios::options({"snow", "medium_a"}, "threshold"),
-                                                 scenarios::options({"dry_concrete", "endurance"}, "deceleration"),
-                                                 scenarios::options({"wet_asphalt", "light"})};
+    std::vector<plant_sim::StopOptions> runs{scenarios::options({"dry_asphalt", "heavy"}), scenarios::options({"snow", "medium_a"}, "threshold"),
+                                             scenarios::options({"dry_concrete", "endurance"}, "deceleration"),
+                                             scenarios::options({"wet_asphalt", "light"})};
     runs.back().dbc = "config/foreign.dbc";
     runs.back().binding = "config/foreign_binding.toml";
     for (const auto& options : runs) {
@@ -87,7 +87,7 @@ TEST_CASE("a command that is not the recorded one is named: line, time, expected
     REQUIRE(report.first);
     CHECK(report.first->line == changed + 1);
     CHECK(report.first->role == Role::valve);
-    const std::string text = rig::to_text(report, setup.layout);
+    const std::string text = rig::replay::to_text(report, setup.layout);
     CHECK_THAT(text, ContainsSubstring("line " + std::to_string(changed + 1)));
     CHECK_THAT(text, ContainsSubstring("expected " + victim.substr(victim.find("100#"), 12)));
     CHECK_THAT(text, ContainsSubstring("1 of "));
@@ -100,7 +100,7 @@ TEST_CASE("another configuration than the recorded one shows", "[BRG-310]") {
     const auto report = replay(dir.write("bus.log", wet_landing()), setup);
     CHECK(report.count(Role::valve).different > 1000);
     REQUIRE(report.first);
-    CHECK(report.first->time > rig::Time{1'400'000'000});
+    CHECK(report.first->time > can::Time{1'400'000'000});
 }
 
 TEST_CASE("lines that are missing from a log do not shift what follows", "[BRG-310]") {
@@ -143,8 +143,8 @@ TEST_CASE("without SYNC the recorded commands end the steps, and missed periods 
     // The last three, at the safe current, pass for those with which a controller ends.
     CHECK(report.steps + 3 == report.count(Role::valve).compared);
     CHECK(report.count(Role::valve).different == 0);  // stamps in process are exact
-    CHECK_THAT(rig::to_text(report, setup.layout), ContainsSubstring("may differ"));
-    const auto forced = replay(dir.write("sync.log", wet_landing()), setup, rig::ReplayClock::timer);
+    CHECK_THAT(rig::replay::to_text(report, setup.layout), ContainsSubstring("may differ"));
+    const auto forced = replay(dir.write("sync.log", wet_landing()), setup, rig::replay::ReplayClock::timer);
     CHECK_FALSE(forced.lockstep);
     CHECK(forced.same());
 }
@@ -173,17 +173,18 @@ TEST_CASE("a log that begins within a session of the controller", "[BRG-310]") {
         const auto report = replay(dir.write("bus.log", text), setup);
         CHECK(report.lockstep == with_sync);
         CHECK(report.steps_before_log == 3);
-        INFO(rig::to_text(report, setup.layout));
+        INFO(rig::replay::to_text(report, setup.layout));
         const auto& commands = report.count(Role::valve);
         CHECK(commands.compared > 9000);
         CHECK(commands.only_recorded == 0);
         CHECK(commands.only_replayed == 0);
         // Brake-on comes 1.5 s later: of what the log lacks the estimators still remember less than a last digit, which the law's integrals keep.
-        if (report.largest) CHECK(std::abs(rig::current_difference_mA(*report.largest, setup.layout)) < 1.5 * setup.layout.valve_current_mA.scale);
+        if (report.largest)
+            CHECK(std::abs(rig::replay::current_difference_mA(*report.largest, setup.layout)) < 1.5 * setup.layout.valve_current_mA.scale);
         CHECK(report.count(Role::status).settling < 20);  // it has passed its test when it is armed at 0.2 s
         const auto& status = report.count(Role::status);  // the same last digits, in the slip that it tells
         CHECK(status.different < status.compared / 100);
-        CHECK_THAT(rig::to_text(report, setup.layout), ContainsSubstring("was running when the log began"));
+        CHECK_THAT(rig::replay::to_text(report, setup.layout), ContainsSubstring("was running when the log began"));
     }
 }
 
@@ -199,7 +200,7 @@ TEST_CASE("steps without SYNC and the closing commands of the controller", "[BRG
         const auto step = [&] {
             const auto command = controller.step(port.sensors(), now);
             port.clear_one_shots();
-            std::array<antiskid::can::Frame, antiskid::can::ControllerPort::kMostFrames> out{};
+            std::array<antiskid::can::Frame, antiskid::can::ControllerPort::kMaxFrames> out{};
             const std::size_t count = port.due_frames(command, out);
             for (std::size_t k = 1; k < count; ++k) log += line(out[k]);
             log += line(out[0]);

@@ -9,8 +9,8 @@
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
 #include "rig_bridge/replay/importer.hpp"
-#include "rig_bridge/scenario/meter_parameters.hpp"
-#include "rig_bridge/scenario/scenario.hpp"
+#include "rig_bridge/rig/meter_parameters.hpp"
+#include "rig_bridge/rig/scenario.hpp"
 #include "tests/catch.hpp"
 #include "tests/replay/landings.hpp"
 
@@ -69,33 +69,33 @@ std::string two_stops(double pressure = 1e-5) {
 }
 
 struct Import {
-    Import(const std::filesystem::path& file, const rig::ImportMap& with, const rig::Specimen& specimen = {}) : map(with) {
-        const rig::ImportSettings settings{
+    Import(const std::filesystem::path& file, const rig::replay::ImportMap& with, const rig::record::Specimen& specimen = {}) : map(with) {
+        const rig::replay::ImportSettings settings{
             .file = file,
             .map = map,
             .out = out,
             .rig = {.layout = can_test::ours(), .meter = meter, .plan = scenario.mean, .with_valve = map.channels[6].has_value(), .number = 0},
             .specimen = specimen,
             .config_hash = "x"};
-        rig::ImportNotes notes("r.csv", [this](const std::string& text) { said += text + "\n"; });
-        report = rig::import_recording(settings, notes);
+        rig::replay::ImportNotes notes("r.csv", [this](const std::string& text) { said += text + "\n"; });
+        report = rig::replay::import_recording(settings, notes);
         counts = notes.counts();
     }
     TempDir dir;
     rig::Scenario scenario = rig::load_scenario("config/scenarios/endurance.toml");
-    rig::MeterParameters meter = rig::meter_parameters(scenario, antiskid::load_controller_config(scenario.controller));
+    rig::record::MeterParameters meter = rig::meter_parameters(scenario, antiskid::load_controller_config(scenario.controller));
     std::filesystem::path out = dir.write("x", "").parent_path() / "night";
-    rig::ImportMap map;
-    rig::ImportReport report;
+    rig::replay::ImportMap map;
+    rig::replay::ImportReport report;
     std::string said;
     std::map<std::string, std::uint64_t> counts;
 };
 
-rig::ImportMap example() {
-    return rig::load_import_map("config/import_example.toml");
+rig::replay::ImportMap example() {
+    return rig::replay::load_import_map("config/import_example.toml");
 }
 
-void check(const rig::Figures& f) {
+void check(const rig::record::Figures& f) {
     const study::StopFigures& t = truth().figures;
     CHECK(f.standstill);
     CHECK(f.brake_on_mps == Approx(54.88).margin(0.05));
@@ -110,7 +110,7 @@ void check(const rig::Figures& f) {
 
 TEST_CASE("a continuous recording becomes maneuvers, and their figures are those of the plant", "[BRG-350]") {
     const TempDir dir;
-    rig::ImportMap map = example();
+    rig::replay::ImportMap map = example();
     map.after_s = 0.1;  // the recording ends soon after standstill
     const Import import(dir.write("r.csv", two_stops()), map);
     REQUIRE(import.report.maneuvers.size() == 2);
@@ -122,22 +122,22 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
     // The jump from one stop to the next is a gap in time; nothing else is wrong.
     CHECK(import.counts == std::map<std::string, std::uint64_t>{{"gap", 1}});
     CHECK_THAT(import.said, ContainsSubstring("r.csv:" + std::to_string(truth().rows.size() + 4)));
-    const rig::Summary summary = rig::read_summary(import.out / "0002/summary.json");
+    const rig::record::Summary summary = rig::record::read_summary(import.out / "0002/summary.json");
     CHECK(summary.number == 2);
     CHECK(summary.cumulative_energy_J == import.report.maneuvers[0].figures.energy_brake_J + import.report.maneuvers[1].figures.energy_brake_J);
     // Every verb works on it: the campaign is its own summaries, the plant finds the braking.
-    const rig::CampaignSources sources{.layout = can_test::ours(),
-                                       .parameters = [&](const std::string&) { return import.meter; },
-                                       .ledger = {},
-                                       .with_ledger = false,
-                                       .warnings = [](const std::string& name) { return rig::LogWarnings(name, {}); }};
-    CHECK(rig::rebuild_campaign(rig::maneuver_folders(import.out), sources).different() == 0);
-    rig::LogWarnings warnings("bus.log", {});
-    rig::LogOptions options;
+    const rig::replay::CampaignSources sources{.layout = can_test::ours(),
+                                               .parameters = [&](const std::string&) { return import.meter; },
+                                               .ledger = {},
+                                               .with_ledger = false,
+                                               .warnings = [](const std::string& name) { return rig::replay::LogWarnings(name, {}); }};
+    CHECK(rig::replay::rebuild_campaign(rig::replay::maneuver_folders(import.out), sources).different() == 0);
+    rig::replay::LogWarnings warnings("bus.log", {});
+    rig::replay::LogOptions options;
     options.layout = &can_test::ours();
-    rig::LogReader reader(import.out / "0001/bus.log", options, warnings);
-    rig::MeasuredSignals signals(reader, can_test::ours(), 1e-3);
-    const rig::Validation v = rig::validate_plant(signals, import.scenario.rig.rig);
+    rig::replay::LogReader reader(import.out / "0001/bus.log", options, warnings);
+    validation::MeasuredSignals signals(reader, can_test::ours(), 1e-3);
+    const validation::Validation v = validation::validate_plant(signals, import.scenario.rig.rig);
     REQUIRE(v.braked);
     CHECK(v.all.speed_mps.rms() < 0.2);
     CHECK(v.rows.size() > 1000);
@@ -146,18 +146,19 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
 
 TEST_CASE("what is said of the specimen at an import is that of every maneuver in it, exports included", "[BRG-270]") {
     const TempDir dir;
-    rig::ImportMap map = example();
+    rig::replay::ImportMap map = example();
     map.after_s = 0.1;
-    const rig::Specimen said{.brake = "B12", .disc = "D7", .tyre = "T3", .specimen = "S-2026-4", .operator_name = "A. Rossi", .notes = "by night"};
+    const rig::record::Specimen said{
+        .brake = "B12", .disc = "D7", .tyre = "T3", .specimen = "S-2026-4", .operator_name = "A. Rossi", .notes = "by night"};
     const Import import(dir.write("r.csv", two_stops()), map, said);
     REQUIRE(import.report.maneuvers.size() == 2);
-    for (const auto& maneuver : import.report.maneuvers) CHECK(rig::read_summary(maneuver.folder / "summary.json").specimen == said);
-    const rig::CampaignSources sources{.layout = can_test::ours(),
-                                       .parameters = [&](const std::string&) { return import.meter; },
-                                       .ledger = {},
-                                       .with_ledger = false,
-                                       .warnings = [](const std::string& name) { return rig::LogWarnings(name, {}); }};
-    const std::string csv = rig::to_csv(rig::rebuild_campaign(rig::maneuver_folders(import.out), sources));
+    for (const auto& maneuver : import.report.maneuvers) CHECK(rig::record::read_summary(maneuver.folder / "summary.json").specimen == said);
+    const rig::replay::CampaignSources sources{.layout = can_test::ours(),
+                                               .parameters = [&](const std::string&) { return import.meter; },
+                                               .ledger = {},
+                                               .with_ledger = false,
+                                               .warnings = [](const std::string& name) { return rig::replay::LogWarnings(name, {}); }};
+    const std::string csv = to_csv(rig::replay::rebuild_campaign(rig::replay::maneuver_folders(import.out), sources));
     CHECK_THAT(csv, ContainsSubstring(",B12,D7,T3,S-2026-4,A. Rossi,by night,"));
     // Nothing is written of a text that would not be one line.
     CHECK_THROWS_WITH(Import(dir.write("r.csv", two_stops()), map, {.notes = "two\nlines"}), ContainsSubstring("control character"));
@@ -183,7 +184,7 @@ TEST_CASE("MATLAB files give the same maneuvers", "[BRG-350]") {
         Mat_Close(file);
         return all;
     };
-    rig::ImportMap map = example();
+    rig::replay::ImportMap map = example();
     map.mat = true;
     const TempDir dir;
     const auto folder = dir.write("x", "").parent_path();
@@ -251,19 +252,19 @@ TEST_CASE("gaps and resets of time end a maneuver, the next is whole", "[BRG-350
 TEST_CASE("swapped units end the import with the likely one, and nothing is written", "[BRG-350]") {
     const TempDir dir;
     const auto file = dir.write("r.csv", two_stops());
-    const auto refused = [&](std::size_t channel, const char* unit, const char* quantity_of, const std::string& words) {
-        rig::ImportMap map = example();
+    const auto rejected = [&](std::size_t channel, const char* unit, const char* quantity_of, const std::string& words) {
+        rig::replay::ImportMap map = example();
         map.channels[channel]->unit_name = unit;
         map.channels[channel]->unit = *antiskid::can::find_unit(quantity_of);
         map.unit_row = 0;
         CHECK_THROWS_WITH(Import(file, map), ContainsSubstring(words));
     };
-    refused(2, "Pa", "Pa", "likely unit: bar");
-    refused(2, "MPa", "MPa", "column 'p_Bremse' (pressure) goes from");
-    refused(3, "N", "N", "kN");
-    refused(1, "rpm", "rpm", "likely unit of 'v_Schwungrad': km/h");
-    refused(1, "m/s", "m/s", "km/h");
-    rig::ImportMap map = example();
+    rejected(2, "Pa", "Pa", "likely unit: bar");
+    rejected(2, "MPa", "MPa", "column 'p_Bremse' (pressure) goes from");
+    rejected(3, "N", "N", "kN");
+    rejected(1, "rpm", "rpm", "likely unit of 'v_Schwungrad': km/h");
+    rejected(1, "m/s", "m/s", "km/h");
+    rig::replay::ImportMap map = example();
     map.unit_row = 3;
     map.channels[5]->unit_name = "kNm";
     map.channels[5]->unit = *antiskid::can::find_unit("kNm");
@@ -272,7 +273,7 @@ TEST_CASE("swapped units end the import with the likely one, and nothing is writ
 
 TEST_CASE("a pressure in another unit than the map's shows in the friction, which is named with the likely unit", "[BRG-261]") {
     const TempDir dir;
-    rig::ImportMap map = example();
+    rig::replay::ImportMap map = example();
     map.unit_row = 0;
     CHECK_THAT(Import(dir.write("r.csv", two_stops()), map).said, !ContainsSubstring("friction"));
     // MPa that are taken for bar, and bar for psi.
@@ -280,7 +281,7 @@ TEST_CASE("a pressure in another unit than the map's shows in the friction, whic
     CHECK_THAT(tenth.said, ContainsSubstring("friction_implausible: mean mu_b 2.9") &&
                                ContainsSubstring("is the brake's; is column 'p_Bremse' in MPa") && ContainsSubstring("not bar?"));
     CHECK(tenth.counts.at("figures") == 2);
-    CHECK(rig::read_summary(tenth.out / "0001/summary.json").warnings.size() == 1);
+    CHECK(rig::record::read_summary(tenth.out / "0001/summary.json").warnings.size() == 1);
     map.channels[2]->unit_name = "psi";
     map.channels[2]->unit = *antiskid::can::find_unit("psi");
     map.released_Pa = 1e4;
@@ -292,20 +293,20 @@ TEST_CASE("a pressure in another unit than the map's shows in the friction, whic
 TEST_CASE("maps are refused with file, line and key", "[BRG-350]") {
     const TempDir dir;
     const std::string good = can_test::contents("config/import_example.toml");
-    const auto refused = [&](const std::string& from, const std::string& to, const std::string& words) {
+    const auto rejected = [&](const std::string& from, const std::string& to, const std::string& words) {
         INFO(to);
-        CHECK_THROWS_WITH(rig::load_import_map(dir.write("map.toml", can_test::replaced(good, from, to))), ContainsSubstring(words));
+        CHECK_THROWS_WITH(rig::replay::load_import_map(dir.write("map.toml", can_test::replaced(good, from, to))), ContainsSubstring(words));
     };
-    refused("unit = \"bar\"", "unit = \"baar\"", "pressure.unit: 'baar' is none of");
-    refused("unit = \"bar\"", "unit = \"km/h\"", "is none of");
-    refused("wheel_speed = {", "wheel_sped = {", "wheel_speed");
-    refused("separator = \";\"", "separator = \"ab\"", "one character");
-    refused("separator = \";\"", "separator = \",\"", "decimal sign");
-    refused("released_Pa = 1.5e5", "released_Pa = 5e5", "below brake_on_Pa");
-    refused("first_data_row = 4", "first_data_row = 2", "after header_row");
-    refused("before_s = 1.0", "before = 1.0", "before_s");
+    rejected("unit = \"bar\"", "unit = \"baar\"", "pressure.unit: 'baar' is none of");
+    rejected("unit = \"bar\"", "unit = \"km/h\"", "is none of");
+    rejected("wheel_speed = {", "wheel_sped = {", "wheel_speed");
+    rejected("separator = \";\"", "separator = \"ab\"", "one character");
+    rejected("separator = \";\"", "separator = \",\"", "decimal sign");
+    rejected("released_Pa = 1.5e5", "released_Pa = 5e5", "below brake_on_Pa");
+    rejected("first_data_row = 4", "first_data_row = 2", "after header_row");
+    rejected("before_s = 1.0", "before = 1.0", "before_s");
     const auto file = dir.write("r.csv", two_stops());
-    rig::ImportMap map = example();
+    rig::replay::ImportMap map = example();
     map.channels[0]->column = "n";
     CHECK_THROWS_WITH(Import(file, map), ContainsSubstring("no column 'n'; there are: Zeit, n_Rad, v_Schwungrad"));
 }

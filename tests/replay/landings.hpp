@@ -9,7 +9,7 @@
 namespace replay_test {
 
 /// Every frame of a landing in lockstep.
-inline std::string landing(const plant_sim::ScenarioOptions& options) {
+inline std::string landing(const plant_sim::StopOptions& options) {
     std::string log;
     (void)scenarios::run(options, study::Link::frames, {}, [&](const antiskid::can::Frame& frame) { log += line(frame); });
     return log;

@@ -16,7 +16,7 @@ namespace replay_test {
 using can_test::TempDir;
 
 inline std::string line(const antiskid::can::Frame& frame, const std::string& interface = "vcan0") {
-    std::array<char, antiskid::can::kCandumpLineMost> text{};
+    std::array<char, antiskid::can::kCandumpLineMax> text{};
     return std::string(text.data(), antiskid::can::format_candump(frame.received, interface, frame, text)) + "\n";
 }
 
@@ -39,13 +39,13 @@ inline std::vector<std::string> lines_of(const std::string& text) {
 
 /// A log and all that reading it said.
 struct Reading {
-    std::vector<rig::LogFrame> frames;
+    std::vector<rig::replay::LogFrame> frames;
     std::vector<std::string> said;
-    rig::LogWarnings warnings{"bus.log", [this](const std::string& text) { said.push_back(text); }};
+    rig::replay::LogWarnings warnings{"bus.log", [this](const std::string& text) { said.push_back(text); }};
 
-    explicit Reading(const std::filesystem::path& file, const rig::LogOptions& options = {}) {
-        rig::LogReader log(file, options, warnings);
-        for (rig::LogFrame f; log.next(f);) frames.push_back(f);
+    explicit Reading(const std::filesystem::path& file, const rig::replay::LogOptions& options = {}) {
+        rig::replay::LogReader log(file, options, warnings);
+        for (rig::replay::LogFrame f; log.next(f);) frames.push_back(f);
     }
 };
 

@@ -27,10 +27,10 @@ std::uint32_t word_of(const std::string& file, std::size_t at) {
 }
 
 void check(const std::string& file) {
-    rig::check_mat_structure("r.mat", {reinterpret_cast<const unsigned char*>(file.data()), file.size()});
+    rig::replay::check_mat_structure("r.mat", {reinterpret_cast<const unsigned char*>(file.data()), file.size()});
 }
 
-std::string refusal(const std::string& file) {
+std::string rejection(const std::string& file) {
     try {
         check(file);
     } catch (const std::runtime_error& error) {
@@ -66,9 +66,9 @@ std::string nested(int cells) {
 }
 
 std::vector<double> read(const std::filesystem::path& file, const std::string& wanted) {
-    const auto recording = rig::open_mat(file, {wanted});
+    const auto recording = rig::replay::open_mat(file, {wanted});
     std::vector<double> values;
-    for (rig::RecordedRow row; recording->next(row);) values.push_back(row.values[0]);
+    for (rig::replay::RecordedRow row; recording->next(row);) values.push_back(row.values[0]);
     return values;
 }
 
@@ -92,9 +92,9 @@ TEST_CASE("a length, dimension or type that lies is refused with its byte", "[BR
     const std::string vector = seed("double");
     const auto lies = [&](std::size_t at, std::uint32_t word, const std::string& words) {
         INFO("byte " << at << " becomes " << word);
-        CHECK_THAT(refusal(with_word(vector, at, word)), ContainsSubstring("r.mat: byte 128"));
-        CHECK_THAT(refusal(with_word(vector, at, word)), ContainsSubstring(words));
-        CHECK_THAT(refusal(compressed(with_word(vector, at, word))), ContainsSubstring("r.mat: byte 128"));
+        CHECK_THAT(rejection(with_word(vector, at, word)), ContainsSubstring("r.mat: byte 128"));
+        CHECK_THAT(rejection(with_word(vector, at, word)), ContainsSubstring(words));
+        CHECK_THAT(rejection(compressed(with_word(vector, at, word))), ContainsSubstring("r.mat: byte 128"));
     };
     lies(132, 0x20000000, "a variable of 536870912 bytes; only 80 follow");
     lies(132, 72, "only 16 are left of what it is part of");
@@ -112,15 +112,15 @@ TEST_CASE("a length, dimension or type that lies is refused with its byte", "[BR
     lies(184, 8, "values of a type 8 that there is not");
     lies(184, 100, "values of a type 100 that there is not");
     lies(188, 0x20000000, "536870912 bytes of values");
-    CHECK_THAT(refusal(vector.substr(0, vector.size() - 1)), ContainsSubstring("only 79 follow"));
-    CHECK_THAT(refusal(vector + "1234"), ContainsSubstring("byte 216: the file ends within a tag"));
-    CHECK_THAT(refusal(nested(32)), ContainsSubstring("variables within variables, 33 deep"));
+    CHECK_THAT(rejection(vector.substr(0, vector.size() - 1)), ContainsSubstring("only 79 follow"));
+    CHECK_THAT(rejection(vector + "1234"), ContainsSubstring("byte 216: the file ends within a tag"));
+    CHECK_THAT(rejection(nested(32)), ContainsSubstring("variables within variables, 33 deep"));
 }
 
 TEST_CASE("so is one within a struct, a cell, a sparse matrix or what is compressed", "[BRG-350]") {
     const auto lies = [](const char* name, std::size_t at, std::uint32_t word, const std::string& words) {
         INFO(name << ": byte " << at << " becomes " << word);
-        CHECK_THAT(refusal(with_word(seed(name), at, word)), ContainsSubstring(words));
+        CHECK_THAT(rejection(with_word(seed(name), at, word)), ContainsSubstring(words));
     };
     lies("struct", 160, 0x04000000, "67108864 parts in 72 bytes");
     lies("struct", 188, 0, "expected the length of the field names");
@@ -139,26 +139,27 @@ TEST_CASE("so is one within a struct, a cell, a sparse matrix or what is compres
     lies("sparse", 164, 3, "expected 4 starts of columns of a sparse matrix");
     lies("sparse", 196, 16, "expected 3 starts of columns of a sparse matrix");
     const std::string packed = seed("compressed");
-    CHECK_THAT(refusal(with_word(packed, 132, word_of(packed, 132) - 8).substr(0, packed.size() - 8)),
+    CHECK_THAT(rejection(with_word(packed, 132, word_of(packed, 132) - 8).substr(0, packed.size() - 8)),
                ContainsSubstring("r.mat: byte 128, inflated byte"));
-    CHECK_THAT(refusal(with_word(packed, 140, 0)), ContainsSubstring("the file ends there, or cannot be inflated"));
+    CHECK_THAT(rejection(with_word(packed, 140, 0)), ContainsSubstring("the file ends there, or cannot be inflated"));
     // Version 4: type, rows, columns, complex, length of the name.
     lies("version4", 4, 0x20000000, "r.mat: cannot be read as a MATLAB file");
     lies("version4", 12, 1, "cannot be read");
     lies("version4", 16, 0x7FFFFFFF, "cannot be read");
     const std::string four = seed("version4");
-    CHECK_THAT(refusal(four + with_word(four, 4, 0x20000000)),
+    CHECK_THAT(rejection(four + with_word(four, 4, 0x20000000)),
                ContainsSubstring("r.mat: byte 38: a variable of 536870912 x 1 values; only 18 bytes follow"));
-    CHECK_THAT(refusal(four + with_word(four, 0, 2)), ContainsSubstring("byte 38: a variable of type 2"));
-    CHECK_THAT(refusal(four + "123"), ContainsSubstring("byte 38: the file ends within the head"));
+    CHECK_THAT(rejection(four + with_word(four, 0, 2)), ContainsSubstring("byte 38: a variable of type 2"));
+    CHECK_THAT(rejection(four + "123"), ContainsSubstring("byte 38: the file ends within the head"));
     // Found by the fuzzer: lengths in one order of bytes, a type that says the other.
     using std::string_literals::operator""s;
-    CHECK_THAT(refusal("\0\0\0\1\0\0\0\0\0\x1e\0\2\0\0\0\0\0\0\0\5\0\0\0\0\0"s), ContainsSubstring("cannot be read as a MATLAB file"));
+    CHECK_THAT(rejection("\0\0\0\1\0\0\0\0\0\x1e\0\2\0\0\0\0\0\0\0\5\0\0\0\0\0"s), ContainsSubstring("cannot be read as a MATLAB file"));
     CHECK_NOTHROW(check("\0\0\3\xe8\0\0\0\1\0\0\0\1\0\0\0\0\0\0\0\2p\0\0\0\0\0\0\0\0\0"s));
     // An object within a struct, whose name matio reads as dimensions: 8 GB of them.
     const std::string object = with_word(seed("struct"), 224, 17);
-    CHECK_THAT(refusal(with_word(object, 236, 0xFFFD0008)), ContainsSubstring("r.mat: byte 128, its byte 104: expected the empty name of an object"));
-    CHECK_THAT(refusal(""), ContainsSubstring("cannot be read as a MATLAB file"));
+    CHECK_THAT(rejection(with_word(object, 236, 0xFFFD0008)),
+               ContainsSubstring("r.mat: byte 128, its byte 104: expected the empty name of an object"));
+    CHECK_THAT(rejection(""), ContainsSubstring("cannot be read as a MATLAB file"));
 }
 
 TEST_CASE("whatever one word of a file claims, it is refused by name or holds no more than it did", "[BRG-350]") {

@@ -5,12 +5,12 @@
 #include "tests/replay/logs.hpp"
 
 using namespace replay_test;
-using rig::Time;
+using can::Time;
 using namespace std::chrono_literals;
 
 namespace {
 
-class SleepingClock final : public antiskid::rt::Clock {
+class SleepingClock final : public antiskid::host::Clock {
   public:
     Time now() override { return now_; }
     void sleep_until(Time deadline) override {
@@ -29,10 +29,10 @@ struct Sent {
     std::uint32_t id;
 };
 
-class Notes final : public rig::FrameSender {
+class Notes final : public rig::replay::FrameSender {
   public:
     explicit Notes(SleepingClock& clock) : clock_(clock) {}
-    bool send(const rig::LogFrame& frame) override {
+    bool send(const rig::replay::LogFrame& frame) override {
         sent.push_back({clock_.now() - Time{5s}, frame.frame.id});
         clock_.now_ += takes;
         return frame.frame.id != 0x7FF;
@@ -46,16 +46,17 @@ class Notes final : public rig::FrameSender {
 
 struct Show {
     explicit Show(const std::string& text) : file(dir.write("bus.log", text)) {}
-    void run(const rig::PlayOptions& options = {}) {
-        rig::play([&] { return std::make_unique<rig::LogReader>(file, rig::LogOptions{}, warnings); }, options, bus, clock, stop, report);
+    void run(const rig::replay::PlayOptions& options = {}) {
+        rig::replay::play([&] { return std::make_unique<rig::replay::LogReader>(file, rig::replay::LogOptions{}, warnings); }, options, bus, clock,
+                          stop, report);
     }
     TempDir dir;
     std::filesystem::path file;
-    rig::LogWarnings warnings{"bus.log", {}};
+    rig::replay::LogWarnings warnings{"bus.log", {}};
     SleepingClock clock;
     Notes bus{clock};
     std::atomic<bool> stop{false};
-    rig::PlayReport report;
+    rig::replay::PlayReport report;
 };
 
 const std::string kLog =
@@ -90,7 +91,7 @@ TEST_CASE("a bus that takes its time makes the next frame late, not all of them"
 
 TEST_CASE("speed factor, loops and filter", "[BRG-330]") {
     Show show(kLog);
-    rig::PlayOptions options;
+    rig::replay::PlayOptions options;
     options.speed = 4.0;
     options.loops = 3;
     options.filter.add("110:7F0");
@@ -109,7 +110,7 @@ TEST_CASE("time that goes backwards: at once, and on from there", "[BRG-330]") {
     REQUIRE(show.bus.sent.size() == 4);
     CHECK(show.bus.sent[2].at == Time{100ms});
     CHECK(show.bus.sent[3].at == Time{200ms});
-    CHECK(show.warnings.count(rig::LogTrouble::time_backwards) == 1);
+    CHECK(show.warnings.count(rig::replay::LogTrouble::time_backwards) == 1);
 }
 
 TEST_CASE("error frames are not sent; what the bus does not take is counted", "[BRG-330]") {
@@ -118,7 +119,7 @@ TEST_CASE("error frames are not sent; what the bus does not take is counted", "[
     CHECK(show.report.error_frames == 1);
     CHECK(show.report.sent == 1);
     CHECK(show.report.unsent == 1);
-    CHECK(show.warnings.count(rig::LogTrouble::fd_frame) == 1);
+    CHECK(show.warnings.count(rig::replay::LogTrouble::fd_frame) == 1);
 }
 
 TEST_CASE("a stop ends a long pause and an endless loop", "[BRG-330]") {
@@ -130,7 +131,7 @@ TEST_CASE("a stop ends a long pause and an endless loop", "[BRG-330]") {
     CHECK(show.report.sent == 1);
     CHECK(show.clock.now() < 12s + 100ms);
     Show empty("nothing\n");
-    rig::PlayOptions endless;
+    rig::replay::PlayOptions endless;
     endless.loops = 0;
     empty.run(endless);
     CHECK_FALSE(empty.report.stopped);
@@ -138,8 +139,8 @@ TEST_CASE("a stop ends a long pause and an endless loop", "[BRG-330]") {
 }
 
 TEST_CASE("rules of identifiers", "[BRG-300]") {
-    rig::IdFilter filter;
-    rig::LogFrame frame;
+    rig::replay::IdFilter filter;
+    rig::replay::LogFrame frame;
     frame.frame.id = 0x113;
     CHECK(filter.passes(frame));
     filter.add("110:7FC");

@@ -15,8 +15,8 @@ using namespace robust;
 
 namespace {
 
-Plan grid(const std::string& family, std::vector<std::string> laws = {"slip"}) {
-    PlanOptions options;
+RobustPlan grid(const std::string& family, std::vector<std::string> laws = {"slip"}) {
+    RobustPlanOptions options;
     options.families = {family};
     options.laws = std::move(laws);
     return load_plan(options);
@@ -32,7 +32,7 @@ Row made_up(Family family, std::size_t number) {
 }  // namespace
 
 TEST_CASE("a grid has every stop once, whatever the number of draws", "[STUDY-602]") {
-    const Plan plan = grid("changes");
+    const RobustPlan plan = grid("changes");
     const Basis& basis = plan.basis;
     std::set<std::tuple<std::string, std::string, std::string, double>> changes;
     REQUIRE(plan.stops() == std::size_t{7} * 6 * 2 * 3);
@@ -61,7 +61,7 @@ TEST_CASE("a grid has every stop once, whatever the number of draws", "[STUDY-60
 }
 
 TEST_CASE("the surface changes about at the speed of the grid, 1.5 s after brake-on", "[STUDY-602]") {
-    Plan plan = grid("changes");
+    RobustPlan plan = grid("changes");
     std::erase_if(plan.basis.landings, [](const Landing& landing) {
         return landing.surface != "dry_asphalt" && landing.surface != "wet_cobblestone" && landing.surface != "snow";
     });
@@ -81,7 +81,7 @@ TEST_CASE("the surface changes about at the speed of the grid, 1.5 s after brake
 }
 
 TEST_CASE("a summary of changes counts what its rows say", "[STUDY-602]") {
-    const Plan plan = grid("changes");
+    const RobustPlan plan = grid("changes");
     std::vector<Row> rows;
     for (std::size_t i = 0; i < plan.stops(); ++i) {
         Row row = made_up(Family::changes, i);
@@ -116,7 +116,7 @@ TEST_CASE("a summary of changes counts what its rows say", "[STUDY-602]") {
 }
 
 TEST_CASE("brake-on: shares of the held reference and of the fastest landing's travel", "[STUDY-602]") {
-    const Plan plan = grid("brake_on", {"slip", "peak_slip", "threshold"});
+    const RobustPlan plan = grid("brake_on", {"slip", "peak_slip", "threshold"});
     std::vector<Row> rows;
     for (std::size_t law = 0; law < 3; ++law) {
         for (std::size_t i = 0; i < 98; ++i) {
@@ -133,8 +133,8 @@ TEST_CASE("brake-on: shares of the held reference and of the fastest landing's t
     for (const BrakeOnSummary& s : all) {
         CHECK(s.stops == 14);
         CHECK(s.mean_j_mu == Approx(0.9));
-        CHECK(s.least_share.has_value() == (s.law < 2));
-        CHECK(s.most_travel_ratio == Approx(s.speed_mps == 61.0 ? 1.0 : s.law == 1 && s.speed_mps == 12.0 ? 4.0 : 2.0));
+        CHECK(s.min_share.has_value() == (s.law < 2));
+        CHECK(s.max_travel_ratio == Approx(s.speed_mps == 61.0 ? 1.0 : s.law == 1 && s.speed_mps == 12.0 ? 4.0 : 2.0));
     }
     // Held at the peak at 61 m/s nearly everything is offered, less what the fall at low speed takes of the last metres.
     const BrakeOnShare fast = share_of(plan, rows, rows[98 + 6]);

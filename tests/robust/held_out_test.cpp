@@ -8,12 +8,12 @@ using namespace robust;
 
 TEST_CASE("on tyres, legs and speeds it was not made from the slip law keeps the brakes and the grip", "[STUDY-602]") {
     // Tuned on seed 1. Each family has all landings once.
-    PlanOptions options;
+    RobustPlanOptions options;
     options.families = {"ring", "relaxation", "leg", "speed"};
     options.laws = {"slip", "threshold"};
     options.draws = 14;
     options.seed = 20261123;
-    const Plan plan = load_plan(options);
+    const RobustPlan plan = load_plan(options);
     const std::vector<Row> rows = run(plan, {.threads = 2});
     const std::vector<Summary> all = summarise(plan, rows);
     INFO(to_table(plan, rows, all));

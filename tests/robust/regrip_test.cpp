@@ -12,15 +12,15 @@ using robust::RegripMeter;
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
-const plant::Surface kDry{.name = "dry", .c1 = 1.2801, .c2 = 23.99, .c3 = 0.52};
-const plant::Surface kSnow{.name = "snow", .c1 = 0.1946, .c2 = 94.129, .c3 = 0.0646};
+const rig::Surface kDry{.name = "dry", .c1 = 1.2801, .c2 = 23.99, .c3 = 0.52};
+const rig::Surface kSnow{.name = "snow", .c1 = 0.1946, .c2 = 94.129, .c3 = 0.0646};
 
 /// 0.2 s of dry runway at its peak, then snow, of whose friction `share` is had so long after the change. The aircraft keeps `v_mps`.
 std::optional<Regrip> after_change(const std::function<double(double since_s)>& share, double looked_at_s = 3.0, double v_mps = 40.0) {
     RegripMeter meter(kPeriod_s);
-    for (int i = 0; i < 200; ++i) meter.update(kDry, v_mps, plant::peak(kDry).mu);
+    for (int i = 0; i < 200; ++i) meter.update(kDry, v_mps, rig::peak(kDry).mu);
     const int periods = static_cast<int>(std::lround(looked_at_s / kPeriod_s));
-    for (int i = 1; i <= periods; ++i) meter.update(kSnow, v_mps, share(i * kPeriod_s) * plant::peak(kSnow).mu);
+    for (int i = 1; i <= periods; ++i) meter.update(kSnow, v_mps, share(i * kPeriod_s) * rig::peak(kSnow).mu);
     return meter.regrip();
 }
 
@@ -76,8 +76,8 @@ TEST_CASE("what was looked at too briefly, too slowly or not at all is not measu
     RegripMeter patched(kPeriod_s), slow(kPeriod_s);
     for (int i = 0; i < 3000; ++i) {
         const bool snow = i >= 100 && i < 700;
-        patched.update(snow ? kSnow : kDry, 40.0, snow ? plant::peak(kSnow).mu : 0.0);
-        slow.update(i < 100 ? kDry : kSnow, 30.0 - 0.02 * i, plant::peak(kSnow).mu);
+        patched.update(snow ? kSnow : kDry, 40.0, snow ? rig::peak(kSnow).mu : 0.0);
+        slow.update(i < 100 ? kDry : kSnow, 30.0 - 0.02 * i, rig::peak(kSnow).mu);
     }
     CHECK(patched.regrip()->judged_s == Approx(0.6));
     CHECK(patched.regrip()->regained_s == Approx(kPeriod_s));

@@ -11,15 +11,15 @@ using namespace robust;
 
 namespace {
 
-Plan told(const std::string& family, std::vector<std::string> laws = {"told_peak"}) {
-    PlanOptions options;
+RobustPlan told(const std::string& family, std::vector<std::string> laws = {"told_peak"}) {
+    RobustPlanOptions options;
     options.families = {family};
     options.laws = std::move(laws);
     options.draws = 14;
     return load_plan(options);
 }
 
-double peak_of(const plant::Surface& s) {
+double peak_of(const rig::Surface& s) {
     return std::log(s.c1 * s.c2 / s.c3) / s.c2;
 }
 
@@ -27,7 +27,7 @@ double peak_of(const plant::Surface& s) {
 
 TEST_CASE("on one surface it is the slip law with that number, bit for bit", "[STUDY-602]") {
     for (const char* family : {"paper", "ring"}) {
-        Plan plan = told(family);
+        RobustPlan plan = told(family);
         if (plan.families.front() == Family::ring) plan.draws = 4;
         const std::vector<Row> rows = run(plan, {.threads = 2});
         REQUIRE(rows.size() == plan.draws);
@@ -35,7 +35,7 @@ TEST_CASE("on one surface it is the slip law with that number, bit for bit", "[S
             const Draw d = draw(plan.basis, row.family, plan.seed, row.number);
             INFO(describe(plan.basis, d));
             study::SessionOptions number = session(plan, {.name = "slip", .law = antiskid::control::Law::wheel_slip}, row.number);
-            number.plan.slip_reference = plant::peak(d.rig.surface).slip;
+            number.plan.slip_reference = rig::peak(d.rig.surface).slip;
             CHECK(number.plan.slip_reference == Approx(peak_of(d.rig.surface)).epsilon(1e-12));
             const auto stop = [&](const study::SessionOptions& options, study::Link link) {
                 return study::run_in_process(plan.controller, plan.layout, d.rig, options, link);
@@ -50,7 +50,7 @@ TEST_CASE("on one surface it is the slip law with that number, bit for bit", "[S
 }
 
 TEST_CASE("on patches the pilot gives the peak of the surface under the wheel, at every period", "[STUDY-602]") {
-    const Plan plan = told("patches");
+    const RobustPlan plan = told("patches");
     const Draw d = draw(plan.basis, Family::patches, plan.seed, 12);
     std::size_t periods = 0, wrong = 0;
     std::set<float> given;
@@ -68,12 +68,12 @@ TEST_CASE("on patches the pilot gives the peak of the surface under the wheel, a
 }
 
 TEST_CASE("no other law is told", "[STUDY-602]") {
-    const Plan plan = told("patches", {"slip", "peak_slip", "threshold", "pressure_bias"});
+    const RobustPlan plan = told("patches", {"slip", "peak_slip", "threshold", "pressure_bias"});
     for (const Peer& law : plan.laws) CHECK_FALSE(session(plan, law, 0).slip_reference);
 }
 
 TEST_CASE("distances are compared draw by draw; what did not come to rest is outside of 3 %", "[STUDY-602]") {
-    Plan plan = told("paper", {"peak_slip", "told_peak"});
+    RobustPlan plan = told("paper", {"peak_slip", "told_peak"});
     plan.draws = 100;
     std::vector<Row> rows;
     for (std::size_t law = 0; law < 2; ++law) {

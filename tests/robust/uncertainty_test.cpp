@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "firmware/host/settings/error.hpp"
-#include "plant_sim/study/robust/campaign.hpp"
+#include "plant_sim/study/robust/robust_campaign.hpp"
 #include "tests/catch.hpp"
 #include "tests/settings/refusal.hpp"
 
@@ -15,7 +15,7 @@ using namespace robust;
 
 namespace {
 
-Plan shipped() {
+RobustPlan shipped() {
     return load_plan({});
 }
 
@@ -26,7 +26,7 @@ bool within(double value, const Interval& range) {
 }  // namespace
 
 TEST_CASE("a draw takes what its family says, within the ranges, and leaves the rest", "[STUDY-602]") {
-    const Plan plan = shipped();
+    const RobustPlan plan = shipped();
     const Uncertainty& u = plan.basis.uncertainty;
     REQUIRE(plan.basis.landings.size() == 14);
     REQUIRE(plan.basis.surfaces.size() == 8);
@@ -37,7 +37,7 @@ TEST_CASE("a draw takes what its family says, within the ranges, and leaves the 
         for (std::size_t i = 0; i < 140; ++i) {
             const Draw d = draw(plan.basis, family, 1, i);
             landings.insert(d.landing);
-            const plant::RigParameters& was = plan.basis.landings[d.landing].rig;
+            const rig::RigParameters& was = plan.basis.landings[d.landing].rig;
             const auto& [ring, relaxation, leg] = d.rig.wheel.compliance;
             INFO(name(family) << " " << i);
             const bool all = family == Family::all;
@@ -74,7 +74,7 @@ TEST_CASE("a draw takes what its family says, within the ranges, and leaves the 
 }
 
 TEST_CASE("seed and number decide a draw; another seed is another plant", "[STUDY-602]") {
-    const Plan plan = shipped();
+    const RobustPlan plan = shipped();
     const auto ring_Hz = [&](std::uint64_t seed, std::size_t number) {
         return draw(plan.basis, Family::ring, seed, number).rig.wheel.compliance.ring.frequency_Hz;
     };
@@ -86,7 +86,7 @@ TEST_CASE("seed and number decide a draw; another seed is another plant", "[STUD
     CHECK(sum / 2000.0 == Approx(85.0).margin(2.0));  // evenly from 50 to 120 Hz: standard error 0.45
     const Draw patched = draw(plan.basis, Family::patches, 1, 0);
     double before = 0.0;
-    for (const plant::Patch& patch : patched.rig.runway.patches) {
+    for (const rig::Patch& patch : patched.rig.runway.patches) {
         CHECK(within(patch.from_m - before, {15.0 - 1e-9, 400.0 + 1e-9}));
         before = patch.from_m;
     }
@@ -98,7 +98,7 @@ TEST_CASE("ranges that cannot be are refused with file, line and key", "[STUDY-6
     std::ifstream file("config/uncertainty.toml");
     std::stringstream text;
     text << file.rdbuf();
-    const auto refused = [&](const std::string& before, const std::string& after, const std::string& says) {
+    const auto rejected = [&](const std::string& before, const std::string& after, const std::string& says) {
         std::string changed = text.str();
         const auto at = changed.find(before);
         REQUIRE(at != std::string::npos);
@@ -114,11 +114,11 @@ TEST_CASE("ranges that cannot be are refused with file, line and key", "[STUDY-6
             CHECK_THAT(error.what(), ContainsSubstring("u.toml"));
         }
     };
-    refused("delay_ms = [4.0, 10.0]", "delay_ms = [10.0, 4.0]", "the second number is below the first");
-    refused("delay_ms = [4.0, 10.0]", "delay_ms = [4.0]", "delay_ms");
-    refused("belt_share = [0.25, 0.45]", "belt_share = [0.25, 1.45]", "belt_share");
-    refused("[leg]", "[legs]", "leg");
-    refused("[25.0, 40.0, 55.0]", "[25.0, 90.0]", "speed_mps");
-    refused("[12.0, 16.667,", "[16.667, 12.0,", "speed_mps");
-    refused("[patches]", "[patches]\nwidth_m = 3.0", "width_m");
+    rejected("delay_ms = [4.0, 10.0]", "delay_ms = [10.0, 4.0]", "the second number is below the first");
+    rejected("delay_ms = [4.0, 10.0]", "delay_ms = [4.0]", "delay_ms");
+    rejected("belt_share = [0.25, 0.45]", "belt_share = [0.25, 1.45]", "belt_share");
+    rejected("[leg]", "[legs]", "leg");
+    rejected("[25.0, 40.0, 55.0]", "[25.0, 90.0]", "speed_mps");
+    rejected("[12.0, 16.667,", "[16.667, 12.0,", "speed_mps");
+    rejected("[patches]", "[patches]\nwidth_m = 3.0", "width_m");
 }

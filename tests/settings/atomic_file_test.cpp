@@ -18,8 +18,8 @@ std::size_t entries(const fs::path& directory) {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(directory), fs::directory_iterator()));
 }
 
-std::string refused(const fs::path& path, std::string_view bytes = "x") {
-    const auto error = refusal_of([&] {
+std::string rejected(const fs::path& path, std::string_view bytes = "x") {
+    const auto error = rejection_of([&] {
         settings::write_file(path, bytes);
         return 0;
     });
@@ -90,7 +90,7 @@ TEST_CASE("a full disk leaves the old file and nothing beside it", "[CFG-023]") 
     std::string message;
     {
         const FileSizeLimit limit(4096);
-        message = refused(path, std::string(100000, 'x'));
+        message = rejected(path, std::string(100000, 'x'));
     }
     CHECK(message == "cannot be written: File too large");
     CHECK(content_of(path) == "old");
@@ -136,16 +136,16 @@ TEST_CASE("what is no regular file is neither written nor replaced", "[CFG-023]"
     const TemporaryDirectory directory;
     const auto pipe = directory / "pipe";
     REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
-    CHECK(refused(pipe) == "is a device, pipe or socket; results are only written to regular files");
+    CHECK(rejected(pipe) == "is a device, pipe or socket; results are only written to regular files");
     CHECK(fs::is_fifo(pipe));
-    CHECK(refused(directory.path()) == "is a directory, not a file");
-    CHECK(refused(directory / "new/") == "is not the name of a file");
-    CHECK(refused("") == "is not the name of a file");
+    CHECK(rejected(directory.path()) == "is a directory, not a file");
+    CHECK(rejected(directory / "new/") == "is not the name of a file");
+    CHECK(rejected("") == "is not the name of a file");
     put(directory / "file", "x");
-    CHECK_THAT(refused(directory / "file/below"), ContainsSubstring("Not a directory"));
-    CHECK_THAT(refused(directory / "file/below/deeper"), ContainsSubstring("Not a directory"));
-    CHECK_THAT(refused(directory / std::string(256, 'n')), ContainsSubstring("File name too long"));
-    CHECK_THAT(refused("/proc/absent/file"), ContainsSubstring("No such file or directory"));
+    CHECK_THAT(rejected(directory / "file/below"), ContainsSubstring("Not a directory"));
+    CHECK_THAT(rejected(directory / "file/below/deeper"), ContainsSubstring("Not a directory"));
+    CHECK_THAT(rejected(directory / std::string(256, 'n')), ContainsSubstring("File name too long"));
+    CHECK_THAT(rejected("/proc/absent/file"), ContainsSubstring("No such file or directory"));
     CHECK(entries(directory.path()) == 2);
 }
 

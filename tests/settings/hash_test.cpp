@@ -33,5 +33,7 @@ TEST_CASE("files are hashed by their bytes, not their names", "[CFG-023]") {
     put(directory / "two", "hi\n");
     CHECK(settings::hash(std::array{directory / "one"}) == settings::hash(std::array{directory / "two"}));
     CHECK(settings::hash(std::array{directory / "one"}) == hash_of({"hi\n"}));
-    CHECK(refusal_of([&] { return settings::hash(std::array{directory / "one", directory / "absent"}); }).file() == (directory / "absent").string());
+    CHECK(rejection_of([&] {
+              return settings::hash(std::array{directory / "one", directory / "absent"});
+          }).file() == (directory / "absent").string());
 }

@@ -5,8 +5,8 @@
 
 namespace {
 
-std::uint32_t refused_line(const std::string& text) {
-    return refusal_of([&] { return parsed(text); }).line();
+std::uint32_t rejected_line(const std::string& text) {
+    return rejection_of([&] { return parsed(text); }).line();
 }
 
 std::string repeated(std::size_t count, std::string_view part) {
@@ -18,15 +18,15 @@ std::string repeated(std::size_t count, std::string_view part) {
 }  // namespace
 
 TEST_CASE("a syntax error or a duplicate key is refused with its line", "[CFG-001]") {
-    CHECK(refused_line("a = 1\nb = \n") == 2);
-    CHECK(refused_line("a = 1\na = 2\n") == 2);
-    CHECK(refused_line("[t]\na = 1\n[t]\n") == 3);
-    CHECK(refused_line("t.a = 1\n[t]\nb = 2\n[t.a]\n") >= 2);
-    CHECK(refused_line("a = 1\n\n[t\n") == 3);
-    CHECK(refused_line("a = 'open\n") == 1);
-    CHECK(refused_line("x\n") == 1);
-    CHECK(refused_line("a = 1 b = 2\n") == 1);
-    CHECK(refused_line("\n\na = 1,5\n") == 3);
+    CHECK(rejected_line("a = 1\nb = \n") == 2);
+    CHECK(rejected_line("a = 1\na = 2\n") == 2);
+    CHECK(rejected_line("[t]\na = 1\n[t]\n") == 3);
+    CHECK(rejected_line("t.a = 1\n[t]\nb = 2\n[t.a]\n") >= 2);
+    CHECK(rejected_line("a = 1\n\n[t\n") == 3);
+    CHECK(rejected_line("a = 'open\n") == 1);
+    CHECK(rejected_line("x\n") == 1);
+    CHECK(rejected_line("a = 1 b = 2\n") == 1);
+    CHECK(rejected_line("\n\na = 1,5\n") == 3);
 }
 
 TEST_CASE("byte order mark, line ends and unicode are taken as TOML says", "[CFG-021]") {
@@ -35,41 +35,41 @@ TEST_CASE("byte order mark, line ends and unicode are taken as TOML says", "[CFG
         "a = 1\r\n\r\nb = 'x'\r\n[t]\r\nc = true\r\n");
     CHECK(marked.root().number("a") == 1.0);
     CHECK(marked.root().text("b") == "x");
-    CHECK(refusal_of([&] { return marked.root().table("t").number("c"); }).line() == 5);
+    CHECK(rejection_of([&] { return marked.root().table("t").number("c"); }).line() == 5);
 
     const auto unicode = parsed("\"m\xC3\xBC_b\" = 0.3\n\"a.b c\" = 1\n\"\\u001b[2J\" = 1\n");
     CHECK(unicode.root().number("m\xC3\xBC_b") == 0.3);
-    CHECK(refusal_of([&] { return unicode.root().text("a.b c"); }).key() == "\"a.b c\"");
-    CHECK(refusal_of([&] {
+    CHECK(rejection_of([&] { return unicode.root().text("a.b c"); }).key() == "\"a.b c\"");
+    CHECK(rejection_of([&] {
               unicode.finish();
               return 0;
           }).key() == "\"\\x1b[2J\"");
 
     CHECK(parsed("# only a comment").root().tables({.min = 0}).empty());
     CHECK(parsed("\n\n").root().tables({.min = 0}).empty());
-    CHECK(refused_line(std::string("\xFF\xFE"
-                                   "a\0=\0",
-                                   6)) == 1);
-    CHECK(refused_line("a = 1\nb = '\xC3\x28'\n") == 2);
-    CHECK(refused_line(std::string("a = 1\nb = '\0'\n", 14)) == 2);
-    CHECK(refused_line("a = 1\n\xEF\xBB\xBF"
-                       "b = 2\n") == 2);
+    CHECK(rejected_line(std::string("\xFF\xFE"
+                                    "a\0=\0",
+                                    6)) == 1);
+    CHECK(rejected_line("a = 1\nb = '\xC3\x28'\n") == 2);
+    CHECK(rejected_line(std::string("a = 1\nb = '\0'\n", 14)) == 2);
+    CHECK(rejected_line("a = 1\n\xEF\xBB\xBF"
+                        "b = 2\n") == 2);
 }
 
 TEST_CASE("depth is bounded before the stack is", "[CFG-021]") {
-    const auto refused = [](const std::string& before, std::size_t count, const std::string& part, const std::string& after) {
-        return refused_line(std::string("\n").append(before).append(repeated(count, part)).append(after));
+    const auto rejected = [](const std::string& before, std::size_t count, const std::string& part, const std::string& after) {
+        return rejected_line(std::string("\n").append(before).append(repeated(count, part)).append(after));
     };
-    CHECK(refused("a = ", 2000, "[", repeated(2000, "]")) == 2);
-    CHECK(refused("a = ", 4000, "[", "") == 2);
-    CHECK(refused("a = ", 1000, "{a=", "") == 2);
-    CHECK(refused("", 4000000, "a.", "a = 1\n") == 2);
-    CHECK(refused("[", 10000, "a.", "a]\n") == 2);
+    CHECK(rejected("a = ", 2000, "[", repeated(2000, "]")) == 2);
+    CHECK(rejected("a = ", 4000, "[", "") == 2);
+    CHECK(rejected("a = ", 1000, "{a=", "") == 2);
+    CHECK(rejected("", 4000000, "a.", "a = 1\n") == 2);
+    CHECK(rejected("[", 10000, "a.", "a]\n") == 2);
 
     constexpr int kDepth = 2000;
     const auto text = std::string("[").append(repeated(kDepth, "a.")).append("a]\n");
     const auto deep = parsed(text + repeated(kDepth, "b.").append("b = 1\n"));
-    CHECK(refusal_of([&] {
+    CHECK(rejection_of([&] {
               deep.finish();
               return 0;
           }).message() == "unknown table");
@@ -98,7 +98,7 @@ TEST_CASE("whatever the bytes are, the reader answers with a document or an Erro
         doc.finish();
     };
     std::mt19937 random(20261121);
-    int refused = 0;
+    int rejected = 0;
     constexpr int kTrials = 20000;
     for (int trial = 0; trial < kTrials; ++trial) {
         std::string text = valid;
@@ -119,10 +119,10 @@ TEST_CASE("whatever the bytes are, the reader answers with a document or an Erro
         try {
             read_all(parsed(text));
         } catch (const settings::Error& error) {
-            ++refused;
+            ++rejected;
             REQUIRE_THAT(error.what(), ContainsSubstring("plant.toml"));
             REQUIRE_FALSE(error.message().empty());
         }
     }
-    CHECK(refused > kTrials / 2);
+    CHECK(rejected > kTrials / 2);
 }

@@ -11,7 +11,7 @@ TEST_CASE("a file is loaded with its path in every message", "[CFG-021]") {
     put(path, text);
     const auto doc = settings::Document::load(path);
     CHECK(doc.bytes() == text);
-    CHECK(refusal_of([&] { return doc.root().table("wheel").number("inertia_kgm2", {.min = 0.01, .max = 100.0}); }).what() ==
+    CHECK(rejection_of([&] { return doc.root().table("wheel").number("inertia_kgm2", {.min = 0.01, .max = 100.0}); }).what() ==
           path.string() + ":2: wheel.inertia_kgm2: 900 is out of range 0.01 to 100");
 
     put(path, "");
@@ -20,20 +20,20 @@ TEST_CASE("a file is loaded with its path in every message", "[CFG-021]") {
 
 TEST_CASE("a file that cannot be read is named, with the reason", "[CFG-021]") {
     const TemporaryDirectory directory;
-    const auto refused = [](const std::filesystem::path& path) {
-        const auto error = refusal_of([&] { return settings::Document::load(path); });
+    const auto rejected = [](const std::filesystem::path& path) {
+        const auto error = rejection_of([&] { return settings::Document::load(path); });
         CHECK(error.file() == path.string());
         CHECK(error.line() == 0);
         return error.message();
     };
-    CHECK(refused(directory / "absent.toml") == "cannot be opened: No such file or directory");
-    CHECK(refused(directory.path()) == "is a directory, not a file");
-    CHECK(refused("") == "cannot be opened: No such file or directory");
+    CHECK(rejected(directory / "absent.toml") == "cannot be opened: No such file or directory");
+    CHECK(rejected(directory.path()) == "is a directory, not a file");
+    CHECK(rejected("") == "cannot be opened: No such file or directory");
     put(directory / "file", "x");
-    CHECK(refused(directory / "file/below.toml") == "cannot be opened: Not a directory");
+    CHECK(rejected(directory / "file/below.toml") == "cannot be opened: Not a directory");
     // Opens, then fails to read, also for root, who may read whatever permissions forbid.
-    CHECK(refused("/proc/self/mem") == "cannot be read: Input/output error");
-    CHECK(refused("/dev/zero") == "is larger than 16 MiB");
+    CHECK(rejected("/proc/self/mem") == "cannot be read: Input/output error");
+    CHECK(rejected("/dev/zero") == "is larger than 16 MiB");
 }
 
 TEST_CASE("the bytes of a file are read as they are", "[CFG-021]") {
@@ -51,5 +51,5 @@ TEST_CASE("the size limit is 16 MiB, to the byte", "[CFG-021]") {
     std::filesystem::resize_file(directory / "big", kLimit);
     CHECK(settings::read_file(directory / "big").size() == kLimit);
     std::filesystem::resize_file(directory / "big", kLimit + 1);
-    CHECK(refusal_of([&] { return settings::read_file(directory / "big"); }).message() == "is larger than 16 MiB");
+    CHECK(rejection_of([&] { return settings::read_file(directory / "big"); }).message() == "is larger than 16 MiB");
 }

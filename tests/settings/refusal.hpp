@@ -14,7 +14,7 @@
 
 /// The Error that `call` throws; the test fails when it throws none.
 template <typename Call>
-settings::Error refusal_of(const Call& call) {
+settings::Error rejection_of(const Call& call) {
     try {
         static_cast<void>(call());
     } catch (const settings::Error& error) {

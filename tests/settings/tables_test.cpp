@@ -23,39 +23,39 @@ TEST_CASE("an array of tables comes in order, and its elements are named by thei
     CHECK(signals[1].integer("id") == 2);
     CHECK(signals[1].name() == "signal[1]");
     CHECK(signals[1].path() == "can.signal[1]");
-    CHECK(refusal_of([&] { return signals[2].integer("id"); }).what() ==
+    CHECK(rejection_of([&] { return signals[2].integer("id"); }).what() ==
           std::string("plant.toml:7: can.signal[2].id: expected an integer, got the string 'x'"));
 }
 
 TEST_CASE("tables are counted, and nothing else may stand among them", "[CFG-001]") {
-    const auto refused = [](const std::string& text, const settings::Count& count = {}) {
+    const auto rejected = [](const std::string& text, const settings::Count& count = {}) {
         const auto doc = parsed(text);
-        return std::string(refusal_of([&] { return doc.root().tables("s", count); }).what());
+        return std::string(rejection_of([&] { return doc.root().tables("s", count); }).what());
     };
-    CHECK(refused("t = 1") == "plant.toml: s: missing");
-    CHECK(refused("s = []") == "plant.toml:1: s: the number of tables, 0 is below 1");
-    CHECK(refused("\n[s]") == "plant.toml:2: s: the number of tables, 0 is below 1");
-    CHECK(refused("s = [{}, {}]", {.max = 1}) == "plant.toml:1: s: the number of tables, 2 is out of range 1 to 1");
-    CHECK(refused("s = [{}, 3]") == "plant.toml:1: s: expected an array of tables only, got the integer 3");
-    CHECK(refused("[s.a]\nx = 1\n[s]\nstray = 2") == "plant.toml:4: s.stray: expected a table, got the integer 2");
+    CHECK(rejected("t = 1") == "plant.toml: s: missing");
+    CHECK(rejected("s = []") == "plant.toml:1: s: the number of tables, 0 is below 1");
+    CHECK(rejected("\n[s]") == "plant.toml:2: s: the number of tables, 0 is below 1");
+    CHECK(rejected("s = [{}, {}]", {.max = 1}) == "plant.toml:1: s: the number of tables, 2 is out of range 1 to 1");
+    CHECK(rejected("s = [{}, 3]") == "plant.toml:1: s: expected an array of tables only, got the integer 3");
+    CHECK(rejected("[s.a]\nx = 1\n[s]\nstray = 2") == "plant.toml:4: s.stray: expected a table, got the integer 2");
 }
 
 TEST_CASE("a check of the caller fails at the line of its key", "[CFG-001]") {
     const auto doc = parsed("a = 1\n[wheel]\nmass_kg = 3\n");
     const auto wheel = doc.root().table("wheel");
-    CHECK(refusal_of([&] {
+    CHECK(rejection_of([&] {
               wheel.fail("mass_kg", "is above the load");
               return 0;
           }).what() == std::string("plant.toml:3: wheel.mass_kg: is above the load"));
-    CHECK(refusal_of([&] {
+    CHECK(rejection_of([&] {
               wheel.fail("absent", "contradicts");
               return 0;
           }).what() == std::string("plant.toml:2: wheel.absent: contradicts"));
-    CHECK(refusal_of([&] {
+    CHECK(rejection_of([&] {
               wheel.fail("", "is contradictory");
               return 0;
           }).what() == std::string("plant.toml:2: wheel: is contradictory"));
-    CHECK(refusal_of([&] {
+    CHECK(rejection_of([&] {
               doc.root().fail("", "is contradictory");
               return 0;
           }).what() == std::string("plant.toml: is contradictory"));

@@ -3,7 +3,7 @@
 namespace {
 
 std::string finish(const settings::Document& doc) {
-    return refusal_of([&] {
+    return rejection_of([&] {
                doc.finish();
                return 0;
            })
@@ -11,7 +11,7 @@ std::string finish(const settings::Document& doc) {
 }
 
 std::string missing(const settings::Document& doc, std::string_view key) {
-    return refusal_of([&] { return doc.root().table("wheel").number(key); }).what();
+    return rejection_of([&] { return doc.root().table("wheel").number(key); }).what();
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ TEST_CASE("an unread key is found in every corner of the document", "[CFG-001]")
     CHECK(finish(second_only) == "plant.toml:2: a[0].x: unknown key");
 
     const auto nameless = parsed("\n\"\" = 1\n");
-    CHECK(refusal_of([&] {
+    CHECK(rejection_of([&] {
               nameless.finish();
               return 0;
           }).line() == 2);
@@ -66,7 +66,7 @@ TEST_CASE("an unread key is found in every corner of the document", "[CFG-001]")
 
 TEST_CASE("an unknown key that resembles a known one is told so", "[CFG-001]") {
     const auto doc = parsed("[wheeel]\n[wheel]\nteeth = 60\ntteeth = 61\nc1 = 1\nc2 = 2\n");
-    CHECK(refusal_of([&] { return doc.root().table("weel"); }).what() == std::string("plant.toml:2: weel: missing; is 'wheel' a slip of it?"));
+    CHECK(rejection_of([&] { return doc.root().table("weel"); }).what() == std::string("plant.toml:2: weel: missing; is 'wheel' a slip of it?"));
     const auto wheel = doc.root().table("wheel");
     CHECK(wheel.integer("teeth") == 60);
     CHECK(wheel.number("c1") == 1.0);

@@ -64,10 +64,10 @@ TEST_CASE("the slip law beats the threshold law on every surface whose friction 
     // Dry cobblestone peaks at 0.40, where a law that cycles gets more than 0.24 has. Snow peaks at slip 0.06: whoever holds 0.24 exactly gets 0.942
     // of it, less than a law that cycles below. There the slip law is held to its reference: it must reach what 0.24 offers.
     auto options = scenarios::options({"snow", "heavy"});
-    const plant::Surface snow = plant_sim::load_scenario(options).plant.rig.surface;
-    CHECK(slip["snow"].j_mu >= plant::friction(snow, 0.24).mu / plant::peak(snow).mu);
-    const plant::Surface cobble = plant_sim::load_scenario(scenarios::options({"dry_cobblestone", "heavy"})).plant.rig.surface;
-    CHECK(slip["dry_cobblestone"].j_mu >= 0.96 * plant::friction(cobble, 0.24).mu / plant::peak(cobble).mu);
+    const rig::Surface snow = plant_sim::load_scenario(options).plant.rig.surface;
+    CHECK(slip["snow"].j_mu >= rig::friction(snow, 0.24).mu / rig::peak(snow).mu);
+    const rig::Surface cobble = plant_sim::load_scenario(scenarios::options({"dry_cobblestone", "heavy"})).plant.rig.surface;
+    CHECK(slip["dry_cobblestone"].j_mu >= 0.96 * rig::friction(cobble, 0.24).mu / rig::peak(cobble).mu);
 }
 
 TEST_CASE("the peak is found without being told the surface", "[STUDY-602]") {
@@ -97,8 +97,8 @@ TEST_CASE("a reference far past the peak is reached without a lock, and tracked"
                 INFO(surface << ", " << maneuver << ", reference " << reference);
                 auto options = scenarios::options({surface, maneuver});
                 options.slip = reference;
-                const plant::Surface road = plant_sim::load_scenario(options).plant.rig.surface;
-                const double held = plant::friction(road, reference).mu / plant::peak(road).mu;
+                const rig::Surface road = plant_sim::load_scenario(options).plant.rig.surface;
+                const double held = rig::friction(road, reference).mu / rig::peak(road).mu;
                 int locked_periods = 0;
                 const auto count = [&](const study::RigSession& session, const antiskid::can::ControllerView& view, double) {
                     const bool fast = session.rig().wheel().v_mps > 20.0;  // down to where tracking is judged
@@ -125,8 +125,8 @@ TEST_CASE("a worn and a fierce brake are held as well", "[STUDY-001]") {
             CHECK(run.faults.empty());
             CHECK(run.figures.longest_lock_s <= 0.050);
             // Where full pressure cannot give the torque that the road takes at 0.24, no controller can hold it.
-            const plant::RigParameters& p = s.plant.rig;
-            const double road_Nm = plant::friction(p.surface, 0.24).mu * p.load.base_N * p.wheel.free_radius_m;
+            const rig::RigParameters& p = s.plant.rig;
+            const double road_Nm = rig::friction(p.surface, 0.24).mu * p.load.base_N * p.wheel.free_radius_m;
             const double brake_Nm = 0.85 * friction * p.brake.gain_m3() * s.plant.full_pressure_Pa;
             if (brake_Nm > road_Nm) CHECK(run.figures.tracked_share >= 0.95);
         }
@@ -135,7 +135,7 @@ TEST_CASE("a worn and a fierce brake are held as well", "[STUDY-001]") {
 
 TEST_CASE("the low-speed schedule of the reference can be switched off: the paper's exact law", "[STUDY-001]") {
     auto options = scenarios::options({"wet_cobblestone", "light"});
-    plant_sim::Scenario s = plant_sim::load_scenario(options);
+    plant_sim::StopInputs s = plant_sim::load_scenario(options);
     s.controller.slip.low_speed_mps = 0.0F;
     float lowest = 1.0F;
     const auto watch = [&](const study::RigSession& session, const antiskid::can::ControllerView& view, double) {
@@ -151,7 +151,7 @@ TEST_CASE("period 2 and 5 ms stop the aircraft, too", "[STUDY-001]") {
     for (const float period_s : {2e-3F, 5e-3F}) {
         for (const char* surface : {"dry_asphalt", "wet_asphalt", "snow", "ice"}) {
             INFO(surface << ", period " << period_s);
-            plant_sim::Scenario s = plant_sim::load_scenario(scenarios::options({surface, "light"}));
+            plant_sim::StopInputs s = plant_sim::load_scenario(scenarios::options({surface, "light"}));
             s.controller.period_s = period_s;
             if (period_s > 2e-3F) {  // as docs/controller.md says: a longer period asks for less
                 s.controller.slip.k_p_per_s *= 0.3F;

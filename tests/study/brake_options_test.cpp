@@ -8,13 +8,13 @@
 
 namespace {
 
-plant_sim::ScenarioOptions landing() {
+plant_sim::StopOptions landing() {
     return scenarios::options({"wet_asphalt", "light"});
 }
 
 /// As `virtual-rig` and `rig-lab stop` do.
-double landed(const plant_sim::ScenarioOptions& options) {
-    const plant_sim::Scenario s = plant_sim::load_scenario(options);
+double landed(const plant_sim::StopOptions& options) {
+    const plant_sim::StopInputs s = plant_sim::load_scenario(options);
     const study::RunResult run = study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, study::Link::rounded);
     s.keep_brake(options, run.figures.energy_brake_J);
     return s.plant.rig.mean_friction;
@@ -47,7 +47,7 @@ TEST_CASE("a landing has the friction of the brake asked for; --mu-b stands abov
     CHECK(plant_sim::load_scenario(options).plant.rig.mean_friction == 0.30);
     CHECK_FALSE(plant_sim::load_scenario(options).brake);
     options.brake.brake = "worn";
-    const plant_sim::Scenario worn = plant_sim::load_scenario(options);
+    const plant_sim::StopInputs worn = plant_sim::load_scenario(options);
     CHECK(worn.plant.rig.mean_friction == worn.brake->next_friction());
     CHECK(worn.plant.rig.mean_friction < 0.22);
     CHECK(worn.report(options).brake_taken_J == 3.9e9);
@@ -59,7 +59,7 @@ TEST_CASE("landings one after the other wear the kept brake as one object would"
     const TemporaryDirectory directory;
     auto options = landing();
     options.brake.state = directory / "brake.json";
-    const plant_sim::Scenario s = plant_sim::load_scenario(options);
+    const plant_sim::StopInputs s = plant_sim::load_scenario(options);
     wear::WearingBrake whole = *s.brake;
     for (std::uint64_t landings = 1; landings <= 3; ++landings) {
         options.seed = landings;  // the kept brake has its own
@@ -78,7 +78,7 @@ TEST_CASE("landings one after the other wear the kept brake as one object would"
     options.brake.brake = "new";
     CHECK_THROWS_AS(plant_sim::load_scenario(options), std::invalid_argument);
     options.brake.brake.clear();
-    options.choice.maneuver = plant::kEndurance;  // another brake
+    options.choice.maneuver = rig::kEndurance;  // another brake
     options.law = "deceleration";
     CHECK_THROWS_AS(plant_sim::load_scenario(options), settings::Error);
 }

@@ -7,7 +7,7 @@
 namespace {
 
 /// Valve currents and states of a run, as bits.
-std::vector<std::uint64_t> decisions(const plant_sim::ScenarioOptions& options, study::Link link) {
+std::vector<std::uint64_t> decisions(const plant_sim::StopOptions& options, study::Link link) {
     std::vector<std::uint64_t> bits;
     (void)scenarios::run(options, link, [&bits](const study::RigSession& session, const antiskid::can::ControllerView&, double current_mA) {
         std::uint64_t word = 0;
@@ -20,7 +20,7 @@ std::vector<std::uint64_t> decisions(const plant_sim::ScenarioOptions& options, 
     return bits;
 }
 
-std::vector<std::string> commands(const plant_sim::ScenarioOptions& options) {
+std::vector<std::string> commands(const plant_sim::StopOptions& options) {
     const auto layout = plant_sim::load_scenario(options).layout;
     std::vector<std::string> frames;
     (void)scenarios::run(options, study::Link::frames, {}, [&](const antiskid::can::Frame& frame) {

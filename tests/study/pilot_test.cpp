@@ -1,8 +1,8 @@
 #include "plant_sim/study/pilot.hpp"
 #include "tests/catch.hpp"
 
-using study::Phase;
 using study::Pilot;
+using study::StopPhase;
 
 namespace {
 study::ManeuverPlan plan() {
@@ -20,29 +20,29 @@ TEST_CASE("a landing goes through its phases once, in order", "[STUDY-030]") {
     CHECK(pilot.command().arm);
     CHECK(pilot.command().demand_Pa == 0.0F);
     pilot.update(0.5, false);
-    CHECK(pilot.phase() == Phase::rolling);
+    CHECK(pilot.phase() == StopPhase::rolling);
     CHECK(pilot.command().weight_on_wheels);
     CHECK(pilot.command().demand_Pa == 0.0F);
     pilot.update(1.5, false);
-    CHECK(pilot.phase() == Phase::braking);
+    CHECK(pilot.phase() == StopPhase::braking);
     CHECK(pilot.command().demand_Pa == 20.7e6F);
     pilot.update(9.0, true);
-    CHECK(pilot.phase() == Phase::standstill);
+    CHECK(pilot.phase() == StopPhase::standstill);
     CHECK(pilot.command().demand_Pa == 20.7e6F);
     pilot.update(9.1, true);
-    CHECK(pilot.phase() == Phase::released);
+    CHECK(pilot.phase() == StopPhase::released);
     CHECK(pilot.command().demand_Pa == 0.0F);
     CHECK_FALSE(pilot.command().arm);
     pilot.update(9.2, true);
-    CHECK(pilot.phase() == Phase::done);
+    CHECK(pilot.phase() == StopPhase::done);
 }
 
 TEST_CASE("standing before brake-on ends nothing", "[STUDY-030]") {
     Pilot pilot(plan());
     pilot.update(0.1, true);
-    CHECK(pilot.phase() == Phase::approach);
+    CHECK(pilot.phase() == StopPhase::approach);
     pilot.update(0.6, true);
-    CHECK(pilot.phase() == Phase::rolling);
+    CHECK(pilot.phase() == StopPhase::rolling);
 }
 
 TEST_CASE("the open-loop profile counts from brake-on, linear between points, held beyond", "[STUDY-030]") {

@@ -13,7 +13,7 @@ using antiskid::can::Frame;
 using antiskid::control::Time;
 
 /// Time that passes only when somebody sleeps or waits.
-class FakeClock final : public antiskid::rt::Clock {
+class FakeClock final : public antiskid::host::Clock {
   public:
     Time now() override { return now_; }
     void sleep_until(Time deadline) override { now_ = std::max(now_, deadline); }
@@ -45,7 +45,7 @@ class AnsweringBus final : public antiskid::can::Bus {
 };
 
 struct Bench {
-    explicit Bench(const plant_sim::ScenarioOptions& options)
+    explicit Bench(const plant_sim::StopOptions& options)
         : scenario(plant_sim::load_scenario(options)),
           step(std::llround(scenario.session.period_s * 1e9)),
           near(hub.connect()),
@@ -65,13 +65,13 @@ struct Bench {
             if (port.sync_count() == before || (dies_at >= 0 && syncs >= dies_at)) continue;
             const auto command = controller.step(port.sensors(), step * syncs++);
             port.clear_one_shots();
-            std::array<Frame, antiskid::can::ControllerPort::kMostFrames> out{};
+            std::array<Frame, antiskid::can::ControllerPort::kMaxFrames> out{};
             const std::size_t due = port.due_frames(command, out);
             for (std::size_t k = 0; k < due; ++k) (void)far.send(out[k]);
         }
     }
 
-    plant_sim::Scenario scenario;
+    plant_sim::StopInputs scenario;
     Time step;
     FakeClock clock;
     antiskid::can::Loopback hub;

@@ -10,8 +10,8 @@
 
 namespace {
 
-plant_sim::ScenarioOptions on(const std::filesystem::path& runway, const std::string& law = "slip") {
-    plant_sim::ScenarioOptions o;
+plant_sim::StopOptions on(const std::filesystem::path& runway, const std::string& law = "slip") {
+    plant_sim::StopOptions o;
     o.config = scenarios::kConfig;
     o.choice.runway = runway;
     o.law = law;
@@ -21,7 +21,7 @@ plant_sim::ScenarioOptions on(const std::filesystem::path& runway, const std::st
 }  // namespace
 
 TEST_CASE("on a wet runway J_mu counts against the friction available at each speed", "[STUDY-602]") {
-    plant::RigParameters p = plant_sim::load_scenario(on("config/runways/wet_smooth.toml")).plant.rig;
+    rig::RigParameters p = plant_sim::load_scenario(on("config/runways/wet_smooth.toml")).plant.rig;
     plant::Rig rig(p, 1e-3, 1);
     study::StopMeter meter(0.24, 5.0);
     rig.touch_down();
@@ -32,8 +32,8 @@ TEST_CASE("on a wet runway J_mu counts against the friction available at each sp
         meter.update(rig, 1e-3);
     }
     // A wheel that is locked all along has the same share of what is available at every speed.
-    const plant::Surface& wet = p.runway.patches.front().surface;
-    const double share = plant::friction(wet, 1.0).mu / plant::peak(wet).mu;
+    const rig::Surface& wet = p.runway.patches.front().surface;
+    const double share = rig::friction(wet, 1.0).mu / rig::peak(wet).mu;
     CHECK(meter.figures(rig).j_mu == Approx(share).epsilon(1e-7));
     CHECK(std::abs(meter.figures(rig).energy_residual) < 1e-9);
 }
@@ -54,7 +54,7 @@ TEST_CASE("the shipped wet runways in closed loop: books close, grooves stop ear
 }
 
 TEST_CASE("on a runway the trajectory has the place and what is available there; on one surface nothing more", "[STUDY-030]") {
-    const auto csv_of = [](const plant_sim::ScenarioOptions& o) {
+    const auto csv_of = [](const plant_sim::StopOptions& o) {
         study::Trajectory rows(!o.choice.runway.empty());
         static_cast<void>(scenarios::run(
             o, study::Link::rounded,
@@ -68,7 +68,7 @@ TEST_CASE("on a runway the trajectory has the place and what is available there;
     std::string line;
     std::getline(lines, line);
     CHECK(line.ends_with(",state,runway_m,mu_max"));
-    const plant::RigParameters rig = plant_sim::load_scenario(on("config/runways/wet_middle.toml")).plant.rig;
+    const rig::RigParameters rig = plant_sim::load_scenario(on("config/runways/wet_middle.toml")).plant.rig;
     int rows = 0;
     while (std::getline(lines, line)) {
         std::vector<std::string> cells;
@@ -84,7 +84,7 @@ TEST_CASE("on a runway the trajectory has the place and what is available there;
             const bool last = i + 1 == rig.runway.patches.size();
             if (at_m < rig.runway.patches[i].from_m + 0.07) continue;
             if (!last && at_m >= rig.runway.patches[i + 1].from_m) continue;
-            CHECK(mu_max == Approx(plant::peak(rig.runway.patches[i].surface, v).mu).margin(1e-5));
+            CHECK(mu_max == Approx(rig::peak(rig.runway.patches[i].surface, v).mu).margin(1e-5));
             ++rows;
         }
     }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/scenario_options.hpp"
+#include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
 
 namespace scenarios {
@@ -18,14 +18,14 @@ struct Name {
 
 inline std::vector<Name> all() {
     std::vector<Name> names;
-    for (const std::string& surface : plant::surface_names(kConfig)) {
-        for (const std::string& maneuver : plant::maneuver_names(kConfig)) names.push_back({surface, maneuver});
+    for (const std::string& surface : rig::surface_names(kConfig)) {
+        for (const std::string& maneuver : rig::maneuver_names(kConfig)) names.push_back({surface, maneuver});
     }
     return names;
 }
 
-inline plant_sim::ScenarioOptions options(const Name& name, const std::string& law = "slip") {
-    plant_sim::ScenarioOptions o;
+inline plant_sim::StopOptions options(const Name& name, const std::string& law = "slip") {
+    plant_sim::StopOptions o;
     o.config = kConfig;
     o.choice.surface = name.surface;
     o.choice.maneuver = name.maneuver;
@@ -33,9 +33,9 @@ inline plant_sim::ScenarioOptions options(const Name& name, const std::string& l
     return o;
 }
 
-inline study::RunResult run(const plant_sim::ScenarioOptions& o, study::Link link = study::Link::rounded, const study::StepObserver& on_step = {},
+inline study::RunResult run(const plant_sim::StopOptions& o, study::Link link = study::Link::rounded, const study::StepObserver& on_step = {},
                             const study::FrameObserver& on_frame = {}) {
-    const plant_sim::Scenario s = plant_sim::load_scenario(o);
+    const plant_sim::StopInputs s = plant_sim::load_scenario(o);
     return study::run_in_process(s.controller, s.layout, s.plant.rig, s.session, link, on_step, on_frame);
 }
 

@@ -13,7 +13,7 @@ namespace {
 /// whose valve delay is no whole number of periods.
 std::vector<study::Maneuver> random_maneuvers(std::size_t count, antiskid::can::Layout& layout) {
     const std::vector<scenarios::Name> names = scenarios::all();
-    plant::Random random(16);
+    rig::Random random(16);
     const auto below = [&random](std::size_t n) { return random.bits() % n; };
     std::vector<study::Maneuver> maneuvers;
     maneuvers.reserve(count);
@@ -23,7 +23,7 @@ std::vector<study::Maneuver> random_maneuvers(std::size_t count, antiskid::can::
         options.deceleration_mps2 = 2.0 + 0.5 * static_cast<double>(below(8));
         options.slip = 0.06 + 0.01 * static_cast<double>(below(45));
         options.seed = random.bits();
-        plant_sim::Scenario s = plant_sim::load_scenario(options);
+        plant_sim::StopInputs s = plant_sim::load_scenario(options);
         if (below(4) == 0) s.plant.rig.valve.delay_s += 0.3e-3;
         if (below(8) == 0) s.plant.rig.mean_friction *= 1.3;
         if (below(8) == 0) s.session.longest_s = 3.0;

@@ -9,13 +9,13 @@
 #include "tests/study/scenarios.hpp"
 
 namespace {
-plant::RigParameters heavy() {
+rig::RigParameters heavy() {
     return plant_sim::load_scenario(scenarios::options({"dry_asphalt", "heavy"})).plant.rig;
 }
 }  // namespace
 
 TEST_CASE("a wheel locked from the start: all energy to the tyre, J_mu = mu(1) / mu_max, distance in closed form", "[STUDY-030]") {
-    plant::RigParameters p = heavy();
+    rig::RigParameters p = heavy();
     p.load.lift_Ns2pm2 = 0.0;  // constant load: constant deceleration
     plant::Rig rig(p, 1e-3, 1);
     study::StopMeter meter(0.24, 5.0);
@@ -28,9 +28,9 @@ TEST_CASE("a wheel locked from the start: all energy to the tyre, J_mu = mu(1) /
         meter.update(rig, 1e-3);
     }
     const study::StopFigures f = meter.figures(rig);
-    const double mu_1 = plant::friction(p.surface, 1.0).mu;
+    const double mu_1 = rig::friction(p.surface, 1.0).mu;
     CHECK(f.stop_distance_m == Approx(v0 * v0 / (2.0 * mu_1 * 9.80665)).epsilon(1e-5));
-    CHECK(f.j_mu == Approx(mu_1 / plant::peak(p.surface).mu).epsilon(1e-9));
+    CHECK(f.j_mu == Approx(mu_1 / rig::peak(p.surface).mu).epsilon(1e-9));
     CHECK(f.energy_brake_J == 0.0);
     CHECK(f.energy_tyre_J == Approx(0.5 * p.wheel.mass_kg * v0 * v0).epsilon(1e-5));
     CHECK(f.peak_slip == 1.0);
@@ -42,7 +42,7 @@ TEST_CASE("a wheel locked from the start: all energy to the tyre, J_mu = mu(1) /
 }
 
 TEST_CASE("a stop that begins below the speeds that tracking is measured at has no share of it", "[STUDY-030]") {
-    plant::RigParameters p = heavy();
+    rig::RigParameters p = heavy();
     p.brake_on_mps = p.touchdown_mps = 16.667;
     plant::Rig rig(p, 1e-3, 1);
     rig.start_rolling();
@@ -62,7 +62,7 @@ TEST_CASE("a stop that begins below the speeds that tracking is measured at has 
 }
 
 TEST_CASE("eq. (7) gives back the friction that the brake had", "[STUDY-030]") {
-    plant::RigParameters p = heavy();
+    rig::RigParameters p = heavy();
     p.friction_curve = {0.3, 0.0, 0.0, 0.0};
     p.mean_friction = 0.27;
     plant::Rig rig(p, 1e-3, 1);
@@ -77,7 +77,7 @@ TEST_CASE("eq. (7) gives back the friction that the brake had", "[STUDY-030]") {
 }
 
 TEST_CASE("the valve's travel counts from brake-on to drop-out, against the time between", "[STUDY-030]") {
-    plant::RigParameters p = heavy();
+    rig::RigParameters p = heavy();
     plant::Rig rig(p, 1e-3, 1);
     rig.start_rolling();
     study::StopMeter meter(0.24, 5.0);
@@ -120,7 +120,7 @@ TEST_CASE("a stop without a valve current has no travel; every landing under a c
     for (const auto link : {study::Link::rounded, study::Link::frames}) {
         double last_mA = 0.0, travel_mA = 0.0, seconds = 0.0;
         const auto watch = [&](const study::RigSession& s, const antiskid::can::ControllerView&, double current_mA) {
-            if (s.pilot().phase() == study::Phase::braking && s.rig().wheel().v_mps > 5.0) {
+            if (s.pilot().phase() == study::StopPhase::braking && s.rig().wheel().v_mps > 5.0) {
                 travel_mA += std::abs(current_mA - last_mA);
                 seconds += 1e-3;
             }
@@ -145,23 +145,23 @@ TEST_CASE("a slip that is held: efficiency and the tyre's share of the energy ar
     constexpr double kSlip = 0.24;
     auto options = scenarios::options({"wet_asphalt", "heavy"});
     const auto run = scenarios::run(options);
-    const double optimum = plant::peak(plant_sim::load_scenario(options).plant.rig.surface).slip;
+    const double optimum = rig::peak(plant_sim::load_scenario(options).plant.rig.surface).slip;
     // Pressure build-up and the lowering of the reference below 23.6 m/s stand between the two.
     CHECK(run.figures.slip_efficiency == Approx(study::slip_efficiency(kSlip, optimum)).margin(0.02));
     CHECK(run.figures.tracked_tyre_share.value() == Approx(kSlip).margin(0.005));
 }
 
 TEST_CASE("on a runway of patches J_mu counts against the surface under the wheel", "[RIG-262][STUDY-030]") {
-    plant::RigParameters p = heavy();
+    rig::RigParameters p = heavy();
     p.load.lift_Ns2pm2 = 0.0;
-    const plant::Surface snow{.name = "snow", .c1 = 0.1946, .c2 = 94.129, .c3 = 0.0646};
+    const rig::Surface snow{.name = "snow", .c1 = 0.1946, .c2 = 94.129, .c3 = 0.0646};
     p.runway.patches = {{50.0, snow}, {120.0, p.surface}};
     plant::Rig rig(p, 1e-3, 1);
     study::StopMeter meter(0.24, 5.0);
     rig.touch_down();
     rig.advance_pressure(20.7e6, 20.7e6);  // a locked wheel: friction is that of slip 1 on each patch
     meter.start(rig);
-    double most = 0.0, had = 0.0, begins_m = -1.0, ends_m = -1.0;
+    double max = 0.0, had = 0.0, begins_m = -1.0, ends_m = -1.0;
     while (!rig.standstill()) {
         const double before_m = rig.wheel().distance_m;
         rig.advance_pressure(20.7e6, 20.7e6);
@@ -170,13 +170,13 @@ TEST_CASE("on a runway of patches J_mu counts against the surface under the whee
         if (on_snow && begins_m < 0.0) begins_m = before_m;
         if (!on_snow && begins_m >= 0.0 && ends_m < 0.0) ends_m = before_m;
         if (rig.wheel().v_mps < 5.0) continue;
-        const plant::Surface& under = on_snow ? snow : p.surface;
+        const rig::Surface& under = on_snow ? snow : p.surface;
         const double metres = rig.wheel().distance_m - before_m;
-        most += plant::peak(under).mu * metres;
-        had += plant::friction(under, 1.0).mu * metres;
+        max += rig::peak(under).mu * metres;
+        had += rig::friction(under, 1.0).mu * metres;
     }
     CHECK(begins_m == Approx(50.0).margin(0.07));
     CHECK(ends_m == Approx(120.0).margin(0.07));
-    CHECK(meter.figures(rig).j_mu == Approx(had / most).epsilon(1e-4));
+    CHECK(meter.figures(rig).j_mu == Approx(had / max).epsilon(1e-4));
     CHECK(std::abs(meter.figures(rig).energy_residual) < 1e-9);
 }

@@ -20,7 +20,7 @@ struct Wire {
     std::optional<std::string> from_leader;
 };
 
-class Member : public study::Team {
+class Member : public study::team::Team {
   public:
     Member(Wire& wire, std::size_t rank, std::size_t size) : wire_(wire), rank_(rank), size_(size) {}
     [[nodiscard]] std::size_t rank() const override { return rank_; }

@@ -11,10 +11,10 @@
 
 namespace {
 
-plant::LoadedRig bench(double friction = 0.30) {
-    plant::ManeuverChoice choice;
-    choice.maneuver = plant::kEndurance;
-    plant::LoadedRig rig = plant::load_rig("config", choice);
+rig::LoadedRig bench(double friction = 0.30) {
+    rig::ManeuverChoice choice;
+    choice.maneuver = rig::kEndurance;
+    rig::LoadedRig rig = rig::load_rig("config", choice);
     rig.rig.mean_friction = friction;
     return rig;
 }
@@ -76,7 +76,7 @@ TEST_CASE("a brake too worn for the torque gives what full pressure gives", "[RI
 TEST_CASE("Fig. 9 through the plant: energy is the recorded, friction has the recorded trend and scatter", "[RIG-300]") {
     const wear::Campaign campaign = recorded(200, 41);
     wear::FitSettings settings;
-    settings.most_components = 8;
+    settings.max_components = 8;
     settings.starts = 5;
     const auto model = std::make_shared<const wear::Model>(wear::model_of(campaign, wear::fit(campaign, settings), settings));
     constexpr wear::ConditionalRule kRule{wear::Variance::exact, wear::Choice::mixture};

@@ -28,12 +28,12 @@ struct Landing {
 Landing landing(const Name& name, double life_J, double part) {
     auto options = scenarios::options(name);
     options.brake.brake = fmt::format("{}", part * life_J * 1e-6);
-    const plant_sim::Scenario s = plant_sim::load_scenario(options);
-    const plant::RigParameters& p = s.plant.rig;
+    const plant_sim::StopInputs s = plant_sim::load_scenario(options);
+    const rig::RigParameters& p = s.plant.rig;
     return {study::run_in_process(s.controller, s.layout, p, s.session, study::Link::rounded),
             p.mean_friction,
-            plant::least_friction(p.friction_curve, p.mean_friction) * p.brake.gain_m3() * s.plant.full_pressure_Pa,
-            plant::friction(p.surface, 0.24).mu * p.load.base_N * p.wheel.free_radius_m,
+            rig::min_friction(p.friction_curve, p.mean_friction) * p.brake.gain_m3() * s.plant.full_pressure_Pa,
+            rig::friction(p.surface, 0.24).mu * p.load.base_N * p.wheel.free_radius_m,
             s.plant.full_pressure_Pa,
             p.brake.gain_m3()};
 }
@@ -48,7 +48,7 @@ TEST_CASE("slip reference 0.24 holds its acceptance figures from a new brake to 
     std::map<std::string, double> j_mu_new;
     for (const double part : kLife) {
         for (const char* surface : kSurfaces) {
-            for (const std::string& maneuver : plant::maneuver_names(scenarios::kConfig)) {
+            for (const std::string& maneuver : rig::maneuver_names(scenarios::kConfig)) {
                 const Landing l = landing({surface, maneuver}, life_J, part);
                 const study::StopFigures& f = l.run.figures;
                 INFO(surface << ", " << maneuver << ", " << part << " of life, mu_b " << l.friction << ", J_mu " << f.j_mu << ", tracked "

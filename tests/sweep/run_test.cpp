@@ -17,14 +17,14 @@
 
 namespace {
 
-std::string csv_of(const sweep::Plan& plan, std::span<const sweep::Row> rows) {
+std::string csv_of(const sweep::SweepPlan& plan, std::span<const sweep::Row> rows) {
     return sweep::to_csv(sweep::identity_of(plan), rows);
 }
 
 /// By one thread, from the last stop to the first: what every other way is held against.
 const std::string& reference_csv() {
     static const std::string kCsv = [] {
-        const sweep::Plan plan = small::plan();
+        const sweep::SweepPlan plan = small::plan();
         std::vector<sweep::Row> rows;
         for (std::size_t i = plan.stops(); i-- > 0;) rows.insert(rows.begin(), sweep::run_one(plan, i));
         return csv_of(plan, rows);
@@ -48,12 +48,12 @@ std::string text_of(const std::filesystem::path& path) {
 }  // namespace
 
 TEST_CASE("the number of threads and the order of work change no byte", "[STUDY-148]") {
-    const sweep::Plan plan = small::plan();
+    const sweep::SweepPlan plan = small::plan();
     std::vector<std::size_t> in_order(plan.stops());
     std::iota(in_order.begin(), in_order.end(), std::size_t{0});
     CHECK(csv_of(plan, sweep::run(plan, in_order, {.threads = 1})) == reference_csv());
-    CHECK(csv_of(plan, sweep::run(plan, study::order_of_work(plan.stops()), {.threads = 5})) == reference_csv());
-    const sweep::Plan other = small::plan(2);
+    CHECK(csv_of(plan, sweep::run(plan, study::team::order_of_work(plan.stops()), {.threads = 5})) == reference_csv());
+    const sweep::SweepPlan other = small::plan(2);
     CHECK(csv_of(other, sweep::run(other, in_order, {.threads = 2})) != reference_csv());
 }
 
@@ -69,8 +69,8 @@ std::vector<double> many_references() {
 }  // namespace
 
 TEST_CASE("what a stop or an observer throws ends the run and comes out of it", "[STUDY-148]") {
-    const sweep::Plan plan = small::plan(1, many_references());
-    const auto numbers = study::order_of_work(plan.stops());
+    const sweep::SweepPlan plan = small::plan(1, many_references());
+    const auto numbers = study::team::order_of_work(plan.stops());
     std::size_t seen = 0;
     const auto full_disk = [&seen](const sweep::Row&) {
         if (++seen == 2) throw std::runtime_error("no space left on device");
@@ -82,7 +82,7 @@ TEST_CASE("what a stop or an observer throws ends the run and comes out of it", 
 TEST_CASE("a sweep that is stopped or killed goes on: nothing twice, nothing lost, the same bytes", "[STUDY-148]") {
     const Scratch scratch;
     const auto part = scratch.path / "new" / "stops.part";
-    const sweep::Plan plan = small::plan(1, many_references());
+    const sweep::SweepPlan plan = small::plan(1, many_references());
     threads::Wire wire;
     threads::Member team(wire, 0, 1);
     std::atomic<bool> stop{false};
@@ -106,7 +106,7 @@ TEST_CASE("a sweep that is stopped or killed goes on: nothing twice, nothing los
     };
     const auto second = sweep::run_together(plan, work, team);
     CHECK(ran == 88 - first.size());
-    const auto at_once = sweep::run(plan, study::order_of_work(plan.stops()), {.threads = 2});
+    const auto at_once = sweep::run(plan, study::team::order_of_work(plan.stops()), {.threads = 2});
     CHECK(csv_of(plan, second) == csv_of(plan, at_once));
     CHECK(sweep::read_stops(part).rows.size() == 88);
 
@@ -120,14 +120,14 @@ TEST_CASE("a sweep that is stopped or killed goes on: nothing twice, nothing los
 TEST_CASE("what another sweep left is refused, and named; it is not touched", "[STUDY-148]") {
     const Scratch scratch;
     const auto part = scratch.path / "stops.part";
-    const sweep::Plan plan = small::plan();
+    const sweep::SweepPlan plan = small::plan();
     {
         sweep::PartFile file(part, plan);
         file.append(sweep::line(sweep::run_one(plan, 0)));
         CHECK_THROWS_WITH(sweep::PartFile(part, plan), ContainsSubstring("another sweep is at work on it"));
     }
     const std::string before = text_of(part);
-    sweep::Plan other = plan;
+    sweep::SweepPlan other = plan;
     other.seed = 2;
     CHECK_THROWS_WITH(sweep::PartFile(part, other), ContainsSubstring("seed 1 instead of 2"));
     other = plan;
@@ -147,7 +147,7 @@ TEST_CASE("what another sweep left is refused, and named; it is not touched", "[
 
 TEST_CASE("three processes give the bytes of one, and go on where one was stopped", "[STUDY-148]") {
     const Scratch scratch;
-    const sweep::Plan plan = small::plan();
+    const sweep::SweepPlan plan = small::plan();
     const auto part = scratch.path / "stops.part";
     {
         sweep::PartFile file(part, plan);
@@ -172,9 +172,9 @@ TEST_CASE("three processes give the bytes of one, and go on where one was stoppe
 
 TEST_CASE("a process with another plan than the leader's refuses to work", "[STUDY-148]") {
     threads::Wire wire;
-    const sweep::Plan plan = small::plan();
+    const sweep::SweepPlan plan = small::plan();
     wire.from_leader = csv_of(plan, {});
-    sweep::Plan other = plan;
+    sweep::SweepPlan other = plan;
     other.config_hash = "another";
     threads::Member member(wire, 1, 2);
     CHECK_THROWS_WITH(sweep::run_together(other, {}, member), ContainsSubstring("another sweep than the leading one"));

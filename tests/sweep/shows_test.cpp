@@ -2,18 +2,18 @@
 /// `rig-lab sweep`, which holds the same checks against itself.
 #include <thread>
 
+#include "plant_sim/study/sweep/load_sweep_plan.hpp"
 #include "plant_sim/study/sweep/run.hpp"
-#include "plant_sim/study/sweep/setup.hpp"
 #include "plant_sim/study/sweep/summary.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
 #include "tests/catch.hpp"
 
 TEST_CASE("the sweep shows what the paper's does: J_mu at 0.24, the trends of Fig. 13, the energies of Fig. 14", "[STUDY-148]") {
-    sweep::PlanOptions options;
+    sweep::SweepPlanOptions options;
     options.references = {0.06, 0.1, 0.15, 0.2, 0.24, 0.3, 0.36, 0.44};
     options.landings = 40;
-    const sweep::Plan plan = sweep::load_plan(options);
-    const auto rows = sweep::run(plan, study::order_of_work(plan.stops()), {.threads = std::max(1U, std::thread::hardware_concurrency())});
+    const sweep::SweepPlan plan = sweep::load_plan(options);
+    const auto rows = sweep::run(plan, study::team::order_of_work(plan.stops()), {.threads = std::max(1U, std::thread::hardware_concurrency())});
     const sweep::Summary s = sweep::summarised(sweep::identity_of(plan), rows);
     CHECK(s.unchecked.empty());
     CHECK(s.checks.size() == 8);

@@ -55,7 +55,7 @@ TEST_CASE("means and standard error over the landings, law by law", "[STUDY-148]
     REQUIRE(s.threshold.has_value());
     CHECK(s.references[0].j_mu == Approx(0.91).epsilon(1e-14));
     CHECK(s.references[0].j_mu_error == Approx(0.01 / std::sqrt(3.0)).epsilon(1e-12));
-    CHECK(s.references[0].least_j_mu == 0.9);
+    CHECK(s.references[0].min_j_mu == 0.9);
     CHECK(s.references[0].stop_distance_m == Approx(101.0));
     CHECK(s.references[0].energy_brake_J == Approx(2e6));
     CHECK(s.references[0].tyre_share == Approx(1.0 / 3.0));

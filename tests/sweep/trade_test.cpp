@@ -29,15 +29,15 @@ constexpr double kMean_MJ = 6.0;  // of 4 MJ times 1, 1.5 and 2
 
 TEST_CASE("a floor on J_mu: the dear part is spared up to where the floor is", "[STUDY-148]") {
     constexpr double kFloor = 0.95;
-    const Trade dear_brake = trade(paper(), Prices{3.0, 1.0}, {.least_j_mu = kFloor});
+    const Trade dear_brake = trade(paper(), Prices{3.0, 1.0}, {.min_j_mu = kFloor});
     REQUIRE(dear_brake.best.has_value());
     const double up = 0.22 + std::sqrt((0.966 - kFloor) / 1.5);
     CHECK(dear_brake.best->slip_reference == Approx(up).margin(1.01 * Trade::kStep));
     CHECK(dear_brake.best->slip_reference <= up + 1e-9);
-    CHECK(dear_brake.decides == Decides::least_j_mu);
+    CHECK(dear_brake.decides == Decides::min_j_mu);
     CHECK(dear_brake.best->cost == Approx(kMean_MJ * (3.0 - 2.0 * dear_brake.best->slip_reference)).epsilon(1e-9));
 
-    const Trade dear_tyre = trade(paper(), Prices{1.0, 3.0}, {.least_j_mu = kFloor});
+    const Trade dear_tyre = trade(paper(), Prices{1.0, 3.0}, {.min_j_mu = kFloor});
     REQUIRE(dear_tyre.best.has_value());
     CHECK(dear_tyre.best->slip_reference == Approx(0.22 - std::sqrt((0.966 - kFloor) / 7.0)).margin(1.5 * Trade::kStep));
     // Against 0.24 and the threshold law's 0.16: cost is 6 (1 + 2 slip).
@@ -48,11 +48,11 @@ TEST_CASE("a floor on J_mu: the dear part is spared up to where the floor is", "
 }
 
 TEST_CASE("a ceiling on distance is the same floor by another name", "[STUDY-148]") {
-    const Trade by_distance = trade(paper(), Prices{3.0, 1.0}, {.most_distance_m = 480.0 / 0.95});
-    const Trade by_j_mu = trade(paper(), Prices{3.0, 1.0}, {.least_j_mu = 0.95});
+    const Trade by_distance = trade(paper(), Prices{3.0, 1.0}, {.max_distance_m = 480.0 / 0.95});
+    const Trade by_j_mu = trade(paper(), Prices{3.0, 1.0}, {.min_j_mu = 0.95});
     REQUIRE(by_distance.best.has_value());
     CHECK(by_distance.best->slip_reference == Approx(by_j_mu.best->slip_reference).margin(1.01 * Trade::kStep));
-    CHECK(by_distance.decides == Decides::most_distance);
+    CHECK(by_distance.decides == Decides::max_distance);
 }
 
 TEST_CASE("lives: brake and tyre are worn out together where that can be", "[STUDY-148]") {
@@ -73,7 +73,7 @@ TEST_CASE("lives: brake and tyre are worn out together where that can be", "[STU
 }
 
 TEST_CASE("no reference within the bounds, nothing that costs, all on one side: plain answers", "[STUDY-148]") {
-    const sweep::TradeOptions options{.tariff = Prices{1.0, 2.0}, .bounds = {.least_j_mu = 0.97}, .resamples = 50};
+    const sweep::TradeOptions options{.tariff = Prices{1.0, 2.0}, .bounds = {.min_j_mu = 0.97}, .resamples = 50};
     const Trade none = sweep::traded(paper(), options);
     CHECK_FALSE(none.best.has_value());
     CHECK(none.feasible_share == 0.0);
@@ -118,7 +118,7 @@ TEST_CASE("the interval is that of the scatter: 1.96 standard errors over the sl
         return f;
     };
     const auto table = made_up::table(sweep::paper_references(), kLandings, figures, false);
-    const Trade t = sweep::traded(table, {.tariff = Prices{1.0, 0.0}, .bounds = {.least_j_mu = 0.85}, .resamples = 2000, .seed = 1});
+    const Trade t = sweep::traded(table, {.tariff = Prices{1.0, 0.0}, .bounds = {.min_j_mu = 0.85}, .resamples = 2000, .seed = 1});
     double mean = 0.0;
     double squares = 0.0;
     for (const double value : own) mean += value / kLandings;
@@ -131,7 +131,7 @@ TEST_CASE("the interval is that of the scatter: 1.96 standard errors over the sl
 }
 
 TEST_CASE("the same seed gives the same answer, to the byte", "[STUDY-148]") {
-    const sweep::TradeOptions options{.tariff = Prices{1.0, 2.0}, .bounds = {.least_j_mu = 0.95}, .resamples = 100};
+    const sweep::TradeOptions options{.tariff = Prices{1.0, 2.0}, .bounds = {.min_j_mu = 0.95}, .resamples = 100};
     CHECK(sweep::to_json(sweep::traded(paper(), options), paper(), options) == sweep::to_json(sweep::traded(paper(), options), paper(), options));
 }
 

@@ -93,7 +93,7 @@ with tempfile.TemporaryDirectory() as scratch:
     answer = json.loads((trade / "results.json").read_text())
     check("a dear tyre asks for the least slip", status == 0 and answer["best"]["slip_reference"] == 0.2, text + err)
     check("there is a picture", (trade / "trade.png").read_bytes().startswith(b"\x89PNG"))
-    status, text, err = run("trade", one, "--brake-life", 900, "--tyre-life", 100, "--least-j-mu", 0.999, "--out", trade)
+    status, text, err = run("trade", one, "--brake-life", 900, "--tyre-life", 100, "--min-j-mu", 0.999, "--out", trade)
     check("a floor that cannot be met ends with 1 and what can be had", status == 1 and "at most" in text, f"{status} {text} {err}")
     for arguments, says in ((["--brake-price", 1], "--tyre-price"), ([], "--brake-price"),
                             (["--brake-life", 0, "--tyre-life", 1], "above 0"),

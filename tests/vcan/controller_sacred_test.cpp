@@ -11,14 +11,14 @@
 #include "tests/host/toy_rig.hpp"
 #include "tests/host/traps.hpp"
 
-using namespace rt_test;
+using namespace host_test;
 
 namespace {
 
 /// The rig's end: a socket of its own.
 class RigEnd {
   public:
-    explicit RigEnd(const rt::Setup& setup)
+    explicit RigEnd(const controller::ControllerSetup& setup)
         : port_(setup.layout, setup.period),
           socket_("vcan0", can::ids(setup.layout, can::kToRig).span()),
           toy_(setup.control, control::Law::wheel_slip) {}
@@ -47,18 +47,18 @@ class RigEnd {
 
 TEST_CASE("over a real socket the loop does nothing forbidden", "[RT-050]") {
     constexpr int kPeriods = 10'000;
-    const auto source = GENERATE(rt::ClockSource::sync, rt::ClockSource::timer);
-    const rt::Setup setup = default_setup();
-    rt::SupervisedCan socket([&setup] { return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span()); });
+    const auto source = GENERATE(controller::ClockSource::sync, controller::ClockSource::timer);
+    const controller::ControllerSetup setup = default_setup();
+    host::SupervisedCan socket([&setup] { return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span()); });
     RigEnd rig(setup);
     StepClock clock;
     WaitingBus bus(socket, clock);
-    rt::Options options;
+    controller::Options options;
     options.clock = source;
-    const auto session = std::make_unique<rt::Session>(setup, options, bus, clock);
+    const auto session = std::make_unique<controller::Session>(setup, options, bus, clock);
     std::atomic<bool> stop{false};
     int period = 0;
-    if (source == rt::ClockSource::sync) {
+    if (source == controller::ClockSource::sync) {
         bus.on_wait = [&] {
             if (period++ < kPeriods)
                 rig.period(true);
@@ -81,21 +81,21 @@ TEST_CASE("over a real socket the loop does nothing forbidden", "[RT-050]") {
         INFO(traps::kNames[call]);
         CHECK(traps::caught(static_cast<traps::Call>(call)) == 0);
     }
-    const rt::LoopStatistics& statistics = session->loop().statistics();
+    const host::LoopStatistics& statistics = session->loop().statistics();
     CHECK(statistics.steps == kPeriods);
     CHECK(statistics.frames_unsent == 0);
     CHECK(session->port().stats(can::Role::wheel).accepted == kPeriods);
     CHECK(rig.port().stats(can::Role::valve).rejected() == 0);
-    if (source == rt::ClockSource::sync) CHECK(statistics.steps_in_state[static_cast<std::size_t>(control::State::braking)] > 1000);
+    if (source == controller::ClockSource::sync) CHECK(statistics.steps_in_state[static_cast<std::size_t>(control::State::braking)] > 1000);
 }
 
 TEST_CASE("by the machine's own clock, too", "[RT-050]") {
-    const rt::Setup setup = default_setup();
-    rt::SupervisedCan socket([&setup] { return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span()); });
-    rt::MonotonicClock clock;
-    rt::Options options;
-    options.clock = GENERATE(rt::ClockSource::sensors, rt::ClockSource::timer);
-    const auto session = std::make_unique<rt::Session>(setup, options, socket, clock);
+    const controller::ControllerSetup setup = default_setup();
+    host::SupervisedCan socket([&setup] { return std::make_unique<can::SocketCan>("vcan0", can::ids(setup.layout, can::kToController).span()); });
+    host::MonotonicClock clock;
+    controller::Options options;
+    options.clock = GENERATE(controller::ClockSource::sensors, controller::ClockSource::timer);
+    const auto session = std::make_unique<controller::Session>(setup, options, socket, clock);
     std::atomic<bool> stop{false};
     std::thread stopper([&] {
         clock.sleep_until(clock.now() + 500ms);

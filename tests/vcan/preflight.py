@@ -100,7 +100,7 @@ def controller(folder):
     _, checks = report_of(command)
     check(ear.communicate()[0] == "", "a check without --valve-step has sent a valve command")
     verdicts(checks, {"wheel at rest": "pass", "flywheel at rest": "pass", "pressure at rest": "pass", "emergency stop": "pass"})
-    check(checks["wheel frames"]["figures"]["accepted"] > 0 and checks["wheel frames"]["figures"]["refused"] == 0, checks["wheel frames"])
+    check(checks["wheel frames"]["figures"]["accepted"] > 0 and checks["wheel frames"]["figures"]["rejected"] == 0, checks["wheel frames"])
 
     checks = in_time([*command, "--valve-step"], {"valve step": "pass"})
     check(0.75 < checks["valve step"]["figures"]["pressure_MPa"] < 1.25, checks["valve step"])

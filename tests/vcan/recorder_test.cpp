@@ -18,9 +18,9 @@
 
 using namespace antiskid::can;
 using can_test::TempDir;
-using rig::BusLog;
-using rig::Capture;
-using rig::CapturedFrame;
+using rig::record::BusLog;
+using rig::record::Capture;
+using rig::record::CapturedFrame;
 
 namespace {
 
@@ -194,13 +194,13 @@ TEST_CASE("a really full disk costs the log its tail and nothing else", "[BRG-21
 
 TEST_CASE("a really full disk leaves the ledger as it was, and with room it goes on", "[BRG-220]") {
     const SmallDisk disk("100k");
-    const auto path = disk.path() / "ledger.sqlite";
-    rig::Ledger ledger(path);
+    const auto path = disk.path() / "campaign.sqlite";
+    rig::record::Ledger ledger(path);
     ledger.open_campaign({.name = "a", .scenario = "s", .seed = 1, .planned = 10'000, .config_hash = "h", .version = "0", .created = "now"},
-                         rig::IfChanged::refuse);
+                         rig::record::IfChanged::reject);
     std::int64_t finished = 0;
     const auto one = [&] {
-        rig::Summary summary;
+        rig::record::Summary summary;
         summary.campaign = "a";
         summary.number = ledger.begin(*ledger.next_number(), "now").number;
         summary.outcome = "finished";
@@ -210,10 +210,10 @@ TEST_CASE("a really full disk leaves the ledger as it was, and with room it goes
     std::string error;
     try {
         while (finished < 10'000) one();
-    } catch (const rig::LedgerError& e) {
+    } catch (const rig::record::LedgerError& e) {
         error = e.what();
     }
-    CHECK_THAT(error, ContainsSubstring("ledger.sqlite: the disk is full; the ledger is as it was before"));
+    CHECK_THAT(error, ContainsSubstring("campaign.sqlite: the disk is full; the ledger is as it was before"));
     CHECK(finished > 20);
     CHECK(ledger.finished_count() == finished);
     shell("mount -o remount,size=1m " + disk.path().string());

@@ -87,7 +87,7 @@ class Served:
             self.write("holding", name, values.get(name, 0))
         self.number += 1
         self.write("holding", "commit", self.number)
-        eventually(lambda: self.number in (self.read("applied_commit"), self.read("refused_commit")), "a commit without answer")
+        eventually(lambda: self.number in (self.read("applied_commit"), self.read("rejected_commit")), "a commit without answer")
         return self.read("applied_commit") == self.number
 
     def has_said(self, what):

@@ -228,7 +228,7 @@ def counted_J(rows):
     return added
 
 
-def most_unknown_J(row, took_J):
+def max_unknown_J(row, took_J):
     """That the brake may have taken besides, as the record itself says."""
     if most := re.search(r"up to ([-+.0-9e]+) MJ that are in no record", row["warnings"]):
         return 1e6 * float(most[1])
@@ -245,7 +245,7 @@ def energies(bench, rows):
         if says:
             ledger_J += sum(counted[begin:end])
             plant_J += next(told)
-            unknown_J += sum(most_unknown_J(row, took_J) for row, took_J in zip(rows[begin:end], counted[begin:end]))
+            unknown_J += sum(max_unknown_J(row, took_J) for row, took_J in zip(rows[begin:end], counted[begin:end]))
         else:
             untold.extend(zip(counted[begin:end], (row["number"] for row in rows[begin:end])))
         begin = end

@@ -109,7 +109,7 @@ def unattended(options):
               "bridge_statuses": bench.statuses, "warnings": [row["warnings"] for row in rows if row["warnings"]],
               "ledger_MJ": ledger_J * 1e-6, "plant_MJ": plant_J * 1e-6, "undisturbed_ledger_over_plant": ratio, "energy_off": off,
               "at_most_unknown_MJ": unknown_J * 1e-6,
-              "attempts_of_killed_rigs": len(untold), "most_of_them_over_undisturbed": max((each / sound_J for each, _ in untold), default=0.0)}
+              "attempts_of_killed_rigs": len(untold), "max_of_them_over_undisturbed": max((each / sound_J for each, _ in untold), default=0.0)}
     write_table(options.out / "strikes.csv", ("maneuver", "strike", "phase", "rows_before"), campaign.struck)
     (options.out / "result.json").write_text(json.dumps(result, indent=2) + "\n")
     print(json.dumps(result, indent=2))

@@ -10,8 +10,8 @@ namespace {
 
 const wear::BrakeState kState{0xFFFF'FFFF'FFFF'FFFFU, 137, 133.123456789012345e6 / 3.0};
 
-std::string refusal(const std::string& json, const wear::BrakeWear& wear = shipped_wear()) {
-    return refusal_of([&] { return wear::brake_state_from_json("brake.json", json, wear); }).what();
+std::string rejection(const std::string& json, const wear::BrakeWear& wear = shipped_wear()) {
+    return rejection_of([&] { return wear::brake_state_from_json("brake.json", json, wear); }).what();
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -50,17 +50,18 @@ TEST_CASE("every byte of a kept brake that is damaged is noticed", "[WEAR-011]")
 
 TEST_CASE("a kept brake says what is wrong with it", "[WEAR-011]") {
     const std::string json = wear::to_json(kState, shipped_wear());
-    CHECK_THAT(refusal(""), ContainsSubstring("brake.json: no JSON"));
-    CHECK_THAT(refusal("[]"), ContainsSubstring("must be an object"));
-    CHECK_THAT(refusal(replaced(json, "\"format_version\": 1", "\"format_version\": 2")), ContainsSubstring("format_version: 2 is not the version"));
-    CHECK_THAT(refusal(replaced(json, "brake state", "wear model")), ContainsSubstring("format: must be"));
-    CHECK_THAT(refusal(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": 138")), ContainsSubstring("check_sum: does not fit"));
-    CHECK_THAT(refusal(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": -1")), ContainsSubstring("maneuvers: must be an integer"));
-    CHECK_THAT(refusal(replaced(json, "\"seed\"", "\"sead\"")), ContainsSubstring("seed: is missing"));
-    CHECK_THAT(refusal(json, shipped_wear({.energy = 8.0})), ContainsSubstring("wear_hash: this brake was kept with another wear model or scale"));
+    CHECK_THAT(rejection(""), ContainsSubstring("brake.json: no JSON"));
+    CHECK_THAT(rejection("[]"), ContainsSubstring("must be an object"));
+    CHECK_THAT(rejection(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
+               ContainsSubstring("format_version: 2 is not the version"));
+    CHECK_THAT(rejection(replaced(json, "brake state", "wear model")), ContainsSubstring("format: must be"));
+    CHECK_THAT(rejection(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": 138")), ContainsSubstring("check_sum: does not fit"));
+    CHECK_THAT(rejection(replaced(json, "\"maneuvers\": 137", "\"maneuvers\": -1")), ContainsSubstring("maneuvers: must be an integer"));
+    CHECK_THAT(rejection(replaced(json, "\"seed\"", "\"sead\"")), ContainsSubstring("seed: is missing"));
+    CHECK_THAT(rejection(json, shipped_wear({.energy = 8.0})), ContainsSubstring("wear_hash: this brake was kept with another wear model or scale"));
     wear::BrakeWear other = shipped_wear();
     wear::Model model = *other.model;
     model.data.maneuvers = 499;
     other.model = std::make_shared<const wear::Model>(model);
-    CHECK_THAT(refusal(json, other), ContainsSubstring("another wear model or scale"));
+    CHECK_THAT(rejection(json, other), ContainsSubstring("another wear model or scale"));
 }

@@ -223,7 +223,7 @@ TEST_CASE("a population is learnt from campaigns, finds their scatter, and comes
         campaigns.push_back(std::move(c));
     }
     wear::LearnSettings learn;
-    learn.fit.most_components = 1;
+    learn.fit.max_components = 1;
     learn.fit.starts = 1;
     learn.limit = 0.2;
     const wear::Population p = wear::learn_population(campaigns, learn);
@@ -246,7 +246,7 @@ TEST_CASE("a population file that is none is refused, naming file and key", "[WE
     wear::Population p = line_population();
     p.limits.sudden = 6.0;
     const std::string json = wear::to_json(p);
-    const auto refusal = [](std::string text, const std::string& what, const std::string& with) {
+    const auto rejection = [](std::string text, const std::string& what, const std::string& with) {
         const auto at = text.find(what);
         REQUIRE(at != std::string::npos);
         try {
@@ -256,13 +256,13 @@ TEST_CASE("a population file that is none is refused, naming file and key", "[WE
         }
         return std::string("accepted");
     };
-    CHECK_THAT(refusal(json, "{", ""), ContainsSubstring("p.json: no JSON"));
-    CHECK_THAT(refusal(json, "wear population", "wear folk"), ContainsSubstring("p.json: format: must be"));
-    CHECK_THAT(refusal(json, "\"format_version\": 1", "\"format_version\": 9"), ContainsSubstring("9 is not the version"));
-    CHECK_THAT(refusal(json, "\"memory\": 0.6", "\"memory\": 1.6"), ContainsSubstring("memory: 1.6 must be within"));
-    CHECK_THAT(refusal(json, "\"fresh\"", "\"stale\""), ContainsSubstring("scatter.fresh: is missing"));
-    CHECK_THAT(refusal(json, "\"sudden\": 6.0", "\"sudden\": -6.0"), ContainsSubstring("health_limits.sudden"));
-    CHECK_THAT(refusal(json, "\"weight\": 1.0", "\"weight\": 0.5"), ContainsSubstring("p.json: models[0]: components"));
+    CHECK_THAT(rejection(json, "{", ""), ContainsSubstring("p.json: no JSON"));
+    CHECK_THAT(rejection(json, "wear population", "wear folk"), ContainsSubstring("p.json: format: must be"));
+    CHECK_THAT(rejection(json, "\"format_version\": 1", "\"format_version\": 9"), ContainsSubstring("9 is not the version"));
+    CHECK_THAT(rejection(json, "\"memory\": 0.6", "\"memory\": 1.6"), ContainsSubstring("memory: 1.6 must be within"));
+    CHECK_THAT(rejection(json, "\"fresh\"", "\"stale\""), ContainsSubstring("scatter.fresh: is missing"));
+    CHECK_THAT(rejection(json, "\"sudden\": 6.0", "\"sudden\": -6.0"), ContainsSubstring("health_limits.sudden"));
+    CHECK_THAT(rejection(json, "\"weight\": 1.0", "\"weight\": 0.5"), ContainsSubstring("p.json: models[0]: components"));
     // A single model will do.
     CHECK(wear::read_population("config/wear/model.json").population.members.size() == 1);
 }

@@ -80,18 +80,18 @@ TEST_CASE("density and log-likelihood are eq. (10) and (13)", "[WEAR-003]") {
 
 TEST_CASE("a mixture that is none is refused", "[WEAR-003]") {
     const Component good = known::component(1.0, 100.0, 10.0, 0.3, 0.01, -0.5);
-    const auto refused = [&](auto spoil) {
+    const auto rejected = [&](auto spoil) {
         Component c = good;
         spoil(c);
         CHECK_THROWS_AS(Mixture({c}), std::invalid_argument);
     };
     CHECK_NOTHROW(Mixture({good}));
     CHECK_THROWS_AS(Mixture(std::vector<Component>{}), std::invalid_argument);
-    refused([](Component& c) { c.weight = 0.9; });
-    refused([](Component& c) { c.weight = 0.0; });
-    refused([](Component& c) { c.mean_friction = std::nan(""); });
-    refused([](Component& c) { c.variance_friction = 0.0; });
-    refused([](Component& c) { c.covariance_J = std::sqrt(c.variance_c_e_J2 * c.variance_friction) * 1.001; });
+    rejected([](Component& c) { c.weight = 0.9; });
+    rejected([](Component& c) { c.weight = 0.0; });
+    rejected([](Component& c) { c.mean_friction = std::nan(""); });
+    rejected([](Component& c) { c.variance_friction = 0.0; });
+    rejected([](Component& c) { c.covariance_J = std::sqrt(c.variance_c_e_J2 * c.variance_friction) * 1.001; });
 }
 
 TEST_CASE("BIC counts 6 M - 1 parameters", "[WEAR-003]") {

@@ -12,7 +12,7 @@ wear::Model some_model() {
     static const wear::Model model = [] {
         const wear::Campaign campaign = physical::campaign({}, 11);
         wear::FitSettings settings;
-        settings.most_components = 4;
+        settings.max_components = 4;
         settings.starts = 5;
         settings.seed = 18446744073709551615ULL;
         return wear::model_of(campaign, wear::fit(campaign, settings), settings);
@@ -26,7 +26,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     return text.replace(at, what.size(), with);
 }
 
-std::string model_refusal(const std::string& json) {
+std::string model_rejection(const std::string& json) {
     try {
         (void)wear::from_json("model.json", json);
     } catch (const settings::Error& e) {
@@ -49,20 +49,20 @@ TEST_CASE("a model file gives back the model to the last bit", "[WEAR-011]") {
 
 TEST_CASE("a model file that is none is refused, naming file and key", "[WEAR-011]") {
     const std::string json = wear::to_json(some_model());
-    CHECK_THAT(model_refusal(""), ContainsSubstring("model.json: no JSON"));
-    CHECK_THAT(model_refusal(json.substr(0, json.size() / 2)), ContainsSubstring("model.json: no JSON"));
-    CHECK_THAT(model_refusal("[]"), ContainsSubstring("model.json: must be an object"));
-    CHECK_THAT(model_refusal(replaced(json, "antiskid wear model", "other")), ContainsSubstring("model.json: format: must be"));
-    CHECK_THAT(model_refusal(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
+    CHECK_THAT(model_rejection(""), ContainsSubstring("model.json: no JSON"));
+    CHECK_THAT(model_rejection(json.substr(0, json.size() / 2)), ContainsSubstring("model.json: no JSON"));
+    CHECK_THAT(model_rejection("[]"), ContainsSubstring("model.json: must be an object"));
+    CHECK_THAT(model_rejection(replaced(json, "antiskid wear model", "other")), ContainsSubstring("model.json: format: must be"));
+    CHECK_THAT(model_rejection(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
                ContainsSubstring("format_version: 2 is not the version"));
-    CHECK_THAT(model_refusal(replaced(json, "\"maneuvers\"", "\"landings\"")), ContainsSubstring("model.json: data.maneuvers: is missing"));
-    CHECK_THAT(model_refusal(replaced(json, "\"starts\": 5", "\"starts\": \"5\"")), ContainsSubstring("search.starts: must be an integer"));
-    CHECK_THAT(model_refusal(replaced(json, "\"tolerance\": 1e-08", "\"tolerance\": -1")),
+    CHECK_THAT(model_rejection(replaced(json, "\"maneuvers\"", "\"landings\"")), ContainsSubstring("model.json: data.maneuvers: is missing"));
+    CHECK_THAT(model_rejection(replaced(json, "\"starts\": 5", "\"starts\": \"5\"")), ContainsSubstring("search.starts: must be an integer"));
+    CHECK_THAT(model_rejection(replaced(json, "\"tolerance\": 1e-08", "\"tolerance\": -1")),
                ContainsSubstring("search.tolerance: -1 must be positive"));
-    CHECK_THAT(model_refusal(replaced(json, "\"seed\"", "\"extra\": 1, \"seed\"")),
+    CHECK_THAT(model_rejection(replaced(json, "\"seed\"", "\"extra\": 1, \"seed\"")),
                ContainsSubstring("search: has a key that this format does not know"));
-    CHECK_THAT(model_refusal(replaced(json, "\"weight\": 0.", "\"weight\": 0.9")), ContainsSubstring("components: the weights add up to"));
-    CHECK_THAT(model_refusal(replaced(json, "\"weight\": ", "\"weight\": -")), ContainsSubstring("components[0].weight"));
+    CHECK_THAT(model_rejection(replaced(json, "\"weight\": 0.", "\"weight\": 0.9")), ContainsSubstring("components: the weights add up to"));
+    CHECK_THAT(model_rejection(replaced(json, "\"weight\": ", "\"weight\": -")), ContainsSubstring("components[0].weight"));
 }
 
 TEST_CASE("beyond its data the model says so, and goes on as it says", "[WEAR-009]") {

@@ -9,8 +9,8 @@
 #include <limits>
 #include <vector>
 
-#include "rig_bridge/wear/campaign.hpp"
 #include "rig_bridge/wear/draw.hpp"
+#include "rig_bridge/wear/wear_campaign.hpp"
 
 namespace physical {
 

@@ -26,7 +26,7 @@ double at(const wear::Curve& c, double x) {
     return c[0] + x * (c[1] + x * (c[2] + x * c[3]));
 }
 
-plant_sim::StopFiles quiet() {
+plant_sim::lab::StopFiles quiet() {
     return {.config = "config", .dbc = {}, .binding = {}, .warn = [](const std::string&) {}};
 }
 
@@ -53,17 +53,17 @@ std::filesystem::path write_log(const TempDir& dir, const std::string& folder, c
 
 TEST_CASE("curves learnt from bus logs of the virtual rig are its own", "[WEAR-040]") {
     const TempDir dir;
-    std::vector<plant_sim::StopSource> sources;
+    std::vector<plant_sim::lab::StopSource> sources;
     for (const char* maneuver : {"light", "medium_b", "heavy"})
         for (std::uint64_t seed = 1; seed <= 6; ++seed) {
             const std::string folder = fmt::format("{}-{}", maneuver, seed);
             write_log(dir, folder, landing_of(maneuver, seed, seed % 2 == 0 ? "wet_asphalt" : "dry_asphalt"));
             sources.push_back({maneuver, dir.path() / folder});
         }
-    const auto classes = plant_sim::load_stops(sources, quiet());
+    const auto classes = plant_sim::lab::load_stops(sources, quiet());
     REQUIRE(classes.size() == 3);
     const std::map<std::string, double> prescribed{{"light", 49.0}, {"medium", 53.0}, {"heavy", 61.0}};
-    for (const plant_sim::ClassStops& c : classes) {
+    for (const plant_sim::lab::ClassStops& c : classes) {
         INFO(c.friction_class);
         REQUIRE(c.stops.size() == 6);
         const wear::FrictionDynamics found = wear::learn_dynamics(c.stops, {});
@@ -88,90 +88,91 @@ TEST_CASE("curves learnt from bus logs of the virtual rig are its own", "[WEAR-0
 TEST_CASE("a folder's summary says which maneuver it was; what was aborted is passed over", "[WEAR-040]") {
     const TempDir dir;
     const std::string log = landing_of("light", 1);
-    rig::Summary summary;
+    rig::record::Summary summary;
     summary.scenario = "light";
     summary.outcome = "finished";
     for (const char* folder : {"campaign/0001", "campaign/0002", "campaign/0003"}) {
         write_log(dir, folder, log);
-        rig::write_summary(dir.path() / folder / "summary.json", summary);
+        rig::record::write_summary(dir.path() / folder / "summary.json", summary);
         summary.outcome = summary.outcome == "finished" ? "load lost" : "finished";
     }
     std::vector<std::string> said;
-    plant_sim::StopFiles files = quiet();
+    plant_sim::lab::StopFiles files = quiet();
     files.warn = [&](const std::string& line) { said.push_back(line); };
-    const auto classes = plant_sim::load_stops({{"", dir.path()}}, files);
+    const auto classes = plant_sim::lab::load_stops({{"", dir.path()}}, files);
     REQUIRE(classes.size() == 1);
     CHECK(classes[0].friction_class == "light");
     CHECK(classes[0].stops.size() == 2);
     REQUIRE(said.size() == 1);
     CHECK_THAT(said[0], ContainsSubstring("load lost"));
-    CHECK_THROWS_WITH(plant_sim::load_stops({{"", write_log(dir, "alone", log).parent_path()}}, files), ContainsSubstring("write e.g. light="));
-    CHECK_THROWS_WITH(plant_sim::load_stops({{"leight", dir.path()}}, files),
+    CHECK_THROWS_WITH(plant_sim::lab::load_stops({{"", write_log(dir, "alone", log).parent_path()}}, files), ContainsSubstring("write e.g. light="));
+    CHECK_THROWS_WITH(plant_sim::lab::load_stops({{"leight", dir.path()}}, files),
                       ContainsSubstring("neither a friction class (light, medium, heavy) nor a maneuver"));
-    CHECK_THROWS_WITH(plant_sim::load_stops({{"light", dir.path() / "nowhere"}}, files), ContainsSubstring("is not there"));
-    CHECK_THROWS_WITH(plant_sim::load_stops({{"light", write_log(dir, "cut", log.substr(0, 40000))}}, files), ContainsSubstring("no braking in it"));
+    CHECK_THROWS_WITH(plant_sim::lab::load_stops({{"light", dir.path() / "nowhere"}}, files), ContainsSubstring("is not there"));
+    CHECK_THROWS_WITH(plant_sim::lab::load_stops({{"light", write_log(dir, "cut", log.substr(0, 40000))}}, files),
+                      ContainsSubstring("no braking in it"));
 }
 
 TEST_CASE("a CSV is a stop when its columns say so", "[WEAR-040]") {
     const std::string head = "time_s,speed_mps,pressure_Pa,brake_torque_Nm\n";
     const wear::RecordedStop stop =
-        plant_sim::parse_stop("a.csv",
-                              "# "
-                              "said\nnote,pressure_Pa,time_s,brake_torque_Nm,speed_mps\nx,0,0,0,51\nx,0,1,0,50\n\nx,1e6,2,900,49\n",
-                              3e-3);
+        plant_sim::lab::parse_stop("a.csv",
+                                   "# "
+                                   "said\nnote,pressure_Pa,time_s,brake_torque_Nm,speed_mps\nx,0,0,0,51\nx,0,1,0,50\n\nx,1e6,2,900,49\n",
+                                   3e-3);
     REQUIRE(stop.samples.size() == 3);
     CHECK(stop.brake_on_mps == 50.0);
     CHECK(stop.samples[2].brake_torque_Nm == 900.0);
-    const auto refusal = [](const std::string& csv) {
+    const auto rejection = [](const std::string& csv) {
         try {
-            (void)plant_sim::parse_stop("a.csv", csv, 3e-3);
+            (void)plant_sim::lab::parse_stop("a.csv", csv, 3e-3);
         } catch (const settings::Error& e) {
             return std::string(e.what());
         }
         return std::string("accepted");
     };
-    CHECK_THAT(refusal(""), ContainsSubstring("a.csv: empty"));
-    CHECK_THAT(refusal(head), ContainsSubstring("no row"));
-    CHECK_THAT(refusal("time_s,speed,pressure_Pa,brake_torque_Nm\n"), ContainsSubstring("a.csv:1: speed_mps: no such column"));
-    CHECK_THAT(refusal(head + "0,50,1e6,nan\n"), ContainsSubstring("a.csv:2: brake_torque_Nm: 'nan'"));
-    CHECK_THAT(refusal(head + "0,50,1e6\n"), ContainsSubstring("a.csv:2: has 3 fields"));
-    CHECK_THAT(refusal(head + "1,50,1e6,9\n0,50,1e6,9\n"), ContainsSubstring("a.csv:3: time_s"));
-    CHECK_THAT(refusal(head + "0,50,0,0\n1,49,0,0\n"), ContainsSubstring("no pressure"));
+    CHECK_THAT(rejection(""), ContainsSubstring("a.csv: empty"));
+    CHECK_THAT(rejection(head), ContainsSubstring("no row"));
+    CHECK_THAT(rejection("time_s,speed,pressure_Pa,brake_torque_Nm\n"), ContainsSubstring("a.csv:1: speed_mps: no such column"));
+    CHECK_THAT(rejection(head + "0,50,1e6,nan\n"), ContainsSubstring("a.csv:2: brake_torque_Nm: 'nan'"));
+    CHECK_THAT(rejection(head + "0,50,1e6\n"), ContainsSubstring("a.csv:2: has 3 fields"));
+    CHECK_THAT(rejection(head + "1,50,1e6,9\n0,50,1e6,9\n"), ContainsSubstring("a.csv:3: time_s"));
+    CHECK_THAT(rejection(head + "0,50,0,0\n1,49,0,0\n"), ContainsSubstring("no pressure"));
 }
 
 TEST_CASE("the plant takes learnt curves over, class by class, and refuses what is none", "[WEAR-040]") {
     const TempDir dir;
-    plant_sim::ClassDynamics learnt;
+    plant_sim::lab::ClassDynamics learnt;
     learnt.data.friction_class = "heavy";
     learnt.data.stops.resize(3);
     learnt.found.curve = {1.3, -0.9, 0.45, 0.0};
     learnt.found.order = 2;
-    plant::ManeuverChoice choice;
-    choice.friction_curves = dir.write("curves.toml", plant_sim::to_toml({learnt}, {"c", "d"}));
-    const plant::LoadedRig with = plant::load_rig("config", choice);
+    rig::ManeuverChoice choice;
+    choice.friction_curves = dir.write("curves.toml", plant_sim::lab::to_toml({learnt}, {"c", "d"}));
+    const rig::LoadedRig with = rig::load_rig("config", choice);
     for (std::size_t k = 0; k < 4; ++k) CHECK(with.rig.friction_curve[k] == Approx(0.30 * learnt.found.curve[k]));
     CHECK(with.friction_class == "heavy");
     CHECK(std::count(with.files.begin(), with.files.end(), choice.friction_curves) == 1);
     choice.maneuver = "light";
-    CHECK(plant::load_rig("config", choice).rig.friction_curve[0] == Approx(0.30 * 1.10));
+    CHECK(rig::load_rig("config", choice).rig.friction_curve[0] == Approx(0.30 * 1.10));
     choice.friction_curves = dir.write("zero.toml", "[brake.relative_friction]\nheavy = [1.0, -2.0, 0.0, 0.0]\n");
-    CHECK_THROWS_WITH(plant::load_rig("config", choice), ContainsSubstring("zero.toml:2: brake.relative_friction.heavy: falls to zero"));
+    CHECK_THROWS_WITH(rig::load_rig("config", choice), ContainsSubstring("zero.toml:2: brake.relative_friction.heavy: falls to zero"));
     choice.friction_curves = dir.write("none.toml", "[brake.relative_friction]\nhaevy = [1.0, 0.0, 0.0, 0.0]\n");
-    CHECK_THROWS_WITH(plant::load_rig("config", choice), ContainsSubstring("none.toml:2: brake.relative_friction.haevy"));
+    CHECK_THROWS_WITH(rig::load_rig("config", choice), ContainsSubstring("none.toml:2: brake.relative_friction.haevy"));
     choice.friction_curves = dir.write("empty.toml", "[brake.relative_friction]\n");
-    CHECK_THROWS_WITH(plant::load_rig("config", choice), ContainsSubstring("expected one or more of light, medium, heavy"));
+    CHECK_THROWS_WITH(rig::load_rig("config", choice), ContainsSubstring("expected one or more of light, medium, heavy"));
 }
 
 TEST_CASE("the report's JSON has what was learnt", "[WEAR-011]") {
     const TempDir dir;
-    const auto classes = plant_sim::load_stops({{"medium", write_log(dir, "one", landing_of("medium_a", 4))}}, quiet());
-    plant_sim::ClassDynamics learnt{classes.at(0), wear::learn_dynamics(classes.at(0).stops, {}), kTruth.at("medium")};
-    const auto json = nlohmann::json::parse(plant_sim::to_json({learnt}, {"c", "d"}));
+    const auto classes = plant_sim::lab::load_stops({{"medium", write_log(dir, "one", landing_of("medium_a", 4))}}, quiet());
+    plant_sim::lab::ClassDynamics learnt{classes.at(0), wear::learn_dynamics(classes.at(0).stops, {}), kTruth.at("medium")};
+    const auto json = nlohmann::json::parse(plant_sim::lab::to_json({learnt}, {"c", "d"}));
     CHECK(json["config_hash"] == "c");
     CHECK(json["classes"][0]["class"] == "medium");
     CHECK(json["classes"][0]["coefficients"].get<wear::Curve>() == learnt.found.curve);
     CHECK(json["classes"][0]["half_widths_95"].get<wear::Curve>() == learnt.found.half_width);
     CHECK(json["classes"][0]["orders"].size() == 4);
     CHECK(json["classes"][0]["greatest_difference_from_in_force"].get<double>() < 0.01);
-    CHECK_THAT(plant_sim::to_text({learnt}), ContainsSubstring("medium"));
+    CHECK_THAT(plant_sim::lab::to_text({learnt}), ContainsSubstring("medium"));
 }

@@ -10,7 +10,7 @@ namespace {
 
 wear::Model fitted(const wear::Campaign& campaign) {
     wear::FitSettings settings;
-    settings.most_components = 10;
+    settings.max_components = 10;
     settings.starts = 5;
     return wear::model_of(campaign, wear::fit(campaign, settings), settings);
 }

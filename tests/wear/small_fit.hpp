@@ -6,9 +6,9 @@
 #include "rig_bridge/wear/fit.hpp"
 
 /// Up to `most` components, each order from `starts` starts; all else as shipped.
-inline wear::FitSettings small(std::size_t most, int starts) {
+inline wear::FitSettings small(std::size_t max, int starts) {
     wear::FitSettings s;
-    s.most_components = most;
+    s.max_components = max;
     s.starts = starts;
     return s;
 }

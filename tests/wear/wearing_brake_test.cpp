@@ -62,7 +62,7 @@ TEST_CASE("the next friction follows from seed, number of the maneuver and energ
     }
     CHECK(whole.state() == wear::BrakeState{9, 100, 2000e6});
     CHECK(whole.next_friction() != WearingBrake(wear, {}, {8, 100, 2000e6}).next_friction());
-    CHECK(WearingBrake(wear, {}, {1, 0, 1e12}).next_friction() >= wear::kLeastFriction);
+    CHECK(WearingBrake(wear, {}, {1, 0, 1e12}).next_friction() >= wear::kMinFriction);
 }
 
 TEST_CASE("a wearing brake that makes no sense is refused", "[WEAR-009]") {
@@ -80,31 +80,31 @@ TEST_CASE("[brake.wear] is read whole or refused with its key", "[WEAR-011]") {
     CHECK(good.life_J == 3.9e9);
     CHECK(good.file == "config/wear/model.json");
     CHECK(good.model->data.maneuvers == 500);
-    const auto refused = [](const std::string& from, const std::string& to) {
+    const auto rejected = [](const std::string& from, const std::string& to) {
         std::string text = kGood;
         text.replace(text.find(from), from.size(), to);
-        return refusal_of([&] { return loaded(text); });
+        return rejection_of([&] { return loaded(text); });
     };
-    CHECK(refused("energy_scale = 8.0", "").key() == "brake.wear.energy_scale");
-    CHECK(refused("friction_scale = 1.1", "friction_scale = 0.0").key() == "brake.wear.friction_scale");
-    CHECK(refused("life_J", "life_MJ").key() == "brake.wear.life_MJ");
-    CHECK(refused("life_J = 3.9e9", "life_J = 3.9e9\nextra = 1").key() == "brake.wear.extra");
-    const settings::Error none = refused("wear/model.json", "wear/nothing.json");
+    CHECK(rejected("energy_scale = 8.0", "").key() == "brake.wear.energy_scale");
+    CHECK(rejected("friction_scale = 1.1", "friction_scale = 0.0").key() == "brake.wear.friction_scale");
+    CHECK(rejected("life_J", "life_MJ").key() == "brake.wear.life_MJ");
+    CHECK(rejected("life_J = 3.9e9", "life_J = 3.9e9\nextra = 1").key() == "brake.wear.extra");
+    const settings::Error none = rejected("wear/model.json", "wear/nothing.json");
     CHECK(none.line() == 2);
     CHECK_THAT(none.what(), ContainsSubstring("config/wear/nothing.json is no file"));
     // What is wrong with the model's own file is said of that file.
     const TemporaryDirectory directory;
     std::filesystem::create_directory(directory / "wear");
     put(directory / "wear/model.json", content_of("config/wear/model.json").substr(0, 300));
-    CHECK(refusal_of([&] { return loaded(kGood, directory.path()); }).file() == (directory / "wear/model.json").string());
+    CHECK(rejection_of([&] { return loaded(kGood, directory.path()); }).file() == (directory / "wear/model.json").string());
 }
 
 TEST_CASE("both rigs' brakes start at their nominal friction and are worn at the end of their life", "[WEAR-011]") {
-    for (const char* maneuver : {"heavy", plant::kEndurance}) {
+    for (const char* maneuver : {"heavy", rig::kEndurance}) {
         CAPTURE(maneuver);
-        plant::ManeuverChoice choice;
+        rig::ManeuverChoice choice;
         choice.maneuver = maneuver;
-        const plant::LoadedRig rig = plant::load_rig("config", choice);
+        const rig::LoadedRig rig = rig::load_rig("config", choice);
         const auto at = [&](double c_e_J) { return wear::expected_friction_at(*rig.wear.model, rig.wear.scale, kExactMixture, c_e_J); };
         CHECK(at(0.0) == Approx(rig.rig.mean_friction).margin(0.01));
         CHECK(at(rig.wear.life_J) > 0.17);

@@ -120,8 +120,8 @@ CLI::Option* add_out(CLI::App& app, std::filesystem::path& directory, const std:
 }
 
 CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& default_is) {
-    constexpr unsigned kMost = 1024;
-    return app.add_option("--threads", threads, "results do not depend on it (default: " + default_is + ")")->check(CLI::Range(1U, kMost));
+    constexpr unsigned kMax = 1024;
+    return app.add_option("--threads", threads, "results do not depend on it (default: " + default_is + ")")->check(CLI::Range(1U, kMax));
 }
 
 CLI::Option* add_json(CLI::App& app, std::string& where, const std::string& what) {

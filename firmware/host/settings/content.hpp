@@ -50,9 +50,9 @@ struct Table::Scope {
     [[nodiscard]] std::uint32_t line_of(std::string_view key) const;
     [[nodiscard]] std::uint32_t line() const;
 
-    [[noreturn]] void refuse(std::uint32_t line, std::string_view key, const std::string& message) const;
-    [[noreturn]] void refuse_unknown(std::string_view key) const;
-    [[noreturn]] void refuse_type(const toml::node& node, std::string_view key, std::string_view expected) const;
+    [[noreturn]] void reject(std::uint32_t line, std::string_view key, const std::string& message) const;
+    [[noreturn]] void reject_unknown(std::string_view key) const;
+    [[noreturn]] void reject_type(const toml::node& node, std::string_view key, std::string_view expected) const;
 };
 
 /// A key that nobody asked for.

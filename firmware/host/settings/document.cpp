@@ -11,7 +11,7 @@ namespace {
 
 /// The parser builds one table inside another for every dot of a dotted key and takes them down recursively,
 /// so the length of a line bounds the stack it needs.
-void refuse_long_lines(std::string_view text, const std::string& name) {
+void reject_long_lines(std::string_view text, const std::string& name) {
     constexpr std::size_t kLongestLine = 4096;
     std::uint32_t line = 1;
     while (!text.empty()) {
@@ -29,7 +29,7 @@ Document Document::load(const std::filesystem::path& path) {
 }
 
 Document Document::parse(std::string text, std::string name) {
-    refuse_long_lines(text, name);
+    reject_long_lines(text, name);
     auto content = std::make_shared<Content>();
     content->name = std::move(name);
     content->text = std::move(text);
@@ -57,7 +57,7 @@ void Document::finish() const {
         table.scope_->inspect(unknown, pending);
     }
     const auto first = std::min_element(unknown.begin(), unknown.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
-    if (first != unknown.end()) first->scope.refuse_unknown(first->key);
+    if (first != unknown.end()) first->scope.reject_unknown(first->key);
 }
 
 }  // namespace settings

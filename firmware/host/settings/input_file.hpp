@@ -9,8 +9,8 @@
 namespace settings {
 
 /// No settings file is larger.
-inline constexpr std::size_t kMostSettings = 16U << 20U;
+inline constexpr std::size_t kMaxSettings = 16U << 20U;
 /// The bytes of a file. Error when it is absent, a directory, unreadable, or larger than `most`.
-[[nodiscard]] std::string read_file(const std::filesystem::path& path, std::size_t most = kMostSettings);
+[[nodiscard]] std::string read_file(const std::filesystem::path& path, std::size_t max = kMaxSettings);
 
 }  // namespace settings

@@ -10,9 +10,9 @@ namespace settings {
 namespace {
 
 std::string shortened(std::string_view text) {
-    constexpr std::size_t kMostBytes = 60;
-    if (text.size() <= kMostBytes) return printable(text);
-    auto end = kMostBytes;
+    constexpr std::size_t kMaxBytes = 60;
+    if (text.size() <= kMaxBytes) return printable(text);
+    auto end = kMaxBytes;
     while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // not inside a UTF-8 character
     return printable(text.substr(0, end)) + "...";
 }
@@ -63,10 +63,10 @@ const toml::node& Table::Scope::get(std::string_view key) const {
     if (const auto* node = find(key)) return *node;
     const auto candidates = unknown_keys();
     for (const auto candidate : candidates) {
-        if (differs_in_unit(key, candidate)) refuse(line_of(candidate), candidate, wrong_unit(key, candidate));
+        if (differs_in_unit(key, candidate)) reject(line_of(candidate), candidate, wrong_unit(key, candidate));
     }
-    if (const auto near = nearest(key, candidates); !near.empty()) refuse(line_of(near), key, "missing; is '" + printable(near) + "' a slip of it?");
-    refuse(line(), key, "missing");
+    if (const auto near = nearest(key, candidates); !near.empty()) reject(line_of(near), key, "missing; is '" + printable(near) + "' a slip of it?");
+    reject(line(), key, "missing");
 }
 
 void Table::Scope::inspect(std::vector<Unknown>& unknown, std::vector<Table>& known_tables) const {
@@ -116,11 +116,11 @@ std::vector<std::string_view> Table::Scope::unknown_keys() const {
     return unknown;
 }
 
-void Table::Scope::refuse(std::uint32_t line, std::string_view key, const std::string& message) const {
+void Table::Scope::reject(std::uint32_t line, std::string_view key, const std::string& message) const {
     throw Error(content->name, line, path_of(key), message);
 }
 
-void Table::Scope::refuse_unknown(std::string_view key) const {
+void Table::Scope::reject_unknown(std::string_view key) const {
     std::vector<std::string_view> missing;
     std::vector<std::string_view> known;
     for (const auto& asked : content->asked[table]) {
@@ -128,17 +128,17 @@ void Table::Scope::refuse_unknown(std::string_view key) const {
         if (!table->contains(asked)) missing.emplace_back(asked);
     }
     for (const auto expected : missing) {
-        if (differs_in_unit(expected, key)) refuse(line_of(key), key, wrong_unit(expected, key));
+        if (differs_in_unit(expected, key)) reject(line_of(key), key, wrong_unit(expected, key));
     }
     auto near = nearest(key, missing);
     if (near.empty()) near = nearest(key, known);
-    refuse(line_of(key), key,
+    reject(line_of(key), key,
            std::string("unknown ") + (table->get(key)->is_table() ? "table" : "key") +
                (near.empty() ? "" : "; did you mean '" + printable(near) + "'?"));
 }
 
-void Table::Scope::refuse_type(const toml::node& node, std::string_view key, std::string_view expected) const {
-    refuse(node.source().begin.line, key, "expected " + std::string(expected) + ", got " + described(node));
+void Table::Scope::reject_type(const toml::node& node, std::string_view key, std::string_view expected) const {
+    reject(node.source().begin.line, key, "expected " + std::string(expected) + ", got " + described(node));
 }
 
 }  // namespace settings

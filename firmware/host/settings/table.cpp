@@ -39,11 +39,11 @@ std::string wrong_count(std::size_t count, const Count& allowed, const std::stri
 
 /// `node` as number() takes it; `refuse(message)` throws.
 template <typename Refuse>
-double number_of(const toml::node& node, const Range& range, const Refuse& refuse) {
-    if (!node.is_number()) refuse("expected a number, got " + described(node));
+double number_of(const toml::node& node, const Range& range, const Refuse& reject) {
+    if (!node.is_number()) reject("expected a number, got " + described(node));
     const double value = node.is_integer() ? static_cast<double>(node.as_integer()->get()) : node.as_floating_point()->get();
-    if (!std::isfinite(value)) refuse("expected a finite number, got " + shown(value));
-    if (const auto reason = out_of(value, shown(value), range); !reason.empty()) refuse(reason);
+    if (!std::isfinite(value)) reject("expected a finite number, got " + shown(value));
+    if (const auto reason = out_of(value, shown(value), range); !reason.empty()) reject(reason);
     return value;
 }
 
@@ -57,12 +57,12 @@ std::string listed(std::span<const std::string_view> names) {
 
 double Table::number(std::string_view key, const Range& range) const {
     const auto& node = scope_->get(key);
-    return number_of(node, range, [&](const std::string& message) { scope_->refuse(node.source().begin.line, key, message); });
+    return number_of(node, range, [&](const std::string& message) { scope_->reject(node.source().begin.line, key, message); });
 }
 
 std::int64_t Table::integer_within(std::string_view key, const IntegerRange& range) const {
     const auto& node = scope_->get(key);
-    if (!node.is_integer()) scope_->refuse_type(node, key, "an integer");
+    if (!node.is_integer()) scope_->reject_type(node, key, "an integer");
     const auto value = node.as_integer()->get();
     if (const auto reason = out_of(value, std::to_string(value), range); !reason.empty()) fail(key, reason);
     return value;
@@ -70,13 +70,13 @@ std::int64_t Table::integer_within(std::string_view key, const IntegerRange& ran
 
 bool Table::boolean(std::string_view key) const {
     const auto& node = scope_->get(key);
-    if (!node.is_boolean()) scope_->refuse_type(node, key, "true or false");
+    if (!node.is_boolean()) scope_->reject_type(node, key, "true or false");
     return node.as_boolean()->get();
 }
 
 std::string Table::text(std::string_view key) const {
     const auto& node = scope_->get(key);
-    if (!node.is_string()) scope_->refuse_type(node, key, "a string");
+    if (!node.is_string()) scope_->reject_type(node, key, "a string");
     auto value = node.as_string()->get();
     if (value.empty()) fail(key, "expected a string of at least one character");
     return value;
@@ -84,7 +84,7 @@ std::string Table::text(std::string_view key) const {
 
 std::size_t Table::index_of_choice(std::string_view key, std::span<const std::string_view> names) const {
     const auto& node = scope_->get(key);
-    if (!node.is_string()) scope_->refuse_type(node, key, "one of " + listed(names));
+    if (!node.is_string()) scope_->reject_type(node, key, "one of " + listed(names));
     const auto& word = node.as_string()->get();
     const auto found = std::find(names.begin(), names.end(), word);
     if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
@@ -95,15 +95,15 @@ std::size_t Table::index_of_choice(std::string_view key, std::span<const std::st
 std::vector<double> Table::numbers(std::string_view key, const NumbersRule& rule) const {
     const auto& node = scope_->get(key);
     const auto* array = node.as_array();
-    if (array == nullptr) scope_->refuse_type(node, key, "an array of numbers");
+    if (array == nullptr) scope_->reject_type(node, key, "an array of numbers");
     std::vector<double> values;
     for (const auto& element : *array) {
-        const auto refuse = [&](const std::string& message) {
+        const auto reject = [&](const std::string& message) {
             throw Error(file(), element.source().begin.line, scope_->path_of(key) + "[" + std::to_string(values.size()) + "]", message);
         };
-        const double value = number_of(element, rule.range, refuse);
+        const double value = number_of(element, rule.range, reject);
         if (rule.strictly_increasing && !values.empty() && value <= values.back())
-            refuse(shown(value) + " is not above " + shown(values.back()) + ", the number before it");
+            reject(shown(value) + " is not above " + shown(values.back()) + ", the number before it");
         values.push_back(value);
     }
     if (const auto reason = wrong_count(values.size(), rule.count, "numbers"); !reason.empty()) fail(key, reason);
@@ -112,7 +112,7 @@ std::vector<double> Table::numbers(std::string_view key, const NumbersRule& rule
 
 Table Table::table(std::string_view key) const {
     const auto& node = scope_->get(key);
-    if (!node.is_table()) scope_->refuse_type(node, key, "a table");
+    if (!node.is_table()) scope_->reject_type(node, key, "a table");
     return scope_->below(*node.as_table(), key);
 }
 
@@ -121,10 +121,10 @@ std::vector<Table> Table::tables(std::string_view key, const Count& count) const
     const auto& node = scope_->get(key);
     if (node.is_table()) return scope_->below(*node.as_table(), key).tables(count);
     const auto* array = node.as_array();
-    if (array == nullptr) scope_->refuse_type(node, key, "tables");
+    if (array == nullptr) scope_->reject_type(node, key, "tables");
     std::vector<Table> found;
     for (const auto& element : *array) {
-        if (!element.is_table()) scope_->refuse_type(element, key, "an array of tables only");
+        if (!element.is_table()) scope_->reject_type(element, key, "an array of tables only");
         found.push_back(scope_->below(*element.as_table(), key, found.size()));
     }
     if (const auto reason = wrong_count(found.size(), count, "tables"); !reason.empty()) fail(key, reason);
@@ -135,7 +135,7 @@ std::vector<Table> Table::tables(const Count& count) const {
     std::vector<std::pair<toml::source_position, Table>> placed;
     for (const auto& [key, unused] : *scope_->table) {
         const auto& node = scope_->get(key.str());
-        if (!node.is_table()) scope_->refuse_type(node, key.str(), "a table");
+        if (!node.is_table()) scope_->reject_type(node, key.str(), "a table");
         placed.emplace_back(key.source().begin, scope_->below(*node.as_table(), key.str()));
     }
     std::sort(placed.begin(), placed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -161,7 +161,7 @@ const std::string& Table::file() const {
 }
 
 void Table::fail(std::string_view key, const std::string& message) const {
-    scope_->refuse(scope_->line_of(key), key, message);
+    scope_->reject(scope_->line_of(key), key, message);
 }
 
 }  // namespace settings

@@ -53,7 +53,7 @@ double between(double low, double high, double strength) {
     return low * std::pow(high / low, strength);
 }
 
-Fault draw(Pair what, plant::Random& random) {
+Fault draw(Pair what, rig::Random& random) {
     constexpr double kRarest = 0.02;
     constexpr double kShortest_s = 5e-3;
     constexpr double kLongest_s = 1.0;
@@ -62,8 +62,8 @@ Fault draw(Pair what, plant::Random& random) {
     const double share = uniform(random);
     fault.share = share < 0.4 ? 1.0 : between(kRarest, 1.0, uniform(random));
     // Nobody can hear a stop of which no frame arrives: a wire that is cut is what a rig's own emergency chain is for.
-    constexpr double kMostOfStop = 0.9;
-    if (what.signal == Signal::emergency_stop) fault.share = std::min(fault.share, kMostOfStop);
+    constexpr double kMaxOfStop = 0.9;
+    if (what.signal == Signal::emergency_stop) fault.share = std::min(fault.share, kMaxOfStop);
     fault.negative = uniform(random) < 0.5;
     const bool lasting = uniform(random) < 0.5;
     fault.lasts_s = lasting ? Fault::kForGood : between(kShortest_s, kLongest_s, uniform(random));

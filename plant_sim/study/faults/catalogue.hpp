@@ -96,10 +96,10 @@ struct Fault {
 };
 
 /// Half of all faults last for good.
-[[nodiscard]] Fault draw(Pair what, plant::Random& random);
+[[nodiscard]] Fault draw(Pair what, rig::Random& random);
 
 /// Even in [0, 1).
-[[nodiscard]] inline double uniform(plant::Random& random) {
+[[nodiscard]] inline double uniform(rig::Random& random) {
     return static_cast<double>(random.bits() >> 11U) * 0x1.0p-53;
 }
 /// Between `low` and `high`, both above 0, even in its logarithm, at `strength` 0 to 1.

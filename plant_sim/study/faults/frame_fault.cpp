@@ -12,7 +12,7 @@ constexpr std::size_t kRemembered = 500;
 }
 
 FrameFault::FrameFault(const Fault& fault, const antiskid::can::Layout& layout, antiskid::can::Role role)
-    : fault_(fault), message_(layout[role]), most_delay_(role == antiskid::can::Role::valve ? 20.0 : 200.0) {}
+    : fault_(fault), message_(layout[role]), max_delay_(role == antiskid::can::Role::valve ? 20.0 : 200.0) {}
 
 void FrameFault::arrive(const Frame& frame, std::int64_t period) {
     const auto later = std::find_if(under_way_.begin(), under_way_.end(), [period](const Arrival& a) { return a.period > period; });
@@ -31,7 +31,7 @@ Frame FrameFault::with_counter(const Frame& frame, std::uint64_t counter) const 
     return wrong;
 }
 
-void FrameFault::hit(Frame frame, std::int64_t period, plant::Random& random) {
+void FrameFault::hit(Frame frame, std::int64_t period, rig::Random& random) {
     switch (fault_.what.kind) {
         case Kind::drop:
             return;
@@ -61,7 +61,7 @@ void FrameFault::hit(Frame frame, std::int64_t period, plant::Random& random) {
     }
 }
 
-void FrameFault::send(const Frame& live, bool active, std::int64_t period, plant::Random& random) {
+void FrameFault::send(const Frame& live, bool active, std::int64_t period, rig::Random& random) {
     if (sent_.size() < kRemembered) {
         sent_.push_back(live);
     } else {
@@ -73,10 +73,10 @@ void FrameFault::send(const Frame& live, bool active, std::int64_t period, plant
         arrive(*held_, period);
         held_.reset();
     } else if (active && fault_.what.kind == Kind::delay) {
-        arrive(live, period + static_cast<std::int64_t>(between(2.0, most_delay_, fault_.strength)));
+        arrive(live, period + static_cast<std::int64_t>(between(2.0, max_delay_, fault_.strength)));
     } else if (active && fault_.what.kind == Kind::jitter) {
-        const double most = between(1.0, std::min(50.0, most_delay_), fault_.strength);
-        in_order_ = std::max(in_order_, period + static_cast<std::int64_t>((most + 1.0) * uniform(random)));
+        const double max = between(1.0, std::min(50.0, max_delay_), fault_.strength);
+        in_order_ = std::max(in_order_, period + static_cast<std::int64_t>((max + 1.0) * uniform(random)));
         arrive(live, in_order_);
     } else if (active && uniform(random) < fault_.share) {
         hit(live, period, random);

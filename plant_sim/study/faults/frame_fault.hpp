@@ -27,12 +27,12 @@ class FrameFault {
     FrameFault(const Fault& fault, const antiskid::can::Layout& layout, antiskid::can::Role role);
 
     /// A live frame, sent in period `period`.
-    void send(const antiskid::can::Frame& live, bool active, std::int64_t period, plant::Random& random);
+    void send(const antiskid::can::Frame& live, bool active, std::int64_t period, rig::Random& random);
     /// The next frame that has arrived by `period`; none: no more in this period.
     [[nodiscard]] std::optional<antiskid::can::Frame> receive(std::int64_t period);
 
   private:
-    void hit(antiskid::can::Frame frame, std::int64_t period, plant::Random& random);
+    void hit(antiskid::can::Frame frame, std::int64_t period, rig::Random& random);
     void arrive(const antiskid::can::Frame& frame, std::int64_t period);
     [[nodiscard]] antiskid::can::Frame with_counter(const antiskid::can::Frame& frame, std::uint64_t counter) const;
 
@@ -42,7 +42,7 @@ class FrameFault {
     };
     Fault fault_;
     const antiskid::can::Message& message_;
-    double most_delay_;              // periods
+    double max_delay_;               // periods
     std::deque<Arrival> under_way_;  // by period; equal ones as they were sent
     std::vector<antiskid::can::Frame> sent_;
     std::size_t oldest_ = 0;

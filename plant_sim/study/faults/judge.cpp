@@ -13,7 +13,7 @@ void Judge::observe(const Observation& seen) {
     passed_s_ += seen.period_s;
     named_.insert(seen.named);
     if (!seen.named.empty() && named_after_s_ < 0.0) named_after_s_ = passed_s_;
-    fell_silent_ = fell_silent_ || !seen.heard;
+    fell_silent_ = fell_silent_ || !seen.reception;
     permitted_ = permitted_ || (seen.state > State::standby && seen.state < State::safe);
     lock_protection_ = lock_protection_ || seen.state == State::locked_wheel;
 
@@ -23,7 +23,7 @@ void Judge::observe(const Observation& seen) {
     const bool given_up = (seen.state == State::safe || seen.state == State::self_test) && driver_safe;
     const double unasked_Pa = given_up ? 0.0 : seen.pressure_Pa - seen.asked_Pa;
     unasked_s_ = unasked_Pa > bounds_.unasked_Pa ? unasked_s_ + seen.period_s : 0.0;
-    if (unasked_s_ > 0.0) most_unasked_Pa_ = std::max(most_unasked_Pa_, unasked_Pa);
+    if (unasked_s_ > 0.0) max_uncommanded_Pa_ = std::max(max_uncommanded_Pa_, unasked_Pa);
     if (unasked_s_ > bounds_.unasked_s) raise(Hazard::unasked_pressure);
 
     const bool locked =
@@ -40,9 +40,12 @@ void Judge::observe(const Observation& seen) {
     if (expected_.emergency_stop && !stop_heard_ && passed_s_ > bounds_.stop_within_s) raise(Hazard::stop_not_heard);
 }
 
-Verdict Judge::verdict(bool stood) const {
-    Verdict v{
-        .hazard = hazard_, .named = named_, .named_after_s = named_after_s_, .longest_lock_s = longest_lock_s_, .most_unasked_Pa = most_unasked_Pa_};
+Judgement Judge::verdict(bool stood) const {
+    Judgement v{.hazard = hazard_,
+                .named = named_,
+                .named_after_s = named_after_s_,
+                .longest_lock_s = longest_lock_s_,
+                .max_uncommanded_Pa = max_uncommanded_Pa_};
     const double sound_m = expected_.sound_distance_m - begun_at_m_;
     const double took_m = now_m_ - begun_at_m_;
     v.distance_share = sound_m > 0.0 ? took_m / sound_m : 1.0;

@@ -61,7 +61,7 @@ struct Observation {
     double driver_mA = 0.0;  ///< the current that the valve's driver was told
     antiskid::control::State state{};
     antiskid::control::FaultSet named;
-    bool heard = true;  ///< the valve's driver has had a command within its own limit
+    bool reception = true;  ///< the valve's driver has had a command within its own limit
 };
 
 /// What the run was for.
@@ -72,15 +72,15 @@ struct Expectation {
     bool emergency_stop = false;  ///< pressed when the fault begins
 };
 
-struct Verdict {
+struct Judgement {
     Outcome outcome{};
     Hazard hazard{};
     antiskid::control::FaultSet named;  ///< latched since the fault began
     double named_after_s = -1.0;        ///< from the fault's begin to the first name; negative: none
     double distance_share = 1.0;        ///< from the fault's begin to the end, against the sound run's
     double longest_lock_s = 0.0;
-    double most_unasked_Pa = 0.0;
-    bool operator==(const Verdict&) const = default;
+    double max_uncommanded_Pa = 0.0;
+    bool operator==(const Judgement&) const = default;
 };
 
 class Judge {
@@ -90,7 +90,7 @@ class Judge {
     /// Every period from the one in which the fault begins.
     void observe(const Observation& seen);
     /// `stood`: the aircraft came to rest.
-    [[nodiscard]] Verdict verdict(bool stood) const;
+    [[nodiscard]] Judgement verdict(bool stood) const;
 
   private:
     void raise(Hazard hazard) {
@@ -111,7 +111,7 @@ class Judge {
     double passed_s_ = 0.0;
     double named_after_s_ = -1.0;
     double unasked_s_ = 0.0;
-    double most_unasked_Pa_ = 0.0;
+    double max_uncommanded_Pa_ = 0.0;
     double lock_s_ = 0.0;
     double longest_lock_s_ = 0.0;
     std::uint32_t not_safe_yet_ = 0;  // periods

@@ -4,7 +4,7 @@ namespace faults {
 
 using antiskid::control::Time;
 
-MachineFault::Effect MachineFault::effect(bool active, plant::Random& random) {
+MachineFault::Effect MachineFault::effect(bool active, rig::Random& random) {
     Effect effect{.clock = clock_};
     if (fault_.what.signal != Signal::controller || !active) return effect;
     const std::int64_t period = periods_++;

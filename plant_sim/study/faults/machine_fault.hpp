@@ -21,7 +21,7 @@ class MachineFault {
         antiskid::control::Time stamps{};  ///< that the frames' stamps are off it
     };
     /// Once a period.
-    [[nodiscard]] Effect effect(bool active, plant::Random& random);
+    [[nodiscard]] Effect effect(bool active, rig::Random& random);
 
   private:
     Fault fault_;

@@ -10,7 +10,7 @@
 
 namespace faults {
 
-void draw_matrix(const Plan& plan, std::span<const Row> rows, const std::filesystem::path& png) {
+void draw_matrix(const FaultPlan& plan, std::span<const Row> rows, const std::filesystem::path& png) {
     const std::size_t columns = kPhaseNames.size() * plan.surfaces.size();
     const std::span<const Pair> pairs = catalogue();
     constexpr int kNothing = -1;
@@ -61,11 +61,11 @@ set title {}
 plot $cells using 1:2:3 with image notitle
 )",
         static_cast<double>(columns) - 0.5, static_cast<double>(pairs.size()) - 0.5,
-        study::gnuplot_quoted(
+        pictures::gnuplot_quoted(
             fmt::format("{} runs, seed {}: the worst outcome of each cell; in each phase from left to right {}", rows.size(), plan.seed, surfaces)));
     constexpr int kWidth = 1150;
     constexpr int kHeight = 1900;
-    study::run_gnuplot(png, kWidth, kHeight, script);
+    pictures::run_gnuplot(png, kWidth, kHeight, script);
 }
 
 }  // namespace faults

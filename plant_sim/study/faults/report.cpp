@@ -41,30 +41,30 @@ struct PairSummary {
 
 }  // namespace
 
-std::string to_csv(const Plan& plan, std::span<const Row> rows) {
+std::string to_csv(const FaultPlan& plan, std::span<const Row> rows) {
     std::string csv =
         "run,signal,kind,phase,surface,repetition,strength,share,negative,lasts_s,begun_s,begun_mps,outcome,"
-        "hazard,named,named_after_s,distance_share,longest_lock_s,most_unasked_Pa\n";
+        "hazard,named,named_after_s,distance_share,longest_lock_s,max_uncommanded_Pa\n";
     const auto number = [](double value, bool there) { return there ? fmt::format("{:.4f}", value) : std::string(); };
     for (const auto& [run, result] : rows) {
-        const Verdict& v = result.verdict;
+        const Judgement& v = result.verdict;
         const bool begun = result.begun_s >= 0.0;
         fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{:.4f},{:.4f},{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.0f}\n", run.number,
                        name(run.fault.what.signal), name(run.fault.what.kind), name(run.phase), plan.surfaces[run.surface].name, run.repetition,
                        run.fault.strength, run.fault.share, run.fault.negative ? 1 : 0,
                        number(run.fault.lasts_s, run.fault.lasts_s < Fault::kForGood), number(result.begun_s, begun), number(result.begun_mps, begun),
                        name(v.outcome), name(v.hazard), text_of(v.named), number(v.named_after_s, v.named_after_s >= 0.0), v.distance_share,
-                       v.longest_lock_s, v.most_unasked_Pa);
+                       v.longest_lock_s, v.max_uncommanded_Pa);
     }
     return csv;
 }
 
-std::string to_json(const Plan& plan, std::span<const Row> rows) {
+std::string to_json(const FaultPlan& plan, std::span<const Row> rows) {
     Counts all{};
     std::map<std::pair<Signal, Kind>, PairSummary> pairs;
     nlohmann::ordered_json unsafe = nlohmann::ordered_json::array();
     for (const auto& [run, result] : rows) {
-        const Verdict& v = result.verdict;
+        const Judgement& v = result.verdict;
         PairSummary& pair = pairs[{run.fault.what.signal, run.fault.what.kind}];
         ++all[static_cast<std::size_t>(v.outcome)];
         ++pair.outcomes[static_cast<std::size_t>(v.outcome)];
@@ -112,14 +112,14 @@ std::string to_json(const Plan& plan, std::span<const Row> rows) {
     return json.dump(2) + "\n";
 }
 
-std::string describe(const Plan& plan, const Case& run) {
+std::string describe(const FaultPlan& plan, const Case& run) {
     return fmt::format("run {}: {} {}, strength {:.3f}, share {:.3f}{}, {}; {} on {}, repetition {}", run.number, name(run.fault.what.signal),
                        name(run.fault.what.kind), run.fault.strength, run.fault.share, run.fault.negative ? ", negative" : "",
                        duration(run.fault.lasts_s), name(run.phase), plan.surfaces[run.surface].name, run.repetition);
 }
 
 std::string describe(const Result& result) {
-    const Verdict& v = result.verdict;
+    const Judgement& v = result.verdict;
     std::string text{name(v.outcome)};
     if (v.hazard != Hazard::none) text += fmt::format(" ({})", name(v.hazard));
     if (result.begun_s < 0.0) return text + ": the stop ended before the fault began";
@@ -128,7 +128,7 @@ std::string describe(const Result& result) {
     return text + fmt::format("; {:.3f} of the sound stop's distance, longest lock under pressure {:.3f} s", v.distance_share, v.longest_lock_s);
 }
 
-std::string to_table(const Plan& plan, std::span<const Row> rows, std::size_t most) {
+std::string to_table(const FaultPlan& plan, std::span<const Row> rows, std::size_t max) {
     std::map<Signal, Counts> signals;
     Counts all{};
     for (const Row& row : rows) {
@@ -144,10 +144,10 @@ std::string to_table(const Plan& plan, std::span<const Row> rows, std::size_t mo
     line("all", all);
     std::size_t shown = 0;
     for (const auto& [run, result] : rows) {
-        if (result.verdict.outcome != Outcome::unsafe || shown++ >= most) continue;
+        if (result.verdict.outcome != Outcome::unsafe || shown++ >= max) continue;
         fmt::format_to(std::back_inserter(text), "  {}\n      {}\n", describe(plan, run), describe(result));
     }
-    if (shown > most) fmt::format_to(std::back_inserter(text), "  and {} more\n", shown - most);
+    if (shown > max) fmt::format_to(std::back_inserter(text), "  and {} more\n", shown - max);
     return text;
 }
 

@@ -8,7 +8,7 @@
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/rig_port.hpp"
 #include "firmware/control/controller.hpp"
-#include "plant_sim/study/faults/campaign.hpp"
+#include "plant_sim/study/faults/fault_campaign.hpp"
 #include "plant_sim/study/faults/frame_fault.hpp"
 #include "plant_sim/study/faults/machine_fault.hpp"
 #include "plant_sim/study/faults/sample_fault.hpp"
@@ -51,7 +51,7 @@ Role role_of(Signal signal) {
 /// Rig, bus, controller and valve driver, and the fault wherever it sits.
 class Bench {
   public:
-    Bench(const Plan& plan, const Case& c, double longest_s)
+    Bench(const FaultPlan& plan, const Case& c, double longest_s)
         : plan_(plan),
           fault_(c.fault),
           random_(c.fault_seed),
@@ -72,7 +72,7 @@ class Bench {
     [[nodiscard]] const antiskid::can::ControllerView& view() const { return rig_port_.controller(); }
     [[nodiscard]] double driver_mA() const { return driver_.current_mA(); }
     /// Whether the valve's driver hears the controller.
-    [[nodiscard]] bool heard() const { return driver_.hears(); }
+    [[nodiscard]] bool reception() const { return driver_.hears(); }
     /// Demand as it is sent; none where it is not armed or the wheel carries no load.
     [[nodiscard]] double asked_Pa() const {
         return asked_.arm && asked_.weight_on_wheels ? plan_.layout.maneuver.demand_Pa.rounded(static_cast<double>(asked_.demand_Pa)) : 0.0;
@@ -83,7 +83,7 @@ class Bench {
         const MachineFault::Effect effect = machine_.effect(active, random_);
         send_samples(active, now, effect);
         std::uint32_t answers = 0;
-        std::array<Frame, ControllerPort::kMostFrames> answer{};
+        std::array<Frame, ControllerPort::kMaxFrames> answer{};
         if (effect.misses_period) {
             ++missed_;
         } else {
@@ -116,7 +116,7 @@ class Bench {
     }
 
   private:
-    static study::SessionOptions options(const Plan& plan, const Case& c, double longest_s) {
+    static study::SessionOptions options(const FaultPlan& plan, const Case& c, double longest_s) {
         study::SessionOptions session = plan.session(c);
         session.longest_s = longest_s;
         return session;
@@ -127,7 +127,7 @@ class Bench {
         sample.load_cells = session_.load_cells();
         sample_.apply(sample, session_, active, random_);
         asked_ = sample.maneuver;
-        std::array<Frame, RigPort::kMostFrames> sent{};
+        std::array<Frame, RigPort::kMaxFrames> sent{};
         const std::size_t count = rig_port_.due_frames(sample, sent);
         const auto arrive = [&](Frame frame) {
             frame.received = now + effect.clock + effect.stamps;
@@ -143,9 +143,9 @@ class Bench {
         while (const auto frame = frames_.receive(steps_)) arrive(*frame);
     }
 
-    const Plan& plan_;
+    const FaultPlan& plan_;
     Fault fault_;
-    plant::Random random_;
+    rig::Random random_;
     study::RigSession session_;
     Controller controller_;
     Time period_;
@@ -169,7 +169,7 @@ constexpr double kLongest_s = 600.0;
 
 }  // namespace
 
-Sound run_sound(const Plan& plan, const Case& c) {
+Sound run_sound(const FaultPlan& plan, const Case& c) {
     Bench bench(plan, c, kLongest_s);
     Sound sound;
     while (!bench.session().done()) {
@@ -186,7 +186,7 @@ Sound run_sound(const Plan& plan, const Case& c) {
     return sound;
 }
 
-Result run_one(const Plan& plan, const Case& c, const Sound& sound, const study::StepObserver& on_step) {
+Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const study::StepObserver& on_step) {
     constexpr double kPatience = 2.0;  // times the sound run's length: nobody brakes any more
     Bench bench(plan, c, kPatience * sound.lasts_s);
     Judge judge({}, {.sound_distance_m = sound.distance_m,
@@ -218,7 +218,7 @@ Result run_one(const Plan& plan, const Case& c, const Sound& sound, const study:
                        .driver_mA = bench.driver_mA(),
                        .state = bench.command().state,
                        .named = bench.command().faults,
-                       .heard = bench.heard()});
+                       .reception = bench.reception()});
     }
     result.verdict = judge.verdict(bench.session().rig().standstill());
     return result;

@@ -10,9 +10,9 @@ namespace {
 
 using antiskid::control::Law;
 
-constexpr Scale kPressure_Pa{.least_bias = 0.1e6, .most_bias = 20e6, .full = 25e6};
-constexpr Scale kDemand_Pa{.least_bias = 0.1e6, .most_bias = 20e6, .full = 32e6};
-constexpr Scale kSlipReference{.least_bias = 0.01, .most_bias = 0.5, .full = 1.0};
+constexpr Scale kPressure_Pa{.min_bias = 0.1e6, .max_bias = 20e6, .full = 25e6};
+constexpr Scale kDemand_Pa{.min_bias = 0.1e6, .max_bias = 20e6, .full = 32e6};
+constexpr Scale kSlipReference{.min_bias = 0.01, .max_bias = 0.5, .full = 1.0};
 
 Scale scale_of(Signal signal) {
     return signal == Signal::pressure ? kPressure_Pa : signal == Signal::demand ? kDemand_Pa : kSlipReference;
@@ -21,13 +21,13 @@ Scale scale_of(Signal signal) {
 /// Full scale of the encoders' electronics.
 constexpr double kFull_radps = 400.0;
 
-double teeth_of(Signal signal, const plant::RigParameters& rig) {
+double teeth_of(Signal signal, const rig::RigParameters& rig) {
     return signal == Signal::flywheel ? rig.flywheel_encoder.teeth : rig.wheel_encoder.teeth;
 }
 
 }  // namespace
 
-SampleFault::SampleFault(const Fault& fault, const plant::RigParameters& rig, double period_s)
+SampleFault::SampleFault(const Fault& fault, const rig::RigParameters& rig, double period_s)
     : fault_(fault),
       value_(fault, scale_of(fault.what.signal)),
       switch_(fault),
@@ -35,7 +35,7 @@ SampleFault::SampleFault(const Fault& fault, const plant::RigParameters& rig, do
       flywheel_radius_m_(rig.flywheel_radius_m),
       period_s_(period_s) {}
 
-void SampleFault::apply_law(antiskid::can::ManeuverSample& maneuver, plant::Random& random) const {
+void SampleFault::apply_law(antiskid::can::ManeuverSample& maneuver, rig::Random& random) const {
     constexpr unsigned kLaws = antiskid::control::kLawCount;
     const auto law = static_cast<unsigned>(maneuver.law);
     unsigned wrong = law;
@@ -45,7 +45,7 @@ void SampleFault::apply_law(antiskid::can::ManeuverSample& maneuver, plant::Rand
     maneuver.law = static_cast<Law>(wrong);
 }
 
-void SampleFault::apply(antiskid::can::RigSample& sample, const study::RigSession& session, bool active, plant::Random& random) {
+void SampleFault::apply(antiskid::can::RigSample& sample, const study::RigSession& session, bool active, rig::Random& random) {
     const plant::Rig& rig = session.rig();
     const double now_s = rig.time_s();
     const auto number = [&](float& value) { value = static_cast<float>(value_.apply(static_cast<double>(value), active, random)); };

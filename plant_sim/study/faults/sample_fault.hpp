@@ -14,11 +14,11 @@ class SampleFault {
   public:
     static constexpr double kPressed_s = 0.5;
 
-    SampleFault(const Fault& fault, const plant::RigParameters& rig, double period_s);
-    void apply(antiskid::can::RigSample& sample, const study::RigSession& session, bool active, plant::Random& random);
+    SampleFault(const Fault& fault, const rig::RigParameters& rig, double period_s);
+    void apply(antiskid::can::RigSample& sample, const study::RigSession& session, bool active, rig::Random& random);
 
   private:
-    void apply_law(antiskid::can::ManeuverSample& maneuver, plant::Random& random) const;
+    void apply_law(antiskid::can::ManeuverSample& maneuver, rig::Random& random) const;
 
     Fault fault_;
     ValueFault value_;

@@ -10,11 +10,11 @@ namespace faults {
 
 using antiskid::can::SpeedSample;
 
-double ValueFault::apply(double value, bool active, plant::Random& random) {
+double ValueFault::apply(double value, bool active, rig::Random& random) {
     if (!active) return value;
     if (!begun_) at_start_ = value;
     begun_ = true;
-    const double size = between(scale_.least_bias, scale_.most_bias, fault_.strength);
+    const double size = between(scale_.min_bias, scale_.max_bias, fault_.strength);
     const double offset = fault_.negative ? -size : size;
     switch (fault_.what.kind) {
         case Kind::freeze:
@@ -34,7 +34,7 @@ double ValueFault::apply(double value, bool active, plant::Random& random) {
     }
 }
 
-bool SwitchFault::apply(bool value, bool active, plant::Random& random) {
+bool SwitchFault::apply(bool value, bool active, rig::Random& random) {
     if (!active) return value;
     if (!begun_) at_start_ = value;
     begun_ = true;
@@ -59,7 +59,7 @@ void EncoderFault::begin(const SpeedSample& sample) {
     shown_ = sample;
 }
 
-double EncoderFault::wrong_speed(double speed_radps, plant::Random& random) const {
+double EncoderFault::wrong_speed(double speed_radps, rig::Random& random) const {
     const double sign = fault_.negative ? -1.0 : 1.0;
     double wrong = speed_radps;
     switch (fault_.what.kind) {
@@ -104,7 +104,7 @@ SpeedSample EncoderFault::without_teeth(const SpeedSample& sample, double speed_
     return seen;
 }
 
-SpeedSample EncoderFault::apply(const SpeedSample& sample, double speed_radps, double now_s, double period_s, bool active, plant::Random& random) {
+SpeedSample EncoderFault::apply(const SpeedSample& sample, double speed_radps, double now_s, double period_s, bool active, rig::Random& random) {
     if (!active) {
         SpeedSample after = sample;
         after.edge_count += ahead_by_;

@@ -10,9 +10,9 @@ namespace faults {
 
 /// What is large for a value.
 struct Scale {
-    double least_bias;  ///< a bias, a spike and the deviation of noise are this ...
-    double most_bias;   ///< ... to this, by strength
-    double full;        ///< what it reads at most
+    double min_bias;  ///< a bias, a spike and the deviation of noise are this ...
+    double max_bias;  ///< ... to this, by strength
+    double full;      ///< what it reads at most
 };
 
 /// - freeze: the value at the start of the fault stays
@@ -24,7 +24,7 @@ struct Scale {
 class ValueFault {
   public:
     ValueFault(const Fault& fault, const Scale& scale) : fault_(fault), scale_(scale) {}
-    [[nodiscard]] double apply(double value, bool active, plant::Random& random);
+    [[nodiscard]] double apply(double value, bool active, rig::Random& random);
 
   private:
     Fault fault_;
@@ -37,7 +37,7 @@ class ValueFault {
 class SwitchFault {
   public:
     explicit SwitchFault(const Fault& fault) : fault_(fault) {}
-    [[nodiscard]] bool apply(bool value, bool active, plant::Random& random);
+    [[nodiscard]] bool apply(bool value, bool active, rig::Random& random);
 
   private:
     Fault fault_;
@@ -59,10 +59,10 @@ class EncoderFault {
     EncoderFault(const Fault& fault, double teeth, double full_radps) : fault_(fault), teeth_(teeth), full_radps_(full_radps) {}
     /// `speed_radps`: of the shaft. Call once a period of `period_s`.
     [[nodiscard]] antiskid::can::SpeedSample apply(const antiskid::can::SpeedSample& sample, double speed_radps, double now_s, double period_s,
-                                                   bool active, plant::Random& random);
+                                                   bool active, rig::Random& random);
 
   private:
-    [[nodiscard]] double wrong_speed(double speed_radps, plant::Random& random) const;
+    [[nodiscard]] double wrong_speed(double speed_radps, rig::Random& random) const;
     void begin(const antiskid::can::SpeedSample& sample);
     void turn(double speed_radps, double now_s, double period_s);
     [[nodiscard]] antiskid::can::SpeedSample without_teeth(const antiskid::can::SpeedSample& sample, double speed_radps) const;

@@ -6,23 +6,22 @@
 
 namespace faults {
 
-/// Gives the commanded current; none when no command was accepted for kSilence, and while more than kMostRefused commands were refused
+/// Gives the commanded current; none when no command was accepted for kSilence, and while more than kMaxRefused commands were refused
 /// beyond those that were accepted: of many old or corrupt ones some pass their checks by chance.
 class ValveDriver {
   public:
     static constexpr antiskid::control::Time kSilence{20'000'000};
-    static constexpr std::uint32_t kMostRefused = 20;
+    static constexpr std::uint32_t kMaxRejected = 20;
 
     /// Once a period, after the frames of that period.
     void update(const antiskid::can::ControllerView& controller, const antiskid::can::MessageStats& stats, antiskid::control::Time now) {
         const std::uint32_t more = stats.rejected() - rejected_;
         rejected_ = stats.rejected();
-        refused_ += more < kMostRefused ? more : kMostRefused;
-        if (stats.accepted != accepted_ && refused_ > 0) --refused_;
+        score_ += more < kMaxRejected ? more : kMaxRejected;
+        if (stats.accepted != accepted_ && score_ > 0) --score_;
         accepted_ = stats.accepted;
-        if (refused_ > 2 * kMostRefused) refused_ = 2 * kMostRefused;
-        hears_ =
-            controller.command_received != antiskid::control::kNever && now - controller.command_received <= kSilence && refused_ <= kMostRefused;
+        if (score_ > 2 * kMaxRejected) score_ = 2 * kMaxRejected;
+        hears_ = controller.command_received != antiskid::control::kNever && now - controller.command_received <= kSilence && score_ <= kMaxRejected;
         current_mA_ = hears_ ? static_cast<double>(controller.current_mA) : 0.0;
     }
     [[nodiscard]] bool hears() const { return hears_; }
@@ -31,7 +30,7 @@ class ValveDriver {
   private:
     std::uint32_t rejected_ = 0;
     std::uint32_t accepted_ = 0;
-    std::uint32_t refused_ = 0;
+    std::uint32_t score_ = 0;
     bool hears_ = false;
     double current_mA_ = 0.0;
 };

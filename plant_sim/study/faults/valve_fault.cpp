@@ -6,12 +6,12 @@
 namespace faults {
 
 namespace {
-constexpr Scale kCurrent_mA{.least_bias = 0.2, .most_bias = 40.0, .full = 40.0};
+constexpr Scale kCurrent_mA{.min_bias = 0.2, .max_bias = 40.0, .full = 40.0};
 }
 
 ValveFault::ValveFault(const Fault& fault, double period_s) : fault_(fault), value_(fault, kCurrent_mA), period_s_(period_s) {}
 
-double ValveFault::apply(double current_mA, bool active, plant::Random& random) {
+double ValveFault::apply(double current_mA, bool active, rig::Random& random) {
     if (fault_.what.signal == Signal::valve_current) return std::clamp(value_.apply(current_mA, active, random), 0.0, kCurrent_mA.full);
     if (fault_.what.signal != Signal::valve || !active) return spool_mA_ = current_mA;
     switch (fault_.what.kind) {

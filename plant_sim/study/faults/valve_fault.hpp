@@ -12,7 +12,7 @@ namespace faults {
 class ValveFault {
   public:
     ValveFault(const Fault& fault, double period_s);
-    [[nodiscard]] double apply(double current_mA, bool active, plant::Random& random);
+    [[nodiscard]] double apply(double current_mA, bool active, rig::Random& random);
 
   private:
     Fault fault_;

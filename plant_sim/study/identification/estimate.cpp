@@ -23,8 +23,8 @@ MatrixXd jacobian(const LeastSquares& problem, const Residuals& residuals, const
     for (Index i = 0; i < theta.size(); ++i) {
         VectorXd up = theta;
         VectorXd down = theta;
-        up[i] = std::min(up[i] + kStep * problem.scale[i], problem.most[i]);
-        down[i] = std::max(down[i] - kStep * problem.scale[i], problem.least[i]);
+        up[i] = std::min(up[i] + kStep * problem.scale[i], problem.max[i]);
+        down[i] = std::max(down[i] - kStep * problem.scale[i], problem.min[i]);
         residuals(up, above);
         residuals(down, below);
         j.col(i) = (above - below) * (problem.scale[i] / (up[i] - down[i]));
@@ -85,14 +85,14 @@ MatrixXd long_run_of_stationary(const MatrixXd& j, const VectorXd& r, int lags) 
 }
 
 void check_information(const MatrixXd& normal, std::span<const std::string> names) {
-    constexpr double kLeast = 1e-12;
+    constexpr double kMin = 1e-12;
     const VectorXd size = normal.diagonal().cwiseSqrt();
     for (Index i = 0; i < size.size(); ++i) {
         if (!(size[i] > 0.0)) throw NotIdentifiable("the recordings do not depend on " + names[static_cast<std::size_t>(i)]);
     }
     const MatrixXd correlation = size.cwiseInverse().asDiagonal() * normal * size.cwiseInverse().asDiagonal();
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(correlation);
-    if (solver.eigenvalues()[0] > kLeast) return;
+    if (solver.eigenvalues()[0] > kMin) return;
     Index worst = 0;
     solver.eigenvectors().col(0).cwiseAbs().maxCoeff(&worst);
     throw NotIdentifiable("the recordings cannot tell " + names[static_cast<std::size_t>(worst)] + " from the other parameters");
@@ -119,13 +119,13 @@ Fit fit(const LeastSquares& problem, std::span<const std::string> names, const R
     constexpr double kSmallestStep = 1e-5;  // of the scale, Euclidean
     constexpr double kHopeless = 1e12;
     Fit out;
-    out.theta = problem.start.cwiseMax(problem.least).cwiseMin(problem.most);
+    out.theta = problem.start.cwiseMax(problem.min).cwiseMin(problem.max);
     residuals(out.theta, out.residuals);
     double cost = out.residuals.squaredNorm();
     double damping = 1e-3;
     MatrixXd j = jacobian(problem, residuals, out.theta, out.residuals.size());
     VectorXd trial_residuals(out.residuals.size());
-    for (; out.iterations < problem.most_iterations && !out.converged; ++out.iterations) {
+    for (; out.iterations < problem.max_iterations && !out.converged; ++out.iterations) {
         const MatrixXd normal = j.transpose() * j;
         const VectorXd gradient = j.transpose() * out.residuals;
         bool better = false;
@@ -133,7 +133,7 @@ Fit fit(const LeastSquares& problem, std::span<const std::string> names, const R
             MatrixXd damped = normal;
             damped.diagonal() += damping * (normal.diagonal().array() + 1e-12 * normal.trace()).matrix();
             const VectorXd step = -damped.ldlt().solve(gradient);
-            const VectorXd trial = (out.theta + step.cwiseProduct(problem.scale)).cwiseMax(problem.least).cwiseMin(problem.most);
+            const VectorXd trial = (out.theta + step.cwiseProduct(problem.scale)).cwiseMax(problem.min).cwiseMin(problem.max);
             residuals(trial, trial_residuals);
             const double trial_cost = trial_residuals.squaredNorm();
             const double moved = (trial - out.theta).cwiseQuotient(problem.scale).norm();

@@ -52,11 +52,11 @@ using Residuals = std::function<void(const Eigen::VectorXd& theta, Eigen::Vector
 struct LeastSquares {
     Eigen::VectorXd start;
     Eigen::VectorXd scale;  ///< of each parameter: a change by it matters; differences are taken over 1e-4 of it
-    Eigen::VectorXd least, most;
+    Eigen::VectorXd min, max;
     int batch = 1;  ///< samples to a batch
     /// The residuals are divided by their whole expected covariance: variance and correlation that are left count as the same everywhere.
     bool whitened = false;
-    int most_iterations = 60;
+    int max_iterations = 60;
 };
 
 /// Levenberg-Marquardt with central differences. Throws NotIdentifiable where the residuals do not depend on some combination of parameters,

@@ -18,25 +18,25 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-plant::Surface curve(const VectorXd& theta) {
+rig::Surface curve(const VectorXd& theta) {
     return {.name = {}, .c1 = theta[0], .c2 = theta[1], .c3 = theta[2]};
 }
 
 LeastSquares problem(const std::vector<FrictionReadings>& runs) {
-    double most_mu = 0.0;
+    double max_mu = 0.0;
     double at_slip = 0.1;
     for (const FrictionReadings& run : runs) {
         for (const FrictionReading& r : run.all()) {
-            if (r.mu <= most_mu) continue;
-            most_mu = r.mu;
+            if (r.mu <= max_mu) continue;
+            max_mu = r.mu;
             at_slip = r.slip;
         }
     }
     LeastSquares p;
-    p.start = Eigen::Vector3d(1.1 * most_mu, 4.0 / std::max(at_slip, 0.01), 0.3 * most_mu);
-    p.scale = Eigen::Vector3d(0.1 * most_mu, 0.1 * p.start[1], 0.1 * most_mu);
-    p.least = Eigen::Vector3d(1e-3, 1.0, -1.0);
-    p.most = Eigen::Vector3d(3.0, 1000.0, 3.0);
+    p.start = Eigen::Vector3d(1.1 * max_mu, 4.0 / std::max(at_slip, 0.01), 0.3 * max_mu);
+    p.scale = Eigen::Vector3d(0.1 * max_mu, 0.1 * p.start[1], 0.1 * max_mu);
+    p.min = Eigen::Vector3d(1e-3, 1.0, -1.0);
+    p.max = Eigen::Vector3d(3.0, 1000.0, 3.0);
     p.whitened = true;
     return p;
 }
@@ -44,7 +44,7 @@ LeastSquares problem(const std::vector<FrictionReadings>& runs) {
 /// The readings of one run, with errors that are white about a curve.
 class Weighted {
   public:
-    Weighted(const FrictionReadings& run, const plant::Surface& about, double force_noise_N) : readings_(run.all()) {
+    Weighted(const FrictionReadings& run, const rig::Surface& about, double force_noise_N) : readings_(run.all()) {
         const ReadingCovariance v = run.covariance(about, force_noise_N);
         deviation_ = (v.own.diagonal() + v.common.cwiseAbs2()).cwiseSqrt();
         own_.compute(v.own);
@@ -57,11 +57,11 @@ class Weighted {
     [[nodiscard]] const VectorXd& deviation() const { return deviation_; }
 
     /// (I + a a')^(-1/2) L^-1 (mu - curve), with L L' the readings' own covariance and a = L^-1 common.
-    void residuals(const plant::Surface& s, Eigen::Ref<VectorXd> out) const {
+    void residuals(const rig::Surface& s, Eigen::Ref<VectorXd> out) const {
         VectorXd error(out.size());
         for (Index i = 0; i < out.size(); ++i) {
             const FrictionReading& r = readings_[static_cast<std::size_t>(i)];
-            error[i] = r.mu - plant::friction(s, r.slip).mu;
+            error[i] = r.mu - rig::friction(s, r.slip).mu;
         }
         own_.matrixL().solveInPlace(error);
         out = error - shrink_ * common_.dot(error) * common_;
@@ -98,15 +98,15 @@ FrictionFit fit_friction(std::span<const Run> runs, const std::string& surface) 
                         surface, count, FrictionReadings::kSlowest_mps));
     }
     const double noise_N = force_noise_N(seen);
-    LeastSquares least = problem(seen);
+    LeastSquares min = problem(seen);
     const std::vector<std::string> names{"c1", "c2", "c3"};
     std::deque<Weighted> weighted;
     Fit found;
     // The weights follow from the curve, so they settle with it.
     for (int round = 0; round < 4; ++round) {
         weighted.clear();
-        for (const FrictionReadings& run : seen) weighted.emplace_back(run, curve(least.start), noise_N);
-        found = fit(least, names, [&](const VectorXd& theta, VectorXd& out) {
+        for (const FrictionReadings& run : seen) weighted.emplace_back(run, curve(min.start), noise_N);
+        found = fit(min, names, [&](const VectorXd& theta, VectorXd& out) {
             out.resize(count);
             Index row = 0;
             for (const Weighted& w : weighted) {
@@ -115,7 +115,7 @@ FrictionFit fit_friction(std::span<const Run> runs, const std::string& surface) 
                 row += n;
             }
         });
-        least.start = found.theta;
+        min.start = found.theta;
     }
     FrictionFit out;
     out.surface = surface;
@@ -123,7 +123,7 @@ FrictionFit fit_friction(std::span<const Run> runs, const std::string& surface) 
     out.c2 = found.estimate(1);
     out.c3 = found.estimate(2);
     out.lags_s = found.lags * FrictionReadings::kWindow_s;
-    const plant::Surface s = curve(found.theta);
+    const rig::Surface s = curve(found.theta);
     double sum = 0.0;
     double held = 0.0;
     for (const Weighted& w : weighted) {
@@ -134,13 +134,13 @@ FrictionFit fit_friction(std::span<const Run> runs, const std::string& surface) 
             out.deviation.push_back(w.deviation()[static_cast<Index>(i)]);
             if (!r.held) continue;
             out.largest_slip = std::max(out.largest_slip, r.slip);
-            const double error = r.mu - plant::friction(s, r.slip).mu;
+            const double error = r.mu - rig::friction(s, r.slip).mu;
             sum += error * error;
             held += 1.0;
         }
     }
     out.rms = held > 0.0 ? std::sqrt(sum / held) : 0.0;
-    const plant::Peak peak = plant::peak(s);
+    const rig::Peak peak = rig::peak(s);
     if (out.largest_slip < 1.1 * peak.slip || out.c3.high - out.c3.low > out.c1.value) {
         throw NotIdentifiable(
             fmt::format("{}: slip is held up to {:.3f} only, the friction's peak lies near {:.3f}: c1 and c3 cannot be "

@@ -20,7 +20,7 @@ struct FrictionFit {
     double lags_s = 0.0;
     std::vector<double> slip, mu, deviation;  ///< the readings, and the expected deviation of each mu
 
-    [[nodiscard]] plant::Surface curve() const { return {.name = surface, .c1 = c1.value, .c2 = c2.value, .c3 = c3.value}; }
+    [[nodiscard]] rig::Surface curve() const { return {.name = surface, .c1 = c1.value, .c2 = c2.value, .c3 = c3.value}; }
 };
 
 /// From the runs on `surface`. Throws NotIdentifiable where slip does not reach from free rolling to beyond the peak.

@@ -12,7 +12,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr double kOff_s = 1e-3;  // what a reading's instant may be off after its age is taken away
-constexpr double kLeastSlip = 0.003;
+constexpr double kMinSlip = 0.003;
 constexpr double kSlowSlip = 0.002;  // change over a window below which slip counts as held
 
 /// Covariance of the jitter at two instants, for edges of unit variance: by the stamps that both lie between.
@@ -54,7 +54,7 @@ FrictionReadings::FrictionReadings(const Run& run, const Motion& motion)
         if (t - last_s < kHalf_s) continue;
         const double slip = motion.slip(t - kHalf_s, t + kHalf_s);
         const double change = motion.slip(t, t + kWindow_s) - motion.slip(t - kWindow_s, t);
-        if (slip < kLeastSlip) continue;
+        if (slip < kMinSlip) continue;
         last_s = t;
         readings_.push_back({.slip = slip,
                              .mu = c.longitudinal_N / c.vertical_N,
@@ -80,12 +80,12 @@ FrictionReadings::FrictionReadings(const Run& run, const Motion& motion)
     jitter_.setFromTriplets(entries.begin(), entries.end());
 }
 
-ReadingCovariance FrictionReadings::covariance(const plant::Surface& curve, double force_noise_N) const {
+ReadingCovariance FrictionReadings::covariance(const rig::Surface& curve, double force_noise_N) const {
     const auto n = static_cast<Index>(readings_.size());
     VectorXd slope(n), by_radius(n), apiece(n);
     for (Index i = 0; i < n; ++i) {
         const FrictionReading& r = readings_[static_cast<std::size_t>(i)];
-        slope[i] = plant::friction(curve, r.slip).mu_1;
+        slope[i] = rig::friction(curve, r.slip).mu_1;
         by_radius[i] = slope[i] * (1.0 - r.slip);
         const double longitudinal = force_noise_N / r.load_N;
         const double vertical = force_noise_N * (r.mu / r.load_N + by_radius[i] * per_load_);
@@ -114,8 +114,8 @@ double force_noise_N(const std::vector<FrictionReadings>& runs) {
     const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
     std::nth_element(differences.begin(), middle, differences.end());
     constexpr double kMedianOfNormal = 0.6745;
-    constexpr double kLeast = 1e-4;  // of the load
-    return std::max(*middle / kMedianOfNormal / std::sqrt(6.0), kLeast * load_N);
+    constexpr double kMin = 1e-4;  // of the load
+    return std::max(*middle / kMedianOfNormal / std::sqrt(6.0), kMin * load_N);
 }
 
 }  // namespace identification

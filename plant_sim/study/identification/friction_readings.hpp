@@ -41,7 +41,7 @@ class FrictionReadings {
     /// - jitter of the edges at both borders of a window, which its neighbour shares with the opposite sign,
     /// - the free radius, in which all slips of a maneuver are off alike,
     /// - noise of the cells, that of the vertical one in the radius, too.
-    [[nodiscard]] ReadingCovariance covariance(const plant::Surface& curve, double force_noise_N) const;
+    [[nodiscard]] ReadingCovariance covariance(const rig::Surface& curve, double force_noise_N) const;
 
   private:
     FrictionReadings(const Run& run, const Motion& motion);

@@ -140,7 +140,7 @@ void Motion::find_contact() {
 double cell_age_s(std::span<const Run> runs) {
     constexpr double kBuildUp_s = 1.0;
     constexpr double kHalf_s = 10e-3;
-    constexpr double kMost_s = 0.1;
+    constexpr double kMax_s = 0.1;
     double weighted = 0.0;
     double weights = 0.0;
     for (const Run& run : runs) {
@@ -172,7 +172,7 @@ double cell_age_s(std::span<const Run> runs) {
         weighted += x[0] / variance;
         weights += 1.0 / variance;
     }
-    return weights > 0.0 ? std::clamp(weighted / weights, 0.0, kMost_s) : 0.0;
+    return weights > 0.0 ? std::clamp(weighted / weights, 0.0, kMax_s) : 0.0;
 }
 
 double Motion::load_N(double time_s) const {

@@ -117,10 +117,10 @@ ValveExperiment valve_experiment(const Recording& recording) {
 
 void check_range(const ValveExperiment& e, const KnownRig& rig) {
     std::size_t pinned = 0;
-    double most_mA = 0.0;
+    double max_mA = 0.0;
     for (std::size_t k = 0; k < e.current_mA.size(); ++k) {
         if (e.measured[k] == 0) continue;
-        most_mA = std::max(most_mA, e.current_mA[k]);
+        max_mA = std::max(max_mA, e.current_mA[k]);
         pinned += e.pressure_Pa[k] >= 0.9995 * rig.gauge_range_Pa ? 1U : 0U;
     }
     if (pinned > 3) {
@@ -130,17 +130,17 @@ void check_range(const ValveExperiment& e, const KnownRig& rig) {
                         e.name, pinned, rig.gauge_range_Pa * 1e-6));
     }
     constexpr double kRounding_mA = 0.01;
-    if (most_mA > rig.map_currents.back() + kRounding_mA) {
+    if (max_mA > rig.map_currents.back() + kRounding_mA) {
         throw NotIdentifiable(
             fmt::format("{}: currents up to {:.2f} mA, outside of the map that was asked for ({:.2f} to {:.2f} mA); "
                         "expected --currents up to there",
-                        e.name, most_mA, rig.map_currents.front(), rig.map_currents.back()));
+                        e.name, max_mA, rig.map_currents.front(), rig.map_currents.back()));
     }
 }
 
 void check_dynamics(std::span<const ValveExperiment> experiments, double dead_zone_mA) {
     constexpr double kMoves_mA = 0.5;
-    constexpr std::size_t kLeastChanges = 4;
+    constexpr std::size_t kMinChanges = 4;
     std::size_t changes = 0;
     for (const ValveExperiment& e : experiments) {
         const auto window = static_cast<std::size_t>(std::llround(0.03 / e.period_s));
@@ -153,7 +153,7 @@ void check_dynamics(std::span<const ValveExperiment> experiments, double dead_zo
             k += window;
         }
     }
-    if (changes < kLeastChanges) {
+    if (changes < kMinChanges) {
         throw NotIdentifiable(
             "the current never moves fast: natural frequency, damping and delay of eq. (6) need a recording "
             "of steps or of a "

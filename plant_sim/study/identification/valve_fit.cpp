@@ -16,7 +16,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 /// dP/dI of the map where half the full pressure is.
-double middle_slope(const plant::PressureMap& map) {
+double middle_slope(const rig::PressureMap& map) {
     const auto& points = map.points();
     const double half_Pa = 0.5 * points.back().pressure_Pa;
     std::size_t i = 1;
@@ -36,12 +36,12 @@ void check_known(const Estimate& e, const char* name, const char* unit) {
 
 }  // namespace
 
-plant::PressureMap ValveFit::map() const {
-    std::vector<plant::PressureMap::Point> points;
+rig::PressureMap ValveFit::map() const {
+    std::vector<rig::PressureMap::Point> points;
     points.reserve(current_mA.size() + 1);
     points.push_back({dead_zone_mA.value, 0.0});
     for (std::size_t i = 0; i < current_mA.size(); ++i) points.push_back({current_mA[i], pressure_Pa[i].value});
-    return plant::PressureMap(std::move(points));
+    return rig::PressureMap(std::move(points));
 }
 
 ValveFit fit_valve(std::span<const Recording> recordings, const KnownRig& rig) {
@@ -62,9 +62,9 @@ ValveFit fit_valve(std::span<const Recording> recordings, const KnownRig& rig) {
 
     const ValveShape shape{{rig.map_currents.begin() + 1, rig.map_currents.end()}};
     const std::vector<std::string> names = shape.names();
-    LeastSquares least = shape.problem(rig.map_currents.front(), start_Pa);
+    LeastSquares min = shape.problem(rig.map_currents.front(), start_Pa);
     constexpr double kBatch_s = 0.01;
-    least.batch = std::max(1, static_cast<int>(std::lround(kBatch_s / experiments.front().period_s)));
+    min.batch = std::max(1, static_cast<int>(std::lround(kBatch_s / experiments.front().period_s)));
     ValveModel model(shape, experiments, rig.gauge_range_Pa);
     const auto evaluate = [&model](const VectorXd& theta, VectorXd& residuals) {
         model.run(theta);
@@ -73,10 +73,10 @@ ValveFit fit_valve(std::span<const Recording> recordings, const KnownRig& rig) {
     Fit found;
     // Which samples count follows from the model, so it settles with it.
     for (int round = 0; round < 2; ++round) {
-        model.run(least.start);
+        model.run(min.start);
         model.choose();
-        found = fit(least, names, evaluate);
-        least.start = found.theta;
+        found = fit(min, names, evaluate);
+        min.start = found.theta;
     }
     model.run(found.theta);
 
@@ -93,7 +93,7 @@ ValveFit fit_valve(std::span<const Recording> recordings, const KnownRig& rig) {
     check_known(out.damping, "the damping", "");
     out.rms_Pa = found.rms * 1e6;
     out.residual_correlation = found.first_correlation;
-    out.lags_s = found.lags * least.batch * experiments.front().period_s;
+    out.lags_s = found.lags * min.batch * experiments.front().period_s;
     out.residuals = model.report();
     out.hysteresis_Pa = scaled(out.hysteresis_mA, middle_slope(out.map()));
     return out;

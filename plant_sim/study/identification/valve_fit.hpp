@@ -39,7 +39,7 @@ struct ValveFit {
     double lags_s = 0.0;                ///< over which the covariance counts correlation
     std::vector<ValveResiduals> residuals;
 
-    [[nodiscard]] plant::PressureMap map() const;
+    [[nodiscard]] rig::PressureMap map() const;
 };
 
 /// From the samples at standstill of the flywheel in all of `recordings`; those without count for nothing. Throws NotIdentifiable.

@@ -13,18 +13,18 @@ namespace identification {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-plant::PressureMap ValveShape::map(const VectorXd& theta) const {
-    std::vector<plant::PressureMap::Point> points;
+rig::PressureMap ValveShape::map(const VectorXd& theta) const {
+    std::vector<rig::PressureMap::Point> points;
     points.reserve(current_mA.size() + 1);
     points.push_back({theta[0], 0.0});
     // A trial of the fit may fall from point to point; the map of a valve does not.
     for (Index i = 0; i < pressures(); ++i) {
         points.push_back({current_mA[static_cast<std::size_t>(i)], std::max(theta[1 + i] * 1e6, points.back().pressure_Pa)});
     }
-    return plant::PressureMap(std::move(points));
+    return rig::PressureMap(std::move(points));
 }
 
-plant::ValveParameters ValveShape::valve(const VectorXd& theta) const {
+rig::ValveParameters ValveShape::valve(const VectorXd& theta) const {
     return {.natural_frequency_radps = theta[natural_frequency()],
             .damping = theta[damping()],
             .delay_s = theta[delay()] * 1e-3,
@@ -46,13 +46,13 @@ LeastSquares ValveShape::problem(double dead_zone_mA, const std::vector<double>&
     const Index n = size();
     p.start.resize(n);
     p.scale.resize(n);
-    p.least.resize(n);
-    p.most.resize(n);
-    const auto set = [&p](Index i, double start, double scale, double least, double most) {
+    p.min.resize(n);
+    p.max.resize(n);
+    const auto set = [&p](Index i, double start, double scale, double min, double max) {
         p.start[i] = start;
         p.scale[i] = scale;
-        p.least[i] = least;
-        p.most[i] = most;
+        p.min[i] = min;
+        p.max[i] = max;
     };
     constexpr double kApart_mA = 0.05;
     set(0, dead_zone_mA, 0.1, 0.0, current_mA.front() - kApart_mA);
@@ -75,8 +75,8 @@ ValveModel::ValveModel(const ValveShape& shape, std::span<const ValveExperiment>
 }
 
 void ValveModel::run(const VectorXd& theta) {
-    const plant::PressureMap map = shape_.map(theta);
-    const plant::ValveParameters valve = shape_.valve(theta);
+    const rig::PressureMap map = shape_.map(theta);
+    const rig::ValveParameters valve = shape_.valve(theta);
     for (std::size_t i = 0; i < experiments_.size(); ++i)
         valve_response(experiments_[i].current_mA, experiments_[i].period_s, map, valve, modelled_[i]);
 }

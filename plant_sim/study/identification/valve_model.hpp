@@ -26,8 +26,8 @@ struct ValveShape {
     [[nodiscard]] Eigen::Index delay() const { return hysteresis() + 3; }
     [[nodiscard]] Eigen::Index size() const { return hysteresis() + 4; }
 
-    [[nodiscard]] plant::PressureMap map(const Eigen::VectorXd& theta) const;
-    [[nodiscard]] plant::ValveParameters valve(const Eigen::VectorXd& theta) const;
+    [[nodiscard]] rig::PressureMap map(const Eigen::VectorXd& theta) const;
+    [[nodiscard]] rig::ValveParameters valve(const Eigen::VectorXd& theta) const;
     [[nodiscard]] std::vector<std::string> names() const;
     /// With bounds and scales, started at this map.
     [[nodiscard]] LeastSquares problem(double dead_zone_mA, const std::vector<double>& pressures_Pa) const;

@@ -13,7 +13,7 @@ struct Period {
 };
 
 /// The static input is held between commands, and a delay of n periods and a rest cuts each period in two.
-Period period(const plant::ValveParameters& valve, double rest_s, double period_s) {
+Period period(const rig::ValveParameters& valve, double rest_s, double period_s) {
     using Transition = plant::ValveDynamics::Transition;
     const Transition b = plant::ValveDynamics::transition(valve, period_s - rest_s);
     const double b_pu = b.pu0 + b.pu1;
@@ -35,7 +35,7 @@ Period period(const plant::ValveParameters& valve, double rest_s, double period_
 
 }  // namespace
 
-void valve_response(std::span<const double> current_mA, double period_s, const plant::PressureMap& map, const plant::ValveParameters& valve,
+void valve_response(std::span<const double> current_mA, double period_s, const rig::PressureMap& map, const rig::ValveParameters& valve,
                     std::span<double> pressure_Pa) {
     const double whole = std::floor(valve.delay_s / period_s);
     const Period step = period(valve, valve.delay_s - whole * period_s, period_s);

@@ -10,7 +10,7 @@ namespace identification {
 
 /// `current_mA[k]` acts from k to k + 1 periods; the pressure is that at k periods. Starts without pressure or flow. A negative hysteresis is
 /// the branches changed over, so that a fit may pass through zero.
-void valve_response(std::span<const double> current_mA, double period_s, const plant::PressureMap& map, const plant::ValveParameters& valve,
+void valve_response(std::span<const double> current_mA, double period_s, const rig::PressureMap& map, const rig::ValveParameters& valve,
                     std::span<double> pressure_Pa);
 
 }  // namespace identification

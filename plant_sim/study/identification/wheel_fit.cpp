@@ -18,7 +18,7 @@ constexpr std::size_t kPowers = 4;
 constexpr double kSpeedWindow_s = 0.02;
 constexpr double kBefore_s = 1.0;          // of the rim's coasting before contact
 constexpr double kSlowestStart_mps = 6.0;  // of a stop that counts: below, drop-out may lock the wheel
-constexpr double kLeastStop_mps = 20.0;    // a stop from less shows no friction over speed
+constexpr double kMinStop_mps = 20.0;      // a stop from less shows no friction over speed
 constexpr double kSettle_s = 0.05;
 constexpr double kContact_s = 5e-3;  // what the instant of contact may be off: half of the time between two load readings
 
@@ -265,7 +265,7 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
     for (const Run& run : runs) {
         const auto motion = Motion::of(run, age_s);
         if (!motion) continue;
-        const bool braking = run.friction_class == friction_class && motion->brake_on_mps() >= kLeastStop_mps;
+        const bool braking = run.friction_class == friction_class && motion->brake_on_mps() >= kMinStop_mps;
         Segment s = segment(run, *motion, braking);
         if (braking) {
             ++stops;
@@ -278,22 +278,22 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
             fmt::format("no stop of friction class '{}' from {:.0f} m/s or more: k_b needs a landing "
                         "(config/scenarios/heavy.toml, "
                         "slow_braking.toml), J_w its touchdown",
-                        friction_class, kLeastStop_mps));
+                        friction_class, kMinStop_mps));
     }
     const Balance balance(std::move(segments));
     const Index n = balance.parameters();
-    LeastSquares least;
-    least.start = VectorXd::Zero(n);
-    least.start[0] = 1.0;
-    least.start[1] = 0.3;
-    least.scale = VectorXd::Constant(n, 10.0);
-    least.scale[0] = 0.1;
-    least.scale.segment(1, static_cast<Index>(kPowers)).setConstant(0.1);
-    least.least = VectorXd::Constant(n, -1e9);
-    least.most = VectorXd::Constant(n, 1e9);
+    LeastSquares min;
+    min.start = VectorXd::Zero(n);
+    min.start[0] = 1.0;
+    min.start[1] = 0.3;
+    min.scale = VectorXd::Constant(n, 10.0);
+    min.scale[0] = 0.1;
+    min.scale.segment(1, static_cast<Index>(kPowers)).setConstant(0.1);
+    min.min = VectorXd::Constant(n, -1e9);
+    min.max = VectorXd::Constant(n, 1e9);
     std::vector<std::string> names{"the wheel's inertia"};
     for (Index i = 1; i < n; ++i) names.emplace_back(i < balance.common() ? "the brake's friction over speed" : "the rim's drag before touchdown");
-    const Fit found = fit(least, names, [&balance](const VectorXd& theta, VectorXd& r) { balance.residuals(theta, r); });
+    const Fit found = fit(min, names, [&balance](const VectorXd& theta, VectorXd& r) { balance.residuals(theta, r); });
 
     WheelFit out;
     out.inertia_kgm2 = found.estimate(0);

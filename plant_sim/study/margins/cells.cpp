@@ -15,7 +15,7 @@ namespace {
 constexpr double kUndecided_per_s = 1e-3;  // growth this slow is the limit of stability itself
 
 /// `slowest`: Cell::law_slowest.
-Margins law_margins(const PeriodicSystem& system, const Scenario& scenario, Complex& slowest) {
+Margins law_margins(const PeriodicSystem& system, const StopConditions& scenario, Complex& slowest) {
     const SampledLoop loop(system);
     const Margins m = margins(loop);
     slowest = loop.closed_poles().front();
@@ -39,12 +39,12 @@ bool meets(const Margins& m, const Requirement& r) {
     return m.stable && m.phase_deg >= r.phase_deg && m.gain_up_dB >= r.gain_dB && m.gain_down_dB >= r.gain_dB;
 }
 
-std::vector<Cell> study_cells(const std::vector<Scenario>& scenarios, const antiskid::control::Config& controller, const Pid& pid,
+std::vector<Cell> study_cells(const std::vector<StopConditions>& scenarios, const antiskid::control::Config& controller, const Pid& pid,
                               const StudyOptions& options, const Progress& progress) {
     std::vector<Cell> cells;
     cells.reserve(scenarios.size() * static_cast<std::size_t>(options.speeds));
     for (std::size_t i = 0; i < scenarios.size(); ++i) {
-        const Scenario& s = scenarios[i];
+        const StopConditions& s = scenarios[i];
         for (const double v : speed_grid(s.rig.brake_on_mps, s.drop_out_mps, options.speeds)) {
             Cell c;
             c.scenario = i;

@@ -13,10 +13,10 @@
 
 namespace study::margins {
 
-struct Scenario {
+struct StopConditions {
     std::string surface;
     std::string maneuver;
-    plant::RigParameters rig;
+    rig::RigParameters rig;
     double drop_out_mps = 0.0;
     double full_pressure_Pa = 0.0;
 };
@@ -59,7 +59,7 @@ struct Cell {
 using Progress = std::function<void(std::size_t done, std::size_t all)>;
 
 /// Cells scenario by scenario, fastest first. Throws std::logic_error if Nyquist's count and the closed loop's eigenvalues ever disagree.
-[[nodiscard]] std::vector<Cell> study_cells(const std::vector<Scenario>& scenarios, const antiskid::control::Config& controller, const Pid& pid,
+[[nodiscard]] std::vector<Cell> study_cells(const std::vector<StopConditions>& scenarios, const antiskid::control::Config& controller, const Pid& pid,
                                             const StudyOptions& options, const Progress& progress = {});
 
 }  // namespace study::margins

@@ -37,7 +37,7 @@ constexpr std::array<Gain, 8> kGains{{
 
 }  // namespace
 
-LawJudge::LawJudge(const std::vector<Scenario>& scenarios, const TrialStops& trial, const StudyOptions& options)
+LawJudge::LawJudge(const std::vector<StopConditions>& scenarios, const TrialStops& trial, const StudyOptions& options)
     : scenarios_(scenarios), trial_(trial), options_(options) {
     for (std::size_t i = 0; i < scenarios.size(); ++i)
         for (const double v : speed_grid(scenarios[i].rig.brake_on_mps, scenarios[i].drop_out_mps, options.speeds)) places_.push_back({i, v});
@@ -46,7 +46,7 @@ LawJudge::LawJudge(const std::vector<Scenario>& scenarios, const TrialStops& tri
 }
 
 double LawJudge::cell(const Config& controller, const Place& place) const {
-    const Scenario& s = scenarios_[place.scenario];
+    const StopConditions& s = scenarios_[place.scenario];
     const double slip = options_.low_speed_fall ? scheduled_slip(controller.slip, options_.slip_reference, place.speed_mps) : options_.slip_reference;
     const PeriodicSystem system = law_system(controller, s.rig, operating_point(s.rig, place.speed_mps, slip), Linearisation::full);
     const SampledLoop loop(system);
@@ -87,15 +87,15 @@ double LawJudge::score(const Config& controller, double to_beat) const {
 
 WorstScore LawJudge::margins_of(const Config& controller) const {
     WorstScore w;
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     for (const Place& place : places_) {
         const double s = cell(controller, place);
         ++w.counted;
         if (s < 0.0) ++w.unstable;
         if (s >= 1.0) ++w.met;
-        least = std::min(least, s);
+        min = std::min(min, s);
     }
-    w.value = least;
+    w.value = min;
     return w;
 }
 

@@ -19,7 +19,7 @@ namespace study::margins {
 class LawJudge {
   public:
     /// All of them must outlive it. Throws std::invalid_argument where there is nothing to judge by.
-    LawJudge(const std::vector<Scenario>& scenarios, const TrialStops& trial, const StudyOptions& options);
+    LawJudge(const std::vector<StopConditions>& scenarios, const TrialStops& trial, const StudyOptions& options);
 
     /// As Score of search.hpp.
     [[nodiscard]] double score(const antiskid::control::Config& controller, double to_beat) const;
@@ -35,7 +35,7 @@ class LawJudge {
     [[nodiscard]] double cell(const antiskid::control::Config& controller, const Place& place) const;
     [[nodiscard]] std::vector<std::size_t> hardest_first() const;
 
-    const std::vector<Scenario>& scenarios_;
+    const std::vector<StopConditions>& scenarios_;
     const TrialStops& trial_;
     StudyOptions options_;
     std::vector<Place> places_;

@@ -43,7 +43,7 @@ std::size_t whole_periods(double delay_s, double period_s) {
 /// by the controller's numbers, q = (r k_b / (J v_late)) P; wheel speed as slip, -(r / v_late) omega.
 class Period {
   public:
-    Period(const antiskid::control::Config& config, const plant::RigParameters& rig, const OperatingPoint& at, Linearisation linearisation,
+    Period(const antiskid::control::Config& config, const rig::RigParameters& rig, const OperatingPoint& at, Linearisation linearisation,
            std::optional<double> answer_per_s)
         : law_(config.slip), h_(static_cast<double>(config.period_s)) {
         const auto& valve = config.valve;
@@ -63,7 +63,7 @@ class Period {
         const double interval = static_cast<double>(news_every_) * h_;
         reading_age_ = 0.5 * (interval + h_);
         answer_ = answer_per_s.value_or(at.wheel_pole_radps(linearisation));
-        believed_ = answer_ > 0.0 ? static_cast<double>(config.observer.outlook_share) * answer_ : answer_;
+        believed_ = answer_ > 0.0 ? static_cast<double>(config.observer.prediction_share) * answer_ : answer_;
         gain_ = static_cast<double>(law_.k_p_per_s) + static_cast<double>(law_.k_answer) * std::max(answer_, 0.0);
         correct_ = steady_gains(config, interval);
         deceleration_per_s_ = at.deceleration_mps2 / at.speed_mps;
@@ -221,7 +221,7 @@ class Period {
 
 }  // namespace
 
-PeriodicSystem law_system(const antiskid::control::Config& config, const plant::RigParameters& rig, const OperatingPoint& at,
+PeriodicSystem law_system(const antiskid::control::Config& config, const rig::RigParameters& rig, const OperatingPoint& at,
                           Linearisation linearisation, std::optional<double> answer_per_s) {
     const Period period(config, rig, at, linearisation, answer_per_s);
     const Index n = period.size();

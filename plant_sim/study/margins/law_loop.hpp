@@ -1,7 +1,7 @@
 /// The shipped law as a linear loop: what control::Estimator, control::SlipLaw and the plant do to small motions around an equilibrium.
 ///
 /// Opened at the valve current, period by period, exact: the plant's wheel and valve as sampled, its delay in whole and broken periods; the
-/// controller's valve model with the commands in its pipe, its observer, its outlook over the delay, the law. An encoder whose edges are
+/// controller's valve model with the commands in its pipe, its observer, its prediction over the delay, the law. An encoder whose edges are
 /// further apart than a period gives news only in every N-th, N = round(T_edge / h): the loop is periodic then, and margins() takes its N
 /// characteristic loci. Factor in front of L: an error of valve gain, brake gain (to first order) or current map.
 ///
@@ -23,7 +23,7 @@ namespace study::margins {
 
 /// Linearised at `at`: `config` is the controller, `rig` the plant. `answer_per_s` is what the observer takes the road's answer for: the
 /// wheel's pole, unless given.
-[[nodiscard]] PeriodicSystem law_system(const antiskid::control::Config& config, const plant::RigParameters& rig, const OperatingPoint& at,
+[[nodiscard]] PeriodicSystem law_system(const antiskid::control::Config& config, const rig::RigParameters& rig, const OperatingPoint& at,
                                         Linearisation linearisation, std::optional<double> answer_per_s = {});
 
 /// falling_reference() of slip_law.hpp.

@@ -24,7 +24,7 @@ std::optional<Complex> LinearWheel::swing() const {
 }
 
 LinearWheel linear_wheel(const OperatingPoint& at, Linearisation linearisation) {
-    const plant::RingParameters& ring = at.ring;
+    const rig::RingParameters& ring = at.ring;
     const bool swings = ring.belt_share > 0.0, relaxes = at.relaxation_m > 0.0;
     if (!swings && !relaxes) return {.a = Eigen::MatrixXd::Constant(1, 1, -at.wheel_pole_radps(linearisation)), .gain = 1.0};
     const Eigen::Index belt = swings ? 1 : 0, twist = 2, tread = swings ? 3 : 1;

@@ -43,7 +43,7 @@ int DelayLoop::unstable_poles() const {
         std::count_if(poles_.begin(), poles_.end(), [](const Complex& p) { return p.real() > 0.0 && std::abs(p) > kIndent_radps; }));
 }
 
-double DelayLoop::most_approach(Complex from, Complex to, const std::vector<Complex>& loci) const {
+double DelayLoop::max_approach(Complex from, Complex to, const std::vector<Complex>& loci) const {
     const double reach = std::abs(to - from);
     const double numerator = std::abs(gain_) * std::exp(-delay_s_ * std::min(from.real(), to.real()));
     double numerator_slope = 0.0;  // of the product of the zeros' terms

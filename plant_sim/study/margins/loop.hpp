@@ -34,7 +34,7 @@ class Loop {
     [[nodiscard]] virtual double end_radps() const = 0;
     /// How far a locus may move between `from` (where they are `loci`) and `to`, at most, as a share of its distance to -1 at `from`: the
     /// largest of all loci. Infinite where nothing can be said, which asks for a shorter way.
-    [[nodiscard]] virtual double most_approach(Complex from, Complex to, const std::vector<Complex>& loci) const = 0;
+    [[nodiscard]] virtual double max_approach(Complex from, Complex to, const std::vector<Complex>& loci) const = 0;
 };
 
 /// k prod(s - z) / prod(s - p) e^{-tau s}, more poles than zeros; the delay is exact.
@@ -48,7 +48,7 @@ class DelayLoop final : public Loop {
     [[nodiscard]] int unstable_poles() const override;
     [[nodiscard]] double end_radps() const override { return end_radps_; }
     /// Rigorous: a bound on the derivative over the straight way.
-    [[nodiscard]] double most_approach(Complex from, Complex to, const std::vector<Complex>& loci) const override;
+    [[nodiscard]] double max_approach(Complex from, Complex to, const std::vector<Complex>& loci) const override;
 
   private:
     double gain_;

@@ -61,7 +61,7 @@ class Survey {
             const Complex from = a.loci[i], to = b.loci[i];
             turn_ += std::arg((1.0 + to) / (1.0 + from));
             if (!on_axis) continue;
-            least_ = std::min(least_, std::abs(1.0 + to));
+            min_ = std::min(min_, std::abs(1.0 + to));
             if ((std::abs(from) > 1.0) != (std::abs(to) > 1.0)) {
                 const auto [l, w] = cross(a, b, i, [](Complex x) { return std::abs(x) - 1.0; });
                 unit_circle(l, w);
@@ -84,7 +84,7 @@ class Survey {
         m.encirclements = static_cast<int>(std::lround(turn_ / std::numbers::pi));
         m.unstable_poles = loop_.unstable_poles();
         m.unstable_closed = m.unstable_poles - m.encirclements;
-        m.stable = m.unstable_closed == 0 && least_ > kOnPoint;
+        m.stable = m.unstable_closed == 0 && min_ > kOnPoint;
         if (!m.stable) return m;
         m.phase_deg = phase_deg_;
         m.crossover_radps = crossover_;
@@ -92,7 +92,7 @@ class Survey {
         m.gain_down_dB = down_dB_;
         m.upward_radps = upward_;
         m.downward_radps = downward_;
-        m.modulus = least_;
+        m.modulus = min_;
         return m;
     }
 
@@ -135,7 +135,7 @@ class Survey {
     static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     const Loop& loop_;
     double turn_ = 0.0;
-    double least_ = std::numeric_limits<double>::infinity();
+    double min_ = std::numeric_limits<double>::infinity();
     double phase_deg_ = 180.0;
     double up_dB_ = std::numeric_limits<double>::infinity();
     double down_dB_ = std::numeric_limits<double>::infinity();
@@ -155,7 +155,7 @@ Point at_rest(const Loop& loop, const Point& right) {
 
 /// Whether the way from `a` to `to` is short enough to know how often it turns around -1.
 bool sure(const Loop& loop, const Point& a, Complex to) {
-    return loop.most_approach(a.s, to, a.loci) < 0.5;
+    return loop.max_approach(a.s, to, a.loci) < 0.5;
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ struct Margins {
     double downward_radps = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Walks the axis from the indent at s = 0 to the loop's end. A step is taken only where Loop::most_approach keeps every locus closer to
+/// Walks the axis from the indent at s = 0 to the loop's end. A step is taken only where Loop::max_approach keeps every locus closer to
 /// where it is than half its distance to -1; so no turn around -1 can hide between two points, whatever the grid. Crossings are found to a
 /// relative frequency of 1e-10. Throws std::runtime_error where -1 lies on the locus so closely that no step is short enough.
 /// `ratio`: longest step along the axis, next frequency over this one.

@@ -79,7 +79,7 @@ std::string from_speed(const std::vector<Cell>& cells, std::size_t scenario, con
 
 }  // namespace
 
-std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells, const ReportHead& head) {
+std::string to_table(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head) {
     const Requirement& r = head.options.requirement;
     std::string t = fmt::format(
         "Worst margins over the speeds from brake-on to drop-out, full linearisation, tyre {}, slip "
@@ -114,7 +114,7 @@ std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<C
     return t;
 }
 
-std::string to_json(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells, const ReportHead& head) {
+std::string to_json(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head) {
     ordered_json rows = ordered_json::array();
     for (const Cell& c : cells) {
         const bool limited = c.limits.gamma > 1.0;

@@ -19,13 +19,14 @@ struct ReportHead {
 };
 
 /// Markdown, one row a scenario: the worst margins over its speeds and where, full linearisation; then what is infeasible.
-[[nodiscard]] std::string to_table(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells, const ReportHead& head);
+[[nodiscard]] std::string to_table(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head);
 /// Every cell. Margins of an unstable loop and margins that nothing limits are null.
-[[nodiscard]] std::string to_json(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells, const ReportHead& head);
+[[nodiscard]] std::string to_json(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head);
 
 /// Fig. 11: L(s) = G(s) A(s) of all scenarios at `speed_mps`, magnitude and phase, overview and enlargement.
-void draw_plant(const std::vector<Scenario>& scenarios, double slip_reference, double speed_mps, const std::filesystem::path& png);
+void draw_plant(const std::vector<StopConditions>& scenarios, double slip_reference, double speed_mps, const std::filesystem::path& png);
 /// Margins of the shipped law over speed, all scenarios.
-void draw_margins(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells, const ReportHead& head, const std::filesystem::path& png);
+void draw_margins(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head,
+                  const std::filesystem::path& png);
 
 }  // namespace study::margins

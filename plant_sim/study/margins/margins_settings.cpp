@@ -19,7 +19,7 @@ LawSearch law_search(const settings::Table& t) {
                             .population = t.integer<int>("population", {.min = 4, .max = 1000}),
                             .generations = t.integer<int>("generations", {.min = 0, .max = 10000}),
                             .digits = kDigits},
-                .least_gain = t.number("least_gain", {.min = 1e-6, .max = 1.0}),
+                .min_gain = t.number("min_gain", {.min = 1e-6, .max = 1.0}),
                 .stops = {.mean_j_mu = stops.number("mean_j_mu", {.min = 0.0, .max = 1.0}),
                           .longest_lock_s = 1e-3 * stops.number("longest_lock_ms", {.min = 0.0, .max = 10000.0}),
                           .tracked_share = stops.number("tracked_share", {.min = 0.0, .max = 1.0})},
@@ -28,11 +28,11 @@ LawSearch law_search(const settings::Table& t) {
                 .worn_references = stops.numbers("worn_references", {.range = {.min = 0.01, .max = 0.5}}),
                 .drawn_seed = draws.integer<std::uint64_t>("seed", {.min = 0}),
                 .draws = draws.integer<std::size_t>("draws", {.min = 1, .max = 10000}),
-                .least_drawn_j_mu = {},
+                .min_drawn_j_mu = {},
                 .parameters = {}};
     for (std::size_t i = 0; i < robust::kFamilyNames.size(); ++i)
-        if (const auto least = draws.find_number(robust::kFamilyNames[i], {.min = 0.0, .max = 1.0}))
-            s.least_drawn_j_mu.emplace_back(static_cast<robust::Family>(i), *least);
+        if (const auto min = draws.find_number(robust::kFamilyNames[i], {.min = 0.0, .max = 1.0}))
+            s.min_drawn_j_mu.emplace_back(static_cast<robust::Family>(i), *min);
     for (const std::string& name : gain_names()) {
         const auto values = gains.numbers(name, {.range = {.min = 1e-6, .max = 1e4}, .count = {.min = 3, .max = 3}, .strictly_increasing = true});
         s.parameters.push_back({name, values[0], values[2], values[1]});

@@ -13,7 +13,7 @@ double OperatingPoint::wheel_pole_radps(Linearisation linearisation) const {
     return load_N / (mass_kg * speed_mps) * (road - aircraft);
 }
 
-OperatingPoint operating_point(const plant::RigParameters& rig, double speed_mps, double slip) {
+OperatingPoint operating_point(const rig::RigParameters& rig, double speed_mps, double slip) {
     if (!(speed_mps > 0.0)) throw std::invalid_argument("an operating point needs a speed above zero");
     if (!(slip > 0.0 && slip < 1.0)) throw std::invalid_argument("an operating point needs a slip between 0 and 1");
     OperatingPoint p;
@@ -24,12 +24,12 @@ OperatingPoint operating_point(const plant::RigParameters& rig, double speed_mps
     p.load_N = rig.load.base_N - rig.load.lift_Ns2pm2 * speed_mps * speed_mps;
     p.radius_m = rig.wheel.free_radius_m - p.load_N / rig.wheel.stiffness_Npm;
     p.brake_gain_m3 = plant::BrakeTorque(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps).gain(speed_mps).k_b;
-    const plant::Friction f = plant::friction(rig.surface, slip);
+    const rig::Friction f = rig::friction(rig.surface, slip);
     p.mu = f.mu;
     p.mu_1 = f.mu_1;
     p.ring = rig.wheel.compliance.ring;
-    if (const plant::RelaxationParameters& relaxation = rig.wheel.compliance.relaxation; relaxation.length_m > 0.0)
-        p.relaxation_m = std::max(relaxation.length_m * f.mu_1 / plant::friction(rig.surface, 0.0).mu_1, relaxation.floor_m);
+    if (const rig::RelaxationParameters& relaxation = rig.wheel.compliance.relaxation; relaxation.length_m > 0.0)
+        p.relaxation_m = std::max(relaxation.length_m * f.mu_1 / rig::friction(rig.surface, 0.0).mu_1, relaxation.floor_m);
     p.deceleration_mps2 = p.load_N * f.mu / p.mass_kg;
     // At constant slip the wheel slows down with the aircraft, eq. (3): the brake takes its spin, too.
     const double wheel_radps2 = (1.0 - slip) / p.radius_m * p.deceleration_mps2;

@@ -26,7 +26,7 @@ struct OperatingPoint {
     double mu_1 = 0.0;               ///< d mu / d lambda
     double pressure_Pa = 0.0;        ///< that holds the slip; may be more than the valve can give
     double deceleration_mps2 = 0.0;  ///< F_x / m
-    plant::RingParameters ring{};    ///< of the tyre; without a belt none
+    rig::RingParameters ring{};      ///< of the tyre; without a belt none
     double relaxation_m = 0.0;       ///< sigma of compliance.hpp at this slip; 0: none
 
     /// Of the rigid wheel, whatever the tyre: a of G(s) = (r / (J v)) / (s + a): below zero past the peak, where the wheel runs away.
@@ -34,7 +34,7 @@ struct OperatingPoint {
 };
 
 /// `speed_mps` > 0, `slip` from 0 (exclusive) to 1; load by eq. (2), new brake or whatever `rig` has.
-[[nodiscard]] OperatingPoint operating_point(const plant::RigParameters& rig, double speed_mps, double slip);
+[[nodiscard]] OperatingPoint operating_point(const rig::RigParameters& rig, double speed_mps, double slip);
 
 /// `count` >= 2 speeds from `first_mps` down to `last_mps`, each the same share of the one before: the pole goes as 1/v.
 [[nodiscard]] std::vector<double> speed_grid(double first_mps, double last_mps, int count);

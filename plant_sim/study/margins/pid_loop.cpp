@@ -24,7 +24,7 @@ std::vector<Complex> roots(double a, double b, double c) {
     return {Complex(q / a), Complex(c / q)};
 }
 
-std::vector<Complex> valve_poles(const plant::ValveParameters& valve) {
+std::vector<Complex> valve_poles(const rig::ValveParameters& valve) {
     const double w = valve.natural_frequency_radps;
     return roots(1.0, 2.0 * valve.damping * w, w * w);
 }
@@ -40,7 +40,7 @@ Wheel wheel_at(const OperatingPoint& at, Linearisation linearisation) {
     return {w.gain, w.zeros(), w.poles()};
 }
 
-DelayLoop make(const Pid& pid, const plant::ValveParameters& valve, Wheel wheel, double factor) {
+DelayLoop make(const Pid& pid, const rig::ValveParameters& valve, Wheel wheel, double factor) {
     if (pid.k_d != 0.0 && !(pid.filter_s > 0.0)) throw std::invalid_argument("a derivative needs a filter time above zero");
     const double w = valve.natural_frequency_radps;
     std::vector<Complex> poles = std::move(wheel.poles), zeros = std::move(wheel.zeros);
@@ -69,15 +69,15 @@ DelayLoop make(const Pid& pid, const plant::ValveParameters& valve, Wheel wheel,
 
 }  // namespace
 
-DelayLoop pid_loop(const Pid& pid, const plant::ValveParameters& valve, const OperatingPoint& at, Linearisation linearisation) {
+DelayLoop pid_loop(const Pid& pid, const rig::ValveParameters& valve, const OperatingPoint& at, Linearisation linearisation) {
     return make(pid, valve, wheel_at(at, linearisation), std::pow(at.speed_mps / Pid::kScheduleSpeed_mps, pid.schedule - 1.0));
 }
 
-DelayLoop pid_loop(const Pid& pid, const plant::ValveParameters& valve, double wheel_pole_radps) {
+DelayLoop pid_loop(const Pid& pid, const rig::ValveParameters& valve, double wheel_pole_radps) {
     return make(pid, valve, {1.0, {}, {-wheel_pole_radps}}, 1.0);
 }
 
-DelayLoop plant_loop(const plant::ValveParameters& valve, const OperatingPoint& at, Linearisation linearisation) {
+DelayLoop plant_loop(const rig::ValveParameters& valve, const OperatingPoint& at, Linearisation linearisation) {
     const double per_MPa = 1e6 * at.brake_gain_m3 * at.radius_m / (at.inertia_kgm2 * at.speed_mps);
     return make({.k_p_per_s = 1.0}, valve, wheel_at(at, linearisation), per_MPa);
 }

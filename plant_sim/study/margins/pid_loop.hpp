@@ -20,10 +20,10 @@ struct Pid {
 };
 
 /// L(s) = A(s) G_lambda(s) C(s).
-[[nodiscard]] DelayLoop pid_loop(const Pid& pid, const plant::ValveParameters& valve, const OperatingPoint& at, Linearisation linearisation);
+[[nodiscard]] DelayLoop pid_loop(const Pid& pid, const rig::ValveParameters& valve, const OperatingPoint& at, Linearisation linearisation);
 /// The same with the wheel's pole given, and the schedule's factor 1: all that the margins depend on.
-[[nodiscard]] DelayLoop pid_loop(const Pid& pid, const plant::ValveParameters& valve, double wheel_pole_radps);
+[[nodiscard]] DelayLoop pid_loop(const Pid& pid, const rig::ValveParameters& valve, double wheel_pole_radps);
 /// L(s) of Fig. 11, without a controller: A(s) G_lambda(s) for unit gain from commanded pressure (K_st = 1), slip per MPa.
-[[nodiscard]] DelayLoop plant_loop(const plant::ValveParameters& valve, const OperatingPoint& at, Linearisation linearisation);
+[[nodiscard]] DelayLoop plant_loop(const rig::ValveParameters& valve, const OperatingPoint& at, Linearisation linearisation);
 
 }  // namespace study::margins

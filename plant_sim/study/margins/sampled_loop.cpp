@@ -101,22 +101,22 @@ void SampledLoop::at(Complex s, std::vector<Complex>& loci) const {
     loci = eigenvalues(l);
 }
 
-double SampledLoop::most_approach(Complex from, Complex to, const std::vector<Complex>& loci) const {
+double SampledLoop::max_approach(Complex from, Complex to, const std::vector<Complex>& loci) const {
     // Beyond the nearest pole of L a resonance may lie that neither the half way nor the end shows.
     const double reach = std::abs(to - from);
     for (const Complex& pole : poles_)
         if (reach > std::abs(from - pole)) return std::numeric_limits<double>::infinity();
     std::vector<Complex> there;
-    double most = 0.0;
+    double max = 0.0;
     for (const Complex s : {0.5 * (from + to), to}) {
         at(s, there);
         for (const Complex l : loci) {
             double nearest = std::numeric_limits<double>::infinity();
             for (const Complex t : there) nearest = std::min(nearest, std::abs(t - l));
-            most = std::max(most, nearest / std::abs(1.0 + l));
+            max = std::max(max, nearest / std::abs(1.0 + l));
         }
     }
-    return 2.0 * most;
+    return 2.0 * max;
 }
 
 Complex SampledLoop::response(double frequency_radps) const {

@@ -26,7 +26,7 @@ class SampledLoop final : public Loop {
     [[nodiscard]] double end_radps() const override;
     /// By what the loci do half the way and the whole way, doubled, on ways no longer than to L's nearest pole: no bound, but the count is checked
     /// against the eigenvalues of the closed loop wherever it is used.
-    [[nodiscard]] double most_approach(Complex from, Complex to, const std::vector<Complex>& loci) const override;
+    [[nodiscard]] double max_approach(Complex from, Complex to, const std::vector<Complex>& loci) const override;
 
     /// The answer at the frequency of the question, of a sine w(k) = e^{j w k h}: what a frequency analyser measures of L.
     [[nodiscard]] Complex response(double frequency_radps) const;

@@ -9,7 +9,7 @@ namespace study::margins {
 namespace {
 
 /// dP/di of a polyline at pressure `p`.
-double slope(const std::vector<plant::PressureMap::Point>& points, double p) {
+double slope(const std::vector<rig::PressureMap::Point>& points, double p) {
     std::size_t i = 1;
     while (i + 1 < points.size() && points[i].pressure_Pa < p) ++i;
     return (points[i].pressure_Pa - points[i - 1].pressure_Pa) / (points[i].current_mA - points[i - 1].current_mA);
@@ -17,7 +17,7 @@ double slope(const std::vector<plant::PressureMap::Point>& points, double p) {
 
 }  // namespace
 
-SampledPlant sampled_plant(const plant::ValveParameters& valve, const LinearWheel& wheel, double per_pressure, double per_command, double period_s,
+SampledPlant sampled_plant(const rig::ValveParameters& valve, const LinearWheel& wheel, double per_pressure, double per_command, double period_s,
                            double broken_s) {
     const Eigen::Index rim = 2, n = wheel.a.rows(), integral = rim + n, input = integral + 1;
     const double w = valve.natural_frequency_radps;
@@ -35,8 +35,8 @@ SampledPlant sampled_plant(const plant::ValveParameters& valve, const LinearWhee
             second.topLeftCorner(input, input) * first.topRightCorner(input, 1), second.topRightCorner(input, 1)};
 }
 
-double valve_gain(const antiskid::control::ValveConfig& believed, const plant::PressureMap& map, double pressure_Pa) {
-    std::vector<plant::PressureMap::Point> points;
+double valve_gain(const antiskid::control::ValveConfig& believed, const rig::PressureMap& map, double pressure_Pa) {
+    std::vector<rig::PressureMap::Point> points;
     points.reserve(believed.points);
     for (std::size_t i = 0; i < believed.points; ++i)
         points.push_back({static_cast<double>(believed.current_mA[i]), static_cast<double>(believed.pressure_Pa[i])});

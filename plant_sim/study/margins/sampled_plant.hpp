@@ -17,10 +17,10 @@ struct SampledPlant {
 
 /// `per_pressure`: q of `wheel` per unit of pressure; `per_command`: pressure per unit of command; `broken_s`: of the delay, beyond
 /// whole periods.
-[[nodiscard]] SampledPlant sampled_plant(const plant::ValveParameters& valve, const LinearWheel& wheel, double per_pressure, double per_command,
+[[nodiscard]] SampledPlant sampled_plant(const rig::ValveParameters& valve, const LinearWheel& wheel, double per_pressure, double per_command,
                                          double period_s, double broken_s);
 
 /// Gain of the plant's valve over the one that the controller divides by, at a pressure.
-[[nodiscard]] double valve_gain(const antiskid::control::ValveConfig& believed, const plant::PressureMap& map, double pressure_Pa);
+[[nodiscard]] double valve_gain(const antiskid::control::ValveConfig& believed, const rig::PressureMap& map, double pressure_Pa);
 
 }  // namespace study::margins

@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kRecombination = 0.9;
 
-double uniform(plant::Random& random) {
+double uniform(rig::Random& random) {
     return static_cast<double>(random.bits() >> 11U) * 0x1p-53;
 }
-std::size_t index(plant::Random& random, std::size_t count) {
+std::size_t index(rig::Random& random, std::size_t count) {
     return std::min(static_cast<std::size_t>(uniform(random) * static_cast<double>(count)), count - 1);
 }
 
@@ -71,7 +71,7 @@ Found search(const std::vector<Parameter>& parameters, const Score& score, const
     for (const Parameter& k : parameters)
         if (!(k.low > 0.0 && k.high >= k.low) || (k.start && (*k.start < k.low || *k.start > k.high)))
             throw std::invalid_argument(k.name + ": bounds must be above zero, rising, and hold the start");
-    plant::Random random(options.seed);
+    rig::Random random(options.seed);
     const auto members = static_cast<std::size_t>(options.population);
     const std::size_t n = parameters.size();
     const bool started = std::all_of(parameters.begin(), parameters.end(), [](const Parameter& k) { return k.start; });
@@ -117,9 +117,9 @@ Found search(const std::vector<Parameter>& parameters, const Score& score, const
     return {values(place[best()]), scores[best()], jury.judged()};
 }
 
-Found climb(const std::vector<Parameter>& parameters, const std::vector<double>& start, const Score& score, double least_gain,
+Found climb(const std::vector<Parameter>& parameters, const std::vector<double>& start, const Score& score, double min_gain,
             const SearchOptions& options, const SearchProgress& progress) {
-    if (start.size() != parameters.size() || !(least_gain > 0.0))
+    if (start.size() != parameters.size() || !(min_gain > 0.0))
         throw std::invalid_argument("a climb needs a start for each parameter and a least gain above zero");
     Jury jury(score, options.threads, progress);
     Found found{start, jury.judge({{start}}, 1).front(), 1};
@@ -131,13 +131,13 @@ Found climb(const std::vector<Parameter>& parameters, const std::vector<double>&
             for (const double change : {-step, step}) {
                 std::vector<double> x = found.values;
                 x[k] = rounded(std::clamp(x[k] + change, parameters[k].low, parameters[k].high), options.digits);
-                if (x[k] != found.values[k]) candidates.push_back({std::move(x), found.score + least_gain});
+                if (x[k] != found.values[k]) candidates.push_back({std::move(x), found.score + min_gain});
             }
         }
         const std::vector<double> scores = jury.judge(candidates, static_cast<std::size_t>(jury.judged()) + candidates.size());
         found.evaluations = jury.judged();
         const auto best = std::max_element(scores.begin(), scores.end());
-        if (best == scores.end() || *best < found.score + least_gain) {
+        if (best == scores.end() || *best < found.score + min_gain) {
             ++size;
             continue;
         }

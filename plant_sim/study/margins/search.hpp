@@ -43,9 +43,9 @@ struct Found {
 [[nodiscard]] Found search(const std::vector<Parameter>& parameters, const Score& score, const SearchOptions& options,
                            const SearchProgress& progress = {});
 
-/// Climbs from `start` by the best single step of one parameter, up or down by 20 of its last significant digit; where none gains `least_gain` or
+/// Climbs from `start` by the best single step of one parameter, up or down by 20 of its last significant digit; where none gains `min_gain` or
 /// more by 5, then by 1 of it. Ends where none of all these does. Of `options` the digits and threads count.
-[[nodiscard]] Found climb(const std::vector<Parameter>& parameters, const std::vector<double>& start, const Score& score, double least_gain,
+[[nodiscard]] Found climb(const std::vector<Parameter>& parameters, const std::vector<double>& start, const Score& score, double min_gain,
                           const SearchOptions& options, const SearchProgress& progress = {});
 
 /// `value` with so many significant digits; above zero.

@@ -24,17 +24,17 @@ void judge(StopsShown& shown, const TrialStops& trial, const std::vector<double>
     shown.mean_j_mu = over_surfaces(sum) / over_surfaces(count);
     shown.violation = std::max(0.0, trial.requirement.mean_j_mu - shown.mean_j_mu) +
                       std::max(0.0, shown.longest_lock_s - trial.requirement.longest_lock_s) +
-                      std::max(0.0, trial.requirement.tracked_share - shown.least_tracked.value_or(0.0)) + (shown.faults ? 1.0 : 0.0);
+                      std::max(0.0, trial.requirement.tracked_share - shown.min_tracked.value_or(0.0)) + (shown.faults ? 1.0 : 0.0);
     shown.group_j_mu.resize(groups);
     for (std::size_t g = 0; g < groups; ++g) {
         shown.group_j_mu[g] = sum[g] / count[g];
-        shown.violation += std::max(0.0, trial.least_j_mu[g] - shown.group_j_mu[g]) / static_cast<double>(groups);
+        shown.violation += std::max(0.0, trial.min_j_mu[g] - shown.group_j_mu[g]) / static_cast<double>(groups);
     }
 }
 
 }  // namespace
 
-StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& controller, double most_violation) {
+StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& controller, double max_violation) {
     StopsShown shown;
     std::vector<double> j_mu(trial.stops.size(), 1.0);
     for (std::size_t first = 0; first < trial.stops.size();) {
@@ -54,10 +54,10 @@ StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& 
                 if (trial.stops[first + number].group >= trial.surfaces) return;
                 shown.longest_lock_s = std::max(shown.longest_lock_s, result.figures.longest_lock_s);
                 const std::optional<double> tracked = result.figures.tracked_share;
-                if (tracked) shown.least_tracked = std::min(*tracked, shown.least_tracked.value_or(1.0));
+                if (tracked) shown.min_tracked = std::min(*tracked, shown.min_tracked.value_or(1.0));
             });
         judge(shown, trial, j_mu);
-        if (shown.violation > most_violation && end < trial.stops.size()) return shown;
+        if (shown.violation > max_violation && end < trial.stops.size()) return shown;
         first = end;
     }
     shown.whole = true;

@@ -20,7 +20,7 @@ struct StopsRequirement {
 
 struct TrialStop {
     std::size_t group = 0;  ///< index of TrialStops::groups
-    plant::RigParameters rig;
+    rig::RigParameters rig;
     SessionOptions session;
     bool friction_counts = true;  ///< its J_mu is one of those that are asked for; otherwise locks, tracking and faults alone count
 };
@@ -30,8 +30,8 @@ struct TrialStops {
     std::vector<std::string> groups;  ///< surfaces first, then families of drawn plants
     std::size_t surfaces = 0;         ///< so many of them
     std::vector<TrialStop> stops;
-    std::size_t first = 0;           ///< so many of them, from the front, decide whether the others are made at all
-    std::vector<double> least_j_mu;  ///< of each group, its mean
+    std::size_t first = 0;         ///< so many of them, from the front, decide whether the others are made at all
+    std::vector<double> min_j_mu;  ///< of each group, its mean
     StopsRequirement requirement;
 };
 
@@ -39,7 +39,7 @@ struct StopsShown {
     double mean_j_mu = 0.0;
     std::vector<double> group_j_mu;  ///< means
     double longest_lock_s = 0.0;
-    std::optional<double> least_tracked;  ///< of the stops whose tracking was measured
+    std::optional<double> min_tracked;  ///< of the stops whose tracking was measured
     bool faults = false;
     bool whole = false;  ///< all stops were made
     /// How far it is from what is asked: what is missing of friction (mean, and each group's share of it) and tracking, locks in s beyond
@@ -48,7 +48,7 @@ struct StopsShown {
     double violation = 0.0;
 };
 
-/// Makes the stops until `violation` is above `most_violation`, or all of them.
-[[nodiscard]] StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& controller, double most_violation);
+/// Makes the stops until `violation` is above `max_violation`, or all of them.
+[[nodiscard]] StopsShown make_stops(const TrialStops& trial, const antiskid::control::Config& controller, double max_violation);
 
 }  // namespace study::margins

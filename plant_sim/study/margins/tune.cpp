@@ -12,15 +12,15 @@ namespace {
 template <typename LoopAt>
 WorstScore worst(const std::vector<TuningCell>& cells, const Requirement& requirement, const LoopAt& loop_at) {
     WorstScore w;
-    double least = 1e3;
+    double min = 1e3;
     for (const TuningCell& c : cells) {
         const double s = score(margins(loop_at(c), kCoarseWalk), requirement);
         ++w.counted;
         if (s < 0.0) ++w.unstable;
         if (s >= 1.0) ++w.met;
-        least = std::min(least, s);
+        min = std::min(min, s);
     }
-    w.value = w.unstable > 0 ? -static_cast<double>(w.unstable) / w.counted : least;
+    w.value = w.unstable > 0 ? -static_cast<double>(w.unstable) / w.counted : min;
     return w;
 }
 
@@ -35,11 +35,11 @@ double score(const Margins& m, const Requirement& r) {
     return std::min({m.phase_deg / r.phase_deg, m.gain_up_dB / r.gain_dB, m.gain_down_dB / r.gain_dB});
 }
 
-std::vector<TuningCell> tuning_cells(const std::vector<Scenario>& scenarios, const antiskid::control::Config& controller,
+std::vector<TuningCell> tuning_cells(const std::vector<StopConditions>& scenarios, const antiskid::control::Config& controller,
                                      const StudyOptions& options) {
     std::vector<TuningCell> cells;
     for (std::size_t i = 0; i < scenarios.size(); ++i) {
-        const Scenario& s = scenarios[i];
+        const StopConditions& s = scenarios[i];
         for (const double v : speed_grid(s.rig.brake_on_mps, s.drop_out_mps, options.speeds)) {
             const double slip = options.low_speed_fall ? scheduled_slip(controller.slip, options.slip_reference, v) : options.slip_reference;
             const OperatingPoint at = operating_point(s.rig, v, slip);
@@ -50,7 +50,8 @@ std::vector<TuningCell> tuning_cells(const std::vector<Scenario>& scenarios, con
     return cells;
 }
 
-WorstScore pid_score(const Pid& pid, const std::vector<Scenario>& scenarios, const std::vector<TuningCell>& cells, const Requirement& requirement) {
+WorstScore pid_score(const Pid& pid, const std::vector<StopConditions>& scenarios, const std::vector<TuningCell>& cells,
+                     const Requirement& requirement) {
     return worst(cells, requirement, [&](const TuningCell& c) { return pid_loop(pid, scenarios[c.scenario].rig.valve, c.at, Linearisation::full); });
 }
 

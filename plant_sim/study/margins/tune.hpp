@@ -28,10 +28,10 @@ struct TuningCell {
     std::size_t scenario = 0;
     OperatingPoint at;
 };
-[[nodiscard]] std::vector<TuningCell> tuning_cells(const std::vector<Scenario>& scenarios, const antiskid::control::Config& controller,
+[[nodiscard]] std::vector<TuningCell> tuning_cells(const std::vector<StopConditions>& scenarios, const antiskid::control::Config& controller,
                                                    const StudyOptions& options);
 
-[[nodiscard]] WorstScore pid_score(const Pid& pid, const std::vector<Scenario>& scenarios, const std::vector<TuningCell>& cells,
+[[nodiscard]] WorstScore pid_score(const Pid& pid, const std::vector<StopConditions>& scenarios, const std::vector<TuningCell>& cells,
                                    const Requirement& requirement);
 /// k_p, k_i, k_d and the schedule's power, within the bounds that docs/margins.md states; the filter stays.
 [[nodiscard]] std::vector<Parameter> pid_parameters(const Pid& start);

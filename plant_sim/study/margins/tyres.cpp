@@ -25,14 +25,14 @@ std::string pole_text(Complex pole) {
 }
 
 /// Eq. (6) without its delay, at j w.
-Complex valve_answer(const plant::ValveParameters& valve, double w) {
+Complex valve_answer(const rig::ValveParameters& valve, double w) {
     const double n = valve.natural_frequency_radps;
     return n * n / (n * n - w * w + Complex(0.0, 2.0 * valve.damping * n * w));
 }
 
 }  // namespace
 
-std::string tyre_name(const plant::Compliance& tyre) {
+std::string tyre_name(const rig::Compliance& tyre) {
     std::string name;
     const auto add = [&name](const std::string& part) { name += (name.empty() ? "" : ", ") + part; };
     if (tyre.ring.belt_share > 0.0)
@@ -41,7 +41,7 @@ std::string tyre_name(const plant::Compliance& tyre) {
     return name.empty() ? "static" : name;
 }
 
-TyreRow tyre_row(const plant::Compliance& tyre, const std::vector<Cell>& cells, const Requirement& requirement) {
+TyreRow tyre_row(const rig::Compliance& tyre, const std::vector<Cell>& cells, const Requirement& requirement) {
     TyreRow row{.tyre = tyre, .cells = cells.size(), .swing = {}, .law_slowest = cells.at(0).law_slowest};
     for (const Cell& c : cells) {
         const Margins& m = c.law.full;
@@ -100,7 +100,7 @@ std::string to_json(const std::vector<TyreRow>& rows, const ReportHead& head) {
     return json.dump(2) + "\n";
 }
 
-std::string excited_table(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells) {
+std::string excited_table(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells) {
     std::string rows;
     for (std::size_t i = 0; i < scenarios.size(); ++i) {
         const Cell* fastest = nullptr;
@@ -115,7 +115,7 @@ std::string excited_table(const std::vector<Scenario>& scenarios, const std::vec
             if (fastest == nullptr || c.swing->real() > fastest->swing->real()) fastest = &c;
         }
         if (fastest == nullptr) continue;
-        const plant::ValveParameters& valve = scenarios[i].rig.valve;
+        const rig::ValveParameters& valve = scenarios[i].rig.valve;
         const double w = fastest->swing->imag();
         const Complex answer = valve_answer(valve, w);
         fmt::format_to(std::back_inserter(rows), "| {} | {} | {} from {:.1f} to {:.1f} | {} | {} | {} | {:.0f} | {:.0f} |\n", scenarios[i].surface,

@@ -11,11 +11,11 @@
 namespace study::margins {
 
 /// As compliance.hpp has it, "static" where nothing gives way.
-[[nodiscard]] std::string tyre_name(const plant::Compliance& tyre);
+[[nodiscard]] std::string tyre_name(const rig::Compliance& tyre);
 
 /// Of all cells on one tyre, full linearisation.
 struct TyreRow {
-    plant::Compliance tyre;
+    rig::Compliance tyre;
     std::size_t cells = 0;
     std::size_t stable = 0;          ///< the law's loop
     std::size_t phase = 0;           ///< of these with the phase margin that is asked for
@@ -27,7 +27,7 @@ struct TyreRow {
     Complex law_slowest;             ///< the fastest of Cell::law_slowest
 };
 
-[[nodiscard]] TyreRow tyre_row(const plant::Compliance& tyre, const std::vector<Cell>& cells, const Requirement& requirement);
+[[nodiscard]] TyreRow tyre_row(const rig::Compliance& tyre, const std::vector<Cell>& cells, const Requirement& requirement);
 
 /// Markdown.
 [[nodiscard]] std::string to_table(const std::vector<TyreRow>& rows, const ReportHead& head);
@@ -35,6 +35,6 @@ struct TyreRow {
 
 /// The cells of one tyre that excite themselves, a row a scenario, in Markdown; empty where there are none. With it what
 /// the valve leaves of a command at that frequency.
-[[nodiscard]] std::string excited_table(const std::vector<Scenario>& scenarios, const std::vector<Cell>& cells);
+[[nodiscard]] std::string excited_table(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells);
 
 }  // namespace study::margins

@@ -11,7 +11,7 @@ namespace regulation {
 namespace {
 
 /// The brake of one life as it really is: it can take more or less until it is worn out, and wears the slower or faster for it.
-wear::BrakeWear brake_of(const Plan& plan, const wear::BrakeWear& brake, const FleetOptions& options, std::uint64_t life) {
+wear::BrakeWear brake_of(const wear::WearPlan& plan, const wear::BrakeWear& brake, const FleetOptions& options, std::uint64_t life) {
     constexpr std::uint64_t kStream = 1U << 20U;  // beyond those of the lives' landings
     wear::Generator generator = wear::generator_of(options.seed, kStream + life);
     const double budget = std::max(1.0 + options.brake_deviation * wear::normal(generator), 0.5);
@@ -21,7 +21,7 @@ wear::BrakeWear brake_of(const Plan& plan, const wear::BrakeWear& brake, const F
     return own;
 }
 
-LivingPair pair_of(const Plan& plan, const Rules& rules, const Range& range, const Policy& policy, const wear::BrakeWear& brake,
+LivingPair pair_of(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, const Policy& policy, const wear::BrakeWear& brake,
                    const FleetOptions& options, std::uint64_t life) {
     constexpr std::size_t kBeyond = 2;  // times the plan: even a life of light landings is over by then
     const auto planned = static_cast<std::size_t>(plan.landings);
@@ -38,18 +38,19 @@ LivingPair pair_of(const Plan& plan, const Rules& rules, const Range& range, con
 
 }  // namespace
 
-std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const Range& range, const std::vector<Policy>& policies,
-                                   const wear::BrakeWear& brake, const FleetOptions& options, const Lander& land) {
+std::vector<PolicyLives> run_fleet(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range,
+                                   const std::vector<Policy>& policies, const wear::BrakeWear& brake, const FleetOptions& options,
+                                   const Lander& land) {
     std::vector<LivingPair> pairs;  // all policies of the first life, then of the second
     pairs.reserve(static_cast<std::size_t>(options.lives) * policies.size());
     for (std::uint64_t life = 0; life < static_cast<std::uint64_t>(options.lives); ++life) {
         for (const Policy& policy : policies) pairs.push_back(pair_of(plan, rules, range, policy, brake, options, life));
     }
-    struct Asked {
+    struct Request {
         LivingPair* pair;
         std::size_t count;
     };
-    std::vector<Asked> asked;
+    std::vector<Request> asked;
     std::vector<LandingRequest> requests;
     std::size_t done = 0;
     for (;;) {
@@ -65,7 +66,7 @@ std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const R
         if (options.stop != nullptr && options.stop->load()) return {};
         const std::vector<Stop> stops = land(requests);
         std::span<const Stop> left = stops;
-        for (const Asked& one : asked) {
+        for (const Request& one : asked) {
             one.pair->landed(left.first(one.count));
             left = left.subspan(one.count);
         }
@@ -99,7 +100,7 @@ Summary summary(const PolicyLives& policy, const std::vector<bool>& feasible, do
         s.floor_held = s.floor_held && life.floor_held;
         for (const LifeRow& row : life.rows) {
             s.j_mu += row.j_mu;
-            s.least_j_mu = std::min(s.least_j_mu, row.j_mu);
+            s.min_j_mu = std::min(s.min_j_mu, row.j_mu);
             s.distance_m += row.distance_m;
             stops += 1.0;
         }
@@ -109,11 +110,11 @@ Summary summary(const PolicyLives& policy, const std::vector<bool>& feasible, do
     return s;
 }
 
-double best_fixed(const Plan& plan, const std::vector<double>& grid, const std::vector<double>& tyre_share, const Range& range) {
+double best_fixed(const wear::WearPlan& plan, const std::vector<double>& grid, const std::vector<double>& tyre_share, const wear::Range& range) {
     constexpr double kStep = 0.01;  // as references are set
     const double wanted = plan.tyre_budget_J() / (plan.tyre_budget_J() + plan.brake_budget_J());
     double best = 0.0;
-    double least = 2.0;
+    double min = 2.0;
     const int first = static_cast<int>(std::ceil(range.lowest / kStep - 1e-9));
     const int last = static_cast<int>(std::floor(range.highest / kStep + 1e-9));
     for (int k = first; k <= last; ++k) {
@@ -123,8 +124,8 @@ double best_fixed(const Plan& plan, const std::vector<double>& grid, const std::
         const auto j = static_cast<std::size_t>(above);
         const double t = (reference - grid[j - 1]) / (grid[j] - grid[j - 1]);
         const double share = tyre_share[j - 1] + t * (tyre_share[j] - tyre_share[j - 1]);
-        if (const double off = std::abs(share - wanted); off < least) {
-            least = off;
+        if (const double off = std::abs(share - wanted); off < min) {
+            min = off;
             best = reference;
         }
     }

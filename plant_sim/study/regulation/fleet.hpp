@@ -24,8 +24,8 @@ struct FleetOptions {
     double missing = 0.0;          ///< share of landings whose figures are lost
     double brake_deviation = 0.0;  ///< of what a brake really can take more, over the plan's budget, from life to life
     int inspection = 0;            ///< see LifeOptions, here and below
-    std::vector<Range> allowed_on{};
-    std::optional<LifeForecast> life_forecast{};
+    std::vector<wear::Range> allowed_on{};
+    std::optional<wear::LifeForecast> life_forecast{};
     std::size_t scenarios = 0;
     bool worst_stops = true;                            ///< of the regulated lives
     const std::atomic<bool>* stop = nullptr;            ///< once true nothing more is begun
@@ -41,8 +41,9 @@ struct PolicyLives {
 using Lander = std::function<std::vector<Stop>(std::span<const LandingRequest>)>;
 
 /// All lives advance together, a landing at a time, so that `land` has many to make at once. Empty when it was stopped.
-[[nodiscard]] std::vector<PolicyLives> run_fleet(const Plan& plan, const Rules& rules, const Range& range, const std::vector<Policy>& policies,
-                                                 const wear::BrakeWear& brake, const FleetOptions& options, const Lander& land);
+[[nodiscard]] std::vector<PolicyLives> run_fleet(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range,
+                                                 const std::vector<Policy>& policies, const wear::BrakeWear& brake, const FleetOptions& options,
+                                                 const Lander& land);
 
 struct Summary {
     int feasible = 0;            ///< lives in which both limits could be met at the planned landing
@@ -52,7 +53,7 @@ struct Summary {
     double other_left = 0.0;     ///< mean
     double worst_other_left = 0.0;
     double brake_at_plan = 0.0, tyre_at_plan = 0.0;  ///< means
-    double j_mu = 0.0, least_j_mu = 1.0;             ///< mean and least of all stops
+    double j_mu = 0.0, min_j_mu = 1.0;               ///< mean and least of all stops
     double distance_m = 0.0;                         ///< mean
     bool floor_held = true;
 };
@@ -62,6 +63,7 @@ struct Summary {
 
 /// Of the fixed references on `grid` the one whose mean tyre share `tyre_share` brings both limits nearest to each other: the best that can be
 /// chosen once, with the shares known beforehand.
-[[nodiscard]] double best_fixed(const Plan& plan, const std::vector<double>& grid, const std::vector<double>& tyre_share, const Range& range);
+[[nodiscard]] double best_fixed(const wear::WearPlan& plan, const std::vector<double>& grid, const std::vector<double>& tyre_share,
+                                const wear::Range& range);
 
 }  // namespace regulation

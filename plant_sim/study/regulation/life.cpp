@@ -35,7 +35,7 @@ double used_at(const std::vector<LifeRow>& rows, double LifeRow::*used, double l
     return before + (landing - whole) * (rows[i].*used - before);
 }
 
-void judge(const Plan& plan, const Range& range, Life& life) {
+void judge(const wear::WearPlan& plan, const wear::Range& range, Life& life) {
     const std::vector<LifeRow>& rows = life.rows;
     const auto planned = static_cast<double>(plan.landings);
     const double brake_J = used_at(rows, &LifeRow::brake_J, planned);
@@ -92,7 +92,8 @@ std::vector<Draw> draw_life(std::uint64_t seed, std::uint64_t life, std::size_t 
     return draws;
 }
 
-LivingPair::LivingPair(const Plan& plan, const Rules& rules, const Range& range, std::vector<Draw> draws, const LifeOptions& options)
+LivingPair::LivingPair(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, std::vector<Draw> draws,
+                       const LifeOptions& options)
     : range_(range),
       draws_(std::move(draws)),
       options_(options),
@@ -119,7 +120,7 @@ std::vector<LandingRequest> LivingPair::requests() const {
                                           .mean_friction = friction,
                                           .metered = !options_.fixed && draw.measured}};
     if (options_.worst_stops) {
-        const Range& range = regulator_.range();
+        const wear::Range& range = regulator_.range();
         for (const double end : {range.lowest, range.highest})
             requests.push_back({.draw = draw, .reference = end, .mean_friction = friction, .metered = false});
     }
@@ -144,7 +145,7 @@ void LivingPair::landed(std::span<const Stop> stops) {
         row.reading = regulator_.last_reading();
     }
     if (!options_.allowed_on.empty()) {
-        const Range& here = options_.allowed_on[draw.scenario];
+        const wear::Range& here = options_.allowed_on[draw.scenario];
         row.new_surface = range_.lowest < here.lowest || range_.highest > here.highest;
         range_ = {std::max(range_.lowest, here.lowest), std::min(range_.highest, here.highest)};
         regulator_.narrow(here);
@@ -159,7 +160,7 @@ void LivingPair::landed(std::span<const Stop> stops) {
 
 /// What is known of a landing goes to the regulator.
 void LivingPair::regulate(const Draw& draw, const Stop& stop) {
-    Landing measured;
+    wear::Landing measured;
     if (draw.measured) {
         measured = stop.measured;
         measured.reference = regulator_.reference();

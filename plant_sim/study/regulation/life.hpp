@@ -32,8 +32,8 @@ enum class Mix : std::uint8_t {
 
 /// One landing as it was: true, and as it was measured.
 struct Stop {
-    Landing measured;
-    double measured_friction = kUnknown;  ///< mean mu_b over the stop, from eq. (7)
+    wear::Landing measured;
+    double measured_friction = wear::kUnknown;  ///< mean mu_b over the stop, from eq. (7)
     double brake_J = 0.0;
     double tyre_J = 0.0;
     double distance_m = 0.0;
@@ -56,9 +56,9 @@ struct LifeOptions {
     int inspection = 0;  ///< landings between two inspections of the brake, which tell its true wear and life; 0: none
     /// Of each scenario's surface what the floor allows there, learnt with its first landing: Regulator::narrow(). Empty: the range given has
     /// all surfaces in it.
-    std::vector<Range> allowed_on{};
+    std::vector<wear::Range> allowed_on{};
     /// Of the brake as planned, where nobody inspects it; none: nobody forecasts its life.
-    std::optional<LifeForecast> life_forecast{};
+    std::optional<wear::LifeForecast> life_forecast{};
     bool worst_stops = false;  ///< also land with both ends of the range, to know the distance that the floor stands for
 };
 
@@ -73,7 +73,7 @@ struct LifeRow {
     double j_mu = 0.0;
     double brake_life_J = 0.0;  ///< that the regulator counted with before it; 0 with a fixed reference
     bool new_surface = false;   ///< nobody knew of this surface: the floor does not bind yet
-    Reading reading = Reading::measured;
+    wear::Reading reading = wear::Reading::measured;
 };
 
 enum class First : std::uint8_t { brake, tyre };
@@ -102,7 +102,7 @@ inline constexpr double kDistanceNoise = 1e-2;
 class LivingPair {
   public:
     /// `draws` must reach beyond the planned landing; the life ends with them if no limit was reached. Throws as Regulator does.
-    LivingPair(const Plan& plan, const Rules& rules, const Range& range, std::vector<Draw> draws, const LifeOptions& options);
+    LivingPair(const wear::WearPlan& plan, const wear::Rules& rules, const wear::Range& range, std::vector<Draw> draws, const LifeOptions& options);
 
     [[nodiscard]] bool over() const;
     /// The next landing, and where LifeOptions asks for them the same one at both ends of the range. Not once it is over.
@@ -115,11 +115,11 @@ class LivingPair {
   private:
     void regulate(const Draw& draw, const Stop& stop);
 
-    Range range_;  // of all surfaces seen so far
+    wear::Range range_;  // of all surfaces seen so far
     std::vector<Draw> draws_;
     LifeOptions options_;
-    Regulator regulator_;
-    std::optional<LifeForecast> life_forecast_;
+    wear::Regulator regulator_;
+    std::optional<wear::LifeForecast> life_forecast_;
     wear::WearingBrake brake_;
     Life life_;
     double brake_J_ = 0.0;

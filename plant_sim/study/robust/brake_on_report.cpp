@@ -17,13 +17,13 @@ double travel_mAps(const Row& row) {
     return row.figures.valve_travel_mAps.value_or(0.0);
 }
 
-std::string stop_is(const Plan& plan, std::size_t number) {
+std::string stop_is(const RobustPlan& plan, std::size_t number) {
     const Landing& landing = plan.basis.landings[brake_on_at(plan.basis, number).landing];
     return landing.surface + ", " + landing.maneuver;
 }
 
-BrakeOnSummary stops_at(const Plan& plan, const std::vector<Row>& rows, std::size_t law, double speed_mps) {
-    BrakeOnSummary s{.law = law, .speed_mps = speed_mps, .mean_share = {}, .least_share = {}};
+BrakeOnSummary stops_at(const RobustPlan& plan, const std::vector<Row>& rows, std::size_t law, double speed_mps) {
+    BrakeOnSummary s{.law = law, .speed_mps = speed_mps, .mean_share = {}, .min_share = {}};
     double shares = 0.0;
     for (const Row& row : rows) {
         if (row.family != Family::brake_on || row.law != law || brake_on_at(plan.basis, row.number).speed_mps != speed_mps) continue;
@@ -32,23 +32,23 @@ BrakeOnSummary stops_at(const Plan& plan, const std::vector<Row>& rows, std::siz
         s.mean_j_mu += row.figures.j_mu;
         s.mean_travel_mAps += travel_mAps(row);
         const BrakeOnShare of = share_of(plan, rows, row);
-        if (of.travel_ratio > s.most_travel_ratio) {
-            s.most_travel_ratio = of.travel_ratio;
-            s.most = row.number;
+        if (of.travel_ratio > s.max_travel_ratio) {
+            s.max_travel_ratio = of.travel_ratio;
+            s.max = row.number;
         }
         if (!of.held_j_mu) continue;
         const double share = row.figures.j_mu / *of.held_j_mu;
         shares += share;
         s.reached += share >= asked_share(speed_mps) ? 1U : 0U;
-        if (!s.least_share || share < *s.least_share) {
-            s.least_share = share;
-            s.least = row.number;
+        if (!s.min_share || share < *s.min_share) {
+            s.min_share = share;
+            s.min = row.number;
         }
     }
     if (s.stops == 0) return s;
     s.mean_j_mu /= static_cast<double>(s.stops);
     s.mean_travel_mAps /= static_cast<double>(s.stops);
-    if (s.least_share) s.mean_share = shares / static_cast<double>(s.stops);
+    if (s.min_share) s.mean_share = shares / static_cast<double>(s.stops);
     return s;
 }
 
@@ -59,9 +59,9 @@ double asked_share(double speed_mps) {
     return speed_mps < kSlow_mps ? 0.87 : 0.93;
 }
 
-BrakeOnShare share_of(const Plan& plan, const std::vector<Row>& rows, const Row& row) {
+BrakeOnShare share_of(const RobustPlan& plan, const std::vector<Row>& rows, const Row& row) {
     const BrakeOn at = brake_on_at(plan.basis, row.number);
-    const plant::RigParameters rig = grid_stop(plan.basis, Family::brake_on, row.number).rig;
+    const rig::RigParameters rig = grid_stop(plan.basis, Family::brake_on, row.number).rig;
     BrakeOnShare share;
     if (const auto slip = held_slip(plan, plan.laws[row.law], rig.surface))
         share.held_j_mu = held_j_mu(rig, plan.controller.slip, *slip, plan.drop_out_mps);
@@ -74,7 +74,7 @@ BrakeOnShare share_of(const Plan& plan, const std::vector<Row>& rows, const Row&
     return share;
 }
 
-std::vector<BrakeOnSummary> summarise_brake_on(const Plan& plan, const std::vector<Row>& rows) {
+std::vector<BrakeOnSummary> summarise_brake_on(const RobustPlan& plan, const std::vector<Row>& rows) {
     std::vector<BrakeOnSummary> all;
     if (std::find(plan.families.begin(), plan.families.end(), Family::brake_on) == plan.families.end()) return all;
     for (std::size_t law = 0; law < plan.laws.size(); ++law)
@@ -82,7 +82,7 @@ std::vector<BrakeOnSummary> summarise_brake_on(const Plan& plan, const std::vect
     return all;
 }
 
-std::string brake_on_table(const Plan& plan, const std::vector<Row>& rows) {
+std::string brake_on_table(const RobustPlan& plan, const std::vector<Row>& rows) {
     const std::vector<BrakeOnSummary> all = summarise_brake_on(plan, rows);
     if (all.empty()) return {};
     std::string text =
@@ -92,19 +92,19 @@ std::string brake_on_table(const Plan& plan, const std::vector<Row>& rows) {
         "valve travel (mA/s) | most over the fastest's |\n|---|---|---|---|---|---|---|---|---|\n";
     for (const BrakeOnSummary& s : all) {
         fmt::format_to(std::back_inserter(text), "| {} | {:.1f} | {} | {:.4f} |", plan.laws[s.law].name, s.speed_mps, s.tripped, s.mean_j_mu);
-        if (s.least_share)
-            fmt::format_to(std::back_inserter(text), " {:.3f} | {:.3f}: {} | {} of {} at {:.2f} |", *s.mean_share, *s.least_share,
-                           stop_is(plan, s.least), s.reached, s.stops, asked_share(s.speed_mps));
+        if (s.min_share)
+            fmt::format_to(std::back_inserter(text), " {:.3f} | {:.3f}: {} | {} of {} at {:.2f} |", *s.mean_share, *s.min_share, stop_is(plan, s.min),
+                           s.reached, s.stops, asked_share(s.speed_mps));
         else
             text += " none is held | | |";
-        fmt::format_to(std::back_inserter(text), " {:.0f} | {:.1f}: {} |\n", s.mean_travel_mAps, s.most_travel_ratio, stop_is(plan, s.most));
+        fmt::format_to(std::back_inserter(text), " {:.0f} | {:.1f}: {} |\n", s.mean_travel_mAps, s.max_travel_ratio, stop_is(plan, s.max));
     }
     return text;
 }
 
-nlohmann::ordered_json brake_on_json(const Plan& plan, const std::vector<Row>& rows) {
+nlohmann::ordered_json brake_on_json(const RobustPlan& plan, const std::vector<Row>& rows) {
     nlohmann::ordered_json json{
-        {"asked_travel_ratio", kAskedTravelRatio}, {"summaries", nlohmann::ordered_json::array()}, {"stops", nlohmann::ordered_json::array()}};
+        {"required_travel_ratio", kRequiredTravelRatio}, {"summaries", nlohmann::ordered_json::array()}, {"stops", nlohmann::ordered_json::array()}};
     for (const BrakeOnSummary& s : summarise_brake_on(plan, rows))
         json["summaries"].push_back({{"law", plan.laws[s.law].name},
                                      {"speed_mps", s.speed_mps},
@@ -113,12 +113,12 @@ nlohmann::ordered_json brake_on_json(const Plan& plan, const std::vector<Row>& r
                                      {"mean_j_mu", s.mean_j_mu},
                                      {"asked_share_of_held", asked_share(s.speed_mps)},
                                      {"mean_share_of_held", or_null(s.mean_share)},
-                                     {"least_share_of_held", or_null(s.least_share)},
-                                     {"least_is", s.least_share ? nlohmann::ordered_json(stop_is(plan, s.least)) : nlohmann::ordered_json()},
+                                     {"min_share_of_held", or_null(s.min_share)},
+                                     {"min_is", s.min_share ? nlohmann::ordered_json(stop_is(plan, s.min)) : nlohmann::ordered_json()},
                                      {"reached", s.reached},
                                      {"mean_valve_travel_mAps", s.mean_travel_mAps},
-                                     {"most_travel_ratio", s.most_travel_ratio},
-                                     {"most_travel_is", stop_is(plan, s.most)}});
+                                     {"max_travel_ratio", s.max_travel_ratio},
+                                     {"max_travel_is", stop_is(plan, s.max)}});
     for (const Row& row : rows) {
         if (row.family != Family::brake_on) continue;
         const BrakeOn at = brake_on_at(plan.basis, row.number);

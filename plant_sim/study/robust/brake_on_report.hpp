@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/study/robust/campaign.hpp"
+#include "plant_sim/study/robust/robust_campaign.hpp"
 
 namespace robust {
 
@@ -17,7 +17,7 @@ struct BrakeOnShare {
     std::optional<double> held_j_mu;  ///< held_reference.hpp; none: the law holds no slip
     double travel_ratio = 0.0;        ///< valve travel over that of the fastest brake-on of the same landing and law
 };
-[[nodiscard]] BrakeOnShare share_of(const Plan& plan, const std::vector<Row>& rows, const Row& row);
+[[nodiscard]] BrakeOnShare share_of(const RobustPlan& plan, const std::vector<Row>& rows, const Row& row);
 
 /// Of one law at one speed.
 struct BrakeOnSummary {
@@ -27,23 +27,23 @@ struct BrakeOnSummary {
     std::size_t tripped = 0;
     double mean_j_mu = 0.0;
     // J_mu over that of the held reference; none where the law holds no slip.
-    std::optional<double> mean_share, least_share;
-    std::size_t least = 0;    ///< number of its stop
+    std::optional<double> mean_share, min_share;
+    std::size_t min = 0;      ///< number of its stop
     std::size_t reached = 0;  ///< stops with the share that is asked for
     double mean_travel_mAps = 0.0;
-    double most_travel_ratio = 0.0;
-    std::size_t most = 0;  ///< number of its stop
+    double max_travel_ratio = 0.0;
+    std::size_t max = 0;  ///< number of its stop
 };
 
 /// Asked for of J_mu over that of the held reference: 0.93, below 16.6 m/s 0.87. Of the valve's travel over that of the fastest landing: 3.
 [[nodiscard]] double asked_share(double speed_mps);
-inline constexpr double kAskedTravelRatio = 3.0;
+inline constexpr double kRequiredTravelRatio = 3.0;
 
-[[nodiscard]] std::vector<BrakeOnSummary> summarise_brake_on(const Plan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::vector<BrakeOnSummary> summarise_brake_on(const RobustPlan& plan, const std::vector<Row>& rows);
 
 /// In Markdown; empty where the plan has no such stops.
-[[nodiscard]] std::string brake_on_table(const Plan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::string brake_on_table(const RobustPlan& plan, const std::vector<Row>& rows);
 /// The summaries, and every stop by itself.
-[[nodiscard]] nlohmann::ordered_json brake_on_json(const Plan& plan, const std::vector<Row>& rows);
+[[nodiscard]] nlohmann::ordered_json brake_on_json(const RobustPlan& plan, const std::vector<Row>& rows);
 
 }  // namespace robust

@@ -23,7 +23,7 @@ struct Group {
     std::function<bool(const SurfaceChange&)> has;
 };
 
-std::vector<Group> groups_of(const Plan& plan) {
+std::vector<Group> groups_of(const RobustPlan& plan) {
     std::vector<Group> groups{{"all", [](const SurfaceChange&) { return true; }}};
     for (const double speed_mps : plan.basis.uncertainty.change_mps)
         groups.push_back({fmt::format("at {:.0f} m/s", speed_mps), [speed_mps](const SurfaceChange& c) { return c.speed_mps == speed_mps; }});
@@ -39,7 +39,7 @@ double regained_s(const Regrip& regrip) {
     return regrip.regained_s.value_or(kNever_s);
 }
 
-ChangesSummary changes_of(const Plan& plan, const std::vector<Row>& rows, std::size_t law, const Group& group) {
+ChangesSummary changes_of(const RobustPlan& plan, const std::vector<Row>& rows, std::size_t law, const Group& group) {
     ChangesSummary s{.law = law, .of = group.of};
     std::vector<double> times_s;
     for (const Row& row : rows) {
@@ -52,7 +52,7 @@ ChangesSummary changes_of(const Plan& plan, const std::vector<Row>& rows, std::s
             s.worst = row.number;
         }
         times_s.push_back(time_s);
-        s.in_time += time_s <= Regrip::kAsked_s ? 1U : 0U;
+        s.in_time += time_s <= Regrip::kRequired_s ? 1U : 0U;
         s.never += time_s == kNever_s ? 1U : 0U;
     }
     s.measured = times_s.size();
@@ -67,13 +67,13 @@ std::string seconds(double time_s) {
     return std::isfinite(time_s) ? fmt::format("{:.3f}", time_s) : "never";
 }
 
-std::string change_is(const Plan& plan, std::size_t number) {
+std::string change_is(const RobustPlan& plan, std::size_t number) {
     const SurfaceChange change = change_at(plan.basis, number);
     const Landing& from = plan.basis.landings[change.from];
     return fmt::format("{} to {}, {}, {:.0f} m/s", from.surface, plan.basis.landings[change.to].surface, from.maneuver, change.speed_mps);
 }
 
-nlohmann::ordered_json summary_json(const Plan& plan, const ChangesSummary& s) {
+nlohmann::ordered_json summary_json(const RobustPlan& plan, const ChangesSummary& s) {
     nlohmann::ordered_json json{{"law", plan.laws[s.law].name}, {"of", s.of}, {"changes", s.changes}, {"measured", s.measured}};
     if (s.measured == 0) return json;
     json["within_0.4_s"] = s.in_time;
@@ -87,7 +87,7 @@ nlohmann::ordered_json summary_json(const Plan& plan, const ChangesSummary& s) {
 
 }  // namespace
 
-std::vector<ChangesSummary> summarise_changes(const Plan& plan, const std::vector<Row>& rows) {
+std::vector<ChangesSummary> summarise_changes(const RobustPlan& plan, const std::vector<Row>& rows) {
     std::vector<ChangesSummary> all;
     if (std::find(plan.families.begin(), plan.families.end(), Family::changes) == plan.families.end()) return all;
     const std::vector<Group> groups = groups_of(plan);
@@ -96,7 +96,7 @@ std::vector<ChangesSummary> summarise_changes(const Plan& plan, const std::vecto
     return all;
 }
 
-std::string changes_table(const Plan& plan, const std::vector<Row>& rows) {
+std::string changes_table(const RobustPlan& plan, const std::vector<Row>& rows) {
     const std::vector<ChangesSummary> all = summarise_changes(plan, rows);
     if (all.empty()) return {};
     std::string text =
@@ -115,7 +115,7 @@ std::string changes_table(const Plan& plan, const std::vector<Row>& rows) {
     return text;
 }
 
-nlohmann::ordered_json changes_json(const Plan& plan, const std::vector<Row>& rows) {
+nlohmann::ordered_json changes_json(const RobustPlan& plan, const std::vector<Row>& rows) {
     nlohmann::ordered_json json{{"summaries", nlohmann::ordered_json::array()}, {"changes", nlohmann::ordered_json::array()}};
     for (const ChangesSummary& s : summarise_changes(plan, rows)) json["summaries"].push_back(summary_json(plan, s));
     for (const Row& row : rows) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/study/robust/campaign.hpp"
+#include "plant_sim/study/robust/robust_campaign.hpp"
 
 namespace robust {
 
@@ -25,11 +25,11 @@ struct ChangesSummary {
     std::size_t worst = 0;  ///< number of its stop
 };
 
-[[nodiscard]] std::vector<ChangesSummary> summarise_changes(const Plan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::vector<ChangesSummary> summarise_changes(const RobustPlan& plan, const std::vector<Row>& rows);
 
 /// In Markdown; empty where the plan has no changes.
-[[nodiscard]] std::string changes_table(const Plan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::string changes_table(const RobustPlan& plan, const std::vector<Row>& rows);
 /// The summaries, and every change by itself.
-[[nodiscard]] nlohmann::ordered_json changes_json(const Plan& plan, const std::vector<Row>& rows);
+[[nodiscard]] nlohmann::ordered_json changes_json(const RobustPlan& plan, const std::vector<Row>& rows);
 
 }  // namespace robust

@@ -24,12 +24,12 @@ Draw at_speed(const Basis& basis, std::size_t landing, double brake_on_mps) {
 Draw with_change(const Basis& basis, const SurfaceChange& change) {
     constexpr int kSteps = 1500;
     constexpr double kStep_s = 1e-3;
-    const plant::RigParameters& rig = basis.landings[change.from].rig;
-    const double most = plant::peak(rig.surface).mu;
+    const rig::RigParameters& rig = basis.landings[change.from].rig;
+    const double max = rig::peak(rig.surface).mu;
     const study::ManeuverPlan plan;
     double v_mps = change.speed_mps, from_m = 0.0;
     for (int i = 0; i < kSteps; ++i) {
-        v_mps += most * (rig.load.base_N - rig.load.lift_Ns2pm2 * v_mps * v_mps) / rig.wheel.mass_kg * kStep_s;
+        v_mps += max * (rig.load.base_N - rig.load.lift_Ns2pm2 * v_mps * v_mps) / rig.wheel.mass_kg * kStep_s;
         from_m += v_mps * kStep_s;
     }
     from_m += v_mps * (plan.touchdown_s + plan.settle_s);

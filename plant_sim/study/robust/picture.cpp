@@ -49,27 +49,27 @@ std::string data(const std::vector<Row>& own, std::size_t n) {
         if (own[i].tripped()) safe += point(share, own[i].figures.j_mu);
     }
     all += point(100.0, own.back().figures.j_mu);
-    return study::gnuplot_block(fmt::format("all{}", n), all) + study::gnuplot_block(fmt::format("safe{}", n), safe);
+    return pictures::gnuplot_block(fmt::format("all{}", n), all) + pictures::gnuplot_block(fmt::format("safe{}", n), safe);
 }
 
 }  // namespace
 
-void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries, const std::filesystem::path& png) {
+void draw_j_mu(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries, const std::filesystem::path& png) {
     constexpr std::size_t kColumns = 2;
     constexpr int kWidth = 1000, kPanel = 270, kTitle = 50;
     const std::size_t panels = plan.families.size();
     const std::size_t columns = std::min(panels, kColumns), lines = (panels + columns - 1) / columns;
-    double least = 0.9, most = 1.0;
+    double min = 0.9, max = 1.0;
     for (const Row& row : rows) {
-        least = std::min(least, row.figures.j_mu);
-        most = std::max(most, row.figures.j_mu);
+        min = std::min(min, row.figures.j_mu);
+        max = std::max(max, row.figures.j_mu);
     }
     std::string script = kStyle;
     for (std::size_t n = 0; n < summaries.size(); ++n) script += data(worst_first(rows, summaries[n]), n);
-    fmt::format_to(std::back_inserter(script), "set yrange [{:.1f}:{:.1f}]\nset multiplot layout {},{} title {}\n", std::floor(least * 10.0) / 10.0,
-                   std::ceil(most * 10.0) / 10.0, lines, columns,
-                   study::gnuplot_quoted(fmt::format("J_{{/Symbol m}} of every stop, worst first: seed {}, slip reference {}", plan.seed,
-                                                     plan.basis.uncertainty.slip_reference)));
+    fmt::format_to(std::back_inserter(script), "set yrange [{:.1f}:{:.1f}]\nset multiplot layout {},{} title {}\n", std::floor(min * 10.0) / 10.0,
+                   std::ceil(max * 10.0) / 10.0, lines, columns,
+                   pictures::gnuplot_quoted(fmt::format("J_{{/Symbol m}} of every stop, worst first: seed {}, slip reference {}", plan.seed,
+                                                        plan.basis.uncertainty.slip_reference)));
     for (std::size_t panel = 0; panel < panels; ++panel) {
         std::string plots;
         for (std::size_t n = 0; n < summaries.size(); ++n) {
@@ -85,7 +85,7 @@ void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector
                        escaped(name(plan.families[panel])), plan.draws_of(plan.families[panel]), panel % columns == 0 ? "J_{/Symbol m}" : "",
                        panel + columns >= panels ? "share of the stops (%)" : "", plots);
     }
-    study::run_gnuplot(png, columns == 1 ? kWidth * 3 / 4 : kWidth, kTitle + kPanel * static_cast<int>(lines), script + "unset multiplot\n");
+    pictures::run_gnuplot(png, columns == 1 ? kWidth * 3 / 4 : kWidth, kTitle + kPanel * static_cast<int>(lines), script + "unset multiplot\n");
 }
 
 }  // namespace robust

@@ -5,15 +5,15 @@
 
 namespace robust {
 
-void RegripMeter::update(const plant::Surface& under, double v_mps, double mu) {
+void RegripMeter::update(const rig::Surface& under, double v_mps, double mu) {
     if (over_) return;
     const bool changes = !surface_.empty() && under.name != surface_;
     surface_ = under.name;
     if (changes && !changed_) speed_mps_ = v_mps;
-    const auto most = static_cast<std::size_t>(std::lround(kLongest_s / period_s_));
-    over_ = (changes && changed_) || (changed_ && shares_.size() == most) || v_mps < kEnds_mps;
+    const auto max = static_cast<std::size_t>(std::lround(kLongest_s / period_s_));
+    over_ = (changes && changed_) || (changed_ && shares_.size() == max) || v_mps < kEnds_mps;
     changed_ = changed_ || changes;
-    if (changed_ && !over_) shares_.push_back(mu / plant::peak(under, v_mps).mu);
+    if (changed_ && !over_) shares_.push_back(mu / rig::peak(under, v_mps).mu);
 }
 
 std::optional<Regrip> RegripMeter::regrip() const {

@@ -18,9 +18,9 @@ struct Regrip {
     std::optional<double> regained_s;
 
     /// Shorter than the 0.4 s that are asked for and 0.1 s of keeping cannot be judged.
-    static constexpr double kAsked_s = 0.4;
-    static constexpr double kLeast_s = 0.5;
-    [[nodiscard]] bool measured() const { return judged_s >= kLeast_s; }
+    static constexpr double kRequired_s = 0.4;
+    static constexpr double kMin_s = 0.5;
+    [[nodiscard]] bool measured() const { return judged_s >= kMin_s; }
 };
 
 /// Looks at the first change of surface: for 2 s, so that slippery surfaces, with their long stops, are judged as others are; not beyond the
@@ -36,7 +36,7 @@ class RegripMeter {
     explicit RegripMeter(double period_s) : period_s_(period_s) {}
 
     /// After every period of braking: the surface that was under the wheel in it, speed and friction at its end.
-    void update(const plant::Surface& under, double v_mps, double mu);
+    void update(const rig::Surface& under, double v_mps, double mu);
 
     /// None: the surface did not change, or too late.
     [[nodiscard]] std::optional<Regrip> regrip() const;

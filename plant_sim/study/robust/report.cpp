@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kLock_s = 0.05;
 
-std::string worst_is(const Plan& plan, const Summary& s) {
+std::string worst_is(const RobustPlan& plan, const Summary& s) {
     return describe(plan.basis, draw(plan.basis, s.family, plan.seed, s.worst));
 }
 
@@ -28,7 +28,7 @@ double distance_m(const Row& row) {
     return row.figures.standstill ? row.figures.stop_distance_m : std::numeric_limits<double>::infinity();
 }
 
-std::optional<std::size_t> told_peak(const Plan& plan) {
+std::optional<std::size_t> told_peak(const RobustPlan& plan) {
     const auto at = std::find_if(plan.laws.begin(), plan.laws.end(), [](const Peer& law) { return law.name == kToldPeak; });
     if (at == plan.laws.end()) return std::nullopt;
     return static_cast<std::size_t>(at - plan.laws.begin());
@@ -64,7 +64,7 @@ std::string ratio(double value) {
 
 }  // namespace
 
-std::vector<Summary> summarise(const Plan& plan, const std::vector<Row>& rows) {
+std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& rows) {
     std::vector<Summary> all;
     const std::optional<std::size_t> yardstick = told_peak(plan);
     for (const Family family : plan.families) {
@@ -96,7 +96,7 @@ std::vector<Summary> summarise(const Plan& plan, const std::vector<Row>& rows) {
     return all;
 }
 
-std::string to_table(const Plan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
+std::string to_table(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
     const bool told = told_peak(plan).has_value();
     std::string text =
         "| family | law | stops | ended safe | locked | mean J_mu | 1st percentile | worst | valve travel "
@@ -118,7 +118,7 @@ std::string to_table(const Plan& plan, const std::vector<Row>& rows, const std::
     return text + changes_table(plan, rows) + brake_on_table(plan, rows);
 }
 
-std::string to_json(const Plan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
+std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
     nlohmann::ordered_json json;
     json["seed"] = plan.seed;
     json["draws"] = plan.draws;
@@ -151,7 +151,7 @@ std::string to_json(const Plan& plan, const std::vector<Row>& rows, const std::v
     return json.dump(2) + "\n";
 }
 
-std::string to_csv(const Plan& plan, const std::vector<Row>& rows) {
+std::string to_csv(const RobustPlan& plan, const std::vector<Row>& rows) {
     std::string text = "family,law,draw,j_mu,stop_distance_m,longest_lock_s,peak_slip,faults,valve_travel_mAps,what\n";
     for (const Row& row : rows)
         fmt::format_to(std::back_inserter(text), "{},{},{},{:.6f},{:.3f},{:.4f},{:.4f},{},{:.1f},\"{}\"\n", name(row.family), plan.laws[row.law].name,

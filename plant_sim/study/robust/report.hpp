@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "plant_sim/study/robust/campaign.hpp"
+#include "plant_sim/study/robust/robust_campaign.hpp"
 
 namespace robust {
 
@@ -36,15 +36,15 @@ struct Summary {
 };
 
 /// In the order of the plan. Families without rows are left out.
-[[nodiscard]] std::vector<Summary> summarise(const Plan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& rows);
 
 /// In Markdown, below it a line for each worst stop with what was drawn for it, and the tables of the grids.
-[[nodiscard]] std::string to_table(const Plan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries);
-[[nodiscard]] std::string to_json(const Plan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries);
-[[nodiscard]] std::string to_csv(const Plan& plan, const std::vector<Row>& rows);
+[[nodiscard]] std::string to_table(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries);
+[[nodiscard]] std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries);
+[[nodiscard]] std::string to_csv(const RobustPlan& plan, const std::vector<Row>& rows);
 
 /// A panel a family, a line a law: J_mu of every stop, worst first, with crosses at those that ended safe. Throws std::runtime_error as
-/// study::run_gnuplot.
-void draw_j_mu(const Plan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries, const std::filesystem::path& png);
+/// pictures::run_gnuplot.
+void draw_j_mu(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries, const std::filesystem::path& png);
 
 }  // namespace robust

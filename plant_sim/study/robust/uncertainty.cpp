@@ -29,19 +29,19 @@ double within_logarithm(const Interval& range, wear::Generator& generator) {
     return range.low * std::pow(range.high / range.low, wear::uniform(generator));
 }
 
-void add_ring(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
+void add_ring(const Uncertainty& u, rig::RigParameters& rig, wear::Generator& g) {
     rig.wheel.compliance.ring = {.belt_share = within(u.belt_share, g), .frequency_Hz = within(u.ring_Hz, g), .damping = within(u.ring_damping, g)};
 }
 
-void add_relaxation(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
+void add_relaxation(const Uncertainty& u, rig::RigParameters& rig, wear::Generator& g) {
     rig.wheel.compliance.relaxation = {.length_m = within_logarithm(u.relaxation_m, g), .floor_m = u.relaxation_floor_m};
 }
 
-void add_leg(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
+void add_leg(const Uncertainty& u, rig::RigParameters& rig, wear::Generator& g) {
     rig.wheel.compliance.leg = {.mass_kg = within(u.leg_kg, g), .frequency_Hz = within(u.leg_Hz, g), .damping = within(u.leg_damping, g)};
 }
 
-void change_parameters(const Uncertainty& u, plant::RigParameters& rig, wear::Generator& g) {
+void change_parameters(const Uncertainty& u, rig::RigParameters& rig, wear::Generator& g) {
     rig.wheel.inertia_kgm2 *= within(u.wheel_inertia, g);
     rig.brake.piston_area_m2 *= within(u.brake_gain, g);
     rig.valve.natural_frequency_radps *= within(u.valve_frequency, g);
@@ -49,13 +49,13 @@ void change_parameters(const Uncertainty& u, plant::RigParameters& rig, wear::Ge
     rig.valve.hysteresis_mA = within(u.hysteresis_mA, g);
     const double load = within(u.load, g);
     rig.load.base_N *= load;
-    for (plant::EncoderParameters* encoder : {&rig.wheel_encoder, &rig.flywheel_encoder}) {
+    for (rig::EncoderParameters* encoder : {&rig.wheel_encoder, &rig.flywheel_encoder}) {
         encoder->pitch_error = within(u.pitch_error, g);
         encoder->eccentricity = within(u.eccentricity, g);
     }
 }
 
-void add_patches(const Basis& basis, plant::RigParameters& rig, wear::Generator& g) {
+void add_patches(const Basis& basis, rig::RigParameters& rig, wear::Generator& g) {
     constexpr double kLongest_m = 6000.0;  // of a stop on ice, beyond which the last patch stays
     double from_m = 0.0;
     while (from_m < kLongest_m) {
@@ -107,7 +107,7 @@ Draw draw(const Basis& basis, Family family, std::uint64_t seed, std::size_t num
     const Uncertainty& u = basis.uncertainty;
     const std::size_t landing = number % basis.landings.size();
     Draw drawn{.landing = landing, .rig = basis.landings[landing].rig};
-    plant::RigParameters& rig = drawn.rig;
+    rig::RigParameters& rig = drawn.rig;
     const bool all = family == Family::all;
     const bool coin = wear::uniform(g) < 0.5;
     if (family == Family::ring || (all && coin)) add_ring(u, rig, g);
@@ -129,7 +129,7 @@ std::string describe(const Basis& basis, const Draw& d) {
     if (ring.belt_share > 0.0) text += fmt::format(", ring {:.1f} Hz damping {:.3f} belt {:.2f}", ring.frequency_Hz, ring.damping, ring.belt_share);
     if (relaxation.length_m > 0.0) text += fmt::format(", relaxation {:.3f} m", relaxation.length_m);
     if (leg.mass_kg > 0.0) text += fmt::format(", leg {:.0f} kg {:.1f} Hz damping {:.3f}", leg.mass_kg, leg.frequency_Hz, leg.damping);
-    const plant::RigParameters& plain = landing.rig;
+    const rig::RigParameters& plain = landing.rig;
     if (d.rig.valve.delay_s != plain.valve.delay_s)
         text += fmt::format(
             ", J x{:.2f}, k_b x{:.2f}, valve {:.0f} Hz delay {:.1f} ms hysteresis {:.1f} mA, load x{:.2f}, "

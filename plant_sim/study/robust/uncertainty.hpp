@@ -44,19 +44,19 @@ struct Uncertainty {
 /// A landing before anything is drawn.
 struct Landing {
     std::string surface, maneuver;
-    plant::RigParameters rig;
+    rig::RigParameters rig;
 };
 
 /// What a draw takes from.
 struct Basis {
     Uncertainty uncertainty;
-    std::vector<Landing> landings;         ///< one of them
-    std::vector<plant::Surface> surfaces;  ///< of the patches
+    std::vector<Landing> landings;       ///< one of them
+    std::vector<rig::Surface> surfaces;  ///< of the patches
 };
 
 struct Draw {
     std::size_t landing = 0;
-    plant::RigParameters rig;
+    rig::RigParameters rig;
 };
 
 /// Draw `number` of a family: that, the family and the seed decide everything. Landings come in turn, so that every family has all of them.

@@ -9,7 +9,7 @@ namespace sweep {
 
 namespace {
 
-constexpr double kLeastJmu = 0.958;  // 0.97 in the paper; 0.9702 held exactly is the ceiling
+constexpr double kMinJmu = 0.958;  // 0.97 in the paper; 0.9702 held exactly is the ceiling
 constexpr double kNearBest = 0.002;
 constexpr double kBrakeAboveTyreTo = 0.44;
 constexpr double kShareBand = 0.01;
@@ -96,18 +96,18 @@ void check_energies(Summary& s) {
         s.unchecked.push_back(moves);
         return;
     }
-    double least_J = INFINITY;
+    double min_J = INFINITY;
     double at_reference = 0.0;
     for (std::size_t i = 1; i < s.references.size(); ++i) {
         const Means& a = s.references[i - 1];
         const Means& b = s.references[i];
         const double moved_J = std::min(a.energy_brake_J - b.energy_brake_J, b.energy_tyre_J - a.energy_tyre_J);
-        if (moved_J < least_J) {
-            least_J = moved_J;
+        if (moved_J < min_J) {
+            min_J = moved_J;
             at_reference = b.slip_reference;
         }
     }
-    s.checks.push_back({"energy_monotone", moves, fmt::format("least step {:.1f} kJ, at {:.2f}", least_J * 1e-3, at_reference), least_J > 0.0});
+    s.checks.push_back({"energy_monotone", moves, fmt::format("least step {:.1f} kJ, at {:.2f}", min_J * 1e-3, at_reference), min_J > 0.0});
 }
 
 void check_share(Summary& s, bool possible) {
@@ -134,11 +134,11 @@ void check_share(Summary& s, bool possible) {
 }  // namespace
 
 void check(Summary& s) {
-    const std::string enough = fmt::format("mean J_mu at {:.2f} at least {:.3f}", kPaperReference, kLeastJmu);
+    const std::string enough = fmt::format("mean J_mu at {:.2f} at least {:.3f}", kPaperReference, kMinJmu);
     const std::string near = fmt::format("mean J_mu at {:.2f} within {:.3f} of the best reference's", kPaperReference, kNearBest);
     const bool enough_landings = s.references.front().landings >= kEnoughLandings;
     if (const Means* paper = at(s.references, kPaperReference); paper != nullptr && enough_landings) {
-        s.checks.push_back({"j_mu", enough, fmt::format("{:.4f}", paper->j_mu), paper->j_mu >= kLeastJmu});
+        s.checks.push_back({"j_mu", enough, fmt::format("{:.4f}", paper->j_mu), paper->j_mu >= kMinJmu});
         const double gap = s.references[s.best].j_mu - paper->j_mu;
         s.checks.push_back({"near_best", near,
                             fmt::format("{:.4f} below {:.4f} at {:.2f}", gap, s.references[s.best].j_mu, s.references[s.best].slip_reference),

@@ -32,7 +32,7 @@ std::string text_of(const std::filesystem::path& path) {
 }
 
 /// What is there must be of this sweep, stop by stop.
-void check(const StopsTable& found, const Plan& plan) {
+void check(const StopsTable& found, const SweepPlan& plan) {
     const std::string differs = difference(found.identity, identity_of(plan));
     if (!differs.empty())
         throw settings::Error(found.name, 1, "", fmt::format("left by another sweep: {}; remove it to begin anew, or give another --out", differs));
@@ -45,7 +45,7 @@ void check(const StopsTable& found, const Plan& plan) {
 
 }  // namespace
 
-PartFile::PartFile(std::filesystem::path path, const Plan& plan) : path_(std::move(path)), file_(opened(path_)) {
+PartFile::PartFile(std::filesystem::path path, const SweepPlan& plan) : path_(std::move(path)), file_(opened(path_)) {
     if (!file_.is_open()) fail(path_);
     if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0) throw std::runtime_error(path_.string() + ": another sweep is at work on it");
     const std::string first_lines = head(identity_of(plan));

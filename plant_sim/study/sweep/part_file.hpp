@@ -14,7 +14,7 @@ class PartFile {
   public:
     /// Makes the file, or takes up what an earlier run left of the same sweep. Throws settings::Error where it is of another
     /// one or damaged, std::runtime_error where it cannot be made or another process is at work on it.
-    PartFile(std::filesystem::path path, const Plan& plan);
+    PartFile(std::filesystem::path path, const SweepPlan& plan);
 
     /// What was there before.
     [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }

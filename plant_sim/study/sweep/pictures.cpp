@@ -29,8 +29,8 @@ std::string data(const Summary& s) {
         if (end || std::lround(m.slip_reference * 100.0) % 10 == 0) labels += point(m);
         if (m.slip_reference == kPaperReference) paper += point(m);
     }
-    return study::gnuplot_block("means", means) + study::gnuplot_block("labels", labels) + study::gnuplot_block("paper", paper) +
-           study::gnuplot_block("threshold", s.threshold ? point(*s.threshold) : "");
+    return pictures::gnuplot_block("means", means) + pictures::gnuplot_block("labels", labels) + pictures::gnuplot_block("paper", paper) +
+           pictures::gnuplot_block("threshold", s.threshold ? point(*s.threshold) : "");
 }
 
 /// One panel of Fig. 13: `column` is that of the energy, `label_y` where labels of the references stand.
@@ -52,7 +52,7 @@ plot $means using {x}:4 with linespoints ls 1 title 'J_{{/Symbol m}}', \
 }
 
 std::string title_of(const Summary& s) {
-    return study::gnuplot_quoted(fmt::format("{} landings for each slip reference, seed {}", s.identity.landings, s.identity.seed));
+    return pictures::gnuplot_quoted(fmt::format("{} landings for each slip reference, seed {}", s.identity.landings, s.identity.seed));
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ void draw_fig13(const Summary& s, const std::filesystem::path& png) {
                                "'#555555'\n"
                                "set xrange [*:*] reverse\n" +
                                panel(2, "brake") + "unset title\nset xrange [*:*] noreverse\n" + panel(3, "tyre") + "unset multiplot\n";
-    study::run_gnuplot(png, 1000, 1100, script);
+    pictures::run_gnuplot(png, 1000, 1100, script);
 }
 
 void draw_fig14(const Summary& s, const std::filesystem::path& png) {
@@ -90,7 +90,7 @@ plot $means using 1:2 with linespoints ls 1 title 'brake', \
      $means using 1:3 with linespoints ls 2 title 'tyre'
 unset multiplot
 )";
-    study::run_gnuplot(png, 1300, 620, script);
+    pictures::run_gnuplot(png, 1300, 620, script);
 }
 
 }  // namespace sweep

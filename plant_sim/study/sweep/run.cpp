@@ -7,12 +7,12 @@
 
 namespace sweep {
 
-Row run_one(const Plan& plan, std::size_t number) {
+Row run_one(const SweepPlan& plan, std::size_t number) {
     const study::RunResult result = study::run_in_process(plan.controller, plan.layout, plan.rig(number), plan.session(number), study::Link::rounded);
     return {.stop = plan.stop(number), .figures = result.figures, .faults = result.faults};
 }
 
-std::vector<Row> run(const Plan& plan, std::span<const std::size_t> numbers, const RunOptions& options) {
+std::vector<Row> run(const SweepPlan& plan, std::span<const std::size_t> numbers, const RunOptions& options) {
     std::vector<Row> rows;
     rows.reserve(numbers.size());
     study::run_many(

@@ -8,7 +8,7 @@
 
 #include "firmware/control/types.hpp"
 #include "plant_sim/study/stop_meter.hpp"
-#include "plant_sim/study/sweep/plan.hpp"
+#include "plant_sim/study/sweep/sweep_plan.hpp"
 
 namespace sweep {
 
@@ -25,10 +25,10 @@ struct RunOptions {
 };
 
 /// Stop `number` of the plan alone.
-[[nodiscard]] Row run_one(const Plan& plan, std::size_t number);
+[[nodiscard]] Row run_one(const SweepPlan& plan, std::size_t number);
 
 /// Stops `numbers` of the plan, begun in that order; those that are finished come back in the order of their numbers. What a stop or on_row
 /// throws ends the run and is thrown here.
-std::vector<Row> run(const Plan& plan, std::span<const std::size_t> numbers, const RunOptions& options);
+std::vector<Row> run(const SweepPlan& plan, std::span<const std::size_t> numbers, const RunOptions& options);
 
 }  // namespace sweep

@@ -89,13 +89,13 @@ class Fields {
         const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
         bool good = failure == std::errc() && end == text.data() + text.size();
         if constexpr (std::is_floating_point_v<Number>) good = good && std::isfinite(value);
-        if (!good) refuse(column, text, "a number");
+        if (!good) reject(column, text, "a number");
         return value;
     }
 
     bool choice(std::string_view column, std::string_view yes, std::string_view no) {
         const std::string_view text = next(column);
-        if (text != yes && text != no) refuse(column, text, fmt::format("{} or {}", yes, no));
+        if (text != yes && text != no) reject(column, text, fmt::format("{} or {}", yes, no));
         return text == yes;
     }
 
@@ -103,7 +103,7 @@ class Fields {
         if (!done_) throw Error(name_, line_, "", "the line has more fields than the table has columns");
     }
 
-    [[noreturn]] void refuse(std::string_view column, std::string_view got, std::string_view expected) const {
+    [[noreturn]] void reject(std::string_view column, std::string_view got, std::string_view expected) const {
         constexpr std::size_t kShown = 40;
         throw Error(name_, line_, std::string(column), fmt::format("'{}': expected {}", got.substr(0, kShown), expected));
     }
@@ -121,7 +121,7 @@ antiskid::control::FaultSet faults_of(Fields& fields) {
     for (std::string_view left = all; left != "none";) {
         const auto space = left.find(' ');
         const auto* known = std::find(antiskid::can::kFaultNames.begin(), antiskid::can::kFaultNames.end(), left.substr(0, space));
-        if (known == antiskid::can::kFaultNames.end()) fields.refuse("faults", all, "names of faults, or none");
+        if (known == antiskid::can::kFaultNames.end()) fields.reject("faults", all, "names of faults, or none");
         faults.insert(static_cast<antiskid::control::Fault>(std::distance(antiskid::can::kFaultNames.begin(), known)));
         if (space == std::string_view::npos) break;
         left.remove_prefix(space + 1);
@@ -130,15 +130,15 @@ antiskid::control::FaultSet faults_of(Fields& fields) {
 }
 
 void check_identity(const std::string& name, const Identity& id) {
-    constexpr std::size_t kMost = 100'000'000;
+    constexpr std::size_t kMax = 100'000'000;
     const bool increasing = std::adjacent_find(id.references.begin(), id.references.end(), std::greater_equal<>()) == id.references.end();
-    if (id.landings == 0 || id.landings > kMost || id.references.size() > kMost / id.landings || !increasing)
+    if (id.landings == 0 || id.landings > kMax || id.references.size() > kMax / id.landings || !increasing)
         throw Error(name, 1, "references", "no sweep has such references and landings");
 }
 
 }  // namespace
 
-Identity identity_of(const Plan& plan) {
+Identity identity_of(const SweepPlan& plan) {
     return {.version = plan.version,
             .config_hash = plan.config_hash,
             .seed = plan.seed,
@@ -255,8 +255,8 @@ StopsTable parse_stops(const std::string& name, std::string_view csv) {
 }
 
 StopsTable read_stops(const std::filesystem::path& csv) {
-    constexpr std::size_t kMostBytes = std::size_t{4} << 30U;
-    return parse_stops(csv.string(), settings::read_file(csv, kMostBytes));
+    constexpr std::size_t kMaxBytes = std::size_t{4} << 30U;
+    return parse_stops(csv.string(), settings::read_file(csv, kMaxBytes));
 }
 
 }  // namespace sweep

@@ -32,7 +32,7 @@ struct Identity {
     [[nodiscard]] std::size_t stops() const { return (references.size() + (threshold ? 1 : 0)) * landings; }
 };
 
-[[nodiscard]] Identity identity_of(const Plan& plan);
+[[nodiscard]] Identity identity_of(const SweepPlan& plan);
 /// The first difference in words, "seed 2 instead of 1"; empty where there is none.
 [[nodiscard]] std::string difference(const Identity& got, const Identity& wanted);
 

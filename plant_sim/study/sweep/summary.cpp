@@ -14,12 +14,12 @@ namespace {
 constexpr double kTracked = 0.95;
 
 Means means_of(std::span<const Row> rows) {
-    Means m{.slip_reference = rows.front().stop.slip_reference, .landings = rows.size(), .least_j_mu = 1.0};
+    Means m{.slip_reference = rows.front().stop.slip_reference, .landings = rows.size(), .min_j_mu = 1.0};
     const auto n = static_cast<double>(rows.size());
     for (const Row& row : rows) {
         const study::StopFigures& f = row.figures;
         m.j_mu += f.j_mu / n;
-        m.least_j_mu = std::min(m.least_j_mu, f.j_mu);
+        m.min_j_mu = std::min(m.min_j_mu, f.j_mu);
         m.stop_distance_m += f.stop_distance_m / n;
         m.energy_brake_J += f.energy_brake_J / n;
         m.energy_tyre_J += f.energy_tyre_J / n;
@@ -47,7 +47,7 @@ nlohmann::ordered_json json_of(const Means& m) {
     json.update({{"landings", m.landings},
                  {"j_mu", m.j_mu},
                  {"j_mu_error", m.j_mu_error},
-                 {"least_j_mu", m.least_j_mu},
+                 {"min_j_mu", m.min_j_mu},
                  {"stop_distance_m", m.stop_distance_m},
                  {"energy_brake_J", m.energy_brake_J},
                  {"energy_tyre_J", m.energy_tyre_J},

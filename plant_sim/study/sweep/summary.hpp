@@ -17,7 +17,7 @@ struct Means {
     std::size_t landings = 0;
     double j_mu = 0.0;
     double j_mu_error = 0.0;  ///< standard error of the mean over the landings drawn
-    double least_j_mu = 0.0;
+    double min_j_mu = 0.0;
     double stop_distance_m = 0.0;
     double energy_brake_J = 0.0;
     double energy_tyre_J = 0.0;

@@ -11,27 +11,27 @@ namespace sweep {
 namespace {
 
 /// In the order of work, without those in `done`.
-std::vector<std::size_t> pending(const Plan& plan, const std::vector<Row>& done) {
+std::vector<std::size_t> pending(const SweepPlan& plan, const std::vector<Row>& done) {
     std::vector<bool> finished(plan.stops());
     for (const Row& row : done) finished[row.stop.number] = true;
-    std::vector<std::size_t> numbers = study::order_of_work(plan.stops());
+    std::vector<std::size_t> numbers = study::team::order_of_work(plan.stops());
     std::erase_if(numbers, [&finished](std::size_t number) { return finished[number]; });
     return numbers;
 }
 
 /// This process's share of what is not in `done`.
-void work_on(const Plan& plan, const Work& work, const std::vector<Row>& done, study::Team& team,
+void work_on(const SweepPlan& plan, const Work& work, const std::vector<Row>& done, study::team::Team& team,
              const std::function<void(std::string_view line)>& take) {
-    const auto ours = study::share_of(pending(plan, done), team);
-    study::work_together(
+    const auto ours = study::team::share_of(pending(plan, done), team);
+    study::team::work_together(
         team,
-        [&](const study::HandIn& hand_in) {
+        [&](const study::team::HandIn& hand_in) {
             (void)run(plan, ours, {.threads = work.threads, .stop = work.stop, .on_row = [&](const Row& row) { hand_in(line(row)); }});
         },
         take);
 }
 
-std::vector<Row> lead(const Plan& plan, const Work& work, study::Team& team) {
+std::vector<Row> lead(const SweepPlan& plan, const Work& work, study::team::Team& team) {
     PartFile part(work.part, plan);
     std::vector<Row> rows = part.rows();
     const std::size_t before = rows.size();
@@ -45,7 +45,7 @@ std::vector<Row> lead(const Plan& plan, const Work& work, study::Team& team) {
     return rows;
 }
 
-void follow(const Plan& plan, const Work& work, study::Team& team) {
+void follow(const SweepPlan& plan, const Work& work, study::team::Team& team) {
     const StopsTable begun = parse_stops("the leading process", team.from_leader({}));
     const std::string differs = difference(identity_of(plan), begun.identity);
     if (!differs.empty()) throw std::invalid_argument("this process was given another sweep than the leading one: " + differs);
@@ -54,7 +54,7 @@ void follow(const Plan& plan, const Work& work, study::Team& team) {
 
 }  // namespace
 
-std::vector<Row> run_together(const Plan& plan, const Work& work, study::Team& team) {
+std::vector<Row> run_together(const SweepPlan& plan, const Work& work, study::team::Team& team) {
     if (team.rank() == 0) return lead(plan, work, team);
     follow(plan, work, team);
     return {};

@@ -21,6 +21,6 @@ struct Work {
 
 /// For the leader: the stops that are finished, by number; all of them unless it was stopped. Nothing for the others. Every
 /// process must be given the same plan: one that was not throws std::invalid_argument. Otherwise as PartFile and run().
-[[nodiscard]] std::vector<Row> run_together(const Plan& plan, const Work& work, study::Team& team);
+[[nodiscard]] std::vector<Row> run_together(const SweepPlan& plan, const Work& work, study::team::Team& team);
 
 }  // namespace sweep

@@ -23,19 +23,19 @@ double cost_of(const Tariff& tariff, const Offer& o) {
 }
 
 void check(const StopsTable& sweep, const TradeOptions& options) {
-    const auto refuse = [](const std::string& what) { throw std::invalid_argument(what); };
+    const auto reject = [](const std::string& what) { throw std::invalid_argument(what); };
     if (const auto* price = std::get_if<Prices>(&options.tariff)) {
         if (!(price->brake_per_MJ >= 0.0 && price->tyre_per_MJ >= 0.0 && std::isfinite(price->brake_per_MJ) && std::isfinite(price->tyre_per_MJ)))
-            refuse("the prices of a megajoule must be finite and not negative");
+            reject("the prices of a megajoule must be finite and not negative");
     } else {
         const Lives& life = std::get<Lives>(options.tariff);
         if (!(life.brake_MJ > 0.0 && life.tyre_MJ > 0.0 && std::isfinite(life.brake_MJ) && std::isfinite(life.tyre_MJ)))
-            refuse("the lives of brake and tyre must be finite and above 0 MJ");
+            reject("the lives of brake and tyre must be finite and above 0 MJ");
     }
-    if (options.resamples < 1 || options.resamples > 1'000'000) refuse("resamples must be from 1 to 1000000");
-    if (sweep.identity.references.size() < 2) refuse(fmt::format("{}: a trade needs a sweep of at least two slip references", sweep.name));
+    if (options.resamples < 1 || options.resamples > 1'000'000) reject("resamples must be from 1 to 1000000");
+    if (sweep.identity.references.size() < 2) reject(fmt::format("{}: a trade needs a sweep of at least two slip references", sweep.name));
     if (sweep.rows.size() != sweep.identity.stops())
-        refuse(fmt::format("{} has {} of {} stops; the command that made it goes on where it ended", sweep.name, sweep.rows.size(),
+        reject(fmt::format("{} has {} of {} stops; the command that made it goes on where it ended", sweep.name, sweep.rows.size(),
                            sweep.identity.stops()));
 }
 
@@ -93,7 +93,7 @@ class Sample {
 };
 
 bool within(const Offer& o, const Bounds& bounds) {
-    return !(bounds.least_j_mu && o.j_mu < *bounds.least_j_mu) && !(bounds.most_distance_m && o.stop_distance_m > *bounds.most_distance_m);
+    return !(bounds.min_j_mu && o.j_mu < *bounds.min_j_mu) && !(bounds.max_distance_m && o.stop_distance_m > *bounds.max_distance_m);
 }
 
 /// The cheapest within the bounds; of equally cheap ones that with the greatest J_mu. The end where there is none.
@@ -116,7 +116,7 @@ Decides deciding(const std::vector<Offer>& offers, std::size_t best, const Bound
     if (offers[best].cost == 0.0) return Decides::no_cost;
     for (const std::size_t next : {best - 1, best + 1}) {  // before the first wraps round to beyond the last
         if (next >= offers.size() || offers[next].cost >= offers[best].cost * (1.0 - kSame)) continue;
-        return bounds.least_j_mu && offers[next].j_mu < *bounds.least_j_mu ? Decides::least_j_mu : Decides::most_distance;
+        return bounds.min_j_mu && offers[next].j_mu < *bounds.min_j_mu ? Decides::min_j_mu : Decides::max_distance;
     }
     return best == 0 || best + 1 == offers.size() ? Decides::end_of_references : Decides::nothing;
 }
@@ -148,9 +148,9 @@ Trade traded(const StopsTable& sweep, const TradeOptions& options) {
     const std::size_t by_threshold = sweep.identity.references.size();
     const Sample sample(sweep, options.tariff);
     const std::vector<double> equal(landings, 1.0 / static_cast<double>(landings));
-    Trade t{.offers = sample.offers(equal), .greatest_j_mu = {}, .least_distance = {}};
+    Trade t{.offers = sample.offers(equal), .greatest_j_mu = {}, .min_distance = {}};
     t.greatest_j_mu = *std::max_element(t.offers.begin(), t.offers.end(), [](const Offer& a, const Offer& b) { return a.j_mu < b.j_mu; });
-    t.least_distance =
+    t.min_distance =
         *std::min_element(t.offers.begin(), t.offers.end(), [](const Offer& a, const Offer& b) { return a.stop_distance_m < b.stop_distance_m; });
     t.paper = paper_of(t.offers);
     if (sweep.identity.threshold) t.threshold = sample.mean(by_threshold, equal);

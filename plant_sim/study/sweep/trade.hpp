@@ -30,8 +30,8 @@ struct Lives {
 using Tariff = std::variant<Prices, Lives>;
 
 struct Bounds {
-    std::optional<double> least_j_mu{};       ///< of the mean over the landings
-    std::optional<double> most_distance_m{};  ///< of the mean stop distance
+    std::optional<double> min_j_mu{};        ///< of the mean over the landings
+    std::optional<double> max_distance_m{};  ///< of the mean stop distance
 };
 
 struct TradeOptions {
@@ -64,7 +64,7 @@ struct Saving {
 };
 
 /// What keeps the best reference from moving on to where it would be cheaper.
-enum class Decides { nothing, least_j_mu, most_distance, end_of_references, no_cost };
+enum class Decides { nothing, min_j_mu, max_distance, end_of_references, no_cost };
 
 struct Trade {
     static constexpr double kStep = 0.001;
@@ -79,7 +79,7 @@ struct Trade {
     std::optional<Saving> against_paper{};
     std::optional<Saving> against_threshold{};
     Offer greatest_j_mu;  ///< what can be had at all
-    Offer least_distance;
+    Offer min_distance;
 };
 
 /// Throws std::invalid_argument for a tariff, bounds or a number of resamples (1 to 1e6) that cannot be, and for a sweep of fewer than

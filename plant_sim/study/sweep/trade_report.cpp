@@ -14,10 +14,10 @@ const char* name_of(Decides decides) {
     switch (decides) {
         case Decides::nothing:
             return "nothing";
-        case Decides::least_j_mu:
-            return "least_j_mu";
-        case Decides::most_distance:
-            return "most_distance";
+        case Decides::min_j_mu:
+            return "min_j_mu";
+        case Decides::max_distance:
+            return "max_distance";
         case Decides::end_of_references:
             return "end_of_references";
         case Decides::no_cost:
@@ -30,9 +30,9 @@ const char* words_of(Decides decides) {
     switch (decides) {
         case Decides::nothing:
             return "neither a bound nor the end of the references holds it: cost is least there";
-        case Decides::least_j_mu:
+        case Decides::min_j_mu:
             return "the floor on J_mu decides: beyond it would be cheaper";
-        case Decides::most_distance:
+        case Decides::max_distance:
             return "the ceiling on distance decides: beyond it would be cheaper";
         case Decides::end_of_references:
             return "the end of the sweep's references decides: beyond may be cheaper";
@@ -78,8 +78,8 @@ std::string saving_text(const Saving& s, const char* than, const TradeOptions& o
 
 std::string bounds_text(const Bounds& bounds) {
     std::string text;
-    if (bounds.least_j_mu) text += fmt::format("mean J_mu at least {}", *bounds.least_j_mu);
-    if (bounds.most_distance_m) text += fmt::format("{}mean distance at most {} m", text.empty() ? "" : ", ", *bounds.most_distance_m);
+    if (bounds.min_j_mu) text += fmt::format("mean J_mu at least {}", *bounds.min_j_mu);
+    if (bounds.max_distance_m) text += fmt::format("{}mean distance at most {} m", text.empty() ? "" : ", ", *bounds.max_distance_m);
     return text.empty() ? "no bound" : text;
 }
 
@@ -88,7 +88,7 @@ std::string point(const Offer& o) {
 }
 
 std::string block(const char* name, const std::optional<Offer>& o) {
-    return study::gnuplot_block(name, o ? point(*o) : "");
+    return pictures::gnuplot_block(name, o ? point(*o) : "");
 }
 
 std::string panel(int column, const char* label, const std::optional<double>& bound) {
@@ -117,8 +117,8 @@ std::string to_json(const Trade& t, const StopsTable& sweep, const TradeOptions&
         json.update({{"brake_price_per_MJ", price->brake_per_MJ}, {"tyre_price_per_MJ", price->tyre_per_MJ}});
     else
         json.update({{"brake_life_MJ", std::get<Lives>(options.tariff).brake_MJ}, {"tyre_life_MJ", std::get<Lives>(options.tariff).tyre_MJ}});
-    if (options.bounds.least_j_mu) json["least_j_mu"] = *options.bounds.least_j_mu;
-    if (options.bounds.most_distance_m) json["most_distance_m"] = *options.bounds.most_distance_m;
+    if (options.bounds.min_j_mu) json["min_j_mu"] = *options.bounds.min_j_mu;
+    if (options.bounds.max_distance_m) json["max_distance_m"] = *options.bounds.max_distance_m;
     json["feasible"] = t.best.has_value();
     json["feasible_share_of_resamples"] = t.feasible_share;
     if (t.best) {
@@ -131,7 +131,7 @@ std::string to_json(const Trade& t, const StopsTable& sweep, const TradeOptions&
     if (t.against_paper) json["saves_against_0_24"] = json_of(*t.against_paper);
     if (t.against_threshold) json["saves_against_threshold"] = json_of(*t.against_threshold);
     json["greatest_j_mu"] = json_of(t.greatest_j_mu);
-    json["least_distance"] = json_of(t.least_distance);
+    json["min_distance"] = json_of(t.min_distance);
     return json.dump(2) + "\n";
 }
 
@@ -142,7 +142,7 @@ std::string to_text(const Trade& t, const TradeOptions& options) {
             "No fixed slip reference is within them: mean J_mu is at most {:.4f} (at {:.3f}), mean distance "
             "at "
             "least {:.1f} m (at {:.3f}).\n",
-            t.greatest_j_mu.j_mu, t.greatest_j_mu.slip_reference, t.least_distance.stop_distance_m, t.least_distance.slip_reference);
+            t.greatest_j_mu.j_mu, t.greatest_j_mu.slip_reference, t.min_distance.stop_distance_m, t.min_distance.slip_reference);
     else
         text += fmt::format("Best fixed slip reference {:.3f} (95 %: {:.3f} to {:.3f}); {}.\n", t.best->slip_reference, t.best_interval.low,
                             t.best_interval.high, words_of(t.decides));
@@ -168,21 +168,22 @@ void draw_trade(const Trade& t, const TradeOptions& options, const std::filesyst
     double next_label = 0.0;
     for (const Offer& o : t.offers) {
         all += point(o);
-        const bool good = !(options.bounds.least_j_mu && o.j_mu < *options.bounds.least_j_mu) &&
-                          !(options.bounds.most_distance_m && o.stop_distance_m > *options.bounds.most_distance_m);
+        const bool good = !(options.bounds.min_j_mu && o.j_mu < *options.bounds.min_j_mu) &&
+                          !(options.bounds.max_distance_m && o.stop_distance_m > *options.bounds.max_distance_m);
         if (good) inside += point(o);
         if (o.slip_reference < next_label - 1e-9) continue;
         labels += point(o);
         next_label = o.slip_reference + 0.1;
     }
     const char* cost = by_life(options) ? "share of the first worn part''s life that a landing takes" : "cost of a landing at the given prices";
-    const std::string script = study::gnuplot_block("all", all) + study::gnuplot_block("within", inside) + study::gnuplot_block("labels", labels) +
-                               block("best", t.best) + block("paper", t.paper) + block("threshold", t.threshold) +
+    const std::string script = pictures::gnuplot_block("all", all) + pictures::gnuplot_block("within", inside) +
+                               pictures::gnuplot_block("labels", labels) + block("best", t.best) + block("paper", t.paper) +
+                               block("threshold", t.threshold) +
                                "set key outside top center horizontal maxrows 2\n"
                                "set offsets graph 0.03, graph 0.08, graph 0.05, graph 0.05\nset multiplot layout 1,2\n" +
-                               fmt::format("set xlabel '{}'\n", cost) + panel(2, "mean J_{/Symbol m}", options.bounds.least_j_mu) +
-                               panel(3, "mean braking distance (m)", options.bounds.most_distance_m) + "unset multiplot\n";
-    study::run_gnuplot(png, 1300, 640, script);
+                               fmt::format("set xlabel '{}'\n", cost) + panel(2, "mean J_{/Symbol m}", options.bounds.min_j_mu) +
+                               panel(3, "mean braking distance (m)", options.bounds.max_distance_m) + "unset multiplot\n";
+    pictures::run_gnuplot(png, 1300, 640, script);
 }
 
 }  // namespace sweep

@@ -7,11 +7,11 @@
 
 #include "rig_bridge/rig/random.hpp"
 
-namespace study {
+namespace study::team {
 
 std::vector<std::size_t> order_of_work(std::size_t pieces) {
     constexpr std::uint64_t kShuffle = 1;
-    plant::Random random(kShuffle);
+    rig::Random random(kShuffle);
     std::vector<std::size_t> numbers(pieces);
     std::iota(numbers.begin(), numbers.end(), std::size_t{0});
     // Fisher and Yates; std::shuffle is not the same with every standard library. Its bias from % is of no concern here.
@@ -46,4 +46,4 @@ void work_together(Team& team, const std::function<void(const HandIn&)>& work, c
     while (at_work > 0) (void)hear(true);
 }
 
-}  // namespace study
+}  // namespace study::team

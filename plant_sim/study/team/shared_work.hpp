@@ -10,7 +10,7 @@
 
 #include "plant_sim/study/team/team.hpp"
 
-namespace study {
+namespace study::team {
 
 /// Numbers 0 to `pieces` - 1 in the order of work: mixed, so that long ones (stops on ice) and short ones fall evenly to threads and
 /// processes, and time left follows from the share done. Always the same.
@@ -26,4 +26,4 @@ using HandIn = std::function<void(const std::string& piece)>;
 /// hands in, one at a time. Returns when all shares are done. What `work` or `take` throws comes out of it; the others would wait.
 void work_together(Team& team, const std::function<void(const HandIn&)>& work, const std::function<void(std::string_view piece)>& take);
 
-}  // namespace study
+}  // namespace study::team

@@ -3,7 +3,7 @@
 
 #include "plant_sim/study/team/team_alone.hpp"
 
-namespace study {
+namespace study::team {
 
 std::size_t started_by_mpirun() {
     for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}) {
@@ -14,4 +14,4 @@ std::size_t started_by_mpirun() {
     return 1;
 }
 
-}  // namespace study
+}  // namespace study::team

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace study {
+namespace study::team {
 
 /// Calls come from one thread at a time. Where something of MPI fails, MPI ends all processes.
 class Team {
@@ -32,4 +32,4 @@ class Team {
 /// Throws std::runtime_error where mpirun started several processes and this build has no MPI.
 [[nodiscard]] std::unique_ptr<Team> join_team();
 
-}  // namespace study
+}  // namespace study::team

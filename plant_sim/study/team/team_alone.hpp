@@ -5,7 +5,7 @@
 
 #include "plant_sim/study/team/team.hpp"
 
-namespace study {
+namespace study::team {
 
 class Alone : public Team {
   public:
@@ -20,4 +20,4 @@ class Alone : public Team {
 /// How many processes mpirun started, by the variables that Open MPI, MPICH and Slurm set; 1 without it.
 [[nodiscard]] std::size_t started_by_mpirun();
 
-}  // namespace study
+}  // namespace study::team

@@ -5,7 +5,7 @@
 
 #include "plant_sim/study/team/team_alone.hpp"
 
-namespace study {
+namespace study::team {
 
 namespace {
 
@@ -76,4 +76,4 @@ std::unique_ptr<Team> join_team() {
     return std::make_unique<Alone>();
 }
 
-}  // namespace study
+}  // namespace study::team

@@ -2,7 +2,7 @@
 
 #include "plant_sim/study/team/team_alone.hpp"
 
-namespace study {
+namespace study::team {
 
 std::unique_ptr<Team> join_team() {
     if (started_by_mpirun() > 1)
@@ -12,4 +12,4 @@ std::unique_ptr<Team> join_team() {
     return std::make_unique<Alone>();
 }
 
-}  // namespace study
+}  // namespace study::team

@@ -7,7 +7,7 @@
 #include "plant_sim/study/validation/simulated_stop.hpp"
 #include "rig_bridge/rig/tyre.hpp"
 
-namespace rig {
+namespace validation {
 
 namespace {
 
@@ -21,7 +21,7 @@ bool brakes(const antiskid::can::BusView& s) {
 
 /// Both encoders of a rig.
 struct Shafts {
-    explicit Shafts(const plant::RigParameters& rig)
+    explicit Shafts(const rig::RigParameters& rig)
         : wheel(rig.wheel_encoder.teeth), flywheel(rig.flywheel_encoder.teeth), R_f_m(rig.flywheel_radius_m) {}
 
     void see(const antiskid::can::BusView& s, double time_s) {
@@ -35,11 +35,11 @@ struct Shafts {
 
 class Validator {
   public:
-    Validator(MeasuredSignals& signals, const plant::RigParameters& rig) : signals_(signals), rig_(rig), shafts_(rig) {}
+    Validator(MeasuredSignals& signals, const rig::RigParameters& rig) : signals_(signals), rig_(rig), shafts_(rig) {}
 
     Validation run() {
         if (!roll()) return result_;
-        result_.peak_slip = plant::peak(rig_.surface).slip;
+        result_.peak_slip = rig::peak(rig_.surface).slip;
         SimulatedStop stop(rig_, result_.brake_on_mps, signals_.time_s(), pressure_Pa());
         result_.ended = brake(stop);
         result_.end_s = last_s_ - result_.brake_on_s;
@@ -139,7 +139,7 @@ class Validator {
     }
 
     MeasuredSignals& signals_;
-    const plant::RigParameters& rig_;
+    const rig::RigParameters& rig_;
     Shafts shafts_;
     double last_s_ = 0.0;
     Validation result_;
@@ -157,8 +157,8 @@ double ErrorFigures::rms() const {
     return count == 0 ? 0.0 : std::sqrt(sum_of_squares / static_cast<double>(count));
 }
 
-Validation validate_plant(MeasuredSignals& signals, const plant::RigParameters& rig) {
+Validation validate_plant(MeasuredSignals& signals, const rig::RigParameters& rig) {
     return Validator(signals, rig).run();
 }
 
-}  // namespace rig
+}  // namespace validation

@@ -17,7 +17,7 @@
 #include "plant_sim/model/rig.hpp"
 #include "plant_sim/study/validation/measured_signals.hpp"
 
-namespace rig {
+namespace validation {
 
 /// Simulated minus recorded.
 struct ErrorFigures {
@@ -62,7 +62,7 @@ struct Validation {
     std::vector<ValidationRow> rows;
 };
 
-[[nodiscard]] Validation validate_plant(MeasuredSignals& signals, const plant::RigParameters& rig);
+[[nodiscard]] Validation validate_plant(MeasuredSignals& signals, const rig::RigParameters& rig);
 
 /// time_s,speed_mps,simulated_speed_mps,wheel_rim_mps,simulated_wheel_rim_mps,slip,simulated_slip,pressure_Pa; a cell without a
 /// value is empty.
@@ -71,4 +71,4 @@ struct Validation {
 /// `head`: keys of the caller's own, put first; a JSON object as text.
 [[nodiscard]] std::string to_json(const Validation& validation, const std::string& head);
 
-}  // namespace rig
+}  // namespace validation

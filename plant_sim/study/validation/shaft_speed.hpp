@@ -10,7 +10,7 @@
 
 #include "firmware/control/types.hpp"
 
-namespace rig {
+namespace validation {
 
 class ShaftSpeed {
   public:
@@ -64,4 +64,4 @@ class ShaftSpeed {
     double reported_radps_ = 0.0;
 };
 
-}  // namespace rig
+}  // namespace validation

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-namespace rig {
+namespace validation {
 
 namespace {
 
 constexpr double kStep_s = 1e-3;
 constexpr std::size_t kRemembered = 2000;  // steps
 
-plant::Rig rolling(plant::RigParameters parameters, double speed_mps) {
+plant::Rig rolling(rig::RigParameters parameters, double speed_mps) {
     const double nominal_mps = parameters.brake_on_mps;
     parameters.brake_on_mps = speed_mps;
     plant::Rig rig(parameters, kStep_s, 0);
@@ -20,7 +20,7 @@ plant::Rig rolling(plant::RigParameters parameters, double speed_mps) {
 
 }  // namespace
 
-SimulatedStop::SimulatedStop(const plant::RigParameters& parameters, double speed_mps, double start_s, double pressure_Pa)
+SimulatedStop::SimulatedStop(const rig::RigParameters& parameters, double speed_mps, double start_s, double pressure_Pa)
     : rig_(rolling(parameters, speed_mps)), start_s_(start_s), given_s_(start_s), given_Pa_(pressure_Pa), pressure_Pa_(pressure_Pa) {
     rig_.start_pressure(pressure_Pa);
     remember();
@@ -73,4 +73,4 @@ std::optional<SimulatedStop::Motion> SimulatedStop::mean(double from_s, double t
     return Motion{(b->distance_m - a->distance_m) / length, (b->angle_rad - a->angle_rad) / length, 0.5 * (a->radius_m + b->radius_m)};
 }
 
-}  // namespace rig
+}  // namespace validation

@@ -7,13 +7,13 @@
 
 #include "plant_sim/model/rig.hpp"
 
-namespace rig {
+namespace validation {
 
 class SimulatedStop {
   public:
     /// At `start_s` the wheel rolls freely at `speed_mps` under `pressure_Pa`. The friction curve of the brake stays that of the
     /// parameters' own brake-on speed.
-    SimulatedStop(const plant::RigParameters& parameters, double speed_mps, double start_s, double pressure_Pa);
+    SimulatedStop(const rig::RigParameters& parameters, double speed_mps, double start_s, double pressure_Pa);
 
     /// To the last whole millisecond since the start that is not after `time_s`; the pressure goes linearly to `pressure_Pa`
     /// at `time_s`. Times must not fall.
@@ -44,4 +44,4 @@ class SimulatedStop {
     std::deque<Instant> past_;
 };
 
-}  // namespace rig
+}  // namespace validation

@@ -4,11 +4,11 @@
 
 #include "rig_bridge/pictures/gnuplot.hpp"
 
-namespace rig {
+namespace validation {
 
 void draw_validation(const std::filesystem::path& csv, const std::filesystem::path& png, const std::string& title) {
-    study::run_gnuplot(png, 1100, 1000,
-                       fmt::format(R"(set datafile separator ','
+    pictures::run_gnuplot(png, 1100, 1000,
+                          fmt::format(R"(set datafile separator ','
 set datafile missing ''
 data = {csv}
 set style line 1 lc rgb '#202020' lw 2
@@ -35,7 +35,7 @@ plot data using 'time_s':(column('simulated_speed_mps') - column('speed_mps')) w
      data using 'time_s':(column('simulated_wheel_rim_mps') - column('wheel_rim_mps')) with lines ls 4 title 'wheel'
 unset multiplot
 )",
-                                   fmt::arg("csv", study::gnuplot_quoted(csv.string())), fmt::arg("title", study::gnuplot_quoted(title))));
+                                      fmt::arg("csv", pictures::gnuplot_quoted(csv.string())), fmt::arg("title", pictures::gnuplot_quoted(title))));
 }
 
-}  // namespace rig
+}  // namespace validation

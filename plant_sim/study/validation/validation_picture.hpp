@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <string>
 
-namespace rig {
+namespace validation {
 
 /// Draws `csv` (Validation's to_csv) into `png`. Throws std::runtime_error when gnuplot is missing or fails.
 void draw_validation(const std::filesystem::path& csv, const std::filesystem::path& png, const std::string& title);
 
-}  // namespace rig
+}  // namespace validation

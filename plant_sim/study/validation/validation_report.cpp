@@ -5,7 +5,7 @@
 
 #include "plant_sim/study/validation/plant_validation.hpp"
 
-namespace rig {
+namespace validation {
 
 namespace {
 
@@ -92,4 +92,4 @@ std::string to_json(const Validation& v, const std::string& head) {
     return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace rig
+}  // namespace validation

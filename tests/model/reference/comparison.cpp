@@ -7,18 +7,18 @@
 
 namespace {
 
-double radius_m(const plant::RigParameters& rig, double v) {
+double radius_m(const rig::RigParameters& rig, double v) {
     const double F_z = rig.load.base_N - rig.load.lift_Ns2pm2 * v * v;
     return rig.wheel.free_radius_m - F_z / rig.wheel.stiffness_Npm;
 }
 
 }  // namespace
 
-Comparison compare(const plant::RigParameters& parameters, reference::Input input, const reference::Profile& profile, double step_s,
+Comparison compare(const rig::RigParameters& parameters, reference::Input input, const reference::Profile& profile, double step_s,
                    const reference::Options& options) {
-    plant::RigParameters direct = parameters;
+    rig::RigParameters direct = parameters;
     // The reference knows static pressures; here current means pressure, 1 mA a pascal.
-    direct.pressure_map = plant::PressureMap({{0.0, 0.0}, {1e8, 1e8}});
+    direct.pressure_map = rig::PressureMap({{0.0, 0.0}, {1e8, 1e8}});
     plant::Rig rig(direct, step_s, 1);
     if (options.from_rest)
         rig.touch_down();
@@ -62,7 +62,7 @@ Comparison compare(const plant::RigParameters& parameters, reference::Input inpu
     return worst;
 }
 
-Comparison compare_open_loop(const plant::RigParameters& parameters, reference::Input input, const reference::Profile& profile,
+Comparison compare_open_loop(const rig::RigParameters& parameters, reference::Input input, const reference::Profile& profile,
                              const reference::Options& options, double tolerance) {
     std::vector<plant::OpenLoop::Point> points;
     points.reserve(profile.size());

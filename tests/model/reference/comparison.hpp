@@ -17,9 +17,9 @@ struct Comparison {
 };
 
 /// Of plant::OpenLoop, judged every 1 ms; neither distances nor energies between its steps.
-[[nodiscard]] Comparison compare_open_loop(const plant::RigParameters& rig, reference::Input input, const reference::Profile& profile,
+[[nodiscard]] Comparison compare_open_loop(const rig::RigParameters& rig, reference::Input input, const reference::Profile& profile,
                                            const reference::Options& options, double tolerance);
 
 /// `step_s` is the plant's step; knots of `profile` must lie on its multiples.
-[[nodiscard]] Comparison compare(const plant::RigParameters& rig, reference::Input input, const reference::Profile& profile, double step_s,
+[[nodiscard]] Comparison compare(const rig::RigParameters& rig, reference::Input input, const reference::Profile& profile, double step_s,
                                  const reference::Options& options);

@@ -13,11 +13,11 @@ double at_ms(int ms) {
 
 }  // namespace
 
-double least_peak_pressure_Pa(const plant::RigParameters& rig) {
+double min_peak_pressure_Pa(const rig::RigParameters& rig) {
     const double lambda = std::log(rig.surface.c1 * rig.surface.c2 / rig.surface.c3) / rig.surface.c2;
     const double mu = rig.surface.c1 * (1.0 - std::exp(-rig.surface.c2 * lambda)) - rig.surface.c3 * lambda;
     const double mean = rig.friction_curve[0] + rig.friction_curve[1] / 2.0 + rig.friction_curve[2] / 3.0 + rig.friction_curve[3] / 4.0;
-    double least = 1e30;
+    double min = 1e30;
     for (double x = std::min(5.0 / rig.brake_on_mps, 0.5); x <= 1.0; x += 1e-3) {
         const double v = x * rig.brake_on_mps;
         const double F_z = rig.load.base_N - rig.load.lift_Ns2pm2 * v * v;
@@ -25,13 +25,13 @@ double least_peak_pressure_Pa(const plant::RigParameters& rig) {
         const double mu_b =
             rig.mean_friction - mean + rig.friction_curve[0] + x * (rig.friction_curve[1] + x * (rig.friction_curve[2] + x * rig.friction_curve[3]));
         const double per_pascal = mu_b * rig.brake.piston_area_m2 * rig.brake.pistons * rig.brake.surfaces * rig.brake.effective_radius_m;
-        least = std::min(least, r * F_z * mu / per_pascal);
+        min = std::min(min, r * F_z * mu / per_pascal);
     }
-    return least;
+    return min;
 }
 
-std::vector<NamedProfile> profiles(const plant::RigParameters& rig) {
-    const double peak = least_peak_pressure_Pa(rig);
+std::vector<NamedProfile> profiles(const rig::RigParameters& rig) {
+    const double peak = min_peak_pressure_Pa(rig);
     std::vector<NamedProfile> all;
     all.push_back({"ramp and hold", {{0.0, 0.0}, {1.0, 0.7 * peak}}, 200.0});
 

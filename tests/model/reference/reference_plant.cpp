@@ -30,7 +30,7 @@ enum Root { kLock, kRelease, kEnd, kEmpty, kRoots };
 /// The equations as the paper prints them.
 class Equations {
   public:
-    explicit Equations(const plant::RigParameters& p, Input input)
+    explicit Equations(const rig::RigParameters& p, Input input)
         : J_w_(p.wheel.inertia_kgm2),
           m_a_(p.wheel.mass_kg),
           r_0_(p.wheel.free_radius_m),
@@ -98,9 +98,9 @@ class Equations {
 
   private:
     double J_w_, m_a_, r_0_, k_r_, base_, half_rho_S_C_l_;
-    plant::Surface surface_;
+    rig::Surface surface_;
     double geometry_;
-    plant::FrictionCurve curve_;
+    rig::FrictionCurve curve_;
     double speed_, omega_n_, xi_;
     Input input_;
     double bias_ = 0.0;
@@ -235,7 +235,7 @@ double value_after(const Profile& profile, double time_s) {
     return profile.back().value;
 }
 
-Motion integrate(const plant::RigParameters& parameters, Input input, const Profile& profile, const Options& options,
+Motion integrate(const rig::RigParameters& parameters, Input input, const Profile& profile, const Options& options,
                  const std::function<void(const Motion&)>& output) {
     Equations equations(parameters, input);
     const double delay = input == Input::valve ? parameters.valve.delay_s : 0.0;
@@ -299,7 +299,7 @@ Motion integrate(const plant::RigParameters& parameters, Input input, const Prof
     return motion(t);
 }
 
-double kinetic_energy_J(const plant::RigParameters& parameters, const Motion& motion) {
+double kinetic_energy_J(const rig::RigParameters& parameters, const Motion& motion) {
     return 0.5 * parameters.wheel.mass_kg * motion.v_mps * motion.v_mps +
            0.5 * parameters.wheel.inertia_kgm2 * motion.omega_radps * motion.omega_radps;
 }

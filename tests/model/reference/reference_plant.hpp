@@ -47,10 +47,10 @@ struct Options {
 enum class Input { pressure, valve };
 
 /// Calls `output` at the start and at every multiple of `output_s`; returns the last state.
-Motion integrate(const plant::RigParameters& parameters, Input input, const Profile& profile, const Options& options,
+Motion integrate(const rig::RigParameters& parameters, Input input, const Profile& profile, const Options& options,
                  const std::function<void(const Motion&)>& output);
 
 /// m v^2 / 2 + J omega^2 / 2.
-[[nodiscard]] double kinetic_energy_J(const plant::RigParameters& parameters, const Motion& motion);
+[[nodiscard]] double kinetic_energy_J(const rig::RigParameters& parameters, const Motion& motion);
 
 }  // namespace reference

@@ -1,0 +1,26 @@
+/// Everything that is read and checked before the program touches the bus.
+#pragma once
+
+#include <string>
+
+#include "firmware/can/layout.hpp"
+#include "firmware/control/config.hpp"
+#include "firmware/controller/options.hpp"
+
+namespace antiskid::controller {
+
+struct ControllerSetup {
+    control::Config control;
+    can::Layout layout;
+    std::string config_hash;  ///< of configuration, DBC and binding, in this order
+    control::Time period{};   ///< of control, in whole microseconds
+};
+
+/// Throws settings::Error for what is wrong with a file, and for a layout that cannot serve the chosen clock:
+/// lockstep needs a SYNC, and a valve command in every period.
+[[nodiscard]] ControllerSetup load_setup(const Options& options);
+
+/// The second half of the above: what load_setup() demands of a layout.
+void check_layout(const can::Layout& layout, ClockSource clock, control::Time period, const std::string& binding);
+
+}  // namespace antiskid::controller

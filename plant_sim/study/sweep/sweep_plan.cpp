@@ -1,0 +1,64 @@
+#include "plant_sim/study/sweep/sweep_plan.hpp"
+
+namespace sweep {
+
+std::vector<double> paper_references() {
+    std::vector<double> references;
+    for (int hundredths = 6; hundredths <= 50; ++hundredths) references.push_back(hundredths / 100.0);
+    return references;
+}
+
+Stop SweepPlan::stop(std::size_t number) const {
+    const std::size_t row = number / landings.size();
+    const std::size_t column = number % landings.size();
+    const Landing& landing = landings[column];
+    const StopConditions& scenario = scenarios[landing.scenario];
+    const bool by_threshold = row == references.size();
+    return {.number = number,
+            .threshold = by_threshold,
+            .slip_reference = by_threshold ? 0.0 : references[row],
+            .landing = column,
+            .surface = scenario.surface,
+            .maneuver = scenario.maneuver,
+            .c_e_J = landing.c_e_J,
+            .mean_friction = landing.mean_friction,
+            .sensor_seed = landing.sensor_seed};
+}
+
+rig::RigParameters SweepPlan::rig(std::size_t number) const {
+    const Landing& landing = landings[number % landings.size()];
+    rig::RigParameters rig = scenarios[landing.scenario].rig;
+    rig.mean_friction = landing.mean_friction;
+    return rig;
+}
+
+study::SessionOptions SweepPlan::session(std::size_t number) const {
+    const std::size_t row = number / landings.size();
+    const bool by_threshold = row == references.size();
+    study::SessionOptions session;
+    session.plan.law = by_threshold ? antiskid::control::Law::threshold : antiskid::control::Law::wheel_slip;
+    // The threshold law does not read it, but the frame must carry one.
+    session.plan.slip_reference = by_threshold ? kPaperReference : references[row];
+    session.plan.demand_Pa = demand_Pa;
+    session.period_s = static_cast<double>(controller.period_s);
+    session.drop_out_mps = drop_out_mps;
+    session.seed = landings[number % landings.size()].sensor_seed;
+    return session;
+}
+
+std::vector<Landing> draw_landings(std::uint64_t seed, std::size_t count, std::size_t scenarios, const BrakeLife& brake) {
+    std::vector<Landing> landings;
+    landings.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        wear::Generator generator = wear::generator_of(seed, i);
+        Landing landing;
+        landing.scenario = static_cast<std::size_t>(wear::uniform(generator) * static_cast<double>(scenarios));
+        landing.sensor_seed = generator() >> 32U;
+        landing.c_e_J = wear::uniform(generator) * brake.life_J;
+        landing.mean_friction = brake.friction(landing.c_e_J, generator);
+        landings.push_back(landing);
+    }
+    return landings;
+}
+
+}  // namespace sweep
