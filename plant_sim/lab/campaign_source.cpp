@@ -70,10 +70,8 @@ wear::Campaign from_ledger(const std::filesystem::path& ledger, const std::strin
     return out;
 }
 
-/// rig-lab's own name of a ledger, or the bridge's.
 std::filesystem::path ledger_in(const std::filesystem::path& directory) {
-    const std::filesystem::path bridges = directory / "campaign.sqlite";
-    return std::filesystem::exists(bridges) ? bridges : directory / "campaign.sqlite";
+    return directory / "campaign.sqlite";
 }
 
 }  // namespace

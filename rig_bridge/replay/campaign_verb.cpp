@@ -78,9 +78,8 @@ struct CampaignCommand {
 
     /// Empty: none there.
     [[nodiscard]] static fs::path ledger_in(const fs::path& directory) {
-        for (const char* name : {"campaign.sqlite", "campaign.sqlite"})
-            if (fs::exists(directory / name)) return directory / name;
-        return {};
+        const fs::path file = directory / "campaign.sqlite";
+        return fs::exists(file) ? file : fs::path();
     }
 
     /// The folder that holds the maneuvers: `folder`, or the one campaign of the ledger in it.
@@ -128,7 +127,7 @@ ReplayVerb campaign_verb(CLI::App& app) {
                                                   "folder of the campaign (0001/bus.log or bus.log.gz, 0001/summary.json, ...), or the "
                                                   "directory with its ledger"))
         ->required();
-    settings::existing_file(verb->add_option("--ledger", c->ledger, "its ledger (default: campaign.sqlite or campaign.sqlite beside the folder)"));
+    settings::existing_file(verb->add_option("--ledger", c->ledger, "its ledger (default: campaign.sqlite beside the folder)"));
     settings::add_config_directory(*verb, c->config);
     settings::add_layout_files(*verb, c->dbc, c->binding);
     verb->add_option("--csv", c->csv, "the table with every figure as CSV")->type_name("FILE");
