@@ -80,7 +80,7 @@ std::string holder_text(const std::string& verb, const std::filesystem::path& re
 
 RigHold::RigHold(const std::vector<HoldPlace>& places, const std::string& who) {
     for (const HoldPlace& place : places) {
-        auto held = hold(place.file, who);
+        auto held = record::hold(place.file, who);
         if (const record::HeldBy* const other = std::get_if<record::HeldBy>(&held)) throw RigHeld(rejection(place.what, other->who));
         held_.push_back(std::move(std::get<std::unique_ptr<record::HeldFile>>(held)));
     }
