@@ -42,7 +42,7 @@ struct CampaignResult {
 /// After each maneuver, with its number among `planned`.
 using CampaignObserver = std::function<void(const rig::record::Summary&, std::int64_t planned)>;
 
-/// Throws rig::record::LedgerError, and settings::Error where the ledger holds this campaign with another seed, configuration, rule or brake, and for a
+/// Throws rig::record::LedgerError; settings::Error where the ledger holds this campaign with another seed, configuration, rule or brake, and for a
 /// brake state that is not of this brake or not of this campaign.
 [[nodiscard]] CampaignResult run_campaign(const EnduranceSetup& setup, const CampaignOptions& options, const CampaignObserver& observe = {});
 

@@ -1,4 +1,4 @@
-// Heard but refused: why.
+// Received and rejected: why.
 #include "rig_bridge/bridge/rejected_frames.hpp"
 
 #include "firmware/can/controller_port.hpp"
