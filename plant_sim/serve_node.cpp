@@ -106,9 +106,9 @@ void ServeNode::begin_together(const std::atomic<bool>& stop) {
 /// It answers the SYNCs that it missed: only the last answer belongs to this period.
 void ServeNode::catch_up(const std::atomic<bool>& stop) {
     const Time deadline = clock_.now() + answer_timeout_;
-    std::uint32_t reception = commands_;
-    while (port_.stats(Role::valve).accepted != reception && !stop && clock_.now() < deadline) {
-        reception = port_.stats(Role::valve).accepted;
+    std::uint32_t received = commands_;
+    while (port_.stats(Role::valve).accepted != received && !stop && clock_.now() < deadline) {
+        received = port_.stats(Role::valve).accepted;
         clock_.sleep_until(clock_.now() + kQuiet);
         receive();
     }

@@ -49,9 +49,9 @@ void ServeReporter::look() {
         link_up_ = up;
         say(up ? interface_ + " is up again" : interface_ + " is down: nothing is sent, the valve driver gives no current; waiting for it");
     }
-    if (const bool reception = state_.controller_heard; reception != controller_heard_) {
-        controller_heard_ = reception;
-        say(reception ? "antiskid-controller is heard: its valve command acts" : "antiskid-controller is silent: the valve driver gives no current");
+    if (const bool received = state_.controller_heard; received != controller_heard_) {
+        controller_heard_ = received;
+        say(received ? "antiskid-controller is heard: its valve command acts" : "antiskid-controller is silent: the valve driver gives no current");
     }
     if (const plc::Trip trip = state_.trip; trip != trip_) {
         trip_ = trip;

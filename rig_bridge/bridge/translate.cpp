@@ -75,7 +75,7 @@ Inputs look(const modbus::Snapshot& plc, const BusNow& bus, Time now, const Fres
     if (!listening) return in;
     in.two_senders = !bus.two_controllers.empty() || !bus.two_bridges.empty();
     const antiskid::can::BusView& v = bus.view;
-    in.sensors_fresh = fresh(v.wheel.received, bus.looked, limits.sensors_s) && reception(v.flywheel.received, bus.looked, limits.sensors_s) &&
+    in.sensors_fresh = fresh(v.wheel.received, bus.looked, limits.sensors_s) && fresh(v.flywheel.received, bus.looked, limits.sensors_s) &&
                        fresh(v.pressure.received, bus.looked, limits.sensors_s);
     in.rim_mps = bus.rim_mps;
     if (in.sensors_fresh) in.rim_age_s = age_s(v.flywheel.received, bus.looked);

@@ -224,7 +224,7 @@ int watch_rig(const WatchCommand& command) {
         const Time now = steady();
         watch.look(now);
         if (command.once) {
-            const bool is_heard = reception(watch.seen().bridge);
+            const bool is_heard = received(watch.seen().bridge);
             if (now - began < (is_heard ? kMin : kMax)) continue;
             if (command.json != "-") print(block(watch));
             settings::deliver(command.json, watch_json(watch.seen()));

@@ -94,7 +94,7 @@ nlohmann::ordered_json number(double value) {
 }  // namespace
 
 std::string to_text(const BridgeSigns& s) {
-    if (reception(s)) return !s.with_ledger || s.held ? "at work" : "at work on this bus, but not with this ledger";
+    if (received(s)) return !s.with_ledger || s.held ? "at work" : "at work on this bus, but not with this ledger";
     std::string silence = s.silent_s ? fmt::format("silent for {}", duration_text(*s.silent_s)) : "not heard";
     if (!s.with_ledger) return silence;
     if (s.held) return silence + " on the bus, though it holds the ledger";
@@ -140,7 +140,7 @@ std::string watch_json(const Watched& w) {
     json["hold"] = w.hold;
     json["ledger_error"] = w.ledger_error;
     json["bridge"] = to_text(w.bridge);
-    json["bridge_heard"] = reception(w.bridge);
+    json["bridge_heard"] = received(w.bridge);
     json["bus_up"] = w.bus_up;
     json["bus_error"] = w.bus_error;
     json["phase"] = w.phase ? nlohmann::ordered_json(name(*w.phase)) : nullptr;

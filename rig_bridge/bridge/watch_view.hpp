@@ -84,7 +84,7 @@ struct Watched {
 /// A bridge whose last frame is no older runs.
 inline constexpr double kBridgeSilent_s = 1.0;
 
-[[nodiscard]] inline bool reception(const BridgeSigns& signs) {
+[[nodiscard]] inline bool received(const BridgeSigns& signs) {
     return signs.silent_s && *signs.silent_s <= kBridgeSilent_s;
 }
 /// For people: at work, silent, dead, or nobody's.

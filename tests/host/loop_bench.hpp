@@ -93,7 +93,7 @@ struct LoopBench {
         for (std::size_t n = rig_end.receive(batch); n > 0; n = rig_end.receive(batch))
             for (const can::Frame& frame : std::span(batch).first(n)) {
                 rig.accept(frame);
-                reception.push_back(frame);
+                received.push_back(frame);
             }
     }
 
@@ -149,7 +149,7 @@ struct LoopBench {
     std::unique_ptr<controller::Session> session;
     std::atomic<bool> stop{false};
     std::uint32_t syncs = 0;
-    std::vector<can::Frame> reception;  ///< by the rig, in order
+    std::vector<can::Frame> received;  ///< by the rig, in order
 };
 
 /// A rig at rest: nothing turns, no pressure, disarmed.

@@ -30,7 +30,7 @@ std::vector<can::Frame> landing(const int periods, const std::uint64_t noise, co
     });
     if (last != nullptr) *last = bench.statistics().last_state;
     if (faults != nullptr) *faults = bench.statistics().faults_seen;
-    return bench.reception;
+    return bench.received;
 }
 
 }  // namespace
@@ -40,8 +40,8 @@ TEST_CASE("lockstep: one valve command for each SYNC, and it is the last frame o
     std::size_t heard_before = 0;
     bench.run_sync(1000, [&](const int period) {
         bench.collect();
-        const auto fresh = std::span(bench.reception).subspan(heard_before);
-        heard_before = bench.reception.size();
+        const auto fresh = std::span(bench.received).subspan(heard_before);
+        heard_before = bench.received.size();
         if (period == 0) {
             REQUIRE(fresh.empty());
         } else {
@@ -53,7 +53,7 @@ TEST_CASE("lockstep: one valve command for each SYNC, and it is the last frame o
         bench.rig_sync();
     });
     const auto count = [&](const can::Role role) {
-        return std::count_if(bench.reception.begin(), bench.reception.end(), [&](const can::Frame& f) { return f.id == bench.id(role); });
+        return std::count_if(bench.received.begin(), bench.received.end(), [&](const can::Frame& f) { return f.id == bench.id(role); });
     };
     CHECK(bench.statistics().steps == 1000);
     CHECK(count(can::Role::valve) == 1000 + host::ControlLoop::kSafeCommands);
@@ -69,8 +69,8 @@ TEST_CASE("by the timer the valve command goes first", "[RT-045]") {
     std::size_t heard_before = 0;
     bench.run_timer(500, [&](const int period) {
         bench.collect();
-        const auto fresh = std::span(bench.reception).subspan(heard_before);
-        heard_before = bench.reception.size();
+        const auto fresh = std::span(bench.received).subspan(heard_before);
+        heard_before = bench.received.size();
         if (period > 0) REQUIRE(fresh.front().id == bench.id(can::Role::valve));
         bench.rig_period(at_rest());
     });
@@ -98,7 +98,7 @@ TEST_CASE("a landing in lockstep brakes, and ends with the safe current as the l
     REQUIRE(braking_mA == Approx(12.0F).margin(0.1));
 
     REQUIRE(bench.statistics().safe_commands_sent == host::ControlLoop::kSafeCommands);
-    const auto tail = std::span(bench.reception).last(host::ControlLoop::kSafeCommands);
+    const auto tail = std::span(bench.received).last(host::ControlLoop::kSafeCommands);
     can::RigPort listener(bench.setup.layout, bench.setup.period);
     for (const can::Frame& frame : tail) {
         CHECK(frame.id == bench.id(can::Role::valve));
@@ -120,7 +120,7 @@ TEST_CASE("by the timer, too, stopping while braking ends with the safe current"
         rig.advance(static_cast<double>(braking_mA), 1e-3);
     });
     REQUIRE(braking_mA == Approx(12.0F).margin(0.1));
-    CHECK(bench.reception.back().id == bench.id(can::Role::valve));
+    CHECK(bench.received.back().id == bench.id(can::Role::valve));
     CHECK(bench.rig.controller().current_mA == Approx(bench.setup.control.valve.safe_current_mA).margin(1e-6));
 }
 
@@ -154,7 +154,7 @@ TEST_CASE("the safe current is tried until it gets through, but not for ever", "
         late.collect();
         CHECK(late.statistics().safe_commands_sent == 3);
         CHECK(closing == 13);
-        CHECK(late.reception.back().id == late.id(can::Role::valve));
+        CHECK(late.received.back().id == late.id(can::Role::valve));
     }
 }
 
@@ -177,7 +177,7 @@ TEST_CASE("nothing is sent before the first SYNC", "[RT-030]") {
     LoopBench bench(ClockSource::sync);
     bench.run_sync(200, [&](int) { bench.rig_period(at_rest()); });  // 4 s of waiting, sensors but no SYNC
     CHECK(bench.statistics().steps == 0);
-    CHECK(bench.reception.size() == host::ControlLoop::kSafeCommands);  // the closing ones
+    CHECK(bench.received.size() == host::ControlLoop::kSafeCommands);  // the closing ones
 }
 
 TEST_CASE("a SYNC that fails to come: stepping goes on, what is missing is named, the valve is safe", "[RT-030]") {
@@ -278,7 +278,7 @@ TEST_CASE("foreign and damaged frames change nothing but their counts", "[RT-034
             rig.advance(static_cast<double>(bench.rig.controller().current_mA), 1e-3);
         });
         if (disturbed) CHECK(bench.session->port().unknown_ids() > 40'000);
-        return bench.reception;
+        return bench.received;
     };
     CHECK(same_bytes(run(false), run(true)));
 }

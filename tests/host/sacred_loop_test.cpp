@@ -52,7 +52,7 @@ TEST_CASE("the loop does nothing forbidden", "[RT-050]") {
                               control::Law::pressure_bias, control::Law::peak_slip);
     const auto disturbance = GENERATE(Disturbance::none, Disturbance::link_lost, Disturbance::silence, Disturbance::damage, Disturbance::overruns);
     LoopBench bench(source);
-    bench.reception.reserve(100'000);
+    bench.received.reserve(100'000);
     ToyRig rig(bench.setup.control, law);
     const auto before = [&](const int period) { act(bench, rig, disturbance, period); };
     if (source == ClockSource::timer)
@@ -137,7 +137,7 @@ TEST_CASE("the traps catch each forbidden call, in the program and in shared lib
 
 TEST_CASE("an allocation in the real loop is caught", "[RT-050]") {
     LoopBench bench(ClockSource::timer);
-    bench.reception.reserve(10'000);
+    bench.received.reserve(10'000);
     std::unique_ptr<int> leak;
     bench.plan_timer(100, [&](const int period) {
         if (period == 50) leak = std::make_unique<int>(period);  // as if the loop had done it: not disarmed

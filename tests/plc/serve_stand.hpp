@@ -74,7 +74,7 @@ struct Stand {
           far(hub.connect()),
           bus(near, clock),
           node(op.rig, layout, bus, clock, kMillisecond, [this](plc::ServedRig& rig) { exchange(rig); }) {
-        bus.on_send = [this](const Frame& frame) { reception(frame); };
+        bus.on_send = [this](const Frame& frame) { received(frame); };
     }
 
     void exchange(plc::ServedRig& rig) {
@@ -83,7 +83,7 @@ struct Stand {
         if (on_period) on_period();
         if (rig.time_s() >= end_s) stop = true;
     }
-    void reception(const Frame& frame) {
+    void received(const Frame& frame) {
         const auto role = [&] {
             for (std::size_t i = 0; i < antiskid::can::kRoleCount; ++i) {
                 const auto& message = layout[static_cast<Role>(i)];

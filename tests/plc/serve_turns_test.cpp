@@ -81,7 +81,7 @@ TEST_CASE("all three begin together: the first sample and SYNC are said until th
     s.bus.on_send = [&](const Frame& frame) {
         if (s.exchanges == 0) first.push_back(frame);
         if (first.size() == 12 && frame.id == s.layout[Role::sync].id) s.answers = true;
-        s.reception(frame);
+        s.received(frame);
     };
     std::uint16_t turn = rig::kNoTurns;
     std::uint64_t sent_before_joining = 1;

@@ -27,7 +27,7 @@ std::vector<Frame> through(const std::vector<Frame>& sent, const Disturbance& d,
     constexpr std::int64_t kFrom_ns = 500'000'000;
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> draw(0.0, 1.0);
-    std::vector<Frame> reception;
+    std::vector<Frame> received;
     for (Frame frame : sent) {
         const bool on = (frame.received - sent.front().received).count() > kFrom_ns;
         if (on && draw(random) < d.lost) continue;
@@ -35,11 +35,11 @@ std::vector<Frame> through(const std::vector<Frame>& sent, const Disturbance& d,
         for (int copies = on && draw(random) < d.twice ? 2 : 1; copies > 0; --copies) {
             const bool late = on && draw(random) < d.late;
             frame.received = stamp + Time{late ? std::llround(draw(random) * d.late_ms * 1e6) : 0};
-            reception.push_back(frame);
+            received.push_back(frame);
         }
     }
-    std::stable_sort(reception.begin(), reception.end(), [](const Frame& a, const Frame& b) { return a.received < b.received; });
-    return reception;
+    std::stable_sort(received.begin(), received.end(), [](const Frame& a, const Frame& b) { return a.received < b.received; });
+    return received;
 }
 
 /// Counts the rim's edges from a frame on: no clock, no SYNC, no gate.

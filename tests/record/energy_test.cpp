@@ -118,14 +118,14 @@ TEST_CASE("a sensor that starts anew in braking is counted, and its edges are no
 TEST_CASE("a sensor that is silent before it starts anew leaves energy unknown, and that is said", "[BRG-200][BRG-261]") {
     ClosedForm c;
     const Recording recording(c, true, 1, started_anew(6.5));
-    std::vector<Frame> reception;
+    std::vector<Frame> received;
     for (std::size_t i = 0; i < recording.frames.size(); ++i) {
         const Frame& frame = recording.frames[i];
         const double t = c.rest_s() * static_cast<double>(i) / static_cast<double>(recording.frames.size());
         const bool sensor = frame.id == can_test::ours()[Role::wheel].id || frame.id == can_test::ours()[Role::flywheel].id;
-        if (!sensor || t < 3.5 || t > 6.5) reception.push_back(frame);
+        if (!sensor || t < 3.5 || t > 6.5) received.push_back(frame);
     }
-    const Measured judged = measure(reception);
+    const Measured judged = measure(received);
     CHECK(judged.warns("encoder_restarted: wheel 1"));
     CHECK(judged.warns("encoder_restarted: flywheel 1"));
     CHECK(judged.warns("energy_unbalanced: brake and tyre took "));
@@ -236,16 +236,16 @@ TEST_CASE("brake and tyre energy that is not the kinetic energy lost is flagged,
     CHECK(without_force(0.8F).warnings.empty());
     // Nor does it where the load cells are silent for a while and the speeds tell the tyre's part of that.
     const std::uint16_t load_cells = can_test::ours()[Role::load_cells].id;
-    std::vector<Frame> reception;
+    std::vector<Frame> received;
     for (const Frame& frame : Recording(c, true, 1, [](double, RigSample& sample) {
                                   sample.load_cells.longitudinal_N = 0.0F;
                                   sample.load_cells.brake_torque_Nm *= 0.8F;
                               }).frames) {
         const double t = 1e-9 * static_cast<double>((frame.received - Time{1'436'509'053'000'000'000}).count());
-        if (frame.id != load_cells || t < 6.0 || t > 7.0) reception.push_back(frame);
+        if (frame.id != load_cells || t < 6.0 || t > 7.0) received.push_back(frame);
     }
-    CHECK(measure(reception).warns("energy_by_speeds"));
-    CHECK_FALSE(measure(reception).warns("energy_unbalanced"));
+    CHECK(measure(received).warns("energy_by_speeds"));
+    CHECK_FALSE(measure(received).warns("energy_unbalanced"));
     CHECK(without_force(1.3F).warns("energy_unbalanced"));
 }
 

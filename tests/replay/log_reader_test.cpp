@@ -15,26 +15,26 @@ using rig::replay::LogTrouble;
 namespace {
 
 /// Lines of random frames, and the frames.
-std::string random_log(std::mt19937_64& random, std::size_t count, std::vector<can::Frame>& frames) {
+std::string random_log(std::mt19937_64& random, std::size_t count, std::vector<antiskid::can::Frame>& frames) {
     std::string text;
     std::int64_t time = 1'795'000'000'000'000;
     for (std::size_t i = 0; i < count; ++i) {
-        can::Frame frame;
+        antiskid::can::Frame frame;
         frame.id = static_cast<std::uint32_t>(random() % 2048);
         frame.length = static_cast<std::uint8_t>(random() % 9);
         for (std::size_t b = 0; b < frame.length; ++b) frame.data[b] = static_cast<std::uint8_t>(random());
         time += static_cast<std::int64_t>(random() % 2000);
-        frame.received = can::Time{time * 1000};
+        frame.received = antiskid::can::Time{time * 1000};
         text += line(frame);
         frames.push_back(frame);
     }
     return text;
 }
 
-void expect(const Reading& reading, const std::vector<can::Frame>& frames) {
+void expect(const Reading& reading, const std::vector<antiskid::can::Frame>& frames) {
     REQUIRE(reading.frames.size() == frames.size());
     for (std::size_t i = 0; i < frames.size(); ++i) {
-        const can::Frame& got = reading.frames[i].frame;
+        const antiskid::can::Frame& got = reading.frames[i].frame;
         if (got.id == frames[i].id && got.length == frames[i].length && got.data == frames[i].data && got.received == frames[i].received &&
             reading.frames[i].line == i + 1)
             continue;
@@ -48,7 +48,7 @@ void expect(const Reading& reading, const std::vector<can::Frame>& frames) {
 TEST_CASE("a log gives its frames in order, plain and gzip alike, over many blocks", "[BRG-300]") {
     const TempDir dir;
     std::mt19937_64 random(3001);
-    std::vector<can::Frame> frames;
+    std::vector<antiskid::can::Frame> frames;
     const std::string text = random_log(random, 50'000, frames);
     REQUIRE(text.size() > std::size_t{5} * 256 * 1024);
     expect(Reading(dir.write("plain.log", text)), frames);
@@ -119,7 +119,7 @@ TEST_CASE("of each kind few are said and all are counted", "[BRG-300]") {
 TEST_CASE("a log that is cut off gives all before the cut and says so", "[BRG-300]") {
     const TempDir dir;
     std::mt19937_64 random(302);
-    std::vector<can::Frame> frames;
+    std::vector<antiskid::can::Frame> frames;
     const std::string text = random_log(random, 20'000, frames);
     const Reading plain(dir.write("bus.log", text.substr(0, text.size() - 1)));
     CHECK(plain.frames.size() == 20'000);
@@ -163,7 +163,7 @@ TEST_CASE("mutated logs: every line is a frame or a counted warning", "[BRG-300]
                                 LogTrouble::other_interface};
     const std::string alphabet = std::string("0123456789ABCDEFabcdefRT#().\r\n \t") + '\0' + "\xFF\x80xvcan";
     for (int round = 0; round < 300; ++round) {
-        std::vector<can::Frame> frames;
+        std::vector<antiskid::can::Frame> frames;
         std::string text = random_log(random, 200, frames);
         const std::size_t changes = 1 + random() % 200;
         for (std::size_t i = 0; i < changes; ++i) {
@@ -198,7 +198,7 @@ TEST_CASE("the fast form of a line and the general one agree on every mutation",
     std::mt19937_64 random(304);
     std::uint64_t both = 0;
     for (int round = 0; round < 200'000; ++round) {
-        std::vector<can::Frame> frames;
+        std::vector<antiskid::can::Frame> frames;
         std::string text = random_log(random, 1, frames);
         text.pop_back();
         if (random() % 2 == 0) text[random() % text.size()] = "0123456789ABCDEFabcdefg#(). x/:@G`"[random() % 34];

@@ -5,7 +5,7 @@
 #include "tests/replay/logs.hpp"
 
 using namespace replay_test;
-using can::Time;
+using antiskid::can::Time;
 using namespace std::chrono_literals;
 
 namespace {

@@ -75,15 +75,15 @@ TEST_CASE("speeds that differ are named though the encoder falls silent now and 
     Reached r(Phase::braking);
     Inputs in = r.rig.inputs;
     in.rim_mps = in.flywheel_mps - 2.01;
-    int reception = 0;
-    for (int i = 0; reception < 60; ++i) {
+    int received = 0;
+    for (int i = 0; received < 60; ++i) {
         in.rim_age_s = i % 2 == 0 ? 0.04 : 0.001;
-        reception += i % 2;
+        received += i % 2;
         if (r.next(in).abort != Abort::none) break;
     }
     CHECK(r.sequencer.abort() == Abort::speed_mismatch);
-    CHECK(reception >= 50);
-    CHECK(reception <= 52);
+    CHECK(received >= 50);
+    CHECK(received <= 52);
 }
 
 TEST_CASE("an old reading of the PLC is no other speed: it may be off by what a tyre can have done since", "[BRG-110]") {

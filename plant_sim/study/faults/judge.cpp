@@ -13,7 +13,7 @@ void Judge::observe(const Observation& seen) {
     passed_s_ += seen.period_s;
     named_.insert(seen.named);
     if (!seen.named.empty() && named_after_s_ < 0.0) named_after_s_ = passed_s_;
-    fell_silent_ = fell_silent_ || !seen.reception;
+    fell_silent_ = fell_silent_ || !seen.received;
     permitted_ = permitted_ || (seen.state > State::standby && seen.state < State::safe);
     lock_protection_ = lock_protection_ || seen.state == State::locked_wheel;
 

@@ -61,7 +61,7 @@ struct Observation {
     double driver_mA = 0.0;  ///< the current that the valve's driver was told
     antiskid::control::State state{};
     antiskid::control::FaultSet named;
-    bool reception = true;  ///< the valve's driver has had a command within its own limit
+    bool received = true;  ///< the valve's driver has had a command within its own limit
 };
 
 /// What the run was for.

@@ -72,7 +72,7 @@ class Bench {
     [[nodiscard]] const antiskid::can::ControllerView& view() const { return rig_port_.controller(); }
     [[nodiscard]] double driver_mA() const { return driver_.current_mA(); }
     /// Whether the valve's driver hears the controller.
-    [[nodiscard]] bool reception() const { return driver_.hears(); }
+    [[nodiscard]] bool received() const { return driver_.hears(); }
     /// Demand as it is sent; none where it is not armed or the wheel carries no load.
     [[nodiscard]] double asked_Pa() const {
         return asked_.arm && asked_.weight_on_wheels ? plan_.layout.maneuver.demand_Pa.rounded(static_cast<double>(asked_.demand_Pa)) : 0.0;
@@ -218,7 +218,7 @@ Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const s
                        .driver_mA = bench.driver_mA(),
                        .state = bench.command().state,
                        .named = bench.command().faults,
-                       .reception = bench.reception()});
+                       .received = bench.received()});
     }
     result.verdict = judge.verdict(bench.session().rig().standstill());
     return result;
