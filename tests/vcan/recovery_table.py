@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """[BRG-616] What may befall a campaign, in each phase of a shipped scenario: does it recover alone, wait for a person, or end? Each case is one
 maneuver of a campaign over vcan and Modbus; nothing is lost, doubled, or off in energy by more than 1 % of an undisturbed campaign's without being named.
-Inside `./rig vcan`; `./rig soak --recovery` starts it.
+Inside `./rig vcan`; `./rig check soak --recovery` starts it.
 
 usage: recovery_table.py BUILD_DIR [--phase P]... [--strike NAME]... [--scenario FILE] [--out CSV] [--docs]
 --docs writes docs/generated/recovery.md from the CSV. Cases that are in the CSV already are not run again.
@@ -81,7 +81,7 @@ def docs(rows):
     names = [strike.name for strike in STRIKES + MORE_STRIKES]
     text = f"""# What recovers alone
 
-What may befall a campaign with `--retry`, in each phase of a maneuver, made by `tests/vcan/recovery_table.py` (`./rig soak --recovery`), which runs
+What may befall a campaign with `--retry`, in each phase of a maneuver, made by `tests/vcan/recovery_table.py` (`./rig check soak --recovery`), which runs
 controller, virtual rig and bridge as real programs over vcan and Modbus TCP with a shipped scenario, in paced lockstep. Dead controllers and rigs
 are started again, as by a service manager.
 
