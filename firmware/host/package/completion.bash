@@ -40,5 +40,5 @@ _antiskid_rig() {
     fi
 }
 # Installed, it leaves alone the `rig` that Debian has.
-[[ ${BASH_SOURCE[0]} != */firmware/host/package/* ]] || complete -o default -F _antiskid_rig rig
+[[ ${BASH_SOURCE[0]} != *firmware/host/package/* ]] || complete -o default -F _antiskid_rig rig
 complete -o default -F _antiskid antiskid-controller rig-bridge rig-replay virtual-rig rig-lab
