@@ -95,7 +95,7 @@ Check value_check(const Reception& reception, const Input& input, bool at_rest, 
 
 Check shaft_check(const Reception& reception, const Input& input, float speed_radps) {
     return value_check(reception, input, speed_radps < kAtRest_radps, fmt::format("{:.2f} rad/s", speed_radps), "0, plausible",
-                       "wait until it stands; else docs/faults.md has the fault");
+                       "wait until it stands; else docs/user/faults.md has the fault");
 }
 
 Check pressure_check(const Reception& reception, const Input& input, const control::Config& config) {
@@ -142,7 +142,7 @@ Check duration_check(const std::string& name, const host::Histogram& histogram, 
                          {.measured = fmt::format("p50 {:.1f}, p99 {:.1f}, p99.9 {:.1f}, max {:.1f} us", us(histogram.percentile(0.5)),
                                                   us(histogram.percentile(0.99)), us(histogram.percentile(0.999)), us(histogram.maximum())),
                           .required = fmt::format("{} at most {:.0f} us", which, us(max)),
-                          .remedy = "docs/real_time.md, step by step"});
+                          .remedy = "docs/user/real_time.md, step by step"});
     check.figures = {{"p50_us", us(histogram.percentile(0.5))},
                      {"p99_us", us(histogram.percentile(0.99))},
                      {"p99_9_us", us(histogram.percentile(0.999))},
@@ -182,7 +182,7 @@ Checks timing_checks(const Reception& reception, const control::Time period) {
     checks.push_back(judged("missed periods", reception.missed_periods == 0 && reception.periods > 0,
                             {.measured = fmt::format("{} of {}", reception.missed_periods, reception.missed_periods + reception.periods),
                              .required = "none",
-                             .remedy = "docs/real_time.md, step by step"}));
+                             .remedy = "docs/user/real_time.md, step by step"}));
     return checks;
 }
 
