@@ -7,14 +7,34 @@
 /// Both contain one reading of the clock, which is no small thing in a virtual machine.
 #pragma once
 
+#include <linux/can.h>
+
 #include <functional>
 #include <vector>
 
+#include "firmware/can/layout.hpp"
 #include "plant_sim/bench/percentiles.hpp"
-#include "plant_sim/bench/recorded_stop.hpp"
 #include "plant_sim/bench/settings.hpp"
+#include "plant_sim/scenario_options.hpp"
 
 namespace antiskid::bench {
+
+/// A whole braking maneuver as the frames of its lockstep run, made in process. Replayed to the real controller
+/// it must bring the recorded answers, so whoever measures knows that the controller did its whole work.
+struct RecordedStop {
+    struct Cycle {
+        std::vector<can_frame> sensors;  ///< in the order of the bus
+        can_frame sync{};
+        can_frame valve{};  ///< the answer
+    };
+    canid_t valve_id = 0;
+    std::vector<Cycle> cycles;
+};
+
+[[nodiscard]] RecordedStop record_stop(const plant_sim::Scenario& scenario);
+
+/// Same identifier, length and payload.
+[[nodiscard]] bool same(const can_frame& a, const can_frame& b);
 
 struct CommandRound {
     Percentiles controller;

@@ -9,6 +9,9 @@
 
 namespace rig {
 
+/// For `length`; sends nothing.
+[[nodiscard]] BusHeard listen_to_bus(const Setup& setup, antiskid::can::Time length);
+
 struct StartFacts {
     antiskid::preflight::CanLink link;
     antiskid::preflight::MachineFacts machine;  ///< of the record's place

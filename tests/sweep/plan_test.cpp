@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "plant_sim/study/sweep/setup.hpp"
+#include "plant_sim/study/sweep/plan.hpp"
 #include "plant_sim/study/sweep/stops_table.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
 #include "rig_bridge/rig/load_rig.hpp"

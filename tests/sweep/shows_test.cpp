@@ -2,8 +2,8 @@
 /// `rig-lab sweep`, which holds the same checks against itself.
 #include <thread>
 
+#include "plant_sim/study/sweep/plan.hpp"
 #include "plant_sim/study/sweep/run.hpp"
-#include "plant_sim/study/sweep/setup.hpp"
 #include "plant_sim/study/sweep/summary.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
 #include "tests/catch.hpp"

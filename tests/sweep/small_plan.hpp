@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "plant_sim/study/sweep/setup.hpp"
+#include "plant_sim/study/sweep/plan.hpp"
 
 namespace small {
 
