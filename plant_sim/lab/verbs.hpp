@@ -11,8 +11,15 @@
 #include <utility>
 
 #include "firmware/host/settings/command_line.hpp"
+#include "plant_sim/study/team/team.hpp"
 
 namespace plant_sim {
+
+/// `work` in this process of the team that mpirun started, or alone; its exit status. What it throws ends all processes.
+[[nodiscard]] int in_team(const std::function<int(study::Team& team)>& work);
+
+/// Threads of this process where `asked` were asked for, 0 for no wish.
+[[nodiscard]] unsigned threads_in(const study::Team& team, unsigned asked);
 
 struct LabVerb {
     CLI::App* app;             ///< the subcommand
