@@ -16,7 +16,7 @@ struct Reach {
 
 /// Reads and checks both files whole. Throws settings::Error, whose text names file, line and key (or message
 /// and signal) and says what would be right, for whatever is missing, unknown, contradictory, overlapping, in
-/// a wrong unit or too narrow. docs/can.md has the keys of the binding.
+/// a wrong unit or too narrow. docs/user/can.md has the keys of the binding.
 [[nodiscard]] Layout load_layout(const std::filesystem::path& dbc, const std::filesystem::path& binding, const Reach& reach = {});
 
 }  // namespace antiskid::can

@@ -93,7 +93,7 @@ enum class State : std::uint8_t {
 };
 inline constexpr std::uint8_t kStateCount = 8;
 
-/// Named faults. The number is the bit in the status frame; docs/faults.md has condition, reaction and time
+/// Named faults. The number is the bit in the status frame; docs/user/faults.md has condition, reaction and time
 /// of each.
 enum class Fault : std::uint8_t {
     wheel_lost = 0,

@@ -165,7 +165,7 @@ control::PressureBiasConfig pressure_bias(const settings::Table& t) {
             .k_lead_Pa_per_mps2 = number(t, "k_lead_Pa_per_mps2", 0.0, 1e8)};
 }
 
-/// What a key of the file decides further, as a share of it. docs/controller.md has the reasons.
+/// What a key of the file decides further, as a share of it. docs/engineering/controller.md has the reasons.
 namespace derived {
 constexpr float kSelfTest = 0.2F;      // of stuck_ms
 constexpr float kDemand = 0.4F;        // of residual_pressure_Pa: less is no demand

@@ -26,7 +26,7 @@ struct RunReport {
 /// Several lines, each ending in a newline.
 [[nodiscard]] std::string table(const RunReport& report);
 
-/// One object; docs/controller.md has its keys. Durations in ns.
+/// One object; docs/engineering/controller.md has its keys. Durations in ns.
 [[nodiscard]] std::string json(const RunReport& report);
 
 }  // namespace antiskid::rt

@@ -95,7 +95,7 @@ Check value_check(const Heard& heard, const Input& input, bool at_rest, std::str
 
 Check shaft_check(const Heard& heard, const Input& input, float speed_radps) {
     return value_check(heard, input, speed_radps < kAtRest_radps, fmt::format("{:.2f} rad/s", speed_radps), "0, plausible",
-                       "wait until it stands; else docs/faults.md has the fault");
+                       "wait until it stands; else docs/user/faults.md has the fault");
 }
 
 Check pressure_check(const Heard& heard, const Input& input, const control::Config& config) {
@@ -142,7 +142,7 @@ Check duration_check(const std::string& name, const rt::Histogram& histogram, co
                          {.measured = fmt::format("p50 {:.1f}, p99 {:.1f}, p99.9 {:.1f}, max {:.1f} us", us(histogram.percentile(0.5)),
                                                   us(histogram.percentile(0.99)), us(histogram.percentile(0.999)), us(histogram.maximum())),
                           .required = fmt::format("{} at most {:.0f} us", which, us(most)),
-                          .remedy = "docs/real_time.md, step by step"});
+                          .remedy = "docs/user/real_time.md, step by step"});
     check.figures = {{"p50_us", us(histogram.percentile(0.5))},
                      {"p99_us", us(histogram.percentile(0.99))},
                      {"p99_9_us", us(histogram.percentile(0.999))},
@@ -182,7 +182,7 @@ Checks timing_checks(const Heard& heard, const control::Time period) {
     checks.push_back(judged("missed periods", heard.missed_periods == 0 && heard.periods > 0,
                             {.measured = fmt::format("{} of {}", heard.missed_periods, heard.missed_periods + heard.periods),
                              .required = "none",
-                             .remedy = "docs/real_time.md, step by step"}));
+                             .remedy = "docs/user/real_time.md, step by step"}));
     return checks;
 }
 

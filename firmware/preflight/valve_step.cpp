@@ -88,7 +88,7 @@ Check ValveStep::result() const {
     const double target_MPa = 1e-6 * static_cast<double>(target_Pa_);
     const std::string required =
         fmt::format("{:.2f} MPa +- {:.0f} %, half of it within {:.0f} ms, up and down", target_MPa, 100.0 * kTolerance, ms(answer_));
-    const std::string remedy = "hydraulics on? else docs/faults.md, pressure_off_command; [valve] of controller.toml";
+    const std::string remedy = "hydraulics on? else docs/user/faults.md, pressure_off_command; [valve] of controller.toml";
     if (!aborted_.empty())
         return judged("valve step", false, {.measured = "ended at the safe current: " + aborted_, .required = required, .remedy = remedy});
     const double plateau_MPa = plateau_count_ > 0 ? 1e-6 * plateau_sum_Pa_ / plateau_count_ : 0.0;

@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* kFaultsFooter =
     "Leaves runs.csv (every run), results.json and matrix.png in OUT; --run leaves run-N.csv and run-N.png.\n"
-    "docs/faults.md has the criteria.\n"
+    "docs/engineering/fault_campaign.md has the criteria.\n"
     "Examples:\n"
     "  rig-lab faults\n"
     "  rig-lab faults --signal wheel --kind delay --no-pictures\n"

@@ -54,7 +54,7 @@ constexpr std::array<NextStep, sequencer::kAbortCount> kAborts{{
      "that repeats frames looks the same"},
 }};
 
-/// In the order of antiskid::control::Fault; conditions and times: docs/faults.md.
+/// In the order of antiskid::control::Fault; conditions and times: docs/user/faults.md.
 constexpr std::array<NextStep, kFaultCount> kFaults{{
     {"the wheel's encoder is not heard, or is heard late", "cable, power, binding; look at the bus with candump"},
     {"frames of the wheel's encoder come and are refused", "a disturbed bus, two senders, a wrong data ID"},

@@ -1,5 +1,5 @@
 /// What an abort cause or a fault of the controller means in plain words, and what to do next: one table, shown when the abort appears, and
-/// printed in docs/next_steps.md. Pure.
+/// printed in docs/user/next_steps.md. Pure.
 #pragma once
 
 #include <string>

@@ -61,7 +61,7 @@ Check interlock_check(const Snapshot& plc, Interlock interlock) {
     const auto bits = static_cast<unsigned>(plc.value(Measured::interlocks));
     const bool good = ((bits >> static_cast<unsigned>(interlock)) & 1U) != 0;
     return judged(fmt::format("interlock {}", name(interlock)), good,
-                  {.measured = good ? "good" : "open", .required = "good", .remedy = "find out who or what opened it (docs/rig_manual.md)"});
+                  {.measured = good ? "good" : "open", .required = "good", .remedy = "find out who or what opened it (docs/user/rig_manual.md)"});
 }
 
 Check state_check(const Snapshot& plc, bool bridge_resets) {
@@ -119,7 +119,7 @@ Check controller_check(const antiskid::can::ControllerView& controller, const st
                   {.measured = fmt::format("{}{}{}", antiskid::can::kStateNames.at(static_cast<std::size_t>(controller.state)),
                                            faults.empty() ? "" : ": ", fmt::join(faults, ", ")),
                    .required = "standby, or self_test until the bridge speaks; no fault",
-                   .remedy = fmt::format("docs/faults.md; antiskid-controller --can {} --check", interface)});
+                   .remedy = fmt::format("docs/user/faults.md; antiskid-controller --can {} --check", interface)});
 }
 
 }  // namespace

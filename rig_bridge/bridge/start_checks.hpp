@@ -1,5 +1,5 @@
 /// What of `rig-bridge preflight` runs at every start of a maneuver or campaign: all that costs no more than a third of a second and says
-/// nothing of a rig that is still on its way to rest. docs/bridge.md has the list, and why the others are not in it.
+/// nothing of a rig that is still on its way to rest. docs/user/bridge.md has the list, and why the others are not in it.
 #pragma once
 
 #include <stdexcept>

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The documentation page of a register map, on standard output.
 
-usage: page.py config/registers.toml > docs/registers.md
+usage: page.py config/registers.toml > docs/user/registers.md
 """
 import sys
 import tomllib

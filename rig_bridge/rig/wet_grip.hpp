@@ -2,7 +2,7 @@
 ///
 /// Wet: 14 CFR 25.109(c)(1) for smooth runways and (d)(2) for grooved ones or porous friction courses (Amdt. 25-92), polynomials in true
 /// ground speed at tyre pressures of 50, 100, 200 and 300 psi; between them linear, as the regulation allows. The
-/// coefficients were not compared with a printed copy (docs/scenarios.md). Each curve falls over all speeds of a landing, but for the
+/// coefficients were not compared with a printed copy (docs/user/scenarios.md). Each curve falls over all speeds of a landing, but for the
 /// grooved ones' first knots.
 ///
 /// Flooded: a rolling tyre floats from 9 sqrt(p) knots on, p in psi (W. B. Horne, R. C. Dreher, Phenomena of pneumatic tire hydroplaning,

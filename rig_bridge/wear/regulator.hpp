@@ -10,7 +10,7 @@
 ///
 /// Of the energy that a landing brings the tyre takes about the slip, the brake the rest (eq. 8 and 9). With B and T left to the brake and
 /// the tyre, both are used up together, whatever landings come, where the tyre's share is T / (T + B); they are so at the planned landing
-/// where those landings bring T + B in all. docs/regulation.md has the proof that the remaining ratio is held, and its conditions.
+/// where those landings bring T + B in all. docs/engineering/regulation.md has the proof that the remaining ratio is held, and its conditions.
 #pragma once
 
 #include <cstdint>

@@ -17,9 +17,9 @@ using sequencer::Phase;
 
 namespace {
 
-/// Lines of docs/next_steps.md that are rows of a table.
+/// Lines of docs/user/next_steps.md that are rows of a table.
 std::set<std::string> rows_of_page() {
-    std::ifstream file("docs/next_steps.md");
+    std::ifstream file("docs/user/next_steps.md");
     std::set<std::string> rows;
     for (std::string line; std::getline(file, line);) {
         if (line.starts_with("| `")) rows.insert(line);
@@ -33,7 +33,7 @@ std::string row(std::string_view name, std::string_view happened, std::string_vi
 
 }  // namespace
 
-TEST_CASE("docs/next_steps.md says of every abort cause, phase and fault what the bridge says", "[BRG-130]") {
+TEST_CASE("docs/user/next_steps.md says of every abort cause, phase and fault what the bridge says", "[BRG-130]") {
     std::set<std::string> rows;
     for (std::uint8_t i = 1; i < sequencer::kAbortCount; ++i) {
         const rig::NextStep step = rig::next_step(static_cast<Abort>(i));

@@ -63,7 +63,7 @@ TEST_CASE("the bus carries our layout at 1 kHz with room to spare, and the docs 
     const BusLoad load = bus_load(can_test::ours(), std::chrono::milliseconds(1), 1'000'000, false);
     CHECK(load.mean == Approx(bits / 1e6));
     CHECK(load.peak < 0.8);
-    const std::string docs = can_test::contents("docs/can.md");
+    const std::string docs = can_test::contents("docs/user/can.md");
     INFO(load_table(can_test::ours()) << load_table(can_test::foreign()));
     CHECK_THAT(docs, ContainsSubstring(load_table(can_test::ours())));
     CHECK_THAT(docs, ContainsSubstring(load_table(can_test::foreign())));

@@ -60,7 +60,7 @@ void scale_number(std::string& text, const std::string& key, const double by) {
     text.replace(from, length, fmt::format("{:.16e}", by * was));
 }
 
-/// config/controller.toml with another control period, and the gains that docs/controller.md tells to take with it.
+/// config/controller.toml with another control period, and the gains that docs/engineering/controller.md tells to take with it.
 void put_with_period(const std::filesystem::path& file, const int period_ms) {
     std::string text = content_of("config/controller.toml");
     const auto scale = [&text](const char* key, double by) { scale_number(text, key, by); };

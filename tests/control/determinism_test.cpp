@@ -199,7 +199,7 @@ TEST_CASE("the controller never allocates and is of a size that any microcontrol
     const std::uint64_t altogether = allocations() - before;
     CHECK(in_steps == 0);
     CHECK(altogether == 0);
-    // docs/controller.md states this size.
+    // docs/engineering/controller.md states this size.
     CHECK(sizeof(Controller) <= 2048);
 }
 

@@ -1,4 +1,4 @@
-/// The table of docs/faults.md.
+/// The table of docs/user/faults.md.
 #pragma once
 
 #include <fstream>
@@ -19,9 +19,9 @@ inline std::string trimmed(const std::string& text) {
     return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(' ') - first + 1);
 }
 
-/// The table of docs/faults.md.
+/// The table of docs/user/faults.md.
 inline std::vector<Row> documented() {
-    std::ifstream file("docs/faults.md");
+    std::ifstream file("docs/user/faults.md");
     std::vector<Row> rows;
     for (std::string line; std::getline(file, line);) {
         std::vector<std::string> cells;

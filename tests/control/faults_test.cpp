@@ -1,4 +1,4 @@
-// Every fault of docs/faults.md: its condition, injected in every state where it applies, names it, alone, within the periods that the
+// Every fault of docs/user/faults.md: its condition, injected in every state where it applies, names it, alone, within the periods that the
 // table states, and takes the current away until the controller is armed again.
 #include <algorithm>
 #include <cmath>

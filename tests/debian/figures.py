@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What one run of `./rig debian` gave: a table on standard output, the same as JSON. The bytes of its stop have to be those of every other
+"""What one run of `./rig check debian` gave: a table on standard output, the same as JSON. The bytes of its stop have to be those of every other
 compiler of the same release whose figures lie beside the JSON and are of the same tree; another release has another C library.
 
 Exit status 0; 1 if no test was run, one failed, one was skipped without saying why, or the bytes differ.

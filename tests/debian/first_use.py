@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""How long a newcomer waits, from what `./rig debian --first-use` kept of each command: a table on standard output, the same as JSON.
+"""How long a newcomer waits, from what `./rig check debian --first-use` kept of each command: a table on standard output, the same as JSON.
 
 usage: first_use.py OUTPUT... --release N --json FILE      exit status 1 if a command failed
 """

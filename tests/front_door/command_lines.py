@@ -14,6 +14,12 @@ import tempfile
 # Of FILE options those that are written; all others have to be there.
 WRITTEN = {"--json", "--csv", "--picture", "--trajectory", "--bus-log", "--rebuild", "--characterise", "--brake-state", "--port-file"}
 TYPES = {"--config": "DIRECTORY", "--out": "DIRECTORY", "--controller": "FILE", "--json": "FILE", "--picture": "FILE", "--csv": "FILE", "--dbc": "FILE"}
+# What the help says of an option wherever it stands.
+MEANINGS = {"--config": "configuration files", "--json": "- for standard output instead of the table", "--picture": r"\(PNG\)",
+            "--out": r"=out/|\(default: out/|REQUIRED"}
+CLOCKS = {"sensors", "timer", "sync", "auto"}
+# Nothing is written there, or nothing without it.
+OUT_WITHOUT_DEFAULT = {"virtual-rig", "rig-bridge preflight"}
 # Verbs that print no figures, or CSV alone.
 WITHOUT_JSON = {"rig-bridge maneuver", "rig-bridge campaign", "rig-bridge pause", "rig-bridge resume", "rig-bridge ledger amend", "rig-bridge ledger note",
                 "virtual-rig serve", "rig-lab drive", "cortex-m-prepare"}
@@ -67,6 +73,13 @@ def look(words):
     for option, kind in TYPES.items():
         if option in options:
             expect(options[option].startswith(f" {kind}"), f"{name}: {option} takes{options[option]}, expected {kind}")
+    said = dict(re.findall(r"^  (?:-\w,)?(--[a-z][a-zA-Z-]*)(.*(?:\n {10,}.*)*)", head, re.M))
+    for option, meaning in MEANINGS.items():
+        if option in said and not (option == "--out" and name in OUT_WITHOUT_DEFAULT):
+            expect(re.search(meaning, said[option]), f"{name} {option} means something else: {said[option]}")
+    if "--clock" in options:
+        choices = set(re.search(r"\{(.+?)\}", options["--clock"]).group(1).split(","))
+        expect(choices <= CLOCKS and {"timer", "sync"} <= choices, f"{name}: --clock takes {sorted(choices)}")
     refused([*words, misspelt("--version") if "--version" in options else "--hlep"], ["; did you mean '--"])
     for option, kind in options.items():
         if len(option) > 6:
@@ -87,7 +100,6 @@ def look(words):
         look([*words, verb])
     if (not verbs or name == "virtual-rig") and name not in WITHOUT_JSON:
         expect("--json" in options, f"{name} has no --json")
-
 
 
 with tempfile.TemporaryDirectory() as folder:

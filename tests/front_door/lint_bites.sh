@@ -9,7 +9,8 @@ done
 tree=$scratch/tree
 mkdir -p "$tree"/{firmware/control,tests/front_door,config,plant_sim,docs,.ci,build}
 cp "$here"/{lint_*,arrows.py,harness.bash,vcan_*.sh,verbs.sh} "$tree/tests/front_door"
-cp "$rig" "$tree/rig"
+mapfile -t parts < <(sed -n 's/^source "[$]root.\(.*\)"/\1/p' "$rig")
+(cd "$(dirname "$rig")" && cp --parents rig "${parts[@]}" "$tree")
 cp "$here"/../../.clang-{format,tidy} "$tree"
 source=$tree/firmware/control/seeded.cpp
 lints=$tree/tests/front_door

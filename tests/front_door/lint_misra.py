@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""cppcheck's MISRA add-on over firmware/control: every rule holds but those that docs/misra.md lists with a reason, and the add-on bites. [CTL-240]
+"""cppcheck's MISRA add-on over firmware/control: every rule holds but those that docs/engineering/misra.md lists with a reason, and the add-on bites. [CTL-240]
 
 usage: lint_misra.py ROOT WORK_DIR
 """
@@ -59,11 +59,11 @@ def main():
     for rule, body in SEEDS.items():
         (seeded / f"rule_{rule}.cxx").write_text(f"#include <cstdlib>\nint seeded(int a);\nint seeded(int a) {{ {body} }}\n")
 
-    listed = set(re.findall(r"^\| (\d+\.\d+) \|", (root / "docs/misra.md").read_text(), re.M))
+    listed = set(re.findall(r"^\| (\d+\.\d+) \|", (root / "docs/engineering/misra.md").read_text(), re.M))
     found = violations(control, root)
-    wrong = [f"rule {rule} is broken and not in docs/misra.md: {', '.join(sorted(places))}"
+    wrong = [f"rule {rule} is broken and not in docs/engineering/misra.md: {', '.join(sorted(places))}"
              for rule, places in sorted(found.items()) if rule not in listed]
-    wrong += [f"docs/misra.md lists rule {rule}, which nothing breaks" for rule in sorted(listed - set(found))]
+    wrong += [f"docs/engineering/misra.md lists rule {rule}, which nothing breaks" for rule in sorted(listed - set(found))]
     bitten = violations(seeded, root)
     wrong += [f"the violation of rule {rule} that was planted is not found" for rule in SEEDS if f"rule_{rule}:3" not in bitten[rule]]
     print("\n".join(wrong) or f"{len(found)} rules broken for the reasons listed, {len(SEEDS)} planted violations found")

@@ -98,7 +98,7 @@ TEST_CASE("the truth lies in the interval of each parameter for 45 of 50 seeds o
     for (const auto& [name, h] : coverage) {
         std::printf("%-12s %d of %d, mean error %+.2f deviations\n", name.c_str(), h.hits, h.all, h.sum / h.all);
         CAPTURE(name);
-        // Found within 0.003 %, k_b scatters by 1.3 times its deviation. Why is not known; docs/identification.md.
+        // Found within 0.003 %, k_b scatters by 1.3 times its deviation. Why is not known; docs/engineering/identification.md.
         CHECK(h.hits >= (name == "k_b" ? 40 : 45));
     }
 }

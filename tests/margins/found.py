@@ -31,7 +31,7 @@ with tempfile.TemporaryDirectory() as scratch:
     done = tune("--check", "--out", scratch)
     shipped = json.loads((scratch / "results.json").read_text())["shipped"]
     assert done.returncode == 0 and "show what stops must show" in done.stdout, done.returncode
-    # docs/margins.md: 4 of 256 cells, and 5 more of the law by itself, past the peak at low speed.
+    # docs/engineering/margins.md: 4 of 256 cells, and 5 more of the law by itself, past the peak at low speed.
     assert shipped["margins"]["unstable"] <= 9 and shipped["closed_loop"]["faults"] is False
     assert set(shipped["closed_loop"]["drawn_j_mu"]) == {"ring", "relaxation", "parameters", "patches"}
 

@@ -5,14 +5,14 @@ Every comparison, arithmetic and boolean operator, constant, condition, assignme
 time, and the unit tests that reach it are run, the quickest first. A mutant that no test notices is a survivor. All mutants are compiled
 in at once (sites.py); the tests are those that judge coverage, too.
 
-  ./rig mutate                              all of them; goes on where an earlier run on the same files was stopped
-  ./rig mutate --file slip_law              those of files whose path contains this
-  ./rig mutate --sample 80 --seed 3         a drawn sample
-  ./rig mutate --mutant 'firmware/can/e2e.cpp:40:29:== becomes !='
+  ./rig check mutate                              all of them; goes on where an earlier run on the same files was stopped
+  ./rig check mutate --file slip_law              those of files whose path contains this
+  ./rig check mutate --sample 80 --seed 3         a drawn sample
+  ./rig check mutate --mutant 'firmware/can/e2e.cpp:40:29:== becomes !='
                                             one again, with what the tests say to it
-  ./rig mutate --again                      after a test was added: only those that survived
-  ./rig mutate --listed                     only those of both lists: are they still right?
-  ./rig mutate --list                       the mutants, without a run
+  ./rig check mutate --again                      after a test was added: only those that survived
+  ./rig check mutate --listed                     only those of both lists: are they still right?
+  ./rig check mutate --list                       the mutants, without a run
 
 tests/mutation/equivalent.txt lists mutants that nobody could notice, each with the reason, open.txt survivors that wait for a test.
 Leaves out/mutation/mutants.json, table.txt and survivors.txt (lines for those lists).
@@ -184,7 +184,7 @@ def table(rows):
 
 
 def options_of(arguments):
-    parser = argparse.ArgumentParser(prog="./rig mutate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(prog="./rig check mutate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sample", type=int, metavar="N", help="this many, drawn at random")
     parser.add_argument("--seed", type=int, default=1, help="of the draw (default 1)")
     parser.add_argument("--file", default="", metavar="PART", help="only files whose path contains this")
@@ -197,7 +197,7 @@ def options_of(arguments):
     parser.add_argument("--list", action="store_true", help="only list the mutants")
     options = parser.parse_args(arguments)
     if options.jobs < 1 or (options.sample is not None and options.sample < 1):
-        fail("--jobs and --sample take a number above 0; see ./rig mutate --help", 2)
+        fail("--jobs and --sample take a number above 0; see ./rig check mutate --help", 2)
     return options
 
 

@@ -153,7 +153,7 @@ TEST_CASE("period 2 and 5 ms stop the aircraft, too", "[STUDY-001]") {
             INFO(surface << ", period " << period_s);
             plant_sim::Scenario s = plant_sim::load_scenario(scenarios::options({surface, "light"}));
             s.controller.period_s = period_s;
-            if (period_s > 2e-3F) {  // as docs/controller.md says: a longer period asks for less
+            if (period_s > 2e-3F) {  // as docs/engineering/controller.md says: a longer period asks for less
                 s.controller.slip.k_p_per_s *= 0.3F;
                 s.controller.slip.k_d *= 0.2F;
                 s.controller.slip.k_dd_s *= 0.2F;

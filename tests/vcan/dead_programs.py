@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Each of the three programs killed (SIGKILL) and stopped (SIGSTOP, later SIGCONT) in each phase of a maneuver, as real processes in paced
-lockstep; docs/faults.md states what must come out. Times are counted in periods on the bus, never by a clock. Runs inside `./rig vcan`.
+lockstep; docs/engineering/fault_campaign.md states what must come out. Times are counted in periods on the bus, never by a clock. Runs inside `./rig vcan`.
 
 usage: dead_programs.py BUILD_DIR [--sample SEED] [--program NAME] [--csv FILE]
 --sample: one phase drawn for each program and signal, instead of all of them. Exit status 1: a criterion was not met.

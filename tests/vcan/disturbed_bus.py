@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """A sample of the fault campaign over a real bus: landings by three programs in paced lockstep while netem loses, repeats, reorders, delays and
-corrupts what is sent on vcan0, every frame alike. Outcomes by the criteria of docs/faults.md, in periods of the rig. Runs inside
+corrupts what is sent on vcan0, every frame alike. Outcomes by the criteria of docs/engineering/fault_campaign.md, in periods of the rig. Runs inside
 `./rig vcan`, in its guest: only there can vcan be loaded anew with echo=1, without which netem has no effect.
 
 usage: disturbed_bus.py BUILD_DIR [--kind NAME]... [--csv FILE]
@@ -80,7 +80,7 @@ def signed(difference):
 
 
 class Judge:
-    """The criteria of docs/faults.md on what came through: frames with the right CRC, one period a SYNC."""
+    """The criteria of docs/engineering/fault_campaign.md on what came through: frames with the right CRC, one period a SYNC."""
 
     def __init__(self):
         self.wrong_crc = self.late = self.worst_late = self.locked = self.worst_lock = self.unasked = 0

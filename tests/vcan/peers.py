@@ -3,7 +3,7 @@
 the valve ends at its safe current; times are measured and never asserted. Runs inside `./rig vcan`.
 
 usage: peers.py BUILD_DIR PHASE [--write]    one of spin_up, settling, braking, retract
---write keeps the rows in docs/peers/PHASE.csv and makes docs/peers.md from all of them.
+--write keeps the rows in docs/generated/peers and makes docs/generated/peers.md from all of them.
 """
 import csv
 import pathlib
@@ -147,7 +147,7 @@ def peers(folder, phase):
 
 
 def write(rows, phase):
-    folder = pathlib.Path("docs/peers")
+    folder = pathlib.Path("docs/generated/peers")
     folder.mkdir(exist_ok=True)
     with open(folder / f"{phase}.csv", "w", newline="") as file:
         csv.writer(file).writerows(rows)
@@ -156,7 +156,7 @@ def write(rows, phase):
 What an open interlock, a dead program, a dead interface or a hung Modbus server does to a maneuver, in each phase. Made by
 `tests/vcan/peers.py` (`--write`; ctest `vcan.peers_PHASE`, BRG-450), which runs controller, virtual rig and bridge as real programs over vcan and Modbus
 TCP and asserts the names, the safe valve and the sledge back. The times are what that run measured: wall clock, in paced lockstep on a shared machine that stretched time, where
-the guest has one processor for everything; they are no limits. In rig time the limits are those of the controller (docs/faults.md), of
+the guest has one processor for everything; they are no limits. In rig time the limits are those of the controller ([faults](../user/faults.md)), of
 `config/bridge.toml` and of the watchdogs in `config/registers.toml`.
 
 `valve` is the time from the cause to the safe current (a dead controller: to the brake without pressure), where there was current.
@@ -171,9 +171,9 @@ the guest has one processor for everything; they are no limits. In rig time the 
                 text += "".join("| " + " | ".join(row) + " |\n" for row in csv.reader(file))
     text += """
 A bridge that is killed has no outcome; `rig-bridge campaign` finds the maneuver unfinished when it comes back, and runs it again (`vcan.bridge_campaign_killed`). What a campaign with
-`--retry` makes of each of these: docs/recovery.md.
+`--retry` makes of each of these: [recovery](recovery.md).
 """
-    pathlib.Path("docs/peers.md").write_text(text)
+    pathlib.Path("docs/generated/peers.md").write_text(text)
 
 
 if __name__ == "__main__":

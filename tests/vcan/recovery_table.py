@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 """[BRG-616] What may befall a campaign, in each phase of a shipped scenario: does it recover alone, wait for a person, or end? Each case is one
 maneuver of a campaign over vcan and Modbus; nothing is lost, doubled, or off in energy by more than 1 % of an undisturbed campaign's without being named.
-Inside `./rig vcan`; `./rig soak --recovery` starts it.
+Inside `./rig vcan`; `./rig check soak --recovery` starts it.
 
 usage: recovery_table.py BUILD_DIR [--phase P]... [--strike NAME]... [--scenario FILE] [--out CSV] [--docs]
---docs writes docs/recovery.md from the CSV. Cases that are in the CSV already are not run again.
+--docs writes docs/generated/recovery.md from the CSV. Cases that are in the CSV already are not run again.
 """
 import argparse
 import csv
@@ -81,7 +81,7 @@ def docs(rows):
     names = [strike.name for strike in STRIKES + MORE_STRIKES]
     text = f"""# What recovers alone
 
-What may befall a campaign with `--retry`, in each phase of a maneuver, made by `tests/vcan/recovery_table.py` (`./rig soak --recovery`), which runs
+What may befall a campaign with `--retry`, in each phase of a maneuver, made by `tests/vcan/recovery_table.py` (`./rig check soak --recovery`), which runs
 controller, virtual rig and bridge as real programs over vcan and Modbus TCP with a shipped scenario, in paced lockstep. Dead controllers and rigs
 are started again, as by a service manager.
 
@@ -91,11 +91,11 @@ are started again, as by a service manager.
 
 In each of these {len(rows)} cases (of {len(names) * len(PHASES)}) the maneuver finished once, and every figure came out again from its logs bit for bit. In {sum(off(row) <= ENERGY_SHARE for row in rows)} of them the ledger's
 energy was that of the plant's brake within 1 % of what it is in an undisturbed campaign; the others have the difference beside them. What a killed
-rig's brake had taken it could not tell: there the rest is compared. docs/recovery.csv has the figures. A case that is in it
+rig's brake had taken it could not tell: there the rest is compared. [recovery.csv](recovery.csv) has the figures. A case that is in it
 is not run again, so not all are of the newest build. A busy host aborts an attempt now and then by itself, and its cause stands in the cell, too.
 
-Torque and load come through PLC and bridge. Where they are silent in braking (a silent PLC, a standing bridge, a cut bus) the brake's energy is that of the speeds, and the warning `energy_by_speeds` says how much of it (docs/recording.md).
-What the brake took after its bridge was dead is what flywheel and wheel lost until the next bridge came, where that comes at once to a rig that coasts; `ends_in_braking` or `ends_in_settling` says what counts so, and the most that may be missing besides until a person amends it (docs/recording.md). The rest is scatter: load cells are as old as
+Torque and load come through PLC and bridge. Where they are silent in braking (a silent PLC, a standing bridge, a cut bus) the brake's energy is that of the speeds, and the warning `energy_by_speeds` says how much of it ([recording](../user/recording.md)).
+What the brake took after its bridge was dead is what flywheel and wheel lost until the next bridge came, where that comes at once to a rig that coasts; `ends_in_braking` or `ends_in_settling` says what counts so, and the most that may be missing besides until a person amends it ([recording](../user/recording.md)). The rest is scatter: load cells are as old as
 a request takes, which is a share of a short stop that changes where a host stretches time. Attempts that nothing aborted lie between {min(alone, default=0.0) * 100:+.1f} and {max(alone, default=0.0) * 100:+.1f} %.
 
 Waits of `config/bridge.toml` are ten times the shipped ones here, for the host's sake.
@@ -106,7 +106,7 @@ Waits of `config/bridge.toml` are ten times the shipped ones here, for the host'
     for name in names:
         cells = [cell(by.get((name, phase))) for phase in PHASES]
         text += f"| {name} | {' | '.join(cells)} |\n"
-    pathlib.Path("docs/recovery.md").write_text(text)
+    pathlib.Path("docs/generated/recovery.md").write_text(text)
 
 
 def cell(row):
@@ -122,7 +122,7 @@ def main():
     parser.add_argument("--phase", action="append", choices=PHASES)
     parser.add_argument("--strike", action="append")
     parser.add_argument("--scenario", type=pathlib.Path, default=pathlib.Path("config/scenarios/rejected_takeoff.toml"))
-    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("docs/recovery.csv"))
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("docs/generated/recovery.csv"))
     parser.add_argument("--docs", action="store_true")
     options = parser.parse_args()
     rows = []

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Maneuvers back to back by three programs over vcan0 for a while of real time: does memory, descriptors, latency or the landing itself creep, is a
-maneuver lost? Runs inside `./rig vcan`; `./rig soak` starts it.
+maneuver lost? Runs inside `./rig vcan`; `./rig check soak` starts it.
 
 usage: soak.py BUILD_DIR [--out DIR] [--minutes M] [--clock sync|timer]
 Leaves soak.csv (a row a minute, or a sixth of the time where that is shorter), result.json, soak.png and the campaign in DIR, which must not be

@@ -2,7 +2,7 @@
 """[BRG-616] A campaign over the real bus that something befalls in every tenth maneuver, and that ends by itself with a right ledger: each maneuver
 finished once, every figure made again from the logs, the energy that of the plant's brake within 1 % (2 % of few maneuvers) of an undisturbed campaign's, but for attempts
 of which the ledger says that their energy is not known. A service manager starts again what was killed, and a person who comes to an emergency stop
-gives the command again. Inside `./rig vcan`; `./rig soak --unattended`.
+gives the command again. Inside `./rig vcan`; `./rig check soak --unattended`.
 
 usage: unattended.py BUILD_DIR [--out DIR] [--maneuvers N] [--every K] [--seed S] [--part I --parts N]
 Of N parts each has other strikes. Leaves result.json, strikes.csv and the campaign in DIR, which must not be there yet; without it, nothing.

@@ -57,7 +57,7 @@ TEST_CASE("healthy brakes are seldom called abnormal", "[WEAR-060]") {
     CHECK(t.campaigns == 100);
     CHECK(t.maneuvers > 40000);
     CAPTURE(t.flagged, t.suspected_maneuvers);
-    // 1 % of false alarms passes with a probability of 98 %, 4.5 % with one of 34 %; docs/wear.md has the rate of 1,000.
+    // 1 % of false alarms passes with a probability of 98 %, 4.5 % with one of 34 %; docs/engineering/wear.md has the rate of 1,000.
     CHECK(t.flagged <= 3);
     CHECK(static_cast<double>(t.suspected_maneuvers) < 0.02 * static_cast<double>(t.maneuvers));
 }

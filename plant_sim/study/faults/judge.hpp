@@ -1,4 +1,4 @@
-/// What became of a run, by criteria that stood before the first one ran (docs/faults.md, "The fault campaign").
+/// What became of a run, by criteria that stood before the first one ran (docs/engineering/fault_campaign.md, "The fault campaign").
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-/// The valve's driver, as a rig must have it (docs/faults.md).
+/// The valve's driver, as a rig must have it (docs/engineering/fault_campaign.md).
 #pragma once
 
 #include "firmware/can/controller_view.hpp"

@@ -33,7 +33,7 @@ struct TuningCell {
 
 [[nodiscard]] WorstScore pid_score(const Pid& pid, const std::vector<Scenario>& scenarios, const std::vector<TuningCell>& cells,
                                    const Requirement& requirement);
-/// k_p, k_i, k_d and the schedule's power, within the bounds that docs/margins.md states; the filter stays.
+/// k_p, k_i, k_d and the schedule's power, within the bounds that docs/engineering/margins.md states; the filter stays.
 [[nodiscard]] std::vector<Parameter> pid_parameters(const Pid& start);
 [[nodiscard]] Pid with(Pid pid, const std::vector<double>& values);
 

@@ -1,0 +1,27 @@
+# shellcheck shell=bash disable=SC2154,SC2164
+# The verb vcan of the front door, `rig`, whose functions it uses. Its `set -e` holds here, too.
+
+vcan_help() {
+    cat <<'END'
+Runs a command where a real CAN interface vcan0 is up, its own for each run: in network and process namespaces where this
+machine's kernel has vcan, else in a user-mode Linux guest (one virtual CPU on one core) that works on this machine's files.
+
+  ./rig vcan [--timeout S] [--kernel auto|host|user-mode] [--disk IMAGE] -- CMD ARGS...
+
+  ./rig vcan -- ip -details link show vcan0
+  ./rig vcan --timeout 10 -- bash -c 'candump -n 1 vcan0 & sleep 0.5; cansend vcan0 123#DEADBEEF; wait'
+
+Directory, environment, standard output and error, and exit status (128+n for signal n) are those of the command; standard
+input is empty; /dev/shm is fresh; there is no other network. When the command ends, so does all that it has started.
+SIGINT, SIGTERM, SIGHUP and SIGQUIT go to the command's process group; SIGKILL follows after 5 s, a second signal ends all at
+once. With --disk it is a guest, and the file IMAGE its block device /dev/ubda. In a guest the command sees itself as root, and standard
+output and error are files that are copied out as they grow.
+
+Exit status 124: timed out; 125: neither way works here, or the kernel died under the command (the message says which and why).
+END
+}
+
+vcan() {
+    [[ -x /usr/bin/python3 ]] || fail 125 "vcan: /usr/bin/python3 is not installed; run ./rig setup"
+    exec "$root/firmware/host/vcan/run" "$@"
+}
