@@ -63,7 +63,8 @@ float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ce
     const float rate = rate_per_Pa * (e.late_pressure.pressure_Pa - e.late_balance_Pa);
     const float rate_rate = rate_per_Pa * e.late_pressure.rate_Paps;
     const float early = earliness(e.slip);
-    const float answer = larger(config_.k_answer * larger(e.answer_per_s, 0.0F), early * chord_per_s(e));
+    const float along_chord = early > 0.0F ? early * chord_per_s(e) : 0.0F;
+    const float answer = larger(config_.k_answer * larger(e.answer_per_s, 0.0F), along_chord);
     const float max_rate = config_.max_slip_rate_per_s + early * (config_.early_slip_rate_per_s - config_.max_slip_rate_per_s);
     const float wanted_rate = smaller((config_.k_p_per_s + answer) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate, max_rate);
     const float wanted_Pa = e.late_balance_Pa + wanted_rate / rate_per_Pa;
