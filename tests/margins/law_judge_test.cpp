@@ -16,7 +16,7 @@ constexpr double kNothing = -std::numeric_limits<double>::infinity();
 
 /// Two short stops, of which the first decides on the second.
 struct Bench {
-    std::vector<plant_sim::StopConditions> loaded;
+    std::vector<plant_sim::StopInputs> loaded;
     std::vector<StopConditions> scenarios;
     TrialStops trial;
 

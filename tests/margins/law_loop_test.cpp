@@ -16,7 +16,7 @@ using namespace study::margins;
 
 namespace {
 
-plant_sim::StopConditions scenario(const std::string& surface, const std::string& maneuver = "light") {
+plant_sim::StopInputs scenario(const std::string& surface, const std::string& maneuver = "light") {
     plant_sim::StopOptions o;
     o.choice.surface = surface;
     o.choice.maneuver = maneuver;
@@ -24,7 +24,7 @@ plant_sim::StopConditions scenario(const std::string& surface, const std::string
 }
 
 /// The speed at which edges of the wheel's encoder are `periods` apart, at the slip in force.
-double speed_at(const plant_sim::StopConditions& s, double periods) {
+double speed_at(const plant_sim::StopInputs& s, double periods) {
     double v = 40.0;
     for (int i = 0; i < 50; ++i) {
         const OperatingPoint at = operating_point(s.plant.rig, v, scheduled_slip(s.controller.slip, 0.24, v));
@@ -49,7 +49,7 @@ TEST_CASE("frequency response of the real estimator and law in the loop", "[STUD
     // Within 0.05 of L, or 5 % of it where it is larger than 1, from 15 to 300 rad/s: an error in gain of 0.4 dB or in phase of 3 degrees.
     // Edges come nearly once in a whole number of periods; not exactly, or their phase would stand still.
     for (const char* surface : {"dry_asphalt", "dry_cobblestone", "wet_asphalt"}) {
-        const plant_sim::StopConditions s = scenario(surface);
+        const plant_sim::StopInputs s = scenario(surface);
         for (const double periods : {0.97, 1.97, 2.97}) {
             const double v = speed_at(s, periods);
             const double slip = scheduled_slip(s.controller.slip, 0.24, v);
@@ -71,7 +71,7 @@ TEST_CASE("frequency response of the real estimator and law in the loop", "[STUD
 
 TEST_CASE("at each margin a pair of closed-loop poles stands on the axis, with the frequency that was said", "[STUDY-123]") {
     for (const char* surface : {"dry_asphalt", "dry_cobblestone", "wet_asphalt", "snow"}) {
-        const plant_sim::StopConditions s = scenario(surface);
+        const plant_sim::StopInputs s = scenario(surface);
         for (const double v : {48.0, 30.0, 20.0, 12.0, 6.0}) {
             const OperatingPoint at = operating_point(s.plant.rig, v, scheduled_slip(s.controller.slip, 0.24, v));
             for (const auto linearisation : {Linearisation::printed, Linearisation::full}) {
@@ -101,7 +101,7 @@ TEST_CASE("where the wheel is faster than the loop, feed-forward and proportiona
     // the integral adds up to half a dB.
     int counted = 0;
     for (const char* surface : {"dry_asphalt", "dry_cobblestone", "damp_asphalt"}) {
-        const plant_sim::StopConditions s = scenario(surface);
+        const plant_sim::StopInputs s = scenario(surface);
         for (const float k_answer : {0.0F, 0.1F, 0.3F}) {
             for (const float derivatives : {1.0F, 0.8F}) {
                 antiskid::control::Config c = s.controller;
@@ -131,7 +131,7 @@ TEST_CASE("where the wheel is faster than the loop, feed-forward and proportiona
 }
 
 TEST_CASE("a law that is unstable by itself runs away when nothing answers, in a closed loop that is stable", "[STUDY-561]") {
-    const plant_sim::StopConditions s = scenario("snow", "heavy");
+    const plant_sim::StopInputs s = scenario("snow", "heavy");
     const auto growth_per_s = [&](const antiskid::control::Config& c, const OperatingPoint& at) {
         const PeriodicSystem system = law_system(c, s.plant.rig, at, Linearisation::full);
         CHECK(SampledLoop(system).closed_poles().front().real() < 0.0);
@@ -157,7 +157,7 @@ TEST_CASE("a law that is unstable by itself runs away when nothing answers, in a
 
 TEST_CASE("past its margin the real loop oscillates, below it the oscillation dies", "[STUDY-123]") {
     for (const char* surface : {"dry_asphalt", "wet_asphalt", "wet_cobblestone", "snow"}) {
-        const plant_sim::StopConditions s = scenario(surface);
+        const plant_sim::StopInputs s = scenario(surface);
         for (const double v : {47.0, 24.0}) {
             const OperatingPoint at = operating_point(s.plant.rig, v, 0.24);
             const antiskid::control::Config config = knowing(s.controller, at);

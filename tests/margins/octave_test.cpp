@@ -52,7 +52,7 @@ void print(std::ostringstream& out, const Eigen::MatrixXd& m) {
     out << m.format(format);
 }
 
-plant_sim::StopConditions scenario(const std::string& surface) {
+plant_sim::StopInputs scenario(const std::string& surface) {
     plant_sim::StopOptions o;
     o.choice.surface = surface;
     o.choice.maneuver = "light";
@@ -104,7 +104,7 @@ TEST_CASE("the shipped law's loop: octave-control's frequency response and stabi
     script << kReport;
     std::map<std::string, Margins> ours;
     for (const char* surface : {"dry_asphalt", "dry_cobblestone", "wet_asphalt", "snow", "ice"}) {
-        const plant_sim::StopConditions s = scenario(surface);
+        const plant_sim::StopInputs s = scenario(surface);
         for (const double v : {48.0, 36.0}) {
             const OperatingPoint at = operating_point(s.plant.rig, v, 0.24);
             const PeriodicSystem p = law_system(s.controller, s.plant.rig, at, Linearisation::full);
@@ -135,7 +135,7 @@ TEST_CASE("the PID's loop with its exact delay: octave's frequency response and 
     script.precision(17);
     std::map<std::string, Margins> ours;
     for (const char* surface : {"dry_asphalt", "dry_cobblestone", "wet_asphalt", "snow"}) {
-        const plant_sim::StopConditions s = scenario(surface);
+        const plant_sim::StopInputs s = scenario(surface);
         for (const double v : {48.0, 30.0, 15.0}) {
             const rig::ValveParameters& valve = s.plant.rig.valve;
             const double a = operating_point(s.plant.rig, v, 0.24).wheel_pole_radps(Linearisation::full);

@@ -23,7 +23,7 @@ constexpr double kPi = std::numbers::pi;
 /// Nothing slows it down: speed stays what it is.
 constexpr double kNoAircraft_kg = 1e12;
 
-plant_sim::StopConditions on(const std::string& surface) {
+plant_sim::StopInputs on(const std::string& surface) {
     plant_sim::StopOptions o;
     o.choice.surface = surface;
     o.choice.maneuver = "medium_a";
@@ -160,7 +160,7 @@ TEST_CASE("beyond the peak the plant's own wheel leaves its equilibrium as the l
 }
 
 TEST_CASE("a tyre that hardly gives way has the rigid one's margins", "[STUDY-123]") {
-    const plant_sim::StopConditions s = on("dry_asphalt");
+    const plant_sim::StopInputs s = on("dry_asphalt");
     const Pid pid = load_margins_settings("config/margins.toml").pid;
     for (const rig::Compliance& tyre : kNearlyRigid) {
         rig::RigParameters rig = s.plant.rig;
@@ -198,7 +198,7 @@ TEST_CASE("the real estimator and law on the plant's own ring: the loop that a f
     };
     for (const Ring& r : {Ring{"dry_asphalt", 46.0, 0.12, {0.25, 120.0, 0.10}}, Ring{"dry_asphalt", 46.0, 0.12, {0.35, 80.0, 0.06}},
                           Ring{"dry_asphalt", 46.0, 0.12, {0.45, 50.0, 0.10}}}) {
-        const plant_sim::StopConditions s = on(r.surface);
+        const plant_sim::StopInputs s = on(r.surface);
         rig::RigParameters rig = s.plant.rig;
         rig.wheel.compliance.ring = r.ring;
         rig.wheel.mass_kg = kNoAircraft_kg;
