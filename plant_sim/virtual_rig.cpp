@@ -28,21 +28,6 @@ namespace {
 
 using antiskid::control::Time;
 
-/// A live line about a maneuver on standard error; plain lines, one a simulated second, where that is no terminal.
-class Progress {
-  public:
-    Progress();
-    void show(const study::RigSession& session, const antiskid::can::ControllerView& controller);
-    /// Ends the live line.
-    void finish();
-
-  private:
-    bool terminal_;
-    double next_s_ = 0.0;
-    study::StopPhase phase_ = study::StopPhase::done;
-    bool shown_ = false;
-};
-
 /// Speed lost so far, as a bar.
 std::string bar(double share) {
     constexpr int kWidth = 24;
@@ -50,27 +35,36 @@ std::string bar(double share) {
     return std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kWidth - full), '.');
 }
 
-Progress::Progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
+/// A live line about a maneuver on standard error; plain lines, one a simulated second, where that is no terminal.
+class Progress {
+  public:
+    Progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
+    void show(const study::RigSession& session, const antiskid::can::ControllerView& controller) {
+        constexpr double kLive_s = 0.05;
+        constexpr double kPlain_s = 1.0;
+        const plant::Rig& rig = session.rig();
+        const study::StopPhase phase = session.pilot().phase();
+        if (rig.time_s() < next_s_ && phase == phase_) return;
+        phase_ = phase;
+        next_s_ = rig.time_s() + (terminal_ ? kLive_s : kPlain_s);
+        const double share = 1.0 - rig.wheel().v_mps / rig.parameters().brake_on_mps;
+        fmt::print(stderr, "{}[{}] {:6.2f} s {:<10} {:5.1f} m/s  slip {:5.2f}  {:5.1f} MPa  {:7.1f} m  {}{}", terminal_ ? "\r" : "", bar(share),
+                   rig.time_s(), study::name(phase), rig.wheel().v_mps, rig.forces().slip, rig.pressure_Pa() * 1e-6, session.distance_m(),
+                   antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)], terminal_ ? "\x1b[K" : "\n");
+        std::fflush(stderr);
+        shown_ = true;
+    }
+    /// Ends the live line.
+    void finish() {
+        if (terminal_ && shown_) fmt::print(stderr, "\n");
+    }
 
-void Progress::show(const study::RigSession& session, const antiskid::can::ControllerView& controller) {
-    constexpr double kLive_s = 0.05;
-    constexpr double kPlain_s = 1.0;
-    const plant::Rig& rig = session.rig();
-    const study::StopPhase phase = session.pilot().phase();
-    if (rig.time_s() < next_s_ && phase == phase_) return;
-    phase_ = phase;
-    next_s_ = rig.time_s() + (terminal_ ? kLive_s : kPlain_s);
-    const double share = 1.0 - rig.wheel().v_mps / rig.parameters().brake_on_mps;
-    fmt::print(stderr, "{}[{}] {:6.2f} s {:<10} {:5.1f} m/s  slip {:5.2f}  {:5.1f} MPa  {:7.1f} m  {}{}", terminal_ ? "\r" : "", bar(share),
-               rig.time_s(), study::name(phase), rig.wheel().v_mps, rig.forces().slip, rig.pressure_Pa() * 1e-6, session.distance_m(),
-               antiskid::can::kStateNames[static_cast<std::size_t>(controller.state)], terminal_ ? "\x1b[K" : "\n");
-    std::fflush(stderr);
-    shown_ = true;
-}
-
-void Progress::finish() {
-    if (terminal_ && shown_) fmt::print(stderr, "\n");
-}
+  private:
+    bool terminal_;
+    double next_s_ = 0.0;
+    study::StopPhase phase_ = study::StopPhase::done;
+    bool shown_ = false;
+};
 
 struct Options {
     plant_sim::StopOptions scenario;

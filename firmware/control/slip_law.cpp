@@ -22,10 +22,9 @@ void SlipLaw::start(const Estimate& estimate) {
 }
 
 /// What a loop that hunts, or a wheel that locks, shows on any road: slip that stays above the reference.
-void SlipLaw::retreat(const Estimate& e, float rate_per_s) {
-    constexpr float kMin = 0.0625F;  // slip 0.015 at a reference of 0.24: below the peak of friction on ice
+void SlipLaw::retreat(const Estimate& e, float rate_per_s, float min) {
     const float excess = larger(e.slip - reference_ - kHeldWithin, 0.0F);
-    share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, kMin, 1.0F);
+    share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, min, 1.0F);
 }
 
 /// Towards the reference while the road restores the slip, back while the wheel runs away.
@@ -38,12 +37,14 @@ float SlipLaw::answered_rate_per_s(const Estimate& e) {
 }
 
 float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
-    retreat(e, answered_rate_per_s(e));
+    // Before the earliest peak the road restores the slip: there is nothing to retreat from.
+    retreat(e, answered_rate_per_s(e), config_.earliest_peak_slip / larger(slip_reference, config_.earliest_peak_slip));
     return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference, ceiling_Pa);
 }
 
 float SlipLaw::follow_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
-    retreat(e, config_.rise_per_s);
+    // A loop that hunts at the peak itself has to go below it: by as much as takes the largest reference to the earliest peak.
+    retreat(e, config_.rise_per_s, config_.earliest_peak_slip / kMaxSlipReference);
     return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference, ceiling_Pa);
 }
 
@@ -62,7 +63,8 @@ float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ce
     const float rate = rate_per_Pa * (e.late_pressure.pressure_Pa - e.late_balance_Pa);
     const float rate_rate = rate_per_Pa * e.late_pressure.rate_Paps;
     const float early = earliness(e.slip);
-    const float answer = larger(config_.k_answer * larger(e.answer_per_s, 0.0F), early * chord_per_s(e));
+    const float along_chord = early > 0.0F ? early * chord_per_s(e) : 0.0F;
+    const float answer = larger(config_.k_answer * larger(e.answer_per_s, 0.0F), along_chord);
     const float max_rate = config_.max_slip_rate_per_s + early * (config_.early_slip_rate_per_s - config_.max_slip_rate_per_s);
     const float wanted_rate = smaller((config_.k_p_per_s + answer) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate, max_rate);
     const float wanted_Pa = e.late_balance_Pa + wanted_rate / rate_per_Pa;

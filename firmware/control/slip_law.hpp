@@ -17,6 +17,9 @@ namespace antiskid::control {
     return low + share * (slip_reference - low);
 }
 
+/// No larger reference is accepted.
+inline constexpr float kMaxSlipReference = 0.5F;
+
 /// A sound loop holds the slip within this of its reference.
 inline constexpr float kHeldWithin = 0.05F;
 
@@ -40,7 +43,7 @@ class SlipLaw {
     [[nodiscard]] float asked() const { return asked_; }
 
   private:
-    void retreat(const Estimate& estimate, float rate_per_s);
+    void retreat(const Estimate& estimate, float rate_per_s, float min);
     float answered_rate_per_s(const Estimate& estimate);
     [[nodiscard]] float earliness(float slip) const;
     float hold_Pa(const Estimate& estimate, float falling, float allowed, float ceiling_Pa);

@@ -16,6 +16,11 @@ float interpolate(const std::array<float, ValveConfig::kMaxPoints>& xs, const st
     return ys[points - 1];
 }
 
+/// An offset at rest over the innovation that it leaves: the correction of the state takes the rest.
+float over_innovation(float l_over_w, float damping) {
+    return 1.0F + l_over_w * (2.0F * damping + 0.5F * l_over_w);
+}
+
 }  // namespace
 
 float valve_current_mA(const ValveConfig& valve, float pressure_Pa) {
@@ -30,7 +35,8 @@ float valve_pressure_Pa(const ValveConfig& valve, float current_mA) {
 ValveModel::ValveModel(const ValveConfig& valve, float period_s, const EstimatorConfig& estimator)
     : correct_offset_(estimator.valve_offset_radps * period_s),
       offset_share_(estimator.valve_offset_share),
-      max_offset_Pa_(estimator.valve_offset_share * valve.full_pressure_Pa) {
+      max_offset_Pa_(estimator.valve_offset_share * valve.full_pressure_Pa),
+      max_innovation_Pa_(max_offset_Pa_ / over_innovation(estimator.pressure_bandwidth_radps / valve.natural_frequency_radps, valve.damping)) {
     const float delay = valve.delay_s / period_s;
     while (whole_ < kMaxDelay && static_cast<float>(whole_ + 1) <= delay + 1e-3F) ++whole_;
     part_ = limited(delay - static_cast<float>(whole_), 0.0F, 1.0F);
@@ -76,7 +82,9 @@ void ValveModel::update(float command_Pa, float measured_Pa, bool fresh) {
     const float innovation = measured_Pa - state_.pressure_Pa;
     state_.pressure_Pa += correct_pressure_ * innovation;
     state_.rate_Paps += correct_rate_ * innovation;
-    offset_Pa_ = limited(offset_Pa_ + correct_offset_ * innovation, -max_offset_Pa_, max_offset_Pa_);
+    // What is further off than any offset leaves it is no offset: a current that is wrong for 50 ms must not teach one.
+    const float taught = limited(innovation, -max_innovation_Pa_, max_innovation_Pa_);
+    offset_Pa_ = limited(offset_Pa_ + correct_offset_ * taught, -max_offset_Pa_, max_offset_Pa_);
 }
 
 /// By a share of what is asked at the most: no pressure stays none.

@@ -68,7 +68,7 @@ class ValveModel {
     float delay_s_ = 0.0F;
     float a12_ = 0.0F, a22_ = 0.0F, b1_ = 0.0F, b2_ = 0.0F;
     float correct_pressure_, correct_rate_, correct_offset_;
-    float offset_share_, max_offset_Pa_;
+    float offset_share_, max_offset_Pa_, max_innovation_Pa_;
     float offset_Pa_ = 0.0F;
     PressureState state_;
     PressureState uncorrected_;

@@ -17,8 +17,8 @@
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/study/in_process.hpp"
 #include "plant_sim/study/run_many.hpp"
-#include "plant_sim/study/sweep/load_sweep_plan.hpp"
 #include "plant_sim/study/sweep/run.hpp"
+#include "plant_sim/study/sweep/sweep_plan.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 

@@ -32,14 +32,14 @@ CampaignProgress::CampaignProgress(std::int64_t planned, std::int64_t already, s
       begin_(Clock::now()),
       next_(begin_ + (terminal_ ? milliseconds(0) : kEveryLine)) {}
 
-void CampaignProgress::show(std::int64_t done) {
+void CampaignProgress::show(std::int64_t done, std::string_view note) {
     const auto now = Clock::now();
     if (now < next_ && done < planned_) return;
     next_ = now + (terminal_ ? kEvery : kEveryLine);
     const double passed_s = std::chrono::duration<double>(now - begin_).count();
     const auto run = static_cast<double>(done - already_);
     const double left_s = run > 0.0 ? passed_s / run * static_cast<double>(planned_ - done) : 0.0;
-    const std::string text = fmt::format("{} of {} {}, {} left", done, planned_, unit_, clock_text(left_s));
+    const std::string text = fmt::format("{} of {} {}, {} left{}", done, planned_, unit_, clock_text(left_s), note);
     if (terminal_) {
         const auto filled = static_cast<std::size_t>(planned_ > 0 ? kWidth * done / planned_ : kWidth);
         const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');

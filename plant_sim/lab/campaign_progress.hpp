@@ -13,7 +13,8 @@ class CampaignProgress {
   public:
     /// `already`: maneuvers (or what `unit` names; it must outlive this) done before this run, which say nothing about its pace.
     CampaignProgress(std::int64_t planned, std::int64_t already, std::string_view unit = "maneuvers");
-    void show(std::int64_t done);
+    /// `note` stands after the time left.
+    void show(std::int64_t done, std::string_view note = {});
     /// Ends the live line.
     void finish() const;
 

@@ -26,67 +26,62 @@ struct EnduranceCommand {
     BrakeOptions brake;
     std::filesystem::path wear_model;
 
-    [[nodiscard]] int run() const;
+    [[nodiscard]] int run() const {
+        const auto file = scenario.empty() ? config / "scenarios" / "endurance.toml" : scenario;
+        const endurance::EnduranceSetup setup = endurance::load_setup(file, config);
+        const auto directory = out.empty() ? std::filesystem::path("out") / fmt::format("{}-{}", setup.scenario.name, seed) : out;
+        settings::create_directories(directory);
+        const double taken_J = brake.taken_J(setup.scenario.rig.wear);
+        if (!std::filesystem::exists(directory / "campaign.sqlite")) (void)brake.brake_of(setup.scenario.rig.wear, seed);  // refuses what contradicts
+        antiskid::host::StopSignals signals;
+        std::optional<CampaignProgress> progress;
+        const auto observe = [&progress](const rig::record::Summary& summary, std::int64_t planned) {
+            if (!progress) progress.emplace(planned, summary.number);
+            progress->show(summary.number);
+        };
+        const endurance::CampaignResult result = endurance::run_campaign(setup,
+                                                                         {.maneuvers = maneuvers,
+                                                                          .seed = seed,
+                                                                          .ledger = directory / "campaign.sqlite",
+                                                                          .wear_model = wear_model,
+                                                                          .stop = &signals.stop(),
+                                                                          .taken_J = taken_J,
+                                                                          .rule = brake.rule,
+                                                                          .brake_state = brake.state},
+                                                                         observe);
+        if (progress) progress->finish();
+        if (result.already > 0)
+            print_table(json_file, "{} maneuvers were in the ledger already; remove {} to begin anew\n", result.already, directory.string());
+        report(setup, result, directory);
+        if (const std::string beyond = extrapolation_notice(*result.brake); !beyond.empty()) fmt::print(stderr, "rig-lab: {}\n", beyond);
+        if (result.aborted) {
+            fmt::print(stderr, "rig-lab: maneuver {} was aborted: {}\n", result.last.number, result.last.outcome);
+            return 1;
+        }
+        if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
+        return 0;
+    }
 
   private:
-    void report(const endurance::EnduranceSetup& setup, const endurance::CampaignResult& result, const std::filesystem::path& directory) const;
+    void report(const endurance::EnduranceSetup& setup, const endurance::CampaignResult& result, const std::filesystem::path& directory) const {
+        std::optional<endurance::TableThree> printed;
+        if (setup.scenario.endurance()) printed = endurance::printed_table(config);
+        const auto& done = result.finished;
+        print_table(json_file, "{}: {} maneuvers finished, seed {}\n", setup.scenario.title, done.size(), seed);
+        if (!done.empty()) {
+            print_table(json_file, "{}", endurance::to_text(endurance::measured_table(done), printed));
+            print_table(json_file, "  brake energy {:.1f} MJ, mean friction {:.4f} in the first, {:.4f} in the last\n",
+                        done.back().cumulative_energy_J * 1e-6, done.front().figures.mean_friction, done.back().figures.mean_friction);
+        }
+        if (!wear_model.empty())
+            print_table(json_file, "  brake {}{}{}\n", name(result.health.state), result.health.reason.empty() ? "" : ": ", result.health.reason);
+        const auto json = directory / "table.json";
+        keep_json(json, json_file,
+                  endurance::to_json({.scenario = setup.scenario.name, .config_hash = setup.config_hash, .version = ANTISKID_VERSION, .seed = seed},
+                                     done, printed));
+        print_table(json_file, "  {}, {}\n", (directory / "campaign.sqlite").string(), json.string());
+    }
 };
-
-void EnduranceCommand::report(const endurance::EnduranceSetup& setup, const endurance::CampaignResult& result,
-                              const std::filesystem::path& directory) const {
-    std::optional<endurance::TableThree> printed;
-    if (setup.scenario.endurance()) printed = endurance::printed_table(config);
-    const auto& done = result.finished;
-    print_table(json_file, "{}: {} maneuvers finished, seed {}\n", setup.scenario.title, done.size(), seed);
-    if (!done.empty()) {
-        print_table(json_file, "{}", endurance::to_text(endurance::measured_table(done), printed));
-        print_table(json_file, "  brake energy {:.1f} MJ, mean friction {:.4f} in the first, {:.4f} in the last\n",
-                    done.back().cumulative_energy_J * 1e-6, done.front().figures.mean_friction, done.back().figures.mean_friction);
-    }
-    if (!wear_model.empty())
-        print_table(json_file, "  brake {}{}{}\n", name(result.health.state), result.health.reason.empty() ? "" : ": ", result.health.reason);
-    const auto json = directory / "table.json";
-    keep_json(json, json_file,
-              endurance::to_json({.scenario = setup.scenario.name, .config_hash = setup.config_hash, .version = ANTISKID_VERSION, .seed = seed}, done,
-                                 printed));
-    print_table(json_file, "  {}, {}\n", (directory / "campaign.sqlite").string(), json.string());
-}
-
-int EnduranceCommand::run() const {
-    const auto file = scenario.empty() ? config / "scenarios" / "endurance.toml" : scenario;
-    const endurance::EnduranceSetup setup = endurance::load_setup(file, config);
-    const auto directory = out.empty() ? std::filesystem::path("out") / fmt::format("{}-{}", setup.scenario.name, seed) : out;
-    settings::create_directories(directory);
-    const double taken_J = brake.taken_J(setup.scenario.rig.wear);
-    if (!std::filesystem::exists(directory / "campaign.sqlite")) (void)brake.brake_of(setup.scenario.rig.wear, seed);  // refuses what contradicts
-    antiskid::host::StopSignals signals;
-    std::optional<CampaignProgress> progress;
-    const auto observe = [&progress](const rig::record::Summary& summary, std::int64_t planned) {
-        if (!progress) progress.emplace(planned, summary.number);
-        progress->show(summary.number);
-    };
-    const endurance::CampaignResult result = endurance::run_campaign(setup,
-                                                                     {.maneuvers = maneuvers,
-                                                                      .seed = seed,
-                                                                      .ledger = directory / "campaign.sqlite",
-                                                                      .wear_model = wear_model,
-                                                                      .stop = &signals.stop(),
-                                                                      .taken_J = taken_J,
-                                                                      .rule = brake.rule,
-                                                                      .brake_state = brake.state},
-                                                                     observe);
-    if (progress) progress->finish();
-    if (result.already > 0)
-        print_table(json_file, "{} maneuvers were in the ledger already; remove {} to begin anew\n", result.already, directory.string());
-    report(setup, result, directory);
-    if (const std::string beyond = extrapolation_notice(*result.brake); !beyond.empty()) fmt::print(stderr, "rig-lab: {}\n", beyond);
-    if (result.aborted) {
-        fmt::print(stderr, "rig-lab: maneuver {} was aborted: {}\n", result.last.number, result.last.outcome);
-        return 1;
-    }
-    if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
-    return 0;
-}
 
 }  // namespace
 

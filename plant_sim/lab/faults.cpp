@@ -42,66 +42,62 @@ struct FaultsCommand {
     std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
-    [[nodiscard]] int execute() const;
+    [[nodiscard]] int execute() const {
+        const faults::FaultPlan campaign = faults::load_plan(plan);
+        if (run) return repeat(campaign, *run);
+        antiskid::host::StopSignals signals;
+        const std::vector<std::size_t> numbers = chosen(campaign);
+        CampaignProgress progress(static_cast<std::int64_t>(numbers.size()), 0);
+        const std::vector<faults::Row> rows = faults::run_campaign(
+            campaign, numbers,
+            {.threads = threads > 0 ? threads : wear::all_cores(), .stop = &signals.stop(), .progress = [&progress](std::size_t done) {
+                 progress.show(static_cast<std::int64_t>(done));
+             }});
+        progress.finish();
+        if (rows.size() < numbers.size()) {
+            fmt::print(stderr, "rig-lab: stopped after {} of {} runs; nothing is written\n", rows.size(), numbers.size());
+            return signals.number() == SIGINT ? 130 : 1;
+        }
+        settings::write_file(out / "runs.csv", faults::to_csv(campaign, rows));
+        keep_json(out / "results.json", json_file, faults::to_json(campaign, rows));
+        if (pictures) faults::draw_matrix(campaign, rows, out / "matrix.png");
+        constexpr std::size_t kShown = 20;
+        print_table(json_file, "{}  seed {}, configuration {}, version {}\nWritten to {}: runs.csv results.json{}\n",
+                    faults::to_table(campaign, rows, kShown), campaign.seed, campaign.config_hash, campaign.version, out.string(),
+                    pictures ? " matrix.png" : "");
+        return std::any_of(rows.begin(), rows.end(), [](const faults::Row& row) { return row.result.verdict.outcome == faults::Outcome::unsafe; })
+                   ? 1
+                   : 0;
+    }
 
   private:
-    [[nodiscard]] std::vector<std::size_t> chosen(const faults::FaultPlan& campaign) const;
-    [[nodiscard]] int repeat(const faults::FaultPlan& campaign, std::size_t number) const;
+    [[nodiscard]] std::vector<std::size_t> chosen(const faults::FaultPlan& campaign) const {
+        std::vector<std::size_t> numbers;
+        for (std::size_t i = 0; i < campaign.runs(); ++i) {
+            const faults::Pair what = campaign.at(i).fault.what;
+            if ((signal.empty() || signal == name(what.signal)) && (kind.empty() || kind == name(what.kind))) numbers.push_back(i);
+        }
+        if (numbers.empty()) throw std::invalid_argument(fmt::format("--signal {} --kind {}: no such pair in the catalogue", signal, kind));
+        return numbers;
+    }
+    [[nodiscard]] int repeat(const faults::FaultPlan& campaign, std::size_t number) const {
+        if (number >= campaign.runs()) throw std::invalid_argument(fmt::format("--run {}: expected 0 to {}", number, campaign.runs() - 1));
+        const faults::Case c = campaign.at(number);
+        study::Trajectory course;
+        const faults::Result result = faults::run_one(campaign, c, faults::run_sound(campaign, c),
+                                                      [&course](const study::RigSession& session, const antiskid::can::ControllerView& view,
+                                                                double current_mA) { course.record(session, view, current_mA); });
+        const auto csv = out / fmt::format("run-{}.csv", number);
+        settings::write_file(csv, course.csv());
+        const std::string what = faults::describe(campaign, c);
+        if (pictures) {
+            const study::ManeuverPlan& maneuver = campaign.maneuver;
+            pictures::draw_stop(csv, out / fmt::format("run-{}.png", number), what, maneuver.touchdown_s + maneuver.settle_s);
+        }
+        print_table(json_file, "{}\n{}\nWritten to {}\n", what, faults::describe(result), out.string());
+        return result.verdict.outcome == faults::Outcome::unsafe ? 1 : 0;
+    }
 };
-
-std::vector<std::size_t> FaultsCommand::chosen(const faults::FaultPlan& campaign) const {
-    std::vector<std::size_t> numbers;
-    for (std::size_t i = 0; i < campaign.runs(); ++i) {
-        const faults::Pair what = campaign.at(i).fault.what;
-        if ((signal.empty() || signal == name(what.signal)) && (kind.empty() || kind == name(what.kind))) numbers.push_back(i);
-    }
-    if (numbers.empty()) throw std::invalid_argument(fmt::format("--signal {} --kind {}: no such pair in the catalogue", signal, kind));
-    return numbers;
-}
-
-int FaultsCommand::repeat(const faults::FaultPlan& campaign, std::size_t number) const {
-    if (number >= campaign.runs()) throw std::invalid_argument(fmt::format("--run {}: expected 0 to {}", number, campaign.runs() - 1));
-    const faults::Case c = campaign.at(number);
-    study::Trajectory course;
-    const faults::Result result = faults::run_one(campaign, c, faults::run_sound(campaign, c),
-                                                  [&course](const study::RigSession& session, const antiskid::can::ControllerView& view,
-                                                            double current_mA) { course.record(session, view, current_mA); });
-    const auto csv = out / fmt::format("run-{}.csv", number);
-    settings::write_file(csv, course.csv());
-    const std::string what = faults::describe(campaign, c);
-    if (pictures) {
-        const study::ManeuverPlan& maneuver = campaign.maneuver;
-        pictures::draw_stop(csv, out / fmt::format("run-{}.png", number), what, maneuver.touchdown_s + maneuver.settle_s);
-    }
-    print_table(json_file, "{}\n{}\nWritten to {}\n", what, faults::describe(result), out.string());
-    return result.verdict.outcome == faults::Outcome::unsafe ? 1 : 0;
-}
-
-int FaultsCommand::execute() const {
-    const faults::FaultPlan campaign = faults::load_plan(plan);
-    if (run) return repeat(campaign, *run);
-    antiskid::host::StopSignals signals;
-    const std::vector<std::size_t> numbers = chosen(campaign);
-    CampaignProgress progress(static_cast<std::int64_t>(numbers.size()), 0);
-    const std::vector<faults::Row> rows = faults::run_campaign(
-        campaign, numbers, {.threads = threads > 0 ? threads : wear::all_cores(), .stop = &signals.stop(), .progress = [&progress](std::size_t done) {
-                                progress.show(static_cast<std::int64_t>(done));
-                            }});
-    progress.finish();
-    if (rows.size() < numbers.size()) {
-        fmt::print(stderr, "rig-lab: stopped after {} of {} runs; nothing is written\n", rows.size(), numbers.size());
-        return signals.number() == SIGINT ? 130 : 1;
-    }
-    settings::write_file(out / "runs.csv", faults::to_csv(campaign, rows));
-    keep_json(out / "results.json", json_file, faults::to_json(campaign, rows));
-    if (pictures) faults::draw_matrix(campaign, rows, out / "matrix.png");
-    constexpr std::size_t kShown = 20;
-    print_table(json_file, "{}  seed {}, configuration {}, version {}\nWritten to {}: runs.csv results.json{}\n",
-                faults::to_table(campaign, rows, kShown), campaign.seed, campaign.config_hash, campaign.version, out.string(),
-                pictures ? " matrix.png" : "");
-    return std::any_of(rows.begin(), rows.end(), [](const faults::Row& row) { return row.result.verdict.outcome == faults::Outcome::unsafe; }) ? 1
-                                                                                                                                               : 0;
-}
 
 }  // namespace
 

@@ -1,7 +1,13 @@
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <memory>
+#include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -12,30 +18,157 @@
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/margins_report.hpp"
-#include "plant_sim/study/margins/tyres.hpp"
 #include "rig_bridge/rig/compliance.hpp"
+
+namespace study::margins {
+
+namespace {
+
+/// Of all cells on one tyre, full linearisation.
+struct TyreRow {
+    rig::Compliance tyre;
+    std::size_t cells = 0;
+    std::size_t stable = 0;          ///< the law's loop
+    std::size_t phase = 0;           ///< of these with the phase margin that is asked for
+    std::size_t half_gain = 0;       ///< with half the gain margin, in dB, both ways
+    std::size_t gain = 0;            ///< with all of it, both ways
+    std::size_t excited = 0;         ///< cells in which the wheel's own swing grows, excites_itself()
+    std::size_t excited_stable = 0;  ///< of these, those in which the law's loop is stable all the same
+    std::optional<Complex> swing;    ///< the fastest of Cell::swing
+    Complex law_slowest;             ///< the fastest of Cell::law_slowest
+};
+
+using nlohmann::ordered_json;
+
+constexpr double kPerHz = 2.0 * std::numbers::pi;
+
+ordered_json pole_json(Complex pole) {
+    return {{"growth_per_s", pole.real()}, {"frequency_Hz", std::abs(pole.imag()) / kPerHz}};
+}
+
+std::string pole_text(Complex pole) {
+    return fmt::format("{:.0f} 1/s, {:.0f} Hz", pole.real(), std::abs(pole.imag()) / kPerHz);
+}
+
+/// Eq. (6) without its delay, at j w.
+Complex valve_answer(const rig::ValveParameters& valve, double w) {
+    const double n = valve.natural_frequency_radps;
+    return n * n / (n * n - w * w + Complex(0.0, 2.0 * valve.damping * n * w));
+}
+
+/// As compliance.hpp has it, "static" where nothing gives way.
+std::string tyre_name(const rig::Compliance& tyre) {
+    std::string name;
+    const auto add = [&name](const std::string& part) { name += (name.empty() ? "" : ", ") + part; };
+    if (tyre.ring.belt_share > 0.0)
+        add(fmt::format("ring {:g} Hz, damping {:g}, belt {:g}", tyre.ring.frequency_Hz, tyre.ring.damping, tyre.ring.belt_share));
+    if (tyre.relaxation.length_m > 0.0) add(fmt::format("relaxation {:g} m, floor {:g} m", tyre.relaxation.length_m, tyre.relaxation.floor_m));
+    return name.empty() ? "static" : name;
+}
+
+TyreRow tyre_row(const rig::Compliance& tyre, const std::vector<Cell>& cells, const Requirement& requirement) {
+    TyreRow row{.tyre = tyre, .cells = cells.size(), .swing = {}, .law_slowest = cells.at(0).law_slowest};
+    for (const Cell& c : cells) {
+        const Margins& m = c.law.full;
+        const double gain_dB = std::min(m.gain_up_dB, m.gain_down_dB);
+        row.stable += m.stable ? 1 : 0;
+        row.phase += m.stable && m.phase_deg >= requirement.phase_deg ? 1 : 0;
+        row.half_gain += m.stable && gain_dB >= 0.5 * requirement.gain_dB ? 1 : 0;
+        row.gain += m.stable && gain_dB >= requirement.gain_dB ? 1 : 0;
+        row.excited += excites_itself(c) ? 1 : 0;
+        row.excited_stable += excites_itself(c) && m.stable ? 1 : 0;
+        if (c.swing && (!row.swing || c.swing->real() > row.swing->real())) row.swing = c.swing;
+        if (c.law_slowest.real() > row.law_slowest.real()) row.law_slowest = c.law_slowest;
+    }
+    return row;
+}
+
+/// Markdown.
+std::string to_table(const std::vector<TyreRow>& rows, const ReportHead& head) {
+    const Requirement& r = head.options.requirement;
+    std::string t = fmt::format(
+        "Cells of the shipped law by tyre, slip reference {:.2f}{}\n\n| tyre | cells | stable | {:.0f} deg | "
+        "{:g} dB "
+        "both ways | {:g} dB both ways | wheel swings up by itself | of these stable in the loop | wheel's "
+        "fastest swing | "
+        "loop's slowest pole |\n|---|---|---|---|---|---|---|---|---|---|\n",
+        head.options.slip_reference, head.options.low_speed_fall ? ", falling at low speed" : " at every speed", r.phase_deg, 0.5 * r.gain_dB,
+        r.gain_dB);
+    for (const TyreRow& row : rows)
+        fmt::format_to(std::back_inserter(t), "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", tyre_name(row.tyre), row.cells, row.stable,
+                       row.phase, row.half_gain, row.gain, row.excited, row.excited_stable, row.swing ? pole_text(*row.swing) : "-",
+                       pole_text(row.law_slowest));
+    return t;
+}
+
+std::string to_json(const std::vector<TyreRow>& rows, const ReportHead& head) {
+    ordered_json tyres = ordered_json::array();
+    for (const TyreRow& row : rows)
+        tyres.push_back({{"tyre", tyre_name(row.tyre)},
+                         {"cells", row.cells},
+                         {"stable", row.stable},
+                         {"phase_margin", row.phase},
+                         {"half_gain_margin", row.half_gain},
+                         {"gain_margin", row.gain},
+                         {"wheel_swings_up", row.excited},
+                         {"wheel_swings_up_but_stable", row.excited_stable},
+                         {"fastest_swing", row.swing ? pole_json(*row.swing) : ordered_json()},
+                         {"slowest_of_law", pole_json(row.law_slowest)}});
+    const ordered_json json{{"study", "margins by tyre"},
+                            {"config_hash", head.config_hash},
+                            {"version", head.version},
+                            {"seed", nullptr},  // nothing is drawn
+                            {"slip_reference", head.options.slip_reference},
+                            {"low_speed_fall", head.options.low_speed_fall},
+                            {"required_phase_margin_deg", head.options.requirement.phase_deg},
+                            {"required_gain_margin_dB", head.options.requirement.gain_dB},
+                            {"tyres", std::move(tyres)}};
+    return json.dump(2) + "\n";
+}
+
+/// The cells of one tyre that excite themselves, a row a scenario, in Markdown; empty where there are none. With it what
+/// the valve leaves of a command at that frequency.
+std::string excited_table(const std::vector<StopInputs>& scenarios, const std::vector<Cell>& cells) {
+    std::string rows;
+    for (std::size_t i = 0; i < scenarios.size(); ++i) {
+        const Cell* fastest = nullptr;
+        std::size_t count = 0, stable = 0;
+        double from_mps = 0.0, to_mps = 0.0;
+        for (const Cell& c : cells) {
+            if (c.scenario != i || !excites_itself(c)) continue;
+            from_mps = count == 0 ? c.at.speed_mps : from_mps;
+            to_mps = c.at.speed_mps;
+            ++count;
+            stable += c.law.full.stable ? 1 : 0;
+            if (fastest == nullptr || c.swing->real() > fastest->swing->real()) fastest = &c;
+        }
+        if (fastest == nullptr) continue;
+        const rig::ValveParameters& valve = scenarios[i].rig.valve;
+        const double w = fastest->swing->imag();
+        const Complex answer = valve_answer(valve, w);
+        fmt::format_to(std::back_inserter(rows), "| {} | {} | {} from {:.1f} to {:.1f} | {} | {} | {} | {:.0f} | {:.0f} |\n", scenarios[i].surface,
+                       scenarios[i].maneuver, count, from_mps, to_mps, stable, pole_text(*fastest->swing), pole_text(fastest->law_slowest),
+                       20.0 * std::log10(std::abs(answer)), (std::arg(answer) - w * valve.delay_s) * 180.0 / std::numbers::pi);
+    }
+    if (rows.empty()) return {};
+    return "\nWhere the wheel swings up by itself, and in the cell where it does so fastest what the loop "
+           "makes of it "
+           "and what the valve leaves of a command\n\n"
+           "| surface | maneuver | cells, speeds (m/s) | stable in the loop | wheel by itself | loop's "
+           "slowest pole | valve (dB) | "
+           "valve and delay (deg) |\n|---|---|---|---|---|---|---|---|\n" +
+           rows;
+}
+
+}  // namespace
+
+}  // namespace study::margins
 
 namespace plant_sim::lab {
 
 namespace {
 
 namespace margins = study::margins;
-
-/// A tyre from the command line, in the place of the one that the rig's file has.
-/// The keys of [tyre] in the rig's file. Numbers may be lists: then every combination of them is a tyre.
-struct TyreOptions {
-    std::string model;  ///< empty: as the rig's file has it
-    std::vector<double> belt_share{0.35}, frequency_Hz{80.0}, damping{0.06};
-    std::vector<double> length_m{0.20}, floor_m{0.02};
-
-    void add_to(CLI::App& app);
-
-    /// One at least; `own` where none is named. Throws std::invalid_argument where a number belongs to another model.
-    [[nodiscard]] std::vector<rig::Compliance> tyres(const rig::Compliance& own) const;
-
-  private:
-    std::vector<const CLI::Option*> of_ring_, of_relaxation_;
-};
 
 const CLI::Option* list(CLI::App& app, const std::string& name, std::vector<double>& numbers, double min, double max, const std::string& what) {
     return app.add_option(name, numbers, what)
@@ -54,42 +187,54 @@ void reject(const std::vector<const CLI::Option*>& options, const std::string& m
         if (o->count() > 0) throw std::invalid_argument(o->get_name() + " needs --tyre " + model);
 }
 
-void TyreOptions::add_to(CLI::App& app) {
-    settings::one_of(app.add_option("--tyre", model, "static (the paper's), ring or relaxation, in the place of the rig file's [tyre]"),
-                     {"static", "ring", "relaxation"});
-    of_ring_ = {list(app, "--belt-share", belt_share, 0.01, 0.9, "ring: of J_w that is belt; a list makes a table"),
-                list(app, "--frequency", frequency_Hz, 5.0, 1000.0, "ring: rim against belt, Hz; or a list"),
-                list(app, "--damping", damping, 0.0, 1.0, "ring: of that mode, of critical; or a list")};
-    of_relaxation_ = {list(app, "--length", length_m, 0.001, 2.0, "relaxation: length at no slip, m; or a list"),
-                      list(app, "--floor", floor_m, 0.001, 2.0, "relaxation: it is nowhere shorter, m; or a list")};
-}
+/// A tyre from the command line, in the place of the one that the rig's file has.
+/// The keys of [tyre] in the rig's file. Numbers may be lists: then every combination of them is a tyre.
+struct TyreOptions {
+    std::string model;  ///< empty: as the rig's file has it
+    std::vector<double> belt_share{0.35}, frequency_Hz{80.0}, damping{0.06};
+    std::vector<double> length_m{0.20}, floor_m{0.02};
 
-std::vector<rig::Compliance> TyreOptions::tyres(const rig::Compliance& own) const {
-    if (model != "ring") reject(of_ring_, "ring");
-    if (model != "relaxation") reject(of_relaxation_, "relaxation");
-    rig::Compliance one = own;
-    if (model.empty()) return {one};
-    one.ring = {};
-    one.relaxation = {};
-    std::vector<rig::Compliance> all;
-    if (model == "static") all.push_back(one);
-    if (model == "ring") {
-        for (const double frequency : frequency_Hz)
-            for (const double zeta : damping)
-                for (const double share : belt_share) {
-                    one.ring = {.belt_share = share, .frequency_Hz = frequency, .damping = zeta};
+    void add_to(CLI::App& app) {
+        settings::one_of(app.add_option("--tyre", model, "static (the paper's), ring or relaxation, in the place of the rig file's [tyre]"),
+                         {"static", "ring", "relaxation"});
+        of_ring_ = {list(app, "--belt-share", belt_share, 0.01, 0.9, "ring: of J_w that is belt; a list makes a table"),
+                    list(app, "--frequency", frequency_Hz, 5.0, 1000.0, "ring: rim against belt, Hz; or a list"),
+                    list(app, "--damping", damping, 0.0, 1.0, "ring: of that mode, of critical; or a list")};
+        of_relaxation_ = {list(app, "--length", length_m, 0.001, 2.0, "relaxation: length at no slip, m; or a list"),
+                          list(app, "--floor", floor_m, 0.001, 2.0, "relaxation: it is nowhere shorter, m; or a list")};
+    }
+
+    /// One at least; `own` where none is named. Throws std::invalid_argument where a number belongs to another model.
+    [[nodiscard]] std::vector<rig::Compliance> tyres(const rig::Compliance& own) const {
+        if (model != "ring") reject(of_ring_, "ring");
+        if (model != "relaxation") reject(of_relaxation_, "relaxation");
+        rig::Compliance one = own;
+        if (model.empty()) return {one};
+        one.ring = {};
+        one.relaxation = {};
+        std::vector<rig::Compliance> all;
+        if (model == "static") all.push_back(one);
+        if (model == "ring") {
+            for (const double frequency : frequency_Hz)
+                for (const double zeta : damping)
+                    for (const double share : belt_share) {
+                        one.ring = {.belt_share = share, .frequency_Hz = frequency, .damping = zeta};
+                        all.push_back(one);
+                    }
+        }
+        if (model == "relaxation") {
+            for (const double length : length_m)
+                for (const double floor : floor_m) {
+                    one.relaxation = {.length_m = length, .floor_m = floor};
                     all.push_back(one);
                 }
+        }
+        return all;
     }
-    if (model == "relaxation") {
-        for (const double length : length_m)
-            for (const double floor : floor_m) {
-                one.relaxation = {.length_m = length, .floor_m = floor};
-                all.push_back(one);
-            }
-    }
-    return all;
-}
+
+  private:
+    std::vector<const CLI::Option*> of_ring_, of_relaxation_;
+};
 
 struct MarginsCommand {
     StopOptions scenario;
@@ -128,8 +273,8 @@ struct MarginsCommand {
             print_table(json_file, "Written to {}: results.json margins.png margins_speed.png\n", out.string());
         }
         if (rows.empty()) return 0;
-        keep_json(out / "results.json", json_file, margins::to_json(rows, head));
-        print_table(json_file, "{}Written to {}: results.json\n", margins::to_table(rows, head), out.string());
+        keep_json(out / "results.json", json_file, to_json(rows, head));
+        print_table(json_file, "{}Written to {}: results.json\n", to_table(rows, head), out.string());
         return 0;
     }
 

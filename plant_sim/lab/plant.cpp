@@ -11,7 +11,6 @@
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/validation/plant_validation.hpp"
-#include "plant_sim/study/validation/validation_picture.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 #include "rig_bridge/rig/scenario.hpp"
 

@@ -42,88 +42,81 @@ struct RegulateCommand {
     bool floor_check = true;
     unsigned threads = wear::all_cores();
 
-    [[nodiscard]] int run() const;
+    [[nodiscard]] int run() const {
+        if (!characterised.empty()) return characterise();
+        wear::RegulationConfig asked = wear::load_regulation_config(regulation_file.empty() ? config / "regulation.toml" : regulation_file);
+        if (!surfaces.empty()) asked.surfaces = wear::surfaces_of(asked.floor, surfaces);
+        const LandingSites sites = load_sites(config);
+        const wear::BrakeWear& brake = sites.sites.front().rig.wear;
+        RegulateReport report;
+        report.plan = wear::plan_of(asked, brake.life_J, sites.mean_J(), sites.deviation_J());
+        if (landings > 0) report.plan.landings = landings;
+        report.rules = asked.rules;
+        report.range = asked.range();
+        report.limits = wear::limit_forecast(wear::Regulator(report.plan, report.rules, report.range));
+        for (const LandingSite& site : sites.sites) report.options.allowed_on.push_back(asked.range_on(site.surface));
+        if (forecast && asked.forecast_widest > 0.0)
+            report.options.life_forecast.emplace(wear::forecast_model(brake), brake, asked.forecast_widest * report.plan.brake_budget_J());
+        antiskid::host::StopSignals signals;
+        const std::vector<regulation::Policy> all = policies(asked, report.plan, report.range);
+        const int stops_a_life = static_cast<int>(all.size()) + (floor_check ? 2 : 0);
+        const std::int64_t planned = std::int64_t{lives} * stops_a_life * report.plan.landings;
+        CampaignProgress progress(planned, 0);
+        report.options.lives = lives;
+        report.options.seed = seed;
+        report.options.mix = mix;
+        report.options.missing = missing;
+        report.options.brake_deviation = brake_deviation;
+        report.options.inspection = inspection;
+        report.options.scenarios = sites.sites.size();
+        report.options.worst_stops = floor_check;
+        report.options.stop = &signals.stop();
+        report.options.on_stops = [&](std::size_t done) {  // lives that bring less than planned go on beyond it
+            progress.show(std::min(static_cast<std::int64_t>(done), planned));
+        };
+        report.policies = regulation::run_fleet(report.plan, report.rules, report.range, all, brake, report.options,
+                                                [&](std::span<const regulation::LandingRequest> requests) { return land(sites, requests, threads); });
+        progress.finish();
+        if (report.policies.empty()) return kStopped;
+        std::vector<std::filesystem::path> files = sites.files;
+        files.insert(files.end(), asked.files.begin(), asked.files.end());
+        report.config_hash = settings::hash(files);
+        print_table(json_file, "{}", to_text(report));
+        keep_json(out / "results.json", json_file, to_json(report));
+        settings::write_file(out / "landings.csv", to_csv(report));
+        draw(report, out / "regulate.png");
+        print_table(json_file, "  {}, {}, {}\n", (out / "results.json").string(), (out / "landings.csv").string(), (out / "regulate.png").string());
+        return report.all_met() ? 0 : 1;
+    }
 
   private:
-    [[nodiscard]] int characterise() const;
-    [[nodiscard]] std::vector<regulation::Policy> policies(const wear::RegulationConfig& asked, const wear::WearPlan& plan,
-                                                           const wear::Range& range) const;
-};
-
-int RegulateCommand::characterise() const {
-    const LandingSites sites = load_sites(config);
-    antiskid::host::StopSignals signals;
-    CharacteriseOptions options{.references = {}, .seed = seed, .threads = threads, .stop = &signals.stop()};
-    constexpr int kFirst = 6;  // hundredths, as in the paper's study
-    constexpr int kLast = 50;
-    for (int k = kFirst; k <= kLast; k += 2) options.references.push_back(k / 100.0);
-    CampaignProgress progress(static_cast<std::int64_t>(characterising_stops(sites, options)), 0);
-    options.on_stops = [&](std::size_t stops) { progress.show(static_cast<std::int64_t>(stops)); };
-    const wear::Characterisation c = plant_sim::lab::characterise(sites, options);
-    progress.finish();
-    if (c.floor.rows.empty()) return kStopped;
-    settings::write_file(characterised, wear::to_toml(c, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
-    print_table(json_file, "{}: J_mu of {} references on {} surfaces\n", characterised.string(), c.floor.reference.size(), c.floor.rows.size());
-    return 0;
-}
-
-std::vector<regulation::Policy> RegulateCommand::policies(const wear::RegulationConfig& asked, const wear::WearPlan& plan,
-                                                          const wear::Range& range) const {
-    const double best = regulation::best_fixed(plan, asked.floor.reference, asked.tyre_share, range);
-    std::vector<regulation::Policy> all{{"regulated", std::nullopt}};
-    for (const double reference : fixed) {
-        if (std::abs(reference - best) > 1e-6) all.push_back({fmt::format("fixed {:.2f}", reference), reference});
+    [[nodiscard]] int characterise() const {
+        const LandingSites sites = load_sites(config);
+        antiskid::host::StopSignals signals;
+        CharacteriseOptions options{.references = {}, .seed = seed, .threads = threads, .stop = &signals.stop()};
+        constexpr int kFirst = 6;  // hundredths, as in the paper's study
+        constexpr int kLast = 50;
+        for (int k = kFirst; k <= kLast; k += 2) options.references.push_back(k / 100.0);
+        CampaignProgress progress(static_cast<std::int64_t>(characterising_stops(sites, options)), 0);
+        options.on_stops = [&](std::size_t stops) { progress.show(static_cast<std::int64_t>(stops)); };
+        const wear::Characterisation c = plant_sim::lab::characterise(sites, options);
+        progress.finish();
+        if (c.floor.rows.empty()) return kStopped;
+        settings::write_file(characterised, wear::to_toml(c, fmt::format("rig-lab regulate --seed {} --characterise FILE", seed)));
+        print_table(json_file, "{}: J_mu of {} references on {} surfaces\n", characterised.string(), c.floor.reference.size(), c.floor.rows.size());
+        return 0;
     }
-    all.push_back({fmt::format("best fixed {:.2f}", best), best});
-    return all;
-}
-
-int RegulateCommand::run() const {
-    if (!characterised.empty()) return characterise();
-    wear::RegulationConfig asked = wear::load_regulation_config(regulation_file.empty() ? config / "regulation.toml" : regulation_file);
-    if (!surfaces.empty()) asked.surfaces = wear::surfaces_of(asked.floor, surfaces);
-    const LandingSites sites = load_sites(config);
-    const wear::BrakeWear& brake = sites.sites.front().rig.wear;
-    RegulateReport report;
-    report.plan = wear::plan_of(asked, brake.life_J, sites.mean_J(), sites.deviation_J());
-    if (landings > 0) report.plan.landings = landings;
-    report.rules = asked.rules;
-    report.range = asked.range();
-    report.limits = wear::limit_forecast(wear::Regulator(report.plan, report.rules, report.range));
-    for (const LandingSite& site : sites.sites) report.options.allowed_on.push_back(asked.range_on(site.surface));
-    if (forecast && asked.forecast_widest > 0.0)
-        report.options.life_forecast.emplace(wear::forecast_model(brake), brake, asked.forecast_widest * report.plan.brake_budget_J());
-    antiskid::host::StopSignals signals;
-    const std::vector<regulation::Policy> all = policies(asked, report.plan, report.range);
-    const int stops_a_life = static_cast<int>(all.size()) + (floor_check ? 2 : 0);
-    const std::int64_t planned = std::int64_t{lives} * stops_a_life * report.plan.landings;
-    CampaignProgress progress(planned, 0);
-    report.options.lives = lives;
-    report.options.seed = seed;
-    report.options.mix = mix;
-    report.options.missing = missing;
-    report.options.brake_deviation = brake_deviation;
-    report.options.inspection = inspection;
-    report.options.scenarios = sites.sites.size();
-    report.options.worst_stops = floor_check;
-    report.options.stop = &signals.stop();
-    report.options.on_stops = [&](std::size_t done) {  // lives that bring less than planned go on beyond it
-        progress.show(std::min(static_cast<std::int64_t>(done), planned));
-    };
-    report.policies = regulation::run_fleet(report.plan, report.rules, report.range, all, brake, report.options,
-                                            [&](std::span<const regulation::LandingRequest> requests) { return land(sites, requests, threads); });
-    progress.finish();
-    if (report.policies.empty()) return kStopped;
-    std::vector<std::filesystem::path> files = sites.files;
-    files.insert(files.end(), asked.files.begin(), asked.files.end());
-    report.config_hash = settings::hash(files);
-    print_table(json_file, "{}", to_text(report));
-    keep_json(out / "results.json", json_file, to_json(report));
-    settings::write_file(out / "landings.csv", to_csv(report));
-    draw(report, out / "regulate.png");
-    print_table(json_file, "  {}, {}, {}\n", (out / "results.json").string(), (out / "landings.csv").string(), (out / "regulate.png").string());
-    return report.all_met() ? 0 : 1;
-}
+    [[nodiscard]] std::vector<regulation::Policy> policies(const wear::RegulationConfig& asked, const wear::WearPlan& plan,
+                                                           const wear::Range& range) const {
+        const double best = regulation::best_fixed(plan, asked.floor.reference, asked.tyre_share, range);
+        std::vector<regulation::Policy> all{{"regulated", std::nullopt}};
+        for (const double reference : fixed) {
+            if (std::abs(reference - best) > 1e-6) all.push_back({fmt::format("fixed {:.2f}", reference), reference});
+        }
+        all.push_back({fmt::format("best fixed {:.2f}", best), best});
+        return all;
+    }
+};
 
 }  // namespace
 

@@ -1,12 +1,13 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/paper/page.hpp"
 #include "plant_sim/study/paper/run.hpp"
@@ -23,16 +24,6 @@ namespace fs = std::filesystem;
 fs::path program_of(const std::string& name) {
     fs::path place = fs::read_symlink("/proc/self/exe").parent_path() / name;
     return fs::is_regular_file(place) ? place : fs::path();
-}
-
-/// A bar on a terminal; a line a section elsewhere.
-void show_progress(const paper::SectionResult& result, std::size_t done, std::size_t all) {
-    constexpr std::size_t kBarWidth = 30;
-    const char* state = result.failed() ? "failed" : result.answered_yes() ? "done" : "answers no";
-    const std::size_t full = done * kBarWidth / all;
-    const bool terminal = ::isatty(STDERR_FILENO) == 1;
-    fmt::print(stderr, "{}[{}{}] {} of {} sections; {}: {}{}", terminal ? "\r\x1b[K" : "", std::string(full, '#'), std::string(kBarWidth - full, '.'),
-               done, all, result.section->id, state, terminal && done < all ? "" : "\n");
 }
 
 struct ReportCommand {
@@ -63,8 +54,15 @@ struct ReportCommand {
     [[nodiscard]] int run() const {
         const fs::path file = sections.empty() ? config / "report.toml" : sections;
         const paper::Contents found = contents(file);
-        const std::vector<paper::SectionResult> results = paper::run_sections(
-            found, {.out = out, .config = config, .quick = quick, .jobs = jobs, .program = program_of, .progress = show_progress});
+        std::optional<CampaignProgress> bar;
+        const auto show = [&bar](const paper::SectionResult& result, std::size_t done, std::size_t all) {
+            if (!bar) bar.emplace(static_cast<std::int64_t>(all), 0, "sections");
+            const char* state = result.failed() ? "failed" : result.answered_yes() ? "done" : "answers no";
+            bar->show(static_cast<std::int64_t>(done), fmt::format("; {}: {}", result.section->id, state));
+        };
+        const std::vector<paper::SectionResult> results =
+            paper::run_sections(found, {.out = out, .config = config, .quick = quick, .jobs = jobs, .program = program_of, .progress = show});
+        if (bar) bar->finish();
         const std::vector<paper::Compared> rows = paper::compared(results);
         std::vector<fs::path> files{file};
         for (const char* name : {"landing_gear.toml", "flywheel_rig.toml", "maneuvers.toml", "surfaces.toml", "controller.toml",

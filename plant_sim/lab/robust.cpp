@@ -6,7 +6,6 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
-#include "plant_sim/lab/in_team.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/robust/report.hpp"
 

@@ -14,6 +14,11 @@ namespace plant_sim::lab {
 
 namespace {
 
+std::size_t heap_in_use() {
+    const struct mallinfo2 info = ::mallinfo2();
+    return info.uordblks + info.hblkhd;
+}
+
 struct SoakCommand {
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path scenario;
@@ -22,40 +27,33 @@ struct SoakCommand {
     double hours = 24.0;
     std::uint64_t seed = 1;
 
-    [[nodiscard]] int run() const;
-};
-
-std::size_t heap_in_use() {
-    const struct mallinfo2 info = ::mallinfo2();
-    return info.uordblks + info.hblkhd;
-}
-
-int SoakCommand::run() const {
-    const auto file = scenario.empty() ? config / "scenarios" / "heavy.toml" : scenario;
-    const endurance::EnduranceSetup setup = endurance::load_setup(file, config);
-    antiskid::host::StopSignals signals;
-    constexpr std::int64_t kParts = 1000;
-    CampaignProgress progress(kParts, 0, "thousandths");
-    const endurance::SoakResult result = endurance::soak(setup, {.seconds = hours * 3600.0, .seed = seed, .stop = &signals.stop()}, heap_in_use,
-                                                         [&progress](double share) { progress.show(static_cast<std::int64_t>(share * kParts)); });
-    progress.finish();
-    print_table(json_file, "{}: {} landings in {:.2f} h of the controller's time, seed {}\n", setup.scenario.title, result.landings,
-                result.seconds / 3600.0, seed);
-    print_table(json_file, "  span  landings   length (m)            most heap in use (bytes)\n");
-    for (std::size_t i = 0; i < result.spans.size(); ++i) {
-        const endurance::SoakSpan& span = result.spans[i];
-        print_table(json_file, "  {:4}  {:8}   {:8.3f} +- {:6.3f}    {}\n", i + 1, span.landings, span.length_m_mean, span.length_m_deviation,
-                    span.max_heap_bytes);
+    [[nodiscard]] int run() const {
+        const auto file = scenario.empty() ? config / "scenarios" / "heavy.toml" : scenario;
+        const endurance::EnduranceSetup setup = endurance::load_setup(file, config);
+        antiskid::host::StopSignals signals;
+        constexpr std::int64_t kParts = 1000;
+        CampaignProgress progress(kParts, 0, "thousandths");
+        const endurance::SoakResult result = endurance::soak(setup, {.seconds = hours * 3600.0, .seed = seed, .stop = &signals.stop()}, heap_in_use,
+                                                             [&progress](double share) { progress.show(static_cast<std::int64_t>(share * kParts)); });
+        progress.finish();
+        print_table(json_file, "{}: {} landings in {:.2f} h of the controller's time, seed {}\n", setup.scenario.title, result.landings,
+                    result.seconds / 3600.0, seed);
+        print_table(json_file, "  span  landings   length (m)            most heap in use (bytes)\n");
+        for (std::size_t i = 0; i < result.spans.size(); ++i) {
+            const endurance::SoakSpan& span = result.spans[i];
+            print_table(json_file, "  {:4}  {:8}   {:8.3f} +- {:6.3f}    {}\n", i + 1, span.landings, span.length_m_mean, span.length_m_deviation,
+                        span.max_heap_bytes);
+        }
+        const auto complaints = endurance::complaints(result);
+        for (const std::string& complaint : complaints) print_table(json_file, "  WRONG: {}\n", complaint);
+        if (complaints.empty() && !signals.stop().load()) print_table(json_file, "  nothing creeps\n");
+        const auto json = out / "soak.json";
+        keep_json(json, json_file, endurance::to_json(result, setup, seed));
+        print_table(json_file, "  {}\n", json.string());
+        if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
+        return complaints.empty() ? 0 : 1;
     }
-    const auto complaints = endurance::complaints(result);
-    for (const std::string& complaint : complaints) print_table(json_file, "  WRONG: {}\n", complaint);
-    if (complaints.empty() && !signals.stop().load()) print_table(json_file, "  nothing creeps\n");
-    const auto json = out / "soak.json";
-    keep_json(json, json_file, endurance::to_json(result, setup, seed));
-    print_table(json_file, "  {}\n", json.string());
-    if (signals.stop().load()) return signals.number() == SIGINT ? 130 : 1;
-    return complaints.empty() ? 0 : 1;
-}
+};
 
 }  // namespace
 

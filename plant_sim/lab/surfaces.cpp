@@ -7,7 +7,7 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
-#include "plant_sim/lab/surface_picture.hpp"
+#include "plant_sim/lab/identify_pictures.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 

@@ -9,10 +9,9 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
-#include "plant_sim/lab/in_team.hpp"
 #include "plant_sim/lab/verbs.hpp"
-#include "plant_sim/study/sweep/load_sweep_plan.hpp"
 #include "plant_sim/study/sweep/summary.hpp"
+#include "plant_sim/study/sweep/sweep_plan.hpp"
 #include "plant_sim/study/sweep/together.hpp"
 
 namespace plant_sim::lab {
@@ -77,48 +76,44 @@ struct SweepCommand {
     std::string json_file;  ///< "-": standard output
     bool pictures = true;
 
-    [[nodiscard]] int run();
+    [[nodiscard]] int run() {
+        if (!references.empty()) plan.references = parse_references(references);
+        return in_team([this](study::team::Team& team) { return run_with(team); });
+    }
 
   private:
-    [[nodiscard]] int run_with(study::team::Team& team) const;
+    [[nodiscard]] int run_with(study::team::Team& team) const {
+        antiskid::host::StopSignals signals;
+        const sweep::SweepPlan study = sweep::load_plan(plan);
+        std::optional<CampaignProgress> progress;
+        sweep::Work work{.part = out / "stops.part", .stop = &signals.stop()};
+        work.threads = threads_in(team, threads);
+        work.progress = [&progress](std::size_t done, std::size_t all, std::size_t before) {
+            if (!progress) progress.emplace(static_cast<std::int64_t>(all), static_cast<std::int64_t>(before));
+            progress->show(static_cast<std::int64_t>(done));
+        };
+        const std::vector<sweep::Row> rows = sweep::run_together(study, work, team);
+        if (progress) progress->finish();
+        const bool interrupted = signals.stop().load();
+        if (team.rank() != 0) return 0;
+        if (rows.size() < study.stops()) {
+            fmt::print(stderr, "rig-lab: {} of {} stops are in {}; the same command goes on\n", rows.size(), study.stops(), work.part.string());
+            return interrupted && signals.number() == SIGINT ? 130 : 1;
+        }
+        const sweep::Identity identity = sweep::identity_of(study);
+        const sweep::Summary summary = sweep::summarised(identity, rows);
+        settings::write_file(out / "stops.csv", sweep::to_csv(identity, rows));
+        keep_json(out / "results.json", json_file, sweep::to_json(summary));
+        if (pictures) {
+            sweep::draw_fig13(summary, out / "fig13.png");
+            sweep::draw_fig14(summary, out / "fig14.png");
+        }
+        print_table(json_file, "{}  seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n", sweep::to_table(summary),
+                    identity.seed, identity.config_hash, identity.version, out.string(), pictures ? " fig13.png fig14.png" : "");
+        std::filesystem::remove(work.part);
+        return summary.passed() ? 0 : 1;
+    }
 };
-
-int SweepCommand::run_with(study::team::Team& team) const {
-    antiskid::host::StopSignals signals;
-    const sweep::SweepPlan study = sweep::load_plan(plan);
-    std::optional<CampaignProgress> progress;
-    sweep::Work work{.part = out / "stops.part", .stop = &signals.stop()};
-    work.threads = threads_in(team, threads);
-    work.progress = [&progress](std::size_t done, std::size_t all, std::size_t before) {
-        if (!progress) progress.emplace(static_cast<std::int64_t>(all), static_cast<std::int64_t>(before));
-        progress->show(static_cast<std::int64_t>(done));
-    };
-    const std::vector<sweep::Row> rows = sweep::run_together(study, work, team);
-    if (progress) progress->finish();
-    const bool interrupted = signals.stop().load();
-    if (team.rank() != 0) return 0;
-    if (rows.size() < study.stops()) {
-        fmt::print(stderr, "rig-lab: {} of {} stops are in {}; the same command goes on\n", rows.size(), study.stops(), work.part.string());
-        return interrupted && signals.number() == SIGINT ? 130 : 1;
-    }
-    const sweep::Identity identity = sweep::identity_of(study);
-    const sweep::Summary summary = sweep::summarised(identity, rows);
-    settings::write_file(out / "stops.csv", sweep::to_csv(identity, rows));
-    keep_json(out / "results.json", json_file, sweep::to_json(summary));
-    if (pictures) {
-        sweep::draw_fig13(summary, out / "fig13.png");
-        sweep::draw_fig14(summary, out / "fig14.png");
-    }
-    print_table(json_file, "{}  seed {}, configuration {}, version {}\nWritten to {}: stops.csv results.json{}\n", sweep::to_table(summary),
-                identity.seed, identity.config_hash, identity.version, out.string(), pictures ? " fig13.png fig14.png" : "");
-    std::filesystem::remove(work.part);
-    return summary.passed() ? 0 : 1;
-}
-
-int SweepCommand::run() {
-    if (!references.empty()) plan.references = parse_references(references);
-    return in_team([this](study::team::Team& team) { return run_with(team); });
-}
 
 }  // namespace
 

@@ -11,8 +11,15 @@
 #include <utility>
 
 #include "firmware/host/settings/command_line.hpp"
+#include "plant_sim/study/team/team.hpp"
 
 namespace plant_sim::lab {
+
+/// `work` in this process of the team that mpirun started, or alone; its exit status. What it throws ends all processes.
+[[nodiscard]] int in_team(const std::function<int(study::team::Team& team)>& work);
+
+/// Threads of this process where `asked` were asked for, 0 for no wish.
+[[nodiscard]] unsigned threads_in(const study::team::Team& team, unsigned asked);
 
 struct LabVerb {
     CLI::App* app;             ///< the subcommand
@@ -56,8 +63,22 @@ LabVerb robust_verb(CLI::App& lab);
 LabVerb surfaces_verb(CLI::App& lab);
 /// Every figure and table of the paper as one page.
 LabVerb report_verb(CLI::App& lab);
-/// What an endurance campaign says about the brake; its verbs are in wear.hpp.
+/// What an endurance campaign says about the brake, by these verbs of its own:
 LabVerb wear_verb(CLI::App& lab);
+/// A campaign as a table.
+LabVerb wear_table_verb(CLI::App& wear);
+/// Friction within a stop, from recorded stops: Fig. 6.
+LabVerb wear_dynamics_verb(CLI::App& wear);
+/// The mixture model from a campaign.
+LabVerb wear_fit_verb(CLI::App& wear);
+/// A campaign again, with the model's friction: Fig. 9.
+LabVerb wear_simulate_verb(CLI::App& wear);
+/// How brakes of one kind differ, from several campaigns.
+LabVerb wear_population_verb(CLI::App& wear);
+/// Landings left.
+LabVerb wear_forecast_verb(CLI::App& wear);
+/// Health, maneuver by maneuver.
+LabVerb wear_watch_verb(CLI::App& wear);
 
 /// For people: on standard output, unless `--json -` has it for itself.
 template <typename... T>

@@ -5,7 +5,7 @@
 
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/lab/dynamics_report.hpp"
-#include "plant_sim/lab/wear.hpp"
+#include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 
 namespace plant_sim::lab {

@@ -7,7 +7,7 @@
 
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/wear.hpp"
+#include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
 #include "rig_bridge/wear/model_io.hpp"
 #include "rig_bridge/wear/on_threads.hpp"

@@ -13,9 +13,10 @@
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/forecast_pictures.hpp"
 #include "plant_sim/lab/landing_mix.hpp"
-#include "plant_sim/lab/wear.hpp"
+#include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/lab/wear_pictures.hpp"
+#include "plant_sim/study/json_number.hpp"
 #include "plant_sim/wear/back_test.hpp"
 #include "rig_bridge/wear/population_io.hpp"
 
@@ -25,13 +26,33 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-template <typename T>
-Json or_null(const std::optional<T>& value) {
-    return value ? Json(*value) : Json(nullptr);
-}
-
 std::string landings(const std::optional<int>& left) {
     return left ? fmt::format("{}", *left) : std::string("none within the horizon");
+}
+
+std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& settings, const wear::LandingMix& mix) {
+    double energy_J = 0.0;
+    for (const wear::LandingKind& kind : mix) energy_J += kind.share * kind.energy_J;
+    std::string text = fmt::format(
+        "Mean friction after {:.3f} MJ: {:.4f} ({:.4f} to {:.4f}, 10 to 90 %), without the scatter of single "
+        "maneuvers. Limit {:.4f}.\n",
+        f.c_e_J * 1e-6, f.friction_now[1], f.friction_now[0], f.friction_now[2], settings.limit);
+    if (f.already_crossed())
+        return text + fmt::format("Already below the limit, with a probability of {:.0f} %: no landing left.\n", 100.0 * f.crossed_now);
+    fmt::format_to(std::back_inserter(text), "Landings left, {:.3f} MJ each on average:\n{:>8}{:>24}{:>16}\n", energy_J * 1e-6, "", "landings",
+                   "at MJ");
+    constexpr std::array kNames{"10 %", "50 %", "90 %"};
+    for (std::size_t q = 0; q < kNames.size(); ++q)
+        fmt::format_to(std::back_inserter(text), "{:>8}{:>24}{:>16}\n", kNames.at(q), landings(f.landings_left.at(q)),
+                       f.crossing_J.at(q) ? fmt::format("{:.1f}", *f.crossing_J.at(q) * 1e-6) : "-");
+    if (f.crossed_ever < 1.0)
+        fmt::format_to(std::back_inserter(text), "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
+                       f.never_crosses() ? "Not crossed" : "Crossed", settings.horizon,
+                       100.0 * (f.never_crosses() ? 1.0 - f.crossed_ever : f.crossed_ever));
+    if (f.extrapolated > 0.0)
+        fmt::format_to(std::back_inserter(text), "{:.0f} % of the draws go beyond the data that the model was learnt from: {}.\n",
+                       std::ceil(100.0 * f.extrapolated), wear::kHowItExtrapolates);
+    return text;
 }
 
 struct ForecastCommand {
@@ -82,8 +103,82 @@ struct ForecastCommand {
         return configured.mix;
     }
 
-    int run_forecast(const wear::PopulationFile& file);
-    int run_back_test(const wear::PopulationFile& file) const;
+    int run_forecast(const wear::PopulationFile& file) {
+        const wear::Campaign recorded = load_campaign(source, campaign, off);
+        const wear::LandingMix to_come = landings_to_come(recorded);
+        wear::BrakeFilter filter(file.population);
+        const std::size_t n = recorded.points.size();
+        for (std::size_t i = last == 0 || last >= n ? 0 : n - last; i < n; ++i) filter.learn(recorded.points[i]);
+        const wear::Forecast f = wear::forecast(filter, recorded.points.back().c_e_J, to_come, settings);
+        print_table(json_file, "{}", text_of(f, settings, to_come));
+        Json json = head(file);
+        json["data_hash"] = wear::data_hash(recorded);
+        json["maneuvers"] = n;
+        json["cumulative_energy_J"] = f.c_e_J;
+        Json mix_json = Json::array();
+        for (const wear::LandingKind& kind : to_come)
+            mix_json.push_back({{"name", kind.name}, {"share", kind.share}, {"energy_J", kind.energy_J}, {"deviation_J", kind.deviation_J}});
+        json["landings_to_come"] = std::move(mix_json);
+        json["horizon"] = settings.horizon;
+        json["draws"] = settings.draws;
+        json["already_below"] = f.crossed_now;
+        json["below_within_horizon"] = f.crossed_ever;
+        json["extrapolated"] = f.extrapolated;
+        constexpr std::array kKeys{"10", "50", "90"};
+        for (std::size_t q = 0; q < kKeys.size(); ++q) {
+            json["mean_friction_now"][kKeys.at(q)] = f.friction_now.at(q);
+            json["landings_left"][kKeys.at(q)] = f.landings_left.at(q) ? Json(*f.landings_left.at(q)) : Json();
+            json["crossing_J"][kKeys.at(q)] = study::or_null(f.crossing_J.at(q));
+        }
+        keep_json(out / "forecast.json", json_file, json.dump(2) + "\n");
+        if (pictures) draw_forecast(recorded, f, settings.limit, out / "forecast.png");
+        print_table(json_file, "Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");
+        return 0;
+    }
+    int run_back_test(const wear::PopulationFile& file) const {
+        const std::vector<wear::Campaign> campaigns = load_campaigns({back_test}, off);
+        wear::FitSettings fit;
+        fit.max_components = 8;
+        fit.starts = 10;
+        std::vector<wear::HeldOut> brakes;
+        brakes.reserve(campaigns.size());
+        std::size_t without_end = 0;
+        const auto fitted = step_progress("campaigns fitted");
+        for (std::size_t i = 0; i < campaigns.size(); ++i) {
+            if (const auto life = wear::life_by_fit(campaigns[i], settings.limit, fit))
+                brakes.push_back({campaigns[i], *life});
+            else
+                ++without_end;
+            fitted(i + 1, campaigns.size());
+        }
+        const wear::BackTest t = wear::back_test(file.population, brakes, settings, step_progress("brakes forecast"));
+        std::string table = fmt::format("{:>14}{:>8}{:>10}{:>12}{:>10}{:>14}{:>16}\n", "part of life", "asked", "within", "earlier", "later",
+                                        "mean width", "error of 50 %");
+        Json rows = Json::array();
+        const auto add = [&](const wear::BackTestRow& r, const std::string& part) {
+            fmt::format_to(std::back_inserter(table), "{:>14}{:>8}{:>10.3f}{:>12}{:>10}{:>14.1f}{:>16.1f}\n", part, r.asked, r.coverage(), r.earlier,
+                           r.later, r.mean_width, r.mean_error);
+            rows.push_back({{"part_of_life", part},
+                            {"asked", r.asked},
+                            {"held", r.held},
+                            {"earlier", r.earlier},
+                            {"later", r.later},
+                            {"coverage", r.coverage()},
+                            {"mean_width_landings", r.mean_width},
+                            {"mean_error_landings", r.mean_error}});
+        };
+        for (const wear::BackTestRow& r : t.rows) add(r, fmt::format("{:.0f} %", 100.0 * r.share_of_life));
+        add(t.pooled, "all");
+        print_table(json_file, "{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}", brakes.size(), table);
+        if (without_end > 0) print_table(json_file, "{} campaigns never come below {:.4f} and are left out.\n", without_end, settings.limit);
+        Json json = head(file);
+        json["brakes"] = brakes.size();
+        json["rows"] = std::move(rows);
+        keep_json(out / "back_test.json", json_file, json.dump(2) + "\n");
+        print_table(json_file, "Written to {}: back_test.json\n", out.string());
+        const double pooled = t.pooled.coverage();
+        return pooled >= 0.7 && pooled <= 0.9 ? 0 : 1;
+    }
     [[nodiscard]] Json head(const wear::PopulationFile& file) const {
         Json json{{"version", ANTISKID_VERSION}, {"seed", settings.seed}, {"model_hash", file.hash}, {"limit", settings.limit}};
         if (!files_.empty()) json["config_hash"] = settings::hash(files_);
@@ -92,109 +187,6 @@ struct ForecastCommand {
 
     std::vector<std::filesystem::path> files_;  // of the configuration that went in
 };
-
-std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& settings, const wear::LandingMix& mix) {
-    double energy_J = 0.0;
-    for (const wear::LandingKind& kind : mix) energy_J += kind.share * kind.energy_J;
-    std::string text = fmt::format(
-        "Mean friction after {:.3f} MJ: {:.4f} ({:.4f} to {:.4f}, 10 to 90 %), without the scatter of single "
-        "maneuvers. Limit {:.4f}.\n",
-        f.c_e_J * 1e-6, f.friction_now[1], f.friction_now[0], f.friction_now[2], settings.limit);
-    if (f.already_crossed())
-        return text + fmt::format("Already below the limit, with a probability of {:.0f} %: no landing left.\n", 100.0 * f.crossed_now);
-    fmt::format_to(std::back_inserter(text), "Landings left, {:.3f} MJ each on average:\n{:>8}{:>24}{:>16}\n", energy_J * 1e-6, "", "landings",
-                   "at MJ");
-    constexpr std::array kNames{"10 %", "50 %", "90 %"};
-    for (std::size_t q = 0; q < kNames.size(); ++q)
-        fmt::format_to(std::back_inserter(text), "{:>8}{:>24}{:>16}\n", kNames.at(q), landings(f.landings_left.at(q)),
-                       f.crossing_J.at(q) ? fmt::format("{:.1f}", *f.crossing_J.at(q) * 1e-6) : "-");
-    if (f.crossed_ever < 1.0)
-        fmt::format_to(std::back_inserter(text), "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
-                       f.never_crosses() ? "Not crossed" : "Crossed", settings.horizon,
-                       100.0 * (f.never_crosses() ? 1.0 - f.crossed_ever : f.crossed_ever));
-    if (f.extrapolated > 0.0)
-        fmt::format_to(std::back_inserter(text), "{:.0f} % of the draws go beyond the data that the model was learnt from: {}.\n",
-                       std::ceil(100.0 * f.extrapolated), wear::kHowItExtrapolates);
-    return text;
-}
-
-int ForecastCommand::run_forecast(const wear::PopulationFile& file) {
-    const wear::Campaign recorded = load_campaign(source, campaign, off);
-    const wear::LandingMix to_come = landings_to_come(recorded);
-    wear::BrakeFilter filter(file.population);
-    const std::size_t n = recorded.points.size();
-    for (std::size_t i = last == 0 || last >= n ? 0 : n - last; i < n; ++i) filter.learn(recorded.points[i]);
-    const wear::Forecast f = wear::forecast(filter, recorded.points.back().c_e_J, to_come, settings);
-    print_table(json_file, "{}", text_of(f, settings, to_come));
-    Json json = head(file);
-    json["data_hash"] = wear::data_hash(recorded);
-    json["maneuvers"] = n;
-    json["cumulative_energy_J"] = f.c_e_J;
-    Json mix_json = Json::array();
-    for (const wear::LandingKind& kind : to_come)
-        mix_json.push_back({{"name", kind.name}, {"share", kind.share}, {"energy_J", kind.energy_J}, {"deviation_J", kind.deviation_J}});
-    json["landings_to_come"] = std::move(mix_json);
-    json["horizon"] = settings.horizon;
-    json["draws"] = settings.draws;
-    json["already_below"] = f.crossed_now;
-    json["below_within_horizon"] = f.crossed_ever;
-    json["extrapolated"] = f.extrapolated;
-    constexpr std::array kKeys{"10", "50", "90"};
-    for (std::size_t q = 0; q < kKeys.size(); ++q) {
-        json["mean_friction_now"][kKeys.at(q)] = f.friction_now.at(q);
-        json["landings_left"][kKeys.at(q)] = or_null(f.landings_left.at(q));
-        json["crossing_J"][kKeys.at(q)] = or_null(f.crossing_J.at(q));
-    }
-    keep_json(out / "forecast.json", json_file, json.dump(2) + "\n");
-    if (pictures) draw_forecast(recorded, f, settings.limit, out / "forecast.png");
-    print_table(json_file, "Written to {}: forecast.json{}\n", out.string(), pictures ? " forecast.png" : "");
-    return 0;
-}
-
-int ForecastCommand::run_back_test(const wear::PopulationFile& file) const {
-    const std::vector<wear::Campaign> campaigns = load_campaigns({back_test}, off);
-    wear::FitSettings fit;
-    fit.max_components = 8;
-    fit.starts = 10;
-    std::vector<wear::HeldOut> brakes;
-    brakes.reserve(campaigns.size());
-    std::size_t without_end = 0;
-    const auto fitted = step_progress("campaigns fitted");
-    for (std::size_t i = 0; i < campaigns.size(); ++i) {
-        if (const auto life = wear::life_by_fit(campaigns[i], settings.limit, fit))
-            brakes.push_back({campaigns[i], *life});
-        else
-            ++without_end;
-        fitted(i + 1, campaigns.size());
-    }
-    const wear::BackTest t = wear::back_test(file.population, brakes, settings, step_progress("brakes forecast"));
-    std::string table = fmt::format("{:>14}{:>8}{:>10}{:>12}{:>10}{:>14}{:>16}\n", "part of life", "asked", "within", "earlier", "later",
-                                    "mean width", "error of 50 %");
-    Json rows = Json::array();
-    const auto add = [&](const wear::BackTestRow& r, const std::string& part) {
-        fmt::format_to(std::back_inserter(table), "{:>14}{:>8}{:>10.3f}{:>12}{:>10}{:>14.1f}{:>16.1f}\n", part, r.asked, r.coverage(), r.earlier,
-                       r.later, r.mean_width, r.mean_error);
-        rows.push_back({{"part_of_life", part},
-                        {"asked", r.asked},
-                        {"held", r.held},
-                        {"earlier", r.earlier},
-                        {"later", r.later},
-                        {"coverage", r.coverage()},
-                        {"mean_width_landings", r.mean_width},
-                        {"mean_error_landings", r.mean_error}});
-    };
-    for (const wear::BackTestRow& r : t.rows) add(r, fmt::format("{:.0f} %", 100.0 * r.share_of_life));
-    add(t.pooled, "all");
-    print_table(json_file, "{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}", brakes.size(), table);
-    if (without_end > 0) print_table(json_file, "{} campaigns never come below {:.4f} and are left out.\n", without_end, settings.limit);
-    Json json = head(file);
-    json["brakes"] = brakes.size();
-    json["rows"] = std::move(rows);
-    keep_json(out / "back_test.json", json_file, json.dump(2) + "\n");
-    print_table(json_file, "Written to {}: back_test.json\n", out.string());
-    const double pooled = t.pooled.coverage();
-    return pooled >= 0.7 && pooled <= 0.9 ? 0 : 1;
-}
 
 }  // namespace
 

@@ -3,11 +3,21 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
+#include "rig_bridge/wear/forecast.hpp"
+#include "rig_bridge/wear/health.hpp"
 #include "rig_bridge/wear/model.hpp"
 #include "rig_bridge/wear/wear_campaign.hpp"
 
 namespace plant_sim::lab {
+
+/// Recorded points, the fan of the brake's mean friction, the limit, and where it is crossed.
+void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& forecast, double limit, const std::filesystem::path& png);
+
+/// Recorded friction with what was expected of each maneuver, and below it the statistic with its limits.
+void draw_health(const wear::Campaign& recorded, const std::vector<wear::Verdict>& verdicts, const std::filesystem::path& png);
 
 /// The paper's Fig. 7: friction over energy, with each component's two-sigma ellipse and the mean of eq. (14).
 void draw_campaign(const wear::Campaign& campaign, const wear::Model& model, const std::filesystem::path& png);

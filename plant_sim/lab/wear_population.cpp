@@ -5,7 +5,7 @@
 
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/wear.hpp"
+#include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/wear/learn_population.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 #include "rig_bridge/wear/population_io.hpp"

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <iterator>
@@ -10,8 +9,9 @@
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/brake_options.hpp"
+#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/wear.hpp"
+#include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
 #include "plant_sim/study/torque_replay.hpp"
 #include "plant_sim/wear/resimulation.hpp"
@@ -20,10 +20,6 @@
 namespace plant_sim::lab {
 
 namespace {
-
-void show_progress(std::size_t done, std::size_t all) {
-    if (::isatty(STDERR_FILENO) == 1) fmt::print(stderr, "\r{} of {} maneuvers{}", done, all, done == all ? "\n" : "");
-}
 
 std::string table_of(const wear::Comparison& c) {
     std::string table = fmt::format("{:>10}{:>10}{:>11}{:>14}{:>16}{:>16}{:>14}\n", "from_MJ", "to_MJ", "maneuvers", "mean_error", "dev._recorded",
@@ -113,7 +109,7 @@ struct SimulateCommand {
             study::replay_torques(recorded, rig,
                                   // Draws of its own: with the campaign's seed, a campaign of the virtual rig would only be repeated.
                                   {wear, rule, {.seed = ~seed, .maneuvers = 0, .c_e_J = wear::taken_before_J(recorded)}},
-                                  [all](std::size_t done) { show_progress(done, all); });
+                                  [all, show = step_progress("maneuvers")](std::size_t done) { show(done, all); });
         print_table(json_file, "{} maneuvers through the plant by their recorded torque: energy {:+.2f} % of the recorded", all,
                     replayed.energy_error * 100.0);
         if (replayed.short_of_pressure > 0)

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/wear.hpp"
+#include "plant_sim/lab/verbs.hpp"
 
 namespace plant_sim::lab {
 

@@ -9,8 +9,8 @@
 #include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
-#include "plant_sim/lab/forecast_pictures.hpp"
-#include "plant_sim/lab/wear.hpp"
+#include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/lab/wear_pictures.hpp"
 #include "plant_sim/wear/fault_trial.hpp"
 #include "rig_bridge/wear/population_io.hpp"
 
@@ -37,90 +37,88 @@ struct WatchCommand {
     }
 
   private:
-    int watch(const wear::PopulationFile& file) const;
-    int run_trial(const wear::PopulationFile& file) const;
+    int watch(const wear::PopulationFile& file) const {
+        const wear::Campaign recorded = load_campaign(source, campaign, off);
+        wear::HealthMonitor monitor(file.population);
+        std::vector<wear::Verdict> verdicts;
+        verdicts.reserve(recorded.points.size());
+        Json list = Json::array();
+        wear::Condition before = wear::Condition::unknown;
+        for (std::size_t i = 0; i < recorded.points.size(); ++i) {
+            const wear::Point& p = recorded.points[i];
+            const wear::Verdict& v = verdicts.emplace_back(monitor.after(p));
+            if (v.condition != before)
+                print_table(json_file, "maneuver {:>5}, {:9.3f} MJ: {}{}{}\n", i + 1, p.c_e_J * 1e-6, wear::name(v.condition),
+                            v.reason.empty() ? "" : ": ", v.reason);
+            before = v.condition;
+            list.push_back({{"maneuver", i + 1},
+                            {"health", wear::name(v.condition)},
+                            {"statistic", v.statistic},
+                            {"score", v.score},
+                            {"mean_friction", p.mean_friction},
+                            {"expected", v.expected},
+                            {"deviation", v.deviation},
+                            {"reason", v.reason}});
+        }
+        print_table(json_file, "{} after {} maneuvers, statistic {:.2f} of its limit\n", wear::name(before), verdicts.size(),
+                    verdicts.back().statistic);
+        const Json json{{"version", ANTISKID_VERSION},
+                        {"model_hash", file.hash},
+                        {"data_hash", wear::data_hash(recorded)},
+                        {"health", wear::name(before)},
+                        {"maneuvers", std::move(list)}};
+        keep_json(out / "health.json", json_file, json.dump(2) + "\n");
+        if (pictures) draw_health(recorded, verdicts, out / "health.png");
+        print_table(json_file, "Written to {}: health.json{}\n", out.string(), pictures ? " health.png" : "");
+        return before == wear::Condition::abnormal ? 1 : 0;
+    }
+    int run_trial(const wear::PopulationFile& file) const {
+        using wear::Fault;
+        struct Case {
+            Fault fault;
+            double size;
+        };
+        constexpr std::array kCases{Case{Fault::glazing, 0.05}, Case{Fault::glazing, 0.10}, Case{Fault::glazing, 0.20},
+                                    Case{Fault::drop, 0.05},    Case{Fault::drop, 0.10},    Case{Fault::drop, 0.20},
+                                    Case{Fault::drag, 0.05},    Case{Fault::drag, 0.10},    Case{Fault::drag, 0.20}};
+        const std::vector<wear::Campaign> healthy = load_campaigns({source}, off);
+        const wear::HealthyTrial h = wear::try_healthy(file.population, healthy);
+        const auto tried = step_progress("trials");
+        tried(1, kCases.size() + 1);
+        std::string table = fmt::format(
+            "{} healthy brakes, {} maneuvers: {} called abnormal ({:.2f} % of the brakes), {:.2f} % of maneuvers "
+            "suspect\n"
+            "{:<14}{:>8}{:>10}{:>10}{:>12}{:>12}\n",
+            h.campaigns, h.maneuvers, h.flagged, 100.0 * static_cast<double>(h.flagged) / static_cast<double>(h.campaigns),
+            100.0 * static_cast<double>(h.suspected_maneuvers) / static_cast<double>(h.maneuvers), "fault", "size", "brakes", "flagged", "50 % after",
+            "90 % after");
+        Json rows = Json::array();
+        for (std::size_t i = 0; i < kCases.size(); ++i) {
+            const wear::FaultTrial t = wear::try_fault(file.population, healthy, kCases.at(i).fault, kCases.at(i).size, seed);
+            fmt::format_to(std::back_inserter(table), "{:<14}{:>6.0f} %{:>10}{:>8.1f} %{:>12}{:>12}\n", wear::name(t.fault), 100.0 * t.size,
+                           t.campaigns, 100.0 * static_cast<double>(t.flagged) / static_cast<double>(std::max<std::size_t>(1, t.campaigns)), t.median,
+                           t.ninety == 0 ? std::string("-") : fmt::format("{}", t.ninety));
+            rows.push_back({{"fault", wear::name(t.fault)},
+                            {"size", t.size},
+                            {"brakes", t.campaigns},
+                            {"flagged", t.flagged},
+                            {"median_maneuvers", t.median},
+                            {"ninety_maneuvers", t.ninety}});
+            tried(i + 2, kCases.size() + 1);
+        }
+        print_table(json_file, "{}", table);
+        const Json json{
+            {"version", ANTISKID_VERSION},
+            {"seed", seed},
+            {"model_hash", file.hash},
+            {"healthy",
+             {{"brakes", h.campaigns}, {"maneuvers", h.maneuvers}, {"flagged", h.flagged}, {"suspected_maneuvers", h.suspected_maneuvers}}},
+            {"faults", std::move(rows)}};
+        keep_json(out / "watch_trial.json", json_file, json.dump(2) + "\n");
+        print_table(json_file, "Written to {}: watch_trial.json\n", out.string());
+        return 0;
+    }
 };
-
-int WatchCommand::watch(const wear::PopulationFile& file) const {
-    const wear::Campaign recorded = load_campaign(source, campaign, off);
-    wear::HealthMonitor monitor(file.population);
-    std::vector<wear::Verdict> verdicts;
-    verdicts.reserve(recorded.points.size());
-    Json list = Json::array();
-    wear::Condition before = wear::Condition::unknown;
-    for (std::size_t i = 0; i < recorded.points.size(); ++i) {
-        const wear::Point& p = recorded.points[i];
-        const wear::Verdict& v = verdicts.emplace_back(monitor.after(p));
-        if (v.condition != before)
-            print_table(json_file, "maneuver {:>5}, {:9.3f} MJ: {}{}{}\n", i + 1, p.c_e_J * 1e-6, wear::name(v.condition),
-                        v.reason.empty() ? "" : ": ", v.reason);
-        before = v.condition;
-        list.push_back({{"maneuver", i + 1},
-                        {"health", wear::name(v.condition)},
-                        {"statistic", v.statistic},
-                        {"score", v.score},
-                        {"mean_friction", p.mean_friction},
-                        {"expected", v.expected},
-                        {"deviation", v.deviation},
-                        {"reason", v.reason}});
-    }
-    print_table(json_file, "{} after {} maneuvers, statistic {:.2f} of its limit\n", wear::name(before), verdicts.size(), verdicts.back().statistic);
-    const Json json{{"version", ANTISKID_VERSION},
-                    {"model_hash", file.hash},
-                    {"data_hash", wear::data_hash(recorded)},
-                    {"health", wear::name(before)},
-                    {"maneuvers", std::move(list)}};
-    keep_json(out / "health.json", json_file, json.dump(2) + "\n");
-    if (pictures) draw_health(recorded, verdicts, out / "health.png");
-    print_table(json_file, "Written to {}: health.json{}\n", out.string(), pictures ? " health.png" : "");
-    return before == wear::Condition::abnormal ? 1 : 0;
-}
-
-int WatchCommand::run_trial(const wear::PopulationFile& file) const {
-    using wear::Fault;
-    struct Case {
-        Fault fault;
-        double size;
-    };
-    constexpr std::array kCases{Case{Fault::glazing, 0.05}, Case{Fault::glazing, 0.10}, Case{Fault::glazing, 0.20},
-                                Case{Fault::drop, 0.05},    Case{Fault::drop, 0.10},    Case{Fault::drop, 0.20},
-                                Case{Fault::drag, 0.05},    Case{Fault::drag, 0.10},    Case{Fault::drag, 0.20}};
-    const std::vector<wear::Campaign> healthy = load_campaigns({source}, off);
-    const wear::HealthyTrial h = wear::try_healthy(file.population, healthy);
-    const auto tried = step_progress("trials");
-    tried(1, kCases.size() + 1);
-    std::string table = fmt::format(
-        "{} healthy brakes, {} maneuvers: {} called abnormal ({:.2f} % of the brakes), {:.2f} % of maneuvers "
-        "suspect\n"
-        "{:<14}{:>8}{:>10}{:>10}{:>12}{:>12}\n",
-        h.campaigns, h.maneuvers, h.flagged, 100.0 * static_cast<double>(h.flagged) / static_cast<double>(h.campaigns),
-        100.0 * static_cast<double>(h.suspected_maneuvers) / static_cast<double>(h.maneuvers), "fault", "size", "brakes", "flagged", "50 % after",
-        "90 % after");
-    Json rows = Json::array();
-    for (std::size_t i = 0; i < kCases.size(); ++i) {
-        const wear::FaultTrial t = wear::try_fault(file.population, healthy, kCases.at(i).fault, kCases.at(i).size, seed);
-        fmt::format_to(std::back_inserter(table), "{:<14}{:>6.0f} %{:>10}{:>8.1f} %{:>12}{:>12}\n", wear::name(t.fault), 100.0 * t.size, t.campaigns,
-                       100.0 * static_cast<double>(t.flagged) / static_cast<double>(std::max<std::size_t>(1, t.campaigns)), t.median,
-                       t.ninety == 0 ? std::string("-") : fmt::format("{}", t.ninety));
-        rows.push_back({{"fault", wear::name(t.fault)},
-                        {"size", t.size},
-                        {"brakes", t.campaigns},
-                        {"flagged", t.flagged},
-                        {"median_maneuvers", t.median},
-                        {"ninety_maneuvers", t.ninety}});
-        tried(i + 2, kCases.size() + 1);
-    }
-    print_table(json_file, "{}", table);
-    const Json json{
-        {"version", ANTISKID_VERSION},
-        {"seed", seed},
-        {"model_hash", file.hash},
-        {"healthy", {{"brakes", h.campaigns}, {"maneuvers", h.maneuvers}, {"flagged", h.flagged}, {"suspected_maneuvers", h.suspected_maneuvers}}},
-        {"faults", std::move(rows)}};
-    keep_json(out / "watch_trial.json", json_file, json.dump(2) + "\n");
-    print_table(json_file, "Written to {}: watch_trial.json\n", out.string());
-    return 0;
-}
 
 }  // namespace
 

@@ -75,7 +75,7 @@ class Loop {
         return result();
     }
     [[nodiscard]] RigSession& session() { return session_; }
-    [[nodiscard]] const LinkPolicy& link() const { return link_; }
+    [[nodiscard]] LinkPolicy& link() { return link_; }
     [[nodiscard]] RunResult result() const {
         RunResult result = result_;
         result.figures = session_.figures();

@@ -5,16 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/can/names.hpp"
+#include "plant_sim/study/json_number.hpp"
 
 namespace study {
-
-namespace {
-
-nlohmann::ordered_json or_null(const std::optional<double>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-}
-
-}  // namespace
 
 std::string to_json(const StopReport& r) {
     const StopFigures& f = r.figures;

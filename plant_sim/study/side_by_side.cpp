@@ -1,10 +1,51 @@
 #include "plant_sim/study/side_by_side.hpp"
 
 #include <array>
+#include <cstddef>
 #include <memory>
 
-#include "plant_sim/model/rig_lanes.hpp"
+#include "plant_sim/model/rig.hpp"
+#include "plant_sim/model/wheel_lanes.hpp"
 #include "plant_sim/study/loop.hpp"
+
+namespace plant {
+
+/// Up to eight rigs that step together, each by its own current: valves, loads and sensors one after the other, the wheels at once in
+/// vector code. Bit by bit what each would do alone.
+class RigLanes {
+  public:
+    static constexpr std::size_t kLanes = plant::WheelLanes::kLanes;
+
+    /// `rig` takes part until it is replaced or taken out (nullptr); it must outlive that, and its brake must stay what it is.
+    void place(std::size_t lane, plant::Rig* rig) {
+        rigs_[lane] = rig;
+        if (rig != nullptr) wheels_.laws.set(lane, rig->dynamics_.law());
+    }
+    /// One step of every rig, the current of its lane held.
+    void advance_current(const std::array<double, kLanes>& current_mA) {
+        for (std::size_t i = 0; i < kLanes; ++i) {
+            if (rigs_[i] == nullptr) continue;
+            plant::Rig& rig = *rigs_[i];
+            const plant::Rig::Step& step = under_way_[i] = rig.begin(current_mA[i], current_mA[i]);
+            wheels_.inputs.set(i, {rig.state_.v_mps, rig.state_.omega_radps, step.pressure, step.load, step.h});
+        }
+        wheels_.turn();
+        for (std::size_t i = 0; i < kLanes; ++i) {
+            if (rigs_[i] == nullptr) continue;
+            plant::Rig& rig = *rigs_[i];
+            const plant::Rig::Step& step = under_way_[i];
+            if (!rig.plain() || !rig.dynamics_.take(rig.state_, wheels_.steps[i])) rig.move(step.pressure, step.load, step.h);
+            rig.end(step);
+        }
+    }
+
+  private:
+    std::array<plant::Rig*, kLanes> rigs_{};
+    std::array<plant::Rig::Step, kLanes> under_way_{};
+    plant::WheelLanes wheels_;
+};
+
+}  // namespace plant
 
 namespace study {
 
@@ -20,31 +61,27 @@ class SessionLanes {
     };
 
     /// `session`, of single_steps(), takes part until it is replaced or taken out (nullptr); it must outlive that where it is.
-    void place(std::size_t lane, RigSession* session);
+    void place(std::size_t lane, RigSession* session) {
+        sessions_[lane] = session;
+        rigs_.place(lane, session != nullptr ? &session->rig_ : nullptr);
+    }
     /// One period of every session.
-    void advance(const std::array<Period, kLanes>& periods);
+    void advance(const std::array<Period, kLanes>& periods) {
+        std::array<double, kLanes> current_mA{};
+        for (std::size_t i = 0; i < kLanes; ++i) current_mA[i] = periods[i].current_mA;
+        rigs_.advance_current(current_mA);
+        for (std::size_t i = 0; i < kLanes; ++i) {
+            if (sessions_[i] == nullptr) continue;
+            sessions_[i]->meter_.command(periods[i].current_mA);
+            sessions_[i]->measure();
+            sessions_[i]->close_period(periods[i].controller);
+        }
+    }
 
   private:
     std::array<RigSession*, kLanes> sessions_{};
     plant::RigLanes rigs_;
 };
-
-void SessionLanes::place(std::size_t lane, RigSession* session) {
-    sessions_[lane] = session;
-    rigs_.place(lane, session != nullptr ? &session->rig_ : nullptr);
-}
-
-void SessionLanes::advance(const std::array<Period, kLanes>& periods) {
-    std::array<double, kLanes> current_mA{};
-    for (std::size_t i = 0; i < kLanes; ++i) current_mA[i] = periods[i].current_mA;
-    rigs_.advance_current(current_mA);
-    for (std::size_t i = 0; i < kLanes; ++i) {
-        if (sessions_[i] == nullptr) continue;
-        sessions_[i]->meter_.command(periods[i].current_mA);
-        sessions_[i]->measure();
-        sessions_[i]->close_period(periods[i].controller);
-    }
-}
 
 namespace {
 

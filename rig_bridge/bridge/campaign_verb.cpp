@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <filesystem>
 #include <optional>
+#include <stdexcept>
 #include <thread>
 
 #include "firmware/can/names.hpp"
+#include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
-#include "rig_bridge/bridge/record_found_bus.hpp"
 #include "rig_bridge/bridge/rig_hold.hpp"
 #include "rig_bridge/bridge/session.hpp"
 #include "rig_bridge/bridge/start_checks.hpp"
@@ -19,6 +21,8 @@
 #include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/bridge/wear_regulation.hpp"
+#include "rig_bridge/record/bus_log.hpp"
+#include "rig_bridge/record/capture.hpp"
 #include "rig_bridge/record/health_watch.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/summary_file.hpp"
@@ -27,6 +31,26 @@
 namespace rig::bridge {
 
 namespace {
+
+/// Makes kFoundLog in `folder`, 0.3 s of the bus; nothing where it is there already, nobody sends, or the interface is not to be had.
+void record_found_bus(const BridgeSetup& setup, const std::filesystem::path& folder) {
+    using std::chrono::steady_clock;
+    const std::filesystem::path file = folder / replay::kFoundLog;
+    if (std::filesystem::exists(file)) return;
+    try {
+        constexpr antiskid::can::Time kTurn{20'000'000};
+        record::Capture capture(setup.options.interface);
+        record::BusLog log(file, setup.options.interface);
+        const auto end = steady_clock::now() + std::chrono::milliseconds(300);
+        while (steady_clock::now() < end) {
+            (void)capture.wait(kTurn);
+            for (const record::CapturedFrame& frame : capture.receive()) log.write(frame);
+        }
+        if (!log.finish() || log.frames() == 0) std::filesystem::remove(file);
+    } catch (const std::runtime_error&) {
+        // The checks before the start name what is wrong with the interface.
+    }
+}
 
 std::string now_text() {
     return iso_8601(std::chrono::system_clock::now());
@@ -48,15 +72,115 @@ class CampaignRun {
           judge_(command.rules),
           session_(setup, stops, terminal) {}
 
-    int run();
+    int run() {
+        for (;;) {
+            while_held();
+            if (stops_.count() > 0) return interrupted();
+            const auto attempt = next();
+            if (!attempt) return 0;
+            const Ran ran = one(*attempt);
+            if (!ran.record_error.empty()) {
+                const std::string lost = fmt::format("maneuver {} does not count, its record is not whole: {}", attempt->number, ran.record_error);
+                terminal_.say("rig-bridge: " + lost);
+                session_.tell_of_abort(ran, attempt->folder, lost);
+                return stops_.count() > 0 ? interrupted() : 1;
+            }
+            const record::Health health = watch_ == nullptr ? record::Health{} : watch_->newest();
+            const Decision decision = judge_.after(ran.summary, health);
+            const std::string reason = decision.reason + (ran.note.empty() ? "" : "; " + ran.note);
+            if (!decision.reason.empty()) terminal_.say("rig-bridge: " + reason);
+            if (ran.summary.outcome != name(rig::Phase::finished)) session_.tell_of_abort(ran, attempt->folder, reason);
+            for (const std::string& warning : ran.summary.warnings)
+                terminal_.say(fmt::format("rig-bridge: maneuver {}: {}", attempt->number, warning));
+            if (ran.summary.outcome == name(rig::Phase::finished))
+                terminal_.say(fmt::format("maneuver {} finished: mean torque {:.1f} N m, mean friction {:.4f}, {:.3f} MJ in all{}",
+                                          ran.summary.number, ran.summary.figures.mean_torque_Nm, ran.summary.figures.mean_friction,
+                                          ran.summary.cumulative_energy_J * 1e-6, watch_ == nullptr ? "" : "; brake " + health_text(health)));
+            if (!ran.outside.empty()) terminal_.say(fmt::format("rig-bridge: maneuver {} is out of tolerance: {}", attempt->number, ran.outside));
+            if (regulation_) terminal_.say(shared_);
+            const bool interrupts = stops_.count() > 0;
+            if (ran.summary.outcome != name(rig::Phase::finished) && (interrupts || decision.verdict == CampaignState::fault))
+                session_.watch_rim(setup_.scenario.mean.standstill_mps);
+            if (interrupts) return interrupted();
+            if (decision.verdict == CampaignState::fault || decision.verdict == CampaignState::abnormal) return 1;
+            if (decision.verdict == CampaignState::worn) return 0;
+        }
+    }
 
   private:
-    [[nodiscard]] std::optional<record::Attempt> next();
-    [[nodiscard]] ManeuverRequest request(const record::Attempt& attempt) const;
+    [[nodiscard]] std::optional<record::Attempt> next() {
+        std::optional<record::Attempt> attempt;
+        session_.meanwhile([&] {
+            const auto number = ledger_.next_number();
+            if (!number) return;
+            if (setup_.scenario.mean.law == rig::BrakeLaw::slip) slip_reference_ = setup_.scenario.mean.slip_reference;
+            if (regulation_) {
+                const wear::Regulator shares = regulator();
+                slip_reference_ = shares.reference();
+                shared_ = line(shares);
+            }
+            attempt = ledger_.begin(*number, now_text(), slip_reference_);
+        });
+        return attempt;
+    }
+    [[nodiscard]] ManeuverRequest request(const record::Attempt& attempt) const {
+        const std::int64_t finished = ledger_.finished_count();
+        rig::Plan maneuver = plan(setup_.scenario, setup_.options.seed, attempt.number);
+        maneuver.slip_reference = slip_reference_.value_or(maneuver.slip_reference);
+        return {.plan = std::move(maneuver),
+                .campaign = name_,
+                .number = attempt.number,
+                .folder = attempt.folder,
+                .specimen = ledger_.specimen(),
+                .taken_J = ledger_.cumulative_energy_J(),
+                .view = CampaignView{.number = attempt.number,
+                                     .finished = finished,
+                                     .planned = command_.rules.maneuvers,
+                                     .left_s = pace_.left_s(command_.rules.maneuvers - finished),
+                                     .regulation = shared_,
+                                     .health = watch_ == nullptr ? "" : health_text(watch_->newest())}};
+    }
     /// Everything is off meanwhile.
-    void while_held();
-    [[nodiscard]] Ran one(const record::Attempt& attempt);
-    [[nodiscard]] wear::Regulator regulator() const;
+    void while_held() {
+        constexpr std::chrono::milliseconds kLook{200};
+        std::optional<Hold> hold;
+        bool said = false;
+        do {
+            session_.meanwhile([&] {
+                if (said) std::this_thread::sleep_for(kLook);
+                hold = ledger_.next_number() ? read_hold(command_.rig.out) : std::nullopt;
+            });
+            if (hold && !said)
+                terminal_.say(fmt::format("rig-bridge: {}; `rig-bridge resume {}` lets it go on", to_text(*hold), command_.rig.out.string()));
+            if (!hold && said) terminal_.say("rig-bridge: goes on after the hold");
+            said = hold.has_value();
+        } while (hold && stops_.count() == 0);
+    }
+    [[nodiscard]] Ran one(const record::Attempt& attempt) {
+        const auto began = std::chrono::steady_clock::now();
+        ManeuverRequest what;
+        session_.meanwhile([&] { what = request(attempt); });
+        Ran ran = session_.run(what);
+        session_.meanwhile([&] {
+            if (!ran.record_error.empty()) {
+                ledger_.mark_unfinished(ran.summary);
+                return;
+            }
+            record::write_summary(attempt.folder / "summary.json", ran.summary);
+            ledger_.finish(ran.summary);
+            if (watch_ != nullptr && ran.summary.outcome == name(rig::Phase::finished) && !record::off_conditions(ran.summary))
+                ledger_.judge(ran.summary.number, watch_->after(ran.summary));
+            if (regulation_) {
+                const wear::Regulator shares = regulator();
+                shared_ = line(shares);
+                write_regulation(regulation_file(command_.rig.out, name_), shares);
+            }
+        });
+        pace_.add(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+        return ran;
+    }
+    /// From the ledger alone, so that a bridge that was killed goes on with the same reference.
+    [[nodiscard]] wear::Regulator regulator() const { return regulation_->after(record::read_ledger(ledger_file(command_.rig.out), name_)); }
     [[nodiscard]] int interrupted() const { return 128 + stops_.number(); }
 
     const BridgeSetup& setup_;
@@ -73,119 +197,6 @@ class CampaignRun {
     Pace pace_;
     Session session_;
 };
-
-/// From the ledger alone, so that a bridge that was killed goes on with the same reference.
-wear::Regulator CampaignRun::regulator() const {
-    return regulation_->after(record::read_ledger(ledger_file(command_.rig.out), name_));
-}
-
-std::optional<record::Attempt> CampaignRun::next() {
-    std::optional<record::Attempt> attempt;
-    session_.meanwhile([&] {
-        const auto number = ledger_.next_number();
-        if (!number) return;
-        if (setup_.scenario.mean.law == rig::BrakeLaw::slip) slip_reference_ = setup_.scenario.mean.slip_reference;
-        if (regulation_) {
-            const wear::Regulator shares = regulator();
-            slip_reference_ = shares.reference();
-            shared_ = line(shares);
-        }
-        attempt = ledger_.begin(*number, now_text(), slip_reference_);
-    });
-    return attempt;
-}
-
-ManeuverRequest CampaignRun::request(const record::Attempt& attempt) const {
-    const std::int64_t finished = ledger_.finished_count();
-    rig::Plan maneuver = plan(setup_.scenario, setup_.options.seed, attempt.number);
-    maneuver.slip_reference = slip_reference_.value_or(maneuver.slip_reference);
-    return {.plan = std::move(maneuver),
-            .campaign = name_,
-            .number = attempt.number,
-            .folder = attempt.folder,
-            .specimen = ledger_.specimen(),
-            .taken_J = ledger_.cumulative_energy_J(),
-            .view = CampaignView{.number = attempt.number,
-                                 .finished = finished,
-                                 .planned = command_.rules.maneuvers,
-                                 .left_s = pace_.left_s(command_.rules.maneuvers - finished),
-                                 .regulation = shared_,
-                                 .health = watch_ == nullptr ? "" : health_text(watch_->newest())}};
-}
-
-void CampaignRun::while_held() {
-    constexpr std::chrono::milliseconds kLook{200};
-    std::optional<Hold> hold;
-    bool said = false;
-    do {
-        session_.meanwhile([&] {
-            if (said) std::this_thread::sleep_for(kLook);
-            hold = ledger_.next_number() ? read_hold(command_.rig.out) : std::nullopt;
-        });
-        if (hold && !said)
-            terminal_.say(fmt::format("rig-bridge: {}; `rig-bridge resume {}` lets it go on", to_text(*hold), command_.rig.out.string()));
-        if (!hold && said) terminal_.say("rig-bridge: goes on after the hold");
-        said = hold.has_value();
-    } while (hold && stops_.count() == 0);
-}
-
-Ran CampaignRun::one(const record::Attempt& attempt) {
-    const auto began = std::chrono::steady_clock::now();
-    ManeuverRequest what;
-    session_.meanwhile([&] { what = request(attempt); });
-    Ran ran = session_.run(what);
-    session_.meanwhile([&] {
-        if (!ran.record_error.empty()) {
-            ledger_.mark_unfinished(ran.summary);
-            return;
-        }
-        record::write_summary(attempt.folder / "summary.json", ran.summary);
-        ledger_.finish(ran.summary);
-        if (watch_ != nullptr && ran.summary.outcome == name(rig::Phase::finished) && !record::off_conditions(ran.summary))
-            ledger_.judge(ran.summary.number, watch_->after(ran.summary));
-        if (regulation_) {
-            const wear::Regulator shares = regulator();
-            shared_ = line(shares);
-            write_regulation(regulation_file(command_.rig.out, name_), shares);
-        }
-    });
-    pace_.add(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
-    return ran;
-}
-
-int CampaignRun::run() {
-    for (;;) {
-        while_held();
-        if (stops_.count() > 0) return interrupted();
-        const auto attempt = next();
-        if (!attempt) return 0;
-        const Ran ran = one(*attempt);
-        if (!ran.record_error.empty()) {
-            const std::string lost = fmt::format("maneuver {} does not count, its record is not whole: {}", attempt->number, ran.record_error);
-            terminal_.say("rig-bridge: " + lost);
-            session_.tell_of_abort(ran, attempt->folder, lost);
-            return stops_.count() > 0 ? interrupted() : 1;
-        }
-        const record::Health health = watch_ == nullptr ? record::Health{} : watch_->newest();
-        const Decision decision = judge_.after(ran.summary, health);
-        const std::string reason = decision.reason + (ran.note.empty() ? "" : "; " + ran.note);
-        if (!decision.reason.empty()) terminal_.say("rig-bridge: " + reason);
-        if (ran.summary.outcome != name(rig::Phase::finished)) session_.tell_of_abort(ran, attempt->folder, reason);
-        for (const std::string& warning : ran.summary.warnings) terminal_.say(fmt::format("rig-bridge: maneuver {}: {}", attempt->number, warning));
-        if (ran.summary.outcome == name(rig::Phase::finished))
-            terminal_.say(fmt::format("maneuver {} finished: mean torque {:.1f} N m, mean friction {:.4f}, {:.3f} MJ in all{}", ran.summary.number,
-                                      ran.summary.figures.mean_torque_Nm, ran.summary.figures.mean_friction, ran.summary.cumulative_energy_J * 1e-6,
-                                      watch_ == nullptr ? "" : "; brake " + health_text(health)));
-        if (!ran.outside.empty()) terminal_.say(fmt::format("rig-bridge: maneuver {} is out of tolerance: {}", attempt->number, ran.outside));
-        if (regulation_) terminal_.say(shared_);
-        const bool interrupts = stops_.count() > 0;
-        if (ran.summary.outcome != name(rig::Phase::finished) && (interrupts || decision.verdict == CampaignState::fault))
-            session_.watch_rim(setup_.scenario.mean.standstill_mps);
-        if (interrupts) return interrupted();
-        if (decision.verdict == CampaignState::fault || decision.verdict == CampaignState::abnormal) return 1;
-        if (decision.verdict == CampaignState::worn) return 0;
-    }
-}
 
 void tell(const record::Resumed& resumed, std::int64_t finished, Terminal& terminal) {
     for (const std::string& change : resumed.changed) terminal.say("rig-bridge: goes on although " + change);

@@ -1,11 +1,14 @@
+#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <chrono>
 
 #include "firmware/host/settings/error.hpp"
+#include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/record/ledger.hpp"
+#include "rig_bridge/record/specimen.hpp"
 
 namespace rig::bridge {
 
@@ -44,6 +47,22 @@ int note_in_ledger(const NoteCommand& command) {
         if (const std::string& text = command.said.*field.value; !text.empty())
             ledger.note(command.number, command.attempt, {.field = field.key, .text = text, .who = command.who, .made = now});
     fmt::print("campaign {}: maneuver {}, attempt {}: {}, says {}\n", campaign, command.number, command.attempt, to_text(command.said), command.who);
+    return 0;
+}
+
+int change_hold(const HoldCommand& command) {
+    const std::filesystem::path& place = command.directory;
+    if (!std::filesystem::exists(ledger_file(place))) throw UsageError(place.string() + ": no campaign is here: no " + ledger_file({}).string());
+    if (!command.hold) {
+        fmt::print("{}: {}\n", place.string(), remove_hold(place) ? "goes on" : "was not held");
+        return 0;
+    }
+    record::check_text("--who", command.who);
+    record::check_text("--why", command.why);
+    const auto before = read_hold(place);
+    if (!before) write_hold(place, {.who = command.who, .since = iso_8601(std::chrono::system_clock::now()), .why = command.why});
+    fmt::print("{}: {}; {}\n", place.string(), to_text(*read_hold(place)),
+               before ? "it was held already" : "a maneuver that runs comes to its end first");
     return 0;
 }
 

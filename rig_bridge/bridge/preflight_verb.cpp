@@ -6,9 +6,9 @@
 #include <thread>
 
 #include "firmware/host/settings/error.hpp"
-#include "rig_bridge/bridge/listen_to_bus.hpp"
 #include "rig_bridge/bridge/preflight.hpp"
 #include "rig_bridge/bridge/rig_hold.hpp"
+#include "rig_bridge/bridge/start_checks.hpp"
 #include "rig_bridge/bridge/verbs.hpp"
 
 namespace rig::bridge {

@@ -9,6 +9,9 @@
 
 namespace rig::bridge {
 
+/// For `length`; sends nothing.
+[[nodiscard]] BusReception listen_to_bus(const BridgeSetup& setup, antiskid::can::Time length);
+
 struct StartFacts {
     antiskid::controller::CanLink link;
     antiskid::controller::MachineFacts machine;  ///< of the record's place

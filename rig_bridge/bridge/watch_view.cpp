@@ -87,10 +87,6 @@ std::string fault_text(const Watched& w) {
     return w.faults.empty() ? "none" : fmt::format("{}", fmt::join(w.faults, " "));
 }
 
-nlohmann::ordered_json number(double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 }  // namespace
 
 std::string to_text(const BridgeSigns& s) {
@@ -134,7 +130,7 @@ std::string watch_line(const Watched& w) {
 std::string watch_json(const Watched& w) {
     nlohmann::ordered_json json{
         {"campaign", w.campaign}, {"scenario", w.scenario}, {"number", w.number}, {"finished", w.finished}, {"planned", w.planned}};
-    json["left_s"] = w.left_s ? number(*w.left_s) : nullptr;
+    json["left_s"] = w.left_s ? nlohmann::ordered_json(*w.left_s) : nullptr;
     json["specimen"] = w.specimen;
     json["outcomes"] = w.outcomes;
     json["hold"] = w.hold;
@@ -144,23 +140,23 @@ std::string watch_json(const Watched& w) {
     json["bus_up"] = w.bus_up;
     json["bus_error"] = w.bus_error;
     json["phase"] = w.phase ? nlohmann::ordered_json(name(*w.phase)) : nullptr;
-    json["phase_s"] = number(w.phase_s);
+    json["phase_s"] = w.phase_s;
     json["phase_begin_seen"] = w.phase_began;
-    json["rim_mps"] = number(w.rim_mps);
-    json["wheel_mps"] = number(w.wheel_mps);
-    json["slip"] = number(w.slip);
-    json["slip_reference"] = number(w.slip_reference);
-    json["pressure_Pa"] = number(w.pressure_Pa);
-    json["load_N"] = number(w.load_N);
-    json["current_mA"] = number(w.current_mA);
+    json["rim_mps"] = w.rim_mps;
+    json["wheel_mps"] = w.wheel_mps;
+    json["slip"] = w.slip;
+    json["slip_reference"] = w.slip_reference;
+    json["pressure_Pa"] = w.pressure_Pa;
+    json["load_N"] = w.load_N;
+    json["current_mA"] = w.current_mA;
     json["controller"] = w.controller;
     json["senders"] = w.senders;
     json["faults"] = w.faults;
     json["road"] = nullptr;
     if (w.road)
-        json["road"] = {{"grip_N", number(static_cast<double>(w.road->grip_N))},
-                        {"peak_slip", number(static_cast<double>(w.road->peak_slip))},
-                        {"confidence", number(static_cast<double>(w.road->confidence))}};
+        json["road"] = {{"grip_N", static_cast<double>(w.road->grip_N)},
+                        {"peak_slip", static_cast<double>(w.road->peak_slip)},
+                        {"confidence", static_cast<double>(w.road->confidence)}};
     return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

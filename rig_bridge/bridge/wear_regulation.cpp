@@ -44,11 +44,6 @@ wear::Landing landing(const record::LedgerRow& row, double reference, double wea
     return landing;
 }
 
-/// JSON has no NaN: null.
-ordered_json or_null(double value) {
-    return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
 }  // namespace
 
 WearRegulation::WearRegulation(const wear::RegulationConfig& config, const Scenario& scenario)
@@ -117,7 +112,7 @@ void write_regulation(const std::filesystem::path& file, const wear::Regulator& 
                             {"lowest_reference", r.range().lowest},
                             {"highest_reference", r.range().highest},
                             {"required_share", o.required_share},
-                            {"measured_share", or_null(r.measured_share())},
+                            {"measured_share", r.measured_share()},
                             {"brake_life_J", r.plan().brake_life_J},
                             {"brake_left_J", r.brake_left_J()},
                             {"tyre_left_J", r.tyre_left_J()},

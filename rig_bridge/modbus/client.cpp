@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "rig_bridge/modbus/backoff.hpp"
+#include "rig_bridge/modbus/modbus_context.hpp"
 #include "rig_bridge/modbus/plc_connection.hpp"
-#include "rig_bridge/modbus/stop_signal.hpp"
 #include "rig_bridge/rig/lockstep_turn.hpp"
 #include "rig_bridge/rig/register_blocks.hpp"
 

@@ -21,7 +21,6 @@
 #include "rig_bridge/modbus/modbus_context.hpp"
 #include "rig_bridge/modbus/pseudo_terminal.hpp"
 #include "rig_bridge/modbus/register_bank.hpp"
-#include "rig_bridge/modbus/stop_signal.hpp"
 
 namespace rig::modbus {
 namespace {

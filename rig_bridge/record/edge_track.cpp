@@ -103,7 +103,11 @@ void EdgeTrack::start_anew() {
 }
 
 double EdgeTrack::last_edge_s() const {
-    return size_ == 0 ? 0.0 : seconds(edge(0).time) + clock_s_;
+    return size_ == 0 ? 0.0 : stamp_s() + clock_s_;
+}
+
+double EdgeTrack::stamp_s() const {
+    return size_ == 0 ? 0.0 : seconds(edge(0).time);
 }
 
 double EdgeTrack::way(double now_s) const {

@@ -52,6 +52,8 @@ class EdgeTrack {
     [[nodiscard]] double speed(double window_s) const;
     /// Instant of the last edge on the clock of update().
     [[nodiscard]] double last_edge_s() const;
+    /// The same on the sensor's own clock.
+    [[nodiscard]] double stamp_s() const;
     /// Counts up by one with every update() that brought an edge.
     [[nodiscard]] std::uint64_t news() const { return size_; }
     /// Times that the sensor started anew.

@@ -1,10 +1,15 @@
 #include "rig_bridge/record/ledger.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <variant>
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
@@ -41,6 +46,10 @@ void write_specimen(const LedgerDatabase& database, const char* table, std::int6
 std::int64_t as_integer(std::uint64_t value, const std::string& path, const char* what) {
     if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) throw settings::Error(path, 0, what, "must be below 2^63");
     return static_cast<std::int64_t>(value);
+}
+
+std::string lock_file(const std::filesystem::path& ledger) {
+    return ledger.string() + "-held";
 }
 
 }  // namespace
@@ -290,6 +299,31 @@ void Ledger::mark_unfinished(const std::optional<Summary>& known) {
     Statement running = impl_->database.prepare("SELECT id FROM maneuvers WHERE campaign = ?1 AND state = 'running'");
     if (running.bind(1, impl_->id).step()) impl_->leave_unfinished(running.integer(0), known);
     transaction.commit();
+}
+
+std::unique_ptr<HeldFile> LedgerLock::take(const std::filesystem::path& ledger) {
+    try {
+        auto held = hold(lock_file(ledger), "process " + std::to_string(getpid()));
+        if (auto* const mine = std::get_if<std::unique_ptr<HeldFile>>(&held)) return std::move(*mine);
+        const std::string& who = std::get<HeldBy>(held).who;
+        throw LedgerError(ledger.string() + ": is held by another program" + (who.empty() ? "" : " (" + who + ")") +
+                          "; one bridge at a time may run campaigns on it");
+    } catch (const std::system_error& error) {
+        throw LedgerError(error.what());
+    }
+}
+
+std::optional<std::string> held_by_another(const std::filesystem::path& path) {
+    try {
+        const LedgerLock lock(path);
+        return std::nullopt;
+    } catch (const LedgerError& error) {
+        return error.what();
+    }
+}
+
+bool is_held(const std::filesystem::path& path) {
+    return held_by(lock_file(path)).has_value();
 }
 
 }  // namespace rig::record

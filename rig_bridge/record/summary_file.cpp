@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -19,11 +18,6 @@ using nlohmann::ordered_json;
 namespace {
 
 constexpr std::string_view kFormat = "antiskid maneuver summary 1";
-
-/// JSON has no infinity and no NaN: null.
-ordered_json number(double value) {
-    return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
 
 class Reader {
   public:
@@ -97,9 +91,9 @@ void write_summary(const std::filesystem::path& path, const Summary& summary) {
     for (const SpecimenField& field : kSpecimenFields) json[field.key] = summary.specimen.*field.value;
     json["outcome"] = summary.outcome;
     json["started"] = summary.started;
-    for (const FigureField& field : kFigureFields) json[field.key] = number(summary.figures.*field.value);
+    for (const FigureField& field : kFigureFields) json[field.key] = summary.figures.*field.value;  // no number: null
     json["standstill"] = summary.figures.standstill;
-    json["cumulative_energy_J"] = number(summary.cumulative_energy_J);
+    json["cumulative_energy_J"] = summary.cumulative_energy_J;
     json["faults"] = summary.faults;
     json["out_of_tolerance"] = summary.out_of_tolerance ? ordered_json(*summary.out_of_tolerance) : ordered_json(nullptr);
     json["warnings"] = summary.warnings;

@@ -1,17 +1,93 @@
 #include <fmt/core.h>
+#include <linux/can.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "firmware/host/realtime.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "rig_bridge/replay/player.hpp"
-#include "rig_bridge/replay/raw_can_sender.hpp"
 #include "rig_bridge/replay/replay_verbs.hpp"
 
 namespace rig::replay {
 
 namespace {
+
+[[noreturn]] void reject(const std::string& interface, const std::string& why) {
+    throw std::runtime_error("CAN interface '" + interface + "': " + why);
+}
+
+bool is_up(int socket, const std::string& interface) {
+    ifreq request{};
+    std::strncpy(request.ifr_name, interface.c_str(), IFNAMSIZ - 1);
+    return ioctl(socket, SIOCGIFFLAGS, &request) == 0 && (static_cast<unsigned>(request.ifr_flags) & IFF_UP) != 0;
+}
+
+can_frame as_kernel_frame(const LogFrame& from) {
+    can_frame frame{};
+    frame.can_id = from.frame.id;
+    if (from.extended) frame.can_id |= CAN_EFF_FLAG;
+    if (from.remote) frame.can_id |= CAN_RTR_FLAG;
+    frame.can_dlc = from.frame.length;
+    std::copy(from.frame.data.begin(), from.frame.data.end(), std::begin(frame.data));
+    return frame;
+}
+
+/// A SocketCAN socket that only sends, and sends whatever a log may hold: both identifier lengths, data and remote frames.
+class RawCanSender final : public FrameSender {
+  public:
+    /// Throws std::runtime_error naming the interface and what mends it when it is absent, down or no CAN.
+    explicit RawCanSender(const std::string& interface) : interface_(interface) {
+        const unsigned index = if_nametoindex(interface.c_str());
+        if (index == 0) reject(interface, "there is none; for a virtual one: ip link add " + interface + " type vcan");
+        socket_ = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
+        if (socket_ < 0) reject(interface, std::string("the kernel has no CAN: ") + std::strerror(errno));
+        setsockopt(socket_, SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0);
+        sockaddr_can address{};
+        address.can_family = AF_CAN;
+        address.can_ifindex = static_cast<int>(index);
+        const bool bound = bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+        const int error = errno;
+        const bool up = is_up(socket_, interface);
+        if (bound && up) return;
+        close(socket_);
+        if (!bound) reject(interface, std::string("is no CAN interface: ") + std::strerror(error));
+        reject(interface, "is down; ip link set " + interface + " up");
+    }
+    ~RawCanSender() override { close(socket_); }
+    RawCanSender(const RawCanSender&) = delete;
+    RawCanSender& operator=(const RawCanSender&) = delete;
+
+    /// Waits for room in a full transmit queue, at most kPatience.
+    bool send(const LogFrame& from) override {
+        constexpr useconds_t kPause_us = 100;
+        const can_frame frame = as_kernel_frame(from);
+        Time waited{};
+        for (;;) {
+            if (write(socket_, &frame, sizeof frame) == static_cast<ssize_t>(sizeof frame)) return true;
+            if (errno == EINTR) continue;
+            if (errno != ENOBUFS && errno != EAGAIN) reject(interface_, std::string("cannot send: ") + std::strerror(errno));
+            if (waited >= kPatience) return false;
+            usleep(kPause_us);
+            waited += std::chrono::microseconds{kPause_us};
+        }
+    }
+    static constexpr Time kPatience{200'000'000};
+
+  private:
+    std::string interface_;
+    int socket_ = -1;
+};
 
 struct BusCommand {
     std::string log;

@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "firmware/host/settings/csv_field.hpp"
+#include "firmware/host/settings/error.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_meter.hpp"
@@ -158,6 +162,39 @@ class Rebuild {
     bool amended_ = false;
 };
 
+std::string title(const ManeuverFolder& folder) {
+    return folder.attempt == 1 ? fmt::format("{:04}", folder.number) : fmt::format("{:04}.{}", folder.number, folder.attempt);
+}
+
+std::string verdict(const CampaignTable& table) {
+    return fmt::format("{} maneuvers rebuilt from {} lines; {} differ from {}", table.counted(), table.lines, table.different(),
+                       table.with_ledger ? "summaries and ledger" : "summaries (no ledger)");
+}
+
+const record::LedgerRow* row_of(const std::vector<record::LedgerRow>& rows, const ManeuverFolder& folder) {
+    const auto found = std::find_if(rows.begin(), rows.end(), [&](const record::LedgerRow& row) {
+        return row.attempt.number == folder.number && row.attempt.attempt == folder.attempt;
+    });
+    return found == rows.end() ? nullptr : &*found;
+}
+
+void enter(record::Ledger& ledger, const std::string& campaign, const CampaignRow& row, const record::LedgerRow* old) {
+    std::optional<double> slip_reference;
+    if (old != nullptr) slip_reference = old->slip_reference;
+    // An attempt without a folder had none to begin with, or lost it: nothing is known of it.
+    while (ledger.begin(row.folder.number, row.summary.started, slip_reference, row.summary.specimen).attempt < row.folder.attempt)
+        ledger.mark_unfinished();
+    if (!row.ended) {
+        ledger.mark_unfinished(row.counted ? std::optional(row.summary) : std::nullopt);
+        return;
+    }
+    record::Summary summary = row.summary;
+    summary.campaign = campaign;
+    summary.cumulative_energy_J = ledger.cumulative_energy_J() + record::counted_energy_J(summary);
+    ledger.finish(summary);
+    if (old != nullptr && !old->health.model.empty() && old->state == record::RowState::finished) ledger.judge(row.folder.number, old->health);
+}
+
 }  // namespace
 
 std::vector<ManeuverFolder> maneuver_folders(const fs::path& campaign) {
@@ -181,6 +218,81 @@ std::uint64_t CampaignTable::different() const {
 
 CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders, const CampaignSources& sources) {
     return Rebuild(sources).run(folders);
+}
+
+std::string to_text(const CampaignTable& table) {
+    std::string text;
+    const auto out = std::back_inserter(text);
+    fmt::format_to(out, "{:<10}{:>16}{:>15}{:>12}{:>11}  {}\n", "maneuver", "energy so far", "mean friction", "brake-on", "duration", "outcome");
+    fmt::format_to(out, "{:<10}{:>16}{:>15}{:>12}{:>11}\n", "", "MJ", "mu_b", "m/s", "s");
+    std::string parts;
+    for (const CampaignRow& row : table.rows) {
+        if (const std::string now = to_text(row.specimen); now != parts) fmt::format_to(out, "    from here on: {}\n", parts = now);
+        if (row.counted)
+            fmt::format_to(out, "{:<10}{:>16.4f}{:>15.5f}{:>12.2f}{:>11.3f}  {}\n", title(row.folder), row.summary.cumulative_energy_J * 1e-6,
+                           row.summary.figures.mean_friction, row.summary.figures.brake_on_mps, row.summary.figures.duration_s, row.summary.outcome);
+        else
+            fmt::format_to(out, "{:<10}{:>54}  {}\n", title(row.folder), "", row.summary.outcome);
+        for (const std::string& warning : row.summary.warnings) fmt::format_to(out, "    {}\n", warning);
+        for (const std::string& difference : row.differences) fmt::format_to(out, "    DIFFERS: {}\n", difference);
+    }
+    return text + verdict(table) + "\n";
+}
+
+std::string to_csv(const CampaignTable& table) {
+    std::string csv = "number,attempt,outcome,cumulative_energy_J";
+    const auto out = std::back_inserter(csv);
+    for (const record::FigureField& field : record::kFigureFields) fmt::format_to(out, ",{}", field.key);
+    for (const record::SpecimenField& field : record::kSpecimenFields) fmt::format_to(out, ",{}", field.key);
+    csv += ",disc_energy_J\n";
+    for (const CampaignRow& row : table.rows) {
+        if (!row.counted) continue;
+        fmt::format_to(out, "{},{},{},{}", row.folder.number, row.folder.attempt, row.summary.outcome, row.summary.cumulative_energy_J);
+        for (const record::FigureField& field : record::kFigureFields) fmt::format_to(out, ",{}", row.summary.figures.*field.value);
+        for (const record::SpecimenField& field : record::kSpecimenFields) fmt::format_to(out, ",{}", settings::csv_field(row.specimen.*field.value));
+        fmt::format_to(out, ",{}\n", row.disc_energy_J);
+    }
+    return csv;
+}
+
+std::string to_json(const CampaignTable& table, const std::string& campaign) {
+    auto rows = nlohmann::ordered_json::array();
+    for (const CampaignRow& row : table.rows) {
+        nlohmann::ordered_json one{{"number", row.folder.number},
+                                   {"attempt", row.folder.attempt},
+                                   {"outcome", row.summary.outcome},
+                                   {"counted", row.counted},
+                                   {"cumulative_energy_J", row.summary.cumulative_energy_J}};
+        if (row.counted)
+            for (const record::FigureField& field : record::kFigureFields) one[field.key] = row.summary.figures.*field.value;
+        for (const record::SpecimenField& field : record::kSpecimenFields) one[field.key] = row.specimen.*field.value;
+        one["disc_energy_J"] = row.disc_energy_J;
+        one["warnings"] = row.summary.warnings;
+        one["differences"] = row.differences;
+        rows.push_back(std::move(one));
+    }
+    const nlohmann::ordered_json root{{"campaign", campaign},
+                                      {"version", ANTISKID_VERSION},
+                                      {"maneuvers", table.counted()},
+                                      {"different", table.different()},
+                                      {"with_ledger", table.with_ledger},
+                                      {"lines", table.lines},
+                                      {"rows", rows}};
+    return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+void write_ledger(const std::filesystem::path& file, const record::Campaign& campaign, const CampaignTable& table,
+                  const std::vector<record::LedgerRow>& old) {
+    if (std::filesystem::exists(file)) throw settings::Error(file.string(), 0, "", "is there already; a rebuilt ledger is a new file");
+    record::Ledger ledger(file);
+    ledger.open_campaign(campaign, record::IfChanged::reject);
+    for (const CampaignRow& row : table.rows)
+        if (const record::LedgerRow* was = row_of(old, row.folder); row.ended || row.counted || was != nullptr)
+            enter(ledger, campaign.name, row, was);
+    for (const record::LedgerRow& row : old)
+        for (const record::Amendment& amendment : row.amendments) ledger.amend(row.attempt.number, row.attempt.attempt, amendment);
+    for (const record::LedgerRow& row : old)
+        for (const record::Note& note : row.notes) ledger.note(row.attempt.number, row.attempt.attempt, note);
 }
 
 }  // namespace rig::replay

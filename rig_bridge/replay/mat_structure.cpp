@@ -1,18 +1,83 @@
 #include "rig_bridge/replay/mat_structure.hpp"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <stdexcept>
-
-#include "rig_bridge/replay/mat_bytes.hpp"
 
 // MathWorks, "MAT-File Format", chapter 1 (level 5) and 2 (level 4).
 
 namespace rig::replay {
 
 namespace {
+
+/// The bytes of a MATLAB element in order, as they lie in the file or inflated on the way.
+class MatBytes {
+  public:
+    virtual ~MatBytes() = default;
+    /// False when there are fewer left; `out` is then of no use.
+    [[nodiscard]] virtual bool take(std::span<unsigned char> out) = 0;
+    [[nodiscard]] virtual bool skip(std::uint64_t count) = 0;
+};
+
+class PlainBytes final : public MatBytes {
+  public:
+    explicit PlainBytes(std::span<const unsigned char> bytes) : left_(bytes) {}
+    [[nodiscard]] bool take(std::span<unsigned char> out) override {
+        if (out.size() > left_.size()) return false;
+        std::copy_n(left_.begin(), out.size(), out.begin());
+        left_ = left_.subspan(out.size());
+        return true;
+    }
+    [[nodiscard]] bool skip(std::uint64_t count) override {
+        if (count > left_.size()) return false;
+        left_ = left_.subspan(count);
+        return true;
+    }
+
+  private:
+    std::span<const unsigned char> left_;
+};
+
+/// Inflates into what is asked for: of what is skipped nothing is kept, however long it is.
+class InflatedBytes final : public MatBytes {
+  public:
+    explicit InflatedBytes(std::span<const unsigned char> compressed) {
+        stream_.next_in = const_cast<unsigned char*>(compressed.data());  // zlib only reads there
+        stream_.avail_in = static_cast<uInt>(compressed.size());
+        ready_ = inflateInit(&stream_) == Z_OK;
+        more_ = ready_;
+    }
+    InflatedBytes(const InflatedBytes&) = delete;
+    InflatedBytes& operator=(const InflatedBytes&) = delete;
+    ~InflatedBytes() override {
+        if (ready_) inflateEnd(&stream_);
+    }
+    [[nodiscard]] bool take(std::span<unsigned char> out) override {
+        stream_.next_out = out.data();
+        stream_.avail_out = static_cast<uInt>(out.size());
+        while (more_ && stream_.avail_out > 0) more_ = inflate(&stream_, Z_SYNC_FLUSH) == Z_OK;
+        return stream_.avail_out == 0;
+    }
+    [[nodiscard]] bool skip(std::uint64_t count) override {
+        std::array<unsigned char, 16384> unused{};
+        while (count > 0) {
+            const std::size_t part = std::min<std::uint64_t>(count, unused.size());
+            if (!take(std::span(unused).first(part))) return false;
+            count -= part;
+        }
+        return true;
+    }
+
+  private:
+    z_stream stream_{};
+    bool ready_ = false;
+    bool more_ = false;
+};
 
 constexpr int kDeepest = 32;
 constexpr std::uint32_t kMaxDimensions = 32;

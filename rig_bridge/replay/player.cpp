@@ -1,7 +1,15 @@
 #include "rig_bridge/replay/player.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <chrono>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
 
 namespace rig::replay {
 
@@ -73,6 +81,27 @@ class Player {
     bool anchored_ = false;  // within the loop
 };
 
+double us(Time time) {
+    return static_cast<double>(time.count()) * 1e-3;
+}
+
+double seconds(Time time) {
+    return static_cast<double>(time.count()) * 1e-9;
+}
+
+struct Percentile {
+    const char* name;
+    double fraction;
+};
+constexpr std::array kPercentiles{Percentile{"p50", 0.5}, Percentile{"p90", 0.9}, Percentile{"p99", 0.99}, Percentile{"p99_9", 0.999}};
+
+std::optional<std::uint32_t> hexadecimal(std::string_view text) {
+    std::uint32_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
+    if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
 }  // namespace
 
 void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, antiskid::host::Clock& clock, const std::atomic<bool>& stop,
@@ -86,6 +115,58 @@ void play(const OpenLog& open, const PlayOptions& options, FrameSender& sender, 
         }
         if (report.sent + report.unsent == before) return;  // nothing to play: no endless loop over it
     }
+}
+
+std::string to_text(const PlayReport& r) {
+    std::string text;
+    const auto out = std::back_inserter(text);
+    fmt::format_to(out, "{} frames sent in {:.3f} s", r.sent, seconds(r.duration));
+    if (r.loops > 1) fmt::format_to(out, ", {} loops", r.loops);
+    if (r.unsent > 0) fmt::format_to(out, ", {} given up (queue full)", r.unsent);
+    if (r.filtered > 0) fmt::format_to(out, ", {} kept back by the filter", r.filtered);
+    if (r.error_frames > 0) fmt::format_to(out, ", {} error frames not sent", r.error_frames);
+    fmt::format_to(out, "\nlate by, us: min {:.1f}", us(r.late.minimum()));
+    for (const Percentile& p : kPercentiles) fmt::format_to(out, ", {} {:.1f}", p.name, us(r.late.percentile(p.fraction)));
+    fmt::format_to(out, ", max {:.1f}, mean {:.1f}\n", us(r.late.maximum()), r.late.mean_ns() * 1e-3);
+    return text;
+}
+
+std::string to_json(const PlayReport& r, const std::string& log, const std::string& interface) {
+    nlohmann::ordered_json late{{"count", r.late.count()}, {"min_ns", r.late.minimum().count()}, {"mean_ns", r.late.mean_ns()}};
+    for (const Percentile& p : kPercentiles) late[std::string(p.name) + "_ns"] = r.late.percentile(p.fraction).count();
+    late["max_ns"] = r.late.maximum().count();
+    const nlohmann::ordered_json root{{"log", log},
+                                      {"interface", interface},
+                                      {"version", ANTISKID_VERSION},
+                                      {"frames_sent", r.sent},
+                                      {"frames_unsent", r.unsent},
+                                      {"frames_filtered", r.filtered},
+                                      {"error_frames", r.error_frames},
+                                      {"loops", r.loops},
+                                      {"stopped", r.stopped},
+                                      {"duration_s", seconds(r.duration)},
+                                      {"late", late}};
+    return root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+void IdFilter::add(std::string_view rule) {
+    const auto colon = rule.find(':');
+    const std::string_view id_text = rule.substr(0, colon);
+    const bool extended = id_text.size() == 8;
+    const std::uint32_t all = extended ? 0x1FFFFFFFU : 0x7FFU;
+    const auto id = hexadecimal(id_text);
+    const auto mask = colon == std::string_view::npos ? all : hexadecimal(rule.substr(colon + 1));
+    if ((id_text.size() != 3 && !extended) || !id || *id > all || !mask)
+        throw std::invalid_argument("--id " + std::string(rule) +
+                                    ": expected an identifier of three or eight hexadecimal digits, with or without a mask, "
+                                    "like 110, 100:7F0 or 18FF0000");
+    rules_.push_back({*id, *mask & all, extended});
+}
+
+bool IdFilter::passes(const LogFrame& frame) const {
+    return rules_.empty() || std::any_of(rules_.begin(), rules_.end(), [&](const Rule& rule) {
+               return frame.extended == rule.extended && ((frame.frame.id ^ rule.id) & rule.mask) == 0;
+           });
 }
 
 }  // namespace rig::replay

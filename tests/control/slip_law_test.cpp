@@ -296,7 +296,7 @@ TEST_CASE("the reference retreats while the wheel runs away, and comes back", "[
     // Never faster than its rates, and never to nothing.
     const float at = run(law, -60.0F, 0.2F, 300);
     CHECK(at - run(law, -60.0F, 0.2F, 100) <= 1.0F * 0.2F * 0.1F + 1e-4F);
-    CHECK(run(law, -60.0F, 0.2F, 10'000) == Approx(0.0625 * 0.2));
+    CHECK(run(law, -60.0F, 0.2F, 10'000) == Approx(0.03));
     const float low = run(law, 500.0F, 0.05F, 200);
     CHECK(run(law, 500.0F, 0.05F, 1000) - low == Approx(0.2 * 0.2).epsilon(0.01));
     CHECK(run(law, 500.0F, 0.05F, 10'000) == Approx(0.2));
@@ -327,6 +327,17 @@ TEST_CASE(
     SlipLaw locking = settled(exact_law(), 0.2F);
     CHECK(run(locking, 500.0F, 0.65F, 100) == Approx(0.6 - (0.02 + (0.4 - 0.02) * std::exp(2.0 * 0.1))).epsilon(0.01));
     CHECK(locking.asked() == Approx(0.2));
+}
+
+TEST_CASE("no reference retreats to less than the earliest peak of friction, one that was found at the peak to a share", "[CTL-040]") {
+    SlipLaw law = settled(exact_law(), 0.2F);
+    CHECK(run(law, 500.0F, 0.9F, 1000) == Approx(0.03));
+    SlipLaw low = settled(exact_law(), 0.02F);
+    for (int i = 0; i < 1000; ++i) static_cast<void>(low.pressure_Pa(at_rest(40.0F, 0.9F, 500.0F), 0.02F, kCeiling_Pa));
+    CHECK(low.reference() == 0.02F);
+    SlipLaw follows = settled(exact_law(), 0.1F);
+    for (int i = 0; i < 1000; ++i) static_cast<void>(follows.follow_Pa(at_rest(40.0F, 0.9F), 0.1F, kCeiling_Pa));
+    CHECK(follows.reference() == Approx(0.1 * 0.03 / 0.5));
 }
 
 TEST_CASE("slip that swings about the reference is not paid back by what lies below it", "[CTL-040]") {

@@ -259,6 +259,24 @@ TEST_CASE("what is made up for is a share of what is asked, and what is learnt o
     CHECK(model.compensated_Pa(30e6F) == Approx(30e6F).epsilon(1e-3));
 }
 
+TEST_CASE("a pressure that is further off than any offset leaves it teaches no more of one", "[CTL-020]") {
+    const float sign = GENERATE(-1.0F, 1.0F);
+    const ValveConfig v = valve(20.0, 0.8, 6e-3);
+    const auto learnt_Pa = [&](const float off_Pa, const int periods) {
+        ValveModel model(v, 1e-3F, {.pressure_bandwidth_radps = 30.0F, .valve_offset_radps = 7.0F, .valve_offset_share = 0.25F});
+        for (int k = 0; k < periods; ++k) model.update(0.0F, sign * off_Pa, true);
+        return static_cast<double>(sign * model.offset_Pa());
+    };
+    // Before the state follows, an innovation is all of what the pressure is off by. An offset of 0.25 * 20.7 MPa at rest leaves
+    // 1 / (1 + 2 xi L / w + L^2 / (2 w^2)) of itself.
+    const double w = 2.0 * std::numbers::pi * 20.0, l = 30.0;
+    const double max = 0.25 * 20.7e6 / (1.0 + 2.0 * 0.8 * l / w + l * l / (2.0 * w * w));
+    CHECK(learnt_Pa(1e6F, 1) == Approx(7.0 * 1e-3 * 1e6));
+    CHECK(learnt_Pa(0.99F * static_cast<float>(max), 1) == Approx(7.0 * 1e-3 * 0.99 * max));
+    CHECK(learnt_Pa(20e6F, 1) == Approx(7.0 * 1e-3 * max));
+    CHECK(learnt_Pa(20e6F, 10) == Approx(7.0 * 10e-3 * max));
+}
+
 TEST_CASE("a map that begins above no pressure is held before its first point", "[CTL-020]") {
     ValveConfig valve = fixed_config().valve;
     valve.pressure_Pa[0] = 0.1e6F;

@@ -8,7 +8,7 @@
 #include "rig_bridge/bridge/view.hpp"
 #include "rig_bridge/bridge/wear_regulation.hpp"
 #include "rig_bridge/rig/friction_curve.hpp"
-#include "rig_bridge/wear/mean_curve.hpp"
+#include "rig_bridge/wear/population.hpp"
 #include "tests/catch.hpp"
 #include "tests/endurance/truth.hpp"
 

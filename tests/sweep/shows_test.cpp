@@ -2,9 +2,9 @@
 /// `rig-lab sweep`, which holds the same checks against itself.
 #include <thread>
 
-#include "plant_sim/study/sweep/load_sweep_plan.hpp"
 #include "plant_sim/study/sweep/run.hpp"
 #include "plant_sim/study/sweep/summary.hpp"
+#include "plant_sim/study/sweep/sweep_plan.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
 #include "tests/catch.hpp"
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "plant_sim/study/sweep/load_sweep_plan.hpp"
+#include "plant_sim/study/sweep/sweep_plan.hpp"
 
 namespace small {
 

@@ -3,8 +3,8 @@
 #include <map>
 #include <set>
 
-#include "plant_sim/study/sweep/load_sweep_plan.hpp"
 #include "plant_sim/study/sweep/stops_table.hpp"
+#include "plant_sim/study/sweep/sweep_plan.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 #include "tests/catch.hpp"

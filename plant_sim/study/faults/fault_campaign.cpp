@@ -3,6 +3,10 @@
 #include <mutex>
 #include <optional>
 
+#include "firmware/can/load_layout.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/hash.hpp"
+#include "rig_bridge/rig/load_rig.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
 
 namespace faults {
@@ -51,6 +55,106 @@ std::vector<Row> run_campaign(const FaultPlan& plan, std::span<const std::size_t
         if (row) finished.push_back(*row);
     }
     return finished;
+}
+
+Case FaultPlan::at(std::size_t number) const {
+    Case c;
+    c.number = number;
+    std::size_t left = number;
+    c.repetition = left % repetitions;
+    left /= repetitions;
+    c.surface = left % surfaces.size();
+    left /= surfaces.size();
+    c.phase = static_cast<StopPart>(left % kPhaseNames.size());
+    const Pair what = catalogue()[left / kPhaseNames.size()];
+
+    rig::Random sensors(seed + 1000003U * (c.surface * repetitions + c.repetition));
+    c.sensor_seed = sensors.bits();
+    rig::Random random(rig::Random(seed).bits() ^ number);
+    c.fault = draw(what, random);
+    c.at = uniform(random);
+    c.fault_seed = random.bits();
+    return c;
+}
+
+study::SessionOptions FaultPlan::session(const Case& c) const {
+    study::SessionOptions session;
+    session.plan = maneuver;
+    session.period_s = static_cast<double>(controller.period_s);
+    session.drop_out_mps = drop_out_mps;
+    session.seed = c.sensor_seed;
+    return session;
+}
+
+FaultPlan load_plan(const FaultPlanOptions& options) {
+    const auto controller = options.config / "controller.toml";
+    const auto dbc = options.config / "antiskid.dbc";
+    const auto binding = options.config / "antiskid_binding.toml";
+    FaultPlan plan;
+    plan.controller = antiskid::load_controller_config(controller);
+    plan.layout = antiskid::can::load_layout(dbc, binding);
+    plan.repetitions = options.repetitions;
+    plan.seed = options.seed;
+    plan.version = ANTISKID_VERSION;
+    std::vector<std::filesystem::path> files;
+    for (const std::string& surface : options.surfaces) {
+        rig::ManeuverChoice choice;
+        choice.maneuver = options.maneuver;
+        choice.surface = surface;
+        const rig::LoadedRig loaded = rig::load_rig(options.config, choice);
+        plan.surfaces.push_back({surface, loaded.rig});
+        plan.maneuver.demand_Pa = loaded.full_pressure_Pa;
+        plan.drop_out_mps = loaded.drop_out_mps;
+        files = loaded.files;
+    }
+    // Long enough that a fault at standstill is seen before and after the release.
+    plan.maneuver.after_standstill_s = 0.6;
+    plan.maneuver.release_s = 0.6;
+    files.insert(files.end(), {controller, dbc, binding});
+    plan.config_hash = settings::hash(files);
+    return plan;
+}
+
+bool Beginning::reached(const study::RigSession& session) {
+    reached_ = reached_ || now(session);
+    return reached_;
+}
+
+bool Beginning::now(const study::RigSession& session) {
+    const double time_s = session.rig().time_s();
+    const double v = session.rig().wheel().v_mps;
+    const double brake_on_mps = session.rig().parameters().brake_on_mps;
+    const study::ManeuverPlan& plan = session.pilot().plan();
+    const bool braking = session.pilot().phase() == study::StopPhase::braking;
+    constexpr double kSelfTestBegins_s = 0.01;
+    constexpr double kSpinUp_s = 0.2;
+    constexpr double kBuildUp_s = 0.3;
+    constexpr double kHeld_s = 0.3;
+    const auto after = [&](double from_s, double lasts_s) { return time_s >= from_s + at_ * lasts_s; };
+    const auto below = [&](double from, double to) { return braking && v <= brake_on_mps * (from + at_ * (to - from)); };
+    switch (phase_) {
+        case StopPart::self_test:
+            return after(kSelfTestBegins_s, plan.arm_s - kSelfTestBegins_s);
+        case StopPart::approach:
+            return after(plan.arm_s, plan.touchdown_s - plan.arm_s);
+        case StopPart::touchdown:
+            return after(plan.touchdown_s, kSpinUp_s);
+        case StopPart::rolling:
+            return after(plan.touchdown_s + kSpinUp_s, plan.settle_s - kSpinUp_s);
+        case StopPart::build_up:
+            return after(plan.touchdown_s + plan.settle_s, kBuildUp_s);
+        case StopPart::fast:
+            return below(0.9, 0.5);
+        case StopPart::slow:
+            return below(0.5, 0.15);
+        case StopPart::drop_out:
+            return braking && v <= drop_out_mps_ * (1.0 - 0.8 * at_);
+        case StopPart::standstill:
+            if (session.pilot().phase() < study::StopPhase::standstill) return false;
+            if (stood_at_s_ < 0.0) stood_at_s_ = time_s;
+            return after(stood_at_s_, kHeld_s);
+    }
+    return false;
 }
 
 }  // namespace faults

@@ -1,16 +1,108 @@
 /// One run: the stop in process, with real frames and the real controller, and the fault between them; and the runs of a plan on every core.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
-#include "plant_sim/study/faults/fault_plan.hpp"
+#include "firmware/can/layout.hpp"
+#include "firmware/control/config.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "plant_sim/model/rig.hpp"
+#include "plant_sim/study/faults/catalogue.hpp"
 #include "plant_sim/study/faults/judge.hpp"
 #include "plant_sim/study/in_process.hpp"
+#include "plant_sim/study/rig_session.hpp"
 
 namespace faults {
+
+/// Where in a stop a fault begins.
+enum class StopPart : std::uint8_t {
+    self_test,   ///< before the controller is armed
+    approach,    ///< armed, in the air
+    touchdown,   ///< the wheel spins up
+    rolling,     ///< it rolls freely
+    build_up,    ///< 0.3 s from brake-on
+    fast,        ///< braking, 90 to 50 % of the speed at brake-on
+    slow,        ///< braking, 50 to 15 %
+    drop_out,    ///< below the drop-out speed
+    standstill,  ///< held, then released
+};
+inline constexpr std::array<std::string_view, 9> kPhaseNames{"self_test", "approach", "touchdown", "rolling",   "build_up",
+                                                             "fast",      "slow",     "drop_out",  "standstill"};
+[[nodiscard]] constexpr std::string_view name(StopPart phase) {
+    return kPhaseNames[static_cast<std::size_t>(phase)];
+}
+
+struct Surface {
+    std::string name;
+    rig::RigParameters rig;
+};
+
+/// What run `number` is.
+struct Case {
+    std::size_t number = 0;
+    Fault fault;
+    StopPart phase{};
+    double at = 0.0;  ///< 0 to 1: where in the phase it begins
+    std::size_t surface = 0;
+    std::size_t repetition = 0;
+    std::uint64_t sensor_seed = 0;  ///< the same for every fault of one surface and repetition
+    std::uint64_t fault_seed = 0;   ///< of what the fault does
+};
+
+/// The campaign as a list of numbered runs: every fault of the catalogue in every phase of a stop on every surface, several times.
+/// A run's number and the seed decide everything about it, so any run can be repeated alone.
+struct FaultPlan {
+    std::vector<Surface> surfaces;
+    antiskid::control::Config controller;
+    antiskid::can::Layout layout;
+    study::ManeuverPlan maneuver;
+    double drop_out_mps = 0.0;
+    std::size_t repetitions = 0;
+    std::uint64_t seed = 0;
+    std::string config_hash;
+    std::string version;
+
+    [[nodiscard]] std::size_t runs() const { return catalogue().size() * kPhaseNames.size() * surfaces.size() * repetitions; }
+    /// `number` below runs().
+    [[nodiscard]] Case at(std::size_t number) const;
+    [[nodiscard]] study::SessionOptions session(const Case& c) const;
+};
+
+struct FaultPlanOptions {
+    std::filesystem::path config = settings::config_directory();
+    std::string maneuver = "light";
+    std::vector<std::string> surfaces{"dry_asphalt", "wet_asphalt", "snow", "ice"};
+    std::size_t repetitions = 5;
+    std::uint64_t seed = 1;
+};
+
+/// Throws settings::Error naming file, line and key.
+[[nodiscard]] FaultPlan load_plan(const FaultPlanOptions& options);
+
+/// When in a stop the fault of a case begins.
+class Beginning {
+  public:
+    Beginning(const Case& c, double drop_out_mps) : phase_(c.phase), at_(c.at), drop_out_mps_(drop_out_mps) {}
+    /// Ask once a period: whether it has begun.
+    [[nodiscard]] bool reached(const study::RigSession& session);
+
+  private:
+    [[nodiscard]] bool now(const study::RigSession& session);
+
+    StopPart phase_;
+    double at_;
+    double drop_out_mps_;
+    double stood_at_s_ = -1.0;
+    bool reached_ = false;
+};
 
 /// The same stop without a fault. Throws std::runtime_error where it names faults or does not come to rest: nothing could be said about one
 /// with a fault.

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -7,18 +8,112 @@
 
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/rig_port.hpp"
+#include "firmware/can/rig_sample.hpp"
 #include "firmware/control/controller.hpp"
+#include "firmware/control/types.hpp"
+#include "plant_sim/model/rig.hpp"
 #include "plant_sim/study/faults/fault_campaign.hpp"
 #include "plant_sim/study/faults/frame_fault.hpp"
 #include "plant_sim/study/faults/machine_fault.hpp"
-#include "plant_sim/study/faults/sample_fault.hpp"
+#include "plant_sim/study/faults/value_fault.hpp"
 #include "plant_sim/study/faults/valve_driver.hpp"
 #include "plant_sim/study/faults/valve_fault.hpp"
 #include "plant_sim/study/loop.hpp"
+#include "plant_sim/study/rig_session.hpp"
 
 namespace faults {
 
 namespace {
+
+using antiskid::control::Law;
+
+constexpr Scale kPressure_Pa{.min_bias = 0.1e6, .max_bias = 20e6, .full = 25e6};
+constexpr Scale kDemand_Pa{.min_bias = 0.1e6, .max_bias = 20e6, .full = 32e6};
+constexpr Scale kSlipReference{.min_bias = 0.01, .max_bias = 0.5, .full = 1.0};
+
+Scale scale_of(Signal signal) {
+    return signal == Signal::pressure ? kPressure_Pa : signal == Signal::demand ? kDemand_Pa : kSlipReference;
+}
+
+/// Full scale of the encoders' electronics.
+constexpr double kFull_radps = 400.0;
+
+double teeth_of(Signal signal, const rig::RigParameters& rig) {
+    return signal == Signal::flywheel ? rig.flywheel_encoder.teeth : rig.wheel_encoder.teeth;
+}
+
+/// A bias of the law is the next one; a spike another one at random in a share of the periods; saturation the largest code. An
+/// emergency stop is pressed for as long as the fault lasts, at least for kPressed_s.
+class SampleFault {
+  public:
+    static constexpr double kPressed_s = 0.5;
+
+    SampleFault(const Fault& fault, const rig::RigParameters& rig, double period_s)
+        : fault_(fault),
+          value_(fault, scale_of(fault.what.signal)),
+          switch_(fault),
+          encoder_(fault, teeth_of(fault.what.signal, rig), kFull_radps),
+          flywheel_radius_m_(rig.flywheel_radius_m),
+          period_s_(period_s) {}
+
+    void apply(antiskid::can::RigSample& sample, const study::RigSession& session, bool active, rig::Random& random) {
+        const plant::Rig& rig = session.rig();
+        const double now_s = rig.time_s();
+        const auto number = [&](float& value) { value = static_cast<float>(value_.apply(static_cast<double>(value), active, random)); };
+        if (of_frame(fault_.what.kind) && fault_.what.signal != Signal::emergency_stop) return;
+        switch (fault_.what.signal) {
+            case Signal::wheel:
+                sample.wheel = encoder_.apply(sample.wheel, rig.wheel().omega_radps, now_s, period_s_, active, random);
+                break;
+            case Signal::flywheel:
+                sample.flywheel = encoder_.apply(sample.flywheel, rig.wheel().v_mps / flywheel_radius_m_, now_s, period_s_, active, random);
+                break;
+            case Signal::pressure:
+                number(sample.pressure_Pa);
+                break;
+            case Signal::demand:
+                number(sample.maneuver.demand_Pa);
+                break;
+            case Signal::slip_reference:
+                number(sample.maneuver.slip_reference);
+                break;
+            case Signal::arm:
+                sample.maneuver.arm = switch_.apply(sample.maneuver.arm, active, random);
+                break;
+            case Signal::weight_on_wheels:
+                sample.maneuver.weight_on_wheels = switch_.apply(sample.maneuver.weight_on_wheels, active, random);
+                break;
+            case Signal::law:
+                if (active) apply_law(sample.maneuver, random);
+                break;
+            case Signal::emergency_stop:
+                if (active) pressed_until_s_ = std::max(pressed_until_s_, now_s + (pressed_until_s_ < 0.0 ? kPressed_s : 0.0));
+                sample.emergency_stop = active || now_s < pressed_until_s_;
+                break;
+            default:
+                break;
+        }
+    }
+
+  private:
+    void apply_law(antiskid::can::ManeuverSample& maneuver, rig::Random& random) const {
+        constexpr unsigned kLaws = antiskid::control::kLawCount;
+        const auto law = static_cast<unsigned>(maneuver.law);
+        unsigned wrong = law;
+        if (fault_.what.kind == Kind::bias) wrong = (law + 1U) % kLaws;
+        if (fault_.what.kind == Kind::saturation) wrong = fault_.negative ? kLaws : 7U;
+        if (fault_.what.kind == Kind::spike && uniform(random) < fault_.share) wrong = static_cast<unsigned>(random.bits() % kLaws);
+        maneuver.law = static_cast<Law>(wrong);
+    }
+
+    Fault fault_;
+    ValueFault value_;
+    SwitchFault switch_;
+    EncoderFault encoder_;
+    double flywheel_radius_m_;
+    double period_s_;
+    double pressed_until_s_ = -1.0;
+};
 
 using antiskid::can::ControllerPort;
 using antiskid::can::Frame;
@@ -48,18 +143,15 @@ Role role_of(Signal signal) {
     }
 }
 
-/// Rig, bus, controller and valve driver, and the fault wherever it sits.
-class Bench {
+/// Bus, valve driver, and the fault wherever it sits.
+class FaultLink {
   public:
-    Bench(const FaultPlan& plan, const Case& c, double longest_s)
-        : plan_(plan),
+    FaultLink(const FaultPlan& plan, const Case& c)
+        : layout_(plan.layout),
           fault_(c.fault),
           random_(c.fault_seed),
-          session_(plan.surfaces[c.surface].rig, options(plan, c, longest_s)),
-          controller_(plan.controller),
-          period_(study::period_of(plan.controller)),
-          rig_port_(plan.layout, period_),
-          port_(plan.layout, period_),
+          rig_port_(plan.layout, study::period_of(plan.controller)),
+          port_(plan.layout, study::period_of(plan.controller)),
           message_(plan.layout[role_of(c.fault.what.signal)].id),
           on_bus_(of_frame(c.fault.what.kind)),
           frames_(c.fault, plan.layout, role_of(c.fault.what.signal)),
@@ -67,21 +159,25 @@ class Bench {
           valve_(c.fault, static_cast<double>(plan.controller.period_s)),
           machine_(c.fault) {}
 
-    [[nodiscard]] const study::RigSession& session() const { return session_; }
+    /// Whether the fault is there in the cycles to come.
+    void set_active(bool active) { active_ = active; }
     [[nodiscard]] const Command& command() const { return command_; }
     [[nodiscard]] const antiskid::can::ControllerView& view() const { return rig_port_.controller(); }
     [[nodiscard]] double driver_mA() const { return driver_.current_mA(); }
+    /// What flows, whatever the driver gives.
+    [[nodiscard]] double current_mA() const { return current_mA_; }
+    [[nodiscard]] antiskid::control::State state() const { return command_.state; }
     /// Whether the valve's driver hears the controller.
     [[nodiscard]] bool received() const { return driver_.hears(); }
     /// Demand as it is sent; none where it is not armed or the wheel carries no load.
     [[nodiscard]] double asked_Pa() const {
-        return asked_.arm && asked_.weight_on_wheels ? plan_.layout.maneuver.demand_Pa.rounded(static_cast<double>(asked_.demand_Pa)) : 0.0;
+        return asked_.arm && asked_.weight_on_wheels ? layout_.maneuver.demand_Pa.rounded(static_cast<double>(asked_.demand_Pa)) : 0.0;
     }
 
-    void cycle(bool active) {
-        const Time now = period_ * steps_;
-        const MachineFault::Effect effect = machine_.effect(active, random_);
-        send_samples(active, now, effect);
+    const Command& cycle(const study::RigSession& session, Controller& controller, Time now, const study::RunResult& result) {
+        const auto step = static_cast<std::int64_t>(result.steps);
+        const MachineFault::Effect effect = machine_.effect(active_, random_);
+        send_samples(session, step, now, effect);
         std::uint32_t answers = 0;
         std::array<Frame, ControllerPort::kMaxFrames> answer{};
         if (effect.misses_period) {
@@ -92,7 +188,7 @@ class Bench {
             port_.note_link({.up = !effect.bus_off, .bus_off = effect.bus_off});
             port_.note_missed_periods(missed_);
             missed_ = 0;
-            command_ = controller_.step(port_.sensors(), now + effect.clock);
+            command_ = controller.step(port_.sensors(), now + effect.clock);
             port_.clear_one_shots();
             answers = static_cast<std::uint32_t>(port_.due_frames(command_, answer));
         }
@@ -100,32 +196,26 @@ class Bench {
             answer[i].received = now;
             if (effect.bus_off) continue;
             if (on_bus_ && answer[i].id == message_)
-                frames_.send(answer[i], active, steps_, random_);
+                frames_.send(answer[i], active_, step, random_);
             else
                 rig_port_.accept(answer[i]);
         }
         if (on_bus_ && fault_.what.signal == Signal::valve_command) {
-            while (auto frame = frames_.receive(steps_)) {
+            while (auto frame = frames_.receive(step)) {
                 frame->received = now;
                 rig_port_.accept(*frame);
             }
         }
         driver_.update(rig_port_.controller(), rig_port_.stats(Role::valve), now);
-        session_.advance(valve_.apply(driver_.current_mA(), active, random_), command_.state);
-        ++steps_;
+        current_mA_ = valve_.apply(driver_.current_mA(), active_, random_);
+        return command_;
     }
 
   private:
-    static study::SessionOptions options(const FaultPlan& plan, const Case& c, double longest_s) {
-        study::SessionOptions session = plan.session(c);
-        session.longest_s = longest_s;
-        return session;
-    }
-
-    void send_samples(bool active, Time now, const MachineFault::Effect& effect) {
-        antiskid::can::RigSample sample = session_.sample();
-        sample.load_cells = session_.load_cells();
-        sample_.apply(sample, session_, active, random_);
+    void send_samples(const study::RigSession& session, std::int64_t step, Time now, const MachineFault::Effect& effect) {
+        antiskid::can::RigSample sample = session.sample();
+        sample.load_cells = session.load_cells();
+        sample_.apply(sample, session, active_, random_);
         asked_ = sample.maneuver;
         std::array<Frame, RigPort::kMaxFrames> sent{};
         const std::size_t count = rig_port_.due_frames(sample, sent);
@@ -135,20 +225,18 @@ class Bench {
         };
         for (std::size_t i = 0; i < count; ++i) {
             if (on_bus_ && sent[i].id == message_)
-                frames_.send(sent[i], active, steps_, random_);
+                frames_.send(sent[i], active_, step, random_);
             else
                 arrive(sent[i]);
         }
         if (fault_.what.signal == Signal::valve_command) return;
-        while (const auto frame = frames_.receive(steps_)) arrive(*frame);
+        while (const auto frame = frames_.receive(step)) arrive(*frame);
     }
 
-    const FaultPlan& plan_;
+    const antiskid::can::Layout& layout_;
     Fault fault_;
     rig::Random random_;
-    study::RigSession session_;
-    Controller controller_;
-    Time period_;
+    bool active_ = false;
     RigPort rig_port_;
     ControllerPort port_;
     std::uint32_t message_;
@@ -161,34 +249,37 @@ class Bench {
     antiskid::can::ManeuverSample asked_;
     Command command_;
     ValveDriver driver_;
+    double current_mA_ = 0.0;
     std::uint32_t missed_ = 0;
-    std::int64_t steps_ = 0;
 };
+
+study::Loop<FaultLink> loop_of(const FaultPlan& plan, const Case& c, double longest_s) {
+    study::SessionOptions session = plan.session(c);
+    session.longest_s = longest_s;
+    return {plan.controller, plan.surfaces[c.surface].rig, session, FaultLink(plan, c)};
+}
 
 constexpr double kLongest_s = 600.0;
 
 }  // namespace
 
 Sound run_sound(const FaultPlan& plan, const Case& c) {
-    Bench bench(plan, c, kLongest_s);
-    Sound sound;
-    while (!bench.session().done()) {
-        bench.cycle(false);
-        sound.named.insert(bench.command().faults);
-    }
-    sound.distance_m = bench.session().figures().stop_distance_m;
-    sound.lasts_s = bench.session().rig().time_s();
-    if (!sound.named.empty() || !bench.session().rig().standstill())
+    study::Loop<FaultLink> loop = loop_of(plan, c, kLongest_s);
+    const study::RunResult run = loop.run({});
+    if (!run.faults.empty() || !loop.session().rig().standstill())
         throw std::runtime_error(
             fmt::format("the stop on {}, sensor seed {}, names faults or does not come to rest without any fault: "
                         "nothing can be said about it with one",
                         plan.surfaces[c.surface].name, c.sensor_seed));
-    return sound;
+    return {.distance_m = run.figures.stop_distance_m, .lasts_s = loop.session().rig().time_s(), .named = run.faults};
 }
 
 Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const study::StepObserver& on_step) {
     constexpr double kPatience = 2.0;  // times the sound run's length: nobody brakes any more
-    Bench bench(plan, c, kPatience * sound.lasts_s);
+    study::Loop<FaultLink> loop = loop_of(plan, c, kPatience * sound.lasts_s);
+    study::RigSession& session = loop.session();
+    const plant::Rig& rig = session.rig();
+    FaultLink& link = loop.link();
     Judge judge({}, {.sound_distance_m = sound.distance_m,
                      .safe_mA = static_cast<double>(plan.controller.valve.safe_current_mA),
                      .changed_wish = changes_wish(c.fault.what.signal),
@@ -197,30 +288,31 @@ Result run_one(const FaultPlan& plan, const Case& c, const Sound& sound, const s
     Beginning beginning(c, plan.drop_out_mps);
     bool begun = false;
     double ends_s = 0.0;
-    while (!bench.session().done()) {
-        const double time_s = bench.session().rig().time_s();
-        if (!begun && beginning.reached(bench.session())) {
+    while (!session.done()) {
+        const double time_s = rig.time_s();
+        if (!begun && beginning.reached(session)) {
             begun = true;
             ends_s = time_s + c.fault.lasts_s;
             result.begun_s = time_s;
-            result.begun_mps = bench.session().rig().wheel().v_mps;
+            result.begun_mps = rig.wheel().v_mps;
         }
-        bench.cycle(begun && time_s < ends_s);
-        if (on_step) on_step(bench.session(), bench.view(), bench.driver_mA());
+        link.set_active(begun && time_s < ends_s);
+        loop.control();
+        session.advance(link.current_mA(), link.state());
+        if (on_step) on_step(session, link.view(), link.driver_mA());
         if (!begun) continue;
-        const plant::Rig& rig = bench.session().rig();
         judge.observe({.period_s = static_cast<double>(plan.controller.period_s),
-                       .distance_m = bench.session().distance_m(),
+                       .distance_m = session.distance_m(),
                        .v_mps = rig.wheel().v_mps,
                        .slip = rig.forces().slip,
                        .pressure_Pa = rig.pressure_Pa(),
-                       .asked_Pa = bench.asked_Pa(),
-                       .driver_mA = bench.driver_mA(),
-                       .state = bench.command().state,
-                       .named = bench.command().faults,
-                       .received = bench.received()});
+                       .asked_Pa = link.asked_Pa(),
+                       .driver_mA = link.driver_mA(),
+                       .state = link.state(),
+                       .named = link.command().faults,
+                       .received = link.received()});
     }
-    result.verdict = judge.verdict(bench.session().rig().standstill());
+    result.verdict = judge.verdict(rig.standstill());
     return result;
 }
 

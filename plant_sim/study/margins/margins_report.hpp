@@ -15,7 +15,7 @@ struct ReportHead {
     std::string version;
     StudyOptions options;
     Pid pid;
-    std::string tyre = "static";  ///< tyre_name() of tyres.hpp
+    std::string tyre = "static";  ///< or the ring tyre it is compared on
 };
 
 /// Markdown, one row a scenario: the worst margins over its speeds and where, full linearisation; then what is infeasible.

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <iterator>
 
+#include "plant_sim/study/json_number.hpp"
 #include "plant_sim/study/robust/grids.hpp"
 #include "plant_sim/study/robust/held_reference.hpp"
-#include "plant_sim/study/robust/json_number.hpp"
 
 namespace robust {
 
@@ -112,8 +112,8 @@ nlohmann::ordered_json brake_on_json(const RobustPlan& plan, const std::vector<R
                                      {"ended_safe", s.tripped},
                                      {"mean_j_mu", s.mean_j_mu},
                                      {"asked_share_of_held", asked_share(s.speed_mps)},
-                                     {"mean_share_of_held", or_null(s.mean_share)},
-                                     {"min_share_of_held", or_null(s.min_share)},
+                                     {"mean_share_of_held", study::or_null(s.mean_share)},
+                                     {"min_share_of_held", study::or_null(s.min_share)},
                                      {"min_is", s.min_share ? nlohmann::ordered_json(stop_is(plan, s.min)) : nlohmann::ordered_json()},
                                      {"reached", s.reached},
                                      {"mean_valve_travel_mAps", s.mean_travel_mAps},
@@ -129,8 +129,8 @@ nlohmann::ordered_json brake_on_json(const RobustPlan& plan, const std::vector<R
                                  {"speed_mps", at.speed_mps},
                                  {"ended_safe", row.tripped()},
                                  {"j_mu", row.figures.j_mu},
-                                 {"held_j_mu", or_null(share.held_j_mu)},
-                                 {"valve_travel_mAps", or_null(row.figures.valve_travel_mAps)},
+                                 {"held_j_mu", study::or_null(share.held_j_mu)},
+                                 {"valve_travel_mAps", study::or_null(row.figures.valve_travel_mAps)},
                                  {"travel_ratio", share.travel_ratio}});
     }
     return json;

@@ -8,8 +8,8 @@
 #include <iterator>
 #include <limits>
 
+#include "plant_sim/study/json_number.hpp"
 #include "plant_sim/study/robust/grids.hpp"
-#include "plant_sim/study/robust/json_number.hpp"
 #include "plant_sim/study/robust/percentile.hpp"
 
 namespace robust {
@@ -78,9 +78,9 @@ nlohmann::ordered_json summary_json(const RobustPlan& plan, const ChangesSummary
     if (s.measured == 0) return json;
     json["within_0.4_s"] = s.in_time;
     json["never"] = s.never;
-    json["median_s"] = or_null(s.median_s);
-    json["percentile_90_s"] = or_null(s.percentile_90_s);
-    json["worst_s"] = or_null(s.worst_s);
+    json["median_s"] = study::or_null(s.median_s);
+    json["percentile_90_s"] = study::or_null(s.percentile_90_s);
+    json["worst_s"] = study::or_null(s.worst_s);
     json["worst_is"] = change_is(plan, s.worst);
     return json;
 }
@@ -131,7 +131,7 @@ nlohmann::ordered_json changes_json(const RobustPlan& plan, const std::vector<Ro
         if (row.regrip) {
             one["speed_mps"] = row.regrip->speed_mps;
             one["judged_s"] = row.regrip->judged_s;
-            one["regained_s"] = or_null(row.regrip->regained_s);
+            one["regained_s"] = study::or_null(row.regrip->regained_s);
         }
         json["changes"].push_back(one);
     }

@@ -18,7 +18,7 @@
 #include "plant_sim/study/robust/grids.hpp"
 #include "plant_sim/study/run_many.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
-#include "plant_sim/study/team/team_alone.hpp"
+#include "plant_sim/study/team/team.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
 
 namespace robust {

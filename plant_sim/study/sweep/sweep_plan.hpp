@@ -5,12 +5,14 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "firmware/can/layout.hpp"
 #include "firmware/control/config.hpp"
+#include "firmware/host/settings/config_directory.hpp"
 #include "plant_sim/model/rig.hpp"
 #include "plant_sim/study/rig_session.hpp"
 #include "rig_bridge/wear/draw.hpp"
@@ -81,5 +83,17 @@ struct SweepPlan {
 
 /// `count` landings, every scenario as likely as any other.
 [[nodiscard]] std::vector<Landing> draw_landings(std::uint64_t seed, std::size_t count, std::size_t scenarios, const BrakeLife& brake);
+
+/// A sweep's plan from the files in config/.
+struct SweepPlanOptions {
+    std::filesystem::path config = settings::config_directory();
+    std::vector<double> references = paper_references();
+    std::size_t landings = kPaperLandings;
+    bool threshold = true;
+    std::uint64_t seed = 1;
+};
+
+/// All surfaces times all maneuvers of `config`. Throws settings::Error naming file, line and key.
+[[nodiscard]] SweepPlan load_plan(const SweepPlanOptions& options);
 
 }  // namespace sweep

@@ -1,7 +1,7 @@
 #include <charconv>
 #include <cstring>
 
-#include "plant_sim/study/team/team_alone.hpp"
+#include "plant_sim/study/team/team.hpp"
 
 namespace study::team {
 

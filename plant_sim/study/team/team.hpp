@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +29,20 @@ class Team {
     /// Ends every process with this exit status.
     virtual void end_all(int status) = 0;
 };
+
+/// A team of one.
+class Alone : public Team {
+  public:
+    [[nodiscard]] std::size_t rank() const override { return 0; }
+    [[nodiscard]] std::size_t size() const override { return 1; }
+    [[nodiscard]] std::string from_leader(std::string text) override { return text; }
+    void to_leader(std::string_view) override {}
+    [[nodiscard]] std::optional<std::string> received(bool) override { return std::nullopt; }
+    void end_all(int status) override { std::exit(status); }
+};
+
+/// How many processes mpirun started, by the variables that Open MPI, MPICH and Slurm set; 1 without it.
+[[nodiscard]] std::size_t started_by_mpirun();
 
 /// Throws std::runtime_error where mpirun started several processes and this build has no MPI.
 [[nodiscard]] std::unique_ptr<Team> join_team();

@@ -3,7 +3,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "plant_sim/study/team/team_alone.hpp"
+#include "plant_sim/study/team/team.hpp"
 
 namespace study::team {
 

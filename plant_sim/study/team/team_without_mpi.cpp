@@ -1,6 +1,6 @@
 #include <stdexcept>
 
-#include "plant_sim/study/team/team_alone.hpp"
+#include "plant_sim/study/team/team.hpp"
 
 namespace study::team {
 

@@ -2,14 +2,105 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <deque>
+#include <numbers>
+#include <optional>
 
-#include "plant_sim/study/validation/shaft_speed.hpp"
-#include "plant_sim/study/validation/simulated_stop.hpp"
+#include "plant_sim/model/rig.hpp"
+#include "rig_bridge/record/edge_track.hpp"
 #include "rig_bridge/rig/tyre.hpp"
 
 namespace validation {
 
 namespace {
+
+constexpr double kStep_s = 1e-3;
+constexpr std::size_t kRemembered = 2000;  // steps
+
+plant::Rig rolling(rig::RigParameters parameters, double speed_mps) {
+    const double nominal_mps = parameters.brake_on_mps;
+    parameters.brake_on_mps = speed_mps;
+    plant::Rig rig(parameters, kStep_s, 0);
+    rig.start_rolling();
+    rig.set_brake(parameters.mean_friction, nominal_mps);
+    return rig;
+}
+
+/// A stop of the plant by prescribed pressure, remembered as far back as a window between two encoder edges may reach.
+class SimulatedStop {
+  public:
+    /// At `start_s` the wheel rolls freely at `speed_mps` under `pressure_Pa`. The friction curve of the brake stays that of the
+    /// parameters' own brake-on speed.
+    SimulatedStop(const rig::RigParameters& parameters, double speed_mps, double start_s, double pressure_Pa)
+        : rig_(rolling(parameters, speed_mps)), start_s_(start_s), given_s_(start_s), given_Pa_(pressure_Pa), pressure_Pa_(pressure_Pa) {
+        rig_.start_pressure(pressure_Pa);
+        remember();
+    }
+
+    /// To the last whole millisecond since the start that is not after `time_s`; the pressure goes linearly to `pressure_Pa`
+    /// at `time_s`. Times must not fall.
+    void advance(double time_s, double pressure_Pa) {
+        constexpr double kRounding_s = 1e-9;
+        while (!rig_.standstill() && newest_s() + kStep_s <= time_s + kRounding_s) {
+            const double share = time_s > given_s_ ? (newest_s() + kStep_s - given_s_) / (time_s - given_s_) : 1.0;
+            const double next_Pa = given_Pa_ + std::clamp(share, 0.0, 1.0) * (pressure_Pa - given_Pa_);
+            rig_.advance_pressure(pressure_Pa_, next_Pa);
+            pressure_Pa_ = next_Pa;
+            ++steps_;
+            remember();
+        }
+        given_s_ = time_s;
+        given_Pa_ = pressure_Pa;
+    }
+
+    [[nodiscard]] bool standstill() const { return rig_.standstill(); }
+
+    /// Means over a window; over one instant where `to_s` is `from_s`.
+    struct Motion {
+        double v_mps, omega_radps, radius_m;
+    };
+    /// None where the window reaches out of what is remembered (two seconds) or before the start.
+    [[nodiscard]] std::optional<Motion> mean(double from_s, double to_s) const {
+        constexpr double kInstant_s = 1e-6;
+        const auto a = at(from_s);
+        const auto b = at(to_s);
+        if (!a || !b) return std::nullopt;
+        const double length = to_s - from_s;
+        if (length < kInstant_s) return Motion{b->v_mps, b->omega_radps, b->radius_m};
+        return Motion{(b->distance_m - a->distance_m) / length, (b->angle_rad - a->angle_rad) / length, 0.5 * (a->radius_m + b->radius_m)};
+    }
+
+  private:
+    struct Instant {
+        double distance_m, angle_rad, v_mps, omega_radps, radius_m;
+    };
+    void remember() {
+        const plant::WheelState& w = rig_.wheel();
+        past_.push_back({w.distance_m, w.angle_rad, w.v_mps, w.omega_radps, rig_.forces().radius_m});
+        if (past_.size() > kRemembered) past_.pop_front();
+    }
+    [[nodiscard]] double newest_s() const { return start_s_ + static_cast<double>(steps_) * kStep_s; }
+    [[nodiscard]] std::optional<Instant> at(double time_s) const {
+        const double index = static_cast<double>(past_.size() - 1) - (newest_s() - time_s) / kStep_s;
+        if (index < 0.0) return std::nullopt;
+        const auto i = static_cast<std::size_t>(index);
+        if (i + 1 >= past_.size()) return past_.back();
+        const double x = index - static_cast<double>(i);
+        const Instant& a = past_[i];
+        const Instant& b = past_[i + 1];
+        const auto between = [x](double p, double q) { return p + x * (q - p); };
+        return Instant{between(a.distance_m, b.distance_m), between(a.angle_rad, b.angle_rad), between(a.v_mps, b.v_mps),
+                       between(a.omega_radps, b.omega_radps), between(a.radius_m, b.radius_m)};
+    }
+
+    plant::Rig rig_;
+    double start_s_;
+    double given_s_, given_Pa_;  // the newest prescribed pressure
+    double pressure_Pa_;         // at the end of the last step
+    std::int64_t steps_ = 0;
+    std::deque<Instant> past_;
+};
 
 constexpr double kRow_s = 0.01;
 constexpr double kStartWindow_s = 0.1;
@@ -18,6 +109,49 @@ constexpr double kGap_s = 0.02;
 bool brakes(const antiskid::can::BusView& s) {
     return s.maneuver.arm && s.maneuver.demand_Pa > 0.0F;
 }
+
+/// The mean speed of a shaft over a window between two of its edges: like is compared with like, whatever the lag of a speed estimate.
+class ShaftSpeed {
+  public:
+    struct Window {
+        double from_s, to_s;  ///< log time; equal where the sensor reports speed itself
+        double speed_radps;   ///< mean between them
+    };
+
+    explicit ShaftSpeed(double teeth) : track_(2.0 * std::numbers::pi / teeth) {}
+
+    /// After every sample, at its log time.
+    void see(const antiskid::control::SpeedInput& input, double time_s) {
+        if (input.received == antiskid::control::kNever) return;
+        reported_.reset();
+        if (input.source == antiskid::control::SpeedSource::speed)
+            reported_ = {time_s, time_s, static_cast<double>(input.speed_radps)};
+        else
+            track_.update(input.edge_count, input.edge_time, time_s);
+        if (track_.news() == 1) restart();
+    }
+
+    /// From the end of the last window to the newest edge; none while no edge has come since.
+    [[nodiscard]] std::optional<Window> take() {
+        if (reported_) return reported_;
+        const double length_s = track_.stamp_s() - from_stamp_s_;
+        if (!(length_s > 0.0)) return std::nullopt;
+        const double to_s = track_.last_edge_s();
+        const Window window{to_s - length_s, to_s, (track_.way_at_edge() - from_rad_) / length_s};
+        restart();
+        return window;
+    }
+
+  private:
+    void restart() {
+        from_stamp_s_ = track_.stamp_s();
+        from_rad_ = track_.way_at_edge();
+    }
+
+    rig::record::EdgeTrack track_;
+    std::optional<Window> reported_;
+    double from_stamp_s_ = 0.0, from_rad_ = 0.0;
+};
 
 /// Both encoders of a rig.
 struct Shafts {

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,9 @@
 #include "plant_sim/study/validation/measured_signals.hpp"
 
 namespace validation {
+
+/// Draws `csv` (Validation's to_csv) into `png`. Throws std::runtime_error when gnuplot is missing or fails.
+void draw_validation(const std::filesystem::path& csv, const std::filesystem::path& png, const std::string& title);
 
 /// Simulated minus recorded.
 struct ErrorFigures {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-namespace robust {
+namespace study {
 
 /// null where it is infinite or no number.
 [[nodiscard]] inline nlohmann::ordered_json or_null(double value) {
@@ -16,4 +16,4 @@ namespace robust {
     return value ? or_null(*value) : nlohmann::ordered_json();
 }
 
-}  // namespace robust
+}  // namespace study
