@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/host/seconds.hpp"
 #include "plant_sim/study/loop.hpp"
 #include "rig_bridge/rig/meter_parameters.hpp"
 
 namespace endurance {
+
+using antiskid::host::seconds;
 
 using antiskid::control::Time;
 using rig::Commanded;
@@ -14,10 +17,6 @@ using rig::Measured;
 using rig::Phase;
 
 namespace {
-
-double seconds(Time t) {
-    return static_cast<double>(t.count()) * 1e-9;
-}
 
 plc::ServedRigOptions with_period(plc::ServedRigOptions options, Time period) {
     options.period_s = seconds(period);

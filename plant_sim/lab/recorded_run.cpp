@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "firmware/host/seconds.hpp"
 #include "firmware/host/settings/settings.hpp"
 #include "plant_sim/study/validation/measured_signals.hpp"
 #include "rig_bridge/record/summary_file.hpp"
@@ -13,12 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double to_seconds(antiskid::control::Time t) {
-    return static_cast<double>(t.count()) * 1e-9;
-}
-
 identification::Edges edges(const antiskid::control::SpeedInput& input) {
-    return {.count = input.edge_count, .time_s = to_seconds(input.edge_time)};
+    return {.count = input.edge_count, .time_s = antiskid::host::seconds(input.edge_time)};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "firmware/can/load_layout.hpp"
+#include "firmware/host/seconds.hpp"
 #include "firmware/host/settings/input_file.hpp"
 #include "firmware/host/settings/near_miss.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
@@ -20,6 +21,8 @@
 #include "rig_bridge/wear/csv_rows.hpp"
 
 namespace plant_sim::lab {
+
+using antiskid::host::seconds;
 
 namespace {
 
@@ -59,10 +62,6 @@ bool is_csv(const fs::path& file) {
 
 /// Beyond this slip the wheel stands, and a held disc shows no friction.
 constexpr double kStands = 0.9;
-
-double seconds(Time time) {
-    return static_cast<double>(time.count()) * 1e-9;
-}
 
 /// The road's way by edges or, where the sensor reports that, by its speed.
 class RoadWay {

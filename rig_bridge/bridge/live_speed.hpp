@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "firmware/control/types.hpp"
+#include "firmware/host/seconds.hpp"
 
 namespace rig::bridge {
 
@@ -23,7 +24,7 @@ class LiveSpeed {
             return;
         }
         const std::uint32_t edges = input.edge_count - from_count_;
-        const double length_s = seconds(input.edge_time - from_time_);
+        const double length_s = antiskid::host::seconds(input.edge_time - from_time_);
         if (!started_ || edges > kMaxEdges || length_s < 0.0) {
             started_ = true;
             radps_ = 0.0;
@@ -41,7 +42,7 @@ class LiveSpeed {
             begin(input);
         }
         // Nothing new for long: at most one edge in that time.
-        const double silent_s = seconds(now - news_) - kLate_s;
+        const double silent_s = antiskid::host::seconds(now - news_) - kLate_s;
         if (silent_s > 0.0) radps_ = std::min(radps_, pitch_rad_ / silent_s);
     }
 
@@ -52,7 +53,6 @@ class LiveSpeed {
     static constexpr double kLate_s = 0.03;              // a frame may be so late without meaning anything
     static constexpr std::uint32_t kMaxEdges = 1 << 20;  // more is another sensor, or one that started again
 
-    static double seconds(antiskid::control::Time t) { return static_cast<double>(t.count()) * 1e-9; }
     void begin(const antiskid::control::SpeedInput& input) {
         from_count_ = input.edge_count;
         from_time_ = input.edge_time;

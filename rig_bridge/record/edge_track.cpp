@@ -1,17 +1,16 @@
 #include "rig_bridge/record/edge_track.hpp"
+#include "firmware/host/seconds.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace rig::record {
 
+using antiskid::host::seconds;
+
 namespace {
 
 constexpr double kRounding_ns = 1e3;  // of a stamp that a layout scales
-
-double seconds(Time time) {
-    return static_cast<double>(time.count()) * 1e-9;
-}
 
 }  // namespace
 

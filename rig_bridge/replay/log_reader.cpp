@@ -7,8 +7,11 @@
 #include <variant>
 
 #include "firmware/can/candump.hpp"
+#include "firmware/host/seconds.hpp"
 
 namespace rig::replay {
+
+using antiskid::host::seconds;
 
 namespace {
 
@@ -18,10 +21,6 @@ using antiskid::can::CandumpLine;
 /// All that a candump line has; a carriage return may stand at its end.
 bool is_text(std::string_view line) {
     return std::all_of(line.begin(), line.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\r' || c == '\t'; });
-}
-
-double seconds(Time time) {
-    return static_cast<double>(time.count()) * 1e-9;
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "rig_bridge/replay/player.hpp"
+#include "firmware/host/seconds.hpp"
 
 #include <fmt/format.h>
 
@@ -12,6 +13,8 @@
 #include <stdexcept>
 
 namespace rig::replay {
+
+using antiskid::host::seconds;
 
 namespace {
 
@@ -83,10 +86,6 @@ class Player {
 
 double us(Time time) {
     return static_cast<double>(time.count()) * 1e-3;
-}
-
-double seconds(Time time) {
-    return static_cast<double>(time.count()) * 1e-9;
 }
 
 struct Percentile {
