@@ -128,7 +128,7 @@ std::string to_json(const std::vector<TyreRow>& rows, const ReportHead& head) {
 
 /// The cells of one tyre that excite themselves, a row a scenario, in Markdown; empty where there are none. With it what
 /// the valve leaves of a command at that frequency.
-std::string excited_table(const std::vector<StopInputs>& scenarios, const std::vector<Cell>& cells) {
+std::string excited_table(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells) {
     std::string rows;
     for (std::size_t i = 0; i < scenarios.size(); ++i) {
         const Cell* fastest = nullptr;
