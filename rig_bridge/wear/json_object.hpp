@@ -82,7 +82,7 @@ class JsonObject {
 [[nodiscard]] inline nlohmann::ordered_json parsed_json(const std::string& file, std::string_view text) {
     try {
         return nlohmann::ordered_json::parse(text);
-    } catch (const nlohmann::ordered_json::parse_error& e) {
+    } catch (const nlohmann::ordered_json::exception& e) {  // a number too large for a double is no parse_error
         throw settings::Error(file, 0, "", fmt::format("no JSON: {}", settings::printable(e.what())));
     }
 }

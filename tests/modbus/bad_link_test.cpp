@@ -75,7 +75,7 @@ TEST_CASE("Nobody at the address: named, tried again, nothing believed", "[BRG-0
     REQUIRE(eventually([&] { return client.snapshot().counters.failed_connects >= 5; }));
     const auto now = client.snapshot();
     CHECK(now.link == LinkState::connecting);
-    CHECK_THAT(now.error, ContainsSubstring("127.0.0.1:" + std::to_string(port)) && ContainsSubstring("rejected"));
+    CHECK_THAT(now.error, ContainsSubstring("127.0.0.1:" + std::to_string(port)) && ContainsSubstring("refused"));
     CHECK(std::isnan(now.value(Measured::flywheel_speed_mps)));
     CHECK(std::isinf(now.age_s[0]));
     CHECK(std::isinf(now.plc_watchdog_age_s));

@@ -51,6 +51,7 @@ TEST_CASE("every byte of a kept brake that is damaged is noticed", "[WEAR-011]")
 TEST_CASE("a kept brake says what is wrong with it", "[WEAR-011]") {
     const std::string json = wear::to_json(kState, shipped_wear());
     CHECK_THAT(rejection(""), ContainsSubstring("brake.json: no JSON"));
+    CHECK_THAT(rejection("1e999"), ContainsSubstring("brake.json: no JSON") && ContainsSubstring("1e999"));
     CHECK_THAT(rejection("[]"), ContainsSubstring("must be an object"));
     CHECK_THAT(rejection(replaced(json, "\"format_version\": 1", "\"format_version\": 2")),
                ContainsSubstring("format_version: 2 is not the version"));
