@@ -220,8 +220,12 @@ TEST_CASE("one-shot inputs last one step; the link's state as long as it holds, 
     ControllerPort port(ours(), kStep);
     port.note_missed_periods(3);
     CHECK(port.sensors().missed_periods == 3);
+    CHECK_FALSE(port.sensors().command_unsent);
+    port.note_command_unsent();
+    CHECK(port.sensors().command_unsent);
     port.clear_one_shots();
     CHECK(port.sensors().missed_periods == 0);
+    CHECK_FALSE(port.sensors().command_unsent);
 
     LinkStatus link;
     port.note_link(link);
