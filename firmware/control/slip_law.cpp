@@ -22,9 +22,10 @@ void SlipLaw::start(const Estimate& estimate) {
 }
 
 /// What a loop that hunts, or a wheel that locks, shows on any road: slip that stays above the reference.
-void SlipLaw::retreat(const Estimate& e, float rate_per_s, float min) {
+/// Its floor is the share that takes the largest reference to the earliest peak: lower ones end below it, by more than slip is read wrong by.
+void SlipLaw::retreat(const Estimate& e, float rate_per_s) {
     const float excess = larger(e.slip - reference_ - kHeldWithin, 0.0F);
-    share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, min, 1.0F);
+    share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, config_.earliest_peak_slip / kMaxSlipReference, 1.0F);
 }
 
 /// Towards the reference while the road restores the slip, back while the wheel runs away.
@@ -37,14 +38,12 @@ float SlipLaw::answered_rate_per_s(const Estimate& e) {
 }
 
 float SlipLaw::pressure_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
-    // Before the earliest peak the road restores the slip: there is nothing to retreat from.
-    retreat(e, answered_rate_per_s(e), config_.earliest_peak_slip / larger(slip_reference, config_.earliest_peak_slip));
+    retreat(e, answered_rate_per_s(e));
     return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference, ceiling_Pa);
 }
 
 float SlipLaw::follow_Pa(const Estimate& e, float slip_reference, float ceiling_Pa) {
-    // A loop that hunts at the peak itself has to go below it: by as much as takes the largest reference to the earliest peak.
-    retreat(e, config_.rise_per_s, config_.earliest_peak_slip / kMaxSlipReference);
+    retreat(e, config_.rise_per_s);
     return hold_Pa(e, falling_reference(config_, slip_reference, e.late_v_mps), share_ * slip_reference, ceiling_Pa);
 }
 
@@ -66,11 +65,11 @@ float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ce
     const float along_chord = early > 0.0F ? early * chord_per_s(e) : 0.0F;
     const float answer = larger(config_.k_answer * larger(e.answer_per_s, 0.0F), along_chord);
     const float max_rate = config_.max_slip_rate_per_s + early * (config_.early_slip_rate_per_s - config_.max_slip_rate_per_s);
-    const float wanted_rate = smaller((config_.k_p_per_s + answer) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate, max_rate);
-    const float wanted_Pa = e.late_balance_Pa + wanted_rate / rate_per_Pa;
+    const float wanted_rate = (config_.k_p_per_s + answer) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate;
+    const float wanted_Pa = e.late_balance_Pa + smaller(wanted_rate, max_rate) / rate_per_Pa;
     const float given_Pa = limited(wanted_Pa, 0.0F, ceiling_Pa);
-    // The integral rests while the valve is at a limit and the error would drive it further in.
-    const bool winds_up = (wanted_Pa > given_Pa && error > 0.0F) || (wanted_Pa < given_Pa && error < 0.0F);
+    // The integral rests while the slip rate or the valve is at a limit and the error would drive it further in.
+    const bool winds_up = ((wanted_rate > max_rate || wanted_Pa > given_Pa) && error > 0.0F) || (wanted_Pa < given_Pa && error < 0.0F);
     if (!winds_up) integral_ += config_.k_i_per_s2 * error * period_s_;
     return given_Pa;
 }

@@ -43,7 +43,7 @@ class SlipLaw {
     [[nodiscard]] float asked() const { return asked_; }
 
   private:
-    void retreat(const Estimate& estimate, float rate_per_s, float min);
+    void retreat(const Estimate& estimate, float rate_per_s);
     float answered_rate_per_s(const Estimate& estimate);
     [[nodiscard]] float earliness(float slip) const;
     float hold_Pa(const Estimate& estimate, float falling, float allowed, float ceiling_Pa);
