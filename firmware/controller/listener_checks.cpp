@@ -70,8 +70,8 @@ Check frames_check(const Reception& reception, const controller::ControllerSetup
     if (!wrong.empty() && stats.accepted > 0) measured += fmt::format(": {}", fmt::join(wrong, ", "));
     const bool silent = stats.accepted + stats.rejected() == 0;
     const bool undamaged = wrong.empty() && stats.accepted > 0 && stats.rejected() == 0 && stats.lost == 0;
-    constexpr double kMax = 0.9;
-    const bool enough = stats.accepted >= kMax * expected(reception, setup, message);
+    constexpr double kEnough = 0.9;
+    const bool enough = stats.accepted >= kEnough * expected(reception, setup, message);
     Check check = judged(frames_name(role), undamaged && enough,
                          {.measured = std::move(measured),
                           .required = frames_required(message),

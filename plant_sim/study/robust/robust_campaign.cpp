@@ -1,4 +1,4 @@
-#include "plant_sim/study/robust/robust_campaign.hpp"
+#include "firmware/control/slip_law.hpp"
 
 #include <fmt/format.h>
 
@@ -12,6 +12,7 @@
 #include <type_traits>
 
 #include "firmware/can/load_layout.hpp"
+#include "firmware/control/slip_law.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/study/loop.hpp"
@@ -38,8 +39,7 @@ Peer peer_of(const std::string& word) {
 
 /// As far as the controller takes a reference.
 double peak_slip(const rig::Surface& surface) {
-    constexpr double kMax = 0.5;
-    return std::min(rig::peak(surface).slip, kMax);
+    return std::min(rig::peak(surface).slip, static_cast<double>(antiskid::control::kMaxSlipReference));
 }
 
 Family family_of(const std::string& word) {
