@@ -13,7 +13,7 @@ namespace {
 
 struct StartBench {
     StartBench() { facts.machine.record_free_bytes = 1e9; }
-    controller::Checks run() { return start_checks(facts, "can0", "runs/brake7"); }
+    antiskid::controller::Checks run() { return start_checks(facts, "can0", "runs/brake7"); }
 
     rig::bridge::StartFacts facts{.link = controller_test::sound_link(), .machine = {}, .bus = {}};
 };
