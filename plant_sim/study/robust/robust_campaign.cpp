@@ -1,4 +1,4 @@
-#include "firmware/control/slip_law.hpp"
+#include "plant_sim/study/robust/robust_campaign.hpp"
 
 #include <fmt/format.h>
 
