@@ -22,7 +22,7 @@ void SlipLaw::start(const Estimate& estimate) {
 }
 
 /// What a loop that hunts, or a wheel that locks, shows on any road: slip that stays above the reference.
-/// Its floor is the share that takes the largest reference to the earliest peak: lower ones end below it, by more than slip is read wrong by.
+/// The floor takes the largest reference to the earliest peak of friction; every smaller reference then ends before that peak.
 void SlipLaw::retreat(const Estimate& e, float rate_per_s) {
     const float excess = larger(e.slip - reference_ - kHeldWithin, 0.0F);
     share_ = limited(share_ + (rate_per_s - config_.excess_fall_per_s * excess) * period_s_, config_.earliest_peak_slip / kMaxSlipReference, 1.0F);
