@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace plant_sim::lab {
@@ -51,22 +53,24 @@ bool ramps(const std::vector<double>& current_mA, std::size_t k) {
 /// Readings on ramps against current, and the fitted branches.
 std::string draw_map(const identification::ValveFit& v, const fs::path& directory) {
     const fs::path csv = directory / "static_map.csv";
-    std::string text = "current_mA,rising_MPa,falling_MPa,rising_error_kPa,falling_error_kPa,map_MPa\n";
+    auto table = settings::TextTable::csv("current_mA:.4f|rising_MPa:.5f|falling_MPa:.5f|rising_error_kPa:.3f|falling_error_kPa:.3f|map_MPa:.5f");
+    const std::optional<double> none;
     constexpr std::size_t kEvery = 25;
     for (const auto& r : v.residuals) {
         for (std::size_t k = kSettled; k < r.used.size(); k += kEvery) {
             const double change = r.current_mA[k] - r.current_mA[k - kSettled];
             if (r.used[k] == 0 || !ramps(r.current_mA, k)) continue;
-            const std::string reading = fmt::format("{:.5f}", r.measured_Pa[k] * 1e-6);
-            const std::string error = fmt::format("{:.3f}", (r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3);
-            fmt::format_to(std::back_inserter(text), fmt::runtime(change > 0.0 ? "{0:.4f},{1},,{2},,\n" : "{0:.4f},,{1},,{2},\n"), r.current_mA[k],
-                           reading, error);
+            const double reading_MPa = r.measured_Pa[k] * 1e-6;
+            const double error_kPa = (r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3;
+            if (change > 0.0)
+                table.add(r.current_mA[k], reading_MPa, none, error_kPa, none, none);
+            else
+                table.add(r.current_mA[k], none, reading_MPa, none, error_kPa, none);
         }
     }
     const rig::PressureMap map = v.map();
-    for (const auto& point : map.points())
-        fmt::format_to(std::back_inserter(text), "{:.5f},,,,,{:.5f}\n", point.current_mA, point.pressure_Pa * 1e-6);
-    settings::write_file(csv, text);
+    for (const auto& point : map.points()) table.add(fmt::format("{:.5f}", point.current_mA), none, none, none, none, point.pressure_Pa * 1e-6);
+    settings::write_file(csv, table.text());
     pictures::run_gnuplot(directory / "static_map.png", 1100, 900,
                           script(csv,
                                  fmt::format("static map: dead zone {:.3f} mA, hysteresis {:.2f} uA (95 %: {:.2f} to {:.2f})", v.dead_zone_mA.value,
@@ -91,16 +95,14 @@ plot data using 'current_mA':'rising_error_kPa' with points ls 3 notitle, \
 std::string draw_valve(const identification::ValveResiduals& r, const fs::path& directory) {
     const std::string name = "valve_" + r.recording;
     const fs::path csv = directory / (name + ".csv");
-    std::string text = "time_s,current_mA,measured_MPa,modelled_MPa,error_kPa\n";
+    auto table = settings::TextTable::csv("time_s:.3f|current_mA:.3f|measured_MPa:.5f|modelled_MPa:.5f|error_kPa:.3f");
     // As many points as the picture has columns twice over show everything; steps need theirs.
     const std::size_t every = std::max<std::size_t>(1, r.time_s.size() / 12000);
     for (std::size_t k = 0; k < r.time_s.size(); k += every) {
-        fmt::format_to(std::back_inserter(text), "{:.3f},{:.3f},{:.5f},{:.5f},", r.time_s[k], r.current_mA[k], r.measured_Pa[k] * 1e-6,
-                       r.modelled_Pa[k] * 1e-6);
-        if (r.used[k] != 0) fmt::format_to(std::back_inserter(text), "{:.3f}", (r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3);
-        text += '\n';
+        const auto error_kPa = r.used[k] != 0 ? std::optional((r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3) : std::nullopt;
+        table.add(r.time_s[k], r.current_mA[k], r.measured_Pa[k] * 1e-6, r.modelled_Pa[k] * 1e-6, error_kPa);
     }
-    settings::write_file(csv, text);
+    settings::write_file(csv, table.text());
     pictures::run_gnuplot(directory / (name + ".png"), 1100, 900,
                           script(csv, fmt::format("{}: residuals of {:.1f} kPa RMS", r.recording, r.rms_Pa * 1e-3),
                                  R"(set key top right
@@ -121,13 +123,14 @@ plot data using 'time_s':'error_kPa' with points ls 3 notitle
 
 std::string draw_wheel(const identification::WheelFit& w, const fs::path& directory) {
     const fs::path csv = directory / "wheel.csv";
-    std::string text = "time_s,stop_mmps,touchdown_mmps\n";
+    auto table = settings::TextTable::csv("time_s:.3f|stop_mmps:.4f|touchdown_mmps:.4f");
     for (const auto& r : w.residuals) {
-        for (std::size_t k = 0; k < r.time_s.size(); ++k)
-            fmt::format_to(std::back_inserter(text), fmt::runtime(r.braking ? "{:.3f},{:.4f},\n" : "{:.3f},,{:.4f}\n"), r.time_s[k],
-                           r.error_mps[k] * 1e3);
+        for (std::size_t k = 0; k < r.time_s.size(); ++k) {
+            const std::optional error_mmps = r.error_mps[k] * 1e3;
+            table.add(r.time_s[k], r.braking ? error_mmps : std::nullopt, r.braking ? std::nullopt : error_mmps);
+        }
     }
-    settings::write_file(csv, text);
+    settings::write_file(csv, table.text());
     pictures::run_gnuplot(
         directory / "wheel.png", 1100, 560,
         script(csv, fmt::format("momentum of wheel and flywheel: J_w = {:.4f} kg m2, k_b = {:.5g} m3", w.inertia_kgm2.value, w.gain_m3.value),
@@ -144,12 +147,10 @@ plot data using 'time_s':'stop_mmps' with points ls 3 notitle, keyentry with poi
 std::string draw_friction(const identification::FrictionFit& f, const fs::path& directory) {
     const std::string name = "friction_" + f.surface;
     const fs::path csv = directory / (name + ".csv");
-    std::string text = "slip,mu,error,deviation\n";
+    auto table = settings::TextTable::csv("slip:.6f|mu:.6f|error:.6f|deviation:.6f");
     const rig::Surface curve = f.curve();
-    for (std::size_t k = 0; k < f.slip.size(); ++k)
-        fmt::format_to(std::back_inserter(text), "{:.6f},{:.6f},{:.6f},{:.6f}\n", f.slip[k], f.mu[k], f.mu[k] - rig::friction(curve, f.slip[k]).mu,
-                       f.deviation[k]);
-    settings::write_file(csv, text);
+    for (std::size_t k = 0; k < f.slip.size(); ++k) table.add(f.slip[k], f.mu[k], f.mu[k] - rig::friction(curve, f.slip[k]).mu, f.deviation[k]);
+    settings::write_file(csv, table.text());
     const std::string plots = fmt::format(R"(c1 = {}
 c2 = {}
 c3 = {}

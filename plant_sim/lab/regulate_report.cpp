@@ -6,6 +6,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace plant_sim::lab {
@@ -101,25 +102,22 @@ std::string to_text(const RegulateReport& r) {
         "references {:.3f} to {:.3f} keep J_mu at {:.2f} or above\n{}\n",
         r.plan.brake_budget_J() * 1e-6, r.plan.tyre_budget_J() * 1e-6, r.plan.landings, r.plan.landing_J * 1e-6, r.plan.landing_deviation_J * 1e-6,
         r.range.lowest, r.range.highest, r.rules.j_mu_floor, wear::sentence(r.limits, r.plan));
-    auto out = std::back_inserter(text);
     const PolicyLives& regulated = r.policies.front();
     for (std::size_t i = 0; i < regulated.lives.size(); ++i) text += life_text(regulated.lives[i], static_cast<int>(i) + 1, r.plan);
-    fmt::format_to(out,
-                   "\n| policy | met, of feasible lives | together, of all lives | first limit at landing | left of the "
-                   "other: mean | worst | brake used at plan | tyre used at plan | mean J_mu | least J_mu | mean "
-                   "distance (m) |\n"
-                   "|---|---|---|---|---|---|---|---|---|---|---|\n");
+    auto table = settings::TextTable::markdown(
+        "policy|met, of feasible lives|together, of all lives|first limit at landing:.1f|left of the other: mean:|worst|brake used at plan|"
+        "tyre used at plan|mean J_mu:.4f|least J_mu:.3f|mean distance (m):.1f");
+    const auto percent = [](double share, int digits) { return fmt::format("{:.{}f} %", share * 100.0, digits); };
     const std::vector<bool> possible = r.feasible();
     for (const PolicyLives& p : r.policies) {
         const Summary s = regulation::summary(p, possible, r.plan.tolerance);
-        fmt::format_to(out,
-                       "| {} | {} of {} | {} of {} | {:.1f} | {:.2f} % | {:.2f} % | {:.1f} % | {:.1f} % | "
-                       "{:.4f} | {:.3f} | {:.1f} |\n",
-                       p.policy.name, s.met, s.feasible, s.together, p.lives.size(), s.first_landing, s.other_left * 100.0,
-                       s.worst_other_left * 100.0, s.brake_at_plan * 100.0, s.tyre_at_plan * 100.0, s.j_mu, s.min_j_mu, s.distance_m);
+        table.add(p.policy.name, fmt::format("{} of {}", s.met, s.feasible), fmt::format("{} of {}", s.together, p.lives.size()), s.first_landing,
+                  percent(s.other_left, 2), percent(s.worst_other_left, 2), percent(s.brake_at_plan, 1), percent(s.tyre_at_plan, 1), s.j_mu,
+                  s.min_j_mu, s.distance_m);
     }
+    text += "\n" + table.text();
     const Summary s = regulation::summary(regulated, possible, r.plan.tolerance);
-    fmt::format_to(out, "\n{}\n",
+    fmt::format_to(std::back_inserter(text), "\n{}\n",
                    !r.options.worst_stops ? "stop distances were not checked against the floor"
                    : s.floor_held         ? "no regulated stop was longer than at the worst reference that the floor allows"
                                           : "A REGULATED STOP WAS LONGER than at the worst reference that the floor allows");
@@ -186,22 +184,20 @@ std::string to_json(const RegulateReport& r) {
 }
 
 std::string to_csv(const RegulateReport& r) {
-    std::string text =
-        "policy,life,landing,slip_reference,required_share,tyre_share,brake_J,tyre_J,distance_m,worst_"
-        "distance_m,j_mu,"
-        "reading\n";
-    auto out = std::back_inserter(text);
+    auto csv = settings::TextTable::csv(
+        "policy|life|landing|slip_reference:.6f|required_share:.6f|tyre_share:.6f|brake_J:.1f|tyre_J:.1f|distance_m:.3f|worst_distance_m:.3f|j_mu:."
+        "5f|"
+        "reading");
     for (const PolicyLives& p : r.policies) {
         for (std::size_t i = 0; i < p.lives.size(); ++i) {
             for (std::size_t k = 0; k < p.lives[i].rows.size(); ++k) {
                 const LifeRow& row = p.lives[i].rows[k];
-                fmt::format_to(out, "{},{},{},{:.6f},{:.6f},{:.6f},{:.1f},{:.1f},{:.3f},{:.3f},{:.5f},{}\n", p.policy.name, i + 1, k + 1,
-                               row.reference, row.required_share, row.share, row.brake_J, row.tyre_J, row.distance_m, row.worst_distance_m, row.j_mu,
-                               wear::name(row.reading));
+                csv.add(p.policy.name, i + 1, k + 1, row.reference, row.required_share, row.share, row.brake_J, row.tyre_J, row.distance_m,
+                        row.worst_distance_m, row.j_mu, wear::name(row.reading));
             }
         }
     }
-    return text;
+    return csv.text();
 }
 
 void draw(const RegulateReport& r, const std::filesystem::path& png) {

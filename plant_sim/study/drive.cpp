@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
 #include <string_view>
 
 #include "firmware/host/settings/error.hpp"
 #include "firmware/host/settings/input_file.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/wear/csv_rows.hpp"
 
 namespace study {
@@ -87,12 +87,11 @@ double advance_pressure(plant::Rig& rig, Cursor& cursor, double from_s, double t
     return pressure_Pa;
 }
 
-void append_row(std::string& csv, double time_s, const plant::Rig& rig) {
+void append_row(settings::TextTable& csv, double time_s, const plant::Rig& rig) {
     const plant::WheelState& w = rig.wheel();
     const plant::Forces f = rig.forces();
-    fmt::format_to(std::back_inserter(csv), "{:.6f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", time_s, w.v_mps,
-                   w.omega_radps, f.slip, rig.pressure_Pa(), f.brake_torque_Nm, f.F_x_N, f.F_z_N, f.radius_m, f.mu, w.energy_brake_J,
-                   w.energy_tyre_J);
+    csv.add(time_s, w.v_mps, w.omega_radps, f.slip, rig.pressure_Pa(), f.brake_torque_Nm, f.F_x_N, f.F_z_N, f.radius_m, f.mu, w.energy_brake_J,
+            w.energy_tyre_J);
 }
 
 }  // namespace
@@ -109,9 +108,9 @@ std::string drive(const rig::RigParameters& parameters, const DriveProfile& prof
     const double end = profile.time_s.back();
     double value = cursor.at(start);
     if (profile.input == DriveInput::pressure_Pa) rig.start_pressure(value);
-    std::string csv =
-        "time_s,speed_mps,wheel_speed_radps,slip,pressure_Pa,brake_torque_Nm,F_x_N,F_z_N,radius_m,mu,energy_"
-        "brake_J,energy_tyre_J\n";
+    auto csv = settings::TextTable::csv(
+        "time_s:.6f|speed_mps:.9g|wheel_speed_radps:.9g|slip:.9g|pressure_Pa:.9g|brake_torque_Nm:.9g|F_x_N:.9g|F_z_N:.9g|radius_m:.9g|mu:.9g|"
+        "energy_brake_J:.9g|energy_tyre_J:.9g");
     append_row(csv, start, rig);
     std::vector<plant::Rig::PressurePart> parts;
     for (std::int64_t step = 1; !rig.standstill(); ++step) {
@@ -126,7 +125,7 @@ std::string drive(const rig::RigParameters& parameters, const DriveProfile& prof
         }
         append_row(csv, time, rig);
     }
-    return csv;
+    return csv.text();
 }
 
 }  // namespace study

@@ -1,10 +1,10 @@
 /// A maneuver as a table over time, one row per 5 ms, CSV with units in the header.
 #pragma once
 
-#include <string>
 #include <string_view>
 
 #include "firmware/can/rig_port.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/rig_session.hpp"
 
 namespace study {
@@ -17,11 +17,11 @@ class Trajectory {
     /// After each control period: the rig, what it knows of the controller, and the current that acted.
     void record(const RigSession& session, const antiskid::can::ControllerView& controller, double current_mA);
 
-    [[nodiscard]] std::string_view csv() const { return csv_; }
+    [[nodiscard]] std::string_view csv() const { return csv_.text(); }
 
   private:
     bool along_runway_;
-    std::string csv_;
+    settings::TextTable csv_;
     std::int64_t rows_ = 0;
 };
 

@@ -1,6 +1,6 @@
 #include "rig_bridge/bridge/trace.hpp"
 
-#include <fmt/format.h>
+#include "firmware/host/settings/text_table.hpp"
 
 namespace rig::bridge {
 
@@ -17,13 +17,11 @@ void Trace::record(const Moment& m) {
 }
 
 std::string Trace::csv() const {
-    std::string text =
-        "time_s,speed_mps,wheel_rim_speed_mps,slip,slip_reference,pressure_demand_Pa,pressure_Pa,vertical_"
-        "load_N,brake_torque_Nm\n";
-    for (const Row& r : rows_)
-        text += fmt::format("{:.3f},{:.4f},{:.4f},{:.5f},{:.5f},{:.0f},{:.0f},{:.1f},{:.1f}\n", r.time_s, r.rim_mps, r.wheel_mps, r.slip,
-                            r.slip_reference, r.demand_Pa, r.pressure_Pa, r.load_N, r.torque_Nm);
-    return text;
+    auto csv = settings::TextTable::csv(
+        "time_s:.3f|speed_mps:.4f|wheel_rim_speed_mps:.4f|slip:.5f|slip_reference:.5f|pressure_demand_Pa:.0f|pressure_Pa:.0f|vertical_load_N:.1f|"
+        "brake_torque_Nm:.1f");
+    for (const Row& r : rows_) csv.add(r.time_s, r.rim_mps, r.wheel_mps, r.slip, r.slip_reference, r.demand_Pa, r.pressure_Pa, r.load_N, r.torque_Nm);
+    return csv.text();
 }
 
 }  // namespace rig::bridge

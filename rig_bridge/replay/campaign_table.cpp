@@ -11,6 +11,7 @@
 
 #include "firmware/host/settings/csv_field.hpp"
 #include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/record/figure_fields.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/log_meter.hpp"
@@ -240,19 +241,18 @@ std::string to_text(const CampaignTable& table) {
 }
 
 std::string to_csv(const CampaignTable& table) {
-    std::string csv = "number,attempt,outcome,cumulative_energy_J";
-    const auto out = std::back_inserter(csv);
-    for (const record::FigureField& field : record::kFigureFields) fmt::format_to(out, ",{}", field.key);
-    for (const record::SpecimenField& field : record::kSpecimenFields) fmt::format_to(out, ",{}", field.key);
-    csv += ",disc_energy_J\n";
+    std::string columns = "number|attempt|outcome|cumulative_energy_J";
+    for (const record::FigureField& field : record::kFigureFields) columns.append("|").append(field.key);
+    for (const record::SpecimenField& field : record::kSpecimenFields) columns.append("|").append(field.key);
+    auto csv = settings::TextTable::csv(columns + "|disc_energy_J");
     for (const CampaignRow& row : table.rows) {
         if (!row.counted) continue;
-        fmt::format_to(out, "{},{},{},{}", row.folder.number, row.folder.attempt, row.summary.outcome, row.summary.cumulative_energy_J);
-        for (const record::FigureField& field : record::kFigureFields) fmt::format_to(out, ",{}", row.summary.figures.*field.value);
-        for (const record::SpecimenField& field : record::kSpecimenFields) fmt::format_to(out, ",{}", settings::csv_field(row.specimen.*field.value));
-        fmt::format_to(out, ",{}\n", row.disc_energy_J);
+        csv.add(row.folder.number, row.folder.attempt, row.summary.outcome, row.summary.cumulative_energy_J);
+        for (const record::FigureField& field : record::kFigureFields) csv.add(row.summary.figures.*field.value);
+        for (const record::SpecimenField& field : record::kSpecimenFields) csv.add(settings::csv_field(row.specimen.*field.value));
+        csv.add(row.disc_energy_J);
     }
-    return csv;
+    return csv.text();
 }
 
 std::string to_json(const CampaignTable& table, const std::string& campaign) {

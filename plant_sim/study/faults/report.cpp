@@ -12,6 +12,7 @@
 
 #include "firmware/can/names.hpp"
 #include "firmware/can/value_names.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace faults {
@@ -45,21 +46,19 @@ struct PairSummary {
 }  // namespace
 
 std::string to_csv(const FaultPlan& plan, std::span<const Row> rows) {
-    std::string csv =
-        "run,signal,kind,phase,surface,repetition,strength,share,negative,lasts_s,begun_s,begun_mps,outcome,"
-        "hazard,named,named_after_s,distance_share,longest_lock_s,max_uncommanded_Pa\n";
-    const auto number = [](double value, bool there) { return there ? fmt::format("{:.4f}", value) : std::string(); };
+    auto csv = settings::TextTable::csv(
+        "run|signal|kind|phase|surface|repetition|strength:.4f|share:.4f|negative|lasts_s:.4f|begun_s:.4f|begun_mps:.4f|outcome|hazard|named|"
+        "named_after_s:.4f|distance_share:.4f|longest_lock_s:.4f|max_uncommanded_Pa:.0f");
+    const auto number = [](double value, bool there) { return there ? std::optional(value) : std::nullopt; };
     for (const auto& [run, result] : rows) {
         const Judgement& v = result.verdict;
         const bool begun = result.begun_s >= 0.0;
-        fmt::format_to(std::back_inserter(csv), "{},{},{},{},{},{},{:.4f},{:.4f},{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.0f}\n", run.number,
-                       name(run.fault.what.signal), name(run.fault.what.kind), name(run.phase), plan.surfaces[run.surface].name, run.repetition,
-                       run.fault.strength, run.fault.share, run.fault.negative ? 1 : 0,
-                       number(run.fault.lasts_s, run.fault.lasts_s < Fault::kForGood), number(result.begun_s, begun), number(result.begun_mps, begun),
-                       name(v.outcome), name(v.hazard), text_of(v.named), number(v.named_after_s, v.named_after_s >= 0.0), v.distance_share,
-                       v.longest_lock_s, v.max_uncommanded_Pa);
+        csv.add(run.number, name(run.fault.what.signal), name(run.fault.what.kind), name(run.phase), plan.surfaces[run.surface].name, run.repetition,
+                run.fault.strength, run.fault.share, run.fault.negative ? 1 : 0, number(run.fault.lasts_s, run.fault.lasts_s < Fault::kForGood),
+                number(result.begun_s, begun), number(result.begun_mps, begun), name(v.outcome), name(v.hazard), text_of(v.named),
+                number(v.named_after_s, v.named_after_s >= 0.0), v.distance_share, v.longest_lock_s, v.max_uncommanded_Pa);
     }
-    return csv;
+    return csv.text();
 }
 
 std::string to_json(const FaultPlan& plan, std::span<const Row> rows) {
@@ -139,12 +138,10 @@ std::string to_table(const FaultPlan& plan, std::span<const Row> rows, std::size
         ++signals[row.run.fault.what.signal][outcome];
         ++all[outcome];
     }
-    std::string text = fmt::format("  {:<18}{:>9}{:>9}{:>9}{:>9}\n", "signal", "handled", "degraded", "safe", "UNSAFE");
-    const auto line = [&text](std::string_view head, const Counts& c) {
-        fmt::format_to(std::back_inserter(text), "  {:<18}{:>9}{:>9}{:>9}{:>9}\n", head, c[0], c[1], c[2], c[3]);
-    };
-    for (const auto& [signal, counts] : signals) line(name(signal), counts);
-    line("all", all);
+    auto table = settings::TextTable::screen("signal:<18|handled:>9|degraded:>9|safe:>9|UNSAFE:>9", "  ");
+    for (const auto& [signal, c] : signals) table.add(name(signal), c[0], c[1], c[2], c[3]);
+    table.add("all", all[0], all[1], all[2], all[3]);
+    std::string text = table.text();
     std::size_t shown = 0;
     for (const auto& [run, result] : rows) {
         if (result.verdict.outcome != Outcome::unsafe || shown++ >= max) continue;

@@ -9,6 +9,7 @@
 #include <map>
 #include <numeric>
 
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/json_number.hpp"
 #include "plant_sim/study/robust/brake_on_report.hpp"
 #include "plant_sim/study/robust/changes_report.hpp"
@@ -194,13 +195,13 @@ std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const 
 }
 
 std::string to_csv(const RobustPlan& plan, const std::vector<Row>& rows) {
-    std::string text = "family,law,draw,j_mu,stop_distance_m,longest_lock_s,peak_slip,faults,valve_travel_mAps,what\n";
+    auto csv =
+        settings::TextTable::csv("family|law|draw|j_mu:.6f|stop_distance_m:.3f|longest_lock_s:.4f|peak_slip:.4f|faults|valve_travel_mAps:.1f|what");
     for (const Row& row : rows)
-        fmt::format_to(std::back_inserter(text), "{},{},{},{:.6f},{:.3f},{:.4f},{:.4f},{},{:.1f},\"{}\"\n", name(row.family), plan.laws[row.law].name,
-                       row.number, row.figures.j_mu, row.figures.stop_distance_m, row.figures.longest_lock_s, row.figures.peak_slip,
-                       row.faults.bits(), row.figures.valve_travel_mAps.value_or(0.0),
-                       describe(plan.basis, draw(plan.basis, row.family, plan.seed, row.number)));
-    return text;
+        csv.add(name(row.family), plan.laws[row.law].name, row.number, row.figures.j_mu, row.figures.stop_distance_m, row.figures.longest_lock_s,
+                row.figures.peak_slip, row.faults.bits(), row.figures.valve_travel_mAps.value_or(0.0),
+                "\"" + describe(plan.basis, draw(plan.basis, row.family, plan.seed, row.number)) + "\"");
+    return csv.text();
 }
 
 void draw_j_mu(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries, const std::filesystem::path& png) {

@@ -3,6 +3,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/validation/plant_validation.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
@@ -10,13 +11,9 @@ namespace validation {
 
 namespace {
 
-std::string text_or_none(const std::optional<double>& value) {
-    return value ? fmt::format("{:.6g}", *value) : std::string();
-}
-
-void append_errors(std::string& text, const std::string& title, const ValidationErrors& e) {
-    fmt::format_to(std::back_inserter(text), "{:<12}{:>7}{:>11.4f}{:>10.4f}{:>11.4f}{:>10.4f}{:>11.5f}{:>10.5f}\n", title, e.speed_mps.count,
-                   e.speed_mps.rms(), e.speed_mps.largest, e.wheel_rim_mps.rms(), e.wheel_rim_mps.largest, e.slip.rms(), e.slip.largest);
+void append_errors(settings::TextTable& table, const std::string& title, const ValidationErrors& e) {
+    table.add(title, e.speed_mps.count, e.speed_mps.rms(), e.speed_mps.largest, e.wheel_rim_mps.rms(), e.wheel_rim_mps.largest, e.slip.rms(),
+              e.slip.largest);
 }
 
 nlohmann::ordered_json as_json(const ErrorFigures& e) {
@@ -30,14 +27,12 @@ nlohmann::ordered_json as_json(const ValidationErrors& e) {
 }  // namespace
 
 std::string to_csv(const Validation& validation) {
-    std::string csv =
-        "time_s,speed_mps,simulated_speed_mps,wheel_rim_mps,simulated_wheel_rim_mps,slip,simulated_slip,"
-        "pressure_Pa\n";
+    auto csv = settings::TextTable::csv(
+        "time_s:.4f|speed_mps:.6g|simulated_speed_mps:.6g|wheel_rim_mps:.6g|simulated_wheel_rim_mps:.6g|slip:.6g|simulated_slip:.6g|"
+        "pressure_Pa:.6g");
     for (const ValidationRow& r : validation.rows)
-        fmt::format_to(std::back_inserter(csv), "{:.4f},{:.6g},{:.6g},{},{},{},{},{:.6g}\n", r.time_s, r.speed_mps, r.simulated_speed_mps,
-                       text_or_none(r.wheel_rim_mps), text_or_none(r.simulated_wheel_rim_mps), text_or_none(r.slip), text_or_none(r.simulated_slip),
-                       r.pressure_Pa);
-    return csv;
+        csv.add(r.time_s, r.speed_mps, r.simulated_speed_mps, r.wheel_rim_mps, r.simulated_wheel_rim_mps, r.slip, r.simulated_slip, r.pressure_Pa);
+    return csv.text();
 }
 
 std::string to_text(const Validation& v) {
@@ -47,13 +42,14 @@ std::string to_text(const Validation& v) {
                    v.brake_on_mps, v.end_s, v.ended);
     text += "simulated minus recorded:\n";
     fmt::format_to(out, "{:<12}{:>7}{:>21}{:>21}{:>21}\n", "recorded", "", "speed, m/s", "wheel rim, m/s", "slip");
-    fmt::format_to(out, "{:<12}{:>7}{:>11}{:>10}{:>11}{:>10}{:>11}{:>10}\n", "speed, m/s", "rows", "RMS", "max", "RMS", "max", "RMS", "max");
+    auto table = settings::TextTable::screen("speed, m/s:<12|rows:>7|RMS:>11.4f|max:>10.4f|RMS:>11.4f|max:>10.4f|RMS:>11.5f|max:>10.5f");
     for (std::size_t i = v.bands.size(); i-- > 0;) {
         if (v.bands[i].speed_mps.count == 0) continue;
         const double from = static_cast<double>(i) * Validation::kBand_mps;
-        append_errors(text, fmt::format("{:.0f} to {:.0f}", from, from + Validation::kBand_mps), v.bands[i]);
+        append_errors(table, fmt::format("{:.0f} to {:.0f}", from, from + Validation::kBand_mps), v.bands[i]);
     }
-    append_errors(text, "all", v.all);
+    append_errors(table, "all", v.all);
+    text += table.text();
     constexpr double kWorthSaying = 0.005;
     if (v.past_peak > kWorthSaying)
         fmt::format_to(out,
