@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/text_table.hpp"
 
 namespace antiskid::controller {
 
@@ -66,13 +67,13 @@ std::string table(const Report& report) {
     constexpr std::size_t kMaxMeasured = 48;  // longer ones push their own line's last column out
     const std::size_t names = widest(report.checks, &Check::name, 5);
     const std::size_t measured = std::min(kMaxMeasured, widest(report.checks, &Check::measured, 8));
-    std::string text;
-    const auto out = std::back_inserter(text);
-    fmt::format_to(out, "{:<9}{:<{}}  {:<{}}  {}\n", "", "check", names, "measured", measured, "required");
+    auto table = settings::TextTable::screen(fmt::format(":<9|check:<{}|measured:<{}|required", names + 2, measured + 2));
     for (const Check& check : report.checks) {
-        fmt::format_to(out, "{:<9}{:<{}}  {:<{}}  {}\n", shown(check.verdict), check.name, names, check.measured, measured, check.required);
-        if (!check.remedy.empty()) fmt::format_to(out, "{:<9}{:<{}}  -> {}\n", "", "", names, check.remedy);
+        table.add(shown(check.verdict), check.name, check.measured + "  ", check.required);
+        if (!check.remedy.empty()) table.line(fmt::format("{:<9}{:<{}}  -> {}", "", "", names, check.remedy));
     }
+    std::string text = table.text();
+    const auto out = std::back_inserter(text);
     for (const CheckResult verdict : kVerdicts) fmt::format_to(out, "{} {}, ", count(report.checks, verdict), shown(verdict));
     fmt::format_to(out, "configuration {}: {}\n", report.config_hash.empty() ? "unread" : report.config_hash,
                    passed(report) ? "no check failed" : "not fit, mend what failed");

@@ -11,6 +11,7 @@
 
 #include "firmware/can/names.hpp"
 #include "firmware/can/roles.hpp"
+#include "firmware/host/settings/text_table.hpp"
 
 namespace antiskid::controller {
 
@@ -116,16 +117,17 @@ std::string table(const RunReport& report) {
     const auto out = std::back_inserter(text);
     fmt::format_to(out, "{} steps of {:.0f} us on {} by {}, last state {}\n", loop.steps, in_us(report.period), report.interface, report.clock,
                    can::name(loop.last_state));
-    fmt::format_to(out, "{:<16}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}  us\n", "", "count", "min", "p50", "p99", "p99.9", "max");
+    auto times = settings::TextTable::screen(":<16|count:>10|min:>10.1f|p50:>10.1f|p99:>10.1f|p99.9:>10.1f|max:>10.1f|  us");
     for (const auto& [label, h] : histograms(loop))
-        fmt::format_to(out, "{:<16}{:>10}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}\n", label, h.count(), in_us(h.minimum()),
-                       in_us(h.percentile(0.5)), in_us(h.percentile(0.99)), in_us(h.percentile(0.999)), in_us(h.maximum()));
-    fmt::format_to(out, "{:<18}{:>10}{:>10}{:>10}\n", "message", "accepted", "rejected", "lost");
+        times.add(label, h.count(), in_us(h.minimum()), in_us(h.percentile(0.5)), in_us(h.percentile(0.99)), in_us(h.percentile(0.999)),
+                  in_us(h.maximum()), "");
+    auto messages = settings::TextTable::screen("message:<18|accepted:>10|rejected:>10|lost:>10");
     for (const can::Role role : can::kToController) {
         if (!report.layout[role].bound) continue;
         const can::MessageStats& stats = report.port.stats(role);
-        fmt::format_to(out, "{:<18}{:>10}{:>10}{:>10}\n", can::name(role), stats.accepted, stats.rejected(), stats.lost);
+        messages.add(can::name(role), stats.accepted, stats.rejected(), stats.lost);
     }
+    text += times.text() + messages.text();
     fmt::format_to(out, "frames: {} received, {} sent, {} unsent, {} dropped by the kernel, {} malformed; link outages: {}\n", loop.frames_received,
                    loop.frames_sent, loop.frames_unsent, report.link.receive_dropped, report.link.malformed, loop.link_outages);
     fmt::format_to(out, "overruns: {} ({} periods missed)\nfaults:", loop.overruns, loop.missed_periods);

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/bench/odeint_plant.hpp"
 #include "plant_sim/model/open_loop.hpp"
@@ -277,7 +278,7 @@ nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int r
         "{:.0e} of the "
         "reference\n",
         all.size(), simulated_s, output_s * 1e3, rounds, reference_error);
-    fmt::print("  {:<26} {:>16} {:>12} {:>10} {:>12} {:>24}\n", "", "", "ns per sim. ms", "error v", "error omega", "odeint, at equal error");
+    auto table = settings::TextTable::screen(":<26|:>17|ns per sim. ms:>16.1f|error v:>10.1e|error omega:>13.1e|odeint, at equal error:>25", "  ");
     nlohmann::ordered_json json{{"output_s", output_s},
                                 {"runs", all.size()},
                                 {"simulated_s", simulated_s},
@@ -287,8 +288,7 @@ nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int r
         const double ns_per_ms = one.median_s() / simulated_s * 1e6;
         const double ratio = seconds_for(them, kOdeint, one.error_omega) / one.median_s();
         const bool compared = one.method != kOdeint && std::isfinite(ratio);
-        fmt::print("  {:<26} {:>16} {:>12.1f} {:>10.1e} {:>12.1e} {:>24}\n", one.method, one.setting, ns_per_ms, one.error_v, one.error_omega,
-                   compared ? fmt::format("takes {:.2f} times", ratio) : "");
+        table.add(one.method, one.setting, ns_per_ms, one.error_v, one.error_omega, compared ? fmt::format("takes {:.2f} times", ratio) : "");
         json["integrators"].push_back({{"method", one.method},
                                        {"setting", one.setting},
                                        {"ns_per_simulated_ms", ns_per_ms},
@@ -296,6 +296,7 @@ nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int r
                                        {"error_omega", one.error_omega},
                                        {"odeint_over_this_at_equal_error", compared ? nlohmann::ordered_json(ratio) : nlohmann::ordered_json()}});
     }
+    fmt::print("{}", table.text());
     draw(them, simulated_s, png);
     return json;
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/closed_loop.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "plant_sim/study/in_process.hpp"
@@ -104,16 +105,16 @@ int run() {
     }
 
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-    fmt::print("{} of the sweep's {} stops, {} threads\n{:<28}{:>12}{:>16}{:>10}\n", kStops, plan.stops(), threads, "", "periods", "ns per period",
-               "wall (s)");
+    auto table = settings::TextTable::screen(":<28|periods:>12|ns per period:>16.0f|wall (s):>10.2f");
     for (const Engine* engine : {&ours, &alone, &odeint}) {
         const double ns = bench::median(engine->ns);
         const double wall_s = bench::median(engine->wall_s);
-        fmt::print("{:<28}{:>12}{:>16.0f}{:>10.2f}\n", engine->name, engine->last.periods, ns, wall_s);
+        table.add(engine->name, engine->last.periods, ns, wall_s);
         rows.push_back({{"engine", engine->name}, {"periods", engine->last.periods}, {"processor_ns_per_period", ns}, {"wall_s", wall_s}});
     }
     const double stops_4500_s = bench::median(ours.wall_s) * 4500.0 / static_cast<double>(kStops);
-    fmt::print("ratio to odeint {:.2f}; 4,500 stops at this pace {:.1f} s\n", bench::median(ratios), stops_4500_s);
+    fmt::print("{} of the sweep's {} stops, {} threads\n{}ratio to odeint {:.2f}; 4,500 stops at this pace {:.1f} s\n", kStops, plan.stops(), threads,
+               table.text(), bench::median(ratios), stops_4500_s);
     const nlohmann::ordered_json json{
         {"stops", kStops},         {"threads", threads}, {"config_hash", plan.config_hash}, {"seed", plan.seed},
         {"version", plan.version}, {"engines", rows},    {"ratio", bench::median(ratios)},  {"stops_4500_s", stops_4500_s}};

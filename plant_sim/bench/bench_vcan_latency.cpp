@@ -24,6 +24,7 @@
 #include "firmware/can/roles.hpp"
 #include "firmware/can/socket_can.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/child.hpp"
 #include "plant_sim/bench/command.hpp"
 #include "plant_sim/bench/percentiles.hpp"
@@ -217,12 +218,12 @@ Json command_json(const CommandLatency& command) {
 
 void add_rows(std::string& text, std::string_view title, std::string_view our_name, const Percentiles& ours, std::string_view their_name,
               const Percentiles& theirs) {
-    const auto out = std::back_inserter(text);
-    fmt::format_to(out, "{:<44}{:>9}{:>9}{:>9}{:>9}{:>10}\n", title, "p50", "p99", "p99.9", "max", "count");
+    auto table = settings::TextTable::screen(fmt::format("{}:<44|p50:>9.1f|p99:>9.1f|p99.9:>9.1f|max:>9.1f|count:>10", title));
     for (const auto& [name, p] : {std::pair{our_name, ours}, std::pair{their_name, theirs}})
-        fmt::format_to(out, "  {:<42}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>10}\n", name, p.p50_us, p.p99_us, p.p99_9_us, p.max_us, p.count);
-    fmt::format_to(out, "  {:<42}{:>9.2f}{:>9.2f}{:>9.2f}\n", "ratio", ours.p50_us / theirs.p50_us, ours.p99_us / theirs.p99_us,
-                   ours.p99_9_us / theirs.p99_9_us);
+        table.add(fmt::format("  {}", name), p.p50_us, p.p99_us, p.p99_9_us, p.max_us, p.count);
+    table.line(fmt::format("  {:<42}{:>9.2f}{:>9.2f}{:>9.2f}", "ratio", ours.p50_us / theirs.p50_us, ours.p99_us / theirs.p99_us,
+                           ours.p99_9_us / theirs.p99_9_us));
+    text += table.text();
 }
 
 /// Several lines, each ending in a newline.

@@ -16,6 +16,7 @@
 
 #include "firmware/can/candump.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/child.hpp"
 #include "plant_sim/bench/percentiles.hpp"
 #include "plant_sim/stop_options.hpp"
@@ -119,13 +120,14 @@ void run(const fs::path& folder) {
             player.late.insert(player.late.end(), late.begin(), late.end());
         }
     }
-    fmt::print("{:<36}{:>9}{:>9}{:>9}{:>10}{:>10}\n", "late against the log, us", "p50", "p99", "p99.9", "max", "count");
+    auto table = settings::TextTable::screen("late against the log, us:<36|p50:>9.1f|p99:>9.1f|p99.9:>9.1f|max:>10.1f|count:>10");
     nlohmann::ordered_json json{{"rounds", kRounds}};
     for (Player& player : players) {
         const Percentiles p = antiskid::bench::exact(player.late);
-        fmt::print("{:<36}{:>9.1f}{:>9.1f}{:>9.1f}{:>10.1f}{:>10}\n", player.name, p.p50_us, p.p99_us, p.p99_9_us, p.max_us, p.count);
+        table.add(player.name, p.p50_us, p.p99_us, p.p99_9_us, p.max_us, p.count);
         json[player.name] = as_json(p);
     }
+    fmt::print("{}", table.text());
     settings::write_file("out/bench/replay.json", json.dump(2) + "\n");
 }
 

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/bench/measure.hpp"
 #include "rig_bridge/wear/fit.hpp"
 #include "tests/wear/physical_campaign.hpp"
@@ -90,7 +91,7 @@ int run() {
     double other_processor_s = 0.0;
     double other_wall_s = 0.0;
     double min_lead = 1e300;
-    fmt::print("{:>10}{:>16}{:>16}{:>12}{:>20}\n", "components", "ours", "scikit-learn", "lead", "scikit-learn (s)");
+    auto table = settings::TextTable::screen("components:>10|ours:>16.4f|scikit-learn:>16.4f|lead:>12.4f|scikit-learn (s):>20.2f");
     for (std::size_t i = 0; i < fit.orders.size(); ++i) {
         const double ours = fit.orders[i].log_likelihood + n * per_point;
         const nlohmann::json& o = other.at("orders").at(i);
@@ -98,8 +99,7 @@ int run() {
         other_processor_s += o.at("processor_s").get<double>();
         other_wall_s += o.at("seconds").get<double>();
         min_lead = std::min(min_lead, ours - theirs);
-        fmt::print("{:>10}{:>16.4f}{:>16.4f}{:>12.4f}{:>20.2f}\n", fit.orders[i].components, ours, theirs, ours - theirs,
-                   o.at("processor_s").get<double>());
+        table.add(fit.orders[i].components, ours, theirs, ours - theirs, o.at("processor_s").get<double>());
         rows.push_back({{"components", fit.orders[i].components},
                         {"ours_log_likelihood", ours},
                         {"sklearn_log_likelihood", theirs},
@@ -107,7 +107,7 @@ int run() {
     }
     const double processor_s = bench::median(processor);
     const double ours_wall_s = bench::median(wall);
-    fmt::print("least lead in log-likelihood {:.4f}\n", min_lead);
+    fmt::print("{}least lead in log-likelihood {:.4f}\n", table.text(), min_lead);
     fmt::print("processor time: ours {:.2f} s, scikit-learn {} {:.1f} s, ratio {:.1f}\n", processor_s, other.at("version").get<std::string>(),
                other_processor_s, other_processor_s / processor_s);
     fmt::print("wall: ours {:.2f} s, scikit-learn {:.1f} s, ratio {:.1f}\n", ours_wall_s, other_wall_s, other_wall_s / ours_wall_s);

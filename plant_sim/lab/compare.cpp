@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/stop_options.hpp"
 #include "plant_sim/study/in_process.hpp"
@@ -48,37 +49,34 @@ struct CompareCommand {
         const auto roads = this->roads();
         const auto maneuvers = rig::maneuver_names(scenario.config);
         const std::size_t all = roads.size() * maneuvers.size();
-        std::string table = "| surface | maneuver |", line = "|---|---|";
+        std::string columns = "surface|maneuver";
         for (const std::string& law : laws) {
-            const bool first = &law == &laws.front();
-            table += fmt::format(" {} law: J_mu | distance (m) |{}", law, first ? " longest lock (ms) |" : "");
-            line += first ? "---|---|---|" : "---|---|";
+            columns += fmt::format("|{} law: J_mu:.4f|distance (m):.1f", law);
+            if (&law == &laws.front()) columns += "|longest lock (ms):.0f";
         }
-        table += "\n" + line + "\n";
+        auto table = settings::TextTable::markdown(columns);
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
         std::vector<double> sums(laws.size());
         std::size_t done = 0;
         for (rig::ManeuverChoice choice : roads) {
             for (const std::string& maneuver : maneuvers) {
                 choice.maneuver = maneuver;
-                table += fmt::format("| {} | {} |", choice.road(), maneuver);
+                table.add(choice.road(), maneuver);
                 for (std::size_t i = 0; i < laws.size(); ++i) {
                     const study::StopReport report = stop(choice, laws[i]);
                     const study::StopFigures& f = report.figures;
                     sums[i] += f.j_mu / static_cast<double>(all);
                     rows.push_back(nlohmann::ordered_json::parse(study::to_json(report)));
-                    table += fmt::format(" {:.4f} | {:.1f} |", f.j_mu, f.stop_distance_m);
-                    if (i == 0) table += fmt::format(" {:.0f} |", f.longest_lock_s * 1e3);
+                    table.add(f.j_mu, f.stop_distance_m);
+                    if (i == 0) table.add(f.longest_lock_s * 1e3);
                 }
-                table += "\n";
                 ++done;
                 if (::isatty(STDERR_FILENO) == 1) fmt::print(stderr, "\r{} of {} scenarios{}", done, all, done == all ? "\n" : "");
             }
         }
-        table += "| mean | |";
-        for (std::size_t i = 0; i < laws.size(); ++i) table += fmt::format(" {:.4f} | |{}", sums[i], i == 0 ? " |" : "");
-        table += "\n";
-        if (json != "-") fmt::print("{}", table);
+        table.add("mean", "", sums[0], "", "");
+        for (std::size_t i = 1; i < laws.size(); ++i) table.add(sums[i], "");
+        print_table(json, "{}", table.text());
         if (!json.empty()) settings::deliver(json, rows.dump(2) + "\n");
         return 0;
     }

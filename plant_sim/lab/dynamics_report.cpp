@@ -7,6 +7,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/text_table.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
 namespace plant_sim::lab {
@@ -90,18 +91,16 @@ std::string blocks(const ClassDynamics& c, std::size_t panel, const wear::Dynami
 }  // namespace
 
 std::string to_text(const std::vector<ClassDynamics>& classes) {
-    std::string out = fmt::format("{:<8}{:>6}{:>9}{:>7}{:>18}{:>18}{:>18}{:>18}\n", "class", "stops", "samples", "order", "c0", "c1", "c2", "c3");
+    auto table = settings::TextTable::screen("class:<8|stops:>6|samples:>9|order:>7|c0:>18|c1:>18|c2:>18|c3:>18");
     for (const ClassDynamics& c : classes) {
         const wear::FrictionDynamics& f = c.found;
         std::size_t samples = 0;
         for (const wear::StopShape& s : f.stops) samples += s.used ? s.samples : 0;
         const auto used = std::count_if(f.stops.begin(), f.stops.end(), [](const auto& s) { return s.used; });
-        fmt::format_to(std::back_inserter(out), "{:<8}{:>6}{:>9}{:>7}", c.data.friction_class, used, samples, f.order);
-        for (std::size_t k = 0; k < f.curve.size(); ++k)
-            out += k <= f.order ? fmt::format("{:>18}", fmt::format("{:.4f} +- {:.4f}", f.curve[k], f.half_width[k])) : fmt::format("{:>18}", "-");
-        out += "\n";
+        table.add(c.data.friction_class, used, samples, f.order);
+        for (std::size_t k = 0; k < f.curve.size(); ++k) table.add(k <= f.order ? fmt::format("{:.4f} +- {:.4f}", f.curve[k], f.half_width[k]) : "-");
     }
-    out += "\n";
+    std::string out = table.text() + "\n";
     for (const ClassDynamics& c : classes) {
         const wear::FrictionDynamics& f = c.found;
         fmt::format_to(std::back_inserter(out), "{}: scatter {:.3f} %, {}; loss by order", c.data.friction_class, f.scale * 100.0, groups_of(f));

@@ -14,6 +14,7 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/command_line.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -86,19 +87,16 @@ TyreRow tyre_row(const rig::Compliance& tyre, const std::vector<Cell>& cells, co
 /// Markdown.
 std::string to_table(const std::vector<TyreRow>& rows, const ReportHead& head) {
     const Requirement& r = head.options.requirement;
-    std::string t = fmt::format(
-        "Cells of the shipped law by tyre, slip reference {:.2f}{}\n\n| tyre | cells | stable | {:.0f} deg | "
-        "{:g} dB "
-        "both ways | {:g} dB both ways | wheel swings up by itself | of these stable in the loop | wheel's "
-        "fastest swing | "
-        "loop's slowest pole |\n|---|---|---|---|---|---|---|---|---|---|\n",
-        head.options.slip_reference, head.options.low_speed_fall ? ", falling at low speed" : " at every speed", r.phase_deg, 0.5 * r.gain_dB,
-        r.gain_dB);
+    auto table =
+        settings::TextTable::markdown(fmt::format("tyre|cells|stable|{:.0f} deg|{:g} dB both ways|{:g} dB both ways|wheel swings up by itself|of "
+                                                  "these stable in the loop|wheel's fastest swing|"
+                                                  "loop's slowest pole",
+                                                  r.phase_deg, 0.5 * r.gain_dB, r.gain_dB));
     for (const TyreRow& row : rows)
-        fmt::format_to(std::back_inserter(t), "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", tyre_name(row.tyre), row.cells, row.stable,
-                       row.phase, row.half_gain, row.gain, row.excited, row.excited_stable, row.swing ? pole_text(*row.swing) : "-",
-                       pole_text(row.law_slowest));
-    return t;
+        table.add(tyre_name(row.tyre), row.cells, row.stable, row.phase, row.half_gain, row.gain, row.excited, row.excited_stable,
+                  row.swing ? pole_text(*row.swing) : "-", pole_text(row.law_slowest));
+    return fmt::format("Cells of the shipped law by tyre, slip reference {:.2f}{}\n\n{}", head.options.slip_reference,
+                       head.options.low_speed_fall ? ", falling at low speed" : " at every speed", table.text());
 }
 
 std::string to_json(const std::vector<TyreRow>& rows, const ReportHead& head) {
@@ -129,7 +127,9 @@ std::string to_json(const std::vector<TyreRow>& rows, const ReportHead& head) {
 /// The cells of one tyre that excite themselves, a row a scenario, in Markdown; empty where there are none. With it what
 /// the valve leaves of a command at that frequency.
 std::string excited_table(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells) {
-    std::string rows;
+    auto table = settings::TextTable::markdown(
+        "surface|maneuver|cells, speeds (m/s)|stable in the loop|wheel by itself|loop's slowest pole|valve (dB):.0f|valve and delay (deg):.0f");
+    bool any = false;
     for (std::size_t i = 0; i < scenarios.size(); ++i) {
         const Cell* fastest = nullptr;
         std::size_t count = 0, stable = 0;
@@ -146,18 +146,15 @@ std::string excited_table(const std::vector<StopConditions>& scenarios, const st
         const rig::ValveParameters& valve = scenarios[i].rig.valve;
         const double w = fastest->swing->imag();
         const Complex answer = valve_answer(valve, w);
-        fmt::format_to(std::back_inserter(rows), "| {} | {} | {} from {:.1f} to {:.1f} | {} | {} | {} | {:.0f} | {:.0f} |\n", scenarios[i].surface,
-                       scenarios[i].maneuver, count, from_mps, to_mps, stable, pole_text(*fastest->swing), pole_text(fastest->law_slowest),
-                       20.0 * std::log10(std::abs(answer)), (std::arg(answer) - w * valve.delay_s) * 180.0 / std::numbers::pi);
+        table.add(scenarios[i].surface, scenarios[i].maneuver, fmt::format("{} from {:.1f} to {:.1f}", count, from_mps, to_mps), stable,
+                  pole_text(*fastest->swing), pole_text(fastest->law_slowest), 20.0 * std::log10(std::abs(answer)),
+                  (std::arg(answer) - w * valve.delay_s) * 180.0 / std::numbers::pi);
+        any = true;
     }
-    if (rows.empty()) return {};
-    return "\nWhere the wheel swings up by itself, and in the cell where it does so fastest what the loop "
-           "makes of it "
-           "and what the valve leaves of a command\n\n"
-           "| surface | maneuver | cells, speeds (m/s) | stable in the loop | wheel by itself | loop's "
-           "slowest pole | valve (dB) | "
-           "valve and delay (deg) |\n|---|---|---|---|---|---|---|---|\n" +
-           rows;
+    if (!any) return {};
+    return "\nWhere the wheel swings up by itself, and in the cell where it does so fastest what the loop makes of it and what the valve leaves of a "
+           "command\n\n" +
+           table.text();
 }
 
 }  // namespace

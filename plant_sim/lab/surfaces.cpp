@@ -7,6 +7,7 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/identify_pictures.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/rig/load_rig.hpp"
@@ -29,12 +30,11 @@ struct SurfacesCommand {
             surfaces.push_back(rig::load_rig(config, choice).rig.surface);
         }
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-        print_table(json_file, "{:<18}{:>9}{:>10}{:>9}{:>12}{:>10}{:>14}\n", "surface", "c1", "c2", "c3", "peak_slip", "peak_mu", "mu_locked");
+        auto table = settings::TextTable::screen("surface:<18|c1:>9.4f|c2:>10.3f|c3:>9.4f|peak_slip:>12.3f|peak_mu:>10.3f|mu_locked:>14.3f");
         for (const rig::Surface& s : surfaces) {
             const rig::Peak peak = rig::peak(s);
             const double locked = rig::friction(s, 1.0).mu;
-            print_table(json_file, "{:<18}{:>9.4f}{:>10.3f}{:>9.4f}{:>12.3f}{:>10.3f}{:>14.3f}\n", s.name, s.c1, s.c2, s.c3, peak.slip, peak.mu,
-                        locked);
+            table.add(s.name, s.c1, s.c2, s.c3, peak.slip, peak.mu, locked);
             rows.push_back({{"surface", s.name},
                             {"c1", s.c1},
                             {"c2", s.c2},
@@ -48,7 +48,7 @@ struct SurfacesCommand {
             {"study", "surfaces"}, {"version", ANTISKID_VERSION}, {"config_hash", settings::hash(files)}, {"surfaces", rows}};
         keep_json(out / "results.json", json_file, json.dump(2) + "\n");
         if (pictures) draw_surfaces(surfaces, {}, out / "surfaces.png");
-        print_table(json_file, "Written to {}: results.json{}\n", out.string(), pictures ? " surfaces.png" : "");
+        print_table(json_file, "{}Written to {}: results.json{}\n", table.text(), out.string(), pictures ? " surfaces.png" : "");
         return 0;
     }
 };

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/tune_law.hpp"
@@ -31,13 +32,9 @@ ordered_json to_json(const margins::WorstScore& w) {
 /// Where the reference, held at every speed, leaves no controller enough margin: a row for each scenario that has such cells.
 std::string infeasible_table(const MarginsInput& input, const margins::StudyOptions& options, ordered_json& rows) {
     constexpr int kSpeeds = 200;
-    std::string t = fmt::format(
-        "Slip {:.2f} held at every speed: where no controller can have {:.0f} deg and {:.0f} dB up and "
-        "down\n\n"
-        "| surface | maneuver | infeasible at and below (m/s) | unstable pole there (rad/s) | largest PM "
-        "(deg) | "
-        "largest gain range (dB) | at drop-out: pole | PM | range |\n|---|---|---|---|---|---|---|---|---|\n",
-        options.slip_reference, options.requirement.phase_deg, options.requirement.gain_dB);
+    auto table = settings::TextTable::markdown(
+        "surface|maneuver|infeasible at and below (m/s):.1f|unstable pole there (rad/s):.0f|largest PM (deg):.1f|largest gain range (dB):.1f|"
+        "at drop-out: pole:.0f|PM:.1f|range:.1f");
     rows = ordered_json::array();
     const double period_s = static_cast<double>(input.scenarios.front().controller.period_s);
     for (const margins::StopConditions& s : input.cases) {
@@ -50,8 +47,8 @@ std::string infeasible_table(const MarginsInput& input, const margins::StudyOpti
         if (at == speeds.end()) continue;
         const auto there = margins::limits(pole(*at), s.rig.valve.delay_s, period_s);
         const auto last = margins::limits(pole(speeds.back()), s.rig.valve.delay_s, period_s);
-        fmt::format_to(std::back_inserter(t), "| {} | {} | {:.1f} | {:.0f} | {:.1f} | {:.1f} | {:.0f} | {:.1f} | {:.1f} |\n", s.surface, s.maneuver,
-                       *at, -pole(*at), there.phase_deg, there.gain_range_dB, -pole(speeds.back()), last.phase_deg, last.gain_range_dB);
+        table.add(s.surface, s.maneuver, *at, -pole(*at), there.phase_deg, there.gain_range_dB, -pole(speeds.back()), last.phase_deg,
+                  last.gain_range_dB);
         rows.push_back({{"surface", s.surface},
                         {"maneuver", s.maneuver},
                         {"infeasible_below_mps", *at},
@@ -59,8 +56,9 @@ std::string infeasible_table(const MarginsInput& input, const margins::StudyOpti
                         {"limit_phase_margin_deg", there.phase_deg},
                         {"limit_gain_range_dB", there.gain_range_dB}});
     }
-    if (rows.empty()) t += "| none | | | | | | | | |\n";
-    return t;
+    if (rows.empty()) table.add("none", "", "", "", "", "", "", "", "");
+    return fmt::format("Slip {:.2f} held at every speed: where no controller can have {:.0f} deg and {:.0f} dB up and down\n\n{}",
+                       options.slip_reference, options.requirement.phase_deg, options.requirement.gain_dB, table.text());
 }
 
 /// Where the shipped law has too little upward margin whatever its derivative gains and estimator: a row for each scenario.
@@ -68,12 +66,8 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
     constexpr int kSpeeds = 200;
     const antiskid::control::SlipConfig& law = input.scenarios.front().controller.slip;
     const auto k_p = static_cast<double>(law.k_p_per_s), k_answer = static_cast<double>(law.k_answer);
-    std::string t = fmt::format(
-        "Where the shipped law cannot have {:.0f} dB upwards in the brake's gain with its k_p and "
-        "k_answer\n\n"
-        "| surface | maneuver | at and below (m/s) | at drop-out: stable pole (rad/s) | upward margin (dB) | "
-        "k_answer that would have it |\n|---|---|---|---|---|---|\n",
-        options.requirement.gain_dB);
+    auto table = settings::TextTable::markdown(
+        "surface|maneuver|at and below (m/s):.1f|at drop-out: stable pole (rad/s):.0f|upward margin (dB):.1f|k_answer that would have it:.2f");
     rows = ordered_json::array();
     for (const margins::StopConditions& s : input.cases) {
         const auto pole = [&](double v) {
@@ -87,8 +81,7 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
         const double last = pole(speeds.back());
         const double margin_dB = margins::creep_margin_dB(last, k_answer, k_p);
         const double enough = 1.0 - std::pow(10.0, -options.requirement.gain_dB / 20.0) - k_p / last;
-        fmt::format_to(std::back_inserter(t), "| {} | {} | {:.1f} | {:.0f} | {:.1f} | {:.2f} |\n", s.surface, s.maneuver, *at, last, margin_dB,
-                       enough);
+        table.add(s.surface, s.maneuver, *at, last, margin_dB, enough);
         rows.push_back({{"surface", s.surface},
                         {"maneuver", s.maneuver},
                         {"below_mps", *at},
@@ -96,8 +89,9 @@ std::string creep_table(const MarginsInput& input, const margins::StudyOptions& 
                         {"upward_margin_dB", margin_dB},
                         {"k_answer_that_would_have_it", enough}});
     }
-    if (rows.empty()) t += "| none | | | | | |\n";
-    return t;
+    if (rows.empty()) table.add("none", "", "", "", "", "");
+    return fmt::format("Where the shipped law cannot have {:.0f} dB upwards in the brake's gain with its k_p and k_answer\n\n{}",
+                       options.requirement.gain_dB, table.text());
 }
 
 /// The paper's PID, by its margins in all cells that are feasible at all.
@@ -113,21 +107,19 @@ void tune_pid(const MarginsInput& input, const margins::StudyOptions& options, c
         parameters, [&](const std::vector<double>& x, double) { return judged(x).value; }, search, step_progress("gains judged"));
     std::vector<double> start;
     std::transform(parameters.begin(), parameters.end(), std::back_inserter(start), [](const margins::Parameter& k) { return k.start.value(); });
-    print_table(json_file,
-                "PID on measured slip: least of margins over required, worst of {} cells that are feasible at all\n\n"
-                "| | shipped | tuned |\n|---|---|---|\n",
-                cells.size());
+    auto table = settings::TextTable::markdown("|shipped:.4g|tuned:.4g");
     for (std::size_t i = 0; i < parameters.size(); ++i) {
-        print_table(json_file, "| {} | {:.4g} | {:.4g} |\n", parameters[i].name, start[i], found.values[i]);
+        table.add(parameters[i].name, start[i], found.values[i]);
         json["shipped"][parameters[i].name] = start[i];
         json["tuned"][parameters[i].name] = found.values[i];
     }
     const auto before = judged(start), after = judged(found.values);
-    print_table(json_file,
-                "| score | {:.3f} | {:.3f} |\n| cells that meet {:.0f} deg and {:.0f} dB | {} | {} |\n| unstable "
-                "cells | {} | {} |\n",
-                before.value, after.value, options.requirement.phase_deg, options.requirement.gain_dB, before.met, after.met, before.unstable,
-                after.unstable);
+    table.add("score", fmt::format("{:.3f}", before.value), fmt::format("{:.3f}", after.value));
+    table.add(fmt::format("cells that meet {:.0f} deg and {:.0f} dB", options.requirement.phase_deg, options.requirement.gain_dB),
+              std::to_string(before.met), std::to_string(after.met));
+    table.add("unstable cells", std::to_string(before.unstable), std::to_string(after.unstable));
+    print_table(json_file, "PID on measured slip: least of margins over required, worst of {} cells that are feasible at all\n\n{}", cells.size(),
+                table.text());
     json["evaluations"] = found.evaluations;
     json["shipped"]["margins"] = to_json(before);
     json["tuned"]["margins"] = to_json(after);

@@ -13,6 +13,7 @@
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/settings.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/law_judge.hpp"
@@ -144,13 +145,11 @@ ordered_json to_json(const Judged& j, const margins::TrialStops& trial) {
 
 /// A column for each of `judged`: the shipped gains, and those that were found.
 void print(const std::vector<Judged>& judged, const margins::TrialStops& trial, const margins::Requirement& asked, const std::string& json_file) {
+    auto table = settings::TextTable::markdown(judged.size() > 1 ? "|shipped|tuned" : "|shipped");
     const auto row = [&](const std::string& label, const auto& value) {
-        std::string line = "| " + label + " |";
-        for (const Judged& j : judged) line += fmt::format(" {} |", value(j));
-        print_table(json_file, "{}\n", line);
+        table.add(label);
+        for (const Judged& j : judged) table.add(value(j));
     };
-    print_table(json_file, "Slip law: least of margins over required, worst of {} cells\n\n", judged.front().margins.counted);
-    print_table(json_file, "{}", judged.size() > 1 ? "| | shipped | tuned |\n|---|---|---|\n" : "| | shipped |\n|---|---|\n");
     for (std::size_t i = 0; i < margins::gain_names().size(); ++i)
         row(margins::gain_names()[i], [&](const Judged& j) { return fmt::format("{:.4g}", j.gains[i]); });
     row("score", [](const Judged& j) { return fmt::format("{:.3f}", j.margins.value); });
@@ -163,6 +162,7 @@ void print(const std::vector<Judged>& judged, const margins::TrialStops& trial, 
             [&](const Judged& j) { return fmt::format("{:.4f}", j.stops.group_j_mu[g]); });
     row("longest lock (ms)", [](const Judged& j) { return fmt::format("{:.0f}", j.stops.longest_lock_s * 1e3); });
     row("least tracked share", [](const Judged& j) { return j.stops.min_tracked ? fmt::format("{:.4f}", *j.stops.min_tracked) : "not measured"; });
+    print_table(json_file, "Slip law: least of margins over required, worst of {} cells\n\n{}", judged.front().margins.counted, table.text());
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <memory>
 
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -17,21 +17,21 @@ namespace plant_sim::lab {
 namespace {
 
 std::string table_of(const wear::Fit& fit, const wear::Model& model) {
-    std::string out = fmt::format("{:>10}{:>20}{:>16}{:>8}\n", "components", "log_likelihood", "BIC", "runs");
+    auto orders = settings::TextTable::screen("components:>10|log_likelihood:>20.4f|BIC:>16.2f|runs:>8|");
     for (std::size_t i = 0; i < fit.orders.size(); ++i) {
         const wear::OrderFit& o = fit.orders[i];
-        fmt::format_to(std::back_inserter(out), "{:>10}{:>20.4f}{:>16.2f}{:>8}{}{}\n", o.components, o.log_likelihood, o.bic, o.runs,
-                       i == fit.chosen ? "  chosen" : "", o.not_converged > 0 ? fmt::format("  {} runs did not converge", o.not_converged) : "");
+        const std::string not_converged = o.not_converged > 0 ? fmt::format("  {} runs did not converge", o.not_converged) : "";
+        orders.add(o.components, o.log_likelihood, o.bic, o.runs, (i == fit.chosen ? "  chosen" : "") + not_converged);
     }
-    fmt::format_to(std::back_inserter(out), "\n{:>10}{:>10}{:>16}{:>16}{:>16}{:>18}{:>14}\n", "component", "weight", "energy_MJ", "deviation_MJ",
-                   "mean_friction", "deviation", "correlation");
+    auto table = settings::TextTable::screen(
+        "component:>10|weight:>10.4f|energy_MJ:>16.3f|deviation_MJ:>16.3f|mean_friction:>16.5f|deviation:>18.5f|correlation:>14.4f");
     const std::vector<wear::Component>& components = model.mixture.components();
     for (std::size_t j = 0; j < components.size(); ++j) {
         const wear::Component& c = components[j];
-        fmt::format_to(std::back_inserter(out), "{:>10}{:>10.4f}{:>16.3f}{:>16.3f}{:>16.5f}{:>18.5f}{:>14.4f}\n", j + 1, c.weight,
-                       c.mean_c_e_J * 1e-6, std::sqrt(c.variance_c_e_J2) * 1e-6, c.mean_friction, std::sqrt(c.variance_friction), c.correlation());
+        table.add(j + 1, c.weight, c.mean_c_e_J * 1e-6, std::sqrt(c.variance_c_e_J2) * 1e-6, c.mean_friction, std::sqrt(c.variance_friction),
+                  c.correlation());
     }
-    return out;
+    return orders.text() + "\n" + table.text();
 }
 
 struct FitCommand {

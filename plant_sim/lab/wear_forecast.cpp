@@ -11,6 +11,7 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/landing_mix.hpp"
@@ -39,12 +40,11 @@ std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& setti
         f.c_e_J * 1e-6, f.friction_now[1], f.friction_now[0], f.friction_now[2], settings.limit);
     if (f.already_crossed())
         return text + fmt::format("Already below the limit, with a probability of {:.0f} %: no landing left.\n", 100.0 * f.crossed_now);
-    fmt::format_to(std::back_inserter(text), "Landings left, {:.3f} MJ each on average:\n{:>8}{:>24}{:>16}\n", energy_J * 1e-6, "", "landings",
-                   "at MJ");
+    auto table = settings::TextTable::screen(":>8|landings:>24|at MJ:>16");
     constexpr std::array kNames{"10 %", "50 %", "90 %"};
     for (std::size_t q = 0; q < kNames.size(); ++q)
-        fmt::format_to(std::back_inserter(text), "{:>8}{:>24}{:>16}\n", kNames.at(q), landings(f.landings_left.at(q)),
-                       f.crossing_J.at(q) ? fmt::format("{:.1f}", *f.crossing_J.at(q) * 1e-6) : "-");
+        table.add(kNames.at(q), landings(f.landings_left.at(q)), f.crossing_J.at(q) ? fmt::format("{:.1f}", *f.crossing_J.at(q) * 1e-6) : "-");
+    text += fmt::format("Landings left, {:.3f} MJ each on average:\n{}", energy_J * 1e-6, table.text());
     if (f.crossed_ever < 1.0)
         fmt::format_to(std::back_inserter(text), "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
                        f.never_crosses() ? "Not crossed" : "Crossed", settings.horizon,
@@ -152,12 +152,11 @@ struct ForecastCommand {
             fitted(i + 1, campaigns.size());
         }
         const wear::BackTest t = wear::back_test(file.population, brakes, settings, step_progress("brakes forecast"));
-        std::string table = fmt::format("{:>14}{:>8}{:>10}{:>12}{:>10}{:>14}{:>16}\n", "part of life", "asked", "within", "earlier", "later",
-                                        "mean width", "error of 50 %");
+        auto table =
+            settings::TextTable::screen("part of life:>14|asked:>8|within:>10.3f|earlier:>12|later:>10|mean width:>14.1f|error of 50 %:>16.1f");
         Json rows = Json::array();
         const auto add = [&](const wear::BackTestRow& r, const std::string& part) {
-            fmt::format_to(std::back_inserter(table), "{:>14}{:>8}{:>10.3f}{:>12}{:>10}{:>14.1f}{:>16.1f}\n", part, r.asked, r.coverage(), r.earlier,
-                           r.later, r.mean_width, r.mean_error);
+            table.add(part, r.asked, r.coverage(), r.earlier, r.later, r.mean_width, r.mean_error);
             rows.push_back({{"part_of_life", part},
                             {"asked", r.asked},
                             {"held", r.held},
@@ -169,7 +168,7 @@ struct ForecastCommand {
         };
         for (const wear::BackTestRow& r : t.rows) add(r, fmt::format("{:.0f} %", 100.0 * r.share_of_life));
         add(t.pooled, "all");
-        print_table(json_file, "{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}", brakes.size(), table);
+        print_table(json_file, "{} brakes, how often the 10 to 90 % interval of landings left has the truth:\n{}", brakes.size(), table.text());
         if (without_end > 0) print_table(json_file, "{} campaigns never come below {:.4f} and are left out.\n", without_end, settings.limit);
         Json json = head(file);
         json["brakes"] = brakes.size();

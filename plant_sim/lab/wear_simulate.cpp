@@ -8,6 +8,7 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/brake_options.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
@@ -22,16 +23,13 @@ namespace plant_sim::lab {
 namespace {
 
 std::string table_of(const wear::Comparison& c) {
-    std::string table = fmt::format("{:>10}{:>10}{:>11}{:>14}{:>16}{:>16}{:>14}\n", "from_MJ", "to_MJ", "maneuvers", "mean_error", "dev._recorded",
-                                    "dev._simulated", "within_90%");
+    auto table = settings::TextTable::screen(
+        "from_MJ:>10.2f|to_MJ:>10.2f|maneuvers:>11|mean_error:>14.5f|dev._recorded:>16.5f|dev._simulated:>16.5f|within_90%:>14.3f");
     for (const wear::EnergyBand& b : c.bands)
-        fmt::format_to(std::back_inserter(table), "{:>10.2f}{:>10.2f}{:>11}{:>14.5f}{:>16.5f}{:>16.5f}{:>14.3f}\n", b.from_J * 1e-6, b.to_J * 1e-6,
-                       b.maneuvers, b.mean_error, b.deviation_recorded, b.deviation_simulated, b.coverage_90);
-    fmt::format_to(std::back_inserter(table),
-                   "recorded points within the model's central 90 %: {:.3f}\ntwo-sample Kolmogorov-Smirnov "
-                   "distance {:.4f}, probability {:.3f}\n",
-                   c.coverage_90, c.ks_distance, c.ks_probability);
-    return table;
+        table.add(b.from_J * 1e-6, b.to_J * 1e-6, b.maneuvers, b.mean_error, b.deviation_recorded, b.deviation_simulated, b.coverage_90);
+    table.line(fmt::format("recorded points within the model's central 90 %: {:.3f}", c.coverage_90));
+    table.line(fmt::format("two-sample Kolmogorov-Smirnov distance {:.4f}, probability {:.3f}", c.ks_distance, c.ks_probability));
+    return table.text();
 }
 
 nlohmann::ordered_json json_of(const wear::Comparison& c) {

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/verbs.hpp"
 
@@ -33,13 +33,13 @@ struct TableCommand {
     int run() const {
         const wear::Campaign data = load_campaign(source, campaign, off);
         if (csv != "-" && json_file != "-") {
-            std::string table = fmt::format("{:>8}{:>15}{:>18}{:>24}\n", "maneuver", "mean_friction", "brake_energy_MJ", "cumulative_energy_MJ");
+            auto table = settings::TextTable::screen("maneuver:>8|mean_friction:>15.5f|brake_energy_MJ:>18|cumulative_energy_MJ:>24.4f");
             for (std::size_t i = 0; i < data.points.size(); ++i) {
                 const double energy_J = wear::brake_energy_J(data, i);
-                fmt::format_to(std::back_inserter(table), "{:>8}{:>15.5f}{:>18}{:>24.4f}\n", i + 1, data.points[i].mean_friction,
-                               std::isnan(energy_J) ? "unknown" : fmt::format("{:.4f}", energy_J * 1e-6), data.points[i].c_e_J * 1e-6);
+                table.add(i + 1, data.points[i].mean_friction, std::isnan(energy_J) ? "unknown" : fmt::format("{:.4f}", energy_J * 1e-6),
+                          data.points[i].c_e_J * 1e-6);
             }
-            fmt::print("{}{} maneuvers of {}, data hash {}\n", table, data.points.size(), data.source, wear::data_hash(data));
+            fmt::print("{}{} maneuvers of {}, data hash {}\n", table.text(), data.points.size(), data.source, wear::data_hash(data));
         }
         settings::deliver(csv, wear::to_csv(data));
         settings::deliver(json_file, as_json(data));

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -85,19 +85,16 @@ struct WatchCommand {
         const wear::HealthyTrial h = wear::try_healthy(file.population, healthy);
         const auto tried = step_progress("trials");
         tried(1, kCases.size() + 1);
-        std::string table = fmt::format(
-            "{} healthy brakes, {} maneuvers: {} called abnormal ({:.2f} % of the brakes), {:.2f} % of maneuvers "
-            "suspect\n"
-            "{:<14}{:>8}{:>10}{:>10}{:>12}{:>12}\n",
-            h.campaigns, h.maneuvers, h.flagged, 100.0 * static_cast<double>(h.flagged) / static_cast<double>(h.campaigns),
-            100.0 * static_cast<double>(h.suspected_maneuvers) / static_cast<double>(h.maneuvers), "fault", "size", "brakes", "flagged", "50 % after",
-            "90 % after");
+        print_table(json_file, "{} healthy brakes, {} maneuvers: {} called abnormal ({:.2f} % of the brakes), {:.2f} % of maneuvers suspect\n",
+                    h.campaigns, h.maneuvers, h.flagged, 100.0 * static_cast<double>(h.flagged) / static_cast<double>(h.campaigns),
+                    100.0 * static_cast<double>(h.suspected_maneuvers) / static_cast<double>(h.maneuvers));
+        auto table = settings::TextTable::screen("fault:<14|size:>8|brakes:>10|flagged:>10|50 % after:>12|90 % after:>12");
         Json rows = Json::array();
         for (std::size_t i = 0; i < kCases.size(); ++i) {
             const wear::FaultTrial t = wear::try_fault(file.population, healthy, kCases.at(i).fault, kCases.at(i).size, seed);
-            fmt::format_to(std::back_inserter(table), "{:<14}{:>6.0f} %{:>10}{:>8.1f} %{:>12}{:>12}\n", wear::name(t.fault), 100.0 * t.size,
-                           t.campaigns, 100.0 * static_cast<double>(t.flagged) / static_cast<double>(std::max<std::size_t>(1, t.campaigns)), t.median,
-                           t.ninety == 0 ? std::string("-") : fmt::format("{}", t.ninety));
+            const double flagged = static_cast<double>(t.flagged) / static_cast<double>(std::max<std::size_t>(1, t.campaigns));
+            table.add(wear::name(t.fault), fmt::format("{:.0f} %", 100.0 * t.size), t.campaigns, fmt::format("{:.1f} %", 100.0 * flagged), t.median,
+                      t.ninety == 0 ? "-" : fmt::format("{}", t.ninety));
             rows.push_back({{"fault", wear::name(t.fault)},
                             {"size", t.size},
                             {"brakes", t.campaigns},
@@ -106,7 +103,7 @@ struct WatchCommand {
                             {"ninety_maneuvers", t.ninety}});
             tried(i + 2, kCases.size() + 1);
         }
-        print_table(json_file, "{}", table);
+        print_table(json_file, "{}", table.text());
         const Json json{
             {"version", ANTISKID_VERSION},
             {"seed", seed},

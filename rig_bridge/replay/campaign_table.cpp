@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -222,22 +221,22 @@ CampaignTable rebuild_campaign(const std::vector<ManeuverFolder>& folders, const
 }
 
 std::string to_text(const CampaignTable& table) {
-    std::string text;
-    const auto out = std::back_inserter(text);
-    fmt::format_to(out, "{:<10}{:>16}{:>15}{:>12}{:>11}  {}\n", "maneuver", "energy so far", "mean friction", "brake-on", "duration", "outcome");
-    fmt::format_to(out, "{:<10}{:>16}{:>15}{:>12}{:>11}\n", "", "MJ", "mu_b", "m/s", "s");
+    auto text = settings::TextTable::screen("maneuver:<10|energy so far:>16.4f|mean friction:>15.5f|brake-on:>12.2f|duration:>11.3f|  outcome");
+    text.add("", "MJ", "mu_b", "m/s", "s", "");
     std::string parts;
     for (const CampaignRow& row : table.rows) {
-        if (const std::string now = to_text(row.specimen); now != parts) fmt::format_to(out, "    from here on: {}\n", parts = now);
+        const record::Figures& f = row.summary.figures;
+        if (const std::string now = to_text(row.specimen); now != parts) text.line("    from here on: " + (parts = now));
         if (row.counted)
-            fmt::format_to(out, "{:<10}{:>16.4f}{:>15.5f}{:>12.2f}{:>11.3f}  {}\n", title(row.folder), row.summary.cumulative_energy_J * 1e-6,
-                           row.summary.figures.mean_friction, row.summary.figures.brake_on_mps, row.summary.figures.duration_s, row.summary.outcome);
+            text.add(title(row.folder), row.summary.cumulative_energy_J * 1e-6, f.mean_friction, f.brake_on_mps, f.duration_s);
         else
-            fmt::format_to(out, "{:<10}{:>54}  {}\n", title(row.folder), "", row.summary.outcome);
-        for (const std::string& warning : row.summary.warnings) fmt::format_to(out, "    {}\n", warning);
-        for (const std::string& difference : row.differences) fmt::format_to(out, "    DIFFERS: {}\n", difference);
+            text.add(title(row.folder), "", "", "", "");
+        text.add("  " + row.summary.outcome);
+        for (const std::string& warning : row.summary.warnings) text.line("    " + warning);
+        for (const std::string& difference : row.differences) text.line("    DIFFERS: " + difference);
     }
-    return text + verdict(table) + "\n";
+    text.line(verdict(table));
+    return text.text();
 }
 
 std::string to_csv(const CampaignTable& table) {

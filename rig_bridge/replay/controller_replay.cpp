@@ -14,6 +14,7 @@
 #include "firmware/can/roles.hpp"
 #include "firmware/control/controller.hpp"
 #include "firmware/host/control_loop.hpp"
+#include "firmware/host/settings/text_table.hpp"
 
 namespace rig::replay {
 
@@ -154,12 +155,13 @@ std::string to_text(const ControllerReplayReport& r, const antiskid::can::Layout
     }
     if (r.unsynchronised > 0) fmt::format_to(out, "  {} steps by the controller's own clock: SYNC failed to come\n", r.unsynchronised);
     if (r.unanswered > 0) fmt::format_to(out, "  {} samples without an answer\n", r.unanswered);
-    fmt::format_to(out, "{:<22}{:>10}{:>10}{:>15}{:>15}\n", "frames", "compared", "differ", "only in log", "only replayed");
+    auto table = settings::TextTable::screen("frames:<22|compared:>10|differ:>10|only in log:>15|only replayed:>15");
     for (const Role role : antiskid::can::kToRig) {
         if (!layout[role].bound) continue;
         const FrameComparison::Count& c = r.count(role);
-        fmt::format_to(out, "{:<22}{:>10}{:>10}{:>15}{:>15}\n", antiskid::can::name(role), c.compared, c.different, c.only_recorded, c.only_replayed);
+        table.add(antiskid::can::name(role), c.compared, c.different, c.only_recorded, c.only_replayed);
     }
+    text += table.text();
     const auto tell = [&](std::string_view which, const FrameDifference& d) {
         fmt::format_to(out, "{}: line {}, {:.6f} s, {}: expected {}, got {}\n", which, d.line, seconds(d), antiskid::can::name(d.role),
                        described(d.role, d.recorded, layout), described(d.role, d.replayed, layout));

@@ -62,7 +62,9 @@ class TextTable {
     void put(const Value& value) {
         const Format& format = formats_[next_];
         text_ += next_ == 0 ? begin_ : between_;
+        const std::size_t before = text_.size();
         fmt::format_to(std::back_inserter(text_), fmt::runtime(std::is_convertible_v<Value, std::string_view> ? format.text : format.value), value);
+        if (text_.size() == before && between_ == " | ") text_.pop_back();  // one blank in an empty cell of Markdown
         next_ = (next_ + 1) % formats_.size();
         if (next_ == 0) text_ += end_;
     }

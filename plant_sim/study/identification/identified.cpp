@@ -6,6 +6,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/text_table.hpp"
+
 namespace identification {
 
 namespace {
@@ -80,12 +82,10 @@ std::vector<Quantity> quantities(const Identified& found) {
 }
 
 std::string to_table(const Identified& found) {
-    std::string text = fmt::format("{:<26} {:>12} {:<8} {}\n", "", "estimate", "", "95 % interval");
-    for (const Quantity& q : quantities(found)) {
-        fmt::format_to(std::back_inserter(text), "{:<26} {:>12.6g} {:<8} {:.6g} to {:.6g}\n", q.name, q.estimate.value, q.unit, q.estimate.low,
-                       q.estimate.high);
-    }
-    return text;
+    auto table = settings::TextTable::screen(":<27|estimate:>12.6g|:<10|95 % interval");
+    for (const Quantity& q : quantities(found))
+        table.add(q.name, q.estimate.value, fmt::format(" {}", q.unit), fmt::format("{:.6g} to {:.6g}", q.estimate.low, q.estimate.high));
+    return table.text();
 }
 
 std::string to_json(const Identified& found, const std::string& head) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/margins/law_loop.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
@@ -48,9 +49,8 @@ class Worst {
         take(down_, m.gain_down_dB, speed_mps);
     }
     /// Three columns.
-    [[nodiscard]] std::string text() const {
-        if (unstable_below_ > 0.0) return fmt::format("unstable from {:.0f} m/s | {} | {}", unstable_below_, one(up_), one(down_));
-        return fmt::format("{} | {} | {}", one(phase_), one(up_), one(down_));
+    void add_to(settings::TextTable& table) const {
+        table.add(unstable_below_ > 0.0 ? fmt::format("unstable from {:.0f} m/s", unstable_below_) : one(phase_), one(up_), one(down_));
     }
 
   private:
@@ -112,14 +112,10 @@ std::string blocks(const std::vector<std::string>& bodies) {
 
 std::string to_table(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head) {
     const Requirement& r = head.options.requirement;
-    std::string t = fmt::format(
-        "Worst margins over the speeds from brake-on to drop-out, full linearisation, tyre {}, slip "
-        "reference "
-        "{:.2f}{}: value at speed (m/s)\n\n"
-        "| surface | maneuver | law: PM (deg) | up (dB) | down (dB) | PID: PM (deg) | up (dB) | down (dB) | "
-        "cells below {:.0f} deg or {:.0f} dB: law | PID | "
-        "infeasible for any controller |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
-        head.tyre, head.options.slip_reference, head.options.low_speed_fall ? ", falling at low speed" : " at every speed", r.phase_deg, r.gain_dB);
+    auto table = settings::TextTable::markdown(fmt::format(
+        "surface|maneuver|law: PM (deg):|up (dB)|down (dB)|PID: PM (deg):|up (dB)|down (dB)|cells below {:.0f} deg or {:.0f} dB: law:|PID|"
+        "infeasible for any controller",
+        r.phase_deg, r.gain_dB));
     const auto law_fails = [&](const Cell& c) { return !meets(c.law.full, r); };
     const auto pid_fails = [&](const Cell& c) { return !meets(c.pid.full, r); };
     const auto infeasible = [&](const Cell& c) { return !c.limits.allow(r); };
@@ -130,19 +126,22 @@ std::string to_table(const std::vector<StopConditions>& scenarios, const std::ve
             law.add(c.law.full, c.at.speed_mps);
             pid.add(c.pid.full, c.at.speed_mps);
         }
-        fmt::format_to(std::back_inserter(t), "| {} | {} | {} | {} | {} | {} | {} |\n", scenarios[i].surface, scenarios[i].maneuver, law.text(),
-                       pid.text(), from_speed(cells, i, law_fails), from_speed(cells, i, pid_fails), from_speed(cells, i, infeasible));
+        table.add(scenarios[i].surface, scenarios[i].maneuver);
+        law.add_to(table);
+        pid.add_to(table);
+        table.add(from_speed(cells, i, law_fails), from_speed(cells, i, pid_fails), from_speed(cells, i, infeasible));
     }
     const auto count = [&](const auto& bad) { return std::count_if(cells.begin(), cells.end(), bad); };
-    fmt::format_to(std::back_inserter(t),
-                   "\nOf {} cells: law stable in {}, by itself in {}, {:.0f} deg and {:.0f} dB both ways in "
-                   "{}; PID stable in {}, "
-                   "meets in {}; no controller can in {}.\n",
-                   cells.size(), count([](const Cell& c) { return c.law.full.stable; }),
-                   count([](const Cell& c) { return c.controller_growth_per_s <= kIntegrates_per_s; }), r.phase_deg, r.gain_dB,
-                   cells.size() - static_cast<std::size_t>(count(law_fails)), count([](const Cell& c) { return c.pid.full.stable; }),
-                   cells.size() - static_cast<std::size_t>(count(pid_fails)), count(infeasible));
-    return t;
+    return fmt::format(
+        "Worst margins over the speeds from brake-on to drop-out, full linearisation, tyre {}, slip reference {:.2f}{}: value at speed (m/s)\n\n"
+        "{}\nOf {} cells: law stable in {}, by itself in {}, {:.0f} deg and {:.0f} dB both ways in {}; PID stable in {}, meets in {}; no controller "
+        "can "
+        "in {}.\n",
+        head.tyre, head.options.slip_reference, head.options.low_speed_fall ? ", falling at low speed" : " at every speed", table.text(),
+        cells.size(), count([](const Cell& c) { return c.law.full.stable; }),
+        count([](const Cell& c) { return c.controller_growth_per_s <= kIntegrates_per_s; }), r.phase_deg, r.gain_dB,
+        cells.size() - static_cast<std::size_t>(count(law_fails)), count([](const Cell& c) { return c.pid.full.stable; }),
+        cells.size() - static_cast<std::size_t>(count(pid_fails)), count(infeasible));
 }
 
 std::string to_json(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head) {

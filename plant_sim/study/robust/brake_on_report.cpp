@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/json_number.hpp"
 #include "plant_sim/study/robust/grids.hpp"
 #include "plant_sim/study/robust/held_reference.hpp"
@@ -85,21 +85,19 @@ std::vector<BrakeOnSummary> summarise_brake_on(const RobustPlan& plan, const std
 std::string brake_on_table(const RobustPlan& plan, const std::vector<Row>& rows) {
     const std::vector<BrakeOnSummary> all = summarise_brake_on(plan, rows);
     if (all.empty()) return {};
-    std::string text =
-        "\nJ_mu over that of the reference held exactly, and valve travel over that of the fastest "
-        "brake-on\n\n"
-        "| law | brake-on (m/s) | ended safe | mean J_mu | mean share | least share | at least as asked | "
-        "valve travel (mA/s) | most over the fastest's |\n|---|---|---|---|---|---|---|---|---|\n";
+    auto table = settings::TextTable::markdown(
+        "law|brake-on (m/s):.1f|ended safe|mean J_mu:.4f|mean share:.3f|least share|at least as asked|valve travel (mA/s):.0f|most over the "
+        "fastest's");
     for (const BrakeOnSummary& s : all) {
-        fmt::format_to(std::back_inserter(text), "| {} | {:.1f} | {} | {:.4f} |", plan.laws[s.law].name, s.speed_mps, s.tripped, s.mean_j_mu);
+        table.add(plan.laws[s.law].name, s.speed_mps, s.tripped, s.mean_j_mu);
         if (s.min_share)
-            fmt::format_to(std::back_inserter(text), " {:.3f} | {:.3f}: {} | {} of {} at {:.2f} |", *s.mean_share, *s.min_share, stop_is(plan, s.min),
-                           s.reached, s.stops, asked_share(s.speed_mps));
+            table.add(*s.mean_share, fmt::format("{:.3f}: {}", *s.min_share, stop_is(plan, s.min)),
+                      fmt::format("{} of {} at {:.2f}", s.reached, s.stops, asked_share(s.speed_mps)));
         else
-            text += " none is held | | |";
-        fmt::format_to(std::back_inserter(text), " {:.0f} | {:.1f}: {} |\n", s.mean_travel_mAps, s.max_travel_ratio, stop_is(plan, s.max));
+            table.add("none is held", "", "");
+        table.add(s.mean_travel_mAps, fmt::format("{:.1f}: {}", s.max_travel_ratio, stop_is(plan, s.max)));
     }
-    return text;
+    return "\nJ_mu over that of the reference held exactly, and valve travel over that of the fastest brake-on\n\n" + table.text();
 }
 
 nlohmann::ordered_json brake_on_json(const RobustPlan& plan, const std::vector<Row>& rows) {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <limits>
 
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/json_number.hpp"
 #include "plant_sim/study/robust/grids.hpp"
 #include "plant_sim/study/robust/percentile.hpp"
@@ -99,20 +99,16 @@ std::vector<ChangesSummary> summarise_changes(const RobustPlan& plan, const std:
 std::string changes_table(const RobustPlan& plan, const std::vector<Row>& rows) {
     const std::vector<ChangesSummary> all = summarise_changes(plan, rows);
     if (all.empty()) return {};
-    std::string text =
-        "\n95 % of the new surface's friction, regained and kept after a change of surface\n\n"
-        "| law | changes | measured | within 0.4 s | median (s) | 90 % (s) | never | worst (s) |\n"
-        "|---|---|---|---|---|---|---|---|\n";
+    auto table = settings::TextTable::markdown("law|changes|measured|within 0.4 s|median (s)|90 % (s)|never|worst (s)");
     for (const ChangesSummary& s : all) {
-        fmt::format_to(std::back_inserter(text), "| {} | {} | {} of {} |", plan.laws[s.law].name, s.of, s.measured, s.changes);
+        table.add(plan.laws[s.law].name, s.of, fmt::format("{} of {}", s.measured, s.changes));
         if (s.measured == 0)
-            text += " not measured | | | | |\n";
+            table.add("not measured", "", "", "", "");
         else
-            fmt::format_to(std::back_inserter(text), " {:.1f} % | {} | {} | {} | {}: {} |\n",
-                           100.0 * static_cast<double>(s.in_time) / static_cast<double>(s.measured), seconds(s.median_s), seconds(s.percentile_90_s),
-                           s.never, seconds(s.worst_s), change_is(plan, s.worst));
+            table.add(fmt::format("{:.1f} %", 100.0 * static_cast<double>(s.in_time) / static_cast<double>(s.measured)), seconds(s.median_s),
+                      seconds(s.percentile_90_s), s.never, seconds(s.worst_s) + ": " + change_is(plan, s.worst));
     }
-    return text;
+    return "\n95 % of the new surface's friction, regained and kept after a change of surface\n\n" + table.text();
 }
 
 nlohmann::ordered_json changes_json(const RobustPlan& plan, const std::vector<Row>& rows) {

@@ -141,24 +141,20 @@ std::vector<Summary> summarise(const RobustPlan& plan, const std::vector<Row>& r
 
 std::string to_table(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {
     const bool told = told_peak(plan).has_value();
-    std::string text =
-        "| family | law | stops | ended safe | locked | mean J_mu | 1st percentile | worst | valve travel "
-        "(mA/s) |";
-    if (told) text += " distance over told_peak's: mean | 90 % | 99 % | within 3 % |";
-    text += told ? "\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n" : "\n|---|---|---|---|---|---|---|---|---|\n";
+    auto table = settings::TextTable::markdown(
+        std::string("family|law|stops|ended safe|locked|mean J_mu:.4f|1st percentile:.3f|worst:.3f|valve travel (mA/s):.0f") +
+        (told ? "|distance over told_peak's: mean:|90 %|99 %|within 3 %" : ""));
     for (const Summary& s : summaries) {
-        fmt::format_to(std::back_inserter(text), "| {} | {} | {} | {} | {} | {:.4f} | {:.3f} | {:.3f} | {:.0f} |", name(s.family),
-                       plan.laws[s.law].name, s.stops, s.tripped, s.locked, s.mean_j_mu, s.percentile_j_mu, s.worst_j_mu, s.mean_travel_mAps);
+        table.add(name(s.family), plan.laws[s.law].name, s.stops, s.tripped, s.locked, s.mean_j_mu, s.percentile_j_mu, s.worst_j_mu,
+                  s.mean_travel_mAps);
         if (const auto& a = s.against_told_peak)
-            fmt::format_to(std::back_inserter(text), " {} | {} | {} | {:.1f} % of {} |", ratio(a->mean), ratio(a->percentile_90),
-                           ratio(a->percentile_99), 100.0 * a->within, a->draws);
+            table.add(ratio(a->mean), ratio(a->percentile_90), ratio(a->percentile_99), fmt::format("{:.1f} % of {}", 100.0 * a->within, a->draws));
         else if (told)
-            text += " not measured | | | |";
-        text += "\n";
+            table.add("not measured", "", "", "");
     }
     for (const Summary& s : summaries)
-        fmt::format_to(std::back_inserter(text), "{}, {}: worst: draw {} ({})\n", name(s.family), plan.laws[s.law].name, s.worst, worst_is(plan, s));
-    return text + changes_table(plan, rows) + brake_on_table(plan, rows);
+        table.line(fmt::format("{}, {}: worst: draw {} ({})", name(s.family), plan.laws[s.law].name, s.worst, worst_is(plan, s)));
+    return table.text() + changes_table(plan, rows) + brake_on_table(plan, rows);
 }
 
 std::string to_json(const RobustPlan& plan, const std::vector<Row>& rows, const std::vector<Summary>& summaries) {

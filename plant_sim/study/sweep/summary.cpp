@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <nlohmann/json.hpp>
+
+#include "firmware/host/settings/text_table.hpp"
 
 namespace sweep {
 
@@ -58,11 +59,6 @@ nlohmann::ordered_json json_of(const Means& m) {
     return json;
 }
 
-std::string row_of(const std::string& name, const Means& m) {
-    return fmt::format("{:>10} {:>8.4f} {:>10.1f} {:>10.3f} {:>9.3f} {:>8.3f} {:>10.3f} {:>9.0f}\n", name, m.j_mu, m.stop_distance_m,
-                       m.energy_brake_J * 1e-6, m.energy_tyre_J * 1e-6, m.tyre_share, m.slip_efficiency, m.longest_lock_s * 1e3);
-}
-
 }  // namespace
 
 bool Summary::passed() const {
@@ -99,24 +95,26 @@ std::string to_json(const Summary& s) {
 }
 
 std::string to_table(const Summary& s) {
-    std::string t = fmt::format("{} stops: {} slip references x {} landings{}\n", s.identity.stops(), s.references.size(), s.identity.landings,
-                                s.threshold ? ", and the same landings by the threshold law" : "");
-    fmt::format_to(std::back_inserter(t), "{:>10} {:>8} {:>10} {:>10} {:>9} {:>8} {:>10} {:>9}\n", "reference", "J_mu", "distance_m", "brake_MJ",
-                   "tyre_MJ", "share", "efficiency", "lock_ms");
+    auto table = settings::TextTable::screen(
+        "reference:>10|J_mu:>9.4f|distance_m:>11.1f|brake_MJ:>11.3f|tyre_MJ:>10.3f|share:>9.3f|efficiency:>11.3f|lock_ms:>10.0f");
+    const auto add = [&table](const std::string& name, const Means& m) {
+        table.add(name, m.j_mu, m.stop_distance_m, m.energy_brake_J * 1e-6, m.energy_tyre_J * 1e-6, m.tyre_share, m.slip_efficiency,
+                  m.longest_lock_s * 1e3);
+    };
     constexpr std::size_t kFew = 12;
     for (std::size_t i = 0; i < s.references.size(); ++i) {
         const double reference = s.references[i].slip_reference;
         const bool fifth = std::lround(reference * 100.0) % 5 == 0;
         const bool end = i == 0 || i + 1 == s.references.size();
         if (s.references.size() <= kFew || fifth || end || i == s.best || reference == kPaperReference)
-            t += row_of(fmt::format("{:.2f}{}", reference, i == s.best ? " *" : "  "), s.references[i]);
+            add(fmt::format("{:.2f}{}", reference, i == s.best ? " *" : "  "), s.references[i]);
     }
-    if (s.threshold) t += row_of("threshold", *s.threshold);
-    t += "* greatest mean J_mu. share: the tyre's, of the energy of both.\n";
-    for (const Check& c : s.checks) fmt::format_to(std::back_inserter(t), "{}  {}: {}\n", c.passed ? "ok    " : "FAILED", c.demand, c.measured);
-    for (const std::string& demand : s.unchecked)
-        fmt::format_to(std::back_inserter(t), "--      {}: not judged with so few references or landings\n", demand);
-    return t;
+    if (s.threshold) add("threshold", *s.threshold);
+    table.line("* greatest mean J_mu. share: the tyre's, of the energy of both.");
+    for (const Check& c : s.checks) table.line(fmt::format("{}  {}: {}", c.passed ? "ok    " : "FAILED", c.demand, c.measured));
+    for (const std::string& demand : s.unchecked) table.line(fmt::format("--      {}: not judged with so few references or landings", demand));
+    return fmt::format("{} stops: {} slip references x {} landings{}\n{}", s.identity.stops(), s.references.size(), s.identity.landings,
+                       s.threshold ? ", and the same landings by the threshold law" : "", table.text());
 }
 
 }  // namespace sweep

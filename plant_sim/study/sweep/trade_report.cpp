@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/study/sweep/trade.hpp"
 #include "rig_bridge/pictures/gnuplot.hpp"
 
@@ -146,16 +146,15 @@ std::string to_text(const Trade& t, const TradeOptions& options) {
     else
         text += fmt::format("Best fixed slip reference {:.3f} (95 %: {:.3f} to {:.3f}); {}.\n", t.best->slip_reference, t.best_interval.low,
                             t.best_interval.high, words_of(t.decides));
-    fmt::format_to(std::back_inserter(text), "{:<16}{:>10}{:>12}{:>11}{:>10}{:>14}\n", "", "J_mu", "distance_m", "brake_MJ", "tyre_MJ",
-                   by_life(options) ? "landings" : "cost");
+    auto table = settings::TextTable::screen(
+        fmt::format(":<16|J_mu:>10.4f|distance_m:>12.1f|brake_MJ:>11.3f|tyre_MJ:>10.3f|{}:>14", by_life(options) ? "landings" : "cost"));
     const auto row = [&](const std::string& name, const std::optional<Offer>& o) {
-        if (!o) return;
-        fmt::format_to(std::back_inserter(text), "{:<16}{:>10.4f}{:>12.1f}{:>11.3f}{:>10.3f}{:>14}\n", name, o->j_mu, o->stop_distance_m,
-                       o->energy_brake_J * 1e-6, o->energy_tyre_J * 1e-6, cost_text(*o, options));
+        if (o) table.add(name, o->j_mu, o->stop_distance_m, o->energy_brake_J * 1e-6, o->energy_tyre_J * 1e-6, cost_text(*o, options));
     };
     row("best", t.best);
     row("reference 0.24", t.paper);
     row("threshold law", t.threshold);
+    text += table.text();
     if (t.against_paper) text += saving_text(*t.against_paper, "0.24", options);
     if (t.against_threshold) text += saving_text(*t.against_threshold, "the threshold law", options);
     if (t.best && t.feasible_share < 1.0)
