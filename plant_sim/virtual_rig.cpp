@@ -165,10 +165,11 @@ int run(const Options& o, const plant_sim::StopInputs& s) {
     report.overruns = result.overruns;
     if (o.json != "-") fmt::print("{}", study::to_table(report));
     settings::deliver(o.json, study::to_json(report));
-    const std::filesystem::path csv = o.out.empty() ? std::filesystem::path(o.picture).concat(".csv") : o.out / "trajectory.csv";
-    if (!o.out.empty() || !o.picture.empty()) settings::write_file(csv, trajectory.csv());
-    if (!o.out.empty()) settings::write_file(o.out / "result.json", study::to_json(report));
-    if (!o.picture.empty()) pictures::draw_stop(csv, o.picture, s.title(o.scenario), session.pilot().brake_on_s(), along_runway);
+    if (!o.out.empty()) {
+        settings::write_file(o.out / "trajectory.csv", trajectory.csv());
+        settings::write_file(o.out / "result.json", study::to_json(report));
+    }
+    if (!o.picture.empty()) pictures::draw_stop(trajectory.csv(), o.picture, s.title(o.scenario), session.pilot().brake_on_s(), along_runway);
     // A maneuver that never reached its brake-on wears nothing and is none.
     const double taken_J = session.rig().wheel().energy_brake_J;
     if (taken_J > 0.0) s.keep_brake(o.scenario, taken_J);

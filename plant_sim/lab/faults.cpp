@@ -87,12 +87,11 @@ struct FaultsCommand {
         const faults::Result result = faults::run_one(campaign, c, faults::run_sound(campaign, c),
                                                       [&course](const study::RigSession& session, const antiskid::can::ControllerView& view,
                                                                 double current_mA) { course.record(session, view, current_mA); });
-        const auto csv = out / fmt::format("run-{}.csv", number);
-        settings::write_file(csv, course.csv());
+        settings::write_file(out / fmt::format("run-{}.csv", number), course.csv());
         const std::string what = faults::describe(campaign, c);
         if (pictures) {
             const study::ManeuverPlan& maneuver = campaign.maneuver;
-            pictures::draw_stop(csv, out / fmt::format("run-{}.png", number), what, maneuver.touchdown_s + maneuver.settle_s);
+            pictures::draw_stop(course.csv(), out / fmt::format("run-{}.png", number), what, maneuver.touchdown_s + maneuver.settle_s);
         }
         print_table(json_file, "{}\n{}\nWritten to {}\n", what, faults::describe(result), out.string());
         return result.verdict.outcome == faults::Outcome::unsafe ? 1 : 0;

@@ -128,7 +128,7 @@ struct IdentifyCommand {
         draw_surfaces(surfaces, names, out / "friction_curves.png");
         if (!validation || !validation->result.braked) return;
         settings::write_file(out / "validation.csv", validation::to_csv(validation->result));
-        validation::draw_validation(out / "validation.csv", out / "validation.png",
+        validation::draw_validation(validation->result, out / "validation.png",
                                     fmt::format("{}: recorded against simulated with what was identified, from {:.1f} m/s", validation->run,
                                                 validation->result.brake_on_mps));
     }

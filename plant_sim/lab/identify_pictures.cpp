@@ -28,9 +28,12 @@ set lmargin 11
 set rmargin 3
 )";
 
-std::string script(const fs::path& csv, const std::string& title, const std::string& plots, int rows) {
-    return fmt::format("{}data = {}\nset multiplot layout {},1 title {} noenhanced\n{}unset multiplot\n", kStyle, gnuplot_quoted(csv.string()), rows,
-                       gnuplot_quoted(title), plots);
+/// `rows` panels of the table, which stays beside the picture.
+void draw(const settings::TextTable& table, const fs::path& png, int height, const std::string& title, const std::string& plots, int rows) {
+    settings::write_file(fs::path(png).replace_extension(".csv"), table.text());
+    pictures::run_gnuplot(png, 1100, height,
+                          fmt::format("{}{}set multiplot layout {},1 title {} noenhanced\n{}unset multiplot\n", kStyle,
+                                      pictures::gnuplot_block("data", table.text()), rows, gnuplot_quoted(title), plots));
 }
 
 constexpr std::size_t kSettled = 300;  // samples of a slow ramp after which the pressure is that of the map
@@ -52,7 +55,6 @@ bool ramps(const std::vector<double>& current_mA, std::size_t k) {
 
 /// Readings on ramps against current, and the fitted branches.
 std::string draw_map(const identification::ValveFit& v, const fs::path& directory) {
-    const fs::path csv = directory / "static_map.csv";
     auto table = settings::TextTable::csv("current_mA:.4f|rising_MPa:.5f|falling_MPa:.5f|rising_error_kPa:.3f|falling_error_kPa:.3f|map_MPa:.5f");
     const std::optional<double> none;
     constexpr std::size_t kEvery = 25;
@@ -70,31 +72,28 @@ std::string draw_map(const identification::ValveFit& v, const fs::path& director
     }
     const rig::PressureMap map = v.map();
     for (const auto& point : map.points()) table.add(fmt::format("{:.5f}", point.current_mA), none, none, none, none, point.pressure_Pa * 1e-6);
-    settings::write_file(csv, table.text());
-    pictures::run_gnuplot(directory / "static_map.png", 1100, 900,
-                          script(csv,
-                                 fmt::format("static map: dead zone {:.3f} mA, hysteresis {:.2f} uA (95 %: {:.2f} to {:.2f})", v.dead_zone_mA.value,
-                                             v.hysteresis_mA.value * 1e3, v.hysteresis_mA.low * 1e3, v.hysteresis_mA.high * 1e3),
-                                 R"(set key top left
+    draw(table, directory / "static_map.png", 900,
+         fmt::format("static map: dead zone {:.3f} mA, hysteresis {:.2f} uA (95 %: {:.2f} to {:.2f})", v.dead_zone_mA.value,
+                     v.hysteresis_mA.value * 1e3, v.hysteresis_mA.low * 1e3, v.hysteresis_mA.high * 1e3),
+         R"(set key top left
 set xrange [0:*]
 set ylabel 'pressure (MPa)'
-plot data using 'current_mA':'rising_MPa' with points ls 3 notitle, \
-     data using 'current_mA':'falling_MPa' with points ls 4 notitle, \
+plot $data using 'current_mA':'rising_MPa' with points ls 3 notitle, \
+     $data using 'current_mA':'falling_MPa' with points ls 4 notitle, \
      keyentry with points ls 3 ps 1 title 'measured, current rising', \
      keyentry with points ls 4 ps 1 title 'measured, current falling', \
-     data using 'current_mA':'map_MPa' with linespoints ls 1 pt 6 ps 1 title 'identified map'
+     $data using 'current_mA':'map_MPa' with linespoints ls 1 pt 6 ps 1 title 'identified map'
 set xlabel 'valve current (mA)'
 set ylabel 'measured - modelled (kPa)'
-plot data using 'current_mA':'rising_error_kPa' with points ls 3 notitle, \
-     data using 'current_mA':'falling_error_kPa' with points ls 4 notitle
+plot $data using 'current_mA':'rising_error_kPa' with points ls 3 notitle, \
+     $data using 'current_mA':'falling_error_kPa' with points ls 4 notitle
 )",
-                                 2));
+         2);
     return "static_map.png";
 }
 
 std::string draw_valve(const identification::ValveResiduals& r, const fs::path& directory) {
-    const std::string name = "valve_" + r.recording;
-    const fs::path csv = directory / (name + ".csv");
+    const std::string name = "valve_" + r.recording + ".png";
     auto table = settings::TextTable::csv("time_s:.3f|current_mA:.3f|measured_MPa:.5f|modelled_MPa:.5f|error_kPa:.3f");
     // As many points as the picture has columns twice over show everything; steps need theirs.
     const std::size_t every = std::max<std::size_t>(1, r.time_s.size() / 12000);
@@ -102,27 +101,24 @@ std::string draw_valve(const identification::ValveResiduals& r, const fs::path& 
         const auto error_kPa = r.used[k] != 0 ? std::optional((r.measured_Pa[k] - r.modelled_Pa[k]) * 1e-3) : std::nullopt;
         table.add(r.time_s[k], r.current_mA[k], r.measured_Pa[k] * 1e-6, r.modelled_Pa[k] * 1e-6, error_kPa);
     }
-    settings::write_file(csv, table.text());
-    pictures::run_gnuplot(directory / (name + ".png"), 1100, 900,
-                          script(csv, fmt::format("{}: residuals of {:.1f} kPa RMS", r.recording, r.rms_Pa * 1e-3),
-                                 R"(set key top right
-stats data using 'time_s' nooutput
+    draw(table, directory / name, 900, fmt::format("{}: residuals of {:.1f} kPa RMS", r.recording, r.rms_Pa * 1e-3),
+         R"(set key top right
+stats $data using 'time_s' nooutput
 set xrange [0:STATS_max]
 set offsets graph 0, graph 0, graph 0.15, graph 0
 set ylabel 'pressure (MPa)'
-plot data using 'time_s':'measured_MPa' with points ls 3 notitle, keyentry with points ls 3 ps 1 title 'measured', \
-     data using 'time_s':'modelled_MPa' with lines ls 2 title 'modelled'
+plot $data using 'time_s':'measured_MPa' with points ls 3 notitle, keyentry with points ls 3 ps 1 title 'measured', \
+     $data using 'time_s':'modelled_MPa' with lines ls 2 title 'modelled'
 unset offsets
 set xlabel 'time since brake-on (s)'
 set ylabel 'measured - modelled (kPa)'
-plot data using 'time_s':'error_kPa' with points ls 3 notitle
+plot $data using 'time_s':'error_kPa' with points ls 3 notitle
 )",
-                                 2));
-    return name + ".png";
+         2);
+    return name;
 }
 
 std::string draw_wheel(const identification::WheelFit& w, const fs::path& directory) {
-    const fs::path csv = directory / "wheel.csv";
     auto table = settings::TextTable::csv("time_s:.3f|stop_mmps:.4f|touchdown_mmps:.4f");
     for (const auto& r : w.residuals) {
         for (std::size_t k = 0; k < r.time_s.size(); ++k) {
@@ -130,47 +126,42 @@ std::string draw_wheel(const identification::WheelFit& w, const fs::path& direct
             table.add(r.time_s[k], r.braking ? error_mmps : std::nullopt, r.braking ? std::nullopt : error_mmps);
         }
     }
-    settings::write_file(csv, table.text());
-    pictures::run_gnuplot(
-        directory / "wheel.png", 1100, 560,
-        script(csv, fmt::format("momentum of wheel and flywheel: J_w = {:.4f} kg m2, k_b = {:.5g} m3", w.inertia_kgm2.value, w.gain_m3.value),
-               R"(set key top right
+    draw(table, directory / "wheel.png", 560,
+         fmt::format("momentum of wheel and flywheel: J_w = {:.4f} kg m2, k_b = {:.5g} m3", w.inertia_kgm2.value, w.gain_m3.value),
+         R"(set key top right
 set xlabel 'time since brake-on (s)'
 set ylabel 'measured - modelled rim speed (mm/s)'
-plot data using 'time_s':'stop_mmps' with points ls 3 notitle, keyentry with points ls 3 ps 1 title 'stops', \
-     data using 'time_s':'touchdown_mmps' with points ls 4 notitle, keyentry with points ls 4 ps 1 title 'touchdowns alone'
+plot $data using 'time_s':'stop_mmps' with points ls 3 notitle, keyentry with points ls 3 ps 1 title 'stops', \
+     $data using 'time_s':'touchdown_mmps' with points ls 4 notitle, keyentry with points ls 4 ps 1 title 'touchdowns alone'
 )",
-               1));
+         1);
     return "wheel.png";
 }
 
 std::string draw_friction(const identification::FrictionFit& f, const fs::path& directory) {
-    const std::string name = "friction_" + f.surface;
-    const fs::path csv = directory / (name + ".csv");
+    const std::string name = "friction_" + f.surface + ".png";
     auto table = settings::TextTable::csv("slip:.6f|mu:.6f|error:.6f|deviation:.6f");
     const rig::Surface curve = f.curve();
     for (std::size_t k = 0; k < f.slip.size(); ++k) table.add(f.slip[k], f.mu[k], f.mu[k] - rig::friction(curve, f.slip[k]).mu, f.deviation[k]);
-    settings::write_file(csv, table.text());
     const std::string plots = fmt::format(R"(c1 = {}
 c2 = {}
 c3 = {}
 mu(x) = c1 * (1 - exp(-c2 * x)) - c3 * x
 set key bottom right
-stats data using 'slip' nooutput
+stats $data using 'slip' nooutput
 set xrange [0:STATS_max * 1.05]
 set samples 500
 set ylabel 'friction F_x / F_z'
-plot data using 'slip':'mu' with points ls 3 notitle, keyentry with points ls 3 ps 1 title 'load cells over encoders', \
+plot $data using 'slip':'mu' with points ls 3 notitle, keyentry with points ls 3 ps 1 title 'load cells over encoders', \
      mu(x) with lines ls 2 title 'eq. (4), identified'
 set xlabel 'slip'
 set ylabel '(measured - fitted) / expected deviation'
-plot data using 'slip':(column('error') / column('deviation')) with points ls 3 notitle
+plot $data using 'slip':(column('error') / column('deviation')) with points ls 3 notitle
 )",
                                           f.c1.value, f.c2.value, f.c3.value);
-    pictures::run_gnuplot(
-        directory / (name + ".png"), 1100, 900,
-        script(csv, fmt::format("{}: c1 = {:.4f}, c2 = {:.3f}, c3 = {:.4f}", f.surface, f.c1.value, f.c2.value, f.c3.value), plots, 2));
-    return name + ".png";
+    draw(table, directory / name, 900, fmt::format("{}: c1 = {:.4f}, c2 = {:.3f}, c3 = {:.4f}", f.surface, f.c1.value, f.c2.value, f.c3.value), plots,
+         2);
+    return name;
 }
 
 }  // namespace

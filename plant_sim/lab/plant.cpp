@@ -98,14 +98,9 @@ struct PlantCommand {
                                           {"warnings", warnings.summary()}};
         settings::deliver(json, to_json(v, head.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
         if (!csv.empty()) settings::deliver(csv, to_csv(v));
-        if (!picture.empty()) draw(v, on_rig.title);
-    }
-
-    void draw(const validation::Validation& v, const std::string& title) const {
-        const std::string rows = csv.empty() || csv == "-" ? picture + ".csv" : csv;
-        if (rows != csv) settings::write_file(rows, to_csv(v));
-        validation::draw_validation(rows, picture,
-                                    fmt::format("{}: recorded against simulated, pressure in feed-forward from {:.1f} m/s", title, v.brake_on_mps));
+        if (!picture.empty())
+            validation::draw_validation(
+                v, picture, fmt::format("{}: recorded against simulated, pressure in feed-forward from {:.1f} m/s", on_rig.title, v.brake_on_mps));
     }
 };
 

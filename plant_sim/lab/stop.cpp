@@ -50,11 +50,8 @@ struct StopCommand {
         if (!json.empty()) settings::deliver(json, study::to_json(report));
         if (!bus_log.empty()) settings::deliver(bus_log, log);
         if (!trajectory.empty()) settings::deliver(trajectory, rows.csv());
-        if (!picture.empty()) {
-            const std::string csv = trajectory.empty() || trajectory == "-" ? picture + ".csv" : trajectory;
-            if (csv != trajectory) settings::write_file(csv, rows.csv());
-            pictures::draw_stop(csv, picture, s.title(scenario), s.session.plan.touchdown_s + s.session.plan.settle_s, along_runway);
-        }
+        if (!picture.empty())
+            pictures::draw_stop(rows.csv(), picture, s.title(scenario), s.session.plan.touchdown_s + s.session.plan.settle_s, along_runway);
         s.keep_brake(scenario, result.figures.energy_brake_J);
         return result.came_to_rest ? 0 : 1;
     }

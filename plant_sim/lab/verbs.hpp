@@ -86,7 +86,8 @@ void print_table(const std::string& json_file, fmt::format_string<T...> format, 
     if (json_file != "-") fmt::print(format, std::forward<T>(values)...);
 }
 
-/// The result of a study, in its directory and where --json says.
+/// The result of a study, in its directory and where --json says. Where that is standard output, which is to be read by programs, the directory is
+/// named on standard error: none is made silently.
 void keep_json(const std::filesystem::path& file, const std::string& json_file, std::string_view text);
 
 }  // namespace plant_sim::lab

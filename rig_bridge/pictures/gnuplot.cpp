@@ -37,7 +37,7 @@ std::string gnuplot_quoted(const std::string& text) {
     return out;
 }
 
-std::string gnuplot_block(const std::string& name, const std::string& rows) {
+std::string gnuplot_block(std::string_view name, std::string_view rows) {
     return fmt::format("${} << EOD\n{}EOD\n", name, rows.empty() ? "NaN NaN NaN NaN NaN NaN\n" : rows);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace pictures {
 
@@ -11,7 +12,7 @@ namespace pictures {
 [[nodiscard]] std::string gnuplot_quoted(const std::string& text);
 
 /// A block of rows for `plot $name`; one row of NaN where there are none, since gnuplot takes an empty block for an error.
-[[nodiscard]] std::string gnuplot_block(const std::string& name, const std::string& rows);
+[[nodiscard]] std::string gnuplot_block(std::string_view name, std::string_view rows);
 
 /// Of lines and points beside each other.
 [[nodiscard]] inline const char* gnuplot_colour(std::size_t i) {

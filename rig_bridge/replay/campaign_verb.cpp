@@ -105,14 +105,11 @@ struct CampaignCommand {
     }
 
     void draw(const CampaignTable& table) const {
-        const std::string rows = csv.empty() || csv == "-" ? picture + ".csv" : csv;
-        if (rows != csv) settings::write_file(rows, to_csv(table));
         pictures::run_gnuplot(picture, 1000, 600,
-                              fmt::format("set datafile separator ','\nset key off\n"
-                                          "set xlabel 'brake energy of this brake and disc (MJ)'\nset ylabel 'mean friction'\n"
-                                          "plot {} using (column('disc_energy_J') * 1e-6):'mean_friction' with points pt 7 "
-                                          "ps 0.6 lc rgb '#1f4e79'\n",
-                                          pictures::gnuplot_quoted(rows)));
+                              "set datafile separator ','\nset key off\n"
+                              "set xlabel 'brake energy of this brake and disc (MJ)'\nset ylabel 'mean friction'\n" +
+                                  pictures::gnuplot_block("data", to_csv(table)) +
+                                  "plot $data using (column('disc_energy_J') * 1e-6):'mean_friction' with points pt 7 ps 0.6 lc rgb '#1f4e79'\n");
     }
 };
 

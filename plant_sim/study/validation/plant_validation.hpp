@@ -20,9 +20,6 @@
 
 namespace validation {
 
-/// Draws `csv` (Validation's to_csv) into `png`. Throws std::runtime_error when gnuplot is missing or fails.
-void draw_validation(const std::filesystem::path& csv, const std::filesystem::path& png, const std::string& title);
-
 /// Simulated minus recorded.
 struct ErrorFigures {
     std::uint64_t count = 0;
@@ -74,5 +71,7 @@ struct Validation {
 [[nodiscard]] std::string to_text(const Validation& validation);
 /// `head`: keys of the caller's own, put first; a JSON object as text.
 [[nodiscard]] std::string to_json(const Validation& validation, const std::string& head);
+/// Into `png`. Throws std::runtime_error when gnuplot is missing or fails.
+void draw_validation(const Validation& validation, const std::filesystem::path& png, const std::string& title);
 
 }  // namespace validation
