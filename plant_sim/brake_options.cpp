@@ -39,13 +39,10 @@ void add_rule_options(CLI::App& app, wear::ConditionalRule& rule) {
 
 void BrakeOptions::add_to(CLI::App& app) {
     app.add_option("--brake", brake,
-                   "mean friction drawn by the wear model of [brake.wear]: new, worn (at the end of its "
-                   "life), or what it has taken so far in MJ")
+                   "mean friction drawn by the wear model of [brake.wear]: new, worn (at the end of its life), or what it has taken so far in MJ")
         ->check(CLI::Validator(check_brake, ""))
         ->type_name("new|worn|MJ");
-    app.add_option("--brake-state", state,
-                   "the brake from one run to the next: read at the start where it is there, written after "
-                   "each maneuver")
+    app.add_option("--brake-state", state, "the brake from one run to the next: read at the start where it is there, written after each maneuver")
         ->type_name("FILE");
     add_rule_options(app, rule);
 }
@@ -59,11 +56,8 @@ wear::WearingBrake BrakeOptions::brake_of(const wear::BrakeWear& wear, std::uint
     if (!state.empty()) {
         if (const auto kept = wear::find_brake_state(state, wear)) {
             if (!brake.empty())
-                throw std::invalid_argument(
-                    fmt::format("--brake {}: {} holds a brake already; leave --brake out to go on with it, "
-                                "or name another "
-                                "file",
-                                brake, state.string()));
+                throw std::invalid_argument(fmt::format(
+                    "--brake {}: {} holds a brake already; leave --brake out to go on with it, or name another file", brake, state.string()));
             return {wear, rule, *kept};
         }
     }
@@ -73,11 +67,9 @@ wear::WearingBrake BrakeOptions::brake_of(const wear::BrakeWear& wear, std::uint
 std::string extrapolation_notice(const wear::WearingBrake& brake) {
     if (!brake.extrapolates()) return {};
     const wear::BrakeWear& w = brake.wear();
-    return fmt::format(
-        "the brake has taken {:.1f} MJ, which is beyond the wear model's data ({:.1f} to {:.1f} MJ of this "
-        "brake): {}",
-        brake.state().c_e_J * 1e-6, w.model->data.first_c_e_J * w.scale.energy * 1e-6, w.model->data.last_c_e_J * w.scale.energy * 1e-6,
-        wear::kHowItExtrapolates);
+    return fmt::format("the brake has taken {:.1f} MJ, which is beyond the wear model's data ({:.1f} to {:.1f} MJ of this brake): {}",
+                       brake.state().c_e_J * 1e-6, w.model->data.first_c_e_J * w.scale.energy * 1e-6,
+                       w.model->data.last_c_e_J * w.scale.energy * 1e-6, wear::kHowItExtrapolates);
 }
 
 }  // namespace plant_sim

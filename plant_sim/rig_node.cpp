@@ -139,18 +139,16 @@ NodeResult RigNode::run_realtime(Time patience, const std::atomic<bool>& stop, c
         if (!ready) {
             ready = view.state == antiskid::control::State::standby;
             if (!ready && tick.woke >= give_up) {
-                return finish(Ending::silent, fmt::format("no antiskid-controller in standby within {:.0f} ms (valve "
-                                                          "commands 0x{:03X}: {}; state: {})",
-                                                          milliseconds(patience), layout_[Role::valve].id, port_.stats(Role::valve).accepted,
-                                                          antiskid::can::kStateNames[static_cast<std::size_t>(view.state)]));
+                return finish(Ending::silent,
+                              fmt::format("no antiskid-controller in standby within {:.0f} ms (valve commands 0x{:03X}: {}; state: {})",
+                                          milliseconds(patience), layout_[Role::valve].id, port_.stats(Role::valve).accepted,
+                                          antiskid::can::kStateNames[static_cast<std::size_t>(view.state)]));
             }
         } else {
             const bool silent = tick.woke - view.command_received > kDriverWatchdog;
             const double current_mA = silent ? 0.0 : static_cast<double>(view.current_mA);
             if (silent && tick.woke - view.command_received > patience) {
-                return finish(Ending::silent,
-                              "antiskid-controller fell silent during the run; the valve driver has fallen "
-                              "back to no current");
+                return finish(Ending::silent, "antiskid-controller fell silent during the run; the valve driver has fallen back to no current");
             }
             // The plant lives in the machine's time: periods that were missed have passed for it, too.
             for (std::uint64_t passed = 0; passed <= tick.skipped && !session_.done(); ++passed) {

@@ -68,10 +68,8 @@ struct Served {
 /// The options, or the exit status when there is nothing to run.
 std::optional<int> parse(int argc, char** argv, Options& o) {
     CLI::App app{
-        "The rig that antiskid-controller and rig-bridge work on: sends wheel, flywheel and pressure frames "
-        "and obeys the valve "
-        "command on CAN, serves the PLC's registers on Modbus, moves the plant behind both. Runs until it is "
-        "stopped.",
+        "The rig that antiskid-controller and rig-bridge work on: sends wheel, flywheel and pressure frames and obeys the valve command on CAN, "
+        "serves the PLC's registers on Modbus, moves the plant behind both. Runs until it is stopped.",
         "virtual-rig serve"};
     app.add_option("--can", o.interface, "CAN interface, e.g. vcan0")->required()->type_name("IF");
     settings::existing_file(app.add_option("--scenario", o.scenario, "the same file that rig-bridge gets: it says which rig this is"))->required();
@@ -85,20 +83,18 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
     std::string rtu;
     settings::one_of(app.add_option("--modbus-rtu", rtu, "Modbus RTU on a pseudo-terminal, whose name is printed; without --modbus instead of TCP"),
                      {"pty"});
-    settings::one_of(app.add_option("--clock", o.clock,
-                                    "timer: real time; sync: lockstep with antiskid-controller --clock sync, never faster "
-                                    "than real time"),
-                     {"timer", "sync"})
+    settings::one_of(
+        app.add_option("--clock", o.clock, "timer: real time; sync: lockstep with antiskid-controller --clock sync, never faster than real time"),
+        {"timer", "sync"})
         ->capture_default_str();
     app.add_option("--answer-timeout", o.answer_timeout_ms,
-                   "with --clock sync: the controller is silent when a valve command takes longer, a bridge in "
-                   "lockstep when its turn does")
+                   "with --clock sync: the controller is silent when a valve command takes longer, a bridge in lockstep when its turn does")
         ->check(CLI::Range(1, 3'600'000))
         ->type_name("MS")
         ->capture_default_str();
     app.add_flag("--start-together", o.together,
-                 "with --clock sync: rig time begins when rig-bridge --clock sync has connected and the "
-                 "controller answers, so that all three have the same one");
+                 "with --clock sync: rig time begins when rig-bridge --clock sync has connected and the controller answers, so that all three have "
+                 "the same one");
     o.brake.add_to(app);
     app.add_flag("--spun-up", o.spun_up, "the flywheel turns at the scenario's speed from the start: the first spin-up is short");
     app.add_option("--seed", o.seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
@@ -113,15 +109,10 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
     app.footer(
         "Examples:\n"
         "  virtual-rig serve --can vcan0 --scenario config/scenarios/heavy.toml\n"
-        "  virtual-rig serve --can vcan0 --scenario config/scenarios/endurance.toml --clock sync --modbus "
-        "127.0.0.1:0 --port-file "
-        "port\n"
-        "  virtual-rig serve --can vcan0 --scenario config/scenarios/endurance.toml --brake-state "
-        "brake.json\n"
-        "Exit status: 0 stopped by SIGTERM; 1 interface or port not to be had, or the brake's state not "
-        "kept; 2 mistake on the command line "
-        "or in a configuration "
-        "file; 130 stopped by Ctrl-C.");
+        "  virtual-rig serve --can vcan0 --scenario config/scenarios/endurance.toml --clock sync --modbus 127.0.0.1:0 --port-file port\n"
+        "  virtual-rig serve --can vcan0 --scenario config/scenarios/endurance.toml --brake-state brake.json\n"
+        "Exit status: 0 stopped by SIGTERM; 1 interface or port not to be had, or the brake's state not kept; 2 mistake on the command line or in a "
+        "configuration file; 130 stopped by Ctrl-C.");
     if (const auto mistake = settings::parse(app, argc, argv)) return mistake;
     o.rtu = !rtu.empty();
     if (o.rtu && modbus->count() == 0) o.modbus.clear();
@@ -189,9 +180,8 @@ void announce(const Options& o, const rig::modbus::ModbusServer& server) {
 
 void summarise(const ServeState& state, const plc::ServedRig& rig, const rig::modbus::ServerCounters& modbus) {
     fmt::print(
-        "{:.3f} s of rig time, {} periods not sent in time, {} frames not sent; {} Modbus requests, {} of "
-        "them refused; {} "
-        "touchdowns, {:.3f} MJ taken by the brake\n",
+        "{:.3f} s of rig time, {} periods not sent in time, {} frames not sent; {} Modbus requests, {} of them refused; {} touchdowns, {:.3f} MJ "
+        "taken by the brake\n",
         rig.time_s(), state.overruns.load(), state.frames_lost.load(), modbus.requests, modbus.exceptions, rig.maneuvers(),
         rig.cumulative_energy_J() * 1e-6);
 }

@@ -76,9 +76,8 @@ void StopOptions::add_to(CLI::App& app) {
                          "flywheel: the loading device lags behind eq. (2)");
     app.add_option("--seed", seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
     settings::add_config_directory(app, config);
-    settings::existing_file(app.add_option("--controller", controller,
-                                           "controller configuration (default: CONFIG/controller.toml; endurance: "
-                                           "CONFIG/controller_endurance.toml)"));
+    settings::existing_file(app.add_option(
+        "--controller", controller, "controller configuration (default: CONFIG/controller.toml; endurance: CONFIG/controller_endurance.toml)"));
     settings::add_layout_files(app, dbc, binding);
 }
 

@@ -81,9 +81,8 @@ struct Options {
 /// The options, or the exit status when there is nothing to run.
 std::optional<int> parse(int argc, char** argv, Options& o) {
     CLI::App app{
-        "The virtual rig: plant, sensors and pilot behind the rig's CAN frames. Runs one maneuver against "
-        "antiskid-controller. `virtual-rig serve` is the rig without the pilot, for rig-bridge: see "
-        "virtual-rig serve --help.",
+        "The virtual rig: plant, sensors and pilot behind the rig's CAN frames. Runs one maneuver against antiskid-controller. `virtual-rig serve` "
+        "is the rig without the pilot, for rig-bridge: see virtual-rig serve --help.",
         "virtual-rig"};
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.add_option("--can", o.interface, "CAN interface, e.g. vcan0")->required()->type_name("IF");
@@ -111,8 +110,7 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
         "  virtual-rig --can vcan0 --clock timer --surface snow --law threshold\n"
         "  virtual-rig --can vcan0 --runway config/runways/flooded.toml --picture flooded.png\n"
         "  virtual-rig --can vcan0 --brake-state brake.json\n"
-        "Exit status: 0 the maneuver ran to standstill; 1 it did not (controller silent, interface gone, no "
-        "standstill);\n"
+        "Exit status: 0 the maneuver ran to standstill; 1 it did not (controller silent, interface gone, no standstill);\n"
         "2 mistake on the command line or in a configuration file; 130 stopped by Ctrl-C.");
     app.add_subcommand("serve", "the rig without the pilot, for rig-bridge; first on the command line");
     return settings::parse(app, argc, argv);

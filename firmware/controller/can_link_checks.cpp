@@ -13,10 +13,7 @@ namespace {
 constexpr std::uint32_t kErrorWarning = 96;  // ISO 11898: above, a node is suspect
 
 std::string set_up(const std::string& interface, std::uint32_t bitrate) {
-    return fmt::format(
-        "ip link set {0} down; ip link set {0} type can bitrate {1} restart-ms 100 && ip link "
-        "set {0} up",
-        interface, bitrate);
+    return fmt::format("ip link set {0} down; ip link set {0} type can bitrate {1} restart-ms 100 && ip link set {0} up", interface, bitrate);
 }
 
 Check interface_check(const CanLink& link, const std::string& interface, std::uint32_t bitrate) {
@@ -46,13 +43,13 @@ Check state_check(const CanLink& link, const std::string& interface) {
     constexpr std::array<std::string_view, 6> kStates{"error-active", "error-warning", "error-passive", "bus-off", "stopped", "sleeping"};
     const std::uint32_t state = link.state.value_or(CAN_STATE_MAX);
     const std::string_view said = state < kStates.size() ? kStates.at(state) : "not told";
-    return judged("CAN state", state == CAN_STATE_ERROR_ACTIVE,
-                  {.measured = fmt::format("{}, {} times bus-off so far", said, link.bus_off_events),
-                   .required = "error-active",
-                   .remedy = fmt::format("look for 60 ohm between the wires with the power off, and for equal "
-                                         "bit rates: ip -details -statistics link show {}",
-                                         interface)},
-                  state == CAN_STATE_ERROR_WARNING ? CheckResult::warn : CheckResult::fail);
+    return judged(
+        "CAN state", state == CAN_STATE_ERROR_ACTIVE,
+        {.measured = fmt::format("{}, {} times bus-off so far", said, link.bus_off_events),
+         .required = "error-active",
+         .remedy = fmt::format("look for 60 ohm between the wires with the power off, and for equal bit rates: ip -details -statistics link show {}",
+                               interface)},
+        state == CAN_STATE_ERROR_WARNING ? CheckResult::warn : CheckResult::fail);
 }
 
 Check counters_check(const CanLink& link, const std::string& interface) {
@@ -72,9 +69,7 @@ Check restart_check(const CanLink& link, const std::string& interface) {
     return judged("CAN restart", link.restart_ms > 0 && link.restart_ms <= kMax_ms,
                   {.measured = link.restart_ms == 0 ? std::string("never: bus-off is for good") : fmt::format("after {} ms", link.restart_ms),
                    .required = fmt::format("1 to {} ms after bus-off", kMax_ms),
-                   .remedy = fmt::format("ip link set {0} down; ip link set {0} type can restart-ms 100; ip "
-                                         "link set {0} up",
-                                         interface)});
+                   .remedy = fmt::format("ip link set {0} down; ip link set {0} type can restart-ms 100; ip link set {0} up", interface)});
 }
 
 Check mode_check(const CanLink& link, const std::string& interface) {
@@ -82,13 +77,11 @@ Check mode_check(const CanLink& link, const std::string& interface) {
     const std::uint32_t wrong = link.modes & kDeaf;
     return judged("CAN mode", wrong == 0,
                   {.measured = wrong == 0 ? std::string("sends, acknowledges, repeats")
-                                          : fmt::format("listen-only, loopback, one-shot or presume-ack "
-                                                        "(mode bits 0x{:02x})",
-                                                        wrong),
+                                          : fmt::format("listen-only, loopback, one-shot or presume-ack (mode bits 0x{:02x})", wrong),
                    .required = "none of these modes",
-                   .remedy = fmt::format("ip link set {0} down; ip link set {0} type can listen-only off "
-                                         "loopback off one-shot off presume-ack off; ip link set {0} up",
-                                         interface)});
+                   .remedy = fmt::format(
+                       "ip link set {0} down; ip link set {0} type can listen-only off loopback off one-shot off presume-ack off; ip link set {0} up",
+                       interface)});
 }
 
 }  // namespace

@@ -76,9 +76,7 @@ Check isolation_check(const MachineFacts& facts, const MachineNeeds& needs) {
     return judged("core isolation", lists(facts.isolated, cpu),
                   {.measured = facts.isolated.empty() ? "none" : "isolated: " + facts.isolated,
                    .required = fmt::format("isolcpus has {}", cpu),
-                   .remedy = fmt::format("add `isolcpus={0} nohz_full={0} irqaffinity=0` to the kernel's "
-                                         "command line and boot",
-                                         cpu)},
+                   .remedy = fmt::format("add `isolcpus={0} nohz_full={0} irqaffinity=0` to the kernel's command line and boot", cpu)},
                   CheckResult::warn);
 }
 

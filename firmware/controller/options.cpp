@@ -24,17 +24,16 @@ written), 2 mistake on the command line or in a configuration file. With --check
 configuration file that is refused among them), 2 mistake on the command line, 130 Ctrl-C.)";
 
 void add_check_options(CLI::App& app, bool& wanted, CheckRequest& check) {
-    auto* const asked = app.add_flag("--check", wanted,
-                                     "check machine, CAN interface, the rig's frames and the loop's timing, "
-                                     "show a table, run nothing");
+    auto* const asked =
+        app.add_flag("--check", wanted, "check machine, CAN interface, the rig's frames and the loop's timing, show a table, run nothing");
     app.add_option("--timing-s", check.timing_s, "--check: how long to listen and to time the loop")
         ->needs(asked)
         ->check(CLI::Range(1, 3600))
         ->type_name("S")
         ->capture_default_str();
     app.add_flag("--valve-step", check.valve_step,
-                 "--check: also step the valve to twice the residual pressure for 0.5 s; refused unless wheel "
-                 "and flywheel stand, there is no pressure and nothing else is wrong with the sensors")
+                 "--check: also step the valve to twice the residual pressure for 0.5 s; refused unless wheel and flywheel stand, there is no "
+                 "pressure and nothing else is wrong with the sensors")
         ->needs(asked);
     app.add_option("--bitrate", check.bitrate, "--check: of the rig's CAN")
         ->needs(asked)
@@ -59,8 +58,8 @@ std::variant<Options, int> parse_options(const int argc, const char* const* argv
     app.add_option("--can", options.interface, "CAN interface, e.g. can0")->required()->type_name("IF");
     settings::add_choice(app, "--clock", options.clock,
                          {{"sensors", ClockSource::sensors}, {"timer", ClockSource::timer}, {"sync", ClockSource::sync}},
-                         "what a step waits for: the sensors' frame, with the machine's clock where it fails to come; "
-                         "the machine's clock alone; or SYNC, for lockstep");
+                         "what a step waits for: the sensors' frame, with the machine's clock where it fails to come; the machine's clock alone; or "
+                         "SYNC, for lockstep");
     app.add_option("--sync-timeout", options.sync_timeout_ms, "--clock sync: a rig silent for so long is a fault")
         ->check(CLI::Range(1, 3'600'000))
         ->type_name("MS")

@@ -71,10 +71,8 @@ void Telemetry::report_link(const host::CycleRecord& record) {
     if (often("link")) return;
     const double at = seconds(record.now);
     if (link.bus_off)
-        logger_.error(
-            "[{:.3f} s] {} is bus-off; the kernel restarts it if it has `ip link set {} type can restart-ms "
-            "100`",
-            at, interface_, interface_);
+        logger_.error("[{:.3f} s] {} is bus-off; the kernel restarts it if it has `ip link set {} type can restart-ms 100`", at, interface_,
+                      interface_);
     else if (!link.up)
         logger_.error("[{:.3f} s] {} is down or gone; trying again until it is back", at, interface_);
     else
@@ -98,12 +96,9 @@ void Telemetry::summarise(const host::CycleRing& ring) {
         return;
     }
     const control::Command& c = last_.command;
-    logger_.info(
-        "[{:.3f} s] {}: v {:.1f} m/s, slip {:.3f} of {:.3f}, request {:.2f} MPa, valve {:.2f} mA; {} steps, "
-        "{} missed, worst latency "
-        "{} us",
-        seconds(last_.now), can::name(c.state), c.speed_mps, c.slip, c.slip_reference, c.pressure_request_Pa * 1e-6F, c.current_mA, steps_, missed_,
-        worst_latency_.count() / 1000);
+    logger_.info("[{:.3f} s] {}: v {:.1f} m/s, slip {:.3f} of {:.3f}, request {:.2f} MPa, valve {:.2f} mA; {} steps, {} missed, worst latency {} us",
+                 seconds(last_.now), can::name(c.state), c.speed_mps, c.slip, c.slip_reference, c.pressure_request_Pa * 1e-6F, c.current_mA, steps_,
+                 missed_, worst_latency_.count() / 1000);
     if (const std::uint64_t dropped = ring.dropped(); dropped != dropped_) {
         logger_.warn("{} records were lost on the way to this log", dropped - dropped_);
         dropped_ = dropped;

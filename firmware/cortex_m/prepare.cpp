@@ -45,8 +45,7 @@ std::string constant(const char* type, const char* name, const T& value) {
 }
 
 std::string tables(const antiskid::control::Config& control, const Layout& layout) {
-    return "// Made by cortex-m-prepare from configuration, DBC and binding.\n#pragma once\n\n#include "
-           "<array>\n#include <bit>\n\n"
+    return "// Made by cortex-m-prepare from configuration, DBC and binding.\n#pragma once\n\n#include <array>\n#include <bit>\n\n"
            "#include \"firmware/can/layout.hpp\"\n#include \"firmware/control/config.hpp\"\n\n" +
            constant("antiskid::control::Config", "kControl", control) + constant("antiskid::can::Layout", "kLayout", layout);
 }
@@ -95,10 +94,8 @@ Streams streams_of(const std::filesystem::path& log, const Layout& layout, std::
 
 int run(int argc, char** argv) {
     CLI::App app{
-        "Controller configuration and frame layout as constants for the microcontroller (tables.hpp), and "
-        "lockstep bus logs as its input "
-        "(NAME.in) and what it must answer (NAME.expected). Prints version and hash of the configuration as "
-        "JSON.",
+        "Controller configuration and frame layout as constants for the microcontroller (tables.hpp), and lockstep bus logs as its input (NAME.in) "
+        "and what it must answer (NAME.expected). Prints version and hash of the configuration as JSON.",
         "cortex-m-prepare"};
     std::filesystem::path config = settings::config_directory();
     std::filesystem::path controller, dbc, binding;

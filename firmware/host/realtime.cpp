@@ -45,11 +45,8 @@ std::optional<std::string> raise_priority(const int priority) {
     const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
     if (error == 0) return std::nullopt;
     return "no SCHED_FIFO priority " + std::to_string(priority) + " (" + reason(error) +
-           "): other programs can delay the loop; run as root, or give the program the right with `setcap "
-           "cap_sys_nice,"
-           "cap_ipc_lock+ep antiskid-controller`, or raise RLIMIT_RTPRIO (rtprio in "
-           "/etc/security/limits.conf, LimitRTPRIO= in "
-           "a systemd unit) to at least " +
+           "): other programs can delay the loop; run as root, or give the program the right with `setcap cap_sys_nice,cap_ipc_lock+ep "
+           "antiskid-controller`, or raise RLIMIT_RTPRIO (rtprio in /etc/security/limits.conf, LimitRTPRIO= in a systemd unit) to at least " +
            std::to_string(priority);
 }
 
@@ -58,10 +55,9 @@ std::optional<std::string> raise_priority(const int priority) {
 std::optional<std::string> lock_memory() {
     if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return std::nullopt;
     return "memory not locked (" + reason(errno) +
-           "): a page fault can delay the loop; run as root, or give the program the right with `setcap "
-           "cap_sys_nice,"
-           "cap_ipc_lock+ep antiskid-controller`, or raise RLIMIT_MEMLOCK (`ulimit -l unlimited`, memlock in "
-           "/etc/security/limits.conf, LimitMEMLOCK=infinity in a systemd unit)";
+           "): a page fault can delay the loop; run as root, or give the program the right with `setcap cap_sys_nice,cap_ipc_lock+ep "
+           "antiskid-controller`, or raise RLIMIT_MEMLOCK (`ulimit -l unlimited`, memlock in /etc/security/limits.conf, LimitMEMLOCK=infinity in a "
+           "systemd unit)";
 }
 
 std::vector<std::string> enter_realtime(const RealtimeRequest& request) {

@@ -273,11 +273,8 @@ nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int r
             }));
         }
     }
-    fmt::print(
-        "{} runs, {:.0f} s simulated, speeds given out every {:g} ms, {} rounds; odeint at 1e-12 is within "
-        "{:.0e} of the "
-        "reference\n",
-        all.size(), simulated_s, output_s * 1e3, rounds, reference_error);
+    fmt::print("{} runs, {:.0f} s simulated, speeds given out every {:g} ms, {} rounds; odeint at 1e-12 is within {:.0e} of the reference\n",
+               all.size(), simulated_s, output_s * 1e3, rounds, reference_error);
     auto table = settings::TextTable::screen(":<26|:>17|ns per sim. ms:>16.1f|error v:>10.1e|error omega:>13.1e|odeint, at equal error:>25", "  ");
     nlohmann::ordered_json json{{"output_s", output_s},
                                 {"runs", all.size()},
@@ -303,16 +300,10 @@ nlohmann::ordered_json race(const std::vector<Case>& all, double output_s, int r
 
 int run(int argc, char** argv) {
     CLI::App app{
-        "bench_plant: valve, brake, wheel and tyre, open loop on all 32 scenarios (ramp and hold, triangles, "
-        "held\n"
-        "steps): error over processor time of this plant with steps as long as the motion allows and with "
-        "fixed\n"
-        "ones, of boost::odeint's dopri5 (dense) and of CVODE (BDF, dense, integrals without error control) "
-        "on "
-        "the\n"
-        "same equations, at several tolerances or steps each. Errors are the largest of all runs against "
-        "CVODE at "
-        "1e-12,\n"
+        "bench_plant: valve, brake, wheel and tyre, open loop on all 32 scenarios (ramp and hold, triangles, held\n"
+        "steps): error over processor time of this plant with steps as long as the motion allows and with fixed\n"
+        "ones, of boost::odeint's dopri5 (dense) and of CVODE (BDF, dense, integrals without error control) on the\n"
+        "same equations, at several tolerances or steps each. Errors are the largest of all runs against CVODE at 1e-12,\n"
         "omega relative to free rolling.",
         "bench_plant"};
     int rounds = 3;

@@ -129,8 +129,7 @@ void measure_cyclictest(const Settings& s, const can::IdList& ids, WakeUpRound& 
         } catch (const std::system_error& error) {
             if (error.code() != std::errc::no_such_file_or_directory) throw;
             throw std::runtime_error(
-                "cyclictest is not installed, so there is nothing to compare the wake-up latency with: "
-                "`apt-get install rt-tests`, or ./rig setup");
+                "cyclictest is not installed, so there is nothing to compare the wake-up latency with: `apt-get install rt-tests`, or ./rig setup");
         }
     }();
     if (!cyclictest->ends_within(std::chrono::seconds{s.seconds} + kPatience))
@@ -296,8 +295,7 @@ void add_options(CLI::App& app, bench::Settings& s) {
     app.add_option("--json", s.json, "where the figures go; what the programs print goes beside it, .log")->type_name("FILE")->capture_default_str();
     app.footer(
         "Reads config/ in the working directory. On a machine without CAN: ./rig vcan -- bench_vcan_latency\n"
-        "Exit status: 0 all measured; 1 something could not be, the table says what and why; 2 command "
-        "line.");
+        "Exit status: 0 all measured; 1 something could not be, the table says what and why; 2 command line.");
 }
 
 /// A part that fails leaves the other one to be measured.
@@ -339,9 +337,8 @@ int main(int argc, char** argv) {
         bench::Settings settings;
         settings.cpu = last_processor();
         CLI::App app{
-            "Latency of antiskid-controller on a CAN interface: its wake-up against cyclictest, wheel frame "
-            "to command "
-            "by the sensors and by the timer, SYNC to command against a bare SocketCAN ping-pong.",
+            "Latency of antiskid-controller on a CAN interface: its wake-up against cyclictest, wheel frame to command by the sensors and by the "
+            "timer, SYNC to command against a bare SocketCAN ping-pong.",
             "bench_vcan_latency"};
         add_options(app, settings);
         try {

@@ -52,10 +52,10 @@ wear::BrakeState brake_before(const CampaignOptions& o, const wear::BrakeWear& w
     if (!kept) return {o.seed, energies_J.size(), now_J};
     if (kept->c_e_J == now_J) return *kept;
     if (energies_J.size() > 1 && kept->c_e_J == energies_J[energies_J.size() - 2]) return {kept->seed, kept->maneuvers + 1, now_J};
-    throw settings::Error(o.brake_state.string(), 0, "cumulative_energy_J",
-                          fmt::format("{} J is not where the campaign in {} stands ({} J); the brake has been "
-                                      "used elsewhere since, or never was this one",
-                                      kept->c_e_J, o.ledger.string(), now_J));
+    throw settings::Error(
+        o.brake_state.string(), 0, "cumulative_energy_J",
+        fmt::format("{} J is not where the campaign in {} stands ({} J); the brake has been used elsewhere since, or never was this one", kept->c_e_J,
+                    o.ledger.string(), now_J));
 }
 
 rig::record::Summary head(const EnduranceSetup& setup, const CampaignOptions& options) {

@@ -39,9 +39,7 @@ LabVerb drive_verb(CLI::App& lab) {
     verb->add_option("--speed", drive->choice.speed_mps, "m/s, instead of the maneuver's");
     verb->add_option("--mu-b", drive->choice.friction, "mean brake friction instead of a new brake's");
     settings::add_config_directory(*verb, drive->config);
-    verb->footer(
-        "Example:\n  rig-lab drive --maneuver light --surface wet_asphalt --input pressure.csv --csv "
-        "motion.csv");
+    verb->footer("Example:\n  rig-lab drive --maneuver light --surface wet_asphalt --input pressure.csv --csv motion.csv");
     return {verb, [drive] { return drive->run(); }};
 }
 

@@ -131,8 +131,7 @@ std::string to_json(const std::vector<ClassDynamics>& classes, const DynamicsHea
 
 std::string to_toml(const std::vector<ClassDynamics>& classes, const DynamicsHead& head) {
     std::string out = fmt::format(
-        "# mu_b over one stop relative to its mean, c0 + c1 x + c2 x^2 + c3 x^3 with x = v / v_brake_on, as "
-        "rig-lab wear dynamics\n"
+        "# mu_b over one stop relative to its mean, c0 + c1 x + c2 x^2 + c3 x^3 with x = v / v_brake_on, as rig-lab wear dynamics\n"
         "# learnt it (version {}, configuration {}, data {}).\n\n[brake.relative_friction]\n",
         ANTISKID_VERSION, head.config_hash, head.data_hash);
     for (const ClassDynamics& c : classes) {
@@ -147,8 +146,7 @@ std::string to_toml(const std::vector<ClassDynamics>& classes, const DynamicsHea
 void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::DynamicsSettings& settings, const std::filesystem::path& png) {
     constexpr int kPanel = 330;
     std::string script =
-        "set key top right samplen 2\nset lmargin "
-        "10\nset rmargin 3\n"
+        "set key top right samplen 2\nset lmargin 10\nset rmargin 3\n"
         "set xrange [0:1.02]\nset ylabel 'friction / mean of the stop'\n";
     for (std::size_t i = 0; i < classes.size(); ++i) script += blocks(classes[i], i, settings);
     fmt::format_to(std::back_inserter(script), "set multiplot layout {},1\n", classes.size());
@@ -167,10 +165,8 @@ void draw_dynamics(const std::vector<ClassDynamics>& classes, const wear::Dynami
                        "set title {} noenhanced\nset xlabel '{}'\nset yrange [{}:{}]\n"
                        "plot $samples{panel} using 1:2 with dots lc rgb '#7a7a7a' notitle, \\\n"
                        "     NaN with points pt 7 ps 0.4 lc rgb '#7a7a7a' title 'recorded', \\\n"
-                       "     $curve{panel} using 1:3:4 with filledcurves fs solid 0.35 noborder lc rgb '#c55a11' title "
-                       "'95 % interval', \\\n"
-                       "     $curve{panel} using 1:2 with lines lw 2 lc rgb '#c55a11' title 'learnt, order {order}', "
-                       "\\\n"
+                       "     $curve{panel} using 1:3:4 with filledcurves fs solid 0.35 noborder lc rgb '#c55a11' title '95 % interval', \\\n"
+                       "     $curve{panel} using 1:2 with lines lw 2 lc rgb '#c55a11' title 'learnt, order {order}', \\\n"
                        "     $curve{panel} using 1:5 with lines lw 1.5 dt 2 lc rgb '#1f4e79' title 'in force'\n",
                        pictures::gnuplot_quoted(fmt::format("{}: {} stops", c.data.friction_class, c.data.stops.size())),
                        i + 1 == classes.size() ? "speed / brake-on speed" : "", min - room, greatest + room, fmt::arg("panel", i),

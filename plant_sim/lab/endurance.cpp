@@ -88,9 +88,8 @@ struct EnduranceCommand {
 LabVerb endurance_verb(CLI::App& lab) {
     const auto command = std::make_shared<EnduranceCommand>();
     CLI::App* verb = lab.add_subcommand("endurance",
-                                        "A campaign of identical maneuvers until the brake is worn: sequencer, controller, PLC, plant and "
-                                        "wear in one "
-                                        "process. Leaves campaign.sqlite and table.json; a campaign that was stopped goes on.");
+                                        "A campaign of identical maneuvers until the brake is worn: sequencer, controller, PLC, plant and wear in "
+                                        "one process. Leaves campaign.sqlite and table.json; a campaign that was stopped goes on.");
     constexpr std::int64_t kMax = 1'000'000;
     verb->add_option("--maneuvers", command->maneuvers, "how many in all")->check(CLI::Range(std::int64_t{1}, kMax))->capture_default_str();
     verb->add_option("--seed", command->seed, "seed of every random draw")
@@ -109,9 +108,8 @@ LabVerb endurance_verb(CLI::App& lab) {
         "  rig-lab endurance --maneuvers 20 --seed 7 --out /tmp/campaign\n"
         "  rig-lab endurance --maneuvers 20 --brake 300 --brake-state brake.json\n"
         "  rig-lab endurance --scenario config/scenarios/heavy.toml --maneuvers 10\n"
-        "Exit status: 0 all maneuvers finished; 1 one was aborted, or the ledger could not be written; 2 "
-        "mistake on the "
-        "command line or in a configuration file; 130 stopped by Ctrl-C, goes on when started again.");
+        "Exit status: 0 all maneuvers finished; 1 one was aborted, or the ledger could not be written; 2 mistake on the command line or in a "
+        "configuration file; 130 stopped by Ctrl-C, goes on when started again.");
     return {verb, [command] {
                 try {
                     return command->run();

@@ -28,9 +28,7 @@ constexpr const char* kFaultsFooter =
     "  rig-lab faults --signal wheel --kind delay --no-pictures\n"
     "  rig-lab faults --run 4711        one run again, with its course and picture\n"
     "  rig-lab faults --repetitions 1 --surfaces ice\n"
-    "Exit status: 0 no run is UNSAFE; 1 some are, or a file could not be written; 2 mistake on the command "
-    "line "
-    "or in a file; 130 stopped by Ctrl-C.";
+    "Exit status: 0 no run is UNSAFE; 1 some are, or a file could not be written; 2 mistake on the command line or in a file; 130 stopped by Ctrl-C.";
 
 struct FaultsCommand {
     faults::FaultPlanOptions plan;
@@ -102,9 +100,8 @@ struct FaultsCommand {
 
 LabVerb faults_verb(CLI::App& lab) {
     const auto command = std::make_shared<FaultsCommand>();
-    CLI::App* verb = lab.add_subcommand("faults",
-                                        "The fault campaign: every fault of every signal in every phase of a "
-                                        "stop on four surfaces, against criteria.");
+    CLI::App* verb =
+        lab.add_subcommand("faults", "The fault campaign: every fault of every signal in every phase of a stop on four surfaces, against criteria.");
     constexpr std::size_t kMaxRepetitions = 1000;
     verb->add_option("--repetitions", command->plan.repetitions, "runs of each fault, phase and surface")
         ->check(CLI::Range(std::size_t{1}, kMaxRepetitions))

@@ -179,8 +179,7 @@ struct IdentifyCommand {
                                   {"slip_rms", v.all.slip.rms()},
                                   {"past_peak", v.past_peak}};
             print_table(json_file,
-                        "{} replayed with these numbers (Fig. 5): aircraft {:.4f} m/s, wheel {:.4f} m/s, slip {:.5f} "
-                        "RMS; {:.0f} % of it beyond the "
+                        "{} replayed with these numbers (Fig. 5): aircraft {:.4f} m/s, wheel {:.4f} m/s, slip {:.5f} RMS; {:.0f} % of it beyond the "
                         "friction's peak\n",
                         validation->run, v.all.speed_mps.rms(), v.all.wheel_rim_mps.rms(), v.all.slip.rms(), v.past_peak * 100.0);
         }
@@ -195,37 +194,30 @@ struct IdentifyCommand {
 
 LabVerb identify_verb(CLI::App& lab) {
     const auto c = std::make_shared<IdentifyCommand>();
-    CLI::App* verb = lab.add_subcommand("identify",
-                                        "A rig's valve, brake, wheel and road from its recordings, as "
-                                        "configuration that every program loads.");
+    CLI::App* verb =
+        lab.add_subcommand("identify", "A rig's valve, brake, wheel and road from its recordings, as configuration that every program loads.");
     settings::existing_path(verb->add_option("RUN", c->runs,
-                                             "folders of rig-bridge maneuver or rig-lab maneuver: ramp, step, sweep, slow_braking, "
-                                             "heavy (config/scenarios), or "
-                                             "bus logs with --scenario"))
+                                             "folders of rig-bridge maneuver or rig-lab maneuver: ramp, step, sweep, slow_braking, heavy "
+                                             "(config/scenarios), or bus logs with --scenario"))
         ->required();
     settings::add_json(*verb, c->json_file, "results");
     settings::add_out(*verb, c->out, "folder for the results; its `config` must not exist");
     settings::add_config_directory(*verb, c->config);
     settings::existing_file(verb->add_option("--scenario", c->scenario, "of all runs, instead of the one that summary.json names"));
-    settings::existing_path(verb->add_option("--validate", c->validate,
-                                             "a stop to replay with what was identified (default: the one of the runs that is least "
-                                             "beyond the peak)"));
+    settings::existing_path(verb->add_option(
+        "--validate", c->validate, "a stop to replay with what was identified (default: the one of the runs that is least beyond the peak)"));
     verb->add_option("--currents", c->currents, "mA: points of the static map, rising (default: those of the configured map)")
         ->delimiter(',')
         ->check(CLI::Range(0.0, 1000.0));
     verb->add_flag("!--no-pictures", c->pictures, "leave out the pictures");
     verb->footer(
-        "Leaves in --out: config/ (a copy of --config with the identified numbers), results.json, and "
-        "pictures: static_map.png,\n"
-        "valve_RUN.png, wheel.png, friction_SURFACE.png, friction_curves.png (Fig. 3), validation.png (Fig. "
-        "5).\n"
+        "Leaves in --out: config/ (a copy of --config with the identified numbers), results.json, and pictures: static_map.png,\n"
+        "valve_RUN.png, wheel.png, friction_SURFACE.png, friction_curves.png (Fig. 3), validation.png (Fig. 5).\n"
         "Examples:\n"
-        "  for s in ramp step sweep slow_braking heavy; do rig-lab maneuver config/scenarios/$s.toml --out "
-        "runs/$s; done\n"
+        "  for s in ramp step sweep slow_braking heavy; do rig-lab maneuver config/scenarios/$s.toml --out runs/$s; done\n"
         "  rig-lab identify runs/ramp runs/step runs/sweep runs/slow_braking runs/heavy --out out/identify\n"
         "  rig-lab stop --config out/identify/config\n"
-        "Exit status: 0 identified; 1 the recordings do not show it, with what is missing; 2 mistake in "
-        "command line, configuration or files.");
+        "Exit status: 0 identified; 1 the recordings do not show it, with what is missing; 2 mistake in command line, configuration or files.");
     return {verb, [c] { return c->run(); }};
 }
 

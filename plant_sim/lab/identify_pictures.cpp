@@ -176,10 +176,8 @@ std::vector<std::string> draw_identified(const identification::Identified& found
 
 void draw_surfaces(const std::vector<rig::Surface>& surfaces, const std::vector<std::string>& strong, const std::filesystem::path& png) {
     std::string script =
-        "set key outside right top samplen 2 "
-        "noenhanced\n"
-        "set xlabel 'slip'\nset ylabel 'friction coefficient'\nset xrange [0:1]\nset yrange [0:*]\nset "
-        "samples 1000\nplot ";
+        "set key outside right top samplen 2 noenhanced\n"
+        "set xlabel 'slip'\nset ylabel 'friction coefficient'\nset xrange [0:1]\nset yrange [0:*]\nset samples 1000\nplot ";
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
         const rig::Surface& s = surfaces[i];
         const bool stands_out = std::find(strong.begin(), strong.end(), s.name) != strong.end();

@@ -61,9 +61,8 @@ struct ManeuverCommand {
 
 LabVerb maneuver_verb(CLI::App& lab) {
     const auto c = std::make_shared<ManeuverCommand>();
-    CLI::App* verb = lab.add_subcommand("maneuver",
-                                        "A scenario on the virtual rig in process, recorded as rig-bridge "
-                                        "maneuver records it. The brake has its nominal friction.");
+    CLI::App* verb = lab.add_subcommand(
+        "maneuver", "A scenario on the virtual rig in process, recorded as rig-bridge maneuver records it. The brake has its nominal friction.");
     settings::existing_file(verb->add_option("SCENARIO", c->scenario, "a file of config/scenarios"))->required();
     settings::add_config_directory(*verb, c->config);
     verb->add_option("--seed", c->seed, "seed of every random draw")->capture_default_str();

@@ -89,8 +89,7 @@ std::string to_table(const std::vector<TyreRow>& rows, const ReportHead& head) {
     const Requirement& r = head.options.requirement;
     auto table =
         settings::TextTable::markdown(fmt::format("tyre|cells|stable|{:.0f} deg|{:g} dB both ways|{:g} dB both ways|wheel swings up by itself|of "
-                                                  "these stable in the loop|wheel's fastest swing|"
-                                                  "loop's slowest pole",
+                                                  "these stable in the loop|wheel's fastest swing|loop's slowest pole",
                                                   r.phase_deg, 0.5 * r.gain_dB, r.gain_dB));
     for (const TyreRow& row : rows)
         table.add(tyre_name(row.tyre), row.cells, row.stable, row.phase, row.half_gain, row.gain, row.excited, row.excited_stable,
@@ -297,11 +296,9 @@ LabVerb margins_verb(CLI::App& lab) {
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of results.json, margins.png (Fig. 11) and margins_speed.png");
     verb->footer(
-        "Two loops: the shipped law with its observer and predictor, and the paper's PID on measured slip "
-        "with the gains of "
-        "CONFIG/margins.toml.\nExamples:\n  rig-lab margins\n  rig-lab margins --constant-slip --speeds 20 "
-        "--out out/exact\n  rig-lab margins --tyre ring --frequency 50,80,120 --damping 0.03,0.10 "
-        "--belt-share 0.25,0.45");
+        "Two loops: the shipped law with its observer and predictor, and the paper's PID on measured slip with the gains of "
+        "CONFIG/margins.toml.\nExamples:\n  rig-lab margins\n  rig-lab margins --constant-slip --speeds 20 --out out/exact\n  rig-lab margins --tyre "
+        "ring --frequency 50,80,120 --damping 0.03,0.10 --belt-share 0.25,0.45");
     return {verb, [command] { return command->run(); }};
 }
 

@@ -131,10 +131,8 @@ LabVerb plant_verb(CLI::App& lab) {
     verb->footer(
         "Examples:\n"
         "  rig-lab plant out/landing/bus.log --maneuver light --surface wet_asphalt --picture fig5.png\n"
-        "  rig-lab plant out/campaign/night/0001/bus.log --scenario config/scenarios/endurance.toml "
-        "--mu-b 0.27\n"
-        "Exit status: 0 compared; 1 the log cannot be read or holds no braking; 2 mistake in command line or "
-        "configuration.");
+        "  rig-lab plant out/campaign/night/0001/bus.log --scenario config/scenarios/endurance.toml --mu-b 0.27\n"
+        "Exit status: 0 compared; 1 the log cannot be read or holds no braking; 2 mistake in command line or configuration.");
     return {verb, [c] { return c->run(); }};
 }
 

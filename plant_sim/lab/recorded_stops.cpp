@@ -130,9 +130,7 @@ class Loader {
             const std::vector<fs::path> folders = maneuvers_below(path, 2);
             if (folders.empty())
                 throw Error(path.string(), 0, "",
-                            "holds no recorded maneuver: neither bus.log nor folders with one; a ledger of "
-                            "rig-lab endurance has "
-                            "no logs");
+                            "holds no recorded maneuver: neither bus.log nor folders with one; a ledger of rig-lab endurance has no logs");
             for (const fs::path& folder : folders) add_maneuver(folder, source.kind);
         }
     }
@@ -256,8 +254,7 @@ Places places_of(const std::vector<std::string_view>& header, const std::string&
         const auto at = std::find(header.begin(), header.end(), kColumns[i]);
         if (at == header.end())
             throw Error(name, line, std::string(kColumns[i]),
-                        "no such column; a recorded stop needs time_s, speed_mps, pressure_Pa, "
-                        "brake_torque_Nm, named with these units");
+                        "no such column; a recorded stop needs time_s, speed_mps, pressure_Pa, brake_torque_Nm, named with these units");
         places[i] = static_cast<std::size_t>(at - header.begin());
     }
     return places;

@@ -123,9 +123,8 @@ struct RegulateCommand {
 LabVerb regulate_verb(CLI::App& lab) {
     const auto command = std::make_shared<RegulateCommand>();
     CLI::App* verb = lab.add_subcommand("regulate",
-                                        "Regulation of wear: landing by landing the next slip reference from measured brake and tyre energy, "
-                                        "so that both reach "
-                                        "their limits together; seeded lives of random landings against fixed references.");
+                                        "Regulation of wear: landing by landing the next slip reference from measured brake and tyre energy, so that "
+                                        "both reach their limits together; seeded lives of random landings against fixed references.");
     verb->add_option("--lives", command->lives, "how many")->check(CLI::Range(1, 10'000))->capture_default_str();
     verb->add_option("--fixed", command->fixed, "references to compare with, beside the one that the characterised shares call best")
         ->check(CLI::Range(0.01, 0.5))
@@ -144,8 +143,8 @@ LabVerb regulate_verb(CLI::App& lab) {
         ->check(CLI::Range(0, 1'000'000))
         ->capture_default_str();
     verb->add_option("--surfaces", command->surfaces,
-                     "seen before the plan's begin, with commas between, or all: others bound the references from "
-                     "their first landing on (default: the regulation file's)");
+                     "seen before the plan's begin, with commas between, or all: others bound the references from their first landing on (default: "
+                     "the regulation file's)");
     verb->add_flag("!--no-forecast", command->forecast, "where nobody inspects: take the brake's life from the configuration, not from its friction");
     verb->add_flag("!--no-floor-check", command->floor_check, "do not make every regulated landing again at both ends of the range");
     settings::existing_file(verb->add_option("--regulation", command->regulation_file, "plan and rules (default: CONFIG/regulation.toml)"));
@@ -162,9 +161,8 @@ LabVerb regulate_verb(CLI::App& lab) {
         "  rig-lab regulate --brake-deviation 0.05 --inspection 0 --missing 0.1\n"
         "  rig-lab regulate --surfaces dry_asphalt,wet_asphalt\n"
         "  rig-lab regulate --characterise config/regulation_floor.toml\n"
-        "Exit status: 0 both limits met in every life where that was feasible, and no stop beyond the floor; "
-        "1 not so; 2 mistake on "
-        "the command line or in a configuration file; 130 stopped by Ctrl-C.");
+        "Exit status: 0 both limits met in every life where that was feasible, and no stop beyond the floor; 1 not so; 2 mistake on the command line "
+        "or in a configuration file; 130 stopped by Ctrl-C.");
     return {verb, [command] { return command->run(); }};
 }
 

@@ -31,10 +31,8 @@ std::string life_text(const Life& life, int number, const wear::WearPlan& plan) 
                                            : fmt::format("not feasible at landing {}: the landings bring {:.1f} % of what is left{}", plan.landings,
                                                          life.brought * 100.0, life.other_left <= plan.tolerance ? "; both limits together" : "");
     return fmt::format(
-        "  life {:>2}: brake {:6.2f} %, tyre {:6.2f} % used at landing {}; first limit: {}, at {:.1f}, then "
-        "{:.2f} % of the other left; {}\n",
-        number, life.brake_at_plan * 100.0, life.tyre_at_plan * 100.0, plan.landings, first_limit(life), life.first_landing, life.other_left * 100.0,
-        what);
+        "  life {:>2}: brake {:6.2f} %, tyre {:6.2f} % used at landing {}; first limit: {}, at {:.1f}, then {:.2f} % of the other left; {}\n", number,
+        life.brake_at_plan * 100.0, life.tyre_at_plan * 100.0, plan.landings, first_limit(life), life.first_landing, life.other_left * 100.0, what);
 }
 
 nlohmann::ordered_json life_json(const Life& life) {
@@ -97,16 +95,15 @@ bool RegulateReport::all_met() const {
 
 std::string to_text(const RegulateReport& r) {
     std::string text = fmt::format(
-        "plan: {:.1f} MJ of brake and {:.1f} MJ of tyre used up together at landing {}; a landing brings "
-        "{:.3f} +- {:.3f} MJ\n"
+        "plan: {:.1f} MJ of brake and {:.1f} MJ of tyre used up together at landing {}; a landing brings {:.3f} +- {:.3f} MJ\n"
         "references {:.3f} to {:.3f} keep J_mu at {:.2f} or above\n{}\n",
         r.plan.brake_budget_J() * 1e-6, r.plan.tyre_budget_J() * 1e-6, r.plan.landings, r.plan.landing_J * 1e-6, r.plan.landing_deviation_J * 1e-6,
         r.range.lowest, r.range.highest, r.rules.j_mu_floor, wear::sentence(r.limits, r.plan));
     const PolicyLives& regulated = r.policies.front();
     for (std::size_t i = 0; i < regulated.lives.size(); ++i) text += life_text(regulated.lives[i], static_cast<int>(i) + 1, r.plan);
     auto table = settings::TextTable::markdown(
-        "policy|met, of feasible lives|together, of all lives|first limit at landing:.1f|left of the other: mean:|worst|brake used at plan|"
-        "tyre used at plan|mean J_mu:.4f|least J_mu:.3f|mean distance (m):.1f");
+        "policy|met, of feasible lives|together, of all lives|first limit at landing:.1f|left of the other: mean:|worst|brake used at plan|tyre used "
+        "at plan|mean J_mu:.4f|least J_mu:.3f|mean distance (m):.1f");
     const auto percent = [](double share, int digits) { return fmt::format("{:.{}f} %", share * 100.0, digits); };
     const std::vector<bool> possible = r.feasible();
     for (const PolicyLives& p : r.policies) {
@@ -186,8 +183,7 @@ std::string to_json(const RegulateReport& r) {
 std::string to_csv(const RegulateReport& r) {
     auto csv = settings::TextTable::csv(
         "policy|life|landing|slip_reference:.6f|required_share:.6f|tyre_share:.6f|brake_J:.1f|tyre_J:.1f|distance_m:.3f|worst_distance_m:.3f|j_mu:."
-        "5f|"
-        "reading");
+        "5f|reading");
     for (const PolicyLives& p : r.policies) {
         for (std::size_t i = 0; i < p.lives.size(); ++i) {
             for (std::size_t k = 0; k < p.lives[i].rows.size(); ++k) {

@@ -165,10 +165,8 @@ std::vector<regulation::Stop> land(const LandingSites& sites, std::span<const re
         const regulation::LandingRequest& request = requests[order[i]];
         const LandingSite& site = sites.sites[request.draw.scenario];
         if (!run.came_to_rest)
-            throw std::runtime_error(
-                fmt::format("the {} landing on {} with slip reference {:.3f}, friction {:.3f}, seed {} "
-                            "did not come to rest",
-                            site.maneuver, site.surface, request.reference, request.mean_friction, request.draw.sensor_seed));
+            throw std::runtime_error(fmt::format("the {} landing on {} with slip reference {:.3f}, friction {:.3f}, seed {} did not come to rest",
+                                                 site.maneuver, site.surface, request.reference, request.mean_friction, request.draw.sensor_seed));
         stops[order[i]] = stop_of(site, request, run.figures, meters[i].get());
         meters[i].reset();
     };

@@ -106,11 +106,9 @@ LabVerb report_verb(CLI::App& lab) {
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of report.html, results.json and a folder for each section");
     verb->footer(
-        "Examples:\n  rig-lab report\n  rig-lab report --quick --out out/quick\n  rig-lab report --only "
-        "fig12\n"
-        "Exit status: 0 every study answers yes; 1 one answers no or failed, which the page says; 2 mistake "
-        "on the command line or in "
-        "a configuration file.");
+        "Examples:\n  rig-lab report\n  rig-lab report --quick --out out/quick\n  rig-lab report --only fig12\n"
+        "Exit status: 0 every study answers yes; 1 one answers no or failed, which the page says; 2 mistake on the command line or in a "
+        "configuration file.");
     return {verb, [command] { return command->run(); }};
 }
 

@@ -59,9 +59,8 @@ struct SoakCommand {
 
 LabVerb soak_verb(CLI::App& lab) {
     const auto command = std::make_shared<SoakCommand>();
-    CLI::App* verb = lab.add_subcommand("soak",
-                                        "Landings back to back on one rig with one controller: does memory, "
-                                        "stop length or anything else creep?");
+    CLI::App* verb =
+        lab.add_subcommand("soak", "Landings back to back on one rig with one controller: does memory, stop length or anything else creep?");
     verb->add_option("--hours", command->hours, "of the controller's time, cooling left out")
         ->check(CLI::Range(0.01, 10'000.0))
         ->capture_default_str();
@@ -77,9 +76,8 @@ LabVerb soak_verb(CLI::App& lab) {
         "Examples:\n"
         "  rig-lab soak\n"
         "  rig-lab soak --hours 1 --scenario config/scenarios/light.toml\n"
-        "Exit status: 0 nothing creeps; 1 something does, or a landing went wrong; 2 mistake on the command "
-        "line or in a "
-        "configuration file; 130 stopped by Ctrl-C.");
+        "Exit status: 0 nothing creeps; 1 something does, or a landing went wrong; 2 mistake on the command line or in a configuration file; 130 "
+        "stopped by Ctrl-C.");
     return {verb, [command] { return command->run(); }};
 }
 

@@ -25,16 +25,14 @@ constexpr const char* kFooter =
     "  rig-lab sweep\n"
     "  rig-lab sweep --references 0.24 --landings 20 --no-pictures\n"
     "  mpirun -n 4 rig-lab sweep        the same bytes\n"
-    "Exit status: 0 what Section VI says holds; 1 some of it does not, or a file could not be written; 2 "
-    "mistake on the command line "
-    "or in a file; 130 stopped by Ctrl-C.";
+    "Exit status: 0 what Section VI says holds; 1 some of it does not, or a file could not be written; 2 mistake on the command line or in a file; "
+    "130 stopped by Ctrl-C.";
 
 /// "0.06:0.50:0.01", or values with commas between.
 std::vector<double> parse_references(const std::string& text) {
     const auto reject = [&text]() -> std::vector<double> {
         throw std::invalid_argument("--references '" + text +
-                                    "': expected FIRST:LAST:STEP or values with commas between, increasing, from "
-                                    "0.01 to 0.5");
+                                    "': expected FIRST:LAST:STEP or values with commas between, increasing, from 0.01 to 0.5");
     };
     const char separator = text.find(':') == std::string::npos ? ',' : ':';
     std::vector<double> values;
@@ -120,9 +118,8 @@ struct SweepCommand {
 LabVerb sweep_verb(CLI::App& lab) {
     const auto command = std::make_shared<SweepCommand>();
     CLI::App* verb = lab.add_subcommand("sweep",
-                                        "The set-point study of Section VI: landings drawn at random over surfaces, "
-                                        "maneuvers and wear of the "
-                                        "brake, each with every slip reference and by the threshold law. Fig. 13 and 14.");
+                                        "The set-point study of Section VI: landings drawn at random over surfaces, maneuvers and wear of the brake, "
+                                        "each with every slip reference and by the threshold law. Fig. 13 and 14.");
     constexpr std::size_t kMaxLandings = 100'000;
     verb->add_option("--references", command->references, "slip references, FIRST:LAST:STEP or values with commas between (default: 0.06:0.50:0.01)");
     verb->add_option("--landings", command->plan.landings, "how many are drawn; each reference has the same")

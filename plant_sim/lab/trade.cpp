@@ -28,9 +28,7 @@ struct TradeCommand {
         else if (brake_life && tyre_life && !brake_price && !tyre_price)
             options.tariff = sweep::Lives{*brake_life, *tyre_life};
         else
-            throw std::invalid_argument(
-                "give both --brake-price and --tyre-price (of a MJ), or both --brake-life and --tyre-life "
-                "(in MJ)");
+            throw std::invalid_argument("give both --brake-price and --tyre-price (of a MJ), or both --brake-life and --tyre-life (in MJ)");
         const auto file = std::filesystem::is_directory(source) ? source / "stops.csv" : source;
         if (!std::filesystem::exists(file)) throw std::invalid_argument(file.string() + " is not there; `rig-lab sweep` makes it");
         const sweep::StopsTable table = sweep::read_stops(file);
@@ -65,8 +63,7 @@ LabVerb trade_verb(CLI::App& lab) {
         "Examples:\n"
         "  rig-lab trade --brake-price 1 --tyre-price 3 --min-j-mu 0.95\n"
         "  rig-lab trade --brake-life 3900 --tyre-life 900 --max-distance 505\n"
-        "Exit status: 0 there is a best reference; 1 none is within the bounds; 2 mistake on the command "
-        "line or in a file.");
+        "Exit status: 0 there is a best reference; 1 none is within the bounds; 2 mistake on the command line or in a file.");
     return {verb, [trade] { return trade->run(); }};
 }
 

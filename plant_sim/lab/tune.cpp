@@ -33,8 +33,8 @@ ordered_json to_json(const margins::WorstScore& w) {
 std::string infeasible_table(const MarginsInput& input, const margins::StudyOptions& options, ordered_json& rows) {
     constexpr int kSpeeds = 200;
     auto table = settings::TextTable::markdown(
-        "surface|maneuver|infeasible at and below (m/s):.1f|unstable pole there (rad/s):.0f|largest PM (deg):.1f|largest gain range (dB):.1f|"
-        "at drop-out: pole:.0f|PM:.1f|range:.1f");
+        "surface|maneuver|infeasible at and below (m/s):.1f|unstable pole there (rad/s):.0f|largest PM (deg):.1f|largest gain range (dB):.1f|at "
+        "drop-out: pole:.0f|PM:.1f|range:.1f");
     rows = ordered_json::array();
     const double period_s = static_cast<double>(input.scenarios.front().controller.period_s);
     for (const margins::StopConditions& s : input.cases) {
@@ -186,9 +186,8 @@ struct TuneCommand {
 
 LabVerb tune_verb(CLI::App& lab) {
     const auto command = std::make_shared<TuneCommand>();
-    CLI::App* verb = lab.add_subcommand("tune",
-                                        "Gains with the largest worst margin over all surfaces, maneuvers "
-                                        "and speeds; what no controller can have.");
+    CLI::App* verb =
+        lab.add_subcommand("tune", "Gains with the largest worst margin over all surfaces, maneuvers and speeds; what no controller can have.");
     settings::one_of(verb->add_option("--loop", command->loop, "pid: the paper's, by its margins; law: the shipped one, by margins and stops"),
                      {"pid", "law"})
         ->capture_default_str();
@@ -210,8 +209,7 @@ LabVerb tune_verb(CLI::App& lab) {
         "  rig-lab tune\n"
         "  rig-lab tune --loop law --write config/controller.toml --write config/controller_endurance.toml\n"
         "  rig-lab tune --loop law --check\n"
-        "Exit status: 0; 1 --check: the gains are not what is asked; 2 mistake on the command line or in a "
-        "file.");
+        "Exit status: 0; 1 --check: the gains are not what is asked; 2 mistake on the command line or in a file.");
     return {verb, [command] { return command->run(); }};
 }
 

@@ -69,9 +69,8 @@ struct DynamicsCommand {
         settings::deliver((out / "friction_curves.toml").string(), to_toml(classes, head));
         if (pictures) draw_dynamics(classes, settings, out / "dynamics.png");
         print_table(json_file,
-                    "Written to {0}: dynamics.json friction_curves.toml{1}\nIn force with --friction-curves "
-                    "{0}/friction_curves.toml, or "
-                    "pasted into landing_gear.toml.\n",
+                    "Written to {0}: dynamics.json friction_curves.toml{1}\nIn force with --friction-curves {0}/friction_curves.toml, or pasted into "
+                    "landing_gear.toml.\n",
                     out.string(), pictures ? " dynamics.png" : "");
         return 0;
     }
@@ -82,12 +81,10 @@ struct DynamicsCommand {
 LabVerb wear_dynamics_verb(CLI::App& wear) {
     const auto command = std::make_shared<DynamicsCommand>();
     CLI::App* verb = wear.add_subcommand("dynamics", "Fig. 6: how friction moves within a stop, learnt from recorded stops by class of maneuver.");
-    verb->add_option("SOURCE", command->sources,
-                     "[CLASS=]PATH: a bus log, a maneuver's folder, a campaign's folder or ledger, or a CSV "
-                     "with time_s, speed_mps, "
-                     "pressure_Pa, brake_torque_Nm. CLASS: light, medium, heavy, a maneuver of "
-                     "maneuvers.toml, or endurance; may be "
-                     "left out where a summary.json says it")
+    verb->add_option(
+            "SOURCE", command->sources,
+            "[CLASS=]PATH: a bus log, a maneuver's folder, a campaign's folder or ledger, or a CSV with time_s, speed_mps, pressure_Pa, "
+            "brake_torque_Nm. CLASS: light, medium, heavy, a maneuver of maneuvers.toml, or endurance; may be left out where a summary.json says it")
         ->required();
     verb->add_option("--highest-order", command->settings.highest_order, "of the polynomials that are tried")
         ->check(CLI::Range(std::size_t{0}, std::size_t{3}))

@@ -86,9 +86,7 @@ LabVerb wear_fit_verb(CLI::App& wear) {
     settings::add_json(*verb, fit->json_file, "results");
     settings::add_out(*verb, fit->out, "directory of model.json, campaign.csv and the pictures");
     verb->add_flag("!--no-pictures", fit->pictures, "without gnuplot");
-    verb->footer(
-        "Examples:\n  rig-lab wear fit out/endurance\n  rig-lab wear fit measured.csv --components 6 --out "
-        "out/mine");
+    verb->footer("Examples:\n  rig-lab wear fit out/endurance\n  rig-lab wear fit measured.csv --components 6 --out out/mine");
     return {verb, [fit] { return fit->run(); }};
 }
 

@@ -34,10 +34,9 @@ std::string landings(const std::optional<int>& left) {
 std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& settings, const wear::LandingMix& mix) {
     double energy_J = 0.0;
     for (const wear::LandingKind& kind : mix) energy_J += kind.share * kind.energy_J;
-    std::string text = fmt::format(
-        "Mean friction after {:.3f} MJ: {:.4f} ({:.4f} to {:.4f}, 10 to 90 %), without the scatter of single "
-        "maneuvers. Limit {:.4f}.\n",
-        f.c_e_J * 1e-6, f.friction_now[1], f.friction_now[0], f.friction_now[2], settings.limit);
+    std::string text =
+        fmt::format("Mean friction after {:.3f} MJ: {:.4f} ({:.4f} to {:.4f}, 10 to 90 %), without the scatter of single maneuvers. Limit {:.4f}.\n",
+                    f.c_e_J * 1e-6, f.friction_now[1], f.friction_now[0], f.friction_now[2], settings.limit);
     if (f.already_crossed())
         return text + fmt::format("Already below the limit, with a probability of {:.0f} %: no landing left.\n", 100.0 * f.crossed_now);
     auto table = settings::TextTable::screen(":>8|landings:>24|at MJ:>16");
@@ -87,9 +86,8 @@ struct ForecastCommand {
         const ReserveLimit r = reserve_limit(config);
         files_.insert(files_.end(), r.files.begin(), r.files.end());
         print_table(json_file,
-                    "Torque reserve: below mean friction {:.4f} full pressure does not give the {:.0f} N m that a "
-                    "heavy stop on "
-                    "dry asphalt can use at {:.0f} m/s.\n",
+                    "Torque reserve: below mean friction {:.4f} full pressure does not give the {:.0f} N m that a heavy stop on dry asphalt can use "
+                    "at {:.0f} m/s.\n",
                     r.friction, r.torque_Nm, r.speed_mps);
         return r.friction;
     }
@@ -191,22 +189,18 @@ struct ForecastCommand {
 
 LabVerb wear_forecast_verb(CLI::App& wear) {
     const auto f = std::make_shared<ForecastCommand>();
-    CLI::App* verb = wear.add_subcommand("forecast",
-                                         "Landings left until the brake's mean friction, without the scatter "
-                                         "of single maneuvers, is below a limit.");
+    CLI::App* verb =
+        wear.add_subcommand("forecast", "Landings left until the brake's mean friction, without the scatter of single maneuvers, is below a limit.");
     settings::existing_path(verb->add_option("SOURCE", f->source, "the brake's campaign so far, as for `wear table`"));
     verb->add_option("--campaign", f->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, f->off);
     settings::existing_file(verb->add_option("--model", f->model, "population.json of `wear population`, or model.json of `wear fit`"))
         ->capture_default_str();
     auto* const limit = verb->add_option("--limit", f->limit, "mean friction")->check(CLI::Range(0.001, 1.5));
-    verb->add_flag("--reserve", f->reserve,
-                   "the limit is where full pressure no longer gives the torque that a heavy stop on dry "
-                   "asphalt can use")
+    verb->add_flag("--reserve", f->reserve, "the limit is where full pressure no longer gives the torque that a heavy stop on dry asphalt can use")
         ->excludes(limit);
     auto* const mix = verb->add_option("--mix", f->mix,
-                                       "landings to come, by maneuvers of config/, e.g. light=0.5,medium=0.3,heavy=0.2; "
-                                       "their brake energy over "
+                                       "landings to come, by maneuvers of config/, e.g. light=0.5,medium=0.3,heavy=0.2; their brake energy over "
                                        "[brake.wear] energy_scale (default: as the newest 100 of the campaign)");
     verb->add_option("--slip", f->slip, "that those landings are held at: the tyre's share of the energy")
         ->check(CLI::Range(0.0, 0.99))

@@ -148,8 +148,7 @@ void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& sim
 
 void draw_bic(const wear::Model& model, const std::filesystem::path& png) {
     std::string script =
-        "set xtics 1\nset offsets 0.5, 0.5, graph "
-        "0.05, graph 0.05\n"
+        "set xtics 1\nset offsets 0.5, 0.5, graph 0.05, graph 0.05\n"
         "set xlabel 'components'\nset ylabel 'BIC (less is better)'\n$bic << EOD\n";
     const auto min = std::min_element(model.orders.begin(), model.orders.end(),
                                       [](const wear::Model::Candidate& a, const wear::Model::Candidate& b) { return a.bic < b.bic; });
@@ -187,8 +186,7 @@ void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, doub
     }
     script += fmt::format(
         "set title {} noenhanced\nset key top right\n"
-        "plot $fan using 1:2:4 with filledcurves lc rgb '#c9dcee' title '10 to 90 % of the mean friction', "
-        "\\\n"
+        "plot $fan using 1:2:4 with filledcurves lc rgb '#c9dcee' title '10 to 90 % of the mean friction', \\\n"
         "     $fan using 1:3 with lines lw 2 lc rgb '#1f4e79' title '50 %', \\\n"
         "     $points using 1:2 with points pt 7 ps 0.5 lc rgb '#555555' title 'recorded', \\\n"
         "     {} with lines lw 2 lc rgb '#a61c3c' title 'limit {:.4f}'\n",

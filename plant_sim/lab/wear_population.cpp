@@ -27,11 +27,8 @@ struct PopulationCommand {
         settings.healthy = load_campaigns(healthy, off);
         const wear::Population p = wear::learn_population(campaigns, settings, step_progress("steps"));
         print_table(json_file,
-                    "{}: scatter {:.5f} of which {:.5f} remembers, by {:.2f} from one maneuver to the next; offset "
-                    "of a brake "
-                    "{:.5f}, drift {:.6f} in 1 MJ; log of its energy {:.3f} about a member's; health limits {:.2f} "
-                    "gradual, "
-                    "{:.2f} sudden\n",
+                    "{}: scatter {:.5f} of which {:.5f} remembers, by {:.2f} from one maneuver to the next; offset of a brake {:.5f}, drift {:.6f} "
+                    "in 1 MJ; log of its energy {:.3f} about a member's; health limits {:.2f} gradual, {:.2f} sudden\n",
                     p.source, std::hypot(p.scatter.remembered, p.scatter.fresh), p.scatter.remembered, p.scatter.memory, p.spread.offset,
                     p.scatter.drift_per_root_MJ, p.spread.log_energy_scale, p.limits.gradual, p.limits.sudden);
         keep_json(out / "population.json", json_file, wear::to_json(p));
@@ -48,24 +45,21 @@ LabVerb wear_population_verb(CLI::App& wear) {
     CLI::App* verb =
         wear.add_subcommand("population", "What several brakes that were worn out have in common and how they differ: for forecast and watch.");
     settings::existing_path(verb->add_option("SOURCE", command->sources,
-                                             "campaigns as for `wear table`, or directories of CSV files; three brakes at least, "
-                                             "better twenty"))
+                                             "campaigns as for `wear table`, or directories of CSV files; three brakes at least, better twenty"))
         ->required();
     verb->add_option("--limit", command->settings.limit,
-                     "mean friction that forecasts will ask about; intervals are calibrated for it "
-                     "(default: between the middle and the end of the brakes' lives)")
+                     "mean friction that forecasts will ask about; intervals are calibrated for it (default: between the middle and the end of the "
+                     "brakes' lives)")
         ->check(CLI::Range(0.001, 1.5));
-    settings::existing_path(verb->add_option("--healthy", command->healthy,
-                                             "campaigns of other brakes that were healthy: health limits are learnt from them (default: "
-                                             "from the same brakes, each given the others)"));
+    settings::existing_path(verb->add_option(
+        "--healthy", command->healthy,
+        "campaigns of other brakes that were healthy: health limits are learnt from them (default: from the same brakes, each given the others)"));
     add_out_of_tolerance_flag(*verb, command->off);
     verb->add_option("--seed", command->settings.fit.seed, "seed of every random draw")->capture_default_str();
     settings::add_threads(*verb, command->settings.threads);
     settings::add_json(*verb, command->json_file, "results");
     settings::add_out(*verb, command->out, "directory of population.json");
-    verb->footer(
-        "Example:\n  rig-lab wear population campaigns/ --healthy healthy/ --limit 0.2 --out "
-        "out/wear");
+    verb->footer("Example:\n  rig-lab wear population campaigns/ --healthy healthy/ --limit 0.2 --out out/wear");
     return {verb, [command] { return command->run(); }};
 }
 

@@ -62,8 +62,7 @@ struct SimulateCommand {
         const wear::Campaign recorded = load_campaign(source, campaign, off);
         if (replay == "torque" && recorded.brakings.empty())
             throw settings::Error(recorded.source, 0, "mean_torque_Nm",
-                                  "--replay torque needs the columns brake_on_mps, mean_torque_Nm and "
-                                  "mean_load_N, as a ledger has them");
+                                  "--replay torque needs the columns brake_on_mps, mean_torque_Nm and mean_load_N, as a ledger has them");
         const bool by_torque = replay.empty() ? !recorded.brakings.empty() : replay == "torque";
         const wear::Model learnt = wear::read_model(model);
         nlohmann::ordered_json json{{"source", recorded.source},
@@ -125,17 +124,17 @@ struct SimulateCommand {
 LabVerb wear_simulate_verb(CLI::App& wear) {
     const auto simulate = std::make_shared<SimulateCommand>();
     CLI::App* verb = wear.add_subcommand("simulate",
-                                         "Fig. 9: the maneuvers of a campaign again with friction drawn from eq. (14), compared with the "
-                                         "recorded. Leaves simulated.csv, simulated.json and simulated.png.");
+                                         "Fig. 9: the maneuvers of a campaign again with friction drawn from eq. (14), compared with the recorded. "
+                                         "Leaves simulated.csv, simulated.json and simulated.png.");
     settings::existing_path(verb->add_option("SOURCE", simulate->source, "as for `wear table`"))->required();
     verb->add_option("--campaign", simulate->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, simulate->off);
     settings::existing_file(verb->add_option("--model", simulate->model, "model.json of `wear fit`"))->required();
-    settings::one_of(verb->add_option("--replay", simulate->replay,
-                                      "torque: through the plant, the recorded braking torque fed in (default where SOURCE has "
-                                      "brake_on_mps, mean_torque_Nm and mean_load_N; a ledger has); energy: no plant, each "
-                                      "maneuver takes the recorded brake energy"),
-                     {"torque", "energy"});
+    settings::one_of(
+        verb->add_option("--replay", simulate->replay,
+                         "torque: through the plant, the recorded braking torque fed in (default where SOURCE has brake_on_mps, mean_torque_Nm and "
+                         "mean_load_N; a ledger has); energy: no plant, each maneuver takes the recorded brake energy"),
+        {"torque", "energy"});
     verb->add_option("--maneuver", simulate->maneuver, "whose rig makes the stops: endurance, or one of maneuvers.toml")->capture_default_str();
     settings::add_config_directory(*verb, simulate->config);
     add_rule_options(*verb, simulate->rule);
@@ -145,8 +144,7 @@ LabVerb wear_simulate_verb(CLI::App& wear) {
     verb->footer(
         "Examples:\n"
         "  rig-lab wear simulate out/endurance-1 --model out/wear/model.json\n"
-        "  rig-lab wear simulate measured.csv --model out/wear/model.json --replay energy --component "
-        "mixture");
+        "  rig-lab wear simulate measured.csv --model out/wear/model.json --replay energy --component mixture");
     return {verb, [simulate] { return simulate->run(); }};
 }
 

@@ -51,12 +51,12 @@ struct TableCommand {
 
 LabVerb wear_table_verb(CLI::App& wear) {
     const auto table = std::make_shared<TableCommand>();
-    CLI::App* verb = wear.add_subcommand("table",
-                                         "Mean friction by eq. (7), brake energy by eq. (9) and cumulative "
-                                         "energy of every maneuver of a campaign.");
-    settings::existing_path(verb->add_option("SOURCE", table->source,
-                                             "ledger, directory with campaign.sqlite, or CSV with the columns cumulative_energy_MJ (or "
-                                             "cumulative_energy_J) and mean_friction"))
+    CLI::App* verb =
+        wear.add_subcommand("table", "Mean friction by eq. (7), brake energy by eq. (9) and cumulative energy of every maneuver of a campaign.");
+    settings::existing_path(
+        verb->add_option(
+            "SOURCE", table->source,
+            "ledger, directory with campaign.sqlite, or CSV with the columns cumulative_energy_MJ (or cumulative_energy_J) and mean_friction"))
         ->required();
     verb->add_option("--campaign", table->campaign, "which of a ledger's campaigns; may be left out for one");
     add_out_of_tolerance_flag(*verb, table->off);

@@ -121,9 +121,8 @@ struct WatchCommand {
 
 LabVerb wear_watch_verb(CLI::App& wear) {
     const auto watch = std::make_shared<WatchCommand>();
-    CLI::App* verb = wear.add_subcommand("watch",
-                                         "Health of a brake after each maneuver: does its friction go on as "
-                                         "that of brakes like those the model knows?");
+    CLI::App* verb =
+        wear.add_subcommand("watch", "Health of a brake after each maneuver: does its friction go on as that of brakes like those the model knows?");
     settings::existing_path(
         verb->add_option("SOURCE", watch->source, "as for `wear table`; with --trial a directory of healthy brakes' campaigns as CSV"))
         ->required();
@@ -132,15 +131,14 @@ LabVerb wear_watch_verb(CLI::App& wear) {
     settings::existing_file(verb->add_option("--model", watch->model, "population.json of `wear population`, or model.json of `wear fit`"))
         ->capture_default_str();
     verb->add_flag("--trial", watch->trial,
-                   "false alarms on healthy brakes, and how soon glazing, a sudden drop and a dragging piston are "
-                   "flagged when they are put into the same campaigns");
+                   "false alarms on healthy brakes, and how soon glazing, a sudden drop and a dragging piston are flagged when they are put into the "
+                   "same campaigns");
     verb->add_option("--seed", watch->seed, "of the trial: where the faults begin")->capture_default_str();
     settings::add_json(*verb, watch->json_file, "results");
     settings::add_out(*verb, watch->out, "directory of health.json and health.png, or watch_trial.json");
     verb->add_flag("!--no-pictures", watch->pictures, "without gnuplot");
     verb->footer(
-        "Examples:\n  rig-lab wear watch runs/brake7\n  rig-lab wear watch measured.csv --model "
-        "out/wear/model.json\n"
+        "Examples:\n  rig-lab wear watch runs/brake7\n  rig-lab wear watch measured.csv --model out/wear/model.json\n"
         "  rig-lab wear watch --trial healthy/\n"
         "Exit status: 0 not abnormal, 1 abnormal, 2 mistake on the command line or in a file.");
     return {verb, [watch] { return watch->run(); }};

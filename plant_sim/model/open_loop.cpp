@@ -21,9 +21,7 @@ OpenLoop::OpenLoop(const rig::RigParameters& parameters, Input input, std::span<
       wheel_(parameters.wheel, BrakeTorque(parameters.brake, parameters.friction_curve, parameters.mean_friction, parameters.brake_on_mps),
              parameters.surface, tolerance) {
     if (parameters.wheel.compliance.any() || parameters.valve.line_s > 0.0 || !parameters.runway.patches.empty())
-        throw std::invalid_argument(
-            "open loop: a tyre or leg that gives way, a valve's line and a runway of patches need fixed "
-            "steps");
+        throw std::invalid_argument("open loop: a tyre or leg that gives way, a valve's line and a runway of patches need fixed steps");
     if (profile.empty()) throw std::invalid_argument("open loop: the profile has no points");
     if (parameters.load.lag_s > 0.0 && parameters.load.lift_Ns2pm2 > 0.0)
         throw std::invalid_argument("open loop: a loading device that lags behind eq. (2) needs fixed steps");

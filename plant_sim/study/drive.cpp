@@ -109,8 +109,8 @@ std::string drive(const rig::RigParameters& parameters, const DriveProfile& prof
     double value = cursor.at(start);
     if (profile.input == DriveInput::pressure_Pa) rig.start_pressure(value);
     auto csv = settings::TextTable::csv(
-        "time_s:.6f|speed_mps:.9g|wheel_speed_radps:.9g|slip:.9g|pressure_Pa:.9g|brake_torque_Nm:.9g|F_x_N:.9g|F_z_N:.9g|radius_m:.9g|mu:.9g|"
-        "energy_brake_J:.9g|energy_tyre_J:.9g");
+        "time_s:.6f|speed_mps:.9g|wheel_speed_radps:.9g|slip:.9g|pressure_Pa:.9g|brake_torque_Nm:.9g|F_x_N:.9g|F_z_N:.9g|radius_m:.9g|mu:.9g|energy_"
+        "brake_J:.9g|energy_tyre_J:.9g");
     append_row(csv, start, rig);
     std::vector<plant::Rig::PressurePart> parts;
     for (std::int64_t step = 1; !rig.standstill(); ++step) {

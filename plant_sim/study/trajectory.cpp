@@ -11,8 +11,8 @@ constexpr double kRow_s = 5e-3;
 Trajectory::Trajectory(bool along_runway)
     : along_runway_(along_runway),
       csv_(settings::TextTable::csv(
-          std::string("time_s:.3f|speed_mps:.5f|wheel_rim_speed_mps:.5f|slip:.5f|slip_reference:.4f|pressure_demand_Pa:.0f|pressure_Pa:.0f|"
-                      "current_mA:.3f|brake_torque_Nm:.2f|F_x_N:.2f|F_z_N:.2f|radius_m:.6f|mu:.6f|energy_brake_J:.1f|energy_tyre_J:.1f|state") +
+          std::string("time_s:.3f|speed_mps:.5f|wheel_rim_speed_mps:.5f|slip:.5f|slip_reference:.4f|pressure_demand_Pa:.0f|pressure_Pa:.0f|current_"
+                      "mA:.3f|brake_torque_Nm:.2f|F_x_N:.2f|F_z_N:.2f|radius_m:.6f|mu:.6f|energy_brake_J:.1f|energy_tyre_J:.1f|state") +
           (along_runway ? "|runway_m:.3f|mu_max:.6f" : ""))) {}
 
 void Trajectory::record(const RigSession& session, const antiskid::can::ControllerView& controller, double current_mA) {

@@ -244,9 +244,8 @@ void reject_mixed_wear(const CampaignCommand& command, const std::vector<record:
     for (const record::LedgerRow& row : rows)
         if (const record::Specimen& was = row.summary.specimen; another(was.brake, now.brake) || another(was.disc, now.disc))
             throw UsageError(
-                fmt::format("maneuver {} was of brake '{}' and disc '{}', now they are '{}' and '{}': their "
-                            "wear is not mixed; give "
-                            "a campaign of its own with --name",
+                fmt::format("maneuver {} was of brake '{}' and disc '{}', now they are '{}' and '{}': their wear is not mixed; give a campaign of "
+                            "its own with --name",
                             row.attempt.number, was.brake, was.disc, now.brake, now.disc));
 }
 

@@ -31,8 +31,7 @@ constexpr std::array<NextStep, rig::kAbortCount> kAborts{{
     {"the PLC refused a command or did not confirm it in time, or the sledge is out while the drive pulls",
      "limits of the PLC's program against the scenario; the sledge's switch; how busy the link is"},
     {"no status frame of the controller, or none that is good",
-     "is antiskid-controller running? its last words are in its log; restart it; where frames come and are "
-     "refused, binding and cable"},
+     "is antiskid-controller running? its last words are in its log; restart it; where frames come and are refused, binding and cable"},
     {"the controller went to its safe state, or was not armed when it had to be",
      "mend the fault that is named with it; without one, look into the controller's log"},
     {"the CAN interface is down or bus-off", "termination, bit rate, cable; ip -details link show names its state"},
@@ -41,17 +40,14 @@ constexpr std::array<NextStep, rig::kAbortCount> kAborts{{
     {"the brake was above brake_on_limit_C before brake-on", "wait until it is colder; look for a brake that drags"},
     {"while braking the load left its band, or the wheel the rim", "loading device, sledge and load cell; look at tyre and rim before the next"},
     {"somebody else commanded the PLC",
-     "find the other Modbus client (a second bridge, a panel, a script) and take it off the network; see "
-     "what it "
-     "told the PLC before you start again"},
+     "find the other Modbus client (a second bridge, a panel, a script) and take it off the network; see what it told the PLC before you start "
+     "again"},
     {"the flywheel turned faster than this maneuver can ask for",
      "wait until it has slowed down; then drive, its scaling and the register map against the scenario"},
     {"PLC and encoder on the bus differ in the rim's speed",
-     "teeth, radius and scaling of both; a hand tachometer tells which is wrong; no braking before they "
-     "agree"},
+     "teeth, radius and scaling of both; a hand tachometer tells which is wrong; no braking before they agree"},
     {"two controllers, or two bridges, send on the bus",
-     "find the second one (pgrep -a antiskid-contro, pgrep -a rig-bridge, other nodes) and end it; a gateway "
-     "that repeats frames looks the same"},
+     "find the second one (pgrep -a antiskid-contro, pgrep -a rig-bridge, other nodes) and end it; a gateway that repeats frames looks the same"},
 }};
 
 /// In the order of antiskid::control::Fault; conditions and times: docs/user/faults.md.
@@ -86,8 +82,7 @@ constexpr std::array<NextStep, kFaultCount> kFaults{{
 
 /// In the order of rig::Phase.
 constexpr std::array<std::string_view, rig::kPhaseCount> kAwaited{
-    "PLC ready, interlocks good, controller in standby, sledge back, no pressure, rim not above the "
-    "set-point",
+    "PLC ready, interlocks good, controller in standby, sledge back, no pressure, rim not above the set-point",
     "the set-point held within speed_tolerance_mps, and the controller armed",
     "the wheel on the rim",
     "wheel and rim alike, the load in its band, and the rim down to the prescribed speed",

@@ -45,12 +45,11 @@ void add_rig_options(CLI::App& app, RigOptions& o, PlcOptions& plc, const char* 
     settings::add_layout_files(app, o.dbc, o.binding);
     settings::existing_file(app.add_option("--registers", o.registers, "register map (default: CONFIG/registers.toml)"));
     app.add_flag("!--no-reset", o.reset,
-                 "a tripped PLC is reset by hand only; without this, by the bridge while nothing is on and "
-                 "every interlock is good");
+                 "a tripped PLC is reset by hand only; without this, by the bridge while nothing is on and every interlock is good");
     app.add_option("--priority", o.priority, "SCHED_FIFO priority; 0: ordinary scheduling")->check(CLI::Range(0, 99))->capture_default_str();
-    settings::add_choice(app, "--clock", o.lockstep, {{"timer", false}, {"sync", true}},
-                         "timer: real time; sync: lockstep with virtual-rig and antiskid-controller --clock sync: the "
-                         "same seed gives the same samples and figures");
+    settings::add_choice(
+        app, "--clock", o.lockstep, {{"timer", false}, {"sync", true}},
+        "timer: real time; sync: lockstep with virtual-rig and antiskid-controller --clock sync: the same seed gives the same samples and figures");
     app.add_option("--answer-timeout", o.answer_timeout_ms, "with --clock sync: who takes longer is silent; as virtual-rig's")
         ->check(CLI::Range(1, 3'600'000))
         ->type_name("MS")
@@ -62,11 +61,10 @@ void add_rig_options(CLI::App& app, RigOptions& o, PlcOptions& plc, const char* 
 /// What only those that move the rig have.
 void add_run_options(CLI::App& app, RigOptions& o) {
     app.add_flag("--leave-turning", o.leave_turning,
-                 "after an abort end although the rim may still turn; without this its speed is shown until it "
-                 "stands, or until Ctrl-C");
+                 "after an abort end although the rim may still turn; without this its speed is shown until it stands, or until Ctrl-C");
     settings::existing_file(app.add_option("--on-abort", o.on_abort,
-                                           "program to run after an abort, once the rig is safe and the record closed: no arguments, at most "
-                                           "10 s; it has RIG_CAUSE, RIG_OUTCOME, RIG_NEXT_STEP, RIG_CAMPAIGN, RIG_MANEUVER, RIG_FOLDER"));
+                                           "program to run after an abort, once the rig is safe and the record closed: no arguments, at most 10 s; "
+                                           "it has RIG_CAUSE, RIG_OUTCOME, RIG_NEXT_STEP, RIG_CAMPAIGN, RIG_MANEUVER, RIG_FOLDER"));
     app.add_flag("--quiet", o.quiet, "no bell at an abort");
     record::add_specimen_options(app, o.specimen, "; kept with every maneuver from now on");
 }
@@ -90,10 +88,8 @@ void choose_plc(const PlcOptions& plc, RigOptions& o) {
 }  // namespace
 
 std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* const* argv) {
-    CLI::App app{
-        "Runs maneuvers on a brake rig: sequences its PLC over Modbus and the controller over CAN, records, "
-        "keeps the ledger.",
-        "rig-bridge"};
+    CLI::App app{"Runs maneuvers on a brake rig: sequences its PLC over Modbus and the controller over CAN, records, keeps the ledger.",
+                 "rig-bridge"};
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.require_subcommand(1);
     app.footer(kFooter);
@@ -125,9 +121,8 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     settings::existing_file(many->add_option("--regulation", campaign.regulation, "plan and rules of that (default: CONFIG/regulation.toml)"))
         ->needs(regulate);
     many->add_option("--surfaces", campaign.surfaces,
-                     "that the pair has seen or will see beside the scenario's own, with commas between, or "
-                     "all: they bound "
-                     "the references (default: the regulation file's)")
+                     "that the pair has seen or will see beside the scenario's own, with commas between, or all: they bound the references (default: "
+                     "the regulation file's)")
         ->needs(regulate);
     auto* const model = many->add_option("--wear-model", campaign.wear_model,
                                          "judge the brake after each maneuver by this population.json or model.json of rig-lab wear");
@@ -182,9 +177,8 @@ std::variant<BridgeCommand, int> parse_bridge_command(int argc, const char* cons
     amend->add_option("--why", amendment.why, "and why")->required();
     amend->add_option("--campaign", amendment.campaign, "where the ledger has several");
     NoteCommand noted;
-    CLI::App* const note = ledger->add_subcommand("note",
-                                                  "serial numbers, operator or notes of a maneuver, "
-                                                  "afterwards; rows of their own, nothing is overwritten");
+    CLI::App* const note =
+        ledger->add_subcommand("note", "serial numbers, operator or notes of a maneuver, afterwards; rows of their own, nothing is overwritten");
     campaign_directory(*note, noted.directory);
     note->add_option("--maneuver", noted.number, "its number")->required()->check(CLI::PositiveNumber);
     note->add_option("--attempt", noted.attempt, "which attempt at it")->check(CLI::PositiveNumber)->capture_default_str();

@@ -29,8 +29,7 @@ Check link_check(const modbus::Snapshot& plc, const BridgeSetup& setup) {
                                       : plc.error.empty() ? std::string("no answer")
                                                           : plc.error,
                           .required = setup.options.plc + " answers",
-                          .remedy = "cable, address, PLC in RUN; is its Modbus server on, and this computer "
-                                    "on its list of peers?"});
+                          .remedy = "cable, address, PLC in RUN; is its Modbus server on, and this computer on its list of peers?"});
     check.figures = {{"requests", static_cast<double>(plc.counters.requests)}, {"timeouts", static_cast<double>(plc.counters.timeouts)}};
     return check;
 }

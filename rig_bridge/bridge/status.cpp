@@ -97,12 +97,11 @@ std::string campaign_text(const record::Campaign& campaign, const Looked& looked
     constexpr std::size_t kShown = 10;
     const std::vector<record::LedgerRow>& rows = looked.rows;
     const std::int64_t finished = count(rows, record::RowState::finished);
-    std::string text = fmt::format(
-        "campaign {}: scenario {}, seed {}, {} of {} maneuvers finished; {} aborted, {} unfinished, {} "
-        "{}; {:.3f} MJ\n",
-        campaign.name, campaign.scenario, campaign.seed, finished, campaign.planned, count(rows, record::RowState::aborted),
-        count(rows, record::RowState::unfinished), count(rows, record::RowState::running),
-        looked.held ? name(record::RowState::running) : "left by a dead bridge", looked.cumulative_energy_J() * 1e-6);
+    std::string text =
+        fmt::format("campaign {}: scenario {}, seed {}, {} of {} maneuvers finished; {} aborted, {} unfinished, {} {}; {:.3f} MJ\n", campaign.name,
+                    campaign.scenario, campaign.seed, finished, campaign.planned, count(rows, record::RowState::aborted),
+                    count(rows, record::RowState::unfinished), count(rows, record::RowState::running),
+                    looked.held ? name(record::RowState::running) : "left by a dead bridge", looked.cumulative_energy_J() * 1e-6);
     if (const std::string specimen = to_text(campaign.specimen); !specimen.empty()) text += "  " + specimen + "\n";
     if (finished > 0) {
         text += fmt::format("  {:<24} {:>14} {:>14}\n", "of those finished", "mean", "deviation");

@@ -94,10 +94,9 @@ std::vector<std::string> screen(const ViewModel& v, std::size_t columns) {
 }
 
 std::string plain_line(const ViewModel& v) {
-    std::string line = fmt::format(
-        "{:8.2f} s {:<10} {:6.2f} m/s  slip {:6.3f}  {:5.2f} MPa  {:6.2f} kN  {:5.1f} degC  controller {}, "
-        "PLC {}, bus {}",
-        v.time_s, name(v.phase), v.rim_mps, v.slip, v.pressure_Pa * 1e-6, v.load_N * 1e-3, v.temperature_C, v.controller, v.plc, v.bus);
+    std::string line =
+        fmt::format("{:8.2f} s {:<10} {:6.2f} m/s  slip {:6.3f}  {:5.2f} MPa  {:6.2f} kN  {:5.1f} degC  controller {}, PLC {}, bus {}", v.time_s,
+                    name(v.phase), v.rim_mps, v.slip, v.pressure_Pa * 1e-6, v.load_N * 1e-3, v.temperature_C, v.controller, v.plc, v.bus);
     line += abort_text(v);
     if (!v.faults.empty()) line += "  faults: " + fault_text(v);
     if (!v.note.empty()) line += "  " + v.note;

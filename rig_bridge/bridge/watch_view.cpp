@@ -119,12 +119,11 @@ std::vector<std::string> watch_screen(const Watched& w, const StripChart& chart)
 }
 
 std::string watch_line(const Watched& w) {
-    return fmt::format(
-        "{}; bridge {}{}; {} {:.1f} s; {:.2f} m/s, slip {:.3f}, {:.2f} MPa, {:.2f} kN, {:.2f} mA; "
-        "controller {}; faults: {}{}{}{}",
-        progress(w), to_text(w.bridge), w.hold.empty() ? "" : "; HOLD: " + w.hold, phase_text(w), w.phase_s, w.rim_mps, w.slip, w.pressure_Pa * 1e-6,
-        w.load_N * 1e-3, w.current_mA, w.controller, fault_text(w), w.tells_road ? "; road: " + road_text(w) : "",
-        w.senders.empty() ? "" : "; " + w.senders, w.bus_up ? "" : "; BUS DOWN: " + w.bus_error);
+    return fmt::format("{}; bridge {}{}; {} {:.1f} s; {:.2f} m/s, slip {:.3f}, {:.2f} MPa, {:.2f} kN, {:.2f} mA; controller {}; faults: {}{}{}{}",
+                       progress(w), to_text(w.bridge), w.hold.empty() ? "" : "; HOLD: " + w.hold, phase_text(w), w.phase_s, w.rim_mps, w.slip,
+                       w.pressure_Pa * 1e-6, w.load_N * 1e-3, w.current_mA, w.controller, fault_text(w),
+                       w.tells_road ? "; road: " + road_text(w) : "", w.senders.empty() ? "" : "; " + w.senders,
+                       w.bus_up ? "" : "; BUS DOWN: " + w.bus_error);
 }
 
 std::string watch_json(const Watched& w) {

@@ -93,11 +93,8 @@ wear::Regulator WearRegulation::after(const std::vector<record::LedgerRow>& rows
 std::string line(const wear::Regulator& r) {
     const wear::LimitForecast o = wear::limit_forecast(r);
     const std::string measured = std::isfinite(r.measured_share()) ? fmt::format("{:.3f} measured", r.measured_share()) : "none measured";
-    std::string text = fmt::format(
-        "slip reference {:.3f}; tyre share {}, {:.3f} wanted; limits at landing {:.0f} (brake), {:.0f} "
-        "(tyre) "
-        "of {}",
-        r.reference(), measured, o.required_share, o.brake.landing, o.tyre.landing, r.plan().landings);
+    std::string text = fmt::format("slip reference {:.3f}; tyre share {}, {:.3f} wanted; limits at landing {:.0f} (brake), {:.0f} (tyre) of {}",
+                                   r.reference(), measured, o.required_share, o.brake.landing, o.tyre.landing, r.plan().landings);
     if (o.verdict != wear::Feasibility::together) text += fmt::format("; {}", wear::name(o.verdict));
     if (r.missed() > 0) text += fmt::format("; {} without measurement ({})", r.missed(), wear::name(r.last_reading()));
     return text;

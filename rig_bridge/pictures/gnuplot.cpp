@@ -45,9 +45,8 @@ void run_gnuplot(const std::filesystem::path& png, int width, int height, const 
     const std::filesystem::path aside = png.string() + ".part";
     const std::filesystem::path says = png.string() + ".gnuplot-says";
     const std::string all = fmt::format(
-        "set terminal pngcairo size {},{} font 'sans,11' enhanced\nset output {}\nset grid lc rgb "
-        "'#dddddd'\nset border lc rgb '#555555'\n{}",
-        width, height, gnuplot_quoted(aside.string()), commands);
+        "set terminal pngcairo size {},{} font 'sans,11' enhanced\nset output {}\nset grid lc rgb '#dddddd'\nset border lc rgb '#555555'\n{}", width,
+        height, gnuplot_quoted(aside.string()), commands);
     std::FILE* gnuplot = ::popen(("gnuplot >" + shell_quoted(says.string()) + " 2>&1").c_str(), "w");
     if (gnuplot == nullptr) throw std::runtime_error("cannot start gnuplot");
     std::fwrite(all.data(), 1, all.size(), gnuplot);

@@ -7,7 +7,7 @@
 
 namespace pictures {
 
-/// Draws `csv`, the text of a trajectory (as Trajectory writes it), into `png`; the vertical line marks `brake_on_s`. With `along_runway`, for a trajectory
+/// Draws `csv`, a trajectory as text (as Trajectory writes it), into `png`; the vertical line marks `brake_on_s`. With `along_runway`, for one
 /// that has the columns of a runway, also friction, available and used, over its length. The picture is whole or not there. Throws
 /// std::runtime_error when gnuplot is not installed or fails, with what it said.
 void draw_stop(std::string_view csv, const std::filesystem::path& png, const std::string& title, double brake_on_s, bool along_runway = false);

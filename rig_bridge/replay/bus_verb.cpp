@@ -155,9 +155,8 @@ ReplayVerb bus_verb(CLI::App& app) {
         "Examples:\n"
         "  rig-replay bus out/landing/bus.log --can vcan0\n"
         "  rig-replay bus candump-2026-11-21.log.gz --can vcan0 --speed 10 --id 110:7F8 --loop 3\n"
-        "Exit status: 0 all sent; 1 some were not, the log cannot be read, or the interface is gone; 2 "
-        "mistake on the command "
-        "line;\n130 stopped by Ctrl-C.");
+        "Exit status: 0 all sent; 1 some were not, the log cannot be read, or the interface is gone; 2 mistake on the command line;\n130 stopped by "
+        "Ctrl-C.");
     return {verb, [c] { return c->run(); }};
 }
 

@@ -117,12 +117,11 @@ struct CampaignCommand {
 
 ReplayVerb campaign_verb(CLI::App& app) {
     const auto c = std::make_shared<CampaignCommand>();
-    CLI::App* verb = app.add_subcommand("campaign",
-                                        "The table of Fig. 7 rebuilt from the raw logs of a campaign, held "
-                                        "against summaries and ledger bit by bit.");
-    settings::existing_directory(verb->add_option("DIRECTORY", c->folder,
-                                                  "folder of the campaign (0001/bus.log or bus.log.gz, 0001/summary.json, ...), or the "
-                                                  "directory with its ledger"))
+    CLI::App* verb =
+        app.add_subcommand("campaign", "The table of Fig. 7 rebuilt from the raw logs of a campaign, held against summaries and ledger bit by bit.");
+    settings::existing_directory(
+        verb->add_option("DIRECTORY", c->folder,
+                         "folder of the campaign (0001/bus.log or bus.log.gz, 0001/summary.json, ...), or the directory with its ledger"))
         ->required();
     settings::existing_file(verb->add_option("--ledger", c->ledger, "its ledger (default: campaign.sqlite beside the folder)"));
     settings::add_config_directory(*verb, c->config);
@@ -130,8 +129,7 @@ ReplayVerb campaign_verb(CLI::App& app) {
     verb->add_option("--csv", c->csv, "the table with every figure as CSV")->type_name("FILE");
     settings::add_json(*verb, c->json, "the same");
     verb->add_option("--rebuild", c->rebuilt,
-                     "write a new ledger from the folders, amendments of the old one with it; keep it beside "
-                     "the campaign's folder")
+                     "write a new ledger from the folders, amendments of the old one with it; keep it beside the campaign's folder")
         ->type_name("FILE");
     verb->add_option("--picture", c->picture, "mean friction over cumulative energy (PNG)")->type_name("FILE");
     verb->footer(
@@ -139,9 +137,7 @@ ReplayVerb campaign_verb(CLI::App& app) {
         "  rig-replay campaign out/campaign\n"
         "  rig-replay campaign runs/night --ledger runs/campaign.sqlite --picture fig7.png\n"
         "  rig-replay campaign runs/brake7 --rebuild runs/brake7/rebuilt.sqlite\n"
-        "Exit status: 0 equal to summaries and ledger; 1 something differs or cannot be read; 2 mistake in "
-        "command line or "
-        "configuration.");
+        "Exit status: 0 equal to summaries and ledger; 1 something differs or cannot be read; 2 mistake in command line or configuration.");
     return {verb, [c] { return c->run(); }};
 }
 

@@ -127,8 +127,7 @@ ControllerReplayReport replay_controller(const std::filesystem::path& file, cons
     report.config_hash = setup.config_hash;
     if (report.steps == 0)
         throw std::runtime_error(file.string() +
-                                 ": holds no valve command of this layout (see the warnings above; --dbc and --binding "
-                                 "choose the layout)");
+                                 ": holds no valve command of this layout (see the warnings above; --dbc and --binding choose the layout)");
     return report;
 }
 
@@ -140,18 +139,17 @@ std::string to_text(const ControllerReplayReport& r, const antiskid::can::Layout
         r.lockstep ? "in lockstep (SYNC in the log): exactly the recorded ones" : "bounded by the recorded valve commands (no SYNC in the log)");
     if (!r.lockstep)
         text +=
-            "  A frame that came between the controller's wake-up and its command is one step early here, "
-            "and inputs are "
-            "older by\n  that time: single commands may differ by a small amount.\n";
+            "  A frame that came between the controller's wake-up and its command is one step early here, and inputs are older by\n  that time: "
+            "single commands may differ by a small amount.\n";
     if (r.steps_before_log.value_or(1) != 0) {
         std::uint64_t settling = 0;
         for (const FrameComparison::Count& c : r.counts) settling += c.settling;
-        fmt::format_to(out,
-                       "  {}: the replayed one starts anew at the log's first sample;\n  {} frames beside commands "
-                       "were not compared while it tested itself\n",
-                       r.steps_before_log ? "the controller was running when the log began, as its counters say"
-                                          : "the controller's counters follow no session: frames are missing at the log's start",
-                       settling);
+        fmt::format_to(
+            out,
+            "  {}: the replayed one starts anew at the log's first sample;\n  {} frames beside commands were not compared while it tested itself\n",
+            r.steps_before_log ? "the controller was running when the log began, as its counters say"
+                               : "the controller's counters follow no session: frames are missing at the log's start",
+            settling);
     }
     if (r.unsynchronised > 0) fmt::format_to(out, "  {} steps by the controller's own clock: SYNC failed to come\n", r.unsynchronised);
     if (r.unanswered > 0) fmt::format_to(out, "  {} samples without an answer\n", r.unanswered);

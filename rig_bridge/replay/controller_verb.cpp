@@ -53,8 +53,7 @@ ReplayVerb controller_verb(CLI::App& app) {
         "Examples:\n"
         "  rig-replay controller out/landing/bus.log\n"
         "  rig-replay controller bus.log.gz --controller config/controller_endurance.toml --json -\n"
-        "Exit status: 0 no frame differs; 1 some do, or the log cannot be read; 2 mistake in command line or "
-        "configuration.");
+        "Exit status: 0 no frame differs; 1 some do, or the log cannot be read; 2 mistake in command line or configuration.");
     return {verb, [command] { return command->run(); }};
 }
 

@@ -73,8 +73,7 @@ struct ImportCommand {
         settings::deliver(json, as_json(report, hash));
         if (report.maneuvers.empty())
             throw std::runtime_error(file.string() +
-                                     ": no braking found: no row with the pressure rising above brake_on_Pa at "
-                                     "min_speed_mps or more");
+                                     ": no braking found: no row with the pressure rising above brake_on_Pa at min_speed_mps or more");
         return 0;
     }
 };
@@ -95,12 +94,10 @@ ReplayVerb import_verb(CLI::App& app) {
     verb->footer(
         "config/import_example.toml is a map with every key explained.\n"
         "Examples:\n"
-        "  rig-replay import night.csv --map config/import_example.toml --out out/night --brake B12 --disc "
-        "D7 --operator 'A. Rossi'\n"
+        "  rig-replay import night.csv --map config/import_example.toml --out out/night --brake B12 --disc D7 --operator 'A. Rossi'\n"
         "  rig-replay campaign out/night\n"
-        "Exit status: 0 maneuvers written (warnings say what was wrong in the recording); 1 it cannot be "
-        "read, a unit cannot be "
-        "right, or\nthere is no braking in it; 2 mistake in command line, map or configuration.");
+        "Exit status: 0 maneuvers written (warnings say what was wrong in the recording); 1 it cannot be read, a unit cannot be right, or\nthere is "
+        "no braking in it; 2 mistake in command line, map or configuration.");
     return {verb, [c] { return c->run(); }};
 }
 

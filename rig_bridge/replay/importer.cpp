@@ -70,9 +70,8 @@ class RollingSurvey {
         const ImportColumn& column = *settings_.map.channels[1];
         const std::string likely = units_at_ratio(column, ratio, settings_.rig.meter.flywheel_radius_m);
         throw std::runtime_error(
-            fmt::format("{}: without brake pressure the wheel's rim goes {:.3g} times as fast as the "
-                        "flywheel's: the unit of column '{}' or "
-                        "'{}' is wrong, or the rig is another; {}",
+            fmt::format("{}: without brake pressure the wheel's rim goes {:.3g} times as fast as the flywheel's: the unit of column '{}' or '{}' is "
+                        "wrong, or the rig is another; {}",
                         settings_.file.string(), ratio, settings_.map.channels[0]->column, column.column,
                         likely.empty() ? "no unit of speed explains it" : "likely unit of '" + column.column + "': " + likely));
     }

@@ -156,9 +156,9 @@ void IdFilter::add(std::string_view rule) {
     const auto id = hexadecimal(id_text);
     const auto mask = colon == std::string_view::npos ? all : hexadecimal(rule.substr(colon + 1));
     if ((id_text.size() != 3 && !extended) || !id || *id > all || !mask)
-        throw std::invalid_argument("--id " + std::string(rule) +
-                                    ": expected an identifier of three or eight hexadecimal digits, with or without a mask, "
-                                    "like 110, 100:7F0 or 18FF0000");
+        throw std::invalid_argument(
+            "--id " + std::string(rule) +
+            ": expected an identifier of three or eight hexadecimal digits, with or without a mask, like 110, 100:7F0 or 18FF0000");
     rules_.push_back({*id, *mask & all, extended});
 }
 

@@ -213,9 +213,8 @@ double loading_lag_s(const Table& root) {
 /// r(F_z) must leave a wheel to roll on.
 void check_radius(const Table& root, const WheelParameters& wheel, double load_N) {
     if (load_N < 0.5 * wheel.free_radius_m * wheel.stiffness_Npm) return;
-    root.table("wheel").fail("stiffness_Npm", std::to_string(load_N) +
-                                                  " N flatten the tyre by half its free radius or more; expected "
-                                                  "a stiffer tyre or less load");
+    root.table("wheel").fail("stiffness_Npm",
+                             std::to_string(load_N) + " N flatten the tyre by half its free radius or more; expected a stiffer tyre or less load");
 }
 
 struct Landing {

@@ -47,8 +47,8 @@ struct PairSummary {
 
 std::string to_csv(const FaultPlan& plan, std::span<const Row> rows) {
     auto csv = settings::TextTable::csv(
-        "run|signal|kind|phase|surface|repetition|strength:.4f|share:.4f|negative|lasts_s:.4f|begun_s:.4f|begun_mps:.4f|outcome|hazard|named|"
-        "named_after_s:.4f|distance_share:.4f|longest_lock_s:.4f|max_uncommanded_Pa:.0f");
+        "run|signal|kind|phase|surface|repetition|strength:.4f|share:.4f|negative|lasts_s:.4f|begun_s:.4f|begun_mps:.4f|outcome|hazard|named|named_"
+        "after_s:.4f|distance_share:.4f|longest_lock_s:.4f|max_uncommanded_Pa:.0f");
     const auto number = [](double value, bool there) { return there ? std::optional(value) : std::nullopt; };
     for (const auto& [run, result] : rows) {
         const Judgement& v = result.verdict;
@@ -181,9 +181,7 @@ void draw_matrix(const FaultPlan& plan, std::span<const Row> rows, const std::fi
                        static_cast<double>(i) * width - 0.5);
     for (std::size_t i = 1; i < pairs.size(); ++i) {
         if (pairs[i].signal != pairs[i - 1].signal)
-            fmt::format_to(std::back_inserter(script),
-                           "set arrow from graph 0, first {0} to graph 1, first {0} nohead front lc rgb "
-                           "'#ffffff' lw 2\n",
+            fmt::format_to(std::back_inserter(script), "set arrow from graph 0, first {0} to graph 1, first {0} nohead front lc rgb '#ffffff' lw 2\n",
                            static_cast<double>(i) - 0.5);
     }
     std::string surfaces;

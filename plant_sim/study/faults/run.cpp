@@ -267,10 +267,9 @@ Sound run_sound(const FaultPlan& plan, const Case& c) {
     study::Loop<FaultLink> loop = loop_of(plan, c, kLongest_s);
     const study::RunResult run = loop.run({});
     if (!run.faults.empty() || !loop.session().rig().standstill())
-        throw std::runtime_error(
-            fmt::format("the stop on {}, sensor seed {}, names faults or does not come to rest without any fault: "
-                        "nothing can be said about it with one",
-                        plan.surfaces[c.surface].name, c.sensor_seed));
+        throw std::runtime_error(fmt::format(
+            "the stop on {}, sensor seed {}, names faults or does not come to rest without any fault: nothing can be said about it with one",
+            plan.surfaces[c.surface].name, c.sensor_seed));
     return {.distance_m = run.figures.stop_distance_m, .lasts_s = loop.session().rig().time_s(), .named = run.faults};
 }
 

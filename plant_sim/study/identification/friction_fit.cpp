@@ -92,8 +92,7 @@ FrictionFit fit_friction(std::span<const Run> runs, const std::string& surface) 
     }
     if (count < 50) {
         throw NotIdentifiable(
-            fmt::format("{}: only {} readings of the load cells while braking above {:.0f} m/s; Burckhardt's "
-                        "coefficients need landings "
+            fmt::format("{}: only {} readings of the load cells while braking above {:.0f} m/s; Burckhardt's coefficients need landings "
                         "(config/scenarios/slow_braking.toml for low slip, heavy.toml for slip beyond the peak)",
                         surface, count, FrictionReadings::kSlowest_mps));
     }
@@ -143,16 +142,14 @@ FrictionFit fit_friction(std::span<const Run> runs, const std::string& surface) 
     const rig::Peak peak = rig::peak(s);
     if (out.largest_slip < 1.1 * peak.slip || out.c3.high - out.c3.low > out.c1.value) {
         throw NotIdentifiable(
-            fmt::format("{}: slip is held up to {:.3f} only, the friction's peak lies near {:.3f}: c1 and c3 cannot be "
-                        "told apart; "
-                        "expected a landing with a slip reference beyond the peak (config/scenarios/heavy.toml)",
+            fmt::format("{}: slip is held up to {:.3f} only, the friction's peak lies near {:.3f}: c1 and c3 cannot be told apart; expected a "
+                        "landing with a slip reference beyond the peak (config/scenarios/heavy.toml)",
                         surface, out.largest_slip, peak.slip));
     }
     constexpr double kWorst = 0.3;
     if (out.c2.high - out.c2.low > kWorst * out.c2.value) {
         throw NotIdentifiable(
-            fmt::format("{}: c2 is {:.3g} to {:.3g}, which says nothing of low slip; expected a landing "
-                        "under a current that rises slowly "
+            fmt::format("{}: c2 is {:.3g} to {:.3g}, which says nothing of low slip; expected a landing under a current that rises slowly "
                         "(config/scenarios/slow_braking.toml)",
                         surface, out.c2.low, out.c2.high));
     }

@@ -85,12 +85,10 @@ Motion::Motion(const Run& run, double cell_age_s, std::size_t from, std::size_t 
     end_s_ = samples[to - 1].time_s;
     if (cells_.empty())
         throw NotIdentifiable(run.recording.name +
-                              ": no readings of the load cells; friction and rolling radius need vertical "
-                              "load and longitudinal force");
+                              ": no readings of the load cells; friction and rolling radius need vertical load and longitudinal force");
     if (contact_s_ == 0.0 || brake_on_s_ - contact_s_ < kRolling_s) {
         throw NotIdentifiable(
-            fmt::format("{}: the wheel rolls for less than {:.1f} s before brake-on; expected a settled "
-                        "wheel, whose rolling shows its radius",
+            fmt::format("{}: the wheel rolls for less than {:.1f} s before brake-on; expected a settled wheel, whose rolling shows its radius",
                         run.recording.name, kRolling_s));
     }
     const double rolling_from_s = brake_on_s_ - 0.75 * kRolling_s;

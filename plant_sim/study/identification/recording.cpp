@@ -17,8 +17,7 @@ void check(const Recording& recording) {
                              std::isfinite(s.longitudinal_N);
         if (!numbers) {
             throw NotIdentifiable(
-                fmt::format("{}: sample {} (at {:.3f} s) holds a value that is no number; expected a recording "
-                            "of measured values only",
+                fmt::format("{}: sample {} (at {:.3f} s) holds a value that is no number; expected a recording of measured values only",
                             recording.name, i, s.time_s));
         }
         if (s.time_s <= last_s) {

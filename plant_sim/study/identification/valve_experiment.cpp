@@ -51,9 +51,8 @@ class Branches {
         }
         if (!missing.empty()) {
             throw NotIdentifiable("no slow ramp passes " + missing +
-                                  " mA both upwards and downwards: the static map and its hysteresis need a recording of the "
-                                  "ramp "
-                                  "experiment (config/scenarios/ramp.toml), slower than 10 mA/s over the whole map");
+                                  " mA both upwards and downwards: the static map and its hysteresis need a recording of the ramp experiment "
+                                  "(config/scenarios/ramp.toml), slower than 10 mA/s over the whole map");
         }
         return middle;
     }
@@ -96,10 +95,9 @@ ValveExperiment valve_experiment(const Recording& recording) {
         if (!e.current_mA.empty()) {
             const double gap_s = s.time_s - last_s;
             if (gap_s > kLongestGap_s) {
-                throw NotIdentifiable(
-                    fmt::format("{}: {:.0f} ms without samples at {:.3f} s; expected a recording without gaps of "
-                                "more than {:.0f} ms while the valve works",
-                                e.name, gap_s * 1e3, s.time_s, kLongestGap_s * 1e3));
+                throw NotIdentifiable(fmt::format(
+                    "{}: {:.0f} ms without samples at {:.3f} s; expected a recording without gaps of more than {:.0f} ms while the valve works",
+                    e.name, gap_s * 1e3, s.time_s, kLongestGap_s * 1e3));
             }
             for (auto missing = std::llround(gap_s / e.period_s) - 1; missing > 0; --missing) {
                 e.current_mA.push_back(e.current_mA.back());
@@ -125,15 +123,14 @@ void check_range(const ValveExperiment& e, const KnownRig& rig) {
     }
     if (pinned > 3) {
         throw NotIdentifiable(
-            fmt::format("{}: {} readings at the end of the pressure gauge's range ({:.1f} MPa): it saturates; expected a "
-                        "gauge that reaches above the supply pressure",
+            fmt::format("{}: {} readings at the end of the pressure gauge's range ({:.1f} MPa): it saturates; expected a gauge that reaches above "
+                        "the supply pressure",
                         e.name, pinned, rig.gauge_range_Pa * 1e-6));
     }
     constexpr double kRounding_mA = 0.01;
     if (max_mA > rig.map_currents.back() + kRounding_mA) {
         throw NotIdentifiable(
-            fmt::format("{}: currents up to {:.2f} mA, outside of the map that was asked for ({:.2f} to {:.2f} mA); "
-                        "expected --currents up to there",
+            fmt::format("{}: currents up to {:.2f} mA, outside of the map that was asked for ({:.2f} to {:.2f} mA); expected --currents up to there",
                         e.name, max_mA, rig.map_currents.front(), rig.map_currents.back()));
     }
 }
@@ -155,9 +152,8 @@ void check_dynamics(std::span<const ValveExperiment> experiments, double dead_zo
     }
     if (changes < kMinChanges) {
         throw NotIdentifiable(
-            "the current never moves fast: natural frequency, damping and delay of eq. (6) need a recording "
-            "of steps or of a "
-            "sweep (config/scenarios/step.toml, sweep.toml)");
+            "the current never moves fast: natural frequency, damping and delay of eq. (6) need a recording of steps or of a sweep "
+            "(config/scenarios/step.toml, sweep.toml)");
     }
 }
 

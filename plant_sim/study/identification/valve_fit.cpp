@@ -179,9 +179,8 @@ void check_known(const Estimate& e, const char* name, const char* unit) {
     constexpr double kWorst = 0.25;
     if (e.high - e.value <= kWorst * e.value) return;
     throw NotIdentifiable(
-        fmt::format("too little excitation: {} is {:.3g} {} to {:.3g} {}, which says nothing; expected more "
-                    "or larger steps, "
-                    "or a sweep beyond the valve's frequency (config/scenarios/step.toml, sweep.toml)",
+        fmt::format("too little excitation: {} is {:.3g} {} to {:.3g} {}, which says nothing; expected more or larger steps, or a sweep beyond the "
+                    "valve's frequency (config/scenarios/step.toml, sweep.toml)",
                     name, e.low, unit, e.high, unit));
 }
 
@@ -203,9 +202,7 @@ ValveFit fit_valve(std::span<const Recording> recordings, const KnownRig& rig) {
     }
     if (experiments.empty()) {
         throw NotIdentifiable(
-            "no recording has the valve at work while the flywheel stands: the valve needs the experiments "
-            "ramp, step and sweep "
-            "(config/scenarios)");
+            "no recording has the valve at work while the flywheel stands: the valve needs the experiments ramp, step and sweep (config/scenarios)");
     }
     for (const ValveExperiment& e : experiments) check_range(e, rig);
     const std::vector<double> start_Pa = ramp_pressures_Pa(experiments, rig);

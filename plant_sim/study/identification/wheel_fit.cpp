@@ -275,8 +275,7 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
     }
     if (stops == 0) {
         throw NotIdentifiable(
-            fmt::format("no stop of friction class '{}' from {:.0f} m/s or more: k_b needs a landing "
-                        "(config/scenarios/heavy.toml, "
+            fmt::format("no stop of friction class '{}' from {:.0f} m/s or more: k_b needs a landing (config/scenarios/heavy.toml, "
                         "slow_braking.toml), J_w its touchdown",
                         friction_class, kMinStop_mps));
     }
@@ -320,9 +319,8 @@ WheelFit fit_wheel(std::span<const Run> runs, const std::string& friction_class)
     out.residuals = balance.report(found.theta);
     if (!(out.inertia_kgm2.low > 0.0)) {
         throw NotIdentifiable(
-            fmt::format("the wheel's inertia is {:.3g} to {:.3g} kg m2, which says nothing: expected "
-                        "recordings that begin before "
-                        "touchdown with the wheel at rest",
+            fmt::format("the wheel's inertia is {:.3g} to {:.3g} kg m2, which says nothing: expected recordings that begin before touchdown with the "
+                        "wheel at rest",
                         out.inertia_kgm2.low, out.inertia_kgm2.high));
     }
     return out;

@@ -112,10 +112,10 @@ std::string blocks(const std::vector<std::string>& bodies) {
 
 std::string to_table(const std::vector<StopConditions>& scenarios, const std::vector<Cell>& cells, const ReportHead& head) {
     const Requirement& r = head.options.requirement;
-    auto table = settings::TextTable::markdown(fmt::format(
-        "surface|maneuver|law: PM (deg):|up (dB)|down (dB)|PID: PM (deg):|up (dB)|down (dB)|cells below {:.0f} deg or {:.0f} dB: law:|PID|"
-        "infeasible for any controller",
-        r.phase_deg, r.gain_dB));
+    auto table =
+        settings::TextTable::markdown(fmt::format("surface|maneuver|law: PM (deg):|up (dB)|down (dB)|PID: PM (deg):|up (dB)|down (dB)|cells below "
+                                                  "{:.0f} deg or {:.0f} dB: law:|PID|infeasible for any controller",
+                                                  r.phase_deg, r.gain_dB));
     const auto law_fails = [&](const Cell& c) { return !meets(c.law.full, r); };
     const auto pid_fails = [&](const Cell& c) { return !meets(c.pid.full, r); };
     const auto infeasible = [&](const Cell& c) { return !c.limits.allow(r); };
@@ -135,8 +135,7 @@ std::string to_table(const std::vector<StopConditions>& scenarios, const std::ve
     return fmt::format(
         "Worst margins over the speeds from brake-on to drop-out, full linearisation, tyre {}, slip reference {:.2f}{}: value at speed (m/s)\n\n"
         "{}\nOf {} cells: law stable in {}, by itself in {}, {:.0f} deg and {:.0f} dB both ways in {}; PID stable in {}, meets in {}; no controller "
-        "can "
-        "in {}.\n",
+        "can in {}.\n",
         head.tyre, head.options.slip_reference, head.options.low_speed_fall ? ", falling at low speed" : " at every speed", table.text(),
         cells.size(), count([](const Cell& c) { return c.law.full.stable; }),
         count([](const Cell& c) { return c.controller_growth_per_s <= kIntegrates_per_s; }), r.phase_deg, r.gain_dB,
@@ -216,9 +215,7 @@ void draw_plant(const std::vector<StopConditions>& scenarios, double slip_refere
     }
     std::string script = blocks(bodies) + kStyle;
     script += fmt::format(
-        "set logscale x\nset format x '10^{{%L}}'\nset multiplot layout 2,2 title {} noenhanced margins "
-        "0.08,0.985,0.17,0.91 "
-        "spacing 0.075,0.055\n",
+        "set logscale x\nset format x '10^{{%L}}'\nset multiplot layout 2,2 title {} noenhanced margins 0.08,0.985,0.17,0.91 spacing 0.075,0.055\n",
         pictures::gnuplot_quoted(fmt::format("L(s) = G(s) A(s), eq. (15) and (6), slip per MPa: {} scenarios at slip {:.2f} and {:.0f} m/s",
                                              scenarios.size(), slip_reference, speed_mps)));
     const auto panel = [&](const char* title, const char* range, const char* y_range, const char* y_label, const char* columns, bool bottom,
@@ -259,9 +256,7 @@ void draw_margins(const std::vector<StopConditions>& scenarios, const std::vecto
     const auto panel = [&](const char* title, const char* y_range, const char* columns, double wanted, bool bottom, bool titled) {
         fmt::format_to(std::back_inserter(script), "set title {}\nset yrange {}\nset xlabel {}\nunset arrow\n{}\n{}\n{}",
                        pictures::gnuplot_quoted(title), y_range, pictures::gnuplot_quoted(bottom ? "speed (m/s)" : ""),
-                       wanted > 0.0 ? fmt::format("set arrow from graph 0, first {0} to graph 1, first {0} nohead dt 2 lc "
-                                                  "rgb '#000000'",
-                                                  wanted)
+                       wanted > 0.0 ? fmt::format("set arrow from graph 0, first {0} to graph 1, first {0} nohead dt 2 lc rgb '#000000'", wanted)
                                     : std::string(),
                        titled ? "set key at screen 0.5, 0.045 center maxrows 2 samplen 2 width 2 noenhanced" : "unset key",
                        plot(names, columns, titled));

@@ -101,10 +101,8 @@ std::string figure(const Picture& picture, const SectionResult& result) {
         const std::string bytes = bytes_of(result.directory / picture.file);
         const auto size = size_of_png(bytes);
         if (!size) throw std::runtime_error("is no PNG");
-        return fmt::format(
-            "<figure>\n<img alt=\"{}\" width=\"{}\" height=\"{}\" "
-            "src=\"data:image/png;base64,{}\">\n{}</figure>\n",
-            escaped(picture.caption), (*size)[0], (*size)[1], base64(bytes), caption);
+        return fmt::format("<figure>\n<img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/png;base64,{}\">\n{}</figure>\n",
+                           escaped(picture.caption), (*size)[0], (*size)[1], base64(bytes), caption);
     } catch (const std::runtime_error& e) {
         return fmt::format("<figure>\n<div class=\"note\">The picture {} {}.</div>\n{}</figure>\n", escaped(picture.file), e.what(), caption);
     }
@@ -142,19 +140,15 @@ std::string comparison_row(const Compared& c) {
         if (w.printed != 0.0) share = fmt::format("{:+.2f} %", (*c.ours / w.printed - 1.0) * 100.0);
     }
     return fmt::format(
-        "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{}{}</td><td class=\"n\">{}</td><td "
-        "class=\"n\">{}</td><td "
-        "class=\"n\">{}</td></tr>\n",
+        "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{}{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
         escaped(w.quantity), escaped(w.unit), escaped(w.source), w.relation.empty() ? "" : escaped(w.relation) + " ", printed(w.printed, w.decimals),
         ours, difference, share);
 }
 
 std::string comparison_table(const std::vector<Compared>& rows) {
     std::string out =
-        "<table>\n<thead><tr><th>quantity</th><th>unit</th><th>in the paper</th><th "
-        "class=\"n\">paper</th><th "
-        "class=\"n\">here</th><th class=\"n\">difference</th><th "
-        "class=\"n\">relative</th></tr></thead>\n<tbody>\n";
+        "<table>\n<thead><tr><th>quantity</th><th>unit</th><th>in the paper</th><th class=\"n\">paper</th><th class=\"n\">here</th><th "
+        "class=\"n\">difference</th><th class=\"n\">relative</th></tr></thead>\n<tbody>\n";
     for (const Compared& c : rows) out += comparison_row(c);
     out += "</tbody></table>\n";
     for (const Compared& c : rows)
@@ -297,17 +291,14 @@ std::string escaped(std::string_view text) {
 
 std::string to_html(const Contents& contents, const std::vector<SectionResult>& results, const std::vector<Compared>& rows, const PageHead& head) {
     std::string out = fmt::format(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-        "content=\"width=device-width, "
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, "
         "initial-scale=1\">\n<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n"
-        "<h1>{0}</h1>\n<p class=\"head\">version {2} &middot; configuration {3}</p>\n<p "
-        "class=\"made\">{4}</p>\n",
+        "<h1>{0}</h1>\n<p class=\"head\">version {2} &middot; configuration {3}</p>\n<p class=\"made\">{4}</p>\n",
         escaped(contents.title), kStyle, escaped(head.version), escaped(head.config_hash), escaped(head.command));
     if (head.quick)
         out +=
-            "<div class=\"note\">This is the quick form: fewer stops, starts and maneuvers than the studies "
-            "need. Its figures are "
-            "rougher than those of the report itself.</div>\n";
+            "<div class=\"note\">This is the quick form: fewer stops, starts and maneuvers than the studies need. Its figures are rougher than those "
+            "of the report itself.</div>\n";
     out += paragraphs(contents.text) + "<nav><ol>\n";
     for (const SectionResult& r : results) {
         const char* state = r.failed() ? " (failed)" : r.answered_yes() ? "" : " (answers no)";

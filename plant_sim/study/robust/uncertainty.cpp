@@ -132,8 +132,8 @@ std::string describe(const Basis& basis, const Draw& d) {
     const rig::RigParameters& plain = landing.rig;
     if (d.rig.valve.delay_s != plain.valve.delay_s)
         text += fmt::format(
-            ", J x{:.2f}, k_b x{:.2f}, valve {:.0f} Hz delay {:.1f} ms hysteresis {:.1f} mA, load x{:.2f}, "
-            "wheel's teeth {:.1f} % eccentric {:.2f} %, flywheel's teeth {:.1f} % eccentric {:.2f} %",
+            ", J x{:.2f}, k_b x{:.2f}, valve {:.0f} Hz delay {:.1f} ms hysteresis {:.1f} mA, load x{:.2f}, wheel's teeth {:.1f} % eccentric {:.2f} "
+            "%, flywheel's teeth {:.1f} % eccentric {:.2f} %",
             d.rig.wheel.inertia_kgm2 / plain.wheel.inertia_kgm2, d.rig.brake.piston_area_m2 / plain.brake.piston_area_m2,
             d.rig.valve.natural_frequency_radps / 6.283185307179586, d.rig.valve.delay_s * 1e3, d.rig.valve.hysteresis_mA,
             d.rig.load.base_N / plain.load.base_N, d.rig.wheel_encoder.pitch_error * 100.0, d.rig.wheel_encoder.eccentricity * 100.0,

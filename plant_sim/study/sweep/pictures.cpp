@@ -59,13 +59,11 @@ std::string title_of(const Summary& s) {
 
 void draw_fig13(const Summary& s, const std::filesystem::path& png) {
     const std::string script = kStyle + data(s) +
-                               "set key outside top center horizontal\nset tmargin 5\nset offsets graph 0.02, graph 0.02, graph "
-                               "0.08, graph 0.02\n"
+                               "set key outside top center horizontal\nset tmargin 5\nset offsets graph 0.02, graph 0.02, graph 0.08, graph 0.02\n"
                                "set multiplot layout 2,1\nset title " +
                                title_of(s) + "\n" +
                                // Brake energy falls as the reference rises: the axis is turned so that the reference rises to the right in both.
-                               "set label 1 'slip reference rises {/Symbol \\256}' at graph 0.55, graph 0.5 center tc rgb "
-                               "'#555555'\n"
+                               "set label 1 'slip reference rises {/Symbol \\256}' at graph 0.55, graph 0.5 center tc rgb '#555555'\n"
                                "set xrange [*:*] reverse\n" +
                                panel(2, "brake") + "unset title\nset xrange [*:*] noreverse\n" + panel(3, "tyre") + "unset multiplot\n";
     pictures::run_gnuplot(png, 1000, 1100, script);

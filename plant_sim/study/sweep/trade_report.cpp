@@ -94,14 +94,11 @@ std::string block(const char* name, const std::optional<Offer>& o) {
 std::string panel(int column, const char* label, const std::optional<double>& bound) {
     std::string text = fmt::format("set ylabel '{}'\n", label);
     text += fmt::format(
-        "plot $all using 1:{y} with lines lw 2 lc rgb '#9db4cc' title 'slip references', "
-        "$within using 1:{y} with points pt 7 ps 0.5 lc rgb '#1f4e79' title 'within the bounds', "
-        "$labels using 1:{y}:(sprintf('%.2f', $4)) with labels left offset 0.6,0.5 font ',9' tc rgb "
-        "'#555555' notitle, "
-        "$labels using 1:{y} with points pt 7 ps 0.8 lc rgb '#555555' notitle, "
-        "$threshold using 1:{y} with points pt 2 ps 1.6 lw 2 lc rgb '#c55a11' title 'threshold law', "
-        "$paper using 1:{y} with points pt 6 ps 2 lw 2 lc rgb 'black' title 'reference 0.24', "
-        "$best using 1:{y} with points pt 5 ps 1.5 lc rgb '#548235' title 'best'",
+        "plot $all using 1:{y} with lines lw 2 lc rgb '#9db4cc' title 'slip references', $within using 1:{y} with points pt 7 ps 0.5 lc rgb "
+        "'#1f4e79' title 'within the bounds', $labels using 1:{y}:(sprintf('%.2f', $4)) with labels left offset 0.6,0.5 font ',9' tc rgb '#555555' "
+        "notitle, $labels using 1:{y} with points pt 7 ps 0.8 lc rgb '#555555' notitle, $threshold using 1:{y} with points pt 2 ps 1.6 lw 2 lc rgb "
+        "'#c55a11' title 'threshold law', $paper using 1:{y} with points pt 6 ps 2 lw 2 lc rgb 'black' title 'reference 0.24', $best using 1:{y} "
+        "with points pt 5 ps 1.5 lc rgb '#548235' title 'best'",
         fmt::arg("y", column));
     if (bound) text += fmt::format(", {} with lines dt 2 lw 1.5 lc rgb '#a61c3c' title 'bound'", *bound);
     return text + "\n";
@@ -139,9 +136,7 @@ std::string to_text(const Trade& t, const TradeOptions& options) {
     std::string text = fmt::format("Bounds: {}.\n", bounds_text(options.bounds));
     if (!t.best)
         text += fmt::format(
-            "No fixed slip reference is within them: mean J_mu is at most {:.4f} (at {:.3f}), mean distance "
-            "at "
-            "least {:.1f} m (at {:.3f}).\n",
+            "No fixed slip reference is within them: mean J_mu is at most {:.4f} (at {:.3f}), mean distance at least {:.1f} m (at {:.3f}).\n",
             t.greatest_j_mu.j_mu, t.greatest_j_mu.slip_reference, t.min_distance.stop_distance_m, t.min_distance.slip_reference);
     else
         text += fmt::format("Best fixed slip reference {:.3f} (95 %: {:.3f} to {:.3f}); {}.\n", t.best->slip_reference, t.best_interval.low,

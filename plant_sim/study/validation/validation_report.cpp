@@ -28,8 +28,7 @@ nlohmann::ordered_json as_json(const ValidationErrors& e) {
 
 std::string to_csv(const Validation& validation) {
     auto csv = settings::TextTable::csv(
-        "time_s:.4f|speed_mps:.6g|simulated_speed_mps:.6g|wheel_rim_mps:.6g|simulated_wheel_rim_mps:.6g|slip:.6g|simulated_slip:.6g|"
-        "pressure_Pa:.6g");
+        "time_s:.4f|speed_mps:.6g|simulated_speed_mps:.6g|wheel_rim_mps:.6g|simulated_wheel_rim_mps:.6g|slip:.6g|simulated_slip:.6g|pressure_Pa:.6g");
     for (const ValidationRow& r : validation.rows)
         csv.add(r.time_s, r.speed_mps, r.simulated_speed_mps, r.wheel_rim_mps, r.simulated_wheel_rim_mps, r.slip, r.simulated_slip, r.pressure_Pa);
     return csv.text();
@@ -52,12 +51,11 @@ std::string to_text(const Validation& v) {
     text += table.text();
     constexpr double kWorthSaying = 0.005;
     if (v.past_peak > kWorthSaying)
-        fmt::format_to(out,
-                       "{:.0f} % of the rows have a slip beyond the peak of the friction curve ({:.3f}): the wheel is "
-                       "unstable "
-                       "there,\n  and feed-forward does not hold it where the recorded closed loop did; errors of wheel "
-                       "and slip are then no measure\n  of the model\n",
-                       100.0 * v.past_peak, v.peak_slip);
+        fmt::format_to(
+            out,
+            "{:.0f} % of the rows have a slip beyond the peak of the friction curve ({:.3f}): the wheel is unstable there,\n  and feed-forward does "
+            "not hold it where the recorded closed loop did; errors of wheel and slip are then no measure\n  of the model\n",
+            100.0 * v.past_peak, v.peak_slip);
     if (v.gaps > 0) fmt::format_to(out, "{} gaps between samples, the longest {:.3f} s: pressure taken as linear across\n", v.gaps, v.longest_gap_s);
     if (v.rejected > 0) fmt::format_to(out, "{} frames failed a check and were not used\n", v.rejected);
     return text;
