@@ -239,10 +239,10 @@ void draw(const std::vector<Contestant>& all, double simulated_s, const std::fil
     std::string plots;
     for (const char* method : kMethods) {
         const std::size_t number = script.size();
-        script += fmt::format("$m{} << EOD\n", number);
+        std::string rows;
         for (const Contestant& one : all)
-            if (one.method == method) script += fmt::format("{:.6g} {:.6g}\n", one.median_s() / simulated_s * 1e6, one.error_omega);
-        script += "EOD\n";
+            if (one.method == method) rows += fmt::format("{:.6g} {:.6g}\n", one.median_s() / simulated_s * 1e6, one.error_omega);
+        script += pictures::gnuplot_block(fmt::format("m{}", number), rows);
         plots +=
             fmt::format("{}$m{} with linespoints pt 7 lw 1.5 title {}", plots.empty() ? "plot " : ", ", number, pictures::gnuplot_quoted(method));
     }

@@ -65,7 +65,7 @@ Json json_of(const ClassDynamics& c) {
 
 /// A panel's data blocks: samples, and the curve with its band and the one in force.
 std::string blocks(const ClassDynamics& c, std::size_t panel, const wear::DynamicsSettings& settings) {
-    std::string out = fmt::format("$samples{} << EOD\n", panel);
+    std::string dots, curve;
     constexpr std::size_t kMaxDots = 4000;
     std::size_t all = 0;
     for (const wear::StopShape& s : c.found.stops) all += s.samples;
@@ -75,17 +75,16 @@ std::string blocks(const ClassDynamics& c, std::size_t panel, const wear::Dynami
         const wear::StopShape& shape = c.found.stops[i];
         const std::vector<wear::FrictionSample> samples = wear::friction_samples(stop, settings);
         for (std::size_t k = i % every; k < samples.size(); k += every)
-            fmt::format_to(std::back_inserter(out), "{:.4f} {:.6f}\n", samples[k].x, samples[k].mu_b / shape.mean_friction);
+            fmt::format_to(std::back_inserter(dots), "{:.4f} {:.6f}\n", samples[k].x, samples[k].mu_b / shape.mean_friction);
     }
-    fmt::format_to(std::back_inserter(out), "EOD\n$curve{} << EOD\n", panel);
     constexpr int kParts = 120;
     for (int i = 0; i <= kParts; ++i) {
         const double x = static_cast<double>(i) / kParts;
         const double f = c.found.at(x);
         const double half = c.found.half_width_at(x);
-        fmt::format_to(std::back_inserter(out), "{:.4f} {:.6f} {:.6f} {:.6f} {:.6f}\n", x, f, f - half, f + half, at(c.in_force, x));
+        fmt::format_to(std::back_inserter(curve), "{:.4f} {:.6f} {:.6f} {:.6f} {:.6f}\n", x, f, f - half, f + half, at(c.in_force, x));
     }
-    return out + "EOD\n";
+    return pictures::gnuplot_block(fmt::format("samples{}", panel), dots) + pictures::gnuplot_block(fmt::format("curve{}", panel), curve);
 }
 
 }  // namespace

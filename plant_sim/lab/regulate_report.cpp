@@ -52,21 +52,21 @@ nlohmann::ordered_json life_json(const Life& life) {
 /// Blocks $regulated0 ...: landing, reference, brake and tyre used (%); $p0 ... one line a policy.
 std::string data(const RegulateReport& r) {
     std::string out;
-    auto to = std::back_inserter(out);
     for (std::size_t p = 0; p < r.policies.size(); ++p) {
         const std::size_t lives = p == 0 ? r.policies[p].lives.size() : 1;
         for (std::size_t i = 0; i < lives; ++i) {
             const Life& life = r.policies[p].lives[i];
-            fmt::format_to(to, "$life{}_{} << EOD\n0 NaN 0 0\n", p, i);
+            std::string rows = "0 NaN 0 0\n";
             for (std::size_t k = 0; k < life.rows.size(); ++k)
-                fmt::format_to(to, "{} {:.5f} {:.4f} {:.4f}\n", k + 1, life.rows[k].reference, life.rows[k].brake_J / life.brake_budget_J * 100.0,
-                               life.rows[k].tyre_J / life.tyre_budget_J * 100.0);
-            fmt::format_to(to, "EOD\n");
+                fmt::format_to(std::back_inserter(rows), "{} {:.5f} {:.4f} {:.4f}\n", k + 1, life.rows[k].reference,
+                               life.rows[k].brake_J / life.brake_budget_J * 100.0, life.rows[k].tyre_J / life.tyre_budget_J * 100.0);
+            out += pictures::gnuplot_block(fmt::format("life{}_{}", p, i), rows);
         }
-        fmt::format_to(to, "$policy{} << EOD\n", p);
+        std::string rows;
         for (const Life& life : r.policies[p].lives)
-            fmt::format_to(to, "{:.3f} {:.4f} {:.4f}\n", static_cast<double>(p), life.brake_at_plan * 100.0, life.tyre_at_plan * 100.0);
-        fmt::format_to(to, "EOD\n");
+            fmt::format_to(std::back_inserter(rows), "{:.3f} {:.4f} {:.4f}\n", static_cast<double>(p), life.brake_at_plan * 100.0,
+                           life.tyre_at_plan * 100.0);
+        out += pictures::gnuplot_block(fmt::format("policy{}", p), rows);
     }
     return out;
 }

@@ -18,11 +18,20 @@ constexpr const char* kCampaignStyle = R"(set xlabel 'cumulative brake energy (M
 set ylabel 'mean brake friction'
 )";
 
+std::string line_of(const wear::Point& p) {
+    return fmt::format("{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
+}
+
+std::string lines_of(const wear::Campaign& campaign) {
+    std::string out;
+    for (const wear::Point& p : campaign.points) out += line_of(p);
+    return out;
+}
+
 /// Blocks $points0, $points1, ...: the points by their most likely component.
 std::string members(const wear::Campaign& campaign, const wear::Mixture& mixture) {
     std::vector<std::string> blocks(mixture.components().size());
-    for (const wear::Point& p : campaign.points)
-        fmt::format_to(std::back_inserter(blocks[mixture.member(p)]), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
+    for (const wear::Point& p : campaign.points) blocks[mixture.member(p)] += line_of(p);
     std::string out;
     for (std::size_t j = 0; j < blocks.size(); ++j) out += pictures::gnuplot_block(fmt::format("points{}", j), blocks[j]);
     return out;
@@ -79,13 +88,13 @@ std::string landings_text(const wear::Forecast& f) {
 void draw_campaign(const wear::Campaign& campaign, const wear::Model& model, const std::filesystem::path& png) {
     constexpr int kSteps = 400;
     const std::vector<wear::Component>& components = model.mixture.components();
-    std::string script = kCampaignStyle + members(campaign, model.mixture) + ranges(frame_of(model.data)) + "$mean << EOD\n";
+    std::string mean;
     for (int i = 0; i <= kSteps; ++i) {
         const double a_J = model.data.first_c_e_J + (model.data.last_c_e_J - model.data.first_c_e_J) * i / kSteps;
         const wear::Conditional c = wear::friction_given_energy(model, a_J, {wear::Variance::exact, wear::Choice::mixture});
-        fmt::format_to(std::back_inserter(script), "{:.6f} {:.7f}\n", a_J * 1e-6, c.mean());
+        mean += line_of({a_J, c.mean()});
     }
-    script += "EOD\n";
+    std::string script = kCampaignStyle + members(campaign, model.mixture) + ranges(frame_of(model.data)) + pictures::gnuplot_block("mean", mean);
     for (std::size_t j = 0; j < components.size(); ++j) script += pictures::gnuplot_block(fmt::format("ellipse{}", j), ellipse(components[j]));
     fmt::format_to(std::back_inserter(script), "set title {} noenhanced\nplot NaN notitle{}",
                    pictures::gnuplot_quoted(fmt::format("{} maneuvers, {} components", model.data.maneuvers, components.size())),
@@ -101,7 +110,7 @@ void draw_density(const wear::Campaign& campaign, const wear::Model& model, cons
     constexpr int kGridColumns = 240;
     constexpr int kGridRows = 180;
     const Frame f = frame_of(model.data);
-    std::string script = kCampaignStyle + members(campaign, model.mixture) + ranges(f) + "$density << EOD\n";
+    std::string grid;
     double greatest = -1e300;
     for (int row = 0; row <= kGridRows; ++row) {
         for (int column = 0; column <= kGridColumns; ++column) {
@@ -109,13 +118,13 @@ void draw_density(const wear::Campaign& campaign, const wear::Model& model, cons
             const double mu = f.mu_min + (f.mu_greatest - f.mu_min) * row / kGridRows;
             const double density = std::log10(1e6) + model.mixture.log_density({c_MJ * 1e6, mu}) / std::log(10.0);
             greatest = std::max(greatest, density);
-            fmt::format_to(std::back_inserter(script), "{:.5f} {:.7f} {:.4f}\n", c_MJ, mu, density);
+            fmt::format_to(std::back_inserter(grid), "{:.5f} {:.7f} {:.4f}\n", c_MJ, mu, density);
         }
-        script += "\n";
+        grid += "\n";
     }
+    std::string script = kCampaignStyle + members(campaign, model.mixture) + ranges(f) + pictures::gnuplot_block("density", grid);
     constexpr double kDecades = 4.0;
-    fmt::format_to(std::back_inserter(script), R"(EOD
-set contour base
+    fmt::format_to(std::back_inserter(script), R"(set contour base
 set cntrparam levels incremental {least},0.5,{greatest}
 unset surface
 set table $contours
@@ -135,48 +144,45 @@ plot $density using 1:2:3 with image notitle, $contours using 1:2 with lines lw 
 }
 
 void draw_resimulation(const wear::Campaign& recorded, const wear::Campaign& simulated, const std::filesystem::path& png) {
-    const auto block = [](const char* name, const wear::Campaign& campaign) {
-        std::string out;
-        for (const wear::Point& p : campaign.points) fmt::format_to(std::back_inserter(out), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
-        return pictures::gnuplot_block(name, out);
-    };
     pictures::run_gnuplot(png, 1100, 700,
-                          kCampaignStyle + block("recorded", recorded) + block("simulated", simulated) +
+                          kCampaignStyle + pictures::gnuplot_block("recorded", lines_of(recorded)) +
+                              pictures::gnuplot_block("simulated", lines_of(simulated)) +
                               "plot $recorded with points pt 7 ps 0.6 lc rgb '#1f4e79' title 'recorded', \\\n"
                               "     $simulated with points pt 1 ps 0.8 lc rgb '#c55a11' title 'simulated'\n");
 }
 
 void draw_bic(const wear::Model& model, const std::filesystem::path& png) {
-    std::string script =
-        "set xtics 1\nset offsets 0.5, 0.5, graph 0.05, graph 0.05\n"
-        "set xlabel 'components'\nset ylabel 'BIC (less is better)'\n$bic << EOD\n";
     const auto min = std::min_element(model.orders.begin(), model.orders.end(),
                                       [](const wear::Model::Candidate& a, const wear::Model::Candidate& b) { return a.bic < b.bic; });
-    for (const wear::Model::Candidate& o : model.orders) fmt::format_to(std::back_inserter(script), "{} {:.6f}\n", o.components, o.bic);
-    fmt::format_to(std::back_inserter(script),
-                   "EOD\n$least << EOD\n{} {:.6f}\nEOD\n"
-                   "plot $bic with linespoints pt 7 ps 0.8 lw 1.5 lc rgb '#1f4e79' notitle, \\\n"
-                   "     $least with points pt 6 ps 2.5 lw 2 lc rgb '#c55a11' title 'chosen: {}'\n",
-                   min->components, min->bic, min->components);
+    const auto line = [](const wear::Model::Candidate& o) { return fmt::format("{} {:.6f}\n", o.components, o.bic); };
+    std::string all;
+    for (const wear::Model::Candidate& o : model.orders) all += line(o);
+    const std::string script =
+        "set xtics 1\nset offsets 0.5, 0.5, graph 0.05, graph 0.05\nset xlabel 'components'\nset ylabel 'BIC (less is better)'\n" +
+        pictures::gnuplot_block("bic", all) + pictures::gnuplot_block("least", line(*min)) +
+        fmt::format(
+            "plot $bic with linespoints pt 7 ps 0.8 lw 1.5 lc rgb '#1f4e79' notitle, \\\n"
+            "     $least with points pt 6 ps 2.5 lw 2 lc rgb '#c55a11' title 'chosen: {}'\n",
+            min->components);
     pictures::run_gnuplot(png, 900, 600, script);
 }
 
 void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, double limit, const std::filesystem::path& png) {
     std::string script = kStyleOfForecasts;
-    script += "set xlabel 'cumulative brake energy (MJ)'\nset ylabel 'mean brake friction'\n$points << EOD\n";
+    script += kCampaignStyle + pictures::gnuplot_block("points", lines_of(recorded));
     double min = limit;
     double max = limit;
     for (const wear::Point& p : recorded.points) {
-        fmt::format_to(std::back_inserter(script), "{:.6f} {:.7f}\n", p.c_e_J * 1e-6, p.mean_friction);
         min = std::min(min, p.mean_friction);
         max = std::max(max, p.mean_friction);
     }
-    script += "EOD\n$fan << EOD\n";
+    std::string fan;
     for (const wear::FanPoint& p : f.fan)
-        fmt::format_to(std::back_inserter(script), "{:.6f} {:.7f} {:.7f} {:.7f}\n", p.c_e_J * 1e-6, p.friction[0], p.friction[1], p.friction[2]);
+        fmt::format_to(std::back_inserter(fan), "{:.6f} {:.7f} {:.7f} {:.7f}\n", p.c_e_J * 1e-6, p.friction[0], p.friction[1], p.friction[2]);
     const double last_MJ = f.fan.empty() ? f.c_e_J * 1e-6 : f.fan.back().c_e_J * 1e-6;
     const double room = max - min;
-    script += fmt::format("EOD\nset xrange [0:{}]\nset yrange [{}:{}]\n", last_MJ, min - 0.45 * room, max + 0.08 * room);
+    script +=
+        pictures::gnuplot_block("fan", fan) + fmt::format("set xrange [0:{}]\nset yrange [{}:{}]\n", last_MJ, min - 0.45 * room, max + 0.08 * room);
     int arrow = 1;
     for (std::size_t q = 0; q < f.crossing_J.size(); ++q) {
         const std::optional<double> at_J = f.crossing_J.at(q);
@@ -195,18 +201,17 @@ void draw_forecast(const wear::Campaign& recorded, const wear::Forecast& f, doub
 }
 
 void draw_health(const wear::Campaign& recorded, const std::vector<wear::Verdict>& verdicts, const std::filesystem::path& png) {
-    std::string script = kStyleOfForecasts;
-    script += "$health << EOD\n";
+    std::string health;
     double max = 1.2;
     for (std::size_t i = 0; i < verdicts.size(); ++i) {
         const wear::Verdict& v = verdicts[i];
         max = std::max(max, v.statistic * 1.1);
-        fmt::format_to(std::back_inserter(script), "{} {:.7f} {:.7f} {:.7f} {:.5f} {}\n", i + 1, recorded.points[i].mean_friction,
+        fmt::format_to(std::back_inserter(health), "{} {:.7f} {:.7f} {:.7f} {:.5f} {}\n", i + 1, recorded.points[i].mean_friction,
                        v.expected - 2.0 * v.deviation, v.expected + 2.0 * v.deviation, v.statistic, static_cast<int>(v.condition));
     }
     const auto flagged =
         std::find_if(verdicts.begin(), verdicts.end(), [](const wear::Verdict& v) { return v.condition == wear::Condition::abnormal; });
-    script += "EOD\n";
+    std::string script = kStyleOfForecasts + pictures::gnuplot_block("health", health);
     if (flagged != verdicts.end())
         script += fmt::format("set arrow 1 from {}, graph 0 to {}, graph 1 nohead dt 2 lc rgb '#a61c3c'\n", flagged - verdicts.begin() + 1,
                               flagged - verdicts.begin() + 1);

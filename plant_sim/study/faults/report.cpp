@@ -162,11 +162,11 @@ void draw_matrix(const FaultPlan& plan, std::span<const Row> rows, const std::fi
         int& cell = worst[pair * columns + column];
         cell = std::max(cell, static_cast<int>(row.result.verdict.outcome));
     }
-    std::string script = "$cells << EOD\n";
+    std::string cells;
     // Cells that were not run, too: gnuplot draws an image of a whole grid only.
     for (std::size_t i = 0; i < worst.size(); ++i)
-        fmt::format_to(std::back_inserter(script), "{} {} {}\n", i % columns, i / columns, worst[i] == kNothing ? "NaN" : std::to_string(worst[i]));
-    script += "EOD\nset ytics (";
+        fmt::format_to(std::back_inserter(cells), "{} {} {}\n", i % columns, i / columns, worst[i] == kNothing ? "NaN" : std::to_string(worst[i]));
+    std::string script = pictures::gnuplot_block("cells", cells) + "set ytics (";
     for (std::size_t i = 0; i < pairs.size(); ++i)
         fmt::format_to(std::back_inserter(script), "{}'{} {}' {}", i == 0 ? "" : ", ", name(pairs[i].signal), name(pairs[i].kind), i);
     script += ")\nset xtics (";
