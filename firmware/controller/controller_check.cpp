@@ -7,7 +7,7 @@
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/roles.hpp"
 #include "firmware/controller/controller_setup.hpp"
-#include "firmware/controller/listener_checks.hpp"
+#include "firmware/controller/listener.hpp"
 #include "firmware/controller/valve_step.hpp"
 #include "firmware/host/control_loop.hpp"
 #include "firmware/host/frame_intake.hpp"

@@ -1,5 +1,5 @@
 /// Hears the rig as the controller would, by the very pacer of its loop, and sends nothing: which frames come, what the controller's own
-/// input checks say of them, and how punctual the loop is.
+/// input checks say of them, and how punctual the loop is. Then judges it.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 #include "firmware/can/controller_port.hpp"
 #include "firmware/can/message_stats.hpp"
 #include "firmware/control/types.hpp"
+#include "firmware/controller/check.hpp"
 #include "firmware/controller/controller_setup.hpp"
 #include "firmware/host/clock.hpp"
 #include "firmware/host/histogram.hpp"
@@ -59,5 +60,17 @@ class ListeningBus final : public can::Bus {
 /// For the loop's own thread, with its rights. `duration`: of listening, from one period to all that `stop` allows.
 [[nodiscard]] Reception listen(const controller::ControllerSetup& setup, can::Bus& bus, host::Clock& clock, control::Time duration,
                                const std::atomic<bool>& stop);
+
+/// Present, fresh, undamaged, plausible: a check for each message that the controller lives on, one for what the sensors say while the
+/// rig is at rest, one for the link, one for a second controller. What the bridge sends may be absent: a warning.
+[[nodiscard]] Checks frame_checks(const Reception& reception, const controller::ControllerSetup& setup, const std::string& interface);
+/// The same, where nothing could be heard: all skipped.
+[[nodiscard]] Checks frame_checks_skipped(const controller::ControllerSetup& setup, const std::string& why);
+
+/// Latency, work and missed periods of the loop.
+[[nodiscard]] Checks timing_checks(const Reception& reception, control::Time period);
+
+/// Why the valve may not be moved now; empty: wheel and flywheel at rest, no pressure, every sensor good, nobody else commands.
+[[nodiscard]] std::string why_not_to_move_the_valve(const Reception& reception, const control::Config& config);
 
 }  // namespace antiskid::controller

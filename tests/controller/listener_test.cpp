@@ -1,5 +1,5 @@
 // What the rig sends, heard as the controller would hear it: each thing that is wrong fails its own check.
-#include "firmware/controller/listener_checks.hpp"
+#include "firmware/controller/listener.hpp"
 
 #include "tests/controller/results.hpp"
 #include "tests/controller/rig_at_rest.hpp"
