@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -121,7 +122,8 @@ int run(int argc, char** argv) {
         settings::write_file(out / log.stem().concat(".in"), streams.in);
         settings::write_file(out / log.stem().concat(".expected"), streams.expected);
     }
-    fmt::print("{{\"version\": \"{}\", \"config_hash\": \"{}\"}}\n", ANTISKID_VERSION, settings::hash(std::array{controller, dbc, binding}));
+    const nlohmann::json made_of{{"version", ANTISKID_VERSION}, {"config_hash", settings::hash(std::array{controller, dbc, binding})}};
+    fmt::print("{}\n", made_of.dump());
     return 0;
 }
 
