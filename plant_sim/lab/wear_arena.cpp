@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -54,7 +55,7 @@ Json json_of(const Scores& scores) {
 }
 
 struct ArenaCommand {
-    std::filesystem::path config;
+    std::filesystem::path config = settings::config_directory();
     std::string seeds = "tuning";
     std::vector<std::string> laws{wear::arena::kLawNames.begin(), wear::arena::kLawNames.end()};
     std::size_t lives = 20;
@@ -65,6 +66,7 @@ struct ArenaCommand {
 
     [[nodiscard]] int run() const {
         const std::filesystem::path file = config / "wear_arena.toml";
+        const std::string hash = settings::hash(std::array{file});
         wear::arena::Plan plan{.settings = wear::arena::load_settings(file),
                                .laws = {},
                                .judged_seed = 0,
@@ -77,7 +79,7 @@ struct ArenaCommand {
                 plan.laws.push_back(static_cast<wear::arena::Law>(i));
         const wear::arena::Result result = wear::arena::run(plan);
         Json json{{"version", ANTISKID_VERSION},
-                  {"config_hash", settings::hash({file})},
+                  {"config_hash", hash},
                   {"source", kMadeUp},
                   {"laws", laws},
                   {"seeds", seeds},
@@ -91,7 +93,7 @@ struct ArenaCommand {
             print_table(json_file, "Across laws, trained on each other law in turn:\n{}", table_of(*result.across));
         }
         keep_json(out / "arena.json", json_file, json.dump(2) + "\n");
-        print_table(json_file, "{} seeds, configuration {}\nWritten to {}: arena.json\n", seeds, settings::hash({file}), out.string());
+        print_table(json_file, "{} seeds, configuration {}\nWritten to {}: arena.json\n", seeds, hash, out.string());
         return 0;
     }
 };

@@ -7,6 +7,18 @@
 
 namespace wear::arena {
 
+namespace {
+
+/// Of the glaze under landings of wear_arena.toml: 0.3 of them add 0.12 of what is missing, 0.2 take 0.7 of what is there.
+constexpr double kMeanGlaze = 0.2;
+
+/// Streams of random numbers: lives of one seed under two laws share none.
+std::uint64_t stream(Law law, std::uint64_t which) {
+    return 16 * static_cast<std::uint64_t>(law) + which;
+}
+
+}  // namespace
+
 Settings load_settings(const std::filesystem::path& file) {
     const auto document = settings::Document::load(file);
     const settings::Table seeds = document.root().table("seeds"), lives = document.root().table("lives");
@@ -41,7 +53,7 @@ double landing_energy_J(const Settings& settings, Generator& generator) {
 }
 
 Brake::Brake(Law law, const Settings& settings, std::uint64_t seed) : law_(law), mean_J_(settings.mean_energy_J()) {
-    Generator generator = generator_of(seed, 1);
+    Generator generator = generator_of(seed, stream(law, 1));
     const double z = normal(generator);
     const double own = normal(generator);
     life_J_ = settings.life_landings * mean_J_ * std::exp(settings.life_scatter * z);
@@ -65,7 +77,7 @@ double Brake::condition() const {
 
 double Brake::expected() const {
     const double fade = law_ == Law::ostermeyer ? 0.004 : 0.008;
-    const double glaze = law_ == Law::glazing ? 0.03 * film_ : 0.0;
+    const double glaze = law_ == Law::glazing ? 0.03 * (film_ - kMeanGlaze) : 0.0;
     return (condition() - fade * (heat_ - 1.0) - glaze) * misread_;
 }
 
@@ -90,7 +102,7 @@ double Brake::land(double energy_J, Generator& generator) {
 
 Life live(Law law, const Settings& settings, std::uint64_t seed) {
     Brake brake(law, settings, seed);
-    Generator generator = generator_of(seed, 2);
+    Generator generator = generator_of(seed, stream(law, 2));
     Life life;
     life.campaign.source = kLawNames.at(static_cast<std::size_t>(law));
     double c_e_J = 0.0;

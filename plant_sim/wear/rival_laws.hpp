@@ -44,7 +44,7 @@ class Brake {
     double land(double energy_J, Generator& generator);
     /// Friction that the next landing will be read with, without what is new in it.
     [[nodiscard]] double expected() const;
-    /// Friction without heat, glaze and misreading: what decides that the brake is worn out.
+    /// Friction at mean heat and glaze, not misread: what decides that the brake is worn out.
     [[nodiscard]] double condition() const;
     /// Standard deviation of what is new in each reading.
     static constexpr double kFresh = 0.003;
