@@ -34,7 +34,7 @@ LabVerb wear_verb(CLI::App& lab) {
         wear_dynamics_verb(*wear),  //
         wear_fit_verb(*wear),       //
         wear_simulate_verb(*wear),  //
-        wear_population_verb(*wear), wear_forecast_verb(*wear), wear_watch_verb(*wear),
+        wear_population_verb(*wear), wear_forecast_verb(*wear), wear_watch_verb(*wear), wear_arena_verb(*wear),
     };
     return {wear, [verbs] { return run_parsed(verbs); }};
 }

@@ -79,6 +79,8 @@ LabVerb wear_population_verb(CLI::App& wear);
 LabVerb wear_forecast_verb(CLI::App& wear);
 /// Health, maneuver by maneuver.
 LabVerb wear_watch_verb(CLI::App& wear);
+/// Forecasts against each other on lives by rival laws.
+LabVerb wear_arena_verb(CLI::App& wear);
 
 /// For people: on standard output, unless `--json -` has it for itself.
 template <typename... T>

@@ -1,0 +1,122 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "firmware/host/settings/hash.hpp"
+#include "plant_sim/lab/verbs.hpp"
+#include "plant_sim/wear/arena.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
+
+namespace plant_sim::lab {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Scores = std::array<wear::arena::Score, wear::arena::kEntrantNames.size()>;
+
+constexpr const char* kMadeUp = "lives made up by the laws of plant_sim/wear/rival_laws.hpp";
+
+std::string table_of(const Scores& scores) {
+    std::string out = fmt::format("{:>14}{:>10}{:>10}{:>8}\n", "next friction", "CRPS", "log", "PIT");
+    for (std::size_t e = 0; e < scores.size(); ++e) {
+        const wear::arena::Score& s = scores.at(e);
+        out += fmt::format("{:>14}{:>10.5f}{:>10.3f}{:>8.3f}\n", wear::arena::kEntrantNames.at(e), s.crps, s.log_score, s.pit);
+    }
+    const auto block = [&](const char* title, int digits, double wear::arena::LeftScore::*value) {
+        out += fmt::format("{:>14}", title);
+        for (std::size_t k = 0; k < wear::arena::kTenths; ++k) out += fmt::format("{:>6} %", 10 * (k + 1));
+        out += "\n";
+        for (std::size_t e = 0; e < scores.size(); ++e) {
+            if (!scores.at(e).forecasts) continue;
+            out += fmt::format("{:>14}", wear::arena::kEntrantNames.at(e));
+            for (const wear::arena::LeftScore& left : scores.at(e).left) out += fmt::format("{:>8.{}f}", left.*value, digits);
+            out += "\n";
+        }
+    };
+    block("80 % holds", 2, &wear::arena::LeftScore::held);
+    block("its width", 1, &wear::arena::LeftScore::width);
+    block("pinball", 2, &wear::arena::LeftScore::pinball);
+    return out;
+}
+
+Json json_of(const Scores& scores) {
+    Json out;
+    for (std::size_t e = 0; e < scores.size(); ++e) {
+        const wear::arena::Score& s = scores.at(e);
+        Json& one = out[wear::arena::kEntrantNames.at(e)] = {{"crps", s.crps}, {"log_score", s.log_score}, {"pit_distance", s.pit}};
+        if (!s.forecasts) continue;
+        for (const wear::arena::LeftScore& k : s.left)
+            one["landings_left"].push_back({{"asked", k.asked}, {"coverage", k.held}, {"width_landings", k.width}, {"pinball_landings", k.pinball}});
+    }
+    return out;
+}
+
+struct ArenaCommand {
+    std::filesystem::path config = settings::config_directory();
+    std::string seeds = "tuning";
+    std::vector<std::string> laws{wear::arena::kLawNames.begin(), wear::arena::kLawNames.end()};
+    std::size_t lives = 20;
+    std::size_t training_lives = 10;
+    unsigned threads = wear::all_cores();
+    std::filesystem::path out = "out/wear";
+    std::string json_file;  ///< "-": standard output
+
+    [[nodiscard]] int run() const {
+        const std::filesystem::path file = config / "wear_arena.toml";
+        const std::string hash = settings::hash(std::array{file});
+        wear::arena::Plan plan{.settings = wear::arena::load_settings(file),
+                               .laws = {},
+                               .judged_seed = 0,
+                               .training_lives = training_lives,
+                               .judged_lives = lives,
+                               .threads = threads};
+        plan.judged_seed = seeds == "held_out" ? plan.settings.held_out : plan.settings.tuning;
+        for (std::size_t i = 0; i < wear::arena::kLawNames.size(); ++i)
+            if (std::find(laws.begin(), laws.end(), wear::arena::kLawNames.at(i)) != laws.end())
+                plan.laws.push_back(static_cast<wear::arena::Law>(i));
+        const wear::arena::Result result = wear::arena::run(plan);
+        Json json{{"version", ANTISKID_VERSION},
+                  {"config_hash", hash},
+                  {"source", kMadeUp},
+                  {"laws", laws},
+                  {"seeds", seeds},
+                  {"first_seed", plan.judged_seed},
+                  {"lives", lives},
+                  {"training_lives", training_lives}};
+        json["within_laws"] = json_of(result.within);
+        print_table(json_file, "Within laws, {} lives of each, {} to learn from; {}:\n{}", lives, training_lives, kMadeUp, table_of(result.within));
+        if (result.across) {
+            json["across_laws"] = json_of(*result.across);
+            print_table(json_file, "Across laws, trained on each other law in turn:\n{}", table_of(*result.across));
+        }
+        keep_json(out / "arena.json", json_file, json.dump(2) + "\n");
+        print_table(json_file, "{} seeds, configuration {}\nWritten to {}: arena.json\n", seeds, hash, out.string());
+        return 0;
+    }
+};
+
+}  // namespace
+
+LabVerb wear_arena_verb(CLI::App& wear) {
+    const auto command = std::make_shared<ArenaCommand>();
+    CLI::App* verb = wear.add_subcommand("arena", "Forecasts against each other on lives by laws that none of them was made from.");
+    settings::one_of(verb->add_option("--seeds", command->seeds, "first seed by its name in wear_arena.toml: held_out to report"),
+                     {"tuning", "held_out"})
+        ->capture_default_str();
+    settings::one_of(verb->add_option("--laws", command->laws, "that wear the brakes: each learnt from, and each judged on"),
+                     {wear::arena::kLawNames.begin(), wear::arena::kLawNames.end()})
+        ->delimiter(',');
+    verb->add_option("--lives", command->lives, "judged, of each law")->check(CLI::Range(1, 100'000))->capture_default_str();
+    verb->add_option("--training-lives", command->training_lives, "of each law")->check(CLI::Range(3, 1000))->capture_default_str();
+    settings::add_config_directory(*verb, command->config);
+    settings::add_threads(*verb, command->threads);
+    settings::add_json(*verb, command->json_file, "results");
+    settings::add_out(*verb, command->out, "directory of arena.json");
+    verb->footer("Examples:\n  rig-lab wear arena --laws archard,oxidation --lives 5\n  rig-lab wear arena --seeds held_out");
+    return {verb, [command] { return command->run(); }};
+}
+
+}  // namespace plant_sim::lab

@@ -1,0 +1,298 @@
+#include "plant_sim/wear/arena.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "rig_bridge/wear/learn_population.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
+
+namespace wear::arena {
+
+namespace {
+
+constexpr int kHorizon = 2000;
+constexpr int kDraws = 200;
+constexpr std::array kShares{0.1, 0.5, 0.9};
+
+double density(double z) {
+    return std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
+}
+double cumulative(double z) {
+    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
+/// E|X| of a normal X.
+double mean_size(double mean, double deviation) {
+    return mean * (2.0 * cumulative(mean / deviation) - 1.0) + 2.0 * deviation * density(mean / deviation);
+}
+
+/// Closed form for normal mixtures (Grimit et al., Q. J. R. Meteorol. Soc. 132, 2006).
+double crps(const Conditional& c, double x) {
+    double out = 0.0;
+    for (const Conditional::Term& a : c.terms) {
+        out += a.weight * mean_size(x - a.mean, std::sqrt(a.variance));
+        for (const Conditional::Term& b : c.terms) out -= 0.5 * a.weight * b.weight * mean_size(a.mean - b.mean, std::sqrt(a.variance + b.variance));
+    }
+    return out;
+}
+
+double log_score(const Conditional& c, double x) {
+    double p = 1e-300;
+    for (const Conditional::Term& t : c.terms) p += t.weight * density((x - t.mean) / std::sqrt(t.variance)) / std::sqrt(t.variance);
+    return -std::log(p);
+}
+
+/// Level and slope that walk, seen through white noise. Deviations a landing are relative to the noise, which is measured in the training lives.
+class LocalLinear {
+  public:
+    explicit LocalLinear(double noise) : noise_(noise * noise) {}
+    [[nodiscard]] Conditional next() const { return {{{1.0, level_ + slope_, ahead_level() + noise_}}}; }
+    void learn(double friction) {
+        const double off = friction - level_ - slope_;
+        const double p00 = ahead_level(), p01 = p01_ + p11_, p11 = p11_ + kSlope * kSlope * noise_;
+        const double all = p00 + noise_;
+        level_ += slope_ + p00 / all * off;
+        slope_ += p01 / all * off;
+        p00_ = p00 - p00 * p00 / all;
+        p01_ = p01 - p00 * p01 / all;
+        p11_ = p11 - p01 * p01 / all;
+    }
+    [[nodiscard]] int landings_left(double limit, Generator& generator) const {
+        const double root = std::sqrt(p00_), z = normal(generator);
+        double level = level_ + root * z;
+        double slope = slope_ + p01_ / root * z + std::sqrt(std::max(0.0, p11_ - p01_ * p01_ / p00_)) * normal(generator);
+        int n = 0;
+        for (; level >= limit && n < kHorizon; ++n) {
+            slope += kSlope * std::sqrt(noise_) * normal(generator);
+            level += slope + kLevel * std::sqrt(noise_) * normal(generator);
+        }
+        return n;
+    }
+
+  private:
+    static constexpr double kLevel = 0.1;
+    static constexpr double kSlope = 0.003;
+    [[nodiscard]] double ahead_level() const { return p00_ + 2.0 * p01_ + p11_ + kLevel * kLevel * noise_; }
+    double noise_;
+    double level_ = 0.27, slope_ = 0.0;
+    double p00_ = 0.03 * 0.03, p01_ = 0.0, p11_ = 0.001 * 0.001;
+};
+
+/// What entrants learnt of one law's lives.
+struct Trained {
+    Population population;
+    double log_life = 0.0, log_life_deviation = 0.0;
+    double step = 0.0;  // root mean square of the change of friction from one landing to the next
+    std::vector<Conditional> by_landing;
+};
+
+Trained train(const Plan& plan, Law law) {
+    std::vector<Campaign> campaigns;
+    for (std::size_t k = 0; k < plan.training_lives; ++k) campaigns.push_back(live(law, plan.settings, plan.settings.training + k).campaign);
+    Trained t;
+    LearnSettings learn;
+    learn.fit.max_components = 5;
+    learn.fit.starts = 5;
+    learn.limit = plan.settings.limit;
+    t.population = learn_population(campaigns, learn);
+    const auto n = static_cast<double>(campaigns.size());
+    double squares = 0.0, steps = 0.0, count = 0.0;
+    std::size_t longest = 0;
+    for (const Campaign& c : campaigns) {
+        longest = std::max(longest, c.points.size());
+        t.log_life += std::log(static_cast<double>(c.points.size())) / n;
+        for (std::size_t i = 1; i < c.points.size(); ++i, count += 1.0)
+            steps += std::pow(c.points[i].mean_friction - c.points[i - 1].mean_friction, 2);
+    }
+    for (const Campaign& c : campaigns) squares += std::pow(std::log(static_cast<double>(c.points.size())) - t.log_life, 2);
+    t.log_life_deviation = std::sqrt(squares / (n - 1.0));
+    t.step = std::sqrt(steps / count);
+    for (std::size_t i = 0; i < longest; ++i) {
+        double sum = 0.0, sum2 = 0.0, m = 0.0;
+        for (const Campaign& c : campaigns) {
+            if (i >= c.points.size()) continue;
+            sum += c.points[i].mean_friction;
+            sum2 += c.points[i].mean_friction * c.points[i].mean_friction;
+            m += 1.0;
+        }
+        if (m < 3.0) break;
+        // The scatter of one more reading: a few lives may by chance agree.
+        const double variance = (std::max(0.0, sum2 - sum * sum / m) + t.step * t.step) / m;
+        t.by_landing.push_back({{{1.0, sum / m, variance}}});
+    }
+    return t;
+}
+
+/// Landings left of a lognormal life that is longer than `landed`.
+Quantiles lognormal_left(const Trained& t, double landed) {
+    Quantiles out{};
+    const double passed = cumulative((std::log(landed) - t.log_life) / t.log_life_deviation);
+    for (std::size_t q = 0; q < out.size(); ++q) {
+        const double wanted = passed + (1.0 - passed) * kShares.at(q);
+        double low = std::log(landed), high = low + 5.0;
+        for (int i = 0; i < 50; ++i) {
+            const double middle = 0.5 * (low + high);
+            (cumulative((middle - t.log_life) / t.log_life_deviation) < wanted ? low : high) = middle;
+        }
+        out.at(q) = std::exp(high) - landed;
+    }
+    return out;
+}
+
+template <typename Draw>
+Quantiles quantiles_of(const Draw& draw) {
+    std::vector<int> all(kDraws);
+    for (int i = 0; i < kDraws; ++i) all[static_cast<std::size_t>(i)] = draw(i);
+    std::sort(all.begin(), all.end());
+    Quantiles out{};
+    for (std::size_t q = 0; q < out.size(); ++q) out.at(q) = all[static_cast<std::size_t>(kShares.at(q) * kDraws) - (q == 2 ? 1 : 0)];
+    return out;
+}
+
+/// One entrant's sums over one life.
+struct Tally {
+    double crps = 0.0, log_score = 0.0;
+    std::vector<double> pit;
+    std::array<LeftScore, kTenths> left{};
+
+    void next(const Conditional& c, double x) {
+        crps += arena::crps(c, x);
+        log_score += arena::log_score(c, x);
+        pit.push_back(c.cumulative(x));
+    }
+    void landings(std::size_t tenth, const Quantiles& q, double truth) {
+        LeftScore& s = left.at(tenth);
+        ++s.asked;
+        s.held += truth >= q[0] && truth <= q[2] ? 1.0 : 0.0;
+        s.width += q[2] - q[0];
+        for (std::size_t i = 0; i < q.size(); ++i) {
+            const double off = truth - q.at(i);
+            s.pinball += (off > 0.0 ? kShares.at(i) : kShares.at(i) - 1.0) * off / 3.0;
+        }
+    }
+};
+using Tallies = std::array<Tally, kEntrantNames.size()>;
+
+Quantiles filter_left(const BrakeFilter& filter, const Plan& plan, double c_e_J, std::uint64_t seed) {
+    ForecastSettings ask;
+    ask.limit = plan.settings.limit;
+    ask.horizon = kHorizon;
+    ask.draws = kDraws;
+    ask.seed = seed;
+    ask.fan_points = 0;
+    const Forecast f = forecast(filter, c_e_J, plan.settings.mix, ask);
+    Quantiles out{};
+    for (std::size_t q = 0; q < out.size(); ++q) out.at(q) = f.landings_left.at(q).value_or(kHorizon);
+    return out;
+}
+
+Quantiles oracle_left(const Brake& brake, const Plan& plan, std::uint64_t seed) {
+    return quantiles_of([&](int i) {
+        Brake own = brake;
+        Generator generator = generator_of(seed, 1000 + static_cast<std::uint64_t>(i));
+        int n = 0;
+        for (; own.condition() >= plan.settings.limit && n < kHorizon; ++n) own.land(landing_energy_J(plan.settings, generator), generator);
+        return n;
+    });
+}
+
+Tallies judge(const Plan& plan, const Trained& t, Law law, std::uint64_t seed) {
+    const Life life = live(law, plan.settings, seed);
+    const std::vector<Point>& points = life.campaign.points;
+    BrakeFilter filter(t.population);
+    LocalLinear linear(t.step / std::numbers::sqrt2);
+    Tallies out;
+    const auto of = [&](Entrant e) -> Tally& { return out.at(static_cast<std::size_t>(e)); };
+    std::size_t tenth = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const double x = points[i].mean_friction;
+        if (i > 0) {
+            const double taken_J = points[i - 1].c_e_J, next_J = taken_J + plan.settings.mean_energy_J();
+            const double newest = points[i - 1].mean_friction;
+            of(Entrant::persistence).next({{{1.0, newest, t.step * t.step}}}, x);
+            of(Entrant::past_lives).next(t.by_landing[std::min(i, t.by_landing.size() - 1)], x);
+            const Model& model = t.population.models.front();
+            of(Entrant::nearest).next(friction_given_energy(model, taken_J, {Variance::exact, Choice::nearest}), x);
+            of(Entrant::mixture).next(friction_given_energy(model, taken_J, {Variance::exact, Choice::mixture}), x);
+            of(Entrant::local_linear).next(linear.next(), x);
+            const Expectation e = filter.expected(next_J);
+            of(Entrant::filter).next({{{1.0, e.mean, e.deviation * e.deviation}}}, x);
+            of(Entrant::oracle).next({{{1.0, life.before[i].expected(), Brake::kFresh * Brake::kFresh}}}, x);
+        }
+        while (tenth < kTenths && static_cast<double>(i) >= 0.1 * static_cast<double>((tenth + 1) * points.size())) {
+            const auto truth = static_cast<double>(points.size() - i);
+            of(Entrant::past_lives).landings(tenth, lognormal_left(t, static_cast<double>(i)), truth);
+            of(Entrant::local_linear)
+                .landings(tenth, quantiles_of([&](int n) {
+                              Generator generator = generator_of(seed, 5000 + static_cast<std::uint64_t>(n));
+                              return linear.landings_left(plan.settings.limit, generator);
+                          }),
+                          truth);
+            of(Entrant::filter).landings(tenth, filter_left(filter, plan, points[i - 1].c_e_J, seed), truth);
+            of(Entrant::oracle).landings(tenth, oracle_left(life.before[i], plan, seed), truth);
+            ++tenth;
+        }
+        linear.learn(x);
+        filter.learn(points[i]);
+    }
+    return out;
+}
+
+std::array<Score, kEntrantNames.size()> scores(const std::vector<const Tallies*>& tallies) {
+    std::array<Score, kEntrantNames.size()> out;
+    for (std::size_t e = 0; e < out.size(); ++e) {
+        Score& s = out.at(e);
+        std::vector<double> pit;
+        for (const Tallies* all : tallies) {
+            const Tally& t = all->at(e);
+            s.crps += t.crps;
+            s.log_score += t.log_score;
+            pit.insert(pit.end(), t.pit.begin(), t.pit.end());
+            for (std::size_t k = 0; k < kTenths; ++k) {
+                LeftScore& sum = s.left.at(k);
+                const LeftScore& one = t.left.at(k);
+                sum.asked += one.asked;
+                sum.held += one.held;
+                sum.width += one.width;
+                sum.pinball += one.pinball;
+            }
+        }
+        const auto n = static_cast<double>(pit.size());
+        s.crps /= n;
+        s.log_score /= n;
+        std::sort(pit.begin(), pit.end());
+        for (std::size_t i = 0; i < pit.size(); ++i) {
+            const auto at = static_cast<double>(i);
+            s.pit = std::max({s.pit, pit[i] - at / n, (at + 1.0) / n - pit[i]});
+        }
+        for (LeftScore& k : s.left) {
+            if (k.asked == 0) continue;
+            s.forecasts = true;
+            for (double* sum : {&k.held, &k.width, &k.pinball}) *sum /= static_cast<double>(k.asked);
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+Result run(const Plan& plan) {
+    const std::size_t laws = plan.laws.size();
+    std::vector<Trained> trained(laws);
+    run_jobs(plan.threads, laws, [&](std::size_t i) { trained[i] = train(plan, plan.laws[i]); });
+    std::vector<Tallies> tallies(laws * laws * plan.judged_lives);
+    run_jobs(plan.threads, tallies.size(), [&](std::size_t job) {
+        const std::size_t pair = job / plan.judged_lives;
+        tallies[job] = judge(plan, trained[pair / laws], plan.laws[pair % laws], plan.judged_seed + job % plan.judged_lives);
+    });
+    std::vector<const Tallies*> within, across;
+    for (std::size_t job = 0; job < tallies.size(); ++job) {
+        const std::size_t pair = job / plan.judged_lives;
+        (pair / laws == pair % laws ? within : across).push_back(&tallies[job]);
+    }
+    Result out{scores(within), {}};
+    if (!across.empty()) out.across = scores(across);
+    return out;
+}
+
+}  // namespace wear::arena

@@ -1,0 +1,54 @@
+/// Forecasts against each other on lives by laws that none of them was made from (rival_laws.hpp).
+#pragma once
+
+#include <optional>
+
+#include "plant_sim/wear/rival_laws.hpp"
+#include "rig_bridge/wear/conditional.hpp"
+
+namespace wear::arena {
+
+enum class Entrant : std::uint8_t {
+    persistence,   ///< the next friction is the newest
+    past_lives,    ///< the training lives, landing by landing; their length as a lognormal
+    nearest,       ///< the mixture of eq. (14), fitted to one training life, from the nearest component
+    mixture,       ///< likewise, from all components
+    local_linear,  ///< Kalman smoother of level and slope in this life alone
+    filter,        ///< the shipped filter and forecast, learnt from the training lives
+    oracle,        ///< told the law and the brake's own state; knows neither scatter nor landings to come
+};
+constexpr std::array<const char*, 7> kEntrantNames{"persistence", "past_lives", "nearest", "mixture", "local_linear", "filter", "oracle"};
+
+constexpr std::size_t kTenths = 9;  ///< asked at 10 to 90 % of life
+
+struct LeftScore {
+    std::size_t asked = 0;
+    double held = 0.0;     ///< share of truths in the 10 to 90 % interval
+    double width = 0.0;    ///< of it, landings, mean
+    double pinball = 0.0;  ///< mean of the three quantiles, landings
+};
+
+struct Score {
+    double crps = 0.0;       ///< of the next friction, mean
+    double log_score = 0.0;  ///< -log p, mean; less is better
+    double pit = 0.0;        ///< Kolmogorov's distance of the probability integral transform from uniform
+    std::array<LeftScore, kTenths> left{};
+    bool forecasts = false;  ///< whether it says how many landings are left
+};
+
+struct Plan {
+    Settings settings;
+    std::vector<Law> laws;
+    std::uint64_t judged_seed = 0;   ///< first
+    std::size_t training_lives = 0;  ///< of a law, at least 3
+    std::size_t judged_lives = 0;    ///< of a law
+    unsigned threads = 1;            ///< the result does not depend on it
+};
+
+struct Result {
+    std::array<Score, kEntrantNames.size()> within;                 ///< trained on the judged law
+    std::optional<std::array<Score, kEntrantNames.size()>> across;  ///< trained on each other law in turn; none: one law
+};
+[[nodiscard]] Result run(const Plan& plan);
+
+}  // namespace wear::arena

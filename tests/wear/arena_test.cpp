@@ -1,0 +1,44 @@
+#include "plant_sim/wear/arena.hpp"
+
+#include "tests/catch.hpp"
+
+namespace {
+
+using namespace wear::arena;
+
+Plan small_plan(unsigned threads) {
+    Plan plan;
+    plan.settings = load_settings("config/wear_arena.toml");
+    plan.settings.life_landings = 80.0;
+    plan.laws = {Law::archard, Law::glazing};
+    plan.judged_seed = plan.settings.tuning;
+    plan.training_lives = 3;
+    plan.judged_lives = 4;
+    plan.threads = threads;
+    return plan;
+}
+
+}  // namespace
+
+TEST_CASE("every law wears a brake out, in a life that scatters about the mean", "[WEAR-070]") {
+    const Settings settings = load_settings("config/wear_arena.toml");
+    for (std::size_t i = 0; i < kLawNames.size(); ++i) {
+        double sum = 0.0;
+        for (std::uint64_t seed = 0; seed < 20; ++seed) sum += static_cast<double>(live(static_cast<Law>(i), settings, seed).landings());
+        INFO(kLawNames.at(i) << ": " << sum / 20.0);
+        CHECK(sum / 20.0 > 0.5 * settings.life_landings);
+        CHECK(sum / 20.0 < 1.5 * settings.life_landings);
+    }
+}
+
+TEST_CASE("nobody is better than the oracle, whatever the number of threads", "[WEAR-070]") {
+    const Result one = run(small_plan(1)), two = run(small_plan(2));
+    const auto& oracle = one.within.at(static_cast<std::size_t>(Entrant::oracle));
+    for (std::size_t e = 0; e < one.within.size(); ++e) {
+        INFO(kEntrantNames.at(e));
+        CHECK(one.within.at(e).crps >= oracle.crps);
+        CHECK(one.within.at(e).crps == two.within.at(e).crps);
+        CHECK(one.across.value().at(e).crps == two.across.value().at(e).crps);
+        for (std::size_t k = 0; k < kTenths; ++k) CHECK(one.within.at(e).left.at(k).pinball == two.within.at(e).left.at(k).pinball);
+    }
+}
