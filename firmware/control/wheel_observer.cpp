@@ -92,9 +92,11 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     constexpr float kWild = 4.0F;         // times the noise
     constexpr float kPatience_s = 0.01F;  // then it is the prediction that is wrong
     const float acts_radps2 = surprise < 0.0F ? larger(drive.brake_now_radps2, motion_.road_radps2) : max_radps2_;
-    if (unheard_s_ < kPatience_s && magnitude(surprise) > kTwice * acts_radps2 * since + kWild * noise) return;
+    if (magnitude(surprise) > kTwice * acts_radps2 * since + kWild * noise) {
+        if (unheard_s_ >= kPatience_s) begin(reading.speed_radps);
+        return;
+    }
     unheard_s_ = 0.0F;
-
     const float variance = noise * noise + kMinNoise_radps * kMinNoise_radps;
     if (is_another_road(surprise, since, ww_ - 2.0F * age * wt_ + age * age * tt_ + variance)) forget_road(variance);
     const float w = ww_ - age * wt_, t = wt_ - age * tt_, a = wa_ - age * ta_;
