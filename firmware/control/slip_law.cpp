@@ -65,11 +65,11 @@ float SlipLaw::hold_Pa(const Estimate& e, float falling, float allowed, float ce
     const float along_chord = early > 0.0F ? early * chord_per_s(e) : 0.0F;
     const float answer = larger(config_.k_answer * larger(e.answer_per_s, 0.0F), along_chord);
     const float max_rate = config_.max_slip_rate_per_s + early * (config_.early_slip_rate_per_s - config_.max_slip_rate_per_s);
-    const float wanted_rate = smaller((config_.k_p_per_s + answer) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate, max_rate);
-    const float wanted_Pa = e.late_balance_Pa + wanted_rate / rate_per_Pa;
+    const float wanted_rate = (config_.k_p_per_s + answer) * error + integral_ - config_.k_d * rate - config_.k_dd_s * rate_rate;
+    const float wanted_Pa = e.late_balance_Pa + smaller(wanted_rate, max_rate) / rate_per_Pa;
     const float given_Pa = limited(wanted_Pa, 0.0F, ceiling_Pa);
-    // The integral rests while the valve is at a limit and the error would drive it further in.
-    const bool winds_up = (wanted_Pa > given_Pa && error > 0.0F) || (wanted_Pa < given_Pa && error < 0.0F);
+    // The integral rests while the slip rate or the valve is at a limit and the error would drive it further in.
+    const bool winds_up = ((wanted_rate > max_rate || wanted_Pa > given_Pa) && error > 0.0F) || (wanted_Pa < given_Pa && error < 0.0F);
     if (!winds_up) integral_ += config_.k_i_per_s2 * error * period_s_;
     return given_Pa;
 }

@@ -86,12 +86,17 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     const float rate = motion_.omega_radps > 0.0F ? motion_.road_radps2 - drive.brake_now_radps2 : 0.0F;
     const float surprise = reading.speed_radps - (motion_.omega_radps - rate * age);
     const float since = larger(reading.interval_s, period_s_);
-    constexpr float kTwice = 2.0F;        // the prediction may be as far off as the reading
-    constexpr float kPatience_s = 0.01F;  // then it is the prediction that is wrong
-    if (unheard_s_ < kPatience_s && magnitude(surprise) > kTwice * max_radps2_ * since) return;
-    unheard_s_ = 0.0F;
-
     const float noise = config_.reading_noise * pitch_rad_ / since;
+    // A wheel slows by brake torque alone, or by what that or the road have wound up in a carcass: a gap where teeth are missing is no slip.
+    constexpr float kTwice = 2.0F;        // a brake may grip that much harder, and the prediction be as far off as the reading
+    constexpr float kWild = 4.0F;         // times the noise
+    constexpr float kPatience_s = 0.01F;  // then it is the prediction that is wrong
+    const float acts_radps2 = surprise < 0.0F ? larger(drive.brake_now_radps2, motion_.road_radps2) : max_radps2_;
+    if (magnitude(surprise) > kTwice * acts_radps2 * since + kWild * noise) {
+        if (unheard_s_ >= kPatience_s) begin(reading.speed_radps);
+        return;
+    }
+    unheard_s_ = 0.0F;
     const float variance = noise * noise + kMinNoise_radps * kMinNoise_radps;
     if (is_another_road(surprise, since, ww_ - 2.0F * age * wt_ + age * age * tt_ + variance)) forget_road(variance);
     const float w = ww_ - age * wt_, t = wt_ - age * tt_, a = wa_ - age * ta_;

@@ -52,8 +52,9 @@ class WheelObserver {
         float brake_now_radps2 = 0.0F;  ///< at its end
         float steady_radps2 = 0.0F;     ///< omega v_dot / v
     };
-    /// One period. A reading that is not valid, or a wheel that stands, begins anew; a reading that no wheel can have got to is not
-    /// believed for 10 ms. Readings that stay off to one side mean another road: what was learnt of it is forgotten.
+    /// One period. A reading that is not valid, or a wheel that stands, begins anew. So does a reading that no wheel can have got to, 10 ms
+    /// after the last one that was believed; before that it is left out. Readings that stay off to one side mean another road: what was
+    /// learnt of it is forgotten.
     void update(const SpeedReading& reading, const Drive& drive);
 
     [[nodiscard]] const WheelMotion& motion() const { return motion_; }

@@ -158,7 +158,7 @@ TEST_CASE("a wheel that stands has no road torque; an upper bound counts where i
     CHECK(observer.motion().omega_radps == 0.0F);
     CHECK(observer.motion().road_radps2 == 0.0F);
 
-    SpeedReading bound = reading(100.0);
+    SpeedReading bound = reading(140.0);
     bound.fresh = false;
     bound.bounded = true;
     WheelObserver slow = started(50.0), fast = started(150.0);
