@@ -30,6 +30,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/host/settings/storage.hpp"
 #include "rig_bridge/record/health.hpp"
 #include "rig_bridge/record/summary.hpp"
 
@@ -99,6 +100,7 @@ struct LedgerOptions {
     /// False: commits are not waited for (a run in process that can be repeated). SIGKILL does no harm even then; a power cut may.
     bool durable = true;
     int busy_timeout_ms = 5000;  ///< how long a reader may be in the way
+    std::shared_ptr<const settings::Storage> storage = std::make_shared<settings::PosixStorage>();
 };
 
 /// What the log of an attempt's folder says: outcome, figures and warnings; none when there is no braking in it.
@@ -161,9 +163,9 @@ class Ledger {
 
 /// Every row of a campaign, oldest first, without taking the lock; a ledger of an older schema is read and left as it is. Throws
 /// settings::Error when the file is no ledger, is of a newer schema or has no such campaign.
-[[nodiscard]] std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std::string& campaign);
+[[nodiscard]] std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std::string& campaign, const LedgerOptions& options = {});
 /// The campaigns of a ledger, oldest first.
-[[nodiscard]] std::vector<Campaign> read_campaigns(const std::filesystem::path& path);
+[[nodiscard]] std::vector<Campaign> read_campaigns(const std::filesystem::path& path, const LedgerOptions& options = {});
 
 /// Whether a bridge has this ledger open for writing. Leaves no trace.
 [[nodiscard]] bool is_held(const std::filesystem::path& path);
