@@ -1,0 +1,72 @@
+/// A disk in memory that does what disks do to programs: what was written stays in a cache until it is synced, and a power cut leaves of the rest
+/// what a seed draws.
+///
+///     const auto disk = std::make_shared<SimulatedDisk>(seed);
+///     disk->strike(37, DiskFault::power_cut);
+///     ... write through it as settings::Storage, SQLite through sqlite_vfs() ...
+///     if (!disk->powered()) disk->power_on();   // now it holds what was left
+///
+/// A cut keeps all that was synced. Of what was not, each sector of each write, each truncation and each change of a directory is there or not,
+/// whatever came before it; a sector may be torn: its first bytes are new. A byte that nobody wrote is never touched (SQLite's "powersafe
+/// overwrite"). A name is kept for certain by a sync of its directory alone. A failed sync throws away a drawn part of what it should have
+/// stored, and the next one says nothing of it, as Linux does.
+///
+/// One thread. SQLite opens files by the name of a VFS: two disks at a time need two names, which they have.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "firmware/host/settings/storage.hpp"
+
+namespace plant_sim::simulation {
+
+enum class DiskFault : std::uint8_t { power_cut, no_space, refused, short_write };
+inline constexpr std::array<std::string_view, 4> kDiskFaultNames{"power_cut", "no_space", "refused", "short_write"};
+
+/// Takes a line for each operation that changes something.
+using DiskTrace = std::function<void(const std::string& line)>;
+
+struct DiskState;
+
+class SimulatedDisk final : public settings::Storage {
+  public:
+    explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {});
+    ~SimulatedDisk() override;
+
+    /// From the `at`-th changing operation since the newest power_on(), counted from 1, the first that `fault` can befall. Of `no_space`: for
+    /// `lasts` of them.
+    void strike(std::uint64_t at, DiskFault fault, std::uint64_t lasts = 1) const;
+    /// Takes back what has not struck yet, and counts operations from here.
+    void calm() const;
+    /// What has struck, by kind.
+    [[nodiscard]] const std::array<std::uint64_t, kDiskFaultNames.size()>& struck() const;
+    [[nodiscard]] std::uint64_t operations() const;  ///< of its whole life
+
+    /// Without power every operation fails.
+    [[nodiscard]] bool powered() const;
+    void cut() const;
+    void power_on() const;
+
+    [[nodiscard]] settings::Opened open(const std::filesystem::path& path) const override;
+    [[nodiscard]] settings::Opened create(const std::filesystem::path& path) const override;
+    [[nodiscard]] int make_directory(const std::filesystem::path& path) const override;
+    [[nodiscard]] int sync_directory(const std::filesystem::path& path) const override;
+    [[nodiscard]] int rename(const std::filesystem::path& from, const std::filesystem::path& to) const override;
+    [[nodiscard]] int remove(const std::filesystem::path& path) const override;
+    [[nodiscard]] std::filesystem::file_status status(const std::filesystem::path& path) const override;
+    [[nodiscard]] std::filesystem::path canonical(const std::filesystem::path& path) const override { return path; }
+    [[nodiscard]] std::variant<std::unique_ptr<settings::File>, settings::HeldBy> hold(const std::filesystem::path& path,
+                                                                                       const std::string& who) const override;
+    [[nodiscard]] std::optional<settings::HeldBy> held_by(const std::filesystem::path& path) const override;
+    [[nodiscard]] const char* sqlite_vfs() const override;
+
+  private:
+    std::shared_ptr<DiskState> state_;
+};
+
+}  // namespace plant_sim::simulation
