@@ -87,7 +87,7 @@ class DiskCampaign {
           trace_(trace),
           draw_(wear::generator_of(seed, 0)),
           planned_(static_cast<std::int64_t>(2 + below(4))),
-          disk_(std::make_shared<SimulatedDisk>(seed, trace)),
+          disk_(std::make_shared<SimulatedDisk>(seed, trace, hands.refuses_journal_names)),
           storage_(hands.storage(disk_)) {}
 
     CampaignOutcome run() {
@@ -184,6 +184,8 @@ class DiskCampaign {
         if (hands_.says_early) say_finished(attempt, known);
         try {
             ledger.finish(summary);
+        } catch (const rig::record::LedgerInDoubt&) {
+            throw;
         } catch (const rig::record::LedgerError&) {
             known.entry_refused = disk_->powered();
             throw;

@@ -39,6 +39,7 @@ std::optional<DiskFault> DiskState::next(Kind kind) {
         const DiskFault fault = strike->fault;
         if (fault == DiskFault::no_space && kind != Kind::write && kind != Kind::create) continue;
         if (fault == DiskFault::short_write && kind != Kind::write) continue;
+        if (kind == Kind::must_not_fail && fault != DiskFault::power_cut) continue;
         ++struck.at(static_cast<std::size_t>(fault));
         if (--strike->lasts == 0) strikes.erase(strike);
         if (fault == DiskFault::power_cut) powered = false;
@@ -133,9 +134,9 @@ int DiskState::rename(const std::string& from, const std::string& to) {
     return change_name(Kind::other, "rename to", {.directory = parent(to), .removed = from, .added = to, .node = node});
 }
 
-int DiskState::sync_directory(const std::string& path) {
+int DiskState::sync_directory(const std::string& path, bool refusable) {
     if (!powered) return EIO;
-    if (next(Kind::sync)) return said("sync directory", path, EIO);
+    if (next(refusable ? Kind::sync : Kind::must_not_fail)) return said("sync directory", path, EIO);
     std::vector<NameChange> others;
     for (NameChange& change : cached_names_) {
         if (change.directory == path)

@@ -53,7 +53,8 @@ struct DiskState {
     int make(const std::string& path, bool directory);
     int remove(const std::string& path);
     int rename(const std::string& from, const std::string& to);
-    int sync_directory(const std::string& path);
+    /// `refusable`: no fault but a power cut befalls it otherwise.
+    int sync_directory(const std::string& path, bool refusable = true);
     void cut();
     void power_on();
 
@@ -61,6 +62,7 @@ struct DiskState {
     DiskTrace trace;
     std::size_t sector;
     bool powered = true;
+    bool refuses_journal_names = false;  // see SimulatedDisk
     std::uint64_t operations = 0;
     std::uint64_t since_power_on = 0;
     std::vector<Strike> strikes{};
@@ -69,7 +71,7 @@ struct DiskState {
     std::set<std::string> held{};
 
   private:
-    enum class Kind : std::uint8_t { write, create, sync, other };
+    enum class Kind : std::uint8_t { write, create, sync, must_not_fail, other };
     /// The fault that befalls this operation, if one does.
     std::optional<DiskFault> next(Kind kind);
     int said(std::string_view what, const std::string& path, int error) const;

@@ -75,7 +75,7 @@ int truncate_file(sqlite3_file* file, sqlite3_int64 size) {
 int sync_file(sqlite3_file* file, int /*flags*/) {
     OpenFile& open = of(file);
     if (open.disk->sync(*open.node, open.path) != 0) return SQLITE_IOERR_FSYNC;
-    if (std::exchange(open.names_new, false)) (void)open.disk->sync_directory(directory_of(open.path));
+    if (std::exchange(open.names_new, false)) (void)open.disk->sync_directory(directory_of(open.path), open.disk->refuses_journal_names);
     return SQLITE_OK;
 }
 

@@ -62,7 +62,10 @@ class Hold final : public settings::File {
 
 }  // namespace
 
-SimulatedDisk::SimulatedDisk(std::uint64_t seed, DiskTrace trace) : state_(std::make_shared<DiskWithVfs>(seed, std::move(trace))) {}
+SimulatedDisk::SimulatedDisk(std::uint64_t seed, DiskTrace trace, bool refuses_journal_names)
+    : state_(std::make_shared<DiskWithVfs>(seed, std::move(trace))) {
+    state_->refuses_journal_names = refuses_journal_names;
+}
 SimulatedDisk::~SimulatedDisk() = default;
 
 void SimulatedDisk::strike(std::uint64_t at, DiskFault fault, std::uint64_t lasts) const {

@@ -11,6 +11,9 @@
 /// overwrite"). A name is kept for certain by a sync of its directory alone. A failed sync throws away a drawn part of what it should have
 /// stored, and the next one says nothing of it, as Linux does.
 ///
+/// SQLite lets it be when the sync of a new journal's directory is refused, and a power cut in the same commit may then damage the database. That
+/// sync is refused only where `refuses_journal_names` is asked for.
+///
 /// One thread. SQLite opens files by the name of a VFS: two disks at a time need two names, which they have.
 #pragma once
 
@@ -35,7 +38,7 @@ struct DiskState;
 
 class SimulatedDisk final : public settings::Storage {
   public:
-    explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {});
+    explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {}, bool refuses_journal_names = false);
     ~SimulatedDisk() override;
 
     /// From the `at`-th changing operation since the newest power_on(), counted from 1, the first that `fault` can befall. Of `no_space`: for

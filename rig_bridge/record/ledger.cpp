@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <system_error>
@@ -171,7 +172,12 @@ void Ledger::Impl::leave_unfinished(std::int64_t row, const std::optional<Summar
 std::optional<Summary> Ledger::Impl::whole_summary(const std::filesystem::path& folder, std::int64_t number) const {
     try {
         Summary summary = read_summary(folder / "summary.json", *storage);
-        if (summary.campaign == campaign.name && summary.number == number) return summary;
+        if (summary.campaign == campaign.name && summary.number == number) {
+            // Whoever wrote it may have died before its name was on the disk, and the row that it makes is not to outlive it.
+            if (const int error = storage->sync_directory(folder); error != 0)
+                throw LedgerError((folder / "summary.json").string() + ": " + std::strerror(error));
+            return summary;
+        }
     } catch (const settings::Error&) {
         // Not there, or not whole: the maneuver did not come to its end.
     }

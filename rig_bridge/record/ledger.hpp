@@ -43,6 +43,12 @@ class LedgerError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// The disk refused the last step, which makes that the rest survives a power cut: the operation may be in the ledger or not.
+class LedgerInDoubt : public LedgerError {
+  public:
+    using LedgerError::LedgerError;
+};
+
 struct Campaign {
     std::string name;
     std::string scenario;

@@ -13,6 +13,8 @@ namespace {
 constexpr std::int64_t kApplicationId = 0x41534c47;  // "ASLG"
 
 [[noreturn]] void fail(sqlite3* database, const std::string& path, int code) {
+    if (code == SQLITE_IOERR_DIR_FSYNC)
+        throw LedgerInDoubt(path + ": the disk refused the last step, and the operation may be in the ledger or not; the next start sees which");
     std::string why;
     switch (code & 0xFF) {
         case SQLITE_FULL:

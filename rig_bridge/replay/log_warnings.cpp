@@ -50,7 +50,8 @@ bool LogWarnings::any() const {
 
 std::vector<std::string> LogWarnings::damage() const {
     std::vector<std::string> all;
-    constexpr std::array kDamage{LogTrouble::unfinished_line, LogTrouble::malformed_line, LogTrouble::not_text, LogTrouble::damaged_file};
+    constexpr std::array kDamage{LogTrouble::unfinished_line, LogTrouble::malformed_line, LogTrouble::not_text, LogTrouble::long_line,
+                                 LogTrouble::damaged_file};
     for (const LogTrouble trouble : kDamage)
         if (const std::uint64_t n = count(trouble); n != 0) all.push_back(fmt::format("log_damaged: {} {}", name(trouble), n));
     return all;
