@@ -87,7 +87,7 @@ class DiskCampaign {
           trace_(trace),
           draw_(wear::generator_of(seed, 0)),
           planned_(static_cast<std::int64_t>(2 + below(4))),
-          disk_(std::make_shared<SimulatedDisk>(seed, trace, hands.refuses_journal_names)),
+          disk_(std::make_shared<SimulatedDisk>(seed, trace)),
           storage_(hands.storage(disk_)) {}
 
     CampaignOutcome run() {
@@ -101,7 +101,6 @@ class DiskCampaign {
         for (int i = 0; i < kClean && !complete_; ++i) once();
         if (!complete_) violated("the campaign does not come to its end though nothing fails any more");
         tell("power cut at rest");
-        disk_->cut();
         restart();
         check();
         out_.operations = disk_->operations();
@@ -145,7 +144,7 @@ class DiskCampaign {
     }
 
     void restart() {
-        disk_->power_on();
+        disk_->power_cycle();
         tell("power is back");
     }
 

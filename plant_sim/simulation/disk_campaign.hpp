@@ -36,7 +36,6 @@ struct Hands {
     bool says_early = false;
     /// A record of which lines are missing counts as whole.
     bool counts_lost = false;
-    bool refuses_journal_names = false;  ///< see SimulatedDisk
 };
 
 struct CampaignOutcome {

@@ -164,12 +164,8 @@ void DiskState::keep_some(Node& node, double share) {
     node.cached.clear();
 }
 
-void DiskState::cut() {
-    powered = false;
-    ++struck.at(static_cast<std::size_t>(DiskFault::power_cut));
-}
-
-void DiskState::power_on() {
+void DiskState::power_cycle() {
+    if (powered) ++struck.at(static_cast<std::size_t>(DiskFault::power_cut));
     // Of a disk that was idle long before all is there, of one in the middle of its work a part.
     constexpr std::array kShares{0.0, 0.5, 0.9, 1.0};
     const double share = kShares.at(generator() % kShares.size());

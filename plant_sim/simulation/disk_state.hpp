@@ -55,8 +55,7 @@ struct DiskState {
     int rename(const std::string& from, const std::string& to);
     /// `refusable`: no fault but a power cut befalls it otherwise.
     int sync_directory(const std::string& path, bool refusable = true);
-    void cut();
-    void power_on();
+    void power_cycle();
 
     wear::Generator generator;
     DiskTrace trace;

@@ -89,12 +89,8 @@ bool SimulatedDisk::powered() const {
     return state_->powered;
 }
 
-void SimulatedDisk::cut() const {
-    state_->cut();
-}
-
-void SimulatedDisk::power_on() const {
-    state_->power_on();
+void SimulatedDisk::power_cycle() const {
+    state_->power_cycle();
 }
 
 settings::Opened SimulatedDisk::open(const fs::path& path) const {

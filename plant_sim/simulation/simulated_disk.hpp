@@ -4,7 +4,7 @@
 ///     const auto disk = std::make_shared<SimulatedDisk>(seed);
 ///     disk->strike(37, DiskFault::power_cut);
 ///     ... write through it as settings::Storage, SQLite through sqlite_vfs() ...
-///     if (!disk->powered()) disk->power_on();   // now it holds what was left
+///     if (!disk->powered()) disk->power_cycle();   // now it holds what was left
 ///
 /// A cut keeps all that was synced. Of what was not, each sector of each write, each truncation and each change of a directory is there or not,
 /// whatever came before it; a sector may be torn: its first bytes are new. A byte that nobody wrote is never touched (SQLite's "powersafe
@@ -41,7 +41,7 @@ class SimulatedDisk final : public settings::Storage {
     explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {}, bool refuses_journal_names = false);
     ~SimulatedDisk() override;
 
-    /// From the `at`-th changing operation since the newest power_on(), counted from 1, the first that `fault` can befall. Of `no_space`: for
+    /// From the `at`-th changing operation since the newest power_cycle(), counted from 1, the first that `fault` can befall. Of `no_space`: for
     /// `lasts` of them.
     void strike(std::uint64_t at, DiskFault fault, std::uint64_t lasts = 1) const;
     /// Takes back what has not struck yet, and counts operations from here.
@@ -52,8 +52,8 @@ class SimulatedDisk final : public settings::Storage {
 
     /// Without power every operation fails.
     [[nodiscard]] bool powered() const;
-    void cut() const;
-    void power_on() const;
+    /// Cuts the power where no strike has done so, and gives it again.
+    void power_cycle() const;
 
     [[nodiscard]] settings::Opened open(const std::filesystem::path& path) const override;
     [[nodiscard]] settings::Opened create(const std::filesystem::path& path) const override;
