@@ -72,10 +72,10 @@ class PassingFile {
 
 /// What the programs that ran have been told or have said.
 struct Known {
-    std::uint64_t frames = 0;   ///< recorded
-    std::uint64_t synced = 0;   ///< of them on the disk, as the recorder was told
-    bool begun = false;         ///< the ledger said so
-    bool finished = false;      ///< said to be finished
+    std::uint64_t frames = 0;    ///< recorded
+    std::uint64_t synced = 0;    ///< of them on the disk, as the recorder was told
+    bool begun = false;          ///< the ledger said so
+    bool finished = false;       ///< said to be finished
     bool entry_refused = false;  ///< the ledger refused its finish with the power on
     std::set<std::uint64_t> offered_J;
 };
@@ -87,7 +87,7 @@ class DiskCampaign {
           trace_(trace),
           draw_(wear::generator_of(seed, 0)),
           planned_(static_cast<std::int64_t>(2 + below(4))),
-          disk_(std::make_shared<SimulatedDisk>(seed, trace)),
+          disk_(std::make_shared<SimulatedDisk>(seed, trace, hands.lapse)),
           storage_(hands.storage(disk_)) {}
 
     CampaignOutcome run() {
@@ -122,9 +122,9 @@ class DiskCampaign {
     void strike() {
         constexpr std::uint64_t kOperations = 60;  // of one maneuver, about
         const auto when = [this] { return 1 + below(kOperations * static_cast<std::uint64_t>(planned_)); };
-        if (below(3) != 0) disk_->strike(when(), DiskFault::power_cut);
+        if (below(3) != 0) disk_->strike(when(), below(3) == 0 ? DiskFault::kill : DiskFault::power_cut);
         if (below(2) != 0) return;
-        const auto fault = static_cast<DiskFault>(1 + below(3));
+        const auto fault = static_cast<DiskFault>(2 + below(3));
         disk_->strike(when(), fault, fault == DiskFault::no_space ? 1 + below(30) : 1);
     }
 
@@ -136,16 +136,16 @@ class DiskCampaign {
             life();
         } catch (const std::runtime_error& error) {  // LedgerError, settings::Error, a recording that cannot be made
             tell(fmt::format("the program ends: {}", error.what()));
-            if (disk_->powered()) ++out_.refusals;
+            if (disk_->runs()) ++out_.refusals;
         }
-        if (!disk_->powered()) restart();
+        if (!disk_->runs()) restart();
         disk_->calm();
         check();
     }
 
     void restart() {
-        disk_->power_cycle();
-        tell("power is back");
+        disk_->restart();
+        tell("everything starts again");
     }
 
     void life() {
@@ -156,7 +156,7 @@ class DiskCampaign {
         while (const auto number = ledger.next_number()) {
             const Attempt attempt = ledger.begin(*number, "2026");
             Known& known = known_[attempt.folder.string()];
-            known.begun = disk_->powered();
+            known.begun = disk_->runs();
             ++out_.maneuvers;
             tell(fmt::format("maneuver {} begins, attempt {}", attempt.number, attempt.attempt));
             if (!maneuver(ledger, attempt, known)) return;
@@ -186,16 +186,16 @@ class DiskCampaign {
         } catch (const rig::record::LedgerInDoubt&) {
             throw;
         } catch (const rig::record::LedgerError&) {
-            known.entry_refused = disk_->powered();
+            known.entry_refused = disk_->runs();
             throw;
         }
         say_finished(attempt, known);
         return true;
     }
 
-    /// A program without power says nothing.
+    /// A dead program says nothing.
     void say_finished(const Attempt& attempt, Known& known) {
-        if (!disk_->powered()) return;
+        if (!disk_->runs()) return;
         known.finished = true;
         tell(fmt::format("maneuver {} finished, {} J", attempt.number, known.frames));
     }
@@ -206,14 +206,14 @@ class DiskCampaign {
         rig::record::AppendFile& lines = *file;
         rig::record::BusLog log(std::move(file), "can0");
         const std::uint64_t frames = 200 + below(4000);
-        for (std::uint64_t i = 0; i < frames && disk_->powered(); ++i) {
+        for (std::uint64_t i = 0; i < frames && disk_->runs(); ++i) {
             log.write({.frame = made_frame(attempt, i)});
             known.frames = i + 1;
             if (known.frames % kSynced_frames != 0) continue;
             lines.sync();
-            if (disk_->powered() && log.error().empty()) known.synced = known.frames;
+            if (disk_->runs() && log.error().empty()) known.synced = known.frames;
         }
-        if (log.finish() && disk_->powered()) known.synced = known.frames;
+        if (log.finish() && disk_->runs()) known.synced = known.frames;
         return log.error();
     }
 

@@ -1,7 +1,7 @@
 /// Campaigns of made maneuvers by the real recorder, summary and ledger on a simulated disk that fails, and what must hold after each failure.
 ///
 /// A campaign is run as `rig-bridge campaign` runs one: begin in the ledger, bus.log, summary.json, finish in the ledger, said to be finished. The
-/// program dies where the power is cut, and ends where the disk refuses what it cannot do without; it is then started again, until the campaign
+/// program dies where the power is cut or it is killed, and ends where the disk refuses what it cannot do without; it is then started again, until the campaign
 /// is complete. A maneuver is frames that are numbered, each of which stands for a joule.
 #pragma once
 
@@ -28,6 +28,7 @@ struct Hands {
     /// The disk as recorder, summary and ledger get it.
     std::function<std::shared_ptr<const settings::Storage>(std::shared_ptr<const SimulatedDisk>)> storage = [](auto disk) { return disk; };
     bool durable = true;  ///< LedgerOptions::durable
+    SqliteLapse lapse = SqliteLapse::none;
     /// J in the campaign before the next maneuver.
     std::function<double(const rig::record::Ledger&)> taken_J = [](const auto& ledger) { return ledger.cumulative_energy_J(); };
     /// What is believed of a log.

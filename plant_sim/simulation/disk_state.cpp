@@ -33,16 +33,18 @@ DiskState::DiskState(std::uint64_t seed, DiskTrace sink)
 
 std::optional<DiskFault> DiskState::next(Kind kind) {
     ++operations;
-    ++since_power_on;
+    ++since_restart;
     for (auto strike = strikes.begin(); strike != strikes.end(); ++strike) {
-        if (since_power_on < strike->at) continue;
+        if (since_restart < strike->at) continue;
         const DiskFault fault = strike->fault;
         if (fault == DiskFault::no_space && kind != Kind::write && kind != Kind::create) continue;
         if (fault == DiskFault::short_write && kind != Kind::write) continue;
-        if (kind == Kind::must_not_fail && fault != DiskFault::power_cut) continue;
+        const bool ends = fault == DiskFault::power_cut || fault == DiskFault::kill;
+        if (kind == Kind::must_not_fail && !ends) continue;
         ++struck.at(static_cast<std::size_t>(fault));
         if (--strike->lasts == 0) strikes.erase(strike);
-        if (fault == DiskFault::power_cut) powered = false;
+        runs = runs && !ends;
+        killed_ = fault == DiskFault::kill;
         return fault;
     }
     return std::nullopt;
@@ -52,8 +54,9 @@ int DiskState::said(std::string_view what, const std::string& path, int error) c
     if (!trace) return error;
     std::string name = path;
     if (const auto dot = name.find("/.write-"); dot != std::string::npos) name.resize(dot + 7);  // the rest is a process number
-    trace(fmt::format("{:5}  {} {}{}", since_power_on, what, name,
-                      !powered     ? ": POWER CUT"
+    trace(fmt::format("{:5}  {} {}{}", since_restart, what, name,
+                      killed_      ? ": KILLED"
+                      : !runs      ? ": POWER CUT"
                       : error != 0 ? fmt::format(": {}", std::strerror(error))
                                    : ""));
     return error;
@@ -65,7 +68,7 @@ NodePointer DiskState::find(const std::string& path) const {
 }
 
 std::int64_t DiskState::write(Node& node, const std::string& path, std::size_t offset, std::string_view bytes) {
-    if (!powered) return -EIO;
+    if (!runs) return -EIO;
     const auto fault = next(Kind::write);
     const std::string what = trace ? fmt::format("write {} bytes at {} to", bytes.size(), offset) : "";
     if (fault == DiskFault::no_space) return -said(what, path, ENOSPC);
@@ -75,11 +78,11 @@ std::int64_t DiskState::write(Node& node, const std::string& path, std::size_t o
     change_bytes(change, node.now);
     node.cached.push_back(std::move(change));
     if (trace && fault == DiskFault::short_write) trace(fmt::format("       only {} bytes of the next are taken", bytes.size()));
-    return said(what, path, powered ? 0 : EIO) != 0 ? -EIO : static_cast<std::int64_t>(bytes.size());
+    return said(what, path, runs ? 0 : EIO) != 0 ? -EIO : static_cast<std::int64_t>(bytes.size());
 }
 
 int DiskState::truncate(Node& node, const std::string& path, std::size_t size) {
-    if (!powered) return EIO;
+    if (!runs) return EIO;
     if (next(Kind::other)) return said("truncate", path, EIO);
     FileChange change{.offset = size, .cuts = true};
     change_bytes(change, node.now);
@@ -88,7 +91,7 @@ int DiskState::truncate(Node& node, const std::string& path, std::size_t size) {
 }
 
 int DiskState::sync(Node& node, const std::string& path) {
-    if (!powered) return EIO;
+    if (!runs) return EIO;
     const auto fault = next(Kind::sync);
     if (fault == DiskFault::refused) keep_some(node, 0.5);
     if (fault) return said("sync", path, EIO);
@@ -111,7 +114,7 @@ int DiskState::change_name(Kind kind, std::string_view what, const NameChange& c
 }
 
 int DiskState::make(const std::string& path, bool directory) {
-    if (!powered) return EIO;
+    if (!runs) return EIO;
     if (find(path)) return EEXIST;
     if (!find(parent(path))) return ENOENT;
     const auto node = std::make_shared<Node>(Node{.directory = directory});
@@ -122,20 +125,20 @@ int DiskState::make(const std::string& path, bool directory) {
 }
 
 int DiskState::remove(const std::string& path) {
-    if (!powered) return EIO;
+    if (!runs) return EIO;
     if (!find(path)) return ENOENT;
     return change_name(Kind::other, "remove", {.directory = parent(path), .removed = path});
 }
 
 int DiskState::rename(const std::string& from, const std::string& to) {
-    if (!powered) return EIO;
+    if (!runs) return EIO;
     const NodePointer node = find(from);
     if (!node) return ENOENT;
     return change_name(Kind::other, "rename to", {.directory = parent(to), .removed = from, .added = to, .node = node});
 }
 
 int DiskState::sync_directory(const std::string& path, bool refusable) {
-    if (!powered) return EIO;
+    if (!runs) return EIO;
     if (next(refusable ? Kind::sync : Kind::must_not_fail)) return said("sync directory", path, EIO);
     std::vector<NameChange> others;
     for (NameChange& change : cached_names_) {
@@ -164,8 +167,16 @@ void DiskState::keep_some(Node& node, double share) {
     node.cached.clear();
 }
 
-void DiskState::power_cycle() {
-    if (powered) ++struck.at(static_cast<std::size_t>(DiskFault::power_cut));
+void DiskState::restart() {
+    if (runs) ++struck.at(static_cast<std::size_t>(DiskFault::power_cut));
+    if (!std::exchange(killed_, false)) lose_cache();
+    held.clear();
+    strikes.clear();
+    since_restart = 0;
+    runs = true;
+}
+
+void DiskState::lose_cache() {
     // Of a disk that was idle long before all is there, of one in the middle of its work a part.
     constexpr std::array kShares{0.0, 0.5, 0.9, 1.0};
     const double share = kShares.at(generator() % kShares.size());
@@ -181,10 +192,6 @@ void DiskState::power_cycle() {
         entry = stored_names_.contains(parent(entry->first)) ? std::next(entry) : stored_names_.erase(entry);
     names = stored_names_;
     std::erase_if(nodes_, [](const NodePointer& node) { return node.use_count() == 1; });
-    held.clear();
-    strikes.clear();
-    since_power_on = 0;
-    powered = true;
 }
 
 }  // namespace plant_sim::simulation

@@ -53,17 +53,17 @@ struct DiskState {
     int make(const std::string& path, bool directory);
     int remove(const std::string& path);
     int rename(const std::string& from, const std::string& to);
-    /// `refusable`: no fault but a power cut befalls it otherwise.
+    /// `refusable`: only a power cut or a kill befalls it otherwise.
     int sync_directory(const std::string& path, bool refusable = true);
-    void power_cycle();
+    void restart();
 
     wear::Generator generator;
     DiskTrace trace;
     std::size_t sector;
-    bool powered = true;
-    bool refuses_journal_names = false;  // see SimulatedDisk
+    bool runs = true;
+    SqliteLapse lapse = SqliteLapse::none;
     std::uint64_t operations = 0;
-    std::uint64_t since_power_on = 0;
+    std::uint64_t since_restart = 0;
     std::vector<Strike> strikes{};
     std::array<std::uint64_t, kDiskFaultNames.size()> struck{};
     std::map<std::string, NodePointer> names{};
@@ -78,8 +78,10 @@ struct DiskState {
     int change_name(Kind kind, std::string_view what, const NameChange& change);
     void apply(const NameChange& change, std::map<std::string, NodePointer>& to) const;
     void keep_some(Node& node, double share);
+    void lose_cache();
     bool happens(double chance) { return wear::uniform(generator) < chance; }
 
+    bool killed_ = false;
     std::map<std::string, NodePointer> stored_names_{};
     std::vector<NameChange> cached_names_{};
     std::vector<NodePointer> nodes_{};  // oldest first: that a cut draws for them in the same order

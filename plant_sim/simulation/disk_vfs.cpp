@@ -43,7 +43,7 @@ int close_file(sqlite3_file* file) {
 
 int read_file(sqlite3_file* file, void* to, int size, sqlite3_int64 offset) {
     const OpenFile& open = of(file);
-    if (!open.disk->powered) return SQLITE_IOERR_READ;
+    if (!open.disk->runs) return SQLITE_IOERR_READ;
     const std::string& bytes = open.node->now;
     const auto wanted = static_cast<std::size_t>(size);
     const std::size_t from = std::min(static_cast<std::size_t>(offset), bytes.size());
@@ -75,13 +75,14 @@ int truncate_file(sqlite3_file* file, sqlite3_int64 size) {
 int sync_file(sqlite3_file* file, int /*flags*/) {
     OpenFile& open = of(file);
     if (open.disk->sync(*open.node, open.path) != 0) return SQLITE_IOERR_FSYNC;
-    if (std::exchange(open.names_new, false)) (void)open.disk->sync_directory(directory_of(open.path), open.disk->refuses_journal_names);
+    if (std::exchange(open.names_new, false))
+        (void)open.disk->sync_directory(directory_of(open.path), open.disk->lapse == SqliteLapse::journal_name_unnoticed);
     return SQLITE_OK;
 }
 
 int file_size(sqlite3_file* file, sqlite3_int64* size) {
     *size = static_cast<sqlite3_int64>(of(file).node->now.size());
-    return of(file).disk->powered ? SQLITE_OK : SQLITE_IOERR_FSTAT;
+    return of(file).disk->runs ? SQLITE_OK : SQLITE_IOERR_FSTAT;
 }
 
 // One process: Storage::hold() keeps a second one out.
@@ -134,7 +135,7 @@ int open_file(sqlite3_vfs* vfs, const char* name, sqlite3_file* file, int flags,
         node = disk.find(path);
         made = true;
     }
-    if (!node || !disk.powered) return SQLITE_CANTOPEN;
+    if (!node || !disk.runs) return SQLITE_CANTOPEN;
     new (file) OpenFile{.base = {.pMethods = &kMethods},
                         .disk = &disk,
                         .node = std::move(node),
@@ -148,7 +149,9 @@ int open_file(sqlite3_vfs* vfs, const char* name, sqlite3_file* file, int flags,
 int delete_file(sqlite3_vfs* vfs, const char* name, int sync_directory) {
     DiskState& disk = of(vfs);
     if (const int error = disk.remove(name); error != 0) return error == ENOENT ? SQLITE_IOERR_DELETE_NOENT : SQLITE_IOERR_DELETE;
-    return sync_directory != 0 && disk.sync_directory(directory_of(name)) != 0 ? SQLITE_IOERR_DIR_FSYNC : SQLITE_OK;
+    return sync_directory != 0 && disk.lapse != SqliteLapse::removal_not_synced && disk.sync_directory(directory_of(name)) != 0
+               ? SQLITE_IOERR_DIR_FSYNC
+               : SQLITE_OK;
 }
 
 int access_file(sqlite3_vfs* vfs, const char* name, int how, int* result) {

@@ -26,7 +26,7 @@ class SimulatedFile final : public settings::File {
         : disk_(std::move(disk)), node_(std::move(node)), path_(std::move(path)) {}
 
     std::int64_t read(std::span<char> bytes) override {
-        if (!disk_->powered) return -EIO;
+        if (!disk_->runs) return -EIO;
         if (node_->directory) return -EISDIR;
         const std::size_t count = std::min(bytes.size(), node_->now.size() - read_);
         std::copy_n(node_->now.data() + read_, count, bytes.data());
@@ -36,7 +36,7 @@ class SimulatedFile final : public settings::File {
     std::int64_t append(std::string_view bytes) override { return disk_->write(*node_, path_, node_->now.size(), bytes); }
     int truncate(std::int64_t size) override { return disk_->truncate(*node_, path_, static_cast<std::size_t>(size)); }
     int sync() override { return disk_->sync(*node_, path_); }
-    int close() override { return disk_->powered ? 0 : EIO; }
+    int close() override { return disk_->runs ? 0 : EIO; }
 
   private:
     std::shared_ptr<DiskState> disk_;
@@ -62,9 +62,8 @@ class Hold final : public settings::File {
 
 }  // namespace
 
-SimulatedDisk::SimulatedDisk(std::uint64_t seed, DiskTrace trace, bool refuses_journal_names)
-    : state_(std::make_shared<DiskWithVfs>(seed, std::move(trace))) {
-    state_->refuses_journal_names = refuses_journal_names;
+SimulatedDisk::SimulatedDisk(std::uint64_t seed, DiskTrace trace, SqliteLapse lapse) : state_(std::make_shared<DiskWithVfs>(seed, std::move(trace))) {
+    state_->lapse = lapse;
 }
 SimulatedDisk::~SimulatedDisk() = default;
 
@@ -74,7 +73,7 @@ void SimulatedDisk::strike(std::uint64_t at, DiskFault fault, std::uint64_t last
 
 void SimulatedDisk::calm() const {
     state_->strikes.clear();
-    state_->since_power_on = 0;
+    state_->since_restart = 0;
 }
 
 const std::array<std::uint64_t, kDiskFaultNames.size()>& SimulatedDisk::struck() const {
@@ -85,16 +84,16 @@ std::uint64_t SimulatedDisk::operations() const {
     return state_->operations;
 }
 
-bool SimulatedDisk::powered() const {
-    return state_->powered;
+bool SimulatedDisk::runs() const {
+    return state_->runs;
 }
 
-void SimulatedDisk::power_cycle() const {
-    state_->power_cycle();
+void SimulatedDisk::restart() const {
+    state_->restart();
 }
 
 settings::Opened SimulatedDisk::open(const fs::path& path) const {
-    if (!state_->powered) return {.file = nullptr, .error = EIO};
+    if (!state_->runs) return {.file = nullptr, .error = EIO};
     const NodePointer node = state_->find(path.string());
     if (!node) return {.file = nullptr, .error = ENOENT};
     return {.file = std::make_unique<SimulatedFile>(state_, node, path.string())};
@@ -127,7 +126,7 @@ fs::file_status SimulatedDisk::status(const fs::path& path) const {
 }
 
 std::variant<std::unique_ptr<settings::File>, settings::HeldBy> SimulatedDisk::hold(const fs::path& path, const std::string& /*who*/) const {
-    if (!state_->powered) throw std::system_error(EIO, std::generic_category(), path.string());
+    if (!state_->runs) throw std::system_error(EIO, std::generic_category(), path.string());
     if (!state_->held.insert(path.string()).second) return settings::HeldBy{};
     return std::make_unique<Hold>(state_, path.string());
 }

@@ -4,15 +4,12 @@
 ///     const auto disk = std::make_shared<SimulatedDisk>(seed);
 ///     disk->strike(37, DiskFault::power_cut);
 ///     ... write through it as settings::Storage, SQLite through sqlite_vfs() ...
-///     if (!disk->powered()) disk->power_cycle();   // now it holds what was left
+///     if (!disk->runs()) disk->restart();   // now it holds what was left
 ///
 /// A cut keeps all that was synced. Of what was not, each sector of each write, each truncation and each change of a directory is there or not,
 /// whatever came before it; a sector may be torn: its first bytes are new. A byte that nobody wrote is never touched (SQLite's "powersafe
 /// overwrite"). A name is kept for certain by a sync of its directory alone. A failed sync throws away a drawn part of what it should have
 /// stored, and the next one says nothing of it, as Linux does.
-///
-/// SQLite lets it be when the sync of a new journal's directory is refused, and a power cut in the same commit may then damage the database. That
-/// sync is refused only where `refuses_journal_names` is asked for.
 ///
 /// One thread. SQLite opens files by the name of a VFS: two disks at a time need two names, which they have.
 #pragma once
@@ -28,8 +25,13 @@
 
 namespace plant_sim::simulation {
 
-enum class DiskFault : std::uint8_t { power_cut, no_space, refused, short_write };
-inline constexpr std::array<std::string_view, 4> kDiskFaultNames{"power_cut", "no_space", "refused", "short_write"};
+/// `kill`: the program dies, and the disk goes on.
+enum class DiskFault : std::uint8_t { power_cut, kill, no_space, refused, short_write };
+inline constexpr std::array<std::string_view, 5> kDiskFaultNames{"power_cut", "kill", "no_space", "refused", "short_write"};
+
+/// What SQLite does otherwise than asked. `journal_name_unnoticed` is no mistake of ours: its unix VFS lets it be when the sync of a new journal's
+/// directory is refused, and a power cut in the same commit may then damage the database. Else that sync is not refused.
+enum class SqliteLapse : std::uint8_t { none, journal_name_unnoticed, removal_not_synced };
 
 /// Takes a line for each operation that changes something.
 using DiskTrace = std::function<void(const std::string& line)>;
@@ -38,10 +40,10 @@ struct DiskState;
 
 class SimulatedDisk final : public settings::Storage {
   public:
-    explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {}, bool refuses_journal_names = false);
+    explicit SimulatedDisk(std::uint64_t seed, DiskTrace trace = {}, SqliteLapse lapse = SqliteLapse::none);
     ~SimulatedDisk() override;
 
-    /// From the `at`-th changing operation since the newest power_cycle(), counted from 1, the first that `fault` can befall. Of `no_space`: for
+    /// From the `at`-th changing operation since the newest restart(), counted from 1, the first that `fault` can befall. Of `no_space`: for
     /// `lasts` of them.
     void strike(std::uint64_t at, DiskFault fault, std::uint64_t lasts = 1) const;
     /// Takes back what has not struck yet, and counts operations from here.
@@ -50,10 +52,10 @@ class SimulatedDisk final : public settings::Storage {
     [[nodiscard]] const std::array<std::uint64_t, kDiskFaultNames.size()>& struck() const;
     [[nodiscard]] std::uint64_t operations() const;  ///< of its whole life
 
-    /// Without power every operation fails.
-    [[nodiscard]] bool powered() const;
-    /// Cuts the power where no strike has done so, and gives it again.
-    void power_cycle() const;
+    /// False after a power cut or a kill: every operation fails.
+    [[nodiscard]] bool runs() const;
+    /// The next program can begin. Cuts the power first where no strike has ended the one before.
+    void restart() const;
 
     [[nodiscard]] settings::Opened open(const std::filesystem::path& path) const override;
     [[nodiscard]] settings::Opened create(const std::filesystem::path& path) const override;

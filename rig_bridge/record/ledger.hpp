@@ -1,4 +1,6 @@
-/// The campaign ledger: an SQLite file with a row for every maneuver, which survives SIGKILL, power cuts and full disks.
+/// The campaign ledger: an SQLite file with a row for every maneuver. What begin() and finish() have returned from survives SIGKILL, a power cut at
+/// any write and a full disk, where the disk keeps what it says that it has stored. One case is open, SQLite's own: the disk refuses the sync of
+/// the directory with a new journal, and the power is cut in the same commit. The ledger may then be damaged, and whoever opens it says so.
 ///
 ///     Ledger ledger("runs/campaign.sqlite");
 ///     ledger.open_campaign(campaign, IfChanged::refuse);      // new, or resumed; settles what a killed bridge left
@@ -37,7 +39,7 @@
 namespace rig::record {
 
 /// The ledger could not be read or written: disk full, held by somebody else, damaged. `what()` names the file. Nothing of the
-/// operation is in the ledger then.
+/// operation is in the ledger then, but for LedgerInDoubt.
 class LedgerError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;

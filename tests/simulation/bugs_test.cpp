@@ -35,6 +35,8 @@ std::vector<Bug> bugs() {
                          of_storage("refused sync taken as synced", Mistake::refused_sync_is_synced)};
     all.push_back({.name = "ledger with synchronous = OFF", .hands = {}});
     all.back().hands.durable = false;
+    all.push_back({.name = "ledger with synchronous = FULL", .hands = {}});
+    all.back().hands.lapse = plant_sim::simulation::SqliteLapse::removal_not_synced;
     all.push_back({.name = "cumulative energy not restored", .hands = {}});
     all.back().hands.taken_J = [](const auto&) { return 0.0; };
     all.push_back({.name = "torn tail believed", .hands = {}});

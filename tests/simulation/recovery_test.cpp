@@ -53,7 +53,7 @@ TEST_CASE("[BRG-700] a summary that a dead bridge left is on the disk before its
             rig::record::write_summary(file, summary(), Careless(disk, Mistake::directory_not_synced));
         }
         CHECK(Ledger("/runs/campaign.sqlite", on(disk)).open_campaign(kCampaign, rig::record::IfChanged::reject).adopted.size() == 1);
-        disk->power_cycle();
+        disk->restart();
         CHECK(std::filesystem::exists(disk->status(file)));
     }
 }
@@ -64,7 +64,7 @@ TEST_CASE("[BRG-700] a directory that was there, but not on the disk, is so befo
         REQUIRE(disk->make_directory("/runs") == 0);
         const std::filesystem::path folder = seed % 2 == 0 ? "/runs" : "/runs/brake7";
         settings::create_directories(folder, *disk);
-        disk->power_cycle();
+        disk->restart();
         CHECK(std::filesystem::exists(disk->status(folder)));
     }
 }
@@ -96,7 +96,8 @@ TEST_CASE("[BRG-700] what the ledger refused is not in it, and what may be in it
 TEST_CASE("[BRG-700] what SQLite lets be: the name of its journal refused, and the power cut in the same commit", "[simulation]") {
     int damaged = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-        const auto disk = std::make_shared<SimulatedDisk>(seed, plant_sim::simulation::DiskTrace{}, true);
+        const auto disk =
+            std::make_shared<SimulatedDisk>(seed, plant_sim::simulation::DiskTrace{}, plant_sim::simulation::SqliteLapse::journal_name_unnoticed);
         const LedgerOptions options = on(disk);
         {
             Ledger ledger("/runs/campaign.sqlite", options);
@@ -107,7 +108,7 @@ TEST_CASE("[BRG-700] what SQLite lets be: the name of its journal refused, and t
             disk->strike(kNameOfJournal + 5, DiskFault::power_cut);
             CHECK_THROWS_AS(ledger.finish(summary()), rig::record::LedgerError);
         }
-        disk->power_cycle();
+        disk->restart();
         try {
             (void)rig::record::read_ledger("/runs/campaign.sqlite", kCampaign.name, options);
         } catch (const rig::record::LedgerError& error) {

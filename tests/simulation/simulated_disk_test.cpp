@@ -44,7 +44,7 @@ TEST_CASE("[BRG-700] a power cut keeps what was synced, name and bytes, and draw
         CHECK(file->append(later) == 9000);
         (void)new_file(disk, "/unsynced");
         CHECK(content(disk, "/kept") == synced + later);
-        disk.power_cycle();
+        disk.restart();
         const std::string bytes = content(disk, "/kept");
         CHECK(bytes.starts_with(synced));
         CHECK(bytes.find_first_not_of(std::string("l\0", 2), synced.size()) == std::string::npos);
@@ -72,8 +72,8 @@ TEST_CASE("[BRG-700] a file written whole is all of the old bytes or all of the 
             } catch (const settings::Error&) {
                 said = false;
             }
-            if (disk.powered()) break;
-            disk.power_cycle();
+            if (disk.runs()) break;
+            disk.restart();
             const std::string bytes = content(disk, "/runs/summary");
             CHECK((bytes == after || (!said && bytes == before)));
         }
@@ -96,11 +96,30 @@ TEST_CASE("[BRG-700] a disk that is full, refuses or takes a part says so once, 
     CHECK(file->sync() == 0);
     CHECK(disk.sync_directory("/") == 0);
     CHECK(content(disk, "/file").size() == static_cast<std::size_t>(part));
-    CHECK(disk.struck() == std::array<std::uint64_t, 4>{0, 2, 1, 1});
+    CHECK(disk.struck() == std::array<std::uint64_t, 5>{0, 0, 2, 1, 1});
     disk.strike(1, DiskFault::power_cut);
     CHECK(file->append("x") == -EIO);
-    CHECK_FALSE(disk.powered());
+    CHECK_FALSE(disk.runs());
     CHECK(disk.open("/file").error == EIO);
-    disk.power_cycle();
+    disk.restart();
     CHECK(there(disk, "/file"));
+}
+
+TEST_CASE("[BRG-700] a killed program loses nothing that it wrote, until the power is cut", "[simulation]") {
+    std::set<std::string> left;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+        const SimulatedDisk disk(seed);
+        const auto file = new_file(disk, "/file");
+        CHECK(disk.sync_directory("/") == 0);
+        CHECK(file->append("abc") == 3);
+        disk.calm();
+        disk.strike(1, DiskFault::kill);
+        CHECK(file->sync() == EIO);
+        CHECK_FALSE(disk.runs());
+        disk.restart();
+        CHECK(content(disk, "/file") == "abc");
+        disk.restart();
+        left.insert(content(disk, "/file"));
+    }
+    CHECK(left.size() > 2);
 }

@@ -91,8 +91,7 @@ void create_directories(const fs::path& directory, const Storage& storage) {
         fs::path there = whole;
         while (!fs::exists(storage.status(there))) there = there.parent_path();
         // Whoever made it may have died, or been refused, before its name was on the disk. EACCES: made by somebody who may read what we may not.
-        if (const int error = storage.sync_directory(there.parent_path()); error != EACCES)
-            rejection.if_failed("directory cannot be stored", error);
+        if (const int error = storage.sync_directory(there.parent_path()); error != EACCES) rejection.if_failed("directory cannot be stored", error);
         create_directories(whole, storage, rejection);
     } catch (const fs::filesystem_error& error) {
         rejection.if_failed("cannot be created", error.code().value());
