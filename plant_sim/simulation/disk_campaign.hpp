@@ -1,8 +1,8 @@
 /// Campaigns of made maneuvers by the real recorder, summary and ledger on a simulated disk that fails, and what must hold after each failure.
 ///
 /// A campaign is run as `rig-bridge campaign` runs one: begin in the ledger, bus.log, summary.json, finish in the ledger, said to be finished. The
-/// program dies where the power is cut or it is killed, and ends where the disk refuses what it cannot do without; it is then started again, until the campaign
-/// is complete. A maneuver is frames that are numbered, each of which stands for a joule.
+/// program dies where the power is cut or it is killed, and ends where the disk refuses what it cannot do without; it is then started again, until
+/// the campaign is complete. A maneuver is frames that are numbered, each of which stands for a joule.
 #pragma once
 
 #include <cstdint>
