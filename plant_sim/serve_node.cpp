@@ -91,14 +91,14 @@ void ServeNode::await_bridge(const std::atomic<bool>& stop) {
 }
 
 void ServeNode::begin_together(const std::atomic<bool>& stop) {
-    constexpr Time kRepeat{100'000'000};
-    while (bridge_.done && bridge_.done() == rig::kNoTurns && !stop) clock_.sleep_until(clock_.now() + kRepeat / 100);
+    constexpr Time kResendAfter{100'000'000};
+    while (bridge_.done && bridge_.done() == rig::kNoTurns && !stop) clock_.sleep_until(clock_.now() + kResendAfter / 100);
     std::array<Frame, antiskid::can::RigPort::kMaxFrames + 1> frames{};
     std::size_t count = port_.due_frames(rig_.sample(), frames);
     frames[count++] = port_.sync(sync_++);
     while (port_.stats(Role::valve).accepted == commands_ && !stop) {
         for (std::size_t i = 0; i < count; ++i) (void)bus_.send(frames[i]);
-        for (const Time end = clock_.now() + kRepeat; port_.stats(Role::valve).accepted == commands_ && clock_.now() < end && !stop; receive())
+        for (const Time end = clock_.now() + kResendAfter; port_.stats(Role::valve).accepted == commands_ && clock_.now() < end && !stop; receive())
             bus_.wait(end - clock_.now());
     }
 }

@@ -24,7 +24,7 @@ wear::Model straight(double slope_perMJ = -4e-4, double deviation = 0.003) {
 }
 
 wear::Population line_population() {
-    wear::Population p = wear::population_of(straight());
+    wear::Population p = wear::brakes_like(straight());
     p.scatter = {0.6, 0.002, 0.002, 2e-4};
     p.spread = {0.0, 0.01, 1.0};
     return p;
