@@ -1,5 +1,5 @@
-// SQLite's files on a simulated disk. What its own unix VFS does with syncs of directories is done here, too: after the first sync of a journal,
-// where a failure is let be, and after a removal that asks for it.
+// SQLite's files on a simulated disk. What its own unix VFS does with syncs of directories is done here, too: after the first sync of a journal, made
+// or found there, where a failure is let be, and after a removal that asks for it.
 #include <sqlite3.h>
 
 #include <algorithm>
@@ -128,19 +128,17 @@ int open_file(sqlite3_vfs* vfs, const char* name, sqlite3_file* file, int flags,
     DiskState& disk = of(vfs);
     file->pMethods = nullptr;
     const std::string path = name == nullptr ? "" : name;
-    bool made = false;
     NodePointer node = path.empty() ? std::make_shared<Node>() : disk.find(path);
     if (!node && (flags & SQLITE_OPEN_CREATE) != 0) {
         if (const int error = disk.make(path, false); error != 0) return error == ENOSPC ? SQLITE_FULL : SQLITE_CANTOPEN;
         node = disk.find(path);
-        made = true;
     }
     if (!node || !disk.runs) return SQLITE_CANTOPEN;
     new (file) OpenFile{.base = {.pMethods = &kMethods},
                         .disk = &disk,
                         .node = std::move(node),
                         .path = path,
-                        .names_new = made && (flags & (SQLITE_OPEN_MAIN_JOURNAL | SQLITE_OPEN_SUPER_JOURNAL)) != 0,
+                        .names_new = (flags & SQLITE_OPEN_CREATE) != 0 && (flags & (SQLITE_OPEN_MAIN_JOURNAL | SQLITE_OPEN_SUPER_JOURNAL)) != 0,
                         .passing = (flags & SQLITE_OPEN_DELETEONCLOSE) != 0};
     if (out_flags != nullptr) *out_flags = flags;
     return SQLITE_OK;
