@@ -19,6 +19,7 @@ int run(int argc, char** argv) {
         plant_sim::lab::drive_verb(app),      //
         plant_sim::lab::compare_verb(app),    //
         plant_sim::lab::endurance_verb(app),  //
+        plant_sim::lab::simulate_verb(app),   //
         plant_sim::lab::soak_verb(app),       //
         plant_sim::lab::sweep_verb(app),      //
         plant_sim::lab::regulate_verb(app),   //

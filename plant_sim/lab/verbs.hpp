@@ -37,6 +37,8 @@ LabVerb drive_verb(CLI::App& lab);
 LabVerb compare_verb(CLI::App& lab);
 /// An endurance campaign in process.
 LabVerb endurance_verb(CLI::App& lab);
+/// Campaigns on a simulated disk that fails: what is lost.
+LabVerb simulate_verb(CLI::App& lab);
 /// Landings back to back: what creeps.
 LabVerb soak_verb(CLI::App& lab);
 /// The set-point study of Section VI.

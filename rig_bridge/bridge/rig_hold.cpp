@@ -80,15 +80,15 @@ std::string holder_text(const std::string& verb, const std::filesystem::path& re
 
 RigHold::RigHold(const std::vector<HoldPlace>& places, const std::string& who) {
     for (const HoldPlace& place : places) {
-        auto held = record::hold(place.file, who);
-        if (const record::HeldBy* const other = std::get_if<record::HeldBy>(&held)) throw RigHeld(rejection(place.what, other->who));
-        held_.push_back(std::move(std::get<std::unique_ptr<record::HeldFile>>(held)));
+        auto held = settings::PosixStorage{}.hold(place.file, who);
+        if (const settings::HeldBy* const other = std::get_if<settings::HeldBy>(&held)) throw RigHeld(rejection(place.what, other->who));
+        held_.push_back(std::move(std::get<std::unique_ptr<settings::File>>(held)));
     }
 }
 
 std::optional<std::string> rig_held(const std::vector<HoldPlace>& places) {
     for (const HoldPlace& place : places)
-        if (const auto other = record::held_by(place.file)) return rejection(place.what, other->who);
+        if (const auto other = settings::PosixStorage{}.held_by(place.file)) return rejection(place.what, other->who);
     return std::nullopt;
 }
 

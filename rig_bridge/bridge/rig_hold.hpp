@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "firmware/host/settings/storage.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/modbus/plc_address.hpp"
-#include "rig_bridge/record/held_file.hpp"
 
 namespace rig::bridge {
 
@@ -49,7 +49,7 @@ class RigHold {
     RigHold(const std::vector<HoldPlace>& places, const std::string& who);
 
   private:
-    std::vector<std::unique_ptr<record::HeldFile>> held_;
+    std::vector<std::unique_ptr<settings::File>> held_;
 };
 
 /// Somebody else has the rig.

@@ -1,12 +1,10 @@
 #include "rig_bridge/record/append_file.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 #include "firmware/host/settings/atomic_file.hpp"
 
@@ -17,22 +15,22 @@ namespace {
 constexpr std::size_t kBuffer = 1U << 16U;
 constexpr std::size_t kLongestLine = 4096;
 
-int create(const std::filesystem::path& path) {
-    if (path.has_parent_path()) settings::create_directories(path.parent_path());
-    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor < 0) throw std::runtime_error(path.string() + ": " + std::strerror(errno));
-    return descriptor;
+std::unique_ptr<settings::File> create(const std::filesystem::path& path, const settings::Storage& storage) {
+    if (path.has_parent_path()) settings::create_directories(path.parent_path(), storage);
+    settings::Opened opened = storage.create(path);
+    if (opened.error == 0) opened.error = storage.sync_directory(path.parent_path());
+    if (opened.error != 0) throw std::runtime_error(path.string() + ": " + std::strerror(opened.error));
+    return std::move(opened.file);
 }
 
 }  // namespace
 
-AppendFile::AppendFile(const std::filesystem::path& path) : path_(path), file_(create(path)) {
-    settings::sync_directory(path.parent_path());
+AppendFile::AppendFile(const std::filesystem::path& path, const settings::Storage& storage) : path_(path), file_(create(path, storage)) {
     buffer_.reserve(kBuffer);
 }
 
 AppendFile::~AppendFile() {
-    if (file_.is_open()) finish();
+    if (file_) finish();
 }
 
 void AppendFile::line(std::string_view text) {
@@ -57,17 +55,15 @@ void AppendFile::flush() {
     if (error_ != 0) return;
     std::size_t done = 0;
     while (done < buffer_.size()) {
-        const ssize_t written = ::write(file_.get(), buffer_.data() + done, buffer_.size() - done);
-        if (written < 0 && errno == EINTR) continue;
+        const std::int64_t written = file_->append({buffer_.data() + done, buffer_.size() - done});
         if (written <= 0) {
-            const int error = written < 0 ? errno : EIO;
             // Whole lines that did get to the disk count; the piece of one after them is cut off.
             const auto begin = buffer_.begin();
             const auto end = begin + static_cast<std::ptrdiff_t>(done);
             lines_in_buffer_ -= static_cast<std::uint64_t>(std::count(begin, end, '\n'));
             const auto last = std::find(std::make_reverse_iterator(end), std::make_reverse_iterator(begin), '\n').base();
             size_ += last - begin;
-            fail(error);
+            fail(written < 0 ? static_cast<int>(-written) : EIO);
             return;
         }
         done += static_cast<std::size_t>(written);
@@ -83,19 +79,21 @@ void AppendFile::fail(int error) {
     lines_in_buffer_ = 0;
     buffer_.clear();
     // Where this fails, too, the last line stays a piece: readers name it.
-    static_cast<void>(::ftruncate(file_.get(), size_) == 0);
+    static_cast<void>(file_->truncate(size_));
 }
 
 void AppendFile::sync() {
     flush();
-    if (error_ == 0 && ::fdatasync(file_.get()) != 0) error_ = errno;
+    if (error_ == 0) error_ = file_->sync();
 }
 
 bool AppendFile::finish() {
-    if (!file_.is_open()) return error_ == 0;
+    if (!file_) return error_ == 0;
     flush();
-    if (::fsync(file_.get()) != 0 && error_ == 0) error_ = errno;
-    if (!file_.close() && error_ == 0) error_ = errno;
+    const int synced = file_->sync();
+    const int closed = file_->close();
+    if (error_ == 0) error_ = synced != 0 ? synced : closed;
+    file_.reset();
     return error_ == 0 && missing_ == 0;
 }
 

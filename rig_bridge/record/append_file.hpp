@@ -4,11 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "firmware/host/settings/file_descriptor.hpp"
+#include "firmware/host/settings/storage.hpp"
 #include "rig_bridge/record/line_file.hpp"
 
 namespace rig::record {
@@ -17,14 +18,14 @@ class AppendFile final : public LineFile {
   public:
     /// Makes a new file; missing parent directories are created. That it is there survives a power cut. Throws std::runtime_error naming
     /// `path` when it is there already or cannot be made.
-    explicit AppendFile(const std::filesystem::path& path);
+    explicit AppendFile(const std::filesystem::path& path, const settings::Storage& storage = settings::PosixStorage{});
     /// As finish().
     ~AppendFile() override;
 
     /// Calls the kernel once the buffer is full.
     void line(std::string_view text) override;
     void flush() override;
-    /// As flush(), then fdatasync: what was written survives a power cut.
+    /// As flush(), then told to the disk: what was written survives a power cut.
     void sync();
     bool finish() override;
 
@@ -36,7 +37,7 @@ class AppendFile final : public LineFile {
     void fail(int error);
 
     std::filesystem::path path_;
-    settings::FileDescriptor file_;
+    std::unique_ptr<settings::File> file_;  // none: finished
     std::vector<char> buffer_;
     std::uint64_t lines_ = 0;
     std::uint64_t lines_in_buffer_ = 0;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <system_error>
@@ -24,10 +25,10 @@ std::string_view state_of(const Summary& summary) {
     return summary.outcome == "finished" ? "finished" : "aborted";
 }
 
-std::filesystem::path make_parent(const std::filesystem::path& path) {
+std::filesystem::path make_parent(const std::filesystem::path& path, const settings::Storage& storage) {
     if (!path.has_parent_path()) return path;
     try {
-        settings::create_directories(path.parent_path());
+        settings::create_directories(path.parent_path(), storage);
     } catch (const settings::Error& error) {
         throw LedgerError(error.what());
     }
@@ -55,7 +56,10 @@ std::string lock_file(const std::filesystem::path& ledger) {
 }  // namespace
 
 Ledger::Impl::Impl(const std::filesystem::path& ledger, const LedgerOptions& options)
-    : path(make_parent(ledger)), lock(ledger), database(ledger, LedgerDatabase::Access::write, options) {}
+    : storage(options.storage),
+      path(make_parent(ledger, *storage)),
+      lock(ledger, *storage),
+      database(ledger, LedgerDatabase::Access::write, options) {}
 
 Ledger::Ledger(const std::filesystem::path& path, const LedgerOptions& options) : impl_(std::make_unique<Impl>(path, options)) {}
 Ledger::~Ledger() = default;
@@ -167,8 +171,13 @@ void Ledger::Impl::leave_unfinished(std::int64_t row, const std::optional<Summar
 
 std::optional<Summary> Ledger::Impl::whole_summary(const std::filesystem::path& folder, std::int64_t number) const {
     try {
-        Summary summary = read_summary(folder / "summary.json");
-        if (summary.campaign == campaign.name && summary.number == number) return summary;
+        Summary summary = read_summary(folder / "summary.json", *storage);
+        if (summary.campaign == campaign.name && summary.number == number) {
+            // Whoever wrote it may have died before its name was on the disk, and the row that it makes is not to outlive it.
+            if (const int error = storage->sync_directory(folder); error != 0)
+                throw LedgerError((folder / "summary.json").string() + ": " + std::strerror(error));
+            return summary;
+        }
     } catch (const settings::Error&) {
         // Not there, or not whole: the maneuver did not come to its end.
     }
@@ -301,11 +310,11 @@ void Ledger::mark_unfinished(const std::optional<Summary>& known) {
     transaction.commit();
 }
 
-std::unique_ptr<HeldFile> LedgerLock::take(const std::filesystem::path& ledger) {
+std::unique_ptr<settings::File> LedgerLock::take(const std::filesystem::path& ledger, const settings::Storage& storage) {
     try {
-        auto held = hold(lock_file(ledger), "process " + std::to_string(getpid()));
-        if (auto* const mine = std::get_if<std::unique_ptr<HeldFile>>(&held)) return std::move(*mine);
-        const std::string& who = std::get<HeldBy>(held).who;
+        auto held = storage.hold(lock_file(ledger), "process " + std::to_string(getpid()));
+        if (auto* const mine = std::get_if<std::unique_ptr<settings::File>>(&held)) return std::move(*mine);
+        const std::string& who = std::get<settings::HeldBy>(held).who;
         throw LedgerError(ledger.string() + ": is held by another program" + (who.empty() ? "" : " (" + who + ")") +
                           "; one bridge at a time may run campaigns on it");
     } catch (const std::system_error& error) {
@@ -315,7 +324,7 @@ std::unique_ptr<HeldFile> LedgerLock::take(const std::filesystem::path& ledger) 
 
 std::optional<std::string> held_by_another(const std::filesystem::path& path) {
     try {
-        const LedgerLock lock(path);
+        const LedgerLock lock(path, settings::PosixStorage{});
         return std::nullopt;
     } catch (const LedgerError& error) {
         return error.what();
@@ -323,7 +332,7 @@ std::optional<std::string> held_by_another(const std::filesystem::path& path) {
 }
 
 bool is_held(const std::filesystem::path& path) {
-    return held_by(lock_file(path)).has_value();
+    return settings::PosixStorage{}.held_by(lock_file(path)).has_value();
 }
 
 }  // namespace rig::record

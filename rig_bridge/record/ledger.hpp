@@ -1,4 +1,6 @@
-/// The campaign ledger: an SQLite file with a row for every maneuver, which survives SIGKILL, power cuts and full disks.
+/// The campaign ledger: an SQLite file with a row for every maneuver. What begin() and finish() have returned from survives SIGKILL, a power cut at
+/// any write and a full disk, where the disk keeps what it says that it has stored. One case is open, SQLite's own: the disk refuses the sync of
+/// the directory with a new journal, and the power is cut in the same commit. The ledger may then be damaged, and whoever opens it says so.
 ///
 ///     Ledger ledger("runs/campaign.sqlite");
 ///     ledger.open_campaign(campaign, IfChanged::refuse);      // new, or resumed; settles what a killed bridge left
@@ -30,16 +32,23 @@
 #include <string>
 #include <vector>
 
+#include "firmware/host/settings/storage.hpp"
 #include "rig_bridge/record/health.hpp"
 #include "rig_bridge/record/summary.hpp"
 
 namespace rig::record {
 
 /// The ledger could not be read or written: disk full, held by somebody else, damaged. `what()` names the file. Nothing of the
-/// operation is in the ledger then.
+/// operation is in the ledger then, but for LedgerInDoubt.
 class LedgerError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
+};
+
+/// The disk refused the last step, which makes that the rest survives a power cut: the operation may be in the ledger or not.
+class LedgerInDoubt : public LedgerError {
+  public:
+    using LedgerError::LedgerError;
 };
 
 struct Campaign {
@@ -99,6 +108,7 @@ struct LedgerOptions {
     /// False: commits are not waited for (a run in process that can be repeated). SIGKILL does no harm even then; a power cut may.
     bool durable = true;
     int busy_timeout_ms = 5000;  ///< how long a reader may be in the way
+    std::shared_ptr<const settings::Storage> storage = std::make_shared<settings::PosixStorage>();
 };
 
 /// What the log of an attempt's folder says: outcome, figures and warnings; none when there is no braking in it.
@@ -161,9 +171,9 @@ class Ledger {
 
 /// Every row of a campaign, oldest first, without taking the lock; a ledger of an older schema is read and left as it is. Throws
 /// settings::Error when the file is no ledger, is of a newer schema or has no such campaign.
-[[nodiscard]] std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std::string& campaign);
+[[nodiscard]] std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std::string& campaign, const LedgerOptions& options = {});
 /// The campaigns of a ledger, oldest first.
-[[nodiscard]] std::vector<Campaign> read_campaigns(const std::filesystem::path& path);
+[[nodiscard]] std::vector<Campaign> read_campaigns(const std::filesystem::path& path, const LedgerOptions& options = {});
 
 /// Whether a bridge has this ledger open for writing. Leaves no trace.
 [[nodiscard]] bool is_held(const std::filesystem::path& path);

@@ -13,6 +13,8 @@ namespace {
 constexpr std::int64_t kApplicationId = 0x41534c47;  // "ASLG"
 
 [[noreturn]] void fail(sqlite3* database, const std::string& path, int code) {
+    if (code == SQLITE_IOERR_DIR_FSYNC)
+        throw LedgerInDoubt(path + ": the disk refused the last step, and the operation may be in the ledger or not; the next start sees which");
     std::string why;
     switch (code & 0xFF) {
         case SQLITE_FULL:
@@ -178,9 +180,9 @@ double Statement::real(int column) const {
 
 LedgerDatabase::LedgerDatabase(const std::filesystem::path& path, Access access, const LedgerOptions& options) : path_(path.string()) {
     const int flags = access == Access::write ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READWRITE;
-    if (access == Access::read && !std::filesystem::exists(path)) throw settings::Error(path_, 0, "", "no such ledger");
+    if (access == Access::read && !std::filesystem::exists(options.storage->status(path))) throw settings::Error(path_, 0, "", "no such ledger");
     sqlite3* database = nullptr;
-    const int code = sqlite3_open_v2(path_.c_str(), &database, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+    const int code = sqlite3_open_v2(path_.c_str(), &database, flags | SQLITE_OPEN_NOMUTEX, options.storage->sqlite_vfs());
     database_.reset(database);
     if (code != SQLITE_OK) fail(database, path_, code);
     sqlite3_extended_result_codes(database, 1);

@@ -6,7 +6,6 @@
 #include <optional>
 #include <string_view>
 
-#include "rig_bridge/record/held_file.hpp"
 #include "rig_bridge/record/ledger.hpp"
 #include "rig_bridge/record/ledger_database.hpp"
 
@@ -17,11 +16,11 @@ namespace rig::record {
 class LedgerLock {
   public:
     /// Throws LedgerError naming the process that has it.
-    explicit LedgerLock(const std::filesystem::path& ledger) : file_(take(ledger)) {}
+    LedgerLock(const std::filesystem::path& ledger, const settings::Storage& storage) : file_(take(ledger, storage)) {}
 
   private:
-    [[nodiscard]] static std::unique_ptr<HeldFile> take(const std::filesystem::path& ledger);
-    std::unique_ptr<HeldFile> file_;
+    [[nodiscard]] static std::unique_ptr<settings::File> take(const std::filesystem::path& ledger, const settings::Storage& storage);
+    std::unique_ptr<settings::File> file_;
 };
 
 struct Ledger::Impl {
@@ -36,6 +35,7 @@ struct Ledger::Impl {
         if (id == 0) throw LedgerError(path.string() + ": no campaign is open");
     }
 
+    std::shared_ptr<const settings::Storage> storage;
     std::filesystem::path path;
     LedgerLock lock;
     LedgerDatabase database;

@@ -136,12 +136,12 @@ Campaign LedgerDatabase::read_campaign(const Statement& row) {
     return campaign;
 }
 
-std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std::string& campaign) {
-    const LedgerDatabase database(path, LedgerDatabase::Access::read, {});
+std::vector<LedgerRow> read_ledger(const std::filesystem::path& path, const std::string& campaign, const LedgerOptions& options) {
+    const LedgerDatabase database(path, LedgerDatabase::Access::read, options);
     Statement find = database.prepare("SELECT id FROM campaigns WHERE name = ?1");
     if (!find.bind(1, campaign).step()) {
         std::string known;
-        for (const Campaign& other : read_campaigns(path)) known += (known.empty() ? "" : ", ") + other.name;
+        for (const Campaign& other : read_campaigns(path, options)) known += (known.empty() ? "" : ", ") + other.name;
         throw settings::Error(path.string(), 0, "", "has no campaign '" + campaign + "'" + (known.empty() ? "" : "; it has " + known));
     }
     return read_rows(database, path, campaign, find.integer(0));
@@ -155,8 +155,8 @@ std::vector<LedgerRow> read_rows(const LedgerDatabase& database, const std::file
     return all;
 }
 
-std::vector<Campaign> read_campaigns(const std::filesystem::path& path) {
-    const LedgerDatabase database(path, LedgerDatabase::Access::read, {});
+std::vector<Campaign> read_campaigns(const std::filesystem::path& path, const LedgerOptions& options) {
+    const LedgerDatabase database(path, LedgerDatabase::Access::read, options);
     Statement rows = database.prepare(fmt::format("SELECT {} FROM campaigns ORDER BY id", LedgerDatabase::kCampaignColumns));
     std::vector<Campaign> all;
     while (rows.step()) all.push_back(LedgerDatabase::read_campaign(rows));

@@ -5,7 +5,8 @@
 
 namespace rig::record {
 
-LiveFile::LiveFile(const std::filesystem::path& path, LiveFileOptions options) : options_(std::move(options)), path_(path), file_(path) {
+LiveFile::LiveFile(const std::filesystem::path& path, LiveFileOptions options, const settings::Storage& storage)
+    : options_(std::move(options)), path_(path), file_(path, storage) {
     queue_.reserve(options_.queue_bytes);
     being_written_.reserve(options_.queue_bytes);
     thread_ = std::thread([this] { run(); });

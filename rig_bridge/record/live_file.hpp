@@ -25,7 +25,7 @@ struct LiveFileOptions {
 class LiveFile final : public LineFile {
   public:
     /// As AppendFile.
-    explicit LiveFile(const std::filesystem::path& path, LiveFileOptions options = {});
+    explicit LiveFile(const std::filesystem::path& path, LiveFileOptions options = {}, const settings::Storage& storage = settings::PosixStorage{});
     ~LiveFile() override;
 
     /// Waits for no disk.

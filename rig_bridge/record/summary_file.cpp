@@ -21,8 +21,8 @@ constexpr std::string_view kFormat = "antiskid maneuver summary 1";
 
 class Reader {
   public:
-    explicit Reader(const std::filesystem::path& path) : path_(path.string()) {
-        root_ = ordered_json::parse(settings::read_file(path), nullptr, false);
+    Reader(const std::filesystem::path& path, const settings::Storage& storage) : path_(path.string()) {
+        root_ = ordered_json::parse(settings::read_file(path, settings::kMaxSettings, storage), nullptr, false);
         if (root_.is_discarded() || !root_.is_object()) throw settings::Error(path_, 0, "", "is no whole JSON object: expected a maneuver's summary");
     }
 
@@ -82,7 +82,7 @@ class Reader {
 
 }  // namespace
 
-void write_summary(const std::filesystem::path& path, const Summary& summary) {
+void write_summary(const std::filesystem::path& path, const Summary& summary, const settings::Storage& storage) {
     ordered_json json;
     json["format"] = kFormat;
     json["campaign"] = summary.campaign;
@@ -102,11 +102,11 @@ void write_summary(const std::filesystem::path& path, const Summary& summary) {
     json["seed"] = summary.seed;
     json["version"] = summary.version;
     json["config_hash"] = summary.config_hash;
-    settings::write_file(path, json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+    settings::write_file(path, json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n", storage);
 }
 
-Summary read_summary(const std::filesystem::path& path) {
-    Reader reader(path);
+Summary read_summary(const std::filesystem::path& path, const settings::Storage& storage) {
+    Reader reader(path, storage);
     if (reader.text("format") != kFormat) reader.wrong("format", "\"" + std::string(kFormat) + "\"");
     Summary summary;
     summary.campaign = reader.text("campaign");

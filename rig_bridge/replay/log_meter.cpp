@@ -93,9 +93,7 @@ MeteredLog meter_log(const fs::path& log, const antiskid::can::Layout& layout, c
                    .frames = reader.frames(),
                    .lines = reader.lines()};
     if (cut_off) add_what_followed(out, meter.meter(), phase, found_rig(log.parent_path() / kFoundLog, frame.frame.received, layout, parameters));
-    constexpr std::array kDamage{LogTrouble::unfinished_line, LogTrouble::malformed_line, LogTrouble::not_text, LogTrouble::damaged_file};
-    for (const LogTrouble trouble : kDamage)
-        if (const std::uint64_t n = warnings.count(trouble); n != 0) out.warnings.push_back(fmt::format("log_damaged: {} {}", name(trouble), n));
+    for (std::string& damage : warnings.damage()) out.warnings.push_back(std::move(damage));
     return out;
 }
 

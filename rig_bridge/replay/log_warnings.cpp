@@ -48,6 +48,15 @@ bool LogWarnings::any() const {
     return std::any_of(counts_.begin(), counts_.end(), [](std::uint64_t n) { return n != 0; });
 }
 
+std::vector<std::string> LogWarnings::damage() const {
+    std::vector<std::string> all;
+    constexpr std::array kDamage{LogTrouble::unfinished_line, LogTrouble::malformed_line, LogTrouble::not_text, LogTrouble::long_line,
+                                 LogTrouble::damaged_file};
+    for (const LogTrouble trouble : kDamage)
+        if (const std::uint64_t n = count(trouble); n != 0) all.push_back(fmt::format("log_damaged: {} {}", name(trouble), n));
+    return all;
+}
+
 std::string LogWarnings::summary() const {
     std::string text;
     for (std::size_t i = 0; i < counts_.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace rig::replay {
 
@@ -52,6 +53,8 @@ class LogWarnings {
 
     [[nodiscard]] std::uint64_t count(LogTrouble trouble) const { return counts_[static_cast<std::size_t>(trouble)]; }
     [[nodiscard]] bool any() const;
+    /// What says that the log is not as its recorder wrote it: "log_damaged: unfinished_line 1", one each. A sector of zeros is a long line.
+    [[nodiscard]] std::vector<std::string> damage() const;
     /// "malformed_line 12, foreign_id 40000", empty when there is nothing.
     [[nodiscard]] std::string summary() const;
 

@@ -127,6 +127,10 @@ TEST_CASE("a log that is cut off gives all before the cut and says so", "[BRG-30
     const Reading torn(dir.write("bus.log", text.substr(0, text.size() - 30)));
     CHECK(torn.frames.size() == 19'999);
     CHECK(torn.said.size() == 1);
+    std::string hole = text;  // two sectors that a power cut took
+    hole.replace(8192, 8192, 8192, '\0');
+    const Reading holed(dir.write("bus.log", hole));
+    CHECK(holed.warnings.damage() == std::vector<std::string>{"log_damaged: long_line 1"});
     const std::string packed = can_test::contents(write_gzip(dir.write("z", "").parent_path() / "a.gz", text));
     const Reading cut(dir.write("cut.gz", packed.substr(0, packed.size() / 2)));
     CHECK(cut.warnings.count(LogTrouble::damaged_file) == 1);

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "firmware/host/settings/error.hpp"
+#include "firmware/host/settings/storage.hpp"
 
 namespace settings {
 
@@ -13,13 +14,10 @@ namespace settings {
 /// Missing parent directories are created. A symbolic link is followed. Error naming `path` when anything
 /// fails, and when `path` is there but is no regular file (a rename would replace a device or a pipe); the
 /// temporary file is then removed. Permissions are 0666 less the umask.
-void write_file(const std::filesystem::path& path, std::string_view bytes);
+void write_file(const std::filesystem::path& path, std::string_view bytes, const Storage& storage = PosixStorage{});
 
 /// `directory` with its missing parents, each fsynced in its own parent: a power cut does not take them away with what is in them. Error
 /// naming `directory`.
-void create_directories(const std::filesystem::path& directory);
-
-/// The names in `directory` are on the disk: for a file that was made in it. Error naming `directory`.
-void sync_directory(const std::filesystem::path& directory);
+void create_directories(const std::filesystem::path& directory, const Storage& storage = PosixStorage{});
 
 }  // namespace settings

@@ -1,0 +1,105 @@
+/// What SimulatedDisk and its SQLite VFS share: files, names, the cache, and what strikes.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "plant_sim/simulation/simulated_disk.hpp"
+#include "rig_bridge/wear/draw.hpp"
+
+namespace plant_sim::simulation {
+
+/// A write, or where `cuts` a truncation to `offset`.
+struct FileChange {
+    std::size_t offset = 0;
+    std::string bytes{};
+    bool cuts = false;
+};
+
+struct Node {
+    bool directory = false;
+    std::string now{};     // as programs see it
+    std::string stored{};  // on the disk
+    std::vector<FileChange> cached{};
+};
+using NodePointer = std::shared_ptr<Node>;
+
+/// `removed` and `added` may be empty; both are in one directory.
+struct NameChange {
+    std::string directory;
+    std::string removed{};
+    std::string added{};
+    NodePointer node{};
+};
+
+struct Strike {
+    std::uint64_t at;
+    DiskFault fault;
+    std::uint64_t lasts;
+};
+
+struct DiskState {
+    DiskState(std::uint64_t seed, DiskTrace sink);
+
+    [[nodiscard]] NodePointer find(const std::string& path) const;
+    /// Counts how many bytes, or the negative of an errno.
+    std::int64_t write(Node& node, const std::string& path, std::size_t offset, std::string_view bytes);
+    int truncate(Node& node, const std::string& path, std::size_t size);
+    int sync(Node& node, const std::string& path);
+    int make(const std::string& path, bool directory);
+    int remove(const std::string& path);
+    int rename(const std::string& from, const std::string& to);
+    /// `refusable`: only a power cut or a kill befalls it otherwise.
+    int sync_directory(const std::string& path, bool refusable = true);
+    void restart();
+
+    wear::Generator generator;
+    DiskTrace trace;
+    std::size_t sector;
+    bool runs = true;
+    SqliteLapse lapse = SqliteLapse::none;
+    std::uint64_t operations = 0;
+    std::uint64_t since_restart = 0;
+    std::vector<Strike> strikes{};
+    std::array<std::uint64_t, kDiskFaultNames.size()> struck{};
+    std::map<std::string, NodePointer> names{};
+    std::set<std::string> held{};
+
+  private:
+    enum class Kind : std::uint8_t { write, create, sync, must_not_fail, other };
+    /// The fault that befalls this operation, if one does.
+    std::optional<DiskFault> next(Kind kind);
+    int said(std::string_view what, const std::string& path, int error) const;
+    /// A create, rename or removal.
+    int change_name(Kind kind, std::string_view what, const NameChange& change);
+    void apply(const NameChange& change, std::map<std::string, NodePointer>& to) const;
+    void keep_some(Node& node, double share);
+    void lose_cache();
+    bool happens(double chance) { return wear::uniform(generator) < chance; }
+
+    bool killed_ = false;
+    std::map<std::string, NodePointer> stored_names_{};
+    std::vector<NameChange> cached_names_{};
+    std::vector<NodePointer> nodes_{};  // oldest first: that a cut draws for them in the same order
+};
+
+/// Its VFS under `name`, until it goes.
+class DiskVfs {
+  public:
+    DiskVfs(DiskState& state, std::string name);
+    ~DiskVfs();
+    DiskVfs(const DiskVfs&) = delete;
+    DiskVfs& operator=(const DiskVfs&) = delete;
+    [[nodiscard]] const char* name() const { return name_.c_str(); }
+
+  private:
+    struct Registered;
+    std::string name_;
+    std::unique_ptr<Registered> registered_;
+};
+
+}  // namespace plant_sim::simulation
