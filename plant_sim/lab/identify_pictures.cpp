@@ -93,7 +93,7 @@ plot $data using 'current_mA':'rising_error_kPa' with points ls 3 notitle, \
 }
 
 std::string draw_valve(const identification::ValveResiduals& r, const fs::path& directory) {
-    const std::string name = "valve_" + r.recording + ".png";
+    std::string name = "valve_" + r.recording + ".png";
     auto table = settings::TextTable::csv("time_s:.3f|current_mA:.3f|measured_MPa:.5f|modelled_MPa:.5f|error_kPa:.3f");
     // As many points as the picture has columns twice over show everything; steps need theirs.
     const std::size_t every = std::max<std::size_t>(1, r.time_s.size() / 12000);
@@ -139,7 +139,7 @@ plot $data using 'time_s':'stop_mmps' with points ls 3 notitle, keyentry with po
 }
 
 std::string draw_friction(const identification::FrictionFit& f, const fs::path& directory) {
-    const std::string name = "friction_" + f.surface + ".png";
+    std::string name = "friction_" + f.surface + ".png";
     auto table = settings::TextTable::csv("slip:.6f|mu:.6f|error:.6f|deviation:.6f");
     const rig::Surface curve = f.curve();
     for (std::size_t k = 0; k < f.slip.size(); ++k) table.add(f.slip[k], f.mu[k], f.mu[k] - rig::friction(curve, f.slip[k]).mu, f.deviation[k]);

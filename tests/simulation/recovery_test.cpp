@@ -41,7 +41,7 @@ rig::record::Summary summary() {
 
 }  // namespace
 
-TEST_CASE("[BRG-700] a summary that a dead bridge left is on the disk before its maneuver is finished", "[simulation]") {
+TEST_CASE("a summary that a dead bridge left is on the disk before its maneuver is finished", "[BRG-700]") {
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
         const auto disk = std::make_shared<SimulatedDisk>(seed);
         std::filesystem::path file;
@@ -58,7 +58,7 @@ TEST_CASE("[BRG-700] a summary that a dead bridge left is on the disk before its
     }
 }
 
-TEST_CASE("[BRG-700] a directory that was there, but not on the disk, is so before anything counts on it", "[simulation]") {
+TEST_CASE("a directory that was there, but not on the disk, is so before anything counts on it", "[BRG-700]") {
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
         const auto disk = std::make_shared<SimulatedDisk>(seed);
         REQUIRE(disk->make_directory("/runs") == 0);
@@ -69,7 +69,7 @@ TEST_CASE("[BRG-700] a directory that was there, but not on the disk, is so befo
     }
 }
 
-TEST_CASE("[BRG-700] what the ledger refused is not in it, and what may be in it is named", "[simulation]") {
+TEST_CASE("what the ledger refused is not in it, and what may be in it is named", "[BRG-700]") {
     bool in_doubt = false;
     bool refused = false;
     for (std::uint64_t at = 1;; ++at) {
@@ -93,7 +93,7 @@ TEST_CASE("[BRG-700] what the ledger refused is not in it, and what may be in it
     CHECK(refused);
 }
 
-TEST_CASE("[BRG-700] what SQLite lets be: the name of its journal refused, and the power cut in the same commit", "[simulation]") {
+TEST_CASE("what SQLite lets be: the name of its journal refused, and the power cut in the same commit", "[BRG-700]") {
     int damaged = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
         const auto disk =

@@ -30,7 +30,7 @@ std::unique_ptr<settings::File> new_file(const SimulatedDisk& disk, const std::s
 
 }  // namespace
 
-TEST_CASE("[BRG-700] a power cut keeps what was synced, name and bytes, and draws for the rest", "[simulation]") {
+TEST_CASE("a power cut keeps what was synced, name and bytes, and draws for the rest", "[BRG-700]") {
     const std::string synced(3000, 's');
     const std::string later(9000, 'l');
     std::set<std::string> left;
@@ -57,7 +57,7 @@ TEST_CASE("[BRG-700] a power cut keeps what was synced, name and bytes, and draw
     CHECK(unsynced_name.size() == 2);
 }
 
-TEST_CASE("[BRG-700] a file written whole is all of the old bytes or all of the new, wherever the power is cut", "[simulation]") {
+TEST_CASE("a file written whole is all of the old bytes or all of the new, wherever the power is cut", "[BRG-700]") {
     const std::string before(5000, 'o');
     const std::string after(7000, 'n');
     for (std::uint64_t seed = 1; seed <= 50; ++seed) {
@@ -80,7 +80,7 @@ TEST_CASE("[BRG-700] a file written whole is all of the old bytes or all of the 
     }
 }
 
-TEST_CASE("[BRG-700] a disk that is full, refuses or takes a part says so once, where it was asked to", "[simulation]") {
+TEST_CASE("a disk that is full, refuses or takes a part says so once, where it was asked to", "[BRG-700]") {
     const SimulatedDisk disk(3);
     const auto file = new_file(disk, "/file");
     disk.calm();
@@ -105,7 +105,7 @@ TEST_CASE("[BRG-700] a disk that is full, refuses or takes a part says so once, 
     CHECK(there(disk, "/file"));
 }
 
-TEST_CASE("[BRG-700] a killed program loses nothing that it wrote, until the power is cut", "[simulation]") {
+TEST_CASE("a killed program loses nothing that it wrote, until the power is cut", "[BRG-700]") {
     std::set<std::string> left;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
         const SimulatedDisk disk(seed);
