@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/wear/arena.hpp"
