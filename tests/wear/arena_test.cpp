@@ -1,5 +1,8 @@
 #include "plant_sim/wear/arena.hpp"
 
+#include <cmath>
+#include <numbers>
+
 #include "tests/catch.hpp"
 
 namespace {
@@ -41,4 +44,18 @@ TEST_CASE("nobody is better than the oracle, whatever the number of threads", "[
         CHECK(one.across.value().at(e).crps == two.across.value().at(e).crps);
         for (std::size_t k = 0; k < kTenths; ++k) CHECK(one.within.at(e).left.at(k).pinball == two.within.at(e).left.at(k).pinball);
     }
+}
+
+TEST_CASE("scores of who knows the truth are those of a normal distribution in closed form", "[WEAR-070]") {
+    Plan plan = small_plan(2);
+    plan.judged_lives = 12;
+    const Result result = run(plan);
+    const Score& oracle = result.within.at(static_cast<std::size_t>(Entrant::oracle));
+    CHECK(oracle.crps == Approx(Brake::kFresh / std::sqrt(std::numbers::pi)).epsilon(0.05));
+    CHECK(oracle.log_score == Approx(0.5 * std::log(2.0 * std::numbers::pi * std::numbers::e) + std::log(Brake::kFresh)).margin(0.05));
+    CHECK(oracle.pit < 0.04);  // 1.63 over the root of some 1,900 readings: 1 of 100
+    double held = 0.0;
+    for (const LeftScore& left : oracle.left) held += left.held / kTenths;
+    CHECK(held > 0.7);
+    CHECK(held < 0.9);
 }
