@@ -7,6 +7,7 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/wear/arena.hpp"
 #include "rig_bridge/wear/on_threads.hpp"
@@ -21,21 +22,20 @@ using Scores = std::array<wear::arena::Score, wear::arena::kEntrantNames.size()>
 constexpr const char* kMadeUp = "lives made up by the laws of plant_sim/wear/rival_laws.hpp";
 
 std::string table_of(const Scores& scores) {
-    std::string out = fmt::format("{:>14}{:>10}{:>10}{:>8}\n", "next friction", "CRPS", "log", "PIT");
-    for (std::size_t e = 0; e < scores.size(); ++e) {
-        const wear::arena::Score& s = scores.at(e);
-        out += fmt::format("{:>14}{:>10.5f}{:>10.3f}{:>8.3f}\n", wear::arena::kEntrantNames.at(e), s.crps, s.log_score, s.pit);
-    }
+    auto next = settings::TextTable::screen("next friction:>14|CRPS:>10.5f|log:>10.3f|PIT:>8.3f");
+    for (std::size_t e = 0; e < scores.size(); ++e)
+        next.add(wear::arena::kEntrantNames.at(e), scores.at(e).crps, scores.at(e).log_score, scores.at(e).pit);
+    std::string out = next.text();
     const auto block = [&](const char* title, int digits, double wear::arena::LeftScore::*value) {
-        out += fmt::format("{:>14}", title);
-        for (std::size_t k = 0; k < wear::arena::kTenths; ++k) out += fmt::format("{:>6} %", 10 * (k + 1));
-        out += "\n";
+        std::string columns = fmt::format("{}:>14", title);
+        for (std::size_t k = 0; k < wear::arena::kTenths; ++k) columns += fmt::format("|{} %:>8.{}f", 10 * (k + 1), digits);
+        auto table = settings::TextTable::screen(columns);
         for (std::size_t e = 0; e < scores.size(); ++e) {
             if (!scores.at(e).forecasts) continue;
-            out += fmt::format("{:>14}", wear::arena::kEntrantNames.at(e));
-            for (const wear::arena::LeftScore& left : scores.at(e).left) out += fmt::format("{:>8.{}f}", left.*value, digits);
-            out += "\n";
+            table.add(wear::arena::kEntrantNames.at(e));
+            for (const wear::arena::LeftScore& left : scores.at(e).left) table.add(left.*value);
         }
+        out += table.text();
     };
     block("80 % holds", 2, &wear::arena::LeftScore::held);
     block("its width", 1, &wear::arena::LeftScore::width);

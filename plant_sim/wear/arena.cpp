@@ -1,6 +1,7 @@
 #include "plant_sim/wear/arena.hpp"
 
 #include <algorithm>
+#include <boost/math/distributions/lognormal.hpp>
 #include <cmath>
 #include <numbers>
 
@@ -125,17 +126,10 @@ Trained train(const Plan& plan, Law law) {
 
 /// Landings left of a lognormal life that is longer than `landed`.
 Quantiles lognormal_left(const Trained& t, double landed) {
+    const boost::math::lognormal life(t.log_life, t.log_life_deviation);
+    const double longer = boost::math::cdf(complement(life, landed));
     Quantiles out{};
-    const double passed = cumulative((std::log(landed) - t.log_life) / t.log_life_deviation);
-    for (std::size_t q = 0; q < out.size(); ++q) {
-        const double wanted = passed + (1.0 - passed) * kShares.at(q);
-        double low = std::log(landed), high = low + 5.0;
-        for (int i = 0; i < 50; ++i) {
-            const double middle = 0.5 * (low + high);
-            (cumulative((middle - t.log_life) / t.log_life_deviation) < wanted ? low : high) = middle;
-        }
-        out.at(q) = std::exp(high) - landed;
-    }
+    for (std::size_t q = 0; q < out.size(); ++q) out.at(q) = boost::math::quantile(complement(life, longer * (1.0 - kShares.at(q)))) - landed;
     return out;
 }
 
