@@ -24,8 +24,8 @@ class BrakedWheel {
         state_.omega_radps = (1.0 - slip) * v_mps / forces().radius_m;
         state_.held = false;
         const double pressure_Pa = balance_Pa();
-        constexpr double kSettled_s = 1.0;
-        for (double t = 0.0; t < kSettled_s; t += step_s) valve_.advance(pressure_Pa, pressure_Pa);
+        constexpr int kSettled = 1000;  // steps
+        for (int i = 0; i < kSettled; ++i) valve_.advance(pressure_Pa, pressure_Pa);
     }
 
     void meet(const rig::Surface& surface) { wheel_.set_tyre(surface.law()); }
@@ -70,7 +70,7 @@ double soonest_j_mu(const rig::RigParameters& rig, const antiskid::control::Slip
     // Until the slip rises no more, which it does not before the valve's delay either. Returns whether it was more than it should be.
     const auto release = [&](BrakedWheel& w) {
         double slip = 0.0;
-        for (double t = 0.0; t < rig.valve.delay_s + 2.0 * period_s || w.forces().slip > slip; t += period_s) {
+        for (int i = 0; i * period_s < rig.valve.delay_s + 2.0 * period_s || w.forces().slip > slip; ++i) {
             slip = w.forces().slip;
             w.step(0.0);
             if (has_more(w)) return true;
