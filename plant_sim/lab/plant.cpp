@@ -84,7 +84,7 @@ struct PlantCommand {
         if (!interface.empty()) options.interface = interface;
         options.layout = &loaded.layout;
         rig::replay::LogReader reader(log, options, warnings);
-        validation::MeasuredSignals signals(reader, loaded.layout, std::chrono::duration<double>(loaded.period).count());
+        rig::replay::MeasuredSignals signals(reader, loaded.layout, std::chrono::duration<double>(loaded.period).count());
         const validation::Validation v = validation::validate_plant(signals, on_rig.rig);
         if (!v.braked) throw std::runtime_error(log + ": no brake-on in it: no maneuver command that is armed and demands pressure");
         if (json != "-") {

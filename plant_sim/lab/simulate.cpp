@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/host/stop_signals.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/simulation/disk_campaign.hpp"
 
@@ -21,7 +21,7 @@ struct SimulatedDiskCommand {
 
     [[nodiscard]] int run() const {
         antiskid::host::StopSignals signals;
-        CampaignProgress progress(campaigns, 0, "campaigns");
+        settings::Progress progress(campaigns, 0, "campaigns");
         simulation::CampaignOutcome sum;
         nlohmann::ordered_json failed = nlohmann::ordered_json::array();
         simulation::DiskTrace sink;

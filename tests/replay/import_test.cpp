@@ -136,7 +136,7 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
     rig::replay::LogOptions options;
     options.layout = &can_test::ours();
     rig::replay::LogReader reader(import.out / "0001/bus.log", options, warnings);
-    validation::MeasuredSignals signals(reader, can_test::ours(), 1e-3);
+    rig::replay::MeasuredSignals signals(reader, can_test::ours(), 1e-3);
     const validation::Validation v = validation::validate_plant(signals, import.scenario.rig.rig);
     REQUIRE(v.braked);
     CHECK(v.all.speed_mps.rms() < 0.2);
