@@ -5,11 +5,11 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/brake_options.hpp"
 #include "plant_sim/endurance/endurance_campaign.hpp"
 #include "plant_sim/endurance/table_three.hpp"
-#include "firmware/host/settings/progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 
 namespace plant_sim::lab {

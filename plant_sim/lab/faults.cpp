@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "firmware/host/settings/atomic_file.hpp"
-#include "firmware/host/stop_signals.hpp"
 #include "firmware/host/settings/progress.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/faults/fault_campaign.hpp"
 #include "plant_sim/study/faults/report.hpp"

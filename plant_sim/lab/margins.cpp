@@ -14,8 +14,8 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/command_line.hpp"
-#include "firmware/host/settings/text_table.hpp"
 #include "firmware/host/settings/progress.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/margins_report.hpp"

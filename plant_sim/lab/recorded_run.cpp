@@ -5,8 +5,8 @@
 
 #include "firmware/host/seconds.hpp"
 #include "firmware/host/settings/settings.hpp"
-#include "rig_bridge/replay/measured_signals.hpp"
 #include "rig_bridge/record/summary_file.hpp"
+#include "rig_bridge/replay/measured_signals.hpp"
 
 namespace plant_sim::lab {
 

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "firmware/host/settings/atomic_file.hpp"
-#include "firmware/host/stop_signals.hpp"
 #include "firmware/host/settings/progress.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/robust/report.hpp"
 

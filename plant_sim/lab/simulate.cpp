@@ -3,8 +3,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "firmware/host/stop_signals.hpp"
 #include "firmware/host/settings/progress.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/simulation/disk_campaign.hpp"
 

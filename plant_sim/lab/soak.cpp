@@ -5,9 +5,9 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/endurance/soak.hpp"
-#include "firmware/host/settings/progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 
 namespace plant_sim::lab {

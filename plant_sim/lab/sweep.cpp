@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "firmware/host/settings/atomic_file.hpp"
-#include "firmware/host/stop_signals.hpp"
 #include "firmware/host/settings/progress.hpp"
+#include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/sweep/summary.hpp"
 #include "plant_sim/study/sweep/sweep_plan.hpp"

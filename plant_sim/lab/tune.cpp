@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "firmware/host/settings/atomic_file.hpp"
-#include "firmware/host/settings/text_table.hpp"
 #include "firmware/host/settings/progress.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/tune_law.hpp"
 #include "plant_sim/lab/verbs.hpp"

@@ -12,9 +12,9 @@
 
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/settings.hpp"
 #include "firmware/host/settings/text_table.hpp"
-#include "firmware/host/settings/progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/law_judge.hpp"
 #include "plant_sim/study/robust/robust_campaign.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <memory>
 
-#include "firmware/host/settings/text_table.hpp"
 #include "firmware/host/settings/progress.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"

@@ -11,8 +11,8 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
-#include "firmware/host/settings/text_table.hpp"
 #include "firmware/host/settings/progress.hpp"
+#include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/landing_mix.hpp"
 #include "plant_sim/lab/verbs.hpp"

@@ -8,9 +8,9 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/brake_options.hpp"
-#include "firmware/host/settings/progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"

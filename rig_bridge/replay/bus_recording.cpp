@@ -32,7 +32,8 @@ class BusRecording final : public Recording {
     bool next(RecordedRow& row) override {
         if (!signals_.next()) {
             if (signals_.restarted() && sink_)
-                sink_(name_ + ":" + std::to_string(reader_.lines()) + ": SYNC numbers begin anew: another recording, which is not read; import it alone");
+                sink_(name_ + ":" + std::to_string(reader_.lines()) +
+                      ": SYNC numbers begin anew: another recording, which is not read; import it alone");
             return false;
         }
         row.row = signals_.line();

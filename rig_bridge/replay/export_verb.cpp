@@ -1,11 +1,13 @@
 #include <fmt/core.h>
 
 #include <array>
-#include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "firmware/can/candump.hpp"
 #include "firmware/can/load_layout.hpp"
@@ -27,27 +29,24 @@ namespace fs = std::filesystem;
 
 struct ExportCommand {
     std::string log;
-    fs::path out;
+    fs::path csv, mat, candump;
     std::string interface;
     fs::path config = settings::config_directory();
     fs::path scenario, dbc, binding;
     std::string json;
 
     int run() const {
-        const std::string kind = out.extension().string();
-        if (kind != ".csv" && kind != ".mat" && kind != ".log")
-            throw UsageError(out.string() + ": the ending says the format; expected .csv, .mat or .log");
+        if (csv.empty() && mat.empty() && candump.empty()) throw UsageError("nothing to write: expected --csv, --mat or --candump");
         LogWarnings warnings = warnings_of(log);
-        settings::Progress progress(100, 0, "%");
-        const std::uint64_t count = kind == ".log" ? write_frames(warnings, progress) : write_samples(kind == ".mat", warnings, progress);
-        progress.finish();
-        const char* const unit = kind == ".log" ? "frames" : "samples";
+        nlohmann::ordered_json report{{"log", log}, {"version", ANTISKID_VERSION}};
+        if (!csv.empty() || !mat.empty()) report["samples"] = write_samples(warnings);
+        if (!candump.empty()) report["frames"] = write_frames(warnings);
+        report["warnings"] = warnings.summary();
         if (json != "-") {
-            fmt::print("{} {} in {}\n", count, unit, out.string());
+            for (const char* const unit : {"samples", "frames"})
+                if (report.contains(unit)) fmt::print("{} {}\n", report[unit].get<std::uint64_t>(), unit);
             if (warnings.any()) fmt::print("warnings of the log: {}\n", warnings.summary());
         }
-        const nlohmann::ordered_json report{
-            {"log", log}, {"out", out.string()}, {unit, count}, {"version", ANTISKID_VERSION}, {"warnings", warnings.summary()}};
         settings::deliver(json, report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
         return 0;
     }
@@ -60,10 +59,10 @@ struct ExportCommand {
 
     static void show(settings::Progress& progress, std::uint64_t count, const LogReader& reader) {
         constexpr std::uint64_t kEvery = 4096;
-        if (count % kEvery == 0) progress.show(std::llround(100.0 * reader.share()));
+        if (count % kEvery == 0) progress.show(static_cast<std::int64_t>(99.0 * reader.share()));
     }
 
-    std::uint64_t write_samples(bool mat, LogWarnings& warnings, settings::Progress& progress) const {
+    std::uint64_t write_samples(LogWarnings& warnings) const {
         const auto layout = configured([&] {
             return antiskid::can::load_layout(dbc.empty() ? config / "antiskid.dbc" : dbc,
                                               binding.empty() ? config / "antiskid_binding.toml" : binding);
@@ -77,19 +76,24 @@ struct ExportCommand {
         LogReader reader(log, chosen, warnings);
         MeasuredSignals signals(reader, layout, rig.period_s);
         SampleTable table(signals, layout, rig);
-        const auto writer = mat ? mat_writer(out, table.columns()) : csv_writer(out, table.columns());
+        std::vector<std::unique_ptr<TableWriter>> writers;
+        if (!csv.empty()) writers.push_back(csv_writer(csv, table.columns()));
+        if (!mat.empty()) writers.push_back(mat_writer(mat, table.columns()));
+        settings::Progress progress(100, 0, "%");
         std::uint64_t count = 0;
-        for (std::vector<double> row; table.next(row); show(progress, ++count, reader)) writer->row(row);
+        for (std::vector<double> row; table.next(row); show(progress, ++count, reader))
+            for (const auto& writer : writers) writer->row(row);
         if (signals.restarted())
             fmt::print(stderr, "rig-replay: warning: {}:{}: SYNC numbers begin anew: another recording, which is not read\n", log, reader.lines());
         if (count == 0) throw std::runtime_error(log + ": no sample of a rig in it (see the warnings above, --dbc and --interface)");
-        writer->finish();
+        for (const auto& writer : writers) writer->finish();
         return count;
     }
 
-    std::uint64_t write_frames(LogWarnings& warnings, settings::Progress& progress) const {
+    std::uint64_t write_frames(LogWarnings& warnings) const {
         LogReader reader(log, options(), warnings);
-        PartFile file(out);
+        settings::Progress progress(100, 0, "%");
+        PartFile file(candump);
         std::ofstream lines(file.part(), std::ios::binary);
         std::array<char, antiskid::can::kCandumpLineMax + 1> text{};
         std::uint64_t count = 0;
@@ -105,7 +109,7 @@ struct ExportCommand {
             lines.write(text.data(), static_cast<std::streamsize>(length) + 1);
         }
         lines.close();
-        if (!lines) throw std::runtime_error(out.string() + ": cannot be written");
+        if (!lines) throw std::runtime_error(candump.string() + ": cannot be written");
         if (count == 0) throw std::runtime_error(log + ": no frame in it (see the warnings above and --interface)");
         file.commit();
         return count;
@@ -118,9 +122,9 @@ ReplayVerb export_verb(CLI::App& app) {
     const auto c = std::make_shared<ExportCommand>();
     CLI::App* verb = app.add_subcommand("export", "A log's samples for other programs (CSV, MATLAB), or its frames as candump writes them.");
     settings::existing_file(verb->add_option("LOG", c->log, "bus log: candump, Vector ASC or BLF, PEAK TRC, plain or gzip"))->required();
-    verb->add_option("--out", c->out, "FILE.csv: a row a sample; FILE.mat: MATLAB v7.3; FILE.log: frames, candump format")
-        ->required()
-        ->type_name("FILE");
+    verb->add_option("--csv", c->csv, "a row for each sample, time first, units in the names of the columns")->type_name("FILE");
+    verb->add_option("--mat", c->mat, "the same columns as variables, MATLAB v7.3")->type_name("FILE");
+    verb->add_option("--candump", c->candump, "the frames, candump format")->type_name("FILE");
     verb->add_option("--interface", c->interface, "lines of this interface (default: the first in the log)");
     settings::existing_file(
         verb->add_option("--scenario", c->scenario, "teeth and radii: a file of config/scenarios (default: CONFIG/scenarios/heavy.toml)"));
@@ -129,9 +133,9 @@ ReplayVerb export_verb(CLI::App& app) {
     settings::add_json(*verb, c->json, "what was written");
     verb->footer(
         "Examples:\n"
-        "  rig-replay export out/landing/bus.log --out landing.csv\n"
-        "  rig-replay export night.blf --dbc config/foreign.dbc --binding config/foreign_binding.toml --out night.mat\n"
-        "  rig-replay export night.trc --out night.log\n"
+        "  rig-replay export out/landing/bus.log --csv landing.csv\n"
+        "  rig-replay export night.blf --dbc config/foreign.dbc --binding config/foreign_binding.toml --mat night.mat\n"
+        "  rig-replay export night.trc --candump night.log\n"
         "Exit status: 0 written; 1 the log cannot be read or has no such frames, or the file cannot be written; 2 mistake in command line or "
         "configuration.");
     return {verb, [c] { return c->run(); }};

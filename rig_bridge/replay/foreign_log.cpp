@@ -105,9 +105,10 @@ void reject_mdf(const fs::path& file) {
         return fmt::format("python3 -c \"from asammdf import MDF; MDF('{}').export('{}', '{}'{})\"", file.string(), format,
                            fs::path(file).replace_extension(format).string(), more);
     };
-    throw std::runtime_error(fmt::format("{}: is an MDF recording, which is not read here; asammdf (pip install asammdf) makes a log of its frames: {}, "
-                                         "or a table of its signals: {}",
-                                         file.string(), command("asc", ""), command("csv", ", single_time_base=True")));
+    throw std::runtime_error(
+        fmt::format("{}: is an MDF recording, which is not read here; asammdf (pip install asammdf) makes a log of its frames: {}, "
+                    "or a table of its signals: {}",
+                    file.string(), command("asc", ""), command("csv", ", single_time_base=True")));
 }
 
 ForeignLog::ForeignLog(const fs::path& file, LogFormat format) : name_(file.string()), file_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {

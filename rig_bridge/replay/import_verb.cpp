@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -65,7 +64,7 @@ struct ImportCommand {
                                       .rig = {.layout = layout, .meter = meter, .plan = scenario.mean, .with_valve = with_valve, .number = 0},
                                       .specimen = specimen,
                                       .config_hash = hash,
-                                      .progress = [&progress](double share) { progress.show(std::llround(100.0 * share)); }};
+                                      .progress = [&progress](double share) { progress.show(static_cast<std::int64_t>(99.0 * share)); }};
         ImportNotes notes(file.string(), [](const std::string& text) { fmt::print(stderr, "rig-replay: warning: {}\n", text); });
         const ImportReport report = import_recording(settings, notes);
         progress.finish();
@@ -89,8 +88,12 @@ struct ImportCommand {
 
 ReplayVerb import_verb(CLI::App& app) {
     const auto c = std::make_shared<ImportCommand>();
-    CLI::App* verb = app.add_subcommand("import", "Recordings of other systems (CSV, MATLAB, logs of CAN frames) as maneuver folders with logs of our layout.");
-    settings::existing_file(verb->add_option("FILE", c->file, "the recording: CSV, .mat, or a log of frames: Vector ASC or BLF, PEAK TRC, candump; text and logs plain or gzip"))->required();
+    CLI::App* verb =
+        app.add_subcommand("import", "Recordings of other systems (CSV, MATLAB, logs of CAN frames) as maneuver folders with logs of our layout.");
+    settings::existing_file(
+        verb->add_option("FILE", c->file,
+                         "the recording: CSV, .mat, or a log of frames: Vector ASC or BLF, PEAK TRC, candump; text and logs plain or gzip"))
+        ->required();
     settings::existing_file(verb->add_option("--map", c->map, "which column is what, in which unit; where a maneuver begins and ends (TOML)"))
         ->required();
     settings::add_out(*verb, c->out, "folder of the campaign to make: 0001/bus.log, 0001/summary.json, ...")->required();

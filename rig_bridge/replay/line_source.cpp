@@ -33,8 +33,7 @@ LineSource::LineSource(const std::filesystem::path& file) : block_(std::make_uni
     if (!error) size_ = static_cast<double>(size);
 }
 
-LineSource::LineSource(int pipe)
-    : file_(gzdopen(::fcntl(pipe, F_DUPFD_CLOEXEC, 0), "rb")), block_(std::make_unique_for_overwrite<char[]>(kBlock)) {
+LineSource::LineSource(int pipe) : file_(gzdopen(::fcntl(pipe, F_DUPFD_CLOEXEC, 0), "rb")), block_(std::make_unique_for_overwrite<char[]>(kBlock)) {
     if (!file_) throw std::runtime_error(std::string("the pipe of a log's reader cannot be read: ") + std::strerror(errno));
 }
 

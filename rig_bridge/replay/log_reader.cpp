@@ -32,7 +32,11 @@ std::unique_ptr<ForeignLog> open_foreign(const std::filesystem::path& file) {
 }  // namespace
 
 LogReader::LogReader(const std::filesystem::path& file, const LogOptions& options, LogWarnings& warnings)
-    : foreign_(open_foreign(file)), source_(foreign_ ? LineSource(foreign_->lines()) : LineSource(file)), warnings_(warnings), interface_(options.interface.value_or("")), with_layout_(options.layout != nullptr) {
+    : foreign_(open_foreign(file)),
+      source_(foreign_ ? LineSource(foreign_->lines()) : LineSource(file)),
+      warnings_(warnings),
+      interface_(options.interface.value_or("")),
+      with_layout_(options.layout != nullptr) {
     if (options.layout == nullptr) return;
     for (const antiskid::can::Message& message : options.layout->messages)
         if (message.bound) known_.set(message.id);

@@ -6,8 +6,7 @@ namespace rig::replay {
 
 using antiskid::can::Role;
 
-MeasuredSignals::MeasuredSignals(LogReader& log, const antiskid::can::Layout& layout, double period_s)
-    : log_(log), samples_(layout, period_s) {
+MeasuredSignals::MeasuredSignals(LogReader& log, const antiskid::can::Layout& layout, double period_s) : log_(log), samples_(layout, period_s) {
     if (!layout[Role::sync].bound) return;
     constexpr std::size_t kAhead = 2000;  // frames looked at to find out whether there is SYNC
     for (LogFrame f; ahead_.size() < kAhead && log_.next(f);) ahead_.push_back(f);
