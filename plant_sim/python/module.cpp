@@ -9,6 +9,7 @@
 #include "firmware/control/controller.hpp"
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/seconds.hpp"
+#include "plant_sim/python/bus_log.hpp"
 #include "plant_sim/python/rig_loop.hpp"
 #include "plant_sim/python/scenario.hpp"
 
@@ -87,8 +88,17 @@ void bind_controller(py::module_& m) {
 }  // namespace plant_sim::python
 
 PYBIND11_MODULE(_native, m) {
+    namespace py = pybind11;
     plant_sim::python::bind_scenario(m);
     plant_sim::python::bind_rig(m);
     plant_sim::python::bind_controller(m);
+    m.def(
+        "read_log",
+        [](const std::filesystem::path& log, const std::string& scenario, const std::filesystem::path& config, const std::filesystem::path& dbc,
+           const std::filesystem::path& binding, const std::optional<std::string>& interface) {
+            return plant_sim::python::read_log({log, scenario, config, dbc, binding, interface});
+        },
+        py::arg("log"), py::kw_only(), py::arg("scenario") = "heavy", py::arg("config") = "", py::arg("dbc") = "", py::arg("binding") = "",
+        py::arg("interface") = py::none());
     m.attr("__version__") = ANTISKID_VERSION;
 }

@@ -11,7 +11,9 @@ import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 import threading
+import warnings
 
 sys.path.insert(0, sys.argv[1])
 import numpy  # noqa: E402
@@ -83,6 +85,29 @@ def page():
         raise AssertionError("a maneuver that is over went on")
 
 
+def logs():
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([LAB, "stop", "--bus-log", f"{folder}/bus.log"], check=True, capture_output=True)
+        columns = antiskid.read_log(f"{folder}/bus.log")
+        assert len(columns["time_s"]) > 5000 and {len(column) for column in columns.values()} == {len(columns["time_s"])}
+        _, truth = antiskid.Scenario().recorded_stop()
+        braking = columns["speed_mps"] > 20
+        recorded = numpy.interp(columns["time_s"][braking], truth["time_s"] - 1e-3, truth["speed_mps"])
+        assert numpy.abs(columns["speed_mps"][braking] - recorded)[500:].max() < 0.1
+        with open(f"{folder}/bus.log", "a") as log:
+            log.write("nonsense")
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            antiskid.read_log(f"{folder}/bus.log")
+        assert any("malformed_line" in str(warning.message) for warning in said)
+        try:
+            antiskid.read_log(f"{folder}/none.log")
+        except RuntimeError as error:
+            assert f"{folder}/none.log" in str(error)
+        else:
+            raise AssertionError("a log that is not there was read")
+
+
 def refused(kind, words, **keywords):
     try:
         antiskid.Scenario(**keywords)
@@ -132,6 +157,7 @@ def stub():
 same_as_the_program()
 recorded()
 batches()
+logs()
 page()
 refused(ValueError, "out of range 0 to 0.5", slip=0.7)
 refused(ValueError, "none of slip", law="magic")

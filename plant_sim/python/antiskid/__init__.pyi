@@ -31,6 +31,17 @@ class Keywords(TypedDict, total=False):
 def stop(**keywords: Unpack[Keywords]) -> dict[str, Any]:
     """One braking maneuver: figures as `rig-lab stop --json` has them."""
 
+def read_log(
+    log: str | PathLike[str],
+    *,
+    scenario: str = "heavy",
+    config: str | PathLike[str] = "",
+    dbc: str | PathLike[str] = "",
+    binding: str | PathLike[str] = "",
+    interface: str | None = None,
+) -> dict[str, Column]:
+    """The samples of a log (candump, Vector ASC or BLF, PEAK TRC): the columns of `rig-replay export`. `scenario` says teeth and radii."""
+
 class Scenario:
     """A maneuver, read and checked once. Other threads run while one of its stops does."""
 
