@@ -5,11 +5,11 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/brake_options.hpp"
 #include "plant_sim/endurance/endurance_campaign.hpp"
 #include "plant_sim/endurance/table_three.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 
 namespace plant_sim::lab {
@@ -34,7 +34,7 @@ struct EnduranceCommand {
         const double taken_J = brake.taken_J(setup.scenario.rig.wear);
         if (!std::filesystem::exists(directory / "campaign.sqlite")) (void)brake.brake_of(setup.scenario.rig.wear, seed);  // refuses what contradicts
         antiskid::host::StopSignals signals;
-        std::optional<CampaignProgress> progress;
+        std::optional<settings::Progress> progress;
         const auto observe = [&progress](const rig::record::Summary& summary, std::int64_t planned) {
             if (!progress) progress.emplace(planned, summary.number);
             progress->show(summary.number);

@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/faults/fault_campaign.hpp"
 #include "plant_sim/study/faults/report.hpp"
@@ -45,7 +45,7 @@ struct FaultsCommand {
         if (run) return repeat(campaign, *run);
         antiskid::host::StopSignals signals;
         const std::vector<std::size_t> numbers = chosen(campaign);
-        CampaignProgress progress(static_cast<std::int64_t>(numbers.size()), 0);
+        settings::Progress progress(static_cast<std::int64_t>(numbers.size()), 0);
         const std::vector<faults::Row> rows = faults::run_campaign(
             campaign, numbers,
             {.threads = threads > 0 ? threads : wear::all_cores(), .stop = &signals.stop(), .progress = [&progress](std::size_t done) {

@@ -97,7 +97,7 @@ struct IdentifyCommand {
         rig::replay::LogOptions options;
         options.layout = &layout;
         rig::replay::LogReader reader(source.log, options, warnings);
-        validation::MeasuredSignals signals(reader, layout, period_s);
+        rig::replay::MeasuredSignals signals(reader, layout, period_s);
         return {.run = source.log.parent_path().filename().string(), .result = validation::validate_plant(signals, identified.rig.rig)};
     }
     /// The stop that was asked for; else that of the fastest half whose slip lies beyond the peak least: there feed-forward of pressure holds no

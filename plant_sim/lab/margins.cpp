@@ -14,8 +14,8 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/command_line.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/margins_report.hpp"
@@ -275,7 +275,7 @@ struct MarginsCommand {
     }
 
     [[nodiscard]] static margins::Progress progress(std::size_t before, std::size_t tyres) {
-        return [=, show = step_progress("scenarios")](std::size_t done, std::size_t all) { show(before * all + done, tyres * all); };
+        return [=, show = settings::step_progress("scenarios")](std::size_t done, std::size_t all) { show(before * all + done, tyres * all); };
     }
 };
 

@@ -84,7 +84,7 @@ struct PlantCommand {
         if (!interface.empty()) options.interface = interface;
         options.layout = &loaded.layout;
         rig::replay::LogReader reader(log, options, warnings);
-        validation::MeasuredSignals signals(reader, loaded.layout, std::chrono::duration<double>(loaded.period).count());
+        rig::replay::MeasuredSignals signals(reader, loaded.layout, std::chrono::duration<double>(loaded.period).count());
         const validation::Validation v = validation::validate_plant(signals, on_rig.rig);
         if (!v.braked) throw std::runtime_error(log + ": no brake-on in it: no maneuver command that is armed and demands pressure");
         if (json != "-") {
@@ -109,7 +109,9 @@ struct PlantCommand {
 LabVerb plant_verb(CLI::App& lab) {
     const auto c = std::make_shared<PlantCommand>();
     CLI::App* verb = lab.add_subcommand("plant", "The plant under the recorded brake pressure, held against the recorded motion (Fig. 5).");
-    settings::existing_file(verb->add_option("LOG", c->log, "bus log, candump format, plain or gzip; its first braking is compared"))->required();
+    settings::existing_file(
+        verb->add_option("LOG", c->log, "bus log: candump, Vector ASC or BLF, PEAK TRC, plain or gzip; its first braking is compared"))
+        ->required();
     CLI::Option* const by_scenario =
         settings::existing_file(verb->add_option("--scenario", c->scenario, "rig and maneuver: a file of config/scenarios"));
     verb->add_option("--maneuver", c->choice.maneuver, "mass and friction class: a table of maneuvers.toml, or endurance")

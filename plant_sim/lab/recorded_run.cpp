@@ -5,8 +5,8 @@
 
 #include "firmware/host/seconds.hpp"
 #include "firmware/host/settings/settings.hpp"
-#include "plant_sim/study/validation/measured_signals.hpp"
 #include "rig_bridge/record/summary_file.hpp"
+#include "rig_bridge/replay/measured_signals.hpp"
 
 namespace plant_sim::lab {
 
@@ -26,7 +26,7 @@ identification::Recording read_recording(const fs::path& log, const antiskid::ca
     rig::replay::LogOptions options;
     options.layout = &layout;
     rig::replay::LogReader reader(log, options, warnings);
-    validation::MeasuredSignals signals(reader, layout, period_s);
+    rig::replay::MeasuredSignals signals(reader, layout, period_s);
     identification::Recording out{.name = log.parent_path().filename().string(), .period_s = period_s, .samples = {}};
     auto cells_received = antiskid::control::kNever;
     while (signals.next()) {

@@ -8,8 +8,8 @@
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/regulate_report.hpp"
 #include "plant_sim/lab/regulate_stops.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -61,7 +61,7 @@ struct RegulateCommand {
         const std::vector<regulation::Policy> all = policies(asked, report.plan, report.range);
         const int stops_a_life = static_cast<int>(all.size()) + (floor_check ? 2 : 0);
         const std::int64_t planned = std::int64_t{lives} * stops_a_life * report.plan.landings;
-        CampaignProgress progress(planned, 0);
+        settings::Progress progress(planned, 0);
         report.options.lives = lives;
         report.options.seed = seed;
         report.options.mix = mix;
@@ -97,7 +97,7 @@ struct RegulateCommand {
         constexpr int kFirst = 6;  // hundredths, as in the paper's study
         constexpr int kLast = 50;
         for (int k = kFirst; k <= kLast; k += 2) options.references.push_back(k / 100.0);
-        CampaignProgress progress(static_cast<std::int64_t>(characterising_stops(sites, options)), 0);
+        settings::Progress progress(static_cast<std::int64_t>(characterising_stops(sites, options)), 0);
         options.on_stops = [&](std::size_t stops) { progress.show(static_cast<std::int64_t>(stops)); };
         const wear::Characterisation c = plant_sim::lab::characterise(sites, options);
         progress.finish();

@@ -7,7 +7,7 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/paper/page.hpp"
 #include "plant_sim/study/paper/run.hpp"
@@ -54,7 +54,7 @@ struct ReportCommand {
     [[nodiscard]] int run() const {
         const fs::path file = sections.empty() ? config / "report.toml" : sections;
         const paper::Contents found = contents(file);
-        std::optional<CampaignProgress> bar;
+        std::optional<settings::Progress> bar;
         const auto show = [&bar](const paper::SectionResult& result, std::size_t done, std::size_t all) {
             if (!bar) bar.emplace(static_cast<std::int64_t>(all), 0, "sections");
             const char* state = result.failed() ? "failed" : result.answered_yes() ? "done" : "answers no";

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/robust/report.hpp"
 
@@ -23,7 +23,7 @@ struct RobustCommand {
     [[nodiscard]] int run(study::team::Team& team) const {
         const robust::RobustPlan plan = robust::load_plan(options);
         antiskid::host::StopSignals signals;
-        CampaignProgress progress(static_cast<std::int64_t>(plan.stops()), 0, "stops");
+        settings::Progress progress(static_cast<std::int64_t>(plan.stops()), 0, "stops");
         const std::vector<robust::Row> rows = robust::run(plan,
                                                           {.threads = threads_in(team, threads),
                                                            .stop = &signals.stop(),

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/simulation/cell_campaign.hpp"
 #include "plant_sim/simulation/disk_campaign.hpp"
@@ -49,7 +49,7 @@ struct FailingCommand {
     template <typename Outcome, typename Campaign>
     [[nodiscard]] int run(Outcome sum, const Campaign& campaign) const {
         antiskid::host::StopSignals signals;
-        CampaignProgress progress(campaigns, 0, "campaigns");
+        settings::Progress progress(campaigns, 0, "campaigns");
         nlohmann::ordered_json failed = nlohmann::ordered_json::array();
         Sink sink;
         if (trace) sink = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };

@@ -5,9 +5,9 @@
 
 #include "firmware/host/settings/atomic_file.hpp"
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/endurance/soak.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 
 namespace plant_sim::lab {
@@ -32,7 +32,7 @@ struct SoakCommand {
         const endurance::EnduranceSetup setup = endurance::load_setup(file, config);
         antiskid::host::StopSignals signals;
         constexpr std::int64_t kParts = 1000;
-        CampaignProgress progress(kParts, 0, "thousandths");
+        settings::Progress progress(kParts, 0, "thousandths");
         const endurance::SoakResult result = endurance::soak(setup, {.seconds = hours * 3600.0, .seed = seed, .stop = &signals.stop()}, heap_in_use,
                                                              [&progress](double share) { progress.show(static_cast<std::int64_t>(share * kParts)); });
         progress.finish();

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/stop_signals.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/sweep/summary.hpp"
 #include "plant_sim/study/sweep/sweep_plan.hpp"
@@ -83,7 +83,7 @@ struct SweepCommand {
     [[nodiscard]] int run_with(study::team::Team& team) const {
         antiskid::host::StopSignals signals;
         const sweep::SweepPlan study = sweep::load_plan(plan);
-        std::optional<CampaignProgress> progress;
+        std::optional<settings::Progress> progress;
         sweep::Work work{.part = out / "stops.part", .stop = &signals.stop()};
         work.threads = threads_in(team, threads);
         work.progress = [&progress](std::size_t done, std::size_t all, std::size_t before) {

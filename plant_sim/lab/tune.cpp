@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/margins_input.hpp"
 #include "plant_sim/lab/tune_law.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -104,7 +104,7 @@ void tune_pid(const MarginsInput& input, const margins::StudyOptions& options, c
     };
     const auto parameters = margins::pid_parameters(input.settings.pid);
     const auto found = margins::search(
-        parameters, [&](const std::vector<double>& x, double) { return judged(x).value; }, search, step_progress("gains judged"));
+        parameters, [&](const std::vector<double>& x, double) { return judged(x).value; }, search, settings::step_progress("gains judged"));
     std::vector<double> start;
     std::transform(parameters.begin(), parameters.end(), std::back_inserter(start), [](const margins::Parameter& k) { return k.start.value(); });
     auto table = settings::TextTable::markdown("|shipped:.4g|tuned:.4g");

@@ -12,9 +12,9 @@
 
 #include "firmware/host/controller_config.hpp"
 #include "firmware/host/settings/atomic_file.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/settings.hpp"
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/study/margins/law_judge.hpp"
 #include "plant_sim/study/robust/robust_campaign.hpp"
@@ -173,7 +173,7 @@ int tune_law(const LawTuning& tuning, const MarginsInput& input, ordered_json& j
     const margins::TrialStops trial = trial_stops(tuning.scenario, input);
     const margins::LawJudge judge(input.cases, trial, tuning.options);
     const auto score = [&](const std::vector<double>& x, double to_beat) { return judge.score(margins::with_gains(controller, x), to_beat); };
-    const auto progress = step_progress("gains judged");
+    const auto progress = settings::step_progress("gains judged");
     const auto judged = [&](const std::vector<double>& gains) {
         const Config c = margins::with_gains(controller, gains);
         return Judged{gains, judge.margins_of(c), margins::make_stops(trial, c, std::numeric_limits<double>::infinity())};

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <memory>
 
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
@@ -46,7 +46,7 @@ struct FitCommand {
 
     int run() const {
         const wear::Campaign data = load_campaign(source, campaign, off);
-        const wear::Fit fit = wear::fit(data, settings, {threads, {}, step_progress("EM runs")});
+        const wear::Fit fit = wear::fit(data, settings, {threads, {}, settings::step_progress("EM runs")});
         const wear::Model model = wear::model_of(data, fit, settings);
         print_table(json_file, "{}\nBetween {:.3f} and {:.3f} MJ the model has seen data; {}.\n", table_of(fit, model), model.data.first_c_e_J * 1e-6,
                     model.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);

@@ -11,8 +11,8 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/landing_mix.hpp"
 #include "plant_sim/lab/verbs.hpp"
@@ -141,7 +141,7 @@ struct ForecastCommand {
         std::vector<wear::HeldOut> brakes;
         brakes.reserve(campaigns.size());
         std::size_t without_end = 0;
-        const auto fitted = step_progress("campaigns fitted");
+        const auto fitted = settings::step_progress("campaigns fitted");
         for (std::size_t i = 0; i < campaigns.size(); ++i) {
             if (const auto life = wear::life_by_fit(campaigns[i], settings.limit, fit))
                 brakes.push_back({campaigns[i], *life});
@@ -149,7 +149,7 @@ struct ForecastCommand {
                 ++without_end;
             fitted(i + 1, campaigns.size());
         }
-        const wear::BackTest t = wear::back_test(file.population, brakes, settings, step_progress("brakes forecast"));
+        const wear::BackTest t = wear::back_test(file.population, brakes, settings, settings::step_progress("brakes forecast"));
         auto table =
             settings::TextTable::screen("part of life:>14|asked:>8|within:>10.3f|earlier:>12|later:>10|mean width:>14.1f|error of 50 %:>16.1f");
         Json rows = Json::array();

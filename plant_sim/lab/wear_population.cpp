@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "plant_sim/lab/campaign_progress.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "rig_bridge/wear/learn_population.hpp"
@@ -25,7 +25,7 @@ struct PopulationCommand {
     int run() {
         const std::vector<wear::Campaign> campaigns = load_campaigns(sources, off);
         settings.healthy = load_campaigns(healthy, off);
-        const wear::Population p = wear::learn_population(campaigns, settings, step_progress("steps"));
+        const wear::Population p = wear::learn_population(campaigns, settings, settings::step_progress("steps"));
         print_table(json_file,
                     "{}: scatter {:.5f} of which {:.5f} remembers, by {:.2f} from one maneuver to the next; offset of a brake {:.5f}, drift {:.6f} "
                     "in 1 MJ; log of its energy {:.3f} about a member's; health limits {:.2f} gradual, {:.2f} sudden\n",

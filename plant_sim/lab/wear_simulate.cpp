@@ -8,9 +8,9 @@
 
 #include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/settings/hash.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
 #include "plant_sim/brake_options.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
@@ -106,7 +106,7 @@ struct SimulateCommand {
             study::replay_torques(recorded, rig,
                                   // Draws of its own: with the campaign's seed, a campaign of the virtual rig would only be repeated.
                                   {wear, rule, {.seed = ~seed, .maneuvers = 0, .c_e_J = wear::taken_before_J(recorded)}},
-                                  [all, show = step_progress("maneuvers")](std::size_t done) { show(done, all); });
+                                  [all, show = settings::step_progress("maneuvers")](std::size_t done) { show(done, all); });
         print_table(json_file, "{} maneuvers through the plant by their recorded torque: energy {:+.2f} % of the recorded", all,
                     replayed.energy_error * 100.0);
         if (replayed.short_of_pressure > 0)

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/progress.hpp"
 #include "firmware/host/settings/text_table.hpp"
-#include "plant_sim/lab/campaign_progress.hpp"
 #include "plant_sim/lab/campaign_source.hpp"
 #include "plant_sim/lab/verbs.hpp"
 #include "plant_sim/lab/wear_pictures.hpp"
@@ -83,7 +83,7 @@ struct WatchCommand {
                                     Case{Fault::drag, 0.05},    Case{Fault::drag, 0.10},    Case{Fault::drag, 0.20}};
         const std::vector<wear::Campaign> healthy = load_campaigns({source}, off);
         const wear::HealthyTrial h = wear::try_healthy(file.population, healthy);
-        const auto tried = step_progress("trials");
+        const auto tried = settings::step_progress("trials");
         tried(1, kCases.size() + 1);
         print_table(json_file, "{} healthy brakes, {} maneuvers: {} called abnormal ({:.2f} % of the brakes), {:.2f} % of maneuvers suspect\n",
                     h.campaigns, h.maneuvers, h.flagged, 100.0 * static_cast<double>(h.flagged) / static_cast<double>(h.campaigns),

@@ -142,7 +142,7 @@ struct BusCommand {
 ReplayVerb bus_verb(CLI::App& app) {
     const auto c = std::make_shared<BusCommand>();
     CLI::App* verb = app.add_subcommand("bus", "Plays a log on a CAN interface, every frame at its time.");
-    settings::existing_file(verb->add_option("LOG", c->log, "bus log, candump format, plain or gzip"))->required();
+    settings::existing_file(verb->add_option("LOG", c->log, "bus log: candump, Vector ASC or BLF, PEAK TRC, plain or gzip"))->required();
     verb->add_option("--can", c->can, "CAN interface to play on, e.g. vcan0")->required()->type_name("IF");
     verb->add_option("--speed", c->speed, "factor: 2 plays twice as fast as recorded")->check(CLI::Range(1e-3, 1e6))->capture_default_str();
     verb->add_option("--loop", c->loops, "how often; 0: until stopped")->check(CLI::NonNegativeNumber)->capture_default_str();

@@ -40,7 +40,9 @@ ReplayVerb controller_verb(CLI::App& app) {
     const auto command = std::make_shared<ControllerCommand>();
     CLI::App* verb =
         app.add_subcommand("controller", "Recorded sensor frames through the real controller; compares what it sends with what was recorded.");
-    settings::existing_file(verb->add_option("LOG", command->log, "bus log of one controller session, candump format, plain or gzip"))->required();
+    settings::existing_file(
+        verb->add_option("LOG", command->log, "bus log of one controller session: candump, Vector ASC or BLF, PEAK TRC, plain or gzip"))
+        ->required();
     settings::add_config_directory(*verb, command->config);
     settings::existing_file(verb->add_option("--controller", command->controller, "of the recorded run (default: CONFIG/controller.toml)"));
     settings::add_layout_files(*verb, command->dbc, command->binding);

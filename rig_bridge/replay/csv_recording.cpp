@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "firmware/host/settings/csv_field.hpp"
+#include "rig_bridge/replay/foreign_log.hpp"
 #include "rig_bridge/replay/line_source.hpp"
 #include "rig_bridge/replay/recording.hpp"
 
@@ -49,6 +50,7 @@ class CsvRecording final : public Recording {
     }
 
     [[nodiscard]] std::string stated_unit(std::size_t wanted) const override { return wanted < units_.size() ? units_[wanted] : std::string(); }
+    [[nodiscard]] double share() const override { return source_.share(); }
 
   private:
     void reject_long(const LineSource::Line& line) const {
@@ -103,6 +105,7 @@ class CsvRecording final : public Recording {
 }  // namespace
 
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& file, const ImportMap& map, const std::vector<std::string>& wanted) {
+    reject_mdf(file);
     if (map.mat) return open_mat(file, wanted);
     return std::make_unique<CsvRecording>(file, map, wanted);
 }

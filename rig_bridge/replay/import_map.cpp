@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/can/load_layout.hpp"
 #include "firmware/host/settings/settings.hpp"
 
 namespace rig::replay {
@@ -44,9 +45,52 @@ char one_character(const Table& t, const char* key, const std::string& text) {
     return text[0];
 }
 
-void read_file(const Table& t, ImportMap& map) {
-    constexpr std::array<settings::Choice<bool>, 2> kFormats{{{"csv", false}, {"mat", true}}};
-    map.mat = t.choice<bool>("format", kFormats);
+/// Layout, and the channels that it has. Paths are relative to the map's own folder.
+void read_layout(const Table& t, const std::filesystem::path& beside, ImportMap& map) {
+    map.layout_files = {beside / t.text("dbc"), beside / t.text("binding")};
+    map.layout = antiskid::can::load_layout(map.layout_files[0], map.layout_files[1]);
+    map.interface = t.find_text("interface");
+    const antiskid::can::Layout& l = *map.layout;
+    const std::array<bool, kChannelCount> there{true,
+                                                true,
+                                                true,
+                                                l.load_cells.vertical_N.bound(),
+                                                l.load_cells.longitudinal_N.bound(),
+                                                l.load_cells.brake_torque_Nm.bound(),
+                                                l.valve_current_mA.bound(),
+                                                l.maneuver_state.brake_temperature_C.bound()};
+    constexpr std::array<std::string_view, kChannelCount> kUnits{"rad/s", "rad/s", "Pa", "N", "N", "Nm", "mA", "degC"};
+    const auto si = [](std::string_view column, std::string_view unit) {
+        return ImportColumn{.column = std::string(column), .unit_name = std::string(unit), .unit = *antiskid::can::find_unit(unit)};
+    };
+    map.time = si("time", "s");
+    for (std::size_t i = 0; i < kChannelCount; ++i)
+        if (there[i]) map.channels[i] = si(kKinds[i].name, kUnits[i]);
+}
+
+void read_columns(const Table& root, ImportMap& map) {
+    map.time = column(root.table("time"), Quantity::time, Quantity::time);
+    const Table signals = root.table("signals");
+    for (std::size_t i = 0; i < kKinds.size(); ++i) {
+        const std::string key(kKinds[i].name);
+        if (!kKinds[i].required && !signals.has(key)) continue;
+        const bool rim = static_cast<Channel>(i) == Channel::flywheel_speed;
+        map.channels[i] = column(signals.table(key), kKinds[i].quantity, rim ? Quantity::angular_speed : kKinds[i].quantity);
+    }
+}
+
+enum class Format : std::uint8_t { csv, mat, bus };
+
+void read_file(const Table& root, const std::filesystem::path& beside, ImportMap& map) {
+    constexpr std::array<settings::Choice<Format>, 3> kFormats{{{"csv", Format::csv}, {"mat", Format::mat}, {"bus", Format::bus}}};
+    const Table t = root.table("file");
+    const Format format = t.choice<Format>("format", kFormats);
+    map.mat = format == Format::mat;
+    if (format == Format::bus) {
+        read_layout(t, beside, map);
+        return;
+    }
+    read_columns(root, map);
     if (map.mat) return;
     constexpr std::array<settings::Choice<char>, 2> kDecimals{{{".", '.'}, {",", ','}}};
     constexpr settings::IntegerRange kRow{.min = 1, .max = 1'000'000};
@@ -84,15 +128,7 @@ ImportMap load_import_map(const std::filesystem::path& file) {
     const Table root = document.root();
     ImportMap map;
     map.scenario = root.text("scenario");
-    read_file(root.table("file"), map);
-    map.time = column(root.table("time"), Quantity::time, Quantity::time);
-    const Table signals = root.table("signals");
-    for (std::size_t i = 0; i < kKinds.size(); ++i) {
-        const std::string key(kKinds[i].name);
-        if (!kKinds[i].required && !signals.has(key)) continue;
-        const bool rim = static_cast<Channel>(i) == Channel::flywheel_speed;
-        map.channels[i] = column(signals.table(key), kKinds[i].quantity, rim ? Quantity::angular_speed : kKinds[i].quantity);
-    }
+    read_file(root, file.parent_path(), map);
     read_maneuvers(root.table("maneuvers"), map);
     document.finish();
     return map;

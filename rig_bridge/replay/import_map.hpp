@@ -1,4 +1,4 @@
-/// How the columns of a recording of another system become our signals; config/import_example.toml explains every key.
+/// How the columns of a recording of another system, or the frames of its CAN bus, become our signals; config/import_example.toml explains every key.
 #pragma once
 
 #include <array>
@@ -7,7 +7,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "firmware/can/layout.hpp"
 #include "firmware/can/units.hpp"
 
 namespace rig::replay {
@@ -33,6 +35,10 @@ struct ImportColumn {
 
 struct ImportMap {
     bool mat = false;
+    /// Of a log of frames, and the files that it came from; `channels` are then those that it has, in SI.
+    std::optional<antiskid::can::Layout> layout;
+    std::vector<std::filesystem::path> layout_files;
+    std::optional<std::string> interface;  ///< lines of this one only
     char separator = ',';
     char decimal = '.';
     std::uint64_t header_row = 1;

@@ -43,6 +43,29 @@ void compare_stated(const Recording& recording, const ImportMap& map, std::size_
     notes.add("unit", map.unit_row, fmt::format("column '{}' states '{}', the map '{}'", column.column, stated, column.unit_name));
 }
 
+/// `warnings`: of single frames of a log.
+std::unique_ptr<Recording> open(const ImportSettings& settings, const LogWarnings::Sink& warnings) {
+    if (settings.map.layout) return open_bus(settings.file, settings.map, settings.rig.meter, warnings);
+    return open_recording(settings.file, settings.map, wanted_columns(settings.map));
+}
+
+/// Tells the progress of one of the two readings.
+class Reading {
+  public:
+    Reading(const ImportSettings& settings, const Recording& recording, double before)
+        : settings_(settings), recording_(recording), before_(before) {}
+    void row() {
+        constexpr std::uint64_t kEvery = 4096;
+        if (settings_.progress && ++rows_ % kEvery == 0) settings_.progress(before_ + 0.5 * recording_.share());
+    }
+
+  private:
+    const ImportSettings& settings_;
+    const Recording& recording_;
+    double before_;
+    std::uint64_t rows_ = 0;
+};
+
 /// While the wheel rolls freely its rim goes as fast as the flywheel's: the unit of one is wrong where it does not.
 class RollingSurvey {
   public:
@@ -88,7 +111,7 @@ void survey_units(const ImportSettings& settings, ImportNotes& notes) {
     const ImportMap& map = settings.map;
     const double radius_m = settings.rig.meter.flywheel_radius_m;
     const std::vector<Channel> channels = wanted_channels(map);
-    const auto recording = open_recording(settings.file, map, wanted_columns(map));
+    const auto recording = open(settings, {});
     std::vector<ChannelSurvey> surveys;
     compare_stated(*recording, map, 0, map.time, notes);
     for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -97,7 +120,9 @@ void survey_units(const ImportSettings& settings, ImportNotes& notes) {
         surveys.emplace_back(channels[i], factor_of(channels[i], column.unit, radius_m));
     }
     RollingSurvey rolling(settings);
+    Reading reading(settings, *recording, 0.0);
     for (RecordedRow row; recording->next(row);) {
+        reading.row();
         rolling.add(row);
         for (std::size_t i = 0; i < channels.size(); ++i)
             if (std::isfinite(row.values[i + 1])) surveys[i].add(row.values[i + 1]);
@@ -124,13 +149,16 @@ class Importer {
     }
 
     ImportReport run() {
-        const auto recording = open_recording(settings_.file, map_, wanted_columns(map_));
+        const auto recording = open(settings_, [this](const std::string& text) { notes_.say(text); });
+        Reading reading(settings_, *recording, 0.5);
         for (RecordedRow row; recording->next(row);) {
+            reading.row();
             ++report_.rows;
             for (const std::string& cell : row.unreadable) notes_.add("not_a_number", row.row, cell);
             take(row);
         }
         broken();
+        report_.log_troubles = recording->troubles();
         return report_;
     }
 

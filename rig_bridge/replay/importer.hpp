@@ -2,7 +2,7 @@
 /// DIR/0001/bus.log and summary.json, DIR/0002/...
 ///
 /// The recording is read twice: first every channel is surveyed, and a unit that cannot be right ends the import before
-/// anything is written. CSV is streamed in constant memory.
+/// anything is written. CSV and logs of frames are streamed in constant memory.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +30,10 @@ class ImportNotes {
         if (n > kSaid || !sink_) return;
         sink_(file_ + ":" + std::to_string(row) + ": " + kind + ": " + text + (n == kSaid ? " (more of this kind are only counted)" : ""));
     }
+    /// What names its place itself.
+    void say(const std::string& text) const {
+        if (sink_) sink_(text);
+    }
     [[nodiscard]] const std::map<std::string, std::uint64_t>& counts() const { return counts_; }
 
   private:
@@ -45,6 +49,8 @@ struct ImportSettings {
     ImportedRig rig;
     record::Specimen specimen{};  ///< of every maneuver in it
     std::string config_hash;
+    /// Told now and then which share of all reading is done, 0 to 1.
+    std::function<void(double)> progress{};
 };
 
 struct ImportedManeuver {
@@ -56,6 +62,7 @@ struct ImportedManeuver {
 
 struct ImportReport {
     std::uint64_t rows = 0;
+    std::string log_troubles;  ///< of a log of frames, by kind; empty: none
     std::vector<ImportedManeuver> maneuvers;
 };
 

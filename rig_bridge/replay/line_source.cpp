@@ -1,7 +1,9 @@
 #include "rig_bridge/replay/line_source.hpp"
 
+#include <fcntl.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -27,6 +29,16 @@ LineSource::LineSource(const std::filesystem::path& file) : block_(std::make_uni
     file_.reset(gzopen(file.c_str(), "rb"));
     if (!file_) throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno));
     gzbuffer(file_.get(), kBlock / 2);
+    const auto size = std::filesystem::file_size(file, error);
+    if (!error) size_ = static_cast<double>(size);
+}
+
+LineSource::LineSource(int pipe) : file_(gzdopen(::fcntl(pipe, F_DUPFD_CLOEXEC, 0), "rb")), block_(std::make_unique_for_overwrite<char[]>(kBlock)) {
+    if (!file_) throw std::runtime_error(std::string("the pipe of a log's reader cannot be read: ") + std::strerror(errno));
+}
+
+double LineSource::share() const {
+    return size_ > 0.0 ? std::clamp(static_cast<double>(gzoffset(file_.get())) / size_, 0.0, 1.0) : 1.0;
 }
 
 bool LineSource::refill() {

@@ -1,4 +1,4 @@
-/// Lines of a file, plain or gzip (told by its first bytes), in constant memory.
+/// Lines of a file, plain or gzip (told by its first bytes), or of a pipe, in constant memory.
 #pragma once
 
 #include <cstddef>
@@ -26,6 +26,8 @@ class LineSource {
 
     /// Throws std::runtime_error naming the file and the reason when it cannot be opened.
     explicit LineSource(const std::filesystem::path& file);
+    /// Of what comes through a pipe, whose descriptor stays the caller's.
+    explicit LineSource(int pipe);
 
     /// False at the end; `damage()` then says whether the file ended well.
     [[nodiscard]] bool next(Line& line);
@@ -34,6 +36,8 @@ class LineSource {
     [[nodiscard]] const std::string& damage() const { return damage_; }
     /// Lines given so far.
     [[nodiscard]] std::uint64_t lines() const { return number_; }
+    /// Share of the file that was read, 0 to 1.
+    [[nodiscard]] double share() const;
 
   private:
     struct Close {
@@ -44,6 +48,7 @@ class LineSource {
     bool skip_long_line();
 
     std::unique_ptr<gzFile_s, Close> file_;
+    double size_ = 0.0;  // bytes
     std::unique_ptr<char[]> block_;
     std::size_t begin_ = 0;
     std::size_t end_ = 0;

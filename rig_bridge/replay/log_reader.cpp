@@ -23,10 +23,20 @@ bool is_text(std::string_view line) {
     return std::all_of(line.begin(), line.end(), [](char c) { return (c >= ' ' && c <= '~') || c == '\r' || c == '\t'; });
 }
 
+std::unique_ptr<ForeignLog> open_foreign(const std::filesystem::path& file) {
+    reject_mdf(file);
+    const LogFormat format = log_format(file);
+    return format == LogFormat::candump ? nullptr : std::make_unique<ForeignLog>(file, format);
+}
+
 }  // namespace
 
 LogReader::LogReader(const std::filesystem::path& file, const LogOptions& options, LogWarnings& warnings)
-    : source_(file), warnings_(warnings), interface_(options.interface.value_or("")), with_layout_(options.layout != nullptr) {
+    : foreign_(open_foreign(file)),
+      source_(foreign_ ? LineSource(foreign_->lines()) : LineSource(file)),
+      warnings_(warnings),
+      interface_(options.interface.value_or("")),
+      with_layout_(options.layout != nullptr) {
     if (options.layout == nullptr) return;
     for (const antiskid::can::Message& message : options.layout->messages)
         if (message.bound) known_.set(message.id);
@@ -39,9 +49,17 @@ bool LogReader::next(LogFrame& out) {
         ++frames_;
         return true;
     }
-    if (!source_.damage().empty() && !end_said_) warnings_.add(LogTrouble::damaged_file, source_.lines(), source_.damage());
+    if (!end_said_) say_end();
     end_said_ = true;
     return false;
+}
+
+void LogReader::say_end() {
+    if (!source_.damage().empty()) warnings_.add(LogTrouble::damaged_file, source_.lines(), source_.damage());
+    if (!foreign_) return;
+    const ForeignLog::End end = foreign_->finish();
+    if (end.damaged || !end.text.empty())
+        warnings_.add(end.damaged ? LogTrouble::damaged_file : LogTrouble::malformed_line, source_.lines(), end.text);
 }
 
 bool LogReader::take(const LineSource::Line& line, LogFrame& out) {

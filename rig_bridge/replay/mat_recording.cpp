@@ -85,6 +85,9 @@ class MatRecording final : public Recording {
     }
 
     [[nodiscard]] std::string stated_unit(std::size_t) const override { return {}; }
+    [[nodiscard]] double share() const override {
+        return columns_.empty() ? 1.0 : static_cast<double>(at_) / static_cast<double>(columns_[0].size());
+    }
 
   private:
     /// "p", "bench.p", "data:3".

@@ -22,6 +22,7 @@ struct UsageError : std::runtime_error {
 [[nodiscard]] ReplayVerb bus_verb(CLI::App& app);
 [[nodiscard]] ReplayVerb campaign_verb(CLI::App& app);
 [[nodiscard]] ReplayVerb controller_verb(CLI::App& app);
+[[nodiscard]] ReplayVerb export_verb(CLI::App& app);
 [[nodiscard]] ReplayVerb import_verb(CLI::App& app);
 
 /// Runs `load`; whatever it throws becomes a UsageError.

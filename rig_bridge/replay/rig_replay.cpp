@@ -1,4 +1,4 @@
-/// rig-replay: what was recorded on the bus, played, replayed, rebuilt, imported. See --help.
+/// rig-replay: what was recorded on the bus, played, replayed, rebuilt, imported, exported. See --help.
 
 #include <fmt/core.h>
 
@@ -15,11 +15,11 @@ rig::replay::LogWarnings rig::replay::warnings_of(const std::string& file) {
 namespace {
 
 int run(int argc, char** argv) {
-    CLI::App app{"rig-replay: bus logs played, replayed through the controller, rebuilt and imported.", "rig-replay"};
+    CLI::App app{"rig-replay: bus logs played, replayed through the controller, rebuilt, imported and exported.", "rig-replay"};
     app.set_version_flag("--version", ANTISKID_VERSION);
     app.require_subcommand(1);
     const std::array verbs{rig::replay::bus_verb(app), rig::replay::campaign_verb(app), rig::replay::controller_verb(app),
-                           rig::replay::import_verb(app)};
+                           rig::replay::export_verb(app), rig::replay::import_verb(app)};
     app.footer("Each has --help with examples.");
     if (const auto status = settings::parse(app, argc, argv)) return *status;
     for (const rig::replay::ReplayVerb& verb : verbs) {

@@ -12,7 +12,8 @@ import sys
 import tempfile
 
 # Of FILE options those that are written; all others have to be there.
-WRITTEN = {"--json", "--csv", "--picture", "--trajectory", "--bus-log", "--rebuild", "--characterise", "--brake-state", "--port-file"}
+WRITTEN = {"--json", "--csv", "--picture", "--trajectory", "--bus-log", "--rebuild", "--mat", "--candump", "--characterise",
+           "--brake-state", "--port-file"}
 TYPES = {"--config": "DIRECTORY", "--out": "DIRECTORY", "--controller": "FILE", "--json": "FILE", "--picture": "FILE", "--csv": "FILE", "--dbc": "FILE"}
 # What the help says of an option wherever it stands.
 MEANINGS = {"--config": "configuration files", "--json": "- for standard output instead of the table", "--picture": r"\(PNG\)",

@@ -21,7 +21,7 @@ mkdir "$scratch/elsewhere"
 tar -C "$project" --exclude=./build --exclude=./out -c . | tar -C "$scratch/elsewhere" -x
 check "again, elsewhere" quietly "$scratch/elsewhere/rig" package "$scratch/second"
 rm -rf "$scratch/elsewhere"
-expect "four packages" "$(find "$scratch/first" -name 'antiskid-*.deb' | wc -l)" 4
+expect "five packages" "$(find "$scratch/first" -name '*antiskid*.deb' | wc -l)" 5
 check "the same bytes" diff -r "$scratch/first" "$scratch/second"
 for package in "$scratch"/first/*.deb; do
     check "no path of the builder in ${package##*/}" bash -c "! dpkg-deb --fsys-tarfile '$package' | grep -qaF '$project/'"
@@ -46,6 +46,8 @@ check "a landing from the installed files alone" quietly "$rig" vcan --timeout 2
 check "has its figures" grep -q '"finished"\|distance_m' "$debian/root/landing/result.json"
 check "a study from the installed files alone" quietly inside sh -c 'cd /root && rig-lab maneuver /etc/antiskid/scenarios/ramp.toml --out ramp'
 
+check "a stop from Python" quietly inside sh -c 'cd /root && python3 -c "import antiskid; assert antiskid.stop()[\"standstill\"]"'
+
 sed -i 's/^period_ms = 1.0/period_ms = 2.0/' "$debian/etc/antiskid/controller.toml"
 dpkg-deb -R "$scratch"/first/antiskid-config_*.deb "$scratch/newer"
 sed -i 's/^Version: .*/Version: 9.0.0/' "$scratch/newer/DEBIAN/control"
@@ -55,6 +57,6 @@ check "upgrade" quietly inside dpkg --force-depends --force-confold -i /root/new
 check "an edited file is kept" grep -q '^period_ms = 2.0' "$debian/etc/antiskid/controller.toml"
 check "a file that was left alone is new" grep -q '^# newer' "$debian/etc/antiskid/bridge.toml"
 
-check "purge" quietly inside apt-get purge -y antiskid-controller antiskid-bridge antiskid-lab antiskid-config
+check "purge" quietly inside apt-get purge -y antiskid-controller antiskid-bridge antiskid-lab python3-antiskid antiskid-config
 rm -rf "$debian/root"
 expect "what is left" "$(find "$debian" -path "$debian/proc" -prune -o -path "$debian/var/log" -prune -o -name '*antiskid*' -print)" ""

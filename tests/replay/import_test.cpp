@@ -8,6 +8,7 @@
 #include "plant_sim/study/validation/plant_validation.hpp"
 #include "rig_bridge/record/summary_file.hpp"
 #include "rig_bridge/replay/campaign_table.hpp"
+#include "rig_bridge/replay/foreign_log.hpp"
 #include "rig_bridge/replay/importer.hpp"
 #include "rig_bridge/rig/meter_parameters.hpp"
 #include "rig_bridge/rig/scenario.hpp"
@@ -136,7 +137,7 @@ TEST_CASE("a continuous recording becomes maneuvers, and their figures are those
     rig::replay::LogOptions options;
     options.layout = &can_test::ours();
     rig::replay::LogReader reader(import.out / "0001/bus.log", options, warnings);
-    validation::MeasuredSignals signals(reader, can_test::ours(), 1e-3);
+    rig::replay::MeasuredSignals signals(reader, can_test::ours(), 1e-3);
     const validation::Validation v = validation::validate_plant(signals, import.scenario.rig.rig);
     REQUIRE(v.braked);
     CHECK(v.all.speed_mps.rms() < 0.2);
@@ -305,8 +306,37 @@ TEST_CASE("maps are refused with file, line and key", "[BRG-350]") {
     rejected("released_Pa = 1.5e5", "released_Pa = 5e5", "below brake_on_Pa");
     rejected("first_data_row = 4", "first_data_row = 2", "after header_row");
     rejected("before_s = 1.0", "before = 1.0", "before_s");
+    const std::string bus = can_test::contents("config/import_bus_example.toml");
+    CHECK_THROWS_WITH(rig::replay::load_import_map(dir.write("map.toml", bus)), ContainsSubstring("foreign.dbc"));  // not beside it
+    CHECK_THROWS_WITH(rig::replay::load_import_map(dir.write("map.toml", can_test::replaced(bus, "format = \"bus\"", "format = \"can\""))),
+                      ContainsSubstring("file.format") && ContainsSubstring("bus"));
     const auto file = dir.write("r.csv", two_stops());
     rig::replay::ImportMap map = example();
     map.channels[0]->column = "n";
     CHECK_THROWS_WITH(Import(file, map), ContainsSubstring("no column 'n'; there are: Zeit, n_Rad, v_Schwungrad"));
+}
+
+TEST_CASE("a map of a log of frames has the channels of its layout, in SI", "[BRG-360]") {
+    const rig::replay::ImportMap map = rig::replay::load_import_map("config/import_bus_example.toml");
+    REQUIRE(map.layout);
+    CHECK((*map.layout)[antiskid::can::Role::wheel].id == can_test::foreign()[antiskid::can::Role::wheel].id);
+    // No load cells, and no maneuver state with a temperature.
+    for (std::size_t i = 0; i < rig::replay::kChannelCount; ++i) CHECK(map.channels[i].has_value() == (i <= 2 || i == 6));
+    CHECK(map.channels[1]->unit == antiskid::can::find_unit("rad/s"));
+}
+
+TEST_CASE("what a log is says the file itself, plain or gzip", "[BRG-360]") {
+    using rig::replay::LogFormat;
+    const TempDir dir;
+    const auto format = [&](const std::string& text) { return rig::replay::log_format(dir.write("log", text)); };
+    CHECK(format("(1000000000.000100) vcan0 110#0011\n") == LogFormat::candump);
+    CHECK(format("") == LogFormat::candump);
+    CHECK(format("date Sat Sep 30 15:06:13 2023\nbase hex") == LogFormat::vector_asc);
+    CHECK(format(";$FILEVERSION=1.1\n") == LogFormat::peak_trc);
+    CHECK(format(";##########\n") == LogFormat::peak_trc);
+    CHECK(format("LOGG\x90") == LogFormat::vector_blf);
+    CHECK(format("MDF     4.10") == LogFormat::mdf);
+    CHECK(rig::replay::log_format(write_gzip(dir.path() / "x.gz", "LOGG")) == LogFormat::vector_blf);
+    CHECK(rig::replay::log_format(dir.path()) == LogFormat::candump);
+    CHECK(rig::replay::log_format(dir.path() / "none") == LogFormat::candump);
 }

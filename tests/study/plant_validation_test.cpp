@@ -17,7 +17,7 @@ validation::Validation validate(const std::filesystem::path& log, const plant_si
     rig::replay::LogOptions of_log;
     of_log.layout = &s.layout;
     rig::replay::LogReader reader(log, of_log, warnings);
-    validation::MeasuredSignals signals(reader, s.layout, 1e-3);
+    rig::replay::MeasuredSignals signals(reader, s.layout, 1e-3);
     return validation::validate_plant(signals, s.plant.rig);
 }
 

@@ -3,7 +3,7 @@
 
 package_help() {
     cat <<'END'
-Builds the Debian packages: antiskid-controller, antiskid-bridge, antiskid-lab, and antiskid-config, which holds /etc/antiskid and the documents.
+Builds the Debian packages: antiskid-controller, antiskid-bridge, antiskid-lab, python3-antiskid, and antiskid-config, which holds /etc/antiskid and the documents.
 The same commit gives the same bytes.
 
   ./rig package [DIR]     into DIR (default out/package)
@@ -22,7 +22,7 @@ package() {
     SOURCE_DATE_EPOCH=$(git -C "$root" log -1 --format=%ct 2>/dev/null ||
         find "$root" -path "$root/build" -prune -o -path "$root/out" -prune -o -type f -printf '%T@\n' | sort -n | tail -n 1 | cut -d . -f 1)
     export SOURCE_DATE_EPOCH
-    setup product help2man dpkg-dev file
+    setup product help2man dpkg-dev file pybind11-dev
     build package
     say "package"
     (cd "$root/build/package" && cpack -G DEB -B "$root/build/package/deb") >"$root/build/package/cpack.log" 2>&1 ||

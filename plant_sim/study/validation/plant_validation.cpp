@@ -169,7 +169,7 @@ struct Shafts {
 
 class Validator {
   public:
-    Validator(MeasuredSignals& signals, const rig::RigParameters& rig) : signals_(signals), rig_(rig), shafts_(rig) {}
+    Validator(rig::replay::MeasuredSignals& signals, const rig::RigParameters& rig) : signals_(signals), rig_(rig), shafts_(rig) {}
 
     Validation run() {
         if (!roll()) return result_;
@@ -272,7 +272,7 @@ class Validator {
         if (!result_.rows.empty()) result_.past_peak = static_cast<double>(beyond) / static_cast<double>(result_.rows.size());
     }
 
-    MeasuredSignals& signals_;
+    rig::replay::MeasuredSignals& signals_;
     const rig::RigParameters& rig_;
     Shafts shafts_;
     double last_s_ = 0.0;
@@ -291,7 +291,7 @@ double ErrorFigures::rms() const {
     return count == 0 ? 0.0 : std::sqrt(sum_of_squares / static_cast<double>(count));
 }
 
-Validation validate_plant(MeasuredSignals& signals, const rig::RigParameters& rig) {
+Validation validate_plant(rig::replay::MeasuredSignals& signals, const rig::RigParameters& rig) {
     return Validator(signals, rig).run();
 }
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "plant_sim/model/rig.hpp"
-#include "plant_sim/study/validation/measured_signals.hpp"
+#include "rig_bridge/replay/measured_signals.hpp"
 
 namespace validation {
 
@@ -63,7 +63,7 @@ struct Validation {
     std::vector<ValidationRow> rows;
 };
 
-[[nodiscard]] Validation validate_plant(MeasuredSignals& signals, const rig::RigParameters& rig);
+[[nodiscard]] Validation validate_plant(rig::replay::MeasuredSignals& signals, const rig::RigParameters& rig);
 
 /// time_s,speed_mps,simulated_speed_mps,wheel_rim_mps,simulated_wheel_rim_mps,slip,simulated_slip,pressure_Pa; a cell without a
 /// value is empty.

@@ -1,4 +1,4 @@
-#include "plant_sim/lab/campaign_progress.hpp"
+#include "firmware/host/settings/progress.hpp"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-namespace plant_sim::lab {
+namespace settings {
 
 namespace {
 
@@ -24,7 +24,7 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-CampaignProgress::CampaignProgress(std::int64_t planned, std::int64_t already, std::string_view unit)
+Progress::Progress(std::int64_t planned, std::int64_t already, std::string_view unit)
     : terminal_(::isatty(STDERR_FILENO) == 1),
       unit_(unit),
       planned_(planned),
@@ -32,7 +32,7 @@ CampaignProgress::CampaignProgress(std::int64_t planned, std::int64_t already, s
       begin_(Clock::now()),
       next_(begin_ + (terminal_ ? milliseconds(0) : kEveryLine)) {}
 
-void CampaignProgress::show(std::int64_t done, std::string_view note) {
+void Progress::show(std::int64_t done, std::string_view note) {
     const auto now = Clock::now();
     if (now < next_ && done < planned_) return;
     next_ = now + (terminal_ ? kEvery : kEveryLine);
@@ -51,18 +51,19 @@ void CampaignProgress::show(std::int64_t done, std::string_view note) {
     }
 }
 
-void CampaignProgress::finish() const {
+void Progress::finish() {
     if (shown_) fmt::print(stderr, "\n");
+    shown_ = false;
 }
 
 std::function<void(std::size_t done, std::size_t all)> step_progress(std::string_view unit) {
-    return [unit, planned = std::size_t{0}, progress = std::shared_ptr<CampaignProgress>()](std::size_t done, std::size_t all) mutable {
+    return [unit, planned = std::size_t{0}, progress = std::shared_ptr<Progress>()](std::size_t done, std::size_t all) mutable {
         if (!progress || all != planned)
-            progress = std::make_shared<CampaignProgress>(static_cast<std::int64_t>(all), static_cast<std::int64_t>(done) - 1, unit);
+            progress = std::make_shared<Progress>(static_cast<std::int64_t>(all), static_cast<std::int64_t>(done) - 1, unit);
         planned = all;
         progress->show(static_cast<std::int64_t>(done));
         if (done == all) progress->finish();
     };
 }
 
-}  // namespace plant_sim::lab
+}  // namespace settings

@@ -7,13 +7,13 @@
 #include "rig_bridge/record/sample_stream.hpp"
 #include "rig_bridge/replay/log_reader.hpp"
 
-namespace validation {
+namespace rig::replay {
 
 /// Samples and their time: see sample_stream.hpp. Times start at 0 with the first sample, and rise.
 class MeasuredSignals {
   public:
     /// All must outlive the object; `log` must have been opened with `layout`. `period_s` > 0: of the rig that sent SYNC.
-    MeasuredSignals(rig::replay::LogReader& log, const antiskid::can::Layout& layout, double period_s);
+    MeasuredSignals(LogReader& log, const antiskid::can::Layout& layout, double period_s);
 
     /// The next sample; false at the end, and when SYNC numbers start again: another recording begins there.
     [[nodiscard]] bool next();
@@ -27,15 +27,15 @@ class MeasuredSignals {
     [[nodiscard]] std::uint64_t rejected() const;
 
   private:
-    [[nodiscard]] bool read(rig::replay::LogFrame& out);
+    [[nodiscard]] bool read(LogFrame& out);
 
-    rig::replay::LogReader& log_;
-    rig::record::SampleStream samples_;
-    std::deque<rig::replay::LogFrame> ahead_;
+    LogReader& log_;
+    record::SampleStream samples_;
+    std::deque<LogFrame> ahead_;
     bool lockstep_ = false;
     bool started_ = false;
     std::uint64_t line_ = 0;
     antiskid::can::Time first_{}, newest_{};
 };
 
-}  // namespace validation
+}  // namespace rig::replay

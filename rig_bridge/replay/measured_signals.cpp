@@ -1,21 +1,20 @@
-#include "plant_sim/study/validation/measured_signals.hpp"
+#include "rig_bridge/replay/measured_signals.hpp"
 
 #include <algorithm>
 
-namespace validation {
+namespace rig::replay {
 
 using antiskid::can::Role;
 
-MeasuredSignals::MeasuredSignals(rig::replay::LogReader& log, const antiskid::can::Layout& layout, double period_s)
-    : log_(log), samples_(layout, period_s) {
+MeasuredSignals::MeasuredSignals(LogReader& log, const antiskid::can::Layout& layout, double period_s) : log_(log), samples_(layout, period_s) {
     if (!layout[Role::sync].bound) return;
     constexpr std::size_t kAhead = 2000;  // frames looked at to find out whether there is SYNC
-    for (rig::replay::LogFrame f; ahead_.size() < kAhead && log_.next(f);) ahead_.push_back(f);
-    lockstep_ = std::any_of(ahead_.begin(), ahead_.end(), [&](const rig::replay::LogFrame& f) { return f.frame.id == layout[Role::sync].id; });
+    for (LogFrame f; ahead_.size() < kAhead && log_.next(f);) ahead_.push_back(f);
+    lockstep_ = std::any_of(ahead_.begin(), ahead_.end(), [&](const LogFrame& f) { return f.frame.id == layout[Role::sync].id; });
     if (lockstep_) samples_.expect_sync();
 }
 
-bool MeasuredSignals::read(rig::replay::LogFrame& out) {
+bool MeasuredSignals::read(LogFrame& out) {
     if (ahead_.empty()) return log_.next(out);
     out = ahead_.front();
     ahead_.pop_front();
@@ -23,7 +22,7 @@ bool MeasuredSignals::read(rig::replay::LogFrame& out) {
 }
 
 bool MeasuredSignals::next() {
-    for (rig::replay::LogFrame f; read(f);) {
+    for (LogFrame f; read(f);) {
         samples_.accept(f.frame);
         if (restarted()) return false;
         if (!samples_.ended() || (started_ && samples_.time() <= newest_)) continue;
@@ -42,4 +41,4 @@ std::uint64_t MeasuredSignals::rejected() const {
     return sum;
 }
 
-}  // namespace validation
+}  // namespace rig::replay

@@ -1,0 +1,130 @@
+"""The anti-skid controller and its virtual rig. Names carry their units; what is wrong in a configuration is an error that names file, line and key."""
+from os import PathLike
+from typing import Any, Sequence, TypedDict
+
+from numpy import float64
+from numpy.typing import NDArray
+from typing_extensions import Unpack
+
+__version__: str
+Column = NDArray[float64]
+
+class Keywords(TypedDict, total=False):
+    """Those of `rig-lab stop`."""
+
+    maneuver: str  # light, medium_a, medium_b, heavy, endurance
+    surface: str  # a table of surfaces.toml
+    runway: str | PathLike[str]  # instead of the surface
+    on_flywheel: bool
+    mass_kg: float
+    speed_mps: float
+    mean_friction: float
+    law: str  # slip, peak_slip, threshold, pressure_bias, deceleration
+    slip: float  # reference, 0 to 0.5
+    deceleration_mps2: float
+    seed: int
+    config: str | PathLike[str]  # directory; by default ./config, else /etc/antiskid
+    controller: str | PathLike[str]
+    dbc: str | PathLike[str]
+    binding: str | PathLike[str]
+
+def stop(**keywords: Unpack[Keywords]) -> dict[str, Any]:
+    """One braking maneuver: figures as `rig-lab stop --json` has them."""
+
+def read_log(
+    log: str | PathLike[str],
+    *,
+    scenario: str = "heavy",
+    config: str | PathLike[str] = "",
+    dbc: str | PathLike[str] = "",
+    binding: str | PathLike[str] = "",
+    interface: str | None = None,
+) -> dict[str, Column]:
+    """The samples of a log (candump, Vector ASC or BLF, PEAK TRC): the columns of `rig-replay export`. `scenario` says teeth and radii."""
+
+class Scenario:
+    """A maneuver, read and checked once. Other threads run while one of its stops does."""
+
+    def __init__(self, **keywords: Unpack[Keywords]) -> None: ...
+    def stop(self) -> dict[str, Any]: ...
+    def recorded_stop(self) -> tuple[dict[str, Any], dict[str, Column]]:
+        """Figures, and every control period: time_s, speed_mps, wheel_rim_speed_mps, slip, slip_reference, pressure_demand_Pa, pressure_Pa, ..."""
+    def stops(self, slip: Sequence[float] | Column, seed: Sequence[int] = ..., threads: int = 1) -> dict[str, Column]:
+        """A maneuver for each slip reference; one seed for all, or one for each. What does not apply is nan."""
+    def rig(self) -> Rig:
+        """A new rig before touchdown."""
+    def controller(self) -> Controller:
+        """A new controller as this scenario configures it."""
+
+class Rig:
+    """The other side of a controller: aircraft, wheel, brake, valve, sensors and pilot."""
+
+    @property
+    def done(self) -> bool: ...
+    @property
+    def braking(self) -> bool:
+        """The pilot asks for the brake."""
+    @property
+    def period_s(self) -> float: ...
+    @property
+    def now_s(self) -> float: ...
+    # The truth, which no sensor sees.
+    @property
+    def speed_mps(self) -> float: ...
+    @property
+    def wheel_speed_radps(self) -> float: ...
+    @property
+    def slip(self) -> float: ...
+    @property
+    def pressure_Pa(self) -> float: ...
+    @property
+    def demand_Pa(self) -> float: ...
+    def current_for_mA(self, pressure_Pa: float) -> float:
+        """By the valve's static map."""
+    def sensors(self) -> Sensors:
+        """What the frames of this period say, rounded as they are."""
+    def advance(self, current_mA: float) -> None:
+        """One period with that valve current."""
+    def apply(self, command: Command) -> None:
+        """One period with what a controller decided."""
+    def figures(self) -> dict[str, Any]:
+        """As stop()."""
+
+class Sensors:
+    @property
+    def wheel_edge_count(self) -> int: ...
+    @property
+    def wheel_edge_s(self) -> float: ...
+    @property
+    def flywheel_edge_count(self) -> int: ...
+    @property
+    def flywheel_edge_s(self) -> float: ...
+    @property
+    def pressure_Pa(self) -> float: ...
+    @property
+    def demand_Pa(self) -> float: ...
+    @property
+    def slip_reference(self) -> float: ...
+
+class Command:
+    current_mA: float
+    @property
+    def slip(self) -> float: ...
+    @property
+    def slip_reference(self) -> float: ...
+    @property
+    def speed_mps(self) -> float: ...
+    @property
+    def wheel_speed_radps(self) -> float: ...
+    @property
+    def pressure_request_Pa(self) -> float: ...
+    @property
+    def state(self) -> str: ...
+    @property
+    def faults(self) -> list[str]: ...
+
+class Controller:
+    """The controller that flies on the rig: firmware/control, the same objects."""
+
+    def __init__(self, config: str | PathLike[str]) -> None: ...
+    def step(self, sensors: Sensors, now_s: float) -> Command: ...

@@ -1,0 +1,63 @@
+#include "plant_sim/python/bus_log.hpp"
+
+#include <pybind11/numpy.h>
+
+#include <vector>
+
+#include "firmware/can/load_layout.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "rig_bridge/replay/measured_signals.hpp"
+#include "rig_bridge/replay/sample_table.hpp"
+#include "rig_bridge/rig/meter_parameters.hpp"
+#include "rig_bridge/rig/scenario.hpp"
+
+namespace plant_sim::python {
+
+namespace py = pybind11;
+
+namespace {
+
+struct Read {
+    std::vector<std::string> names;
+    std::vector<std::vector<double>> columns;
+    std::vector<std::string> warnings;
+};
+
+Read read(const LogFiles& files) {
+    const std::filesystem::path config = files.config.empty() ? settings::config_directory() : files.config;
+    const auto layout = antiskid::can::load_layout(files.dbc.empty() ? config / "antiskid.dbc" : files.dbc,
+                                                   files.binding.empty() ? config / "antiskid_binding.toml" : files.binding);
+    const rig::Scenario scenario = rig::load_scenario(config / "scenarios" / (files.scenario + ".toml"), config);
+    const rig::record::MeterParameters parameters = rig::meter_parameters(scenario, antiskid::load_controller_config(scenario.controller));
+    Read out;
+    rig::replay::LogWarnings warnings(files.log.string(), [&](const std::string& text) { out.warnings.push_back(text); });
+    rig::replay::LogOptions options;
+    options.interface = files.interface;
+    options.layout = &layout;
+    rig::replay::LogReader reader(files.log, options, warnings);
+    rig::replay::MeasuredSignals signals(reader, layout, parameters.period_s);
+    rig::replay::SampleTable table(signals, layout, parameters);
+    out.names = table.columns();
+    out.columns.resize(out.names.size());
+    for (std::vector<double> row; table.next(row);)
+        for (std::size_t i = 0; i < row.size(); ++i) out.columns[i].push_back(row[i]);
+    return out;
+}
+
+}  // namespace
+
+py::dict read_log(const LogFiles& files) {
+    const Read log = [&] {
+        const py::gil_scoped_release others_run;
+        return read(files);
+    }();
+    for (const std::string& warning : log.warnings) PyErr_WarnEx(PyExc_RuntimeWarning, warning.c_str(), 1);
+    if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+    py::dict out;
+    for (std::size_t i = 0; i < log.names.size(); ++i)
+        out[log.names[i].c_str()] = py::array_t<double>(static_cast<py::ssize_t>(log.columns[i].size()), log.columns[i].data());
+    return out;
+}
+
+}  // namespace plant_sim::python

@@ -1,0 +1,104 @@
+// antiskid._native: what antiskid/__init__.pyi describes.
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <cmath>
+
+#include "firmware/can/names.hpp"
+#include "firmware/control/controller.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/seconds.hpp"
+#include "plant_sim/python/bus_log.hpp"
+#include "plant_sim/python/rig_loop.hpp"
+#include "plant_sim/python/scenario.hpp"
+
+namespace plant_sim::python {
+
+namespace {
+
+using antiskid::control::Command;
+using antiskid::control::Controller;
+using antiskid::control::Sensors;
+using antiskid::control::Time;
+
+Time nanoseconds(double seconds) {
+    return Time{std::llround(seconds * 1e9)};
+}
+
+void bind_scenario(py::module_& m) {
+    py::class_<Scenario, std::shared_ptr<Scenario>>(m, "Scenario")
+        .def(py::init<const py::kwargs&>())
+        .def("stop", &Scenario::stop)
+        .def("recorded_stop", &Scenario::recorded_stop)
+        .def("stops", &Scenario::stops, py::arg("slip"), py::arg("seed") = std::vector<std::uint64_t>{}, py::arg("threads") = 1)
+        .def("rig", [](const std::shared_ptr<Scenario>& scenario) { return std::make_unique<RigLoop>(scenario); })
+        .def("controller", [](const Scenario& scenario) { return Controller(scenario.inputs().controller); });
+}
+
+void bind_rig(py::module_& m) {
+    const auto wheel = [](const RigLoop& rig) -> const plant::WheelState& { return rig.session().rig().wheel(); };
+    py::class_<RigLoop>(m, "Rig")
+        .def_property_readonly("done", &RigLoop::done)
+        .def_property_readonly("braking", &RigLoop::braking)
+        .def_property_readonly("period_s", &RigLoop::period_s)
+        .def_property_readonly("now_s", [](const RigLoop& rig) { return antiskid::host::seconds(rig.now()); })
+        .def_property_readonly("speed_mps", [wheel](const RigLoop& rig) { return wheel(rig).v_mps; })
+        .def_property_readonly("wheel_speed_radps", [wheel](const RigLoop& rig) { return wheel(rig).omega_radps; })
+        .def_property_readonly("slip", [](const RigLoop& rig) { return rig.session().rig().forces().slip; })
+        .def_property_readonly("pressure_Pa", [](const RigLoop& rig) { return rig.session().rig().pressure_Pa(); })
+        .def_property_readonly("demand_Pa", [](const RigLoop& rig) { return static_cast<double>(rig.session().sample().maneuver.demand_Pa); })
+        .def("current_for_mA", &RigLoop::current_for_mA, py::arg("pressure_Pa"))
+        .def("sensors", [](RigLoop& rig) { return Sensors(rig.sensors()); })
+        .def(
+            "advance", [](RigLoop& rig, double current_mA) { rig.advance(current_mA); }, py::arg("current_mA"))
+        .def("apply", &RigLoop::apply, py::arg("command"))
+        .def("figures", &RigLoop::figures);
+}
+
+void bind_controller(py::module_& m) {
+    py::class_<Sensors>(m, "Sensors")
+        .def(py::init())
+        .def_property_readonly("wheel_edge_count", [](const Sensors& s) { return s.wheel.edge_count; })
+        .def_property_readonly("wheel_edge_s", [](const Sensors& s) { return antiskid::host::seconds(s.wheel.edge_time); })
+        .def_property_readonly("flywheel_edge_count", [](const Sensors& s) { return s.flywheel.edge_count; })
+        .def_property_readonly("flywheel_edge_s", [](const Sensors& s) { return antiskid::host::seconds(s.flywheel.edge_time); })
+        .def_property_readonly("pressure_Pa", [](const Sensors& s) { return s.pressure.pressure_Pa; })
+        .def_property_readonly("demand_Pa", [](const Sensors& s) { return s.maneuver.demand_Pa; })
+        .def_property_readonly("slip_reference", [](const Sensors& s) { return s.maneuver.slip_reference; });
+    py::class_<Command>(m, "Command")
+        .def(py::init())
+        .def_readwrite("current_mA", &Command::current_mA)
+        .def_readonly("slip", &Command::slip)
+        .def_readonly("slip_reference", &Command::slip_reference)
+        .def_readonly("speed_mps", &Command::speed_mps)
+        .def_readonly("wheel_speed_radps", &Command::wheel_speed_radps)
+        .def_readonly("pressure_request_Pa", &Command::pressure_request_Pa)
+        .def_property_readonly("state", [](const Command& c) { return std::string(antiskid::can::name(c.state)); })
+        .def_property_readonly("faults", [](const Command& c) { return antiskid::can::fault_names(c.faults); });
+    py::class_<Controller>(m, "Controller")
+        .def(py::init([](const std::filesystem::path& config) { return Controller(antiskid::load_controller_config(config)); }), py::arg("config"))
+        .def(
+            "step", [](Controller& controller, const Sensors& sensors, double now_s) { return controller.step(sensors, nanoseconds(now_s)); },
+            py::arg("sensors"), py::arg("now_s"));
+}
+
+}  // namespace
+
+}  // namespace plant_sim::python
+
+PYBIND11_MODULE(_native, m) {
+    namespace py = pybind11;
+    plant_sim::python::bind_scenario(m);
+    plant_sim::python::bind_rig(m);
+    plant_sim::python::bind_controller(m);
+    m.def(
+        "read_log",
+        [](const std::filesystem::path& log, const std::string& scenario, const std::filesystem::path& config, const std::filesystem::path& dbc,
+           const std::filesystem::path& binding, const std::optional<std::string>& interface) {
+            return plant_sim::python::read_log({log, scenario, config, dbc, binding, interface});
+        },
+        py::arg("log"), py::kw_only(), py::arg("scenario") = "heavy", py::arg("config") = "", py::arg("dbc") = "", py::arg("binding") = "",
+        py::arg("interface") = py::none());
+    m.attr("__version__") = ANTISKID_VERSION;
+}

@@ -1,0 +1,39 @@
+/// One maneuver as Python sees it: read and checked once, run as often as one likes.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware/host/settings/text_table.hpp"
+#include "plant_sim/stop_options.hpp"
+#include "plant_sim/study/in_process.hpp"
+
+namespace plant_sim::python {
+
+namespace py = pybind11;
+
+class Scenario {
+  public:
+    /// Keywords are those of `rig-lab stop`, with units; an unknown one is a TypeError that names those there are.
+    explicit Scenario(const py::kwargs& keywords);
+
+    [[nodiscard]] const StopInputs& inputs() const { return inputs_; }
+    /// As `rig-lab stop --json`.
+    [[nodiscard]] py::object figures(const study::RunResult& result, double slip_reference, std::uint64_t seed) const;
+    /// One maneuver over frames, as `rig-lab stop` runs it: its figures.
+    [[nodiscard]] py::object stop() const;
+    /// The same with every control period as an array of each column.
+    [[nodiscard]] py::tuple recorded_stop() const;
+    /// One maneuver for each reference, with that seed, side by side: an array of each figure. The same values as RigLoop gives.
+    [[nodiscard]] py::dict stops(const std::vector<double>& slip, const std::vector<std::uint64_t>& seed, unsigned threads) const;
+
+  private:
+    StopOptions options_;
+    StopInputs inputs_;
+};
+
+}  // namespace plant_sim::python

@@ -1,0 +1,144 @@
+#include <fmt/core.h>
+
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "firmware/can/candump.hpp"
+#include "firmware/can/load_layout.hpp"
+#include "firmware/host/controller_config.hpp"
+#include "firmware/host/settings/config_directory.hpp"
+#include "firmware/host/settings/progress.hpp"
+#include "rig_bridge/replay/measured_signals.hpp"
+#include "rig_bridge/replay/replay_verbs.hpp"
+#include "rig_bridge/replay/sample_table.hpp"
+#include "rig_bridge/replay/table_writer.hpp"
+#include "rig_bridge/rig/meter_parameters.hpp"
+#include "rig_bridge/rig/scenario.hpp"
+
+namespace rig::replay {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExportCommand {
+    std::string log;
+    fs::path csv, mat, candump;
+    std::string interface;
+    fs::path config = settings::config_directory();
+    fs::path scenario, dbc, binding;
+    std::string json;
+
+    int run() const {
+        if (csv.empty() && mat.empty() && candump.empty()) throw UsageError("nothing to write: expected --csv, --mat or --candump");
+        LogWarnings warnings = warnings_of(log);
+        nlohmann::ordered_json report{{"log", log}, {"version", ANTISKID_VERSION}};
+        if (!csv.empty() || !mat.empty()) report["samples"] = write_samples(warnings);
+        if (!candump.empty()) report["frames"] = write_frames(warnings);
+        report["warnings"] = warnings.summary();
+        if (json != "-") {
+            for (const char* const unit : {"samples", "frames"})
+                if (report.contains(unit)) fmt::print("{} {}\n", report[unit].get<std::uint64_t>(), unit);
+            if (warnings.any()) fmt::print("warnings of the log: {}\n", warnings.summary());
+        }
+        settings::deliver(json, report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+        return 0;
+    }
+
+    [[nodiscard]] LogOptions options() const {
+        LogOptions chosen;
+        if (!interface.empty()) chosen.interface = interface;
+        return chosen;
+    }
+
+    static void show(settings::Progress& progress, std::uint64_t count, const LogReader& reader) {
+        constexpr std::uint64_t kEvery = 4096;
+        if (count % kEvery == 0) progress.show(static_cast<std::int64_t>(99.0 * reader.share()));
+    }
+
+    std::uint64_t write_samples(LogWarnings& warnings) const {
+        const auto layout = configured([&] {
+            return antiskid::can::load_layout(dbc.empty() ? config / "antiskid.dbc" : dbc,
+                                              binding.empty() ? config / "antiskid_binding.toml" : binding);
+        });
+        const record::MeterParameters rig = configured([&] {
+            const Scenario loaded = load_scenario(scenario.empty() ? config / "scenarios" / "heavy.toml" : scenario, config);
+            return meter_parameters(loaded, antiskid::load_controller_config(loaded.controller));
+        });
+        LogOptions chosen = options();
+        chosen.layout = &layout;
+        LogReader reader(log, chosen, warnings);
+        MeasuredSignals signals(reader, layout, rig.period_s);
+        SampleTable table(signals, layout, rig);
+        std::vector<std::unique_ptr<TableWriter>> writers;
+        if (!csv.empty()) writers.push_back(csv_writer(csv, table.columns()));
+        if (!mat.empty()) writers.push_back(mat_writer(mat, table.columns()));
+        settings::Progress progress(100, 0, "%");
+        std::uint64_t count = 0;
+        for (std::vector<double> row; table.next(row); show(progress, ++count, reader))
+            for (const auto& writer : writers) writer->row(row);
+        if (signals.restarted())
+            fmt::print(stderr, "rig-replay: warning: {}:{}: SYNC numbers begin anew: another recording, which is not read\n", log, reader.lines());
+        if (count == 0) throw std::runtime_error(log + ": no sample of a rig in it (see the warnings above, --dbc and --interface)");
+        for (const auto& writer : writers) writer->finish();
+        return count;
+    }
+
+    std::uint64_t write_frames(LogWarnings& warnings) const {
+        LogReader reader(log, options(), warnings);
+        settings::Progress progress(100, 0, "%");
+        PartFile file(candump);
+        std::ofstream lines(file.part(), std::ios::binary);
+        std::array<char, antiskid::can::kCandumpLineMax + 1> text{};
+        std::uint64_t count = 0;
+        for (LogFrame f; lines && reader.next(f); show(progress, ++count, reader)) {
+            const std::size_t length = antiskid::can::format_candump({.time = f.frame.received,
+                                                                      .interface = reader.interface(),
+                                                                      .frame = f.frame,
+                                                                      .extended = f.extended,
+                                                                      .remote = f.remote,
+                                                                      .error = f.error},
+                                                                     text);
+            text[length] = '\n';
+            lines.write(text.data(), static_cast<std::streamsize>(length) + 1);
+        }
+        lines.close();
+        if (!lines) throw std::runtime_error(candump.string() + ": cannot be written");
+        if (count == 0) throw std::runtime_error(log + ": no frame in it (see the warnings above and --interface)");
+        file.commit();
+        return count;
+    }
+};
+
+}  // namespace
+
+ReplayVerb export_verb(CLI::App& app) {
+    const auto c = std::make_shared<ExportCommand>();
+    CLI::App* verb = app.add_subcommand("export", "A log's samples for other programs (CSV, MATLAB), or its frames as candump writes them.");
+    settings::existing_file(verb->add_option("LOG", c->log, "bus log: candump, Vector ASC or BLF, PEAK TRC, plain or gzip"))->required();
+    verb->add_option("--csv", c->csv, "a row for each sample, time first, units in the names of the columns")->type_name("FILE");
+    verb->add_option("--mat", c->mat, "the same columns as variables, MATLAB v7.3")->type_name("FILE");
+    verb->add_option("--candump", c->candump, "the frames, candump format")->type_name("FILE");
+    verb->add_option("--interface", c->interface, "lines of this interface (default: the first in the log)");
+    settings::existing_file(
+        verb->add_option("--scenario", c->scenario, "teeth and radii: a file of config/scenarios (default: CONFIG/scenarios/heavy.toml)"));
+    settings::add_config_directory(*verb, c->config);
+    settings::add_layout_files(*verb, c->dbc, c->binding);
+    settings::add_json(*verb, c->json, "what was written");
+    verb->footer(
+        "Examples:\n"
+        "  rig-replay export out/landing/bus.log --csv landing.csv\n"
+        "  rig-replay export night.blf --dbc config/foreign.dbc --binding config/foreign_binding.toml --mat night.mat\n"
+        "  rig-replay export night.trc --candump night.log\n"
+        "Exit status: 0 written; 1 the log cannot be read or has no such frames, or the file cannot be written; 2 mistake in command line or "
+        "configuration.");
+    return {verb, [c] { return c->run(); }};
+}
+
+}  // namespace rig::replay

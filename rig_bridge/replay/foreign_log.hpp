@@ -1,0 +1,59 @@
+/// Logs of CAN tools in other formats than candump's. Their frames come as lines of candump from a process of its own that runs foreign_log.py:
+/// the readers of python3-can, which the Debian package recommends.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "firmware/host/settings/file_descriptor.hpp"
+
+namespace rig::replay {
+
+enum class LogFormat : std::uint8_t {
+    candump,
+    vector_asc,
+    vector_blf,
+    peak_trc,
+    mdf,  ///< not read here
+};
+
+/// By the file's first bytes, plain or gzip; whatever is none of the others is candump's.
+[[nodiscard]] LogFormat log_format(const std::filesystem::path& file);
+
+/// Throws std::runtime_error for an MDF recording, with the command that makes a readable one of it.
+void reject_mdf(const std::filesystem::path& file);
+
+class ForeignLog {
+  public:
+    /// Starts the process. Throws std::runtime_error naming the file and what mends it.
+    ForeignLog(const std::filesystem::path& file, LogFormat format);
+    /// Ends the process.
+    ~ForeignLog();
+    ForeignLog(const ForeignLog&) = delete;
+    ForeignLog& operator=(const ForeignLog&) = delete;
+
+    /// The end of a pipe, with lines of candump.
+    [[nodiscard]] int lines() const { return lines_.get(); }
+    /// Share of the file that was read, 0 to 1.
+    [[nodiscard]] double share() const;
+
+    struct End {
+        bool damaged = false;  ///< the log is cut off or damaged; what came before was given
+        std::string text;      ///< how; else what was left out, or nothing
+    };
+    /// After the last line. Throws std::runtime_error naming the file and what mends it when the log cannot be read.
+    [[nodiscard]] End finish();
+
+  private:
+    std::string name_;
+    settings::FileDescriptor file_;
+    settings::FileDescriptor lines_{-1}, said_{-1};
+    double size_ = 0.0;
+    pid_t process_ = -1;
+};
+
+}  // namespace rig::replay
