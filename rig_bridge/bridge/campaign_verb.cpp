@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "firmware/can/names.hpp"
+#include "rig_bridge/bridge/bridge_panel.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/bridge/hold.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
@@ -60,7 +61,7 @@ std::string now_text() {
 class CampaignRun {
   public:
     CampaignRun(const BridgeSetup& setup, const CampaignCommand& command, std::string name, antiskid::host::StopSignals& stops, Terminal& terminal,
-                record::Ledger& ledger, const std::optional<WearRegulation>& regulation, record::HealthWatch* watch)
+                record::Ledger& ledger, const std::optional<WearRegulation>& regulation, record::HealthWatch* watch, panel::LiveFeed* feed)
         : setup_(setup),
           command_(command),
           name_(std::move(name)),
@@ -70,7 +71,7 @@ class CampaignRun {
           regulation_(regulation),
           watch_(watch),
           judge_(command.rules),
-          session_(setup, stops, terminal) {}
+          session_(setup, stops, terminal, feed) {}
 
     int run() {
         for (;;) {
@@ -150,6 +151,7 @@ class CampaignRun {
                 if (said) std::this_thread::sleep_for(kLook);
                 hold = ledger_.next_number() ? read_hold(command_.rig.out) : std::nullopt;
             });
+            session_.rest_note(hold ? to_text(*hold) : "");
             if (hold && !said)
                 terminal_.say(fmt::format("rig-bridge: {}; `rig-bridge resume {}` lets it go on", to_text(*hold), command_.rig.out.string()));
             if (!hold && said) terminal_.say("rig-bridge: goes on after the hold");
@@ -294,8 +296,10 @@ int run_campaign(const CampaignCommand& command) {
     check_start(setup, command.rig.out);
     int status = 1;
     try {
+        std::optional<BridgePanel> panel;
+        if (!setup.options.panel.empty()) panel.emplace(setup, command.rig.out, stops, terminal);
         enter_realtime(setup.options.priority, terminal);
-        CampaignRun run(setup, command, name, stops, terminal, ledger, shared, watch ? &*watch : nullptr);
+        CampaignRun run(setup, command, name, stops, terminal, ledger, shared, watch ? &*watch : nullptr, panel ? &panel->feed() : nullptr);
         status = run.run();
     } catch (const EndAtOnce&) {
         terminal.say("rig-bridge: ended at once; the PLC's watchdog and the controller's time-outs make the rig safe");

@@ -63,8 +63,8 @@ function live() {
   });
   source.addEventListener('state', event => {
     const state = JSON.parse(event.data);
-    byId('facts').replaceChildren(...state.facts.flatMap(([label, value]) => [make('dt', label), make('dd', value)]));
-    byId('interlocks').replaceChildren(...state.interlocks.map(([name, good]) =>
+    byId('facts').replaceChildren(...Object.entries(state.facts).flatMap(([label, value]) => [make('dt', label), make('dd', value)]));
+    byId('interlocks').replaceChildren(...Object.entries(state.interlocks).map(([name, good]) =>
       make('li', name + (good ? '' : ': open'), { class: good ? 'good' : 'open' })));
     byId('alarms').replaceChildren(...state.alarms.map(alarm => {
       const box = make('div', undefined, { class: 'alarm' });
