@@ -10,7 +10,8 @@ std::string to_json(const About& about, const std::vector<std::string>& changes)
     nlohmann::ordered_json json{{"title", about.title}, {"simulated", about.simulated},           {"rooms", about.rooms},
                                 {"changes", changes},   {"emergency_stop", about.emergency_stop}, {"version", ANTISKID_VERSION}};
     json["channels"] = nlohmann::ordered_json::array();
-    for (const Channel& c : kChannels) json["channels"].push_back({{"key", c.key}, {"label", c.label}, {"unit", c.unit}, {"chart", c.chart}});
+    for (const Channel& c : kChannels)
+        json["channels"].push_back({{"key", c.key}, {"label", c.label}, {"unit", c.unit}, {"chart", c.chart}, {"dashed", c.dashed}});
     json["what_if"] = nlohmann::ordered_json::array();
     for (const Field& f : about.what_if) {
         nlohmann::ordered_json field{{"key", f.key}, {"label", f.label}, {"unit", f.unit}, {"value", f.value}};

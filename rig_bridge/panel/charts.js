@@ -165,8 +165,9 @@ class Overlay {
     show(this.bar, runs.length > 0);
     for (const chart of this.charts.all) {
       const series = [], rows = new Map();
-      const curves = runs.flatMap((run, r) => chart.channels.map((channel, c) => ({ run, channel, color: runs.length > 1 ? colors[r % 7] : colors[c],
-        dashed: c !== chart.channels.length - 1 && chart.channels.length > 1 })).filter(s => (run.columns[channel.key] || []).some(finite)));
+      // One run: a colour for each channel. Several: one for each run.
+      const curves = runs.flatMap((run, r) => chart.channels.map((channel, c) => ({ run, channel, color: colors[(runs.length > 1 ? r : c) % 7],
+        dashed: runs.length > 1 && channel.dashed }))).filter(s => (s.run.columns[s.channel.key] || []).some(finite));
       curves.forEach((curve, i) => {
         const label = (runs.length > 1 ? curve.run.name + ' ' : '') + curve.channel.label;
         series.push({ label, color: curve.color, dashed: curve.dashed });

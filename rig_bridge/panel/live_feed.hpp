@@ -21,21 +21,22 @@ struct Channel {
     const char* unit;
     const char* chart;  ///< channels of one chart share its axis
     double scale;       ///< from SI
+    bool dashed;        ///< where several runs lie over each other
 };
 
 enum class Signal : std::uint8_t { rim, wheel, slip, slip_reference, demand, pressure, current, load, temperature };
 inline constexpr std::size_t kSignals = 9;
 
 inline constexpr std::array<Channel, kSignals> kChannels{{
-    {"rim", "aircraft / rim", "m/s", "speed", 1.0},
-    {"wheel", "braked wheel", "m/s", "speed", 1.0},
-    {"slip", "slip", "", "slip", 1.0},
-    {"slip_reference", "reference in force", "", "slip", 1.0},
-    {"demand", "demand", "MPa", "pressure", 1e-6},
-    {"pressure", "brake pressure", "MPa", "pressure", 1e-6},
-    {"current", "valve current", "mA", "current", 1.0},
-    {"load", "vertical load", "kN", "load", 1e-3},
-    {"temperature", "brake", "\u00b0C", "temperature", 1.0},
+    {"rim", "aircraft / rim", "m/s", "speed", 1.0, true},
+    {"wheel", "braked wheel", "m/s", "speed", 1.0, false},
+    {"slip", "slip", "", "slip", 1.0, false},
+    {"slip_reference", "reference in force", "", "slip", 1.0, true},
+    {"demand", "demand", "MPa", "pressure", 1e-6, true},
+    {"pressure", "brake pressure", "MPa", "pressure", 1e-6, false},
+    {"current", "valve current", "mA", "current", 1.0, false},
+    {"load", "vertical load", "kN", "load", 1e-3, false},
+    {"temperature", "brake", "\u00b0C", "temperature", 1.0, false},
 }};
 
 /// In SI units, mA and degrees Celsius; NaN: not known.
