@@ -36,7 +36,7 @@ panel::ServerOptions options_of(const BridgeSetup& setup, const std::filesystem:
                                            .rooms = {"live"},
                                            .emergency_stop = "It is at the rig: the red button, and the guard's and hydraulics' own cut-off."}};
     options.changes["abort"] = [&stops](const panel::Query&) {
-        if (!stops.ask_first(SIGTERM)) throw std::runtime_error("the bridge ends already");
+        if (!stops.ask_first(SIGINT)) throw std::runtime_error("the bridge ends already");
         return said("the maneuver is brought to its safe end, then the bridge ends; the same command goes on with a campaign");
     };
     if (campaign.empty()) return options;

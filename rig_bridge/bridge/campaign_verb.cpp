@@ -13,6 +13,7 @@
 #include "rig_bridge/bridge/bridge_panel.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/bridge/hold.hpp"
+#include "rig_bridge/bridge/landings_left.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
 #include "rig_bridge/bridge/rig_hold.hpp"
 #include "rig_bridge/bridge/session.hpp"
@@ -70,6 +71,7 @@ class CampaignRun {
           ledger_(ledger),
           regulation_(regulation),
           watch_(watch),
+          with_panel_(feed != nullptr),
           judge_(command.rules),
           session_(setup, stops, terminal, feed) {}
 
@@ -139,7 +141,12 @@ class CampaignRun {
                                      .planned = command_.rules.maneuvers,
                                      .left_s = pace_.left_s(command_.rules.maneuvers - finished),
                                      .regulation = shared_,
-                                     .health = watch_ == nullptr ? "" : health_text(watch_->newest())}};
+                                     .health = watch_ == nullptr ? "" : health_text(watch_->newest()),
+                                     .landings_left = landings()}};
+    }
+    [[nodiscard]] std::string landings() const {
+        if (!with_panel_ || command_.wear_model.empty()) return {};
+        return landings_left(command_.wear_model, record::read_ledger(ledger_file(command_.rig.out), name_), command_.rules.min_friction);
     }
     /// Everything is off meanwhile.
     void while_held() {
@@ -195,6 +202,7 @@ class CampaignRun {
     std::optional<double> slip_reference_;  // of the maneuver that runs, where the law is slip
     std::string shared_;                    // how wear is shared, for people
     record::HealthWatch* watch_;            // none: nobody judges the brake
+    bool with_panel_;
     CampaignJudge judge_;
     Pace pace_;
     Session session_;

@@ -164,6 +164,9 @@ def recorded(driver, lab, folder):
         wait(driver, lambda d: "2 slip" in text(d, "recorded_charts"))
         check("two maneuvers lie over each other", "1 slip" in text(driver, "recorded_charts"))
         length = wait(driver, lambda d: [r.text for r in d.find_elements(By.CSS_SELECTOR, "#differences tr.differs") if r.text.startswith("length, m")])
+        sized(driver, 1280, 900)
+        time.sleep(0.5)
+        picture(driver, "panel")
         check("differences are named", re.search(r"\([+\u2212][\d.]+\)", length[0]), length)
         windows = driver.execute_script("""const bar = [...document.querySelectorAll('#recorded_charts .plot canvas')];
             return bar.length;""")
