@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,7 +32,9 @@ struct PanelCommand {
         PanelStops tried(config);
         panel::ServerOptions options{
             .address = panel::parse_address(at),
-            .about = {.title = "rig-lab" + (folder.empty() ? "" : ": " + folder.string()), .rooms = {}, .what_if = tried.fields()}};
+            .about = {.title = "rig-lab" + (folder.empty() ? "" : ": " + std::filesystem::weakly_canonical(folder).filename().string()),
+                      .rooms = {},
+                      .what_if = tried.fields()}};
         std::optional<PanelRecordings> recorded;
         if (!folder.empty()) {
             recorded.emplace(folder, config,

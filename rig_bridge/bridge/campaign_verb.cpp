@@ -146,7 +146,8 @@ class CampaignRun {
     }
     [[nodiscard]] std::string landings() const {
         if (!with_panel_ || command_.wear_model.empty()) return {};
-        return landings_left(command_.wear_model, record::read_ledger(ledger_file(command_.rig.out), name_), command_.rules.min_friction);
+        return landings_left(command_.wear_model, record::read_ledger(ledger_file(command_.rig.out), name_),
+                             command_.rules.min_friction.value_or(0.0));
     }
     /// Everything is off meanwhile.
     void while_held() {
