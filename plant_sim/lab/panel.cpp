@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "firmware/can/load_layout.hpp"
+#include "firmware/host/settings/config_directory.hpp"
 #include "firmware/host/stop_signals.hpp"
 #include "plant_sim/lab/panel_recordings.hpp"
 #include "plant_sim/lab/panel_stops.hpp"

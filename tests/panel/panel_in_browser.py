@@ -36,7 +36,8 @@ def check(name, right, detail=""):
 def browser(folder):
     options = webdriver.ChromeOptions()
     for flag in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run", "--disable-background-networking",
-                 "--disable-component-update", "--autoplay-policy=no-user-gesture-required", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"):
+                 "--disable-component-update", "--autoplay-policy=no-user-gesture-required",
+                 "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     options.add_experimental_option("prefs", {"download.default_directory": str(folder)})
@@ -158,16 +159,16 @@ def recorded(driver, lab, folder):
     campaign(lab, folder / "brake")
     with program(lab, "panel", folder / "brake", "--panel", "127.0.0.1:0") as (url, token):
         driver.get(url)
-        boxes = wait(driver, lambda d: len(d.find_elements(By.CSS_SELECTOR, "#runs input")) == 2 and d.find_elements(By.CSS_SELECTOR, "#runs input"))
-        for box in boxes:
+        wait(driver, lambda d: len(d.find_elements(By.CSS_SELECTOR, "#runs input")) == 2)
+        for box in driver.find_elements(By.CSS_SELECTOR, "#runs input"):
             box.click()
         wait(driver, lambda d: "2 slip" in text(d, "recorded_charts"))
         check("two maneuvers lie over each other", "1 slip" in text(driver, "recorded_charts"))
-        length = wait(driver, lambda d: [r.text for r in d.find_elements(By.CSS_SELECTOR, "#differences tr.differs") if r.text.startswith("length, m")])
+        rows = wait(driver, lambda d: [r.text for r in d.find_elements(By.CSS_SELECTOR, "#differences tr.differs")])
+        length = [row for row in rows if row.startswith("length, m")]
         check("differences are named", re.search(r"\([+\u2212][\d.]+\)", length[0]), length)
-        windows = driver.execute_script("""const bar = [...document.querySelectorAll('#recorded_charts .plot canvas')];
-            return bar.length;""")
-        check("plots are drawn", windows >= 10, f"{windows} canvases")
+        canvases = len(driver.find_elements(By.CSS_SELECTOR, "#recorded_charts .plot canvas"))
+        check("plots are drawn", canvases >= 10, f"{canvases} canvases")
         plot = driver.find_elements(By.CSS_SELECTOR, "#recorded_charts .plot")[0]
         webdriver.ActionChains(driver).move_to_element_with_offset(plot, -60, 0).click_and_hold().move_by_offset(120, 0).release().perform()
         time.sleep(0.5)
@@ -192,14 +193,16 @@ def recorded(driver, lab, folder):
         driver.find_element(By.ID, "token").send_keys(token)
         write(NOTE)
         wait(driver, lambda d: NOTE in text(d, "notes"))
-        check("a note with HTML is text", NOTE in text(driver, "runs") and not driver.find_elements(By.CSS_SELECTOR, "main img, #notes img, #runs img"))
+        check("a note with HTML is text", NOTE in text(driver, "runs") and not driver.find_elements(By.CSS_SELECTOR, "#notes img, #runs img"))
         check("and runs nothing", "taken over" not in driver.title)
 
         driver.find_element(By.ID, "tab_what_if").click()
         wait(driver, lambda d: "197.7" in text(d, "what_if_figures"))
         driver.find_element(By.ID, "keep").click()
         began = time.monotonic()
-        driver.execute_script("""const s = document.querySelector('#sliders [name=slip]'); s.value = 0.12; s.dispatchEvent(new Event('input'));""")
+        driver.execute_script("""const slider = document.querySelector('#sliders [name=slip]');
+            slider.value = 0.12;
+            slider.dispatchEvent(new Event('input'));""")
         wait(driver, lambda d: "dry_asphalt slip 0.12" in text(d, "what_if_figures"))
         check("a slider draws another stop", True, f"{1000 * (time.monotonic() - began):.0f} ms")
         check("beside the one that was kept", "dry_asphalt slip 0.24" in text(driver, "what_if_charts"))
