@@ -261,12 +261,13 @@ struct Server::Impl {
         for (const auto& [name, handler] : options.changes) names.push_back(name);
         serve_text("/api/about", to_json(options.about, names), "application/json");
         http.Get("/events", [this](const httplib::Request&, httplib::Response& response) { show(response); });
-        for (const auto& [name, handler] : options.reads)
-            http.Get("/api/" + name,
-                     [&handler](const httplib::Request& request, httplib::Response& response) { answer(handler, request, response); });
-        for (const auto& [name, handler] : options.changes)
-            http.Post("/api/" + name, [this, &handler](const httplib::Request& request, httplib::Response& response) {
-                if (is_token(request.get_header_value("X-Panel-Token"), token)) return answer(handler, request, response);
+        // Structured bindings cannot be captured everywhere.
+        for (const auto& read : options.reads)
+            http.Get("/api/" + read.first,
+                     [&read](const httplib::Request& request, httplib::Response& response) { answer(read.second, request, response); });
+        for (const auto& change : options.changes)
+            http.Post("/api/" + change.first, [this, &change](const httplib::Request& request, httplib::Response& response) {
+                if (is_token(request.get_header_value("X-Panel-Token"), token)) return answer(change.second, request, response);
                 refuse(response, 401, "only with the token that the program printed when it started");
             });
     }
