@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "rig_bridge/rig/quantities.hpp"
 #include "rig_bridge/rig/sequencer.hpp"
 #include "rig_bridge/wear/draw.hpp"
 

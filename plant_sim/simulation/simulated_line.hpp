@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/host/settings/file_descriptor.hpp"
+#include "rig_bridge/modbus/command_tracker.hpp"
 #include "rig_bridge/modbus/modbus_context.hpp"
 #include "rig_bridge/modbus/plc_line.hpp"
 #include "rig_bridge/modbus/register_bank.hpp"
