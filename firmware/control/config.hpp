@@ -15,6 +15,7 @@ struct EncoderConfig {
     float max_speed_radps = 0.0F;
     float max_acceleration_radps2 = 0.0F;  ///< above this between two frames the reading is implausible
     float pitch_error = 0.0F;              ///< of a sound ring's teeth, of their pitch: what a reading may be off by it is not implausible
+    float patience_s = 0.0F;               ///< without a reading that is believed: then it is the prediction that is wrong
 };
 
 /// Rolling radius r(F_z) = r_0 - F_z / k_r with eq. (2): a free-rolling wheel before brake-on calibrates it,
@@ -27,6 +28,7 @@ struct WheelConfig {
     float stiffness_Npm = 0.0F;     ///< k_r
     float lift_Ns2pm2 = 0.0F;       ///< rho S C_l / 2 of eq. (2)
     float brake_gain_m3 = 0.0F;     ///< nominal k_b
+    float hardest_brake = 0.0F;     ///< no brake grips harder than so many times that
 };
 
 struct FlywheelConfig {

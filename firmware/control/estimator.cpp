@@ -5,9 +5,8 @@
 namespace antiskid::control {
 
 namespace {
-constexpr float kSlowest_mps = 0.5F;            // slip divides by the speed
-constexpr float kCalibrationSpeed_mps = 15.0F;  // free rolling below it is too short to average
-constexpr float kFreePressure_Pa = 2e5F;
+constexpr float kSlowest_mps = 0.5F;  // slip divides by the speed
+constexpr float kCalibrates = 3.0F;   // times the drop-out speed: free rolling below it is too short to average
 constexpr float kFreeAcceleration_radps2 = 60.0F;
 constexpr float kRadiusMemory_s = 0.05F;
 constexpr float kMaxReading = 2.0F;  // times full pressure
@@ -16,13 +15,15 @@ constexpr float kMaxReading = 2.0F;  // times full pressure
 Estimator::Estimator(const Config& config)
     : wheel_(config.wheel),
       max_reading_Pa_(kMaxReading * config.valve.full_pressure_Pa),
+      free_Pa_(config.supervisor.demand_threshold_Pa),
+      calibrates_above_mps_(kCalibrates * config.supervisor.drop_out_mps),
       flywheel_radius_m_(config.flywheel.radius_m),
       period_s_(config.period_s),
       brake_gain_(config.wheel.brake_gain_m3 / config.wheel.inertia_kgm2),
       lift_per_stiffness_(config.wheel.lift_Ns2pm2 / config.wheel.stiffness_Npm),
       wheel_speed_(config.wheel.encoder.teeth),
       flywheel_speed_(config.flywheel.encoder.teeth),
-      wheel_observer_(config.observer, config.wheel.encoder, config.period_s),
+      wheel_observer_(config.observer, config.wheel, config.period_s),
       prediction_share_(config.observer.prediction_share),
       flywheel_tracker_(config.estimator.aircraft_bandwidth_radps, config.flywheel.encoder),
       valve_model_(config.valve, config.period_s, config.estimator),
@@ -32,7 +33,7 @@ Estimator::Estimator(const Config& config)
 /// acceleration: both are waited out. In the air it turns at any speed.
 inline void Estimator::calibrate_radius(bool on_wheels) {
     const Estimate& e = estimate_;
-    const bool free = on_wheels && e.pressure.pressure_Pa < kFreePressure_Pa && e.v_mps > kCalibrationSpeed_mps && wheel_reading_.fresh &&
+    const bool free = on_wheels && e.pressure.pressure_Pa < free_Pa_ && e.v_mps > calibrates_above_mps_ && wheel_reading_.fresh &&
                       magnitude(wheel_observer_.motion().road_radps2) < kFreeAcceleration_radps2;
     if (!free) return;
     const float measured = e.v_mps / e.omega_radps - lift_per_stiffness_ * e.v_mps * e.v_mps;

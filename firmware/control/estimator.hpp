@@ -31,6 +31,8 @@ class Estimator {
 
     WheelConfig wheel_;
     float max_reading_Pa_;
+    float free_Pa_;  // less than a demand: the wheel rolls freely
+    float calibrates_above_mps_;
     float flywheel_radius_m_;
     float period_s_;
     float brake_gain_;  // k_b / J_w

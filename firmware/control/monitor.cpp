@@ -35,6 +35,7 @@ Monitor::Monitor(const Config& config)
       wheel_encoder_(config.wheel.encoder),
       flywheel_encoder_(config.flywheel.encoder),
       flywheel_radius_m_(config.flywheel.radius_m),
+      hardest_brake_(config.wheel.hardest_brake),
       released_Pa_(config.supervisor.residual_pressure_Pa),
       period_s_(config.period_s),
       compensated_share_(config.estimator.valve_offset_share),
@@ -105,10 +106,9 @@ inline void Monitor::check_wheel(FaultSet& faults, const Estimator& estimator, c
 
     // A wheel slows by brake torque alone, k_b P / J_w, and with the aircraft: the road only takes from one that is faster than that. The
     // pressure that counts as none may drag, and what brake or road have wound up in a carcass swings back.
-    constexpr float kFierce = 2.0F;  // a brake grips that much harder than its nominal gain, at most
     const float brakes_Pa = larger(larger(e.pressure.pressure_Pa, estimator.uncorrected_pressure_Pa()), released_Pa_);
     acted_radps2_ = larger(larger(e.brake_gain * brakes_Pa, e.road_radps2), acted_radps2_ * (1.0F - period_s_ / config_.off_command_s));
-    const float fall = kFierce * acted_radps2_;
+    const float fall = hardest_brake_ * acted_radps2_;
     const float freely = e.v_mps / e.radius_m;
     const float surely = smaller(reading.speed_radps, e.omega_radps) - fall * reading.interval_s;
     wheel_.min = rolls ? smaller(larger(surely, wheel_.min - fall * period_s_), freely) : 0.0F;

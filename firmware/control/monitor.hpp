@@ -94,6 +94,7 @@ class Monitor {
     EncoderConfig wheel_encoder_;
     EncoderConfig flywheel_encoder_;
     float flywheel_radius_m_;
+    float hardest_brake_;
     float released_Pa_;
     float period_s_;
     float compensated_share_;

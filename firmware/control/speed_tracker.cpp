@@ -5,7 +5,10 @@
 namespace antiskid::control {
 
 SpeedTracker::SpeedTracker(float bandwidth_radps, const EncoderConfig& encoder)
-    : bandwidth_radps_(bandwidth_radps), max_speed_(encoder.max_speed_radps), max_acceleration_(encoder.max_acceleration_radps2) {}
+    : bandwidth_radps_(bandwidth_radps),
+      max_speed_(encoder.max_speed_radps),
+      max_acceleration_(encoder.max_acceleration_radps2),
+      patience_s_(encoder.patience_s) {}
 
 void SpeedTracker::reset(float speed, float acceleration) {
     speed_ = speed;
@@ -44,9 +47,8 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s) {
     const float since_middle = predicted > 0.0F ? acceleration_ * age : 0.0F;
     const float innovation = reading.speed_radps - (speed_ - since_middle);
     const float since = larger(reading.interval_s, period_s);
-    constexpr float kTwice = 2.0F;        // the prediction may be as far off as the reading
-    constexpr float kPatience_s = 0.01F;  // then it is the prediction that is wrong
-    if (unheard_s_ < kPatience_s && magnitude(innovation) > kTwice * max_acceleration_ * since) return;
+    constexpr float kTwice = 2.0F;  // the prediction may be as far off as the reading
+    if (unheard_s_ < patience_s_ && magnitude(innovation) > kTwice * max_acceleration_ * since) return;
     unheard_s_ = 0.0F;
     const float memory = 1.0F / (1.0F + bandwidth_radps_ * since);
     speed_ = larger(speed_ + (1.0F - memory * memory) * innovation, 0.0F);

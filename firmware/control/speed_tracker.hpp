@@ -10,7 +10,7 @@ namespace antiskid::control {
 class SpeedTracker {
   public:
     /// The encoder's largest acceleration, either way: readings that are off the prediction by more than twice what it explains are not believed for
-    /// 10 ms, and no reading, however wrong, may leave a state from which the next ones do not lead back.
+    /// its patience, and no reading, however wrong, may leave a state from which the next ones do not lead back.
     SpeedTracker(float bandwidth_radps, const EncoderConfig& encoder);
 
     /// One period of `period_s` has passed. Acceleration is taken to change slowly.
@@ -24,6 +24,7 @@ class SpeedTracker {
     float bandwidth_radps_;
     float max_speed_;
     float max_acceleration_;
+    float patience_s_;
     float speed_ = 0.0F;
     float acceleration_ = 0.0F;
     float unheard_s_ = 0.0F;  // since a reading was believed

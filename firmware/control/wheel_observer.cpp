@@ -9,11 +9,13 @@ constexpr float kMinAnswer_per_s = -60.0F;  // faster than this no valve can fol
 constexpr float kMaxAnswer_per_s = 6000.0F;
 }  // namespace
 
-WheelObserver::WheelObserver(const ObserverConfig& config, const EncoderConfig& encoder, float period_s)
+WheelObserver::WheelObserver(const ObserverConfig& config, const WheelConfig& wheel, float period_s)
     : config_(config),
-      max_radps_(encoder.max_speed_radps),
-      max_radps2_(encoder.max_acceleration_radps2),
-      pitch_rad_(kFullTurn / encoder.teeth),
+      max_radps_(wheel.encoder.max_speed_radps),
+      max_radps2_(wheel.encoder.max_acceleration_radps2),
+      pitch_rad_(kFullTurn / wheel.encoder.teeth),
+      patience_s_(wheel.encoder.patience_s),
+      hardest_brake_(wheel.hardest_brake),
       period_s_(period_s),
       learns_answer_(config.answer_noise > 0.0F) {}
 
@@ -88,12 +90,10 @@ void WheelObserver::correct(const SpeedReading& reading, const Drive& drive) {
     const float since = larger(reading.interval_s, period_s_);
     const float noise = config_.reading_noise * pitch_rad_ / since;
     // A wheel slows by brake torque alone, or by what that or the road have wound up in a carcass: a gap where teeth are missing is no slip.
-    constexpr float kTwice = 2.0F;        // a brake may grip that much harder, and the prediction be as far off as the reading
-    constexpr float kWild = 4.0F;         // times the noise
-    constexpr float kPatience_s = 0.01F;  // then it is the prediction that is wrong
+    constexpr float kWild = 4.0F;  // standard deviations: chance alone takes one sound reading in 16,000 there
     const float acts_radps2 = surprise < 0.0F ? larger(drive.brake_now_radps2, motion_.road_radps2) : max_radps2_;
-    if (magnitude(surprise) > kTwice * acts_radps2 * since + kWild * noise) {
-        if (unheard_s_ >= kPatience_s) begin(reading.speed_radps);
+    if (magnitude(surprise) > hardest_brake_ * acts_radps2 * since + kWild * noise) {
+        if (unheard_s_ >= patience_s_) begin(reading.speed_radps);
         return;
     }
     unheard_s_ = 0.0F;

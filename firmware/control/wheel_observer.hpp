@@ -44,7 +44,7 @@ class WheelStep {
 
 class WheelObserver {
   public:
-    WheelObserver(const ObserverConfig& config, const EncoderConfig& encoder, float period_s);
+    WheelObserver(const ObserverConfig& config, const WheelConfig& wheel, float period_s);
 
     /// What acts over a period, as accelerations of the wheel.
     struct Drive {
@@ -52,8 +52,8 @@ class WheelObserver {
         float brake_now_radps2 = 0.0F;  ///< at its end
         float steady_radps2 = 0.0F;     ///< omega v_dot / v
     };
-    /// One period. A reading that is not valid, or a wheel that stands, begins anew. So does a reading that no wheel can have got to, 10 ms
-    /// after the last one that was believed; before that it is left out. Readings that stay off to one side mean another road: what was
+    /// One period. A reading that is not valid, or a wheel that stands, begins anew. So does a reading that no wheel can have got to, the
+    /// encoder's patience after the last one that was believed; before that it is left out. Readings that stay off to one side mean another road: what was
     /// learnt of it is forgotten.
     void update(const SpeedReading& reading, const Drive& drive);
 
@@ -74,6 +74,8 @@ class WheelObserver {
     float max_radps_;
     float max_radps2_;
     float pitch_rad_;
+    float patience_s_;
+    float hardest_brake_;
     float period_s_;
     bool learns_answer_;
     WheelMotion motion_;

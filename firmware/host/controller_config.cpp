@@ -179,6 +179,8 @@ constexpr float kOffCommand = 0.4F;    // of stuck_ms
 constexpr float kMoves = 1.0F / 3.0F;  // of off_command_Pa
 constexpr float kPressureRate = 2.0F;  // of a full step's rate by eq. (6); the rest is noise of one reading
 constexpr float kOverspeed = 3.0F;     // of radius_tolerance
+constexpr float kPatience = 0.5F;      // of sensor_max_age_ms, as frames that are that late count as lost
+constexpr float kHardest = 2.0F;       // of brake_gain_m3: linings grip 1.3 times that (uncertainty.toml), a carcass swings back by the rest
 constexpr float kFreeSlip = 1.6F;      // of radius_tolerance: a wheel whose radius is not learnt seems to slip by so much
 }  // namespace derived
 
@@ -244,6 +246,8 @@ control::Config load_controller_config(const std::filesystem::path& path) {
     const settings::Table checks = root.table("monitor");
     c.monitor = monitor(checks, c, number(states, "drop_out_mps", 1.2, 20.0));
     c.supervisor = supervisor(states, c.valve, c.monitor.stuck_s);
+    c.wheel.hardest_brake = derived::kHardest;
+    c.wheel.encoder.patience_s = c.flywheel.encoder.patience_s = derived::kPatience * c.monitor.sensor_max_age_s;
     doc.finish();
     return c;
 }

@@ -58,8 +58,9 @@ LabVerb robust_verb(CLI::App& lab) {
         ->capture_default_str();
     settings::one_of(
         verb->add_option("--laws", command->options.laws,
-                         "told_peak: the slip law told the peak of the surface under the wheel, with whose distances the others' are compared"),
-        {"slip", "peak_slip", "threshold", "pressure_bias", "told_peak"})
+                         "told_peak: the slip law told the peak of the surface under the wheel, with whose distances the others' are compared; "
+                         "soonest: no law, but full current or none until the wheel has that slip, held exactly from then on (changes, brake_on)"),
+        {"slip", "peak_slip", "threshold", "pressure_bias", "told_peak", "soonest"})
         ->delimiter(',')
         ->capture_default_str();
     verb->add_option("--draws", command->options.draws, "of each family that is drawn; a multiple of 14 has all landings equally often")
@@ -81,7 +82,7 @@ LabVerb robust_verb(CLI::App& lab) {
         "  mpirun -n 4 rig-lab robust        the same bytes\n"
         "  rig-lab robust --families patches --laws told_peak,peak_slip,slip --draws 1000 --seed 4\n"
         "  rig-lab robust --families changes --laws slip,peak_slip   friction after a change of surface\n"
-        "  rig-lab robust --families brake_on --laws slip,peak_slip  brake-on from 12 to 61 m/s\n"
+        "  rig-lab robust --families brake_on --laws peak_slip,soonest  brake-on from 12 to 61 m/s, and what the valve leaves of it\n"
         "Exit status: 0 no stop under the slip law ended safe; 1 some did; 2 mistake on the command line or in a file; 130 stopped by Ctrl-C.");
     return {verb, [command] { return in_team([command](study::team::Team& team) { return command->run(team); }); }};
 }

@@ -17,7 +17,7 @@ struct EncodedWheel {
     static constexpr double kStep_s = 1e-3;
 
     explicit EncodedWheel(const ObserverConfig& config, int missing_teeth = 0)
-        : shaft(60.0, missing_teeth), observer(config, fixed_config().wheel.encoder, 1e-3F) {}
+        : shaft(60.0, missing_teeth), observer(config, fixed_config().wheel, 1e-3F) {}
 
     void turn(double radps, double brake_radps2) {
         shaft.turn_to(radps, kStep_s);

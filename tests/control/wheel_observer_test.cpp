@@ -58,7 +58,7 @@ WheelObserver::Drive drive(double brake) {
 }
 
 WheelObserver started(double radps) {
-    WheelObserver observer(fixed_config().observer, fixed_config().wheel.encoder, 1e-3F);
+    WheelObserver observer(fixed_config().observer, fixed_config().wheel, 1e-3F);
     observer.update(reading(radps), drive(0.0));
     return observer;
 }
@@ -91,7 +91,7 @@ TEST_CASE("an answer without noise is known, and stays what it is", "[CTL-300]")
     ObserverConfig known = fixed_config().observer;
     known.answer_noise = 0.0F;
     known.answer_floor_per_s = 600.0F;
-    WheelObserver observer(known, fixed_config().wheel.encoder, 1e-3F);
+    WheelObserver observer(known, fixed_config().wheel, 1e-3F);
     Wheel wheel{.answer_per_s = 300.0};
     observer.update(reading(wheel.omega_radps), drive(0.0));
     float max = 0.0F, min = 1e6F;
@@ -133,7 +133,7 @@ TEST_CASE("a step of the equations is the exact one for short steps, and stable 
 }
 
 TEST_CASE("the observer begins at the first reading, and anew with its validity", "[CTL-300]") {
-    WheelObserver observer(fixed_config().observer, fixed_config().wheel.encoder, 1e-3F);
+    WheelObserver observer(fixed_config().observer, fixed_config().wheel, 1e-3F);
     CHECK(observer.motion().omega_radps == 0.0F);
     SpeedReading nothing = reading(150.0);
     nothing.fresh = false;
@@ -241,7 +241,7 @@ TEST_CASE("a released wheel that gains speed between sparse edges is followed", 
     CAPTURE(gains_radps2);
     control_test::Shaft shaft(60.0);
     SpeedEstimator encoder(60.0F);
-    WheelObserver observer(fixed_config().observer, fixed_config().wheel.encoder, 1e-3F);
+    WheelObserver observer(fixed_config().observer, fixed_config().wheel, 1e-3F);
     SpeedInput input;
     Time now{};
     const auto turn = [&](const double radps, const double brake_radps2) {
@@ -323,7 +323,7 @@ TEST_CASE("the observer is the textbook's extended Kalman filter", "[CTL-300]") 
     CAPTURE(answer);
     ObserverConfig config = fixed_config().observer;
     config.surprise = 1e6F;  // the textbook knows no other road
-    WheelObserver observer(config, fixed_config().wheel.encoder, 1e-3F);
+    WheelObserver observer(config, fixed_config().wheel, 1e-3F);
     Wheel wheel{.answer_per_s = answer};
     observer.update(reading(wheel.omega_radps), drive(0.0));
     Textbook textbook{.x = {wheel.omega_radps, 0.0, 50.0}, .p = {}};

@@ -69,7 +69,7 @@ with tempfile.TemporaryDirectory() as scratch:
         assert told["mean"] == 1.0 if summary["law"] == "told_peak" else told["mean"] > 0.9, summary
 
     nowhere = pathlib.Path(scratch, "nowhere")
-    for arguments, says in ((("--families", "rings"), "rings"), (("--laws", "bang"), "bang"), (("--draws", 0), "--draws"),
+    for arguments, says in ((("--families", "rings"), "rings"), (("--laws", "bang"), "bang"), (("--laws", "slip,soonest"), "soonest"), (("--draws", 0), "--draws"),
                             (("--ranges", "/nowhere.toml"), "/nowhere.toml"), (("--config", "/nowhere"), "/nowhere")):
         status, text, err = run(*arguments, "--out", nowhere)
         assert status == 2 and says in err and not nowhere.exists(), (arguments, status, text, err)

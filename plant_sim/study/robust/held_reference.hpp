@@ -6,8 +6,17 @@
 
 namespace robust {
 
-/// J_mu, eq. (16), of a stop from `rig.brake_on_mps` to drop-out on `rig.surface` whose slip is `slip_reference` at every instant, less at low
-/// speed as `config` has it: no pressure build-up, no error of control, 0 to 1.
+/// Friction times distance, the two terms of eq. (16).
+struct Offer {
+    double had_m = 0.0;
+    double most_m = 0.0;  ///< at the peak all the way
+};
+/// From one speed down to another on `rig.surface`, with the slip `slip_reference` at every instant, less at low speed as `config` has it: no
+/// pressure build-up, no error of control.
+[[nodiscard]] Offer held_offer(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference, double from_mps,
+                               double to_mps);
+
+/// J_mu, eq. (16), of such a stop from `rig.brake_on_mps` to drop-out, 0 to 1.
 [[nodiscard]] double held_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference,
                                double drop_out_mps);
 

@@ -17,6 +17,7 @@
 #include "firmware/host/settings/hash.hpp"
 #include "plant_sim/study/loop.hpp"
 #include "plant_sim/study/robust/grids.hpp"
+#include "plant_sim/study/robust/soonest.hpp"
 #include "plant_sim/study/run_many.hpp"
 #include "plant_sim/study/team/shared_work.hpp"
 #include "plant_sim/study/team/team.hpp"
@@ -33,8 +34,8 @@ Peer peer_of(const std::string& word) {
     if (word == "peak_slip") return {.name = word, .law = Law::peak_slip, .holds_peak = true};
     if (word == "threshold") return {.name = word, .law = Law::threshold};
     if (word == "pressure_bias") return {.name = word, .law = Law::pressure_bias};
-    if (word == kToldPeak) return {.name = word, .law = Law::wheel_slip, .holds_peak = true};
-    throw std::invalid_argument("unknown law '" + word + "'; there are slip, peak_slip, threshold, pressure_bias, told_peak");
+    if (word == kToldPeak || word == kSoonest) return {.name = word, .law = Law::wheel_slip, .holds_peak = true};
+    throw std::invalid_argument("unknown law '" + word + "'; there are slip, peak_slip, threshold, pressure_bias, told_peak, soonest");
 }
 
 /// As far as the controller takes a reference.
@@ -85,7 +86,30 @@ Finished read(std::string_view text) {
     return finished;
 }
 
-void run_share(const RobustPlan& plan, const std::vector<std::size_t>& stops, const RunOptions& options, const study::team::HandIn& hand_in) {
+/// A row that nobody has driven.
+Row soonest_of(const RobustPlan& plan, Row row) {
+    const rig::RigParameters rig = grid_stop(plan.basis, row.family, row.number).rig;
+    const double period_s = std::chrono::duration<double>(study::period_of(plan.controller)).count();
+    if (row.family == Family::changes) {
+        const SurfaceChange change = change_at(plan.basis, row.number);
+        const SoonestRegrip soonest = soonest_regrip(rig, plan.basis.landings[change.to].rig.surface, change.speed_mps, period_s);
+        row.regrip = soonest.regrip;
+        row.figures.j_mu = soonest.j_mu;
+    } else {
+        row.figures.j_mu = soonest_j_mu(rig, plan.controller.slip, peak_slip(rig.surface), plan.drop_out_mps, period_s);
+    }
+    return row;
+}
+
+void run_share(const RobustPlan& plan, const std::vector<std::size_t>& share, const RunOptions& options, const study::team::HandIn& hand_in) {
+    std::vector<std::size_t> stops;
+    for (const std::size_t stop : share) {
+        const Row row = row_of(plan, stop);
+        if (plan.laws[row.law].name == kSoonest)
+            hand_in(bytes_of({.stop = stop, .row = soonest_of(plan, row)}));
+        else
+            stops.push_back(stop);
+    }
     std::vector<std::shared_ptr<RegripMeter>> meters(stops.size());
     study::run_many(
         plan.layout, stops.size(),
@@ -129,6 +153,9 @@ RobustPlan load_plan(const RobustPlanOptions& o) {
                     .config_hash = {}};
     for (const std::string& word : o.families) plan.families.push_back(family_of(word));
     for (const std::string& word : o.laws) plan.laws.push_back(peer_of(word));
+    const auto drawn = [](Family family) { return static_cast<std::size_t>(family) < kDrawnFamilies; };
+    if (std::find(o.laws.begin(), o.laws.end(), kSoonest) != o.laws.end() && std::any_of(plan.families.begin(), plan.families.end(), drawn))
+        throw std::invalid_argument("soonest is of the families changes and brake_on alone");
     std::vector<std::filesystem::path> files{ranges, controller};
     for (const std::string& surface : rig::surface_names(o.config)) {
         for (const char* maneuver : {"light", "heavy"}) {

@@ -37,6 +37,8 @@ struct Peer {
 };
 /// The slip law, told at each period where the peak of the surface under the wheel is: what a law that must find it is measured against.
 inline constexpr std::string_view kToldPeak = "told_peak";
+/// No law but what no law can have sooner: soonest.hpp. Of the grids alone.
+inline constexpr std::string_view kSoonest = "soonest";
 
 struct RobustPlan {
     Basis basis;

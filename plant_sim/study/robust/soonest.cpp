@@ -1,0 +1,120 @@
+#include "plant_sim/study/robust/soonest.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "firmware/control/slip_law.hpp"
+#include "plant_sim/study/robust/held_reference.hpp"
+
+namespace robust {
+
+namespace {
+
+constexpr double kFullCurrent_mA = 1e3;  // beyond the map's end, which is held
+
+/// A rigid wheel behind the valve, no sensors.
+class BrakedWheel {
+  public:
+    BrakedWheel(const rig::RigParameters& rig, double v_mps, double slip, double step_s)
+        : rig_(&rig),
+          brake_(rig.brake, rig.friction_curve, rig.mean_friction, rig.brake_on_mps),
+          wheel_(rig.wheel, brake_, rig.surface),
+          valve_(rig.valve, step_s) {
+        state_.v_mps = v_mps;
+        state_.omega_radps = (1.0 - slip) * v_mps / forces().radius_m;
+        state_.held = false;
+        const double pressure_Pa = balance_Pa();
+        constexpr int kSettled = 1000;  // steps
+        for (int i = 0; i < kSettled; ++i) valve_.advance(pressure_Pa, pressure_Pa);
+    }
+
+    void meet(const rig::Surface& surface) { wheel_.set_tyre(surface.law()); }
+
+    void step(double current_mA) {
+        const double static_Pa = rig_->pressure_map.pressure_Pa(current_mA);
+        const plant::Valve::Arcs arcs = valve_.advance(static_Pa, static_Pa);
+        if (valve_.first_s() > 0.0) wheel_.advance(state_, arcs.first, load(), valve_.first_s());
+        wheel_.advance(state_, arcs.second, load(), valve_.second_s());
+    }
+
+    /// The pressure that keeps this slip while the aircraft slows down.
+    [[nodiscard]] double balance_Pa() const { return balance_Pa(forces().slip, forces().mu); }
+    [[nodiscard]] double balance_Pa(double slip, double mu) const {
+        const plant::Forces now = forces();
+        const double slows_radps2 = (1.0 - slip) / now.radius_m * mu * now.F_z_N / rig_->wheel.mass_kg;
+        return (mu * now.F_z_N * now.radius_m + rig_->wheel.inertia_kgm2 * slows_radps2) / brake_.gain(state_.v_mps).k_b;
+    }
+    [[nodiscard]] double pressure_Pa() const { return valve_.pressure_Pa(); }
+    [[nodiscard]] const plant::WheelState& state() const { return state_; }
+    [[nodiscard]] plant::Forces forces() const { return wheel_.forces(state_, valve_.pressure_Pa(), load()); }
+
+  private:
+    [[nodiscard]] plant::LoadArc load() const { return {rig_->load.base_N, 0.0, rig_->load.lift_Ns2pm2}; }
+
+    const rig::RigParameters* rig_;
+    plant::BrakeTorque brake_;
+    plant::Wheel wheel_;
+    plant::Valve valve_;
+    plant::WheelState state_;
+};
+
+}  // namespace
+
+double soonest_j_mu(const rig::RigParameters& rig, const antiskid::control::SlipConfig& config, double slip_reference, double drop_out_mps,
+                    double period_s) {
+    BrakedWheel wheel(rig, rig.brake_on_mps, 0.0, period_s);
+    const auto has_more = [&](const BrakedWheel& w) {
+        return w.forces().slip > static_cast<double>(antiskid::control::falling_reference(config, static_cast<float>(slip_reference),
+                                                                                          static_cast<float>(w.state().v_mps)));
+    };
+    // Until the slip rises no more, which it does not before the valve's delay either. Returns whether it was more than it should be.
+    const auto release = [&](BrakedWheel& w) {
+        double slip = 0.0;
+        for (int i = 0; i * period_s < rig.valve.delay_s + 2.0 * period_s || w.forces().slip > slip; ++i) {
+            slip = w.forces().slip;
+            w.step(0.0);
+            if (has_more(w)) return true;
+        }
+        return false;
+    };
+    while (wheel.state().v_mps > drop_out_mps) {
+        BrakedWheel next = wheel;
+        next.step(kFullCurrent_mA);
+        BrakedWheel released = next;
+        if (release(released)) break;
+        wheel = std::move(next);
+    }
+    release(wheel);
+    const Offer rest = held_offer(rig, config, slip_reference, wheel.state().v_mps, drop_out_mps);
+    return (wheel.state().friction_distance_m + rest.had_m) / (rig::peak(rig.surface).mu * wheel.state().distance_m + rest.most_m);
+}
+
+SoonestRegrip soonest_regrip(const rig::RigParameters& rig, const rig::Surface& other, double speed_mps, double period_s) {
+    const rig::Peak target = rig::peak(other);
+    BrakedWheel wheel(rig, speed_mps, rig::peak(rig.surface).slip, period_s);
+    wheel.meet(other);
+    const auto too_much = [&] { return wheel.forces().slip > target.slip || wheel.pressure_Pa() > wheel.balance_Pa(target.slip, target.mu); };
+    const bool releases = too_much();
+    RegripMeter meter(period_s);
+    meter.update(rig.surface, speed_mps, rig::peak(rig.surface).mu);
+    bool there = false;
+    double v_mps = speed_mps, had_m = 0.0, most_m = 0.0;
+    const auto periods = std::lround(RegripMeter::kLongest_s / period_s);
+    for (long i = 0; i < periods && v_mps >= RegripMeter::kEnds_mps; ++i) {
+        double mu = target.mu;
+        if (there) {
+            v_mps -= mu * (rig.load.base_N - rig.load.lift_Ns2pm2 * v_mps * v_mps) / rig.wheel.mass_kg * period_s;
+        } else {
+            wheel.step(releases ? 0.0 : kFullCurrent_mA);
+            v_mps = wheel.state().v_mps;
+            mu = wheel.forces().mu;
+            there = releases ? !too_much() : wheel.forces().slip >= target.slip;
+        }
+        meter.update(other, v_mps, mu);
+        had_m += mu * v_mps;
+        most_m += target.mu * v_mps;
+    }
+    return {.regrip = meter.regrip().value_or(Regrip{}), .j_mu = had_m / most_m};
+}
+
+}  // namespace robust

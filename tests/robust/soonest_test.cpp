@@ -1,0 +1,78 @@
+/// What the valve leaves: against the held reference, and against the law that is told the peak.
+#include "plant_sim/study/robust/soonest.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "plant_sim/study/robust/held_reference.hpp"
+#include "plant_sim/study/robust/robust_campaign.hpp"
+#include "tests/catch.hpp"
+
+using namespace robust;
+
+namespace {
+
+RobustPlan grid(const std::string& family, const std::string& surface) {
+    RobustPlanOptions options;
+    options.families = {family};
+    options.laws = {"told_peak", "soonest"};
+    RobustPlan plan = load_plan(options);
+    std::erase_if(plan.basis.landings, [&](const Landing& landing) { return landing.surface != surface && landing.surface != "snow"; });
+    return plan;
+}
+
+}  // namespace
+
+TEST_CASE("a valve without lag leaves nearly the held reference, a delay takes from it", "[STUDY-602]") {
+    const RobustPlan plan = load_plan({});
+    for (const Landing& landing : plan.basis.landings) {
+        INFO(landing.surface << " " << landing.maneuver);
+        rig::RigParameters rig = landing.rig;
+        rig.brake_on_mps = 20.0;
+        const auto with_delay = [&rig, &plan](double delay_s) {
+            rig.valve.delay_s = delay_s;
+            return 1.0 / soonest_j_mu(rig, plan.controller.slip, rig::peak(rig.surface).slip, 5.0, 1e-3);
+        };
+        rig.valve.natural_frequency_radps = 1e4;
+        const double held = held_j_mu(rig, plan.controller.slip, rig::peak(rig.surface).slip, 5.0);
+        const double fast = 1.0 / with_delay(0.0);
+        CHECK(fast < held);
+        CHECK(fast > 0.95 * held);
+        // The release comes late by the delay, too, so that full current ends sooner.
+        CHECK(with_delay(0.02) > 1.0 / fast);
+        CHECK(with_delay(0.05) > with_delay(0.02));
+    }
+}
+
+TEST_CASE("the law that is told the peak has less, at every speed of brake-on", "[STUDY-602]") {
+    const RobustPlan plan = grid("brake_on", "wet_asphalt");
+    const std::vector<Row> rows = run(plan, {.threads = 2});
+    REQUIRE(rows.size() == plan.stops());
+    const std::size_t stops = plan.draws_of(Family::brake_on);
+    for (std::size_t i = 0; i < stops; ++i) {
+        const Row &told = rows[i], &soonest = rows[stops + i];
+        REQUIRE(soonest.law == 1);
+        REQUIRE(soonest.number == told.number);
+        CHECK_FALSE(soonest.tripped());
+        CHECK(told.figures.j_mu < soonest.figures.j_mu + 0.005);
+        CHECK(soonest.figures.j_mu < 1.0);
+    }
+}
+
+TEST_CASE("no change of surface is made good sooner than the valve's delay leaves it, none is later than 0.4 s", "[STUDY-602]") {
+    const RobustPlan plan = grid("changes", "dry_asphalt");
+    for (std::size_t i = 0; i < plan.basis.landings.size(); ++i) {
+        const rig::RigParameters& from = plan.basis.landings[i].rig;
+        const auto other = std::find_if(plan.basis.landings.begin(), plan.basis.landings.end(),
+                                        [&from](const Landing& landing) { return landing.rig.surface.name != from.surface.name; });
+        const SoonestRegrip soonest = soonest_regrip(from, other->rig.surface, 40.0, 1e-3);
+        INFO("from " << from.surface.name);
+        CHECK(soonest.regrip.speed_mps == Approx(40.0).margin(0.1));
+        REQUIRE(soonest.regrip.regained_s);
+        CHECK(*soonest.regrip.regained_s > from.valve.delay_s);
+        CHECK(*soonest.regrip.regained_s < 0.4);
+        CHECK(soonest.j_mu > 0.9);
+        CHECK(soonest.j_mu < 1.0);
+    }
+}
