@@ -27,9 +27,11 @@
 #include "plant_sim/brake_options.hpp"
 #include "plant_sim/plc/load_served_rig.hpp"
 #include "plant_sim/serve_node.hpp"
+#include "plant_sim/serve_panel.hpp"
 #include "plant_sim/serve_reporter.hpp"
 #include "plant_sim/wear/brake_state.hpp"
 #include "rig_bridge/modbus/server.hpp"
+#include "rig_bridge/panel/panel_option.hpp"
 #include "rig_bridge/rig/scenario.hpp"
 
 namespace plant_sim {
@@ -52,6 +54,7 @@ struct Options {
     std::uint64_t seed = 1;
     int priority = 70;
     int answer_timeout_ms = 100;
+    std::string panel;
     bool spun_up = false;
     bool together = false;
 };
@@ -100,6 +103,7 @@ std::optional<int> parse(int argc, char** argv, Options& o) {
     app.add_option("--seed", o.seed, "seed of every random draw")->check(CLI::NonNegativeNumber)->capture_default_str();
     app.add_option("--port-file", o.port_file, "written when everything is served: the TCP port (0: none), then the pseudo-terminal (or nothing)")
         ->type_name("FILE");
+    rig::panel::add_panel_option(app, o.panel);
     settings::add_config_directory(app, o.config);
     settings::existing_file(app.add_option("--registers", o.registers, "register map (default: CONFIG/registers.toml)"));
     settings::add_layout_files(app, o.dbc, o.binding);
@@ -221,17 +225,23 @@ int run(const Options& o, const Served& s) {
     BrakeKeeper keeper(o, *s.rig.brake);
     if (const std::string beyond = extrapolation_notice(*s.rig.brake); !beyond.empty()) fmt::print(stderr, "virtual-rig: {}\n", beyond);
     antiskid::host::StopSignals signals;
+    std::optional<ServePanel> panel;
+    if (!o.panel.empty()) panel.emplace(o.panel, o.scenario.stem().string());
     const antiskid::can::IdList wanted = antiskid::can::ids(s.layout, std::array{antiskid::can::Role::valve});
     antiskid::host::SupervisedCan bus([&] { return std::make_unique<antiskid::can::SocketCan>(o.interface, wanted.span()); });
     rig::modbus::ModbusServer server(s.map, s.server);
     plc::ServedRig rig(s.plant, s.rig, o.seed);
-    const auto exchange = [&server](plc::ServedRig& served) {
+    const ServeState* state = nullptr;
+    const auto exchange = [&server, &panel, &state](plc::ServedRig& served) {
+        if (panel && state != nullptr) panel->show(served, *state);
         const rig::modbus::PlcCommands commands = server.exchange(served.measured());
         served.command(commands.commanded);
         served.open_interlocks(commands.open_interlocks);
     };
     antiskid::host::MonotonicClock clock;
     ServeNode node(rig, s.layout, bus, clock, Time(std::llround(s.rig.period_s * 1e9)), exchange);
+    state = &node.state();
+    if (panel) fmt::print("{}\n", panel->greeting());
     announce(o, server);
     {
         const ServeReporter reporter(

@@ -120,9 +120,12 @@ void ServeNode::advance() {
     command_age_ = accepted == commands_ ? command_age_ + period_ : Time{};
     commands_ = accepted;
     const bool obeys = command_age_ <= kDriverWatchdog;
-    rig_.advance(obeys ? static_cast<double>(port_.controller().current_mA) : 0.0);
+    const float current_mA = obeys ? port_.controller().current_mA : 0.0F;
+    rig_.advance(static_cast<double>(current_mA));
 
     state_.controller_heard = obeys;
+    state_.current_mA = current_mA;
+    state_.slip_reference = port_.controller().slip_reference;
     const plc::VirtualPlc& plc = rig_.plc();
     state_.trip = plc.state() == rig::PlcState::tripped ? plc.trip() : plc::Trip::none;
     state_.rejected = plc.rejected_commit() * 256U + static_cast<std::uint32_t>(plc.rejection());

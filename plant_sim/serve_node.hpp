@@ -20,6 +20,8 @@ namespace plant_sim {
 struct ServeState {
     std::atomic<bool> link_up{true};
     std::atomic<bool> controller_heard{false};     ///< false: silent, its valve driver without current
+    std::atomic<float> current_mA{0.0F};           ///< of the valve
+    std::atomic<float> slip_reference{0.0F};       ///< as the controller last said it
     std::atomic<plc::Trip> trip{plc::Trip::none};  ///< none while the PLC is ready
     std::atomic<std::uint32_t> rejected{0};        ///< refused commit * 256 + plc::Refusal
     std::atomic<std::uint64_t> periods{0};

@@ -22,6 +22,14 @@ class StopSignals {
     [[nodiscard]] std::atomic<bool>& stop() { return stop_; }
     /// How many have come: the first may ask for a safe end, the second for an end at once.
     [[nodiscard]] int count() const { return count_.load(); }
+    /// As if `number` came as the first; false, and nothing happens, where one has come: a second may mean an end at once.
+    bool ask_first(int number) {
+        int none = 0;
+        if (!count_.compare_exchange_strong(none, 1)) return false;
+        number_.store(number);
+        stop_.store(true);
+        return true;
+    }
     /// The first that came; 0: none has.
     [[nodiscard]] int number() const { return number_.load(); }
 

@@ -34,6 +34,7 @@ int run(int argc, char** argv) {
         plant_sim::lab::robust_verb(app),     //
         plant_sim::lab::surfaces_verb(app),   //
         plant_sim::lab::report_verb(app),     //
+        plant_sim::lab::panel_verb(app),      //
     };
     if (const auto status = settings::parse(app, argc, argv)) return *status;
     return plant_sim::lab::run_parsed(verbs);

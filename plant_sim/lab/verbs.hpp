@@ -65,6 +65,8 @@ LabVerb robust_verb(CLI::App& lab);
 LabVerb surfaces_verb(CLI::App& lab);
 /// Every figure and table of the paper as one page.
 LabVerb report_verb(CLI::App& lab);
+/// Recorded maneuvers and what-if in a browser.
+LabVerb panel_verb(CLI::App& lab);
 /// What an endurance campaign says about the brake, by these verbs of its own:
 LabVerb wear_verb(CLI::App& lab);
 /// A campaign as a table.

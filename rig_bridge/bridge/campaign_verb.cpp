@@ -10,8 +10,10 @@
 #include <thread>
 
 #include "firmware/can/names.hpp"
+#include "rig_bridge/bridge/bridge_panel.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/bridge/hold.hpp"
+#include "rig_bridge/bridge/landings_left.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
 #include "rig_bridge/bridge/rig_hold.hpp"
 #include "rig_bridge/bridge/session.hpp"
@@ -60,7 +62,7 @@ std::string now_text() {
 class CampaignRun {
   public:
     CampaignRun(const BridgeSetup& setup, const CampaignCommand& command, std::string name, antiskid::host::StopSignals& stops, Terminal& terminal,
-                record::Ledger& ledger, const std::optional<WearRegulation>& regulation, record::HealthWatch* watch)
+                record::Ledger& ledger, const std::optional<WearRegulation>& regulation, record::HealthWatch* watch, panel::LiveFeed* feed)
         : setup_(setup),
           command_(command),
           name_(std::move(name)),
@@ -69,8 +71,9 @@ class CampaignRun {
           ledger_(ledger),
           regulation_(regulation),
           watch_(watch),
+          with_panel_(feed != nullptr),
           judge_(command.rules),
-          session_(setup, stops, terminal) {}
+          session_(setup, stops, terminal, feed) {}
 
     int run() {
         for (;;) {
@@ -138,7 +141,13 @@ class CampaignRun {
                                      .planned = command_.rules.maneuvers,
                                      .left_s = pace_.left_s(command_.rules.maneuvers - finished),
                                      .regulation = shared_,
-                                     .health = watch_ == nullptr ? "" : health_text(watch_->newest())}};
+                                     .health = watch_ == nullptr ? "" : health_text(watch_->newest()),
+                                     .landings_left = landings()}};
+    }
+    [[nodiscard]] std::string landings() const {
+        if (!with_panel_ || command_.wear_model.empty()) return {};
+        return landings_left(command_.wear_model, record::read_ledger(ledger_file(command_.rig.out), name_),
+                             command_.rules.min_friction.value_or(0.0));
     }
     /// Everything is off meanwhile.
     void while_held() {
@@ -150,6 +159,7 @@ class CampaignRun {
                 if (said) std::this_thread::sleep_for(kLook);
                 hold = ledger_.next_number() ? read_hold(command_.rig.out) : std::nullopt;
             });
+            session_.rest_note(hold ? to_text(*hold) : "");
             if (hold && !said)
                 terminal_.say(fmt::format("rig-bridge: {}; `rig-bridge resume {}` lets it go on", to_text(*hold), command_.rig.out.string()));
             if (!hold && said) terminal_.say("rig-bridge: goes on after the hold");
@@ -193,6 +203,7 @@ class CampaignRun {
     std::optional<double> slip_reference_;  // of the maneuver that runs, where the law is slip
     std::string shared_;                    // how wear is shared, for people
     record::HealthWatch* watch_;            // none: nobody judges the brake
+    bool with_panel_;
     CampaignJudge judge_;
     Pace pace_;
     Session session_;
@@ -294,8 +305,10 @@ int run_campaign(const CampaignCommand& command) {
     check_start(setup, command.rig.out);
     int status = 1;
     try {
+        std::optional<BridgePanel> panel;
+        if (!setup.options.panel.empty()) panel.emplace(setup, command.rig.out, stops, terminal);
         enter_realtime(setup.options.priority, terminal);
-        CampaignRun run(setup, command, name, stops, terminal, ledger, shared, watch ? &*watch : nullptr);
+        CampaignRun run(setup, command, name, stops, terminal, ledger, shared, watch ? &*watch : nullptr, panel ? &panel->feed() : nullptr);
         status = run.run();
     } catch (const EndAtOnce&) {
         terminal.say("rig-bridge: ended at once; the PLC's watchdog and the controller's time-outs make the rig safe");

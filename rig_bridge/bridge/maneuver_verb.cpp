@@ -5,8 +5,10 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
+#include <optional>
 
 #include "firmware/host/settings/atomic_file.hpp"
+#include "rig_bridge/bridge/bridge_panel.hpp"
 #include "rig_bridge/bridge/bridge_setup.hpp"
 #include "rig_bridge/bridge/realtime.hpp"
 #include "rig_bridge/bridge/rig_hold.hpp"
@@ -52,8 +54,10 @@ int run_maneuver(const ManeuverCommand& command) {
     if (!command.cool_down) planned.cool_to_C = kAnyTemperature_C;
     const ManeuverRequest request{
         .plan = planned, .campaign = {}, .number = 1, .folder = place, .specimen = command.rig.specimen, .taken_J = 0.0, .view = std::nullopt};
+    std::optional<BridgePanel> panel;
+    if (!setup.options.panel.empty()) panel.emplace(setup, std::filesystem::path(), stops, terminal);
     enter_realtime(setup.options.priority, terminal);
-    Session session(setup, stops, terminal);
+    Session session(setup, stops, terminal, panel ? &panel->feed() : nullptr);
     try {
         const Ran ran = session.run(request);
         session.meanwhile([&] {

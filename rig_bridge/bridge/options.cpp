@@ -4,7 +4,7 @@
 
 #include "firmware/host/settings/command_line.hpp"
 #include "rig_bridge/modbus/plc_address.hpp"
-
+#include "rig_bridge/panel/panel_option.hpp"
 #include "rig_bridge/record/specimen_options.hpp"
 
 namespace rig::bridge {
@@ -66,6 +66,7 @@ void add_run_options(CLI::App& app, RigOptions& o) {
                                            "program to run after an abort, once the rig is safe and the record closed: no arguments, at most 10 s; "
                                            "it has RIG_CAUSE, RIG_OUTCOME, RIG_NEXT_STEP, RIG_CAMPAIGN, RIG_MANEUVER, RIG_FOLDER"));
     app.add_flag("--quiet", o.quiet, "no bell at an abort");
+    panel::add_panel_option(app, o.panel);
     record::add_specimen_options(app, o.specimen, "; kept with every maneuver from now on");
 }
 

@@ -38,6 +38,7 @@ struct RigOptions {
     record::Specimen specimen;
     std::filesystem::path on_abort;  ///< program to run after an abort; empty: none
     bool quiet = false;              ///< no bell
+    std::string panel;               ///< address of the page; empty: none
 };
 
 struct ManeuverCommand {

@@ -12,6 +12,7 @@
 #include "firmware/can/value_names.hpp"
 #include "rig_bridge/bridge/abort_hook.hpp"
 #include "rig_bridge/bridge/next_step.hpp"
+#include "rig_bridge/bridge/panel_state.hpp"
 #include "rig_bridge/bridge/view_model.hpp"
 #include "rig_bridge/bridge/wall_clock.hpp"
 #include "rig_bridge/rig/acceptance.hpp"
@@ -51,10 +52,11 @@ bool rests(Phase phase) {
 
 }  // namespace
 
-Session::Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal)
+Session::Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal, panel::LiveFeed* feed)
     : setup_(setup),
       stops_(stops),
       terminal_(terminal),
+      feed_(feed),
       lockstep_(setup.options.lockstep ? std::make_optional<Lockstep>(setup.layout, Time(std::llround(setup.meter.period_s * 1e9)), Node::kStep,
                                                                       std::chrono::milliseconds(setup.options.answer_timeout_ms))
                                        : std::nullopt),
@@ -85,11 +87,24 @@ const Moment& Session::step(rig::Sequencer* sequencer, const ManeuverRequest* re
     const Moment& moment = node_.step(sequencer, {.number = number, .abort = abort_ || stops > 0, .reset = setup_.options.reset},
                                       lockstep_ ? lockstep_->now() : clock_.now());
     if (lockstep_) plc_->turn(lockstep_->taken());
+    if (feed_ != nullptr) tell_panel(moment, request == nullptr && sequencer == nullptr);
     if (const std::string second = second_sender_text(moment.bus); !second.empty() && !second_sender_) {
         terminal_.say(fmt::format("rig-bridge: {}. Next: end one of them", second));
         second_sender_ = true;
     }
     return moment;
+}
+
+void Session::tell_panel(const Moment& moment, bool resting) {
+    feed_->sample(live_sample(moment));
+    const double now_s = std::chrono::duration<double>(moment.now).count();
+    if (!resting || !feed_->state_due(now_s)) return;
+    ViewModel view = view_of(moment, node_.limits());
+    view.scenario = setup_.scenario.title;
+    view.phase = phase_;
+    view.abort = aborted_by_;
+    if (!rest_note_.empty()) view.note = rest_note_;
+    feed_->state(panel_state(view, moment), now_s);
 }
 
 void Session::meanwhile(const std::function<void()>& work) {
@@ -108,8 +123,7 @@ void Session::show(const ManeuverRequest& request, const Moment& moment, const s
         phase_ = moment.outputs.phase;
         phase_began_s_ = moment.rig_s;
     }
-    const double now_s = std::chrono::duration<double>(moment.now).count();
-    if (!terminal_.due(now_s, moment.outputs.phase, moment.outputs.abort)) return;
+    if (!view_due(moment, moment.outputs.phase, moment.outputs.abort)) return;
     ViewModel view = view_of(moment, node_.limits());
     view.scenario = setup_.scenario.title;
     view.campaign = request.view;
@@ -118,7 +132,18 @@ void Session::show(const ManeuverRequest& request, const Moment& moment, const s
     view.phase_s = moment.rig_s - phase_began_s_;
     if (!waiting_for.empty()) view.note = waiting_for;
     view.record_lost = !record_error_.empty();
-    terminal_.show(view, now_s);
+    present(view, moment);
+}
+
+bool Session::view_due(const Moment& moment, Phase phase, rig::Abort abort) const {
+    const double now_s = std::chrono::duration<double>(moment.now).count();
+    return terminal_.due(now_s, phase, abort) || (feed_ != nullptr && feed_->state_due(now_s));
+}
+
+void Session::present(const ViewModel& view, const Moment& moment) {
+    const double now_s = std::chrono::duration<double>(moment.now).count();
+    if (terminal_.due(now_s, view.phase, view.abort)) terminal_.show(view, now_s);
+    if (feed_ != nullptr && feed_->state_due(now_s)) feed_->state(panel_state(view, moment), now_s);
 }
 
 void Session::await_cold_brake(const ManeuverRequest& request) {
@@ -187,8 +212,7 @@ void Session::watch_rim(double standstill_mps) {
         rim_mps = rim_speed_mps(m);
         if (rim_mps) known_s = m.rig_s;
         if (rim_mps ? *rim_mps < standstill_mps : m.rig_s - known_s > kUnknown_s) break;
-        const double now_s = std::chrono::duration<double>(m.now).count();
-        if (!terminal_.due(now_s, Phase::aborted, aborted_by_)) continue;
+        if (!view_due(m, Phase::aborted, aborted_by_)) continue;
         ViewModel view = view_of(m, node_.limits());
         view.scenario = setup_.scenario.title;
         view.phase = Phase::aborted;
@@ -196,7 +220,7 @@ void Session::watch_rim(double standstill_mps) {
         view.time_s = m.rig_s - began_s_;
         view.phase_s = m.rig_s - phase_began_s_;
         view.note = rim_text(rim_mps, standstill_mps) + "; Ctrl-C ends the program at once";
-        terminal_.show(view, now_s);
+        present(view, m);
     }
     terminal_.leave();
     terminal_.say("rig-bridge: " + rim_text(rim_mps, standstill_mps));

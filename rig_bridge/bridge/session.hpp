@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "firmware/host/clock.hpp"
 #include "firmware/host/periodic_timer.hpp"
@@ -20,6 +21,7 @@
 #include "rig_bridge/bridge/node.hpp"
 #include "rig_bridge/bridge/terminal.hpp"
 #include "rig_bridge/bridge/trace.hpp"
+#include "rig_bridge/panel/live_feed.hpp"
 #include "rig_bridge/record/sample_log.hpp"
 #include "rig_bridge/record/summary.hpp"
 
@@ -52,7 +54,8 @@ struct EndAtOnce {};
 class Session {
   public:
     /// Throws std::runtime_error naming the interface, or std::invalid_argument for a PLC address that is none.
-    Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal);
+    /// `feed`: of the panel; none: there is none.
+    Session(const BridgeSetup& setup, antiskid::host::StopSignals& stops, Terminal& terminal, panel::LiveFeed* feed);
     ~Session();
 
     /// Waits until the brake is cold enough (or nothing is heard of the PLC), then runs the maneuver to its end, safe end included, and
@@ -62,6 +65,9 @@ class Session {
     /// After an abort, with its record closed: shows the rim's speed until it stands, until nobody knows it, or until somebody wants the
     /// program to end, and says how the rim is left. Everything is off meanwhile.
     void watch_rim(double standstill_mps);
+
+    /// What the panel says between two maneuvers, e.g. who holds the campaign; empty: nothing.
+    void rest_note(std::string note) { rest_note_ = std::move(note); }
 
     /// Runs `work` on another thread while the loop goes on; rethrows what it throws.
     void meanwhile(const std::function<void()>& work);
@@ -75,12 +81,18 @@ class Session {
     void await_cold_brake(const ManeuverRequest& request);
     void meanwhile(const std::function<void()>& work, rig::Sequencer* sequencer, const ManeuverRequest* request);
     void show(const ManeuverRequest& request, const Moment& moment, const std::string& waiting_for);
+    /// Of whom a view is wanted now: terminal or panel.
+    [[nodiscard]] bool view_due(const Moment& moment, rig::Phase phase, rig::Abort abort) const;
+    void present(const ViewModel& view, const Moment& moment);
+    void tell_panel(const Moment& moment, bool resting);
     void sequence(const ManeuverRequest& request, rig::Sequencer& sequencer, record::SampleLog& samples);
     void write_sample(record::SampleLog& samples, const Moment& moment);
 
     const BridgeSetup& setup_;
     antiskid::host::StopSignals& stops_;
     Terminal& terminal_;
+    panel::LiveFeed* feed_;
+    std::string rest_note_;
     antiskid::host::MonotonicClock clock_;
     std::optional<Lockstep> lockstep_;
     std::unique_ptr<ModbusPlc> plc_;

@@ -19,6 +19,7 @@ struct CampaignView {
     std::optional<double> left_s;  ///< unknown before the first has finished
     std::string regulation{};      ///< how wear is shared, one line; empty where it is not regulated
     std::string health{};          ///< of the brake, as health_text() says it; empty: nobody judges it
+    std::string landings_left{};   ///< with their interval and the model's name; empty: nobody forecasts
 };
 
 struct ViewModel {

@@ -23,7 +23,7 @@ CLOCKS = {"sensors", "timer", "sync", "auto"}
 OUT_WITHOUT_DEFAULT = {"virtual-rig", "rig-bridge preflight"}
 # Verbs that print no figures, or CSV alone.
 WITHOUT_JSON = {"rig-bridge maneuver", "rig-bridge campaign", "rig-bridge pause", "rig-bridge resume", "rig-bridge ledger amend", "rig-bridge ledger note",
-                "virtual-rig serve", "rig-lab drive", "cortex-m-prepare"}
+                "virtual-rig serve", "rig-lab drive", "rig-lab panel", "cortex-m-prepare"}
 COMPLETION = pathlib.Path(__file__).resolve().parents[2] / "firmware/host/package/completion.bash"
 wrong = []
 runs = 0

@@ -2,16 +2,19 @@
 """What a crew does with a campaign that runs: looks on from another terminal, holds it between maneuvers, is told of an abort, says whose parts
 they are. Three programs in paced lockstep, inside `./rig vcan`.
 
-usage: crew.py BUILD_DIR operator|watch
+usage: crew.py BUILD_DIR operator|watch|panel
 """
 import csv
 import json
 import pathlib
+import re
 import socket
 import subprocess
 import sys
 import tempfile
 import time
+import urllib.error
+import urllib.request
 
 from three_programs import Bus, Rig, check, eventually, in_guest_memory, ledger_copy, quick_rig, words
 
@@ -155,7 +158,54 @@ def watch(folder):
     check({file: file.read_bytes() for file in out.glob("campaign.sqlite*")} == before, "watch writes to the ledger")
 
 
+def panel(folder):
+    """[BRG-520] [BRG-522] The page's own way in: twenty look on, one of them reads nothing; held, let go on and aborted with the token that the
+    bridge printed, without which all of it is refused; the campaign goes on by the same command."""
+    rig, bus, out = the_rig(folder), Bus(), folder / "campaign"
+    run = rig.bridge("campaign", out, "--maneuvers", "3", "--panel", "127.0.0.1:0")
+    port, token = re.search(r"127.0.0.1:(\d+)/#token=(\w+)", rig.await_words(run, "#token=")).groups()
+    viewers = [socket.create_connection(("127.0.0.1", int(port)), timeout=60) for _ in range(20)]
+    for viewer in viewers:
+        viewer.sendall(f"GET /events HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
+
+    def ask(name, key="0" * 32):
+        request = urllib.request.Request(f"http://127.0.0.1:{port}/api/{name}", b"why=tyre+change", {"X-Panel-Token": key})
+        try:
+            with urllib.request.urlopen(request, timeout=60) as answer:
+                return answer.status, json.load(answer)
+        except urllib.error.HTTPError as refused:
+            return refused.code, json.load(refused)
+
+    def heard(viewer, wanted):
+        text, end = b"", time.monotonic() + 60
+        while wanted not in text and time.monotonic() < end:
+            text += viewer.recv(65536)
+        check(wanted in text, f"a viewer never had {wanted}: {text[-500:]}")
+
+    check(bus.await_phase(("braking",), 120), f"no braking: {words(run)}")
+    for viewer in viewers[:19]:
+        heard(viewer, b'"phase":"braking, ')
+    check([ask(name)[0] for name in ("hold", "resume", "abort")] == [401] * 3, "changed without the token")
+    status, answer = ask("hold", token)
+    check(status == 200 and "tyre change" in answer["said"], answer)
+    rig.await_words(run, "held by panel since ")
+    heard(viewers[0], b'"note":"held by panel')
+    check([row["state"] for row in ledger_copy(out)] == ["finished"], "it goes on though it is held")
+    check(ask("resume", token)[0] == 200, "not let go on")
+    check(bus.await_phase(("braking",), 120), f"no second braking: {words(run)}")
+    check(ask("abort", token)[0] == 200, "not aborted")
+    status, answer = ask("abort", token)
+    check(status == 400 and "ends already" in answer["error"], answer)
+    check(run.wait(timeout=120) == 130, words(run))
+    check(bus.valve_raw == 0, "the valve is not at its safe current")
+    check([row["state"] for row in ledger_copy(out)] == ["finished", "aborted"], ledger_copy(out))
+    check("held" in words(run) and "ABORT" in words(run), words(run))
+    run = rig.bridge("campaign", out, "--maneuvers", "3")
+    check(run.wait(timeout=300) == 0, words(run))
+    rig.end()
+
+
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory(**in_guest_memory()) as name:
-        {"operator": operator, "watch": watch}[sys.argv[2]](pathlib.Path(name))
+        {"operator": operator, "watch": watch, "panel": panel}[sys.argv[2]](pathlib.Path(name))
     print(f"{sys.argv[2]}: passed")

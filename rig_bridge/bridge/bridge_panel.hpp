@@ -1,0 +1,27 @@
+/// The panel of a bridge at work: what the main loop hands over, and what a person with the token may ask for. Constructed ahead of real time.
+#pragma once
+
+#include <filesystem>
+
+#include "firmware/host/stop_signals.hpp"
+#include "rig_bridge/bridge/bridge_setup.hpp"
+#include "rig_bridge/bridge/terminal.hpp"
+#include "rig_bridge/panel/live_feed.hpp"
+#include "rig_bridge/panel/server.hpp"
+
+namespace rig::bridge {
+
+class BridgePanel {
+  public:
+    /// `campaign`: the folder that a pause is written to; empty: a single maneuver. An abort is what the first Ctrl-C is. All must outlive the
+    /// panel. Throws std::runtime_error where its address is not to be had.
+    BridgePanel(const BridgeSetup& setup, const std::filesystem::path& campaign, antiskid::host::StopSignals& stops, Terminal& terminal);
+
+    [[nodiscard]] panel::LiveFeed& feed() { return feed_; }
+
+  private:
+    panel::LiveFeed feed_;
+    panel::Server server_;
+};
+
+}  // namespace rig::bridge

@@ -1,0 +1,34 @@
+#include "rig_bridge/bridge/landings_left.hpp"
+
+#include <fmt/core.h>
+
+#include <optional>
+
+#include "rig_bridge/wear/brake_filter.hpp"
+#include "rig_bridge/wear/forecast.hpp"
+#include "rig_bridge/wear/population_io.hpp"
+#include "rig_bridge/wear/wear_campaign.hpp"
+
+namespace rig::bridge {
+
+std::string landings_left(const std::filesystem::path& model, const std::vector<record::LedgerRow>& rows, double min_friction) {
+    constexpr std::size_t kNewest = 100;  // whose energies the landings to come have
+    wear::Campaign campaign;
+    for (const record::LedgerRow& row : rows)
+        if (row.state == record::RowState::finished && !record::off_conditions(row.summary))
+            campaign.points.push_back({row.summary.cumulative_energy_J, row.summary.figures.mean_friction});
+    if (campaign.points.size() < 2 || !(min_friction > 0.0)) return {};
+    const wear::PopulationFile file = wear::read_population(model);
+    wear::BrakeFilter filter(file.population);
+    for (const wear::Point& point : campaign.points) filter.learn(point);
+    const wear::ForecastSettings settings{.limit = min_friction, .horizon = 3000, .draws = 400};
+    const wear::Forecast f = wear::forecast(filter, campaign.points.back().c_e_J, wear::mix_of(campaign, kNewest), settings);
+    if (f.already_crossed()) return fmt::format("none: mean friction is below {:g}, by {}", min_friction, model.string());
+    const auto text = [&](const std::optional<int>& landings) {
+        return landings ? fmt::format("{}", *landings) : fmt::format("over {}", settings.horizon);
+    };
+    return fmt::format("{} ({} to {}, 10 to 90 %) to mean friction {:g}, by {}", text(f.landings_left[1]), text(f.landings_left[0]),
+                       text(f.landings_left[2]), min_friction, model.string());
+}
+
+}  // namespace rig::bridge

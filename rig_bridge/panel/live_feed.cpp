@@ -1,0 +1,65 @@
+#include "rig_bridge/panel/live_feed.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace rig::panel {
+
+namespace {
+
+void put(std::string& out, double value) {
+    if (std::isfinite(value))
+        fmt::format_to(std::back_inserter(out), "{:.5g}", value);
+    else
+        out += "null";
+}
+
+}  // namespace
+
+void Pixel::add(const LiveSample& sample) {
+    for (std::size_t i = 0; i < kSignals; ++i) {
+        // What is known stands against what is not: fmin and fmax pass NaN over.
+        least_.value[i] = std::fmin(least_.value[i], sample.value[i]);
+        greatest_.value[i] = std::fmax(greatest_.value[i], sample.value[i]);
+    }
+    last_ = sample;
+    ++samples_;
+}
+
+std::string Pixel::json() const {
+    std::string out = fmt::format("{{\"t\":{:.3f},\"v\":[", last_.time_s);
+    for (std::size_t i = 0; i < kSignals; ++i) {
+        out += i == 0 ? "[" : ",[";
+        put(out, least_.value[i] * kChannels[i].scale);
+        out += ',';
+        put(out, greatest_.value[i] * kChannels[i].scale);
+        out += ',';
+        put(out, last_.value[i] * kChannels[i].scale);
+        out += ']';
+    }
+    return out + "]}";
+}
+
+void LiveFeed::state(std::string json, double now_s) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) return;
+    state_ = std::move(json);
+    next_state_s_ = now_s + kState_s;
+}
+
+void LiveFeed::collect(const Publish& publish) {
+    Pixel pixel;
+    for (LiveSample sample; ring_.pop(sample);) pixel.add(sample);
+    if (!pixel.empty()) publish("pixel", pixel.json());
+    std::optional<std::string> state;
+    {
+        const std::lock_guard lock(mutex_);
+        state.swap(state_);
+    }
+    if (state) publish("state", *state);
+}
+
+}  // namespace rig::panel

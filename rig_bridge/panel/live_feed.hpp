@@ -1,0 +1,86 @@
+/// What a program's loop hands to its panel, without ever waiting for it: samples through a ring, states as a text that is left out while
+/// the panel reads the one before.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "firmware/host/spsc_ring.hpp"
+
+namespace rig::panel {
+
+struct Channel {
+    const char* key;
+    const char* label;
+    const char* unit;
+    const char* chart;  ///< channels of one chart share its axis
+    double scale;       ///< from SI
+    bool dashed;        ///< where several runs lie over each other
+};
+
+enum class Signal : std::uint8_t { rim, wheel, slip, slip_reference, demand, pressure, current, load, temperature };
+inline constexpr std::size_t kSignals = 9;
+
+inline constexpr std::array<Channel, kSignals> kChannels{{
+    {"rim", "aircraft / rim", "m/s", "speed", 1.0, true},
+    {"wheel", "braked wheel", "m/s", "speed", 1.0, false},
+    {"slip", "slip", "", "slip", 1.0, false},
+    {"slip_reference", "reference in force", "", "slip", 1.0, true},
+    {"demand", "demand", "MPa", "pressure", 1e-6, true},
+    {"pressure", "brake pressure", "MPa", "pressure", 1e-6, false},
+    {"current", "valve current", "mA", "current", 1.0, false},
+    {"load", "vertical load", "kN", "load", 1e-3, false},
+    {"temperature", "brake", "\u00b0C", "temperature", 1.0, false},
+}};
+
+/// In SI units, mA and degrees Celsius; NaN: not known.
+struct LiveSample {
+    LiveSample() { value.fill(std::numeric_limits<double>::quiet_NaN()); }
+    double& operator[](Signal signal) { return value[static_cast<std::size_t>(signal)]; }
+
+    double time_s = 0.0;
+    std::array<double, kSignals> value{};
+};
+
+/// All samples of one pixel: the least, the greatest and the last of each signal, so that no peak between two pixels is lost.
+class Pixel {
+  public:
+    void add(const LiveSample& sample);
+    [[nodiscard]] bool empty() const { return samples_ == 0; }
+    /// {"t":1.02,"v":[[min,max,last],...]} in the channels' units, null for what is not known.
+    [[nodiscard]] std::string json() const;
+
+  private:
+    std::uint64_t samples_ = 0;
+    LiveSample least_, greatest_, last_;
+};
+
+/// One writing thread, the program's loop; one reading thread, the server's.
+class LiveFeed {
+  public:
+    /// What does not fit is left out: the panel stands still, not the loop.
+    void sample(const LiveSample& sample) { (void)ring_.push(sample); }
+    /// Whether states are wanted again: making their text costs.
+    [[nodiscard]] bool state_due(double now_s) const { return now_s >= next_state_s_ || now_s < next_state_s_ - 2.0 * kState_s; }
+    /// One JSON object. Left out, and due again at once, while the reader has the one before.
+    void state(std::string json, double now_s);
+
+    using Publish = std::function<void(std::string_view event, const std::string& data)>;
+    /// Reader only: one pixel of all samples since the last call, and the states if there are new ones.
+    void collect(const Publish& publish);
+
+  private:
+    static constexpr double kState_s = 0.1;
+    antiskid::host::SpscRing<LiveSample, 4096> ring_;
+    double next_state_s_ = 0.0;
+    std::mutex mutex_;
+    std::optional<std::string> state_;
+};
+
+}  // namespace rig::panel

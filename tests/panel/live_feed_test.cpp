@@ -1,0 +1,95 @@
+// What the loop hands over: no peak between two pixels is lost, what is not known is null, and nobody is waited for. [BRG-520]
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rig_bridge/panel/broadcast.hpp"
+#include "rig_bridge/panel/curves.hpp"
+#include "rig_bridge/panel/live_feed.hpp"
+#include "tests/catch.hpp"
+
+using namespace rig::panel;
+
+namespace {
+
+LiveSample sample(double time_s, double slip) {
+    LiveSample s;
+    s.time_s = time_s;
+    s[Signal::slip] = slip;
+    s[Signal::pressure] = 1e7;
+    return s;
+}
+
+using Events = std::vector<std::pair<std::string, std::string>>;
+
+Events collected(LiveFeed& feed) {
+    Events events;
+    feed.collect([&](std::string_view event, const std::string& data) { events.emplace_back(event, data); });
+    return events;
+}
+
+constexpr std::chrono::milliseconds kNoWait{0};
+
+}  // namespace
+
+TEST_CASE("a pixel keeps the least, the greatest and the last of its samples", "[BRG-520]") {
+    LiveFeed feed;
+    for (const double slip : {0.2, 0.9, 0.1, 0.3}) feed.sample(sample(1.0, slip));
+    const Events events = collected(feed);
+    REQUIRE(events.size() == 1);
+    CHECK(events[0].first == "pixel");
+    const auto pixel = nlohmann::json::parse(events[0].second);
+    CHECK(pixel["v"][static_cast<std::size_t>(Signal::slip)] == nlohmann::json({0.1, 0.9, 0.3}));
+    CHECK(pixel["v"][static_cast<std::size_t>(Signal::pressure)] == nlohmann::json({10.0, 10.0, 10.0}));
+    CHECK(pixel["v"][static_cast<std::size_t>(Signal::load)] == nlohmann::json({nullptr, nullptr, nullptr}));
+    CHECK(collected(feed).empty());
+}
+
+TEST_CASE("states are due ten times a second, and come once", "[BRG-520]") {
+    LiveFeed feed;
+    CHECK(feed.state_due(5.0));
+    feed.state("{}", 5.0);
+    CHECK_FALSE(feed.state_due(5.05));
+    CHECK(feed.state_due(5.11));
+    CHECK(feed.state_due(0.0));  // the clock began anew
+    CHECK(collected(feed) == Events{{"state", "{}"}});
+    CHECK(collected(feed).empty());
+}
+
+TEST_CASE("a loop that nobody reads goes on", "[BRG-520]") {
+    LiveFeed feed;
+    for (int i = 0; i < 100'000; ++i) feed.sample(sample(i * 1e-3, 0.2));
+    CHECK(collected(feed).size() == 1);
+}
+
+TEST_CASE("a viewer has what was kept, then what is new, and is dropped when it falls behind", "[BRG-520]") {
+    Broadcast all;
+    all.publish("pixel", "1");
+    all.publish("pixel", "2");
+    Broadcast::Place quick, slow;
+    CHECK(all.take(quick, kNoWait) == "event: pixel\ndata: 1\n\nevent: pixel\ndata: 2\n\n");
+    CHECK(all.take(quick, kNoWait) == ":\n\n");
+    CHECK(all.take(slow, kNoWait).has_value());
+    for (std::size_t i = 0; i <= Broadcast::kKept; ++i) {
+        all.publish("pixel", "x");
+        CHECK(all.take(quick, kNoWait) == "event: pixel\ndata: x\n\n");
+    }
+    CHECK_FALSE(all.take(slow, kNoWait).has_value());
+    all.close();
+    CHECK_FALSE(all.take(quick, kNoWait).has_value());
+}
+
+TEST_CASE("curves have the channels that are known, in their units", "[BRG-520]") {
+    Curves curves;
+    CHECK(curves.empty());
+    curves.add(sample(-0.001, 0.2));
+    curves.add(sample(0.0004, std::nan("")));
+    const auto json = nlohmann::json::parse(curves.json());
+    CHECK(json["t"] == nlohmann::json({-0.001, 0.0}));
+    CHECK(json["slip"] == nlohmann::json({0.2, nullptr}));
+    CHECK(json["pressure"] == nlohmann::json({10.0, 10.0}));
+    CHECK_FALSE(json.contains("load"));
+}
