@@ -1,6 +1,7 @@
 /// What brakes of one kind have in common and how they differ: what a forecast for one of them, and the judgement of its health, start from.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -55,15 +56,28 @@ struct HealthLimits {
     bool operator==(const HealthLimits&) const = default;
 };
 
+/// What forecasts of landings left showed on brakes of the population that were left out of the learning (landings_forecast.hpp).
+struct ForecastCalibration {
+    double log_misfit = 0.0;        ///< mean of the logarithm of LandingsForecast::misfit()
+    double misfit_deviation = 0.0;  ///< its standard deviation; 0: not known
+    using Tenths = std::array<double, 9>;  ///< at 10 to 90 % of life; between them a straight line
+    Tenths filter{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};    ///< weight of the filter's quantiles beside those of past lives
+    Tenths widening{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  ///< factor of the distance from the median, for 80 % of lives in the interval
+    bool operator==(const ForecastCalibration&) const = default;
+    [[nodiscard]] static double at(const Tenths& tenths, double share_of_life);
+};
+
 struct Population {
     std::string source;         ///< for people
     std::vector<Model> models;  ///< of brakes that were worn out, at least one
     Scatter scatter;
     Spread spread;
     HealthLimits limits;
+    ForecastCalibration calibration;
     std::vector<MeanCurve> members;  ///< the models' curves
     bool operator==(const Population& other) const {
-        return source == other.source && models == other.models && scatter == other.scatter && spread == other.spread && limits == other.limits;
+        return source == other.source && models == other.models && scatter == other.scatter && spread == other.spread && limits == other.limits &&
+               calibration == other.calibration;
     }
 };
 

@@ -47,6 +47,26 @@ Spread spread_of(Reader r, const std::string& file) {
     return s;
 }
 
+ForecastCalibration::Tenths tenths_of(const Json& list, const std::string& file, const char* key) {
+    ForecastCalibration::Tenths out{};
+    if (!list.is_array() || list.size() != out.size()) throw Error(file, 0, key, fmt::format("must be an array of {} numbers", out.size()));
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        if (!list[i].is_number() || !(list[i].get<double>() >= 0.0)) throw Error(file, 0, key, "must be numbers, not negative");
+        out.at(i) = list[i].get<double>();
+    }
+    return out;
+}
+
+ForecastCalibration calibration_of(Reader r, const std::string& file) {
+    ForecastCalibration c;
+    c.log_misfit = r.number("log_misfit");
+    c.misfit_deviation = not_negative(r, file, "misfit_deviation");
+    c.filter = tenths_of(r.get("filter"), file, "calibration.filter");
+    c.widening = tenths_of(r.get("widening"), file, "calibration.widening");
+    r.finish();
+    return c;
+}
+
 }  // namespace
 
 std::string to_json(const Population& p) {
@@ -63,6 +83,11 @@ std::string to_json(const Population& p) {
           {"drift_per_root_MJ", p.scatter.drift_per_root_MJ}}},
         {"spread", {{"log_energy_scale", p.spread.log_energy_scale}, {"offset", p.spread.offset}, {"evidence_kept", p.spread.evidence_kept}}},
         {"health_limits", {{"gradual", p.limits.gradual}, {"sudden", p.limits.sudden}}},
+        {"calibration",
+         {{"log_misfit", p.calibration.log_misfit},
+          {"misfit_deviation", p.calibration.misfit_deviation},
+          {"filter", p.calibration.filter},
+          {"widening", p.calibration.widening}}},
         {"models", models}};
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -80,6 +105,7 @@ Population population_from_json(const std::string& name, std::string_view text) 
     out.limits.gradual = limits.positive("gradual");
     out.limits.sudden = limits.positive("sudden");
     limits.finish();
+    out.calibration = calibration_of(root.object("calibration"), name);
     const Json& models = root.get("models");
     root.finish();
     if (!models.is_array() || models.empty()) throw Error(name, 0, "models", "must be an array of models, not empty");

@@ -42,7 +42,7 @@ TEST_CASE("nobody is better than the oracle, whatever the number of threads", "[
         CHECK(one.within.at(e).crps >= oracle.crps);
         CHECK(one.within.at(e).crps == two.within.at(e).crps);
         CHECK(one.across.value().at(e).crps == two.across.value().at(e).crps);
-        for (std::size_t k = 0; k < kTenths; ++k) CHECK(one.within.at(e).left.at(k).pinball == two.within.at(e).left.at(k).pinball);
+        for (std::size_t k = 0; k < kTenths; ++k) CHECK(one.within.at(e).left.at(k).crps == two.within.at(e).left.at(k).crps);
     }
 }
 
