@@ -168,11 +168,10 @@ double choose_filter_weight(const std::vector<Asked>& asked, ForecastCalibration
     return sum;
 }
 
-/// The value below which `share` of the weights lie, those of one brake more counted above (split conformal prediction: Vovk, Gammerman and
-/// Shafer, Algorithmic Learning in a Random World, 2005).
-double conformal_quantile(std::vector<std::pair<double, double>> weighed, double share, double one_more) {
+/// The value that a share of the weights does not exceed.
+double weighted_quantile(std::vector<std::pair<double, double>> weighed, double share) {
     std::sort(weighed.begin(), weighed.end());
-    double all = one_more;
+    double all = 0.0;
     for (const auto& [value, weight] : weighed) all += weight;
     double below = 0.0;
     for (const auto& [value, weight] : weighed)
@@ -208,13 +207,10 @@ void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vecto
     for (std::size_t k = 0; k < out.widening.size(); ++k) {
         constexpr double kMaxWidening = 5.0;
         std::vector<std::pair<double, double>> near;
-        double sum = 0.0;
-        for (const Asked& a : asked) {
-            const double weight = nearness(a, k);
-            near.emplace_back(a.stretch({ForecastCalibration::at(out.filter, a.share()), a.alike, 1.0}), weight);
-            sum += weight;
-        }
-        out.widening.at(k) = std::min(kMaxWidening, conformal_quantile(std::move(near), 0.8, sum / static_cast<double>(campaigns.size())));
+        for (const Asked& a : asked)
+            near.emplace_back(a.stretch({ForecastCalibration::at(out.filter, a.share()), a.alike, 1.0}), nearness(a, k));
+        // No brake more is counted, as split conformal prediction does: those left out had one life less to learn from than the next one has.
+        out.widening.at(k) = std::min(kMaxWidening, weighted_quantile(std::move(near), 0.8));
     }
 }
 
