@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "rig_bridge/wear/health.hpp"
 #include "rig_bridge/wear/health_limits.hpp"
 #include "rig_bridge/wear/landings_forecast.hpp"
+#include "rig_bridge/wear/on_threads.hpp"
 #include "rig_bridge/wear/past_lives.hpp"
 
 namespace wear {
@@ -108,7 +110,8 @@ struct Asked {
 };
 
 /// Each brake given the curves of the others. A life ends where the brake's own curve is below the limit.
-std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, const Population& all) {
+std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, const Population& all,
+                                unsigned threads) {
     double longest_J = 0.0;
     for (const MeanCurve& c : all.members) longest_J = std::max(longest_J, c.last_J());
     // Energy counts here, not landings: fewer and larger ones than in any use cost nothing but resolution.
@@ -117,11 +120,12 @@ std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const st
     settings.horizon = 400;
     settings.draws = 100;
     settings.fan_points = 0;
-    std::vector<Asked> out;
-    for (std::size_t k = 0; k < campaigns.size(); ++k) {
+    std::vector<std::vector<Asked>> by_brake(campaigns.size());
+    run_jobs(threads, campaigns.size(), [&](std::size_t k) {
         const Population others = without(all, k);
         for (const double limit : limits) {
-            settings.limit = limit;
+            ForecastSettings ask = settings;
+            ask.limit = limit;
             const double truth_J = crossing_J(all.members[k], limit, longest_J / 4000.0, all.members[k].last_J());
             const PastLives past(others, limit);
             LandingsForecast brake(others);
@@ -129,13 +133,15 @@ std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const st
             for (const Point& p : campaigns[k].points) {
                 brake.learn(p);
                 if (p.c_e_J < 0.1 * tenths * truth_J) continue;
-                Forecast f = forecast(brake.filter(), p.c_e_J, mix, settings);
-                out.push_back({p.c_e_J, truth_J, std::log(brake.misfit()), brake.alike(), std::move(f.energies_J),
+                Forecast f = forecast(brake.filter(), p.c_e_J, mix, ask);
+                by_brake[k].push_back({p.c_e_J, truth_J, std::log(brake.misfit()), brake.alike(), std::move(f.energies_J),
                                past_lives_J(past, p.c_e_J, static_cast<std::size_t>(settings.draws))});
                 if (++tenths > 9) break;
             }
         }
-    }
+    });
+    std::vector<Asked> out;
+    for (std::vector<Asked>& brake : by_brake) std::move(brake.begin(), brake.end(), std::back_inserter(out));
     return out;
 }
 
@@ -180,7 +186,8 @@ double weighted_quantile(std::vector<std::pair<double, double>> weighed, double 
 }
 
 /// Spread of the energy scale and fading of evidence by what forecasts lose, then what those say about brakes that were left out.
-void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, Population& population) {
+void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, Population& population,
+                        unsigned threads) {
     Spread best = population.spread;
     double least = std::numeric_limits<double>::infinity();
     for (const double log_energy_scale : {0.02, 0.06, 0.15}) {
@@ -188,7 +195,7 @@ void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vecto
             population.spread.log_energy_scale = log_energy_scale;
             population.spread.evidence_kept = kept;
             ForecastCalibration::Tenths weights{};
-            const double loss = choose_filter_weight(ask_left_out(campaigns, limits, population), weights);
+            const double loss = choose_filter_weight(ask_left_out(campaigns, limits, population, threads), weights);
             if (loss >= least) continue;
             least = loss;
             best = population.spread;
@@ -196,13 +203,13 @@ void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vecto
     }
     population.spread = best;
     ForecastCalibration& out = population.calibration;
-    std::vector<Asked> asked = ask_left_out(campaigns, limits, population);
+    std::vector<Asked> asked = ask_left_out(campaigns, limits, population, threads);
     const auto n = static_cast<double>(asked.size());
     for (const Asked& a : asked) out.log_misfit += a.log_misfit / n;
     double squares = 0.0;
     for (const Asked& a : asked) squares += std::pow(a.log_misfit - out.log_misfit, 2) / n;
     out.misfit_deviation = std::sqrt(squares);
-    asked = ask_left_out(campaigns, limits, population);
+    asked = ask_left_out(campaigns, limits, population, threads);
     (void)choose_filter_weight(asked, out.filter);
     for (std::size_t k = 0; k < out.widening.size(); ++k) {
         constexpr double kMaxWidening = 5.0;
@@ -215,17 +222,17 @@ void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vecto
 }
 
 /// From `healthy` campaigns of other brakes; where there are none from the campaigns themselves, each given the curves of the others.
-HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::vector<Campaign>& healthy, const Population& all) {
+HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::vector<Campaign>& healthy, const Population& all,
+                           unsigned threads) {
     const std::vector<Campaign>& watched = healthy.empty() ? campaigns : healthy;
-    std::vector<HealthLimits> greatest;
-    greatest.reserve(watched.size());
-    for (std::size_t k = 0; k < watched.size(); ++k) {
+    std::vector<HealthLimits> greatest(watched.size());
+    run_jobs(threads, watched.size(), [&](std::size_t k) {
         Population known = healthy.empty() ? without(all, k) : all;
         known.limits = {1.0, 1.0};
         HealthMonitor monitor(known);
         for (const Point& p : watched[k].points) (void)monitor.after(p);
-        greatest.push_back(monitor.greatest());
-    }
+        greatest[k] = monitor.greatest();
+    });
     return calibrated(greatest);
 }
 
@@ -272,11 +279,14 @@ Population learn_population(const std::vector<Campaign>& campaigns, const LearnS
     std::size_t done = 0;
     Population out;
     out.source = fmt::format("{} campaigns", campaigns.size());
+    std::vector<std::string> origins;
     for (const Campaign& c : campaigns) {
+        origins.push_back(c.origin);
         out.models.push_back(model_of(c, fit(c, settings.fit, {settings.threads, {}, {}}), settings.fit));
         out.members.emplace_back(out.models.back());
         if (progress) progress(++done, steps);
     }
+    out.provenance = {common_origin(origins), campaigns.size()};
     out.scatter = scatter_of(campaigns, out.members);
     const double all_scatter = std::hypot(out.scatter.remembered, out.scatter.fresh);
     out.scatter.drift_per_root_MJ = 0.1 * all_scatter;
@@ -288,8 +298,8 @@ Population learn_population(const std::vector<Campaign>& campaigns, const LearnS
         if (progress) progress(++done, steps);
     }
     const std::vector<double> limits = settings.limit ? std::vector{*settings.limit} : limits_of(out.members);
-    calibrate_forecast(campaigns, limits, out);
-    out.limits = health_limits(campaigns, settings.healthy, out);
+    calibrate_forecast(campaigns, limits, out, settings.threads);
+    out.limits = health_limits(campaigns, settings.healthy, out, settings.threads);
     if (progress) progress(++done, steps);
     return out;
 }

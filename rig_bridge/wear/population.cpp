@@ -57,6 +57,7 @@ Population brakes_like(const Model& model) {
     const double half = std::sqrt(0.5 * variance);
     Population out;
     out.source = "one brake: " + model.data.source;
+    out.provenance = {model.data.origin, 1};
     out.models = {model};
     out.members = {MeanCurve(model)};
     out.scatter = {0.5, half, half, 0.1 * deviation};

@@ -69,6 +69,7 @@ struct ForecastCalibration {
 
 struct Population {
     std::string source;         ///< for people
+    Provenance provenance;
     std::vector<Model> models;  ///< of brakes that were worn out, at least one
     Scatter scatter;
     Spread spread;
@@ -76,7 +77,7 @@ struct Population {
     ForecastCalibration calibration;
     std::vector<MeanCurve> members;  ///< the models' curves
     bool operator==(const Population& other) const {
-        return source == other.source && models == other.models && scatter == other.scatter && spread == other.spread && limits == other.limits &&
+        return source == other.source && provenance == other.provenance && models == other.models && scatter == other.scatter && spread == other.spread && limits == other.limits &&
                calibration == other.calibration;
     }
 };

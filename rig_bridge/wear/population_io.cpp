@@ -76,6 +76,7 @@ std::string to_json(const Population& p) {
         {"format", kPopulationFormat},
         {"format_version", kPopulationFormatVersion},
         {"source", p.source},
+        {"learnt_from", json_of(p.provenance)},
         {"scatter",
          {{"memory", p.scatter.memory},
           {"remembered", p.scatter.remembered},
@@ -99,6 +100,9 @@ Population population_from_json(const std::string& name, std::string_view text) 
     root.check_format(kPopulationFormat, kPopulationFormatVersion);
     Population out;
     out.source = root.text("source");
+    Reader learnt = root.object("learnt_from");
+    out.provenance = {learnt.origin(), learnt.count("lives", 1)};
+    learnt.finish();
     out.scatter = scatter_of(root.object("scatter"), name);
     out.spread = spread_of(root.object("spread"), name);
     Reader limits = root.object("health_limits");
