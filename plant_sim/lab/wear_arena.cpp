@@ -86,7 +86,7 @@ struct ArenaCommand {
     std::string seeds = "tuning";
     std::vector<std::string> laws{wear::arena::kLawNames.begin(), wear::arena::kLawNames.end()};
     std::size_t lives = 20;
-    std::size_t training_lives = 10;
+    std::size_t training_lives = 20;
     unsigned threads = wear::all_cores();
     std::filesystem::path out = "out/wear";
     std::string json_file;  ///< "-": standard output
