@@ -56,6 +56,7 @@ Population without(const Population& all, std::size_t k) {
     others.scatter = all.scatter;
     others.spread = all.spread;
     others.calibration = all.calibration;
+    others.steady = all.steady;
     others.members = all.members;
     others.members.erase(others.members.begin() + static_cast<std::ptrdiff_t>(k));
     return others;
@@ -228,7 +229,7 @@ HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::ve
     std::vector<HealthLimits> greatest(watched.size());
     run_jobs(threads, watched.size(), [&](std::size_t k) {
         Population known = healthy.empty() ? without(all, k) : all;
-        known.limits = {1.0, 1.0};
+        known.limits = {1.0, 1.0, 1.0, 1.0, 1.0};
         HealthMonitor monitor(known);
         for (const Point& p : watched[k].points) (void)monitor.after(p);
         greatest[k] = monitor.greatest();
@@ -299,6 +300,7 @@ Population learn_population(const std::vector<Campaign>& campaigns, const LearnS
     }
     const std::vector<double> limits = settings.limit ? std::vector{*settings.limit} : limits_of(out.members);
     calibrate_forecast(campaigns, limits, out, settings.threads);
+    out.steady = steady_stage(out.members);
     out.limits = health_limits(campaigns, settings.healthy, out, settings.threads);
     if (progress) progress(++done, steps);
     return out;

@@ -71,6 +71,8 @@ ForecastCalibration calibration_of(Reader r, const std::string& file) {
 
 std::string to_json(const Population& p) {
     Json models = Json::array();
+    Json limits;
+    for (std::size_t i = 0; i < kHealthTests.size(); ++i) limits[kHealthTestNames.at(i)] = p.limits.*kHealthTests.at(i);
     for (const Model& model : p.models) models.push_back(Json::parse(to_json(model)));
     const Json json{
         {"format", kPopulationFormat},
@@ -83,7 +85,8 @@ std::string to_json(const Population& p) {
           {"fresh", p.scatter.fresh},
           {"drift_per_root_MJ", p.scatter.drift_per_root_MJ}}},
         {"spread", {{"log_energy_scale", p.spread.log_energy_scale}, {"offset", p.spread.offset}, {"evidence_kept", p.spread.evidence_kept}}},
-        {"health_limits", {{"gradual", p.limits.gradual}, {"sudden", p.limits.sudden}}},
+        {"steady_stage", {{"from_J", p.steady.from_J}, {"to_J", p.steady.to_J}}},
+        {"health_limits", limits},
         {"calibration",
          {{"log_misfit", p.calibration.log_misfit},
           {"misfit_deviation", p.calibration.misfit_deviation},
@@ -105,9 +108,12 @@ Population population_from_json(const std::string& name, std::string_view text) 
     learnt.finish();
     out.scatter = scatter_of(root.object("scatter"), name);
     out.spread = spread_of(root.object("spread"), name);
+    Reader steady = root.object("steady_stage");
+    out.steady.from_J = not_negative(steady, name, "from_J");
+    out.steady.to_J = not_negative(steady, name, "to_J");
+    steady.finish();
     Reader limits = root.object("health_limits");
-    out.limits.gradual = limits.positive("gradual");
-    out.limits.sudden = limits.positive("sudden");
+    for (std::size_t i = 0; i < kHealthTests.size(); ++i) out.limits.*kHealthTests.at(i) = limits.positive(kHealthTestNames.at(i));
     limits.finish();
     out.calibration = calibration_of(root.object("calibration"), name);
     const Json& models = root.get("models");
