@@ -69,6 +69,19 @@ std::string by_law(const std::vector<wear::arena::Law>& laws, const std::vector<
     return table.text();
 }
 
+std::string watch_table(const std::vector<wear::arena::Law>& laws, const std::vector<wear::arena::WatchScore>& watch) {
+    auto table = settings::TextTable::screen(
+        "found within 25:>16|10 %:>8.2f|5 %:>8.2f|false:>8.3f|difference 10 %:>18.2f|5 %:>8.2f|false:>8.3f");
+    for (std::size_t i = 0; i < laws.size(); ++i)
+        table.add(wear::arena::kLawNames.at(static_cast<std::size_t>(laws[i])), watch[i].watch.glazing_10, watch[i].watch.glazing_5, watch[i].watch.healthy,
+                  watch[i].difference.glazing_10, watch[i].difference.glazing_5, watch[i].difference.healthy);
+    return table.text();
+}
+
+Json json_of(const wear::arena::Found& f) {
+    return {{"healthy_called_abnormal", f.healthy}, {"glazing_10_found", f.glazing_10}, {"glazing_5_found", f.glazing_5}};
+}
+
 Json json_of(const Scores& scores) {
     Json out;
     for (std::size_t e = 0; e < scores.size(); ++e) {
@@ -99,6 +112,7 @@ struct ArenaCommand {
                                .judged_seed = 0,
                                .training_lives = training_lives,
                                .judged_lives = lives,
+                               .watch = true,
                                .threads = threads};
         plan.judged_seed = seeds == "held_out" ? plan.settings.held_out : plan.settings.tuning;
         for (std::size_t i = 0; i < wear::arena::kLawNames.size(); ++i)
@@ -127,6 +141,11 @@ struct ArenaCommand {
             json["across_laws_by_law"] = laws_json(result.across_by_law);
             print_table(json_file, "Across laws, trained on each other law in turn:\n{}", table_of(*result.across) + by_law(plan.laws, result.across_by_law));
         }
+        for (std::size_t i = 0; i < plan.laws.size(); ++i)
+            json["watch_by_law"][wear::arena::kLawNames.at(static_cast<std::size_t>(plan.laws[i]))] = {
+                {"watch", json_of(result.watch[i].watch)}, {"difference_of_means", json_of(result.watch[i].difference)}};
+        print_table(json_file, "Glazing found, limits from {} lives of the law, watch and difference of two means of ten:\n{}",
+                    wear::arena::kLimitLives, watch_table(plan.laws, result.watch));
         keep_json(out / "arena.json", json_file, json.dump(2) + "\n");
         print_table(json_file, "{} seeds, configuration {}\nWritten to {}: arena.json\n", seeds, hash, out.string());
         return 0;

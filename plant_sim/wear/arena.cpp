@@ -295,7 +295,11 @@ Result run(const Plan& plan) {
         (learnt == judged ? within : across).push_back(&tallies[job]);
         by_law[judged + (learnt == judged ? 0 : laws)].push_back(&tallies[job]);
     }
-    Result out{scores(within), {}, {}, {}};
+    Result out{scores(within), {}, {}, {}, {}};
+    out.watch.resize(plan.watch ? laws : 0);
+    run_jobs(plan.threads, out.watch.size(), [&](std::size_t i) {
+        out.watch[i] = judge_watch(plan.laws[i], plan.settings, trained[i].population, plan.judged_seed, plan.judged_lives);
+    });
     for (std::size_t i = 0; i < laws; ++i) out.within_by_law.push_back(scores(by_law[i]));
     if (across.empty()) return out;
     out.across = scores(across);

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "plant_sim/wear/arena_watch.hpp"
 #include "plant_sim/wear/rival_laws.hpp"
 #include "rig_bridge/wear/conditional.hpp"
 
@@ -44,6 +45,7 @@ struct Plan {
     std::uint64_t judged_seed = 0;   ///< first
     std::size_t training_lives = 0;  ///< of a law, at least 3
     std::size_t judged_lives = 0;    ///< of a law
+    bool watch = false;              ///< find faults, too
     unsigned threads = 1;            ///< the result does not depend on it
 };
 
@@ -52,6 +54,7 @@ struct Result {
     Scores within;                 ///< trained on the judged law
     std::optional<Scores> across;  ///< trained on each other law in turn; none: one law
     std::vector<Scores> within_by_law, across_by_law;  ///< by the judged law, in the plan's order
+    std::vector<WatchScore> watch;                     ///< by law; none unless the plan asks
 };
 [[nodiscard]] Result run(const Plan& plan);
 
