@@ -163,13 +163,16 @@ void ServeNode::run_lockstep(const std::atomic<bool>& stop, Time answer_timeout,
 void ServeNode::run_realtime(const std::atomic<bool>& stop) {
     antiskid::host::PeriodicTimer timer(clock_, period_);
     while (!stop) {
-        const auto tick = timer.wait();
-        receive();
-        // The plant lives in the machine's time: periods that were missed have passed for it, too.
-        for (std::uint64_t passed = 0; passed <= tick.skipped && !stop; ++passed) advance();
-        state_.overruns += tick.skipped;
-        send_sample();
+        period(timer.wait().skipped);
     }
+}
+
+void ServeNode::period(std::uint64_t missed) {
+    receive();
+    // The plant lives in the machine's time: periods that were missed have passed for it, too.
+    for (std::uint64_t passed = 0; passed <= missed; ++passed) advance();
+    state_.overruns += missed;
+    send_sample();
 }
 
 }  // namespace plant_sim

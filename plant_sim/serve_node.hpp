@@ -54,6 +54,9 @@ class ServeNode {
     /// By the machine's clock.
     void run_realtime(const std::atomic<bool>& stop);
 
+    /// Of run_realtime(): what has arrived, a period for the rig and each that was missed, and its sample.
+    void period(std::uint64_t missed = 0);
+
     [[nodiscard]] const ServeState& state() const { return state_; }
     [[nodiscard]] BrakeStates& brake_states() { return brake_states_; }
 

@@ -4,7 +4,7 @@
 # An emulated computer with CAN adapters, which qemu needs and nothing else.
 qemu_packages=(qemu-system-x86 busybox-static)
 
-readonly checks=(faults soak fuzz mutate pil debian qemu)
+readonly checks=(faults soak fuzz mutate mcdc pil debian qemu)
 
 check_help() {
     cat <<'END'
@@ -14,6 +14,7 @@ Campaigns that take longer than a test, each with --help. They install and build
   ./rig check soak              maneuvers back to back by three programs over a real vcan0: does anything creep, is one lost?
   ./rig check fuzz [TARGET]     feeds the readers of frames, files and answers with what libFuzzer makes up
   ./rig check mutate            spoils firmware/control and firmware/can in 3,400 ways, one at a time: does a unit test notice?
+  ./rig check mcdc              has each condition in firmware/control and firmware/can been shown to decide by itself?
   ./rig check pil               the controller on an emulated Cortex-M7: the host's bytes, instructions, memory
   ./rig check debian [12|13]    builds and tests in a clean Debian of either release, with g++ and clang++
   ./rig check qemu              an adapter pulled out of an emulated computer while braking; latency on PREEMPT_RT in virtual time
@@ -116,7 +117,7 @@ fuzz_help() {
 
 fuzz() {
     setup all
-    build fuzz
+    build asan fuzz_targets
     exec "$root/tests/fuzz/run" "$@"
 }
 
@@ -127,6 +128,16 @@ mutate_help() {
 mutate() {
     setup all >&2
     exec "$root/tests/mutation/mutate.py" "$@"
+}
+
+mcdc_help() {
+    exec "$root/tests/coverage/mcdc.py" --help
+}
+
+mcdc() {
+    setup all clang-19 llvm-19 libclang-rt-19-dev
+    build mcdc
+    exec "$root/tests/coverage/mcdc.py" "$@"
 }
 
 pil_help() {

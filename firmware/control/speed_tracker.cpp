@@ -33,7 +33,8 @@ void SpeedTracker::update(const SpeedReading& reading, float period_s) {
         return;
     }
     if (!possible) return;
-    if (!reading.fresh && !(reading.bounded && reading.speed_radps < speed_)) return;
+    const bool slower_than_believed = reading.bounded && reading.speed_radps < speed_;
+    if (!reading.fresh && !slower_than_believed) return;
 
     // The reading is the mean over its interval: compare it with the speed at the interval's middle. The last
     // edge came on average half a period, or half an interval where that is shorter, before the sample.

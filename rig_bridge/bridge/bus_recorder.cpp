@@ -29,11 +29,7 @@ BusRecorder::BusRecorder(const std::string& interface, const antiskid::can::Layo
       lockstep_(lockstep),
       last_turn_(steady_now()),
       capture_(std::make_unique<record::Capture>(interface)),
-      live_(layout_),
-      status_(layout_, Role::status),
-      senders_(layout_),
-      wheel_(parameters.wheel_teeth),
-      flywheel_(parameters.flywheel_teeth),
+      listener_(layout_, parameters),
       stamps_(antiskid::can::WallMinusMonotonic{}) {
     if (lockstep_ == nullptr) thread_ = std::thread([this] { run(); });
 }
@@ -92,9 +88,7 @@ void BusRecorder::hear(std::span<const record::CapturedFrame> frames, bool drain
         if (lockstep_ != nullptr) lockstep_->hear(one.frame);
         if (layout_[Role::sync].bound && one.frame.id == layout_[Role::sync].id) ++syncs_;
         one.frame.received = lockstep_ == nullptr ? came : lockstep_->now();
-        (void)live_.accept(one.frame);
-        status_.accept(one.frame, live_.stats(Role::status));
-        senders_.accept(one.frame);
+        listener_.accept(one.frame);
     }
     publish(drained);
 }
@@ -109,31 +103,13 @@ void BusRecorder::publish(bool drained) {
     const std::lock_guard lock(mutex_);
     now_.up = status.up;
     now_.error = status.interface_error;
-    now_.view = live_.view();
-    if (drained) now_.looked = time();
-    constexpr Time kLately{200'000'000};
-    now_.controller_rejected = status_.reason(now_.looked - kLately);
-    now_.two_controllers = senders_.two_controllers();
-    now_.two_bridges = senders_.two_bridges();
-    measure_speeds();
+    listener_.tell(now_, time(), drained);
     now_.syncs = lockstep_ == nullptr ? syncs_ : lockstep_->syncs();
     if (!recording_) return;
     now_.frames = recording_->log.frames();
     now_.dropped = recording_->dropped;
     now_.missing = recording_->log.missing();
     if (now_.missing != 0) now_.recording_error = recording_->log.error();
-}
-
-void BusRecorder::measure_speeds() {
-    const Time now = time();
-    const antiskid::can::BusView& view = live_.view();
-    wheel_.update(view.wheel, now);
-    flywheel_.update(view.flywheel, now);
-    const double radius_m = parameters_.wheel_radius_m - static_cast<double>(view.load_cells.vertical_N) / parameters_.wheel_stiffness_Npm;
-    now_.rim_mps = flywheel_.radps() * parameters_.flywheel_radius_m;
-    now_.wheel_radps = wheel_.radps();
-    now_.wheel_rim_mps = now_.wheel_radps * radius_m;
-    now_.slip = now_.rim_mps > 0.0 ? 1.0 - now_.wheel_rim_mps / now_.rim_mps : 0.0;
 }
 
 /// A socket on an interface that was removed stays dead: a new one, as soon as there is an interface again.

@@ -14,11 +14,9 @@
 #include "firmware/can/layout.hpp"
 #include "firmware/can/wall_clock_offset.hpp"
 #include "firmware/can/wall_minus_monotonic.hpp"
-#include "rig_bridge/bridge/live_speed.hpp"
+#include "rig_bridge/bridge/bus_listener.hpp"
 #include "rig_bridge/bridge/lockstep.hpp"
 #include "rig_bridge/bridge/parts.hpp"
-#include "rig_bridge/bridge/rejected_frames.hpp"
-#include "rig_bridge/bridge/senders.hpp"
 #include "rig_bridge/record/bus_log.hpp"
 #include "rig_bridge/record/bus_meter.hpp"
 #include "rig_bridge/record/capture.hpp"
@@ -73,7 +71,6 @@ class BusRecorder final : public BusFeed {
     bool hear_batch();
     void hear(std::span<const record::CapturedFrame> frames, bool drained);
     void publish(bool drained);
-    void measure_speeds();
     void change_record();
     void keep_capture();
     [[nodiscard]] std::uint64_t dropped(const record::CaptureStatus& status) const { return dropped_before_ + status.dropped; }
@@ -88,11 +85,7 @@ class BusRecorder final : public BusFeed {
     antiskid::can::Time last_turn_{};
     antiskid::can::Time next_housekeeping_{};
     std::unique_ptr<record::Capture> capture_;
-    antiskid::can::Observer live_;
-    RejectedFrames status_;  // the controller's
-    WhoSends senders_;
-    LiveSpeed wheel_;
-    LiveSpeed flywheel_;
+    BusListener listener_;
     std::unique_ptr<Recording> recording_;
     antiskid::can::WallClockOffset stamps_;
     std::uint64_t syncs_ = 0;

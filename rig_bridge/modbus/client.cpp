@@ -45,10 +45,10 @@ std::string_view name(LinkState state) {
 
 class ModbusClient::Impl {
   public:
-    Impl(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now, Polling polling)
+    Impl(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now, Polling polling, std::unique_ptr<PlcLine> line)
         : map_(std::move(map)),
           now_(std::move(now)),
-          connection_(map_, address),
+          connection_(map_, address, line ? std::move(line) : libmodbus_line(map_, address)),
           backoff_(map_.link.backoff_min, map_.link.backoff_max),
           input_blocks_(blocks_of(map_.measured, kMaxRead)),
           command_blocks_(blocks_of(written_together(map_), kMaxWrite)),
@@ -66,7 +66,7 @@ class ModbusClient::Impl {
         stop_.raise();
         if (thread_.joinable())
             thread_.join();
-        else if (connection_.is_open())
+        else if (connection_.is_open() && map_.bridge_turn)
             static_cast<void>(say_turn(kNoTurns));
     }
     Impl(const Impl&) = delete;
@@ -101,6 +101,10 @@ class ModbusClient::Impl {
         return shown;
     }
 
+    void round() {
+        if (const std::optional<LinkFailure> failed = connection_.is_open() ? cycle() : connect()) lose(*failed);
+    }
+
     void look() {
         std::optional<LinkFailure> failed = connection_.is_open() ? std::nullopt : connect();
         if (!failed && connection_.is_open()) failed = poll();
@@ -127,8 +131,7 @@ class ModbusClient::Impl {
         auto next = std::chrono::steady_clock::now();
         while (true) {
             const bool polling = connection_.is_open();
-            const Failed failed = polling ? cycle() : connect();
-            if (failed) lose(*failed);
+            round();
             std::chrono::nanoseconds pause{0};
             if (!connection_.is_open()) {
                 pause = backoff_.next();
@@ -327,14 +330,17 @@ class ModbusClient::Impl {
     std::thread thread_;
 };
 
-ModbusClient::ModbusClient(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now, Polling polling)
-    : impl_(std::make_unique<Impl>(std::move(map), address, std::move(now), polling)) {}
+ModbusClient::ModbusClient(RegisterMap map, const PlcAddress& address, std::function<ClockTime()> now, Polling polling, std::unique_ptr<PlcLine> line)
+    : impl_(std::make_unique<Impl>(std::move(map), address, std::move(now), polling, std::move(line))) {}
 ModbusClient::~ModbusClient() = default;
 void ModbusClient::command(const CommandedValues& wanted) {
     impl_->command(wanted);
 }
 void ModbusClient::alive() {
     impl_->alive();
+}
+void ModbusClient::round() {
+    impl_->round();
 }
 void ModbusClient::look() {
     impl_->look();

@@ -22,6 +22,7 @@
 
 #include "rig_bridge/modbus/command_tracker.hpp"
 #include "rig_bridge/modbus/plc_address.hpp"
+#include "rig_bridge/modbus/plc_line.hpp"
 #include "rig_bridge/rig/register_codec.hpp"
 #include "rig_bridge/rig/register_map.hpp"
 
@@ -79,11 +80,12 @@ enum class Polling : std::uint8_t { own_thread, turns };
 
 class ModbusClient {
   public:
-    /// Starts the thread where polling is its own; connecting is its business. `now` is asked from both threads and does not fall. Throws
-    /// std::invalid_argument for an address that is none, or a map that this link cannot carry.
+    /// Starts the thread where polling is its own; connecting is its business. `now` is asked from both threads and does not fall. `line`:
+    /// none is libmodbus's to `address`. Throws std::invalid_argument for an address that is none, or a map that this link cannot carry.
     ModbusClient(
         RegisterMap map, const PlcAddress& address,
-        std::function<ClockTime()> now = [] { return std::chrono::steady_clock::now().time_since_epoch(); }, Polling polling = Polling::own_thread);
+        std::function<ClockTime()> now = [] { return std::chrono::steady_clock::now().time_since_epoch(); }, Polling polling = Polling::own_thread,
+        std::unique_ptr<PlcLine> line = nullptr);
     /// Ends after the request that is on its way, at most a connect or response time-out. Commands nothing.
     ~ModbusClient();
     ModbusClient(const ModbusClient&) = delete;
@@ -100,6 +102,8 @@ class ModbusClient {
     [[nodiscard]] Snapshot snapshot() const;
 
     // Polling::turns only, on the caller's thread.
+    /// What the thread does at each poll: connects; or, where it is connected, reads everything and writes what is due.
+    void round();
     /// Connects where it must, reads everything.
     void look();
     /// Writes what is due, and last `number` into the map's bridge_turn. The destructor writes 0 there.

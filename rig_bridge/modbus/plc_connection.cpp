@@ -1,23 +1,13 @@
 #include "rig_bridge/modbus/plc_connection.hpp"
 
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <array>
-#include <cerrno>
-#include <stdexcept>
 #include <utility>
 
 #include "rig_bridge/modbus/confirmation.hpp"
+#include "rig_bridge/modbus/modbus_context.hpp"
 
 namespace rig::modbus {
 namespace {
-
-modbus_t* new_context(const RegisterMap& map, const PlcAddress& address) {
-    if (const auto* tcp = std::get_if<TcpServer>(&address)) return modbus_new_tcp(tcp->address.c_str(), tcp->port);
-    return modbus_new_rtu(std::get<SerialDevice>(address).path.c_str(), map.serial.baud, map.serial.parity, 8, map.serial.stop_bits);
-}
 
 std::string registers(std::uint16_t address, std::size_t count) {
     return std::to_string(address) + (count > 1 ? " to " + std::to_string(address + count - 1) : "");
@@ -31,69 +21,36 @@ std::string exception_text(unsigned code) {
 
 }  // namespace
 
-PlcConnection::PlcConnection(const RegisterMap& map, PlcAddress address)
-    : address_(std::move(address)), times_(map.link), unit_(map.unit_id), context_(new_context(map, address_)) {
-    if (context_ == nullptr) throw std::invalid_argument(to_string(address_) + ": " + modbus_error(errno));
-    modbus_set_slave(context_.get(), unit_);
-    modbus_set_error_recovery(context_.get(), MODBUS_ERROR_RECOVERY_NONE);
-    modbus_set_byte_timeout(context_.get(), 0, 0);  // the response time-out then holds for the whole answer
-}
+PlcConnection::PlcConnection(const RegisterMap& map, PlcAddress address, std::unique_ptr<PlcLine> line)
+    : address_(std::move(address)), times_(map.link), unit_(map.unit_id), line_(std::move(line)) {}
 
-void PlcConnection::limit(std::chrono::milliseconds timeout) {
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
-    const auto rest = std::chrono::microseconds(timeout - seconds);
-    modbus_set_response_timeout(context_.get(), static_cast<std::uint32_t>(seconds.count()), static_cast<std::uint32_t>(rest.count()));
-}
-
-LinkFailure PlcConnection::failure(const std::string& doing, std::chrono::milliseconds timeout) const {
-    const int number = errno;
+LinkFailure PlcConnection::failure(int number, const std::string& doing, std::chrono::milliseconds timeout) const {
     const std::string what = to_string(address_) + ": " + doing + ": ";
     if (number == ETIMEDOUT) return {LinkFailure::Kind::timeout, what + "no answer within " + std::to_string(timeout.count()) + " ms"};
     return {LinkFailure::Kind::other, what + modbus_error(number)};
 }
 
 std::optional<LinkFailure> PlcConnection::open() {
-    limit(times_.connect_timeout);
-    if (modbus_connect(context_.get()) != 0) {
-        auto failed = failure("connect", times_.connect_timeout);
-        modbus_close(context_.get());
-        return failed;
+    const int number = line_->open();
+    if (number == 0) {
+        open_ = true;
+        return std::nullopt;
     }
-    open_ = true;
-    limit(times_.response_timeout);
-    if (serial() && !wait_until_quiet()) {
-        close();
-        return LinkFailure{LinkFailure::Kind::other, to_string(address_) + ": the line is never quiet"};
-    }
-    return std::nullopt;
+    close();
+    if (number == PlcLine::kNeverQuiet) return LinkFailure{LinkFailure::Kind::other, to_string(address_) + ": the line is never quiet"};
+    return failure(number, "connect", times_.connect_timeout);
 }
 
 void PlcConnection::close() {
-    modbus_close(context_.get());
+    line_->close();
     open_ = false;
 }
 
-bool PlcConnection::wait_until_quiet() const {
-    constexpr int kPatience = 4;
-    const int line = modbus_get_socket(context_.get());
-    for (int i = 0; i < kPatience; ++i) {
-        pollfd event{.fd = line, .events = POLLIN, .revents = 0};
-        if (::poll(&event, 1, static_cast<int>(times_.response_timeout.count())) == 0) return true;
-        std::array<char, 512> late{};
-        static_cast<void>(!::read(line, late.data(), late.size()));
-    }
-    return false;
-}
-
-bool PlcConnection::send(std::span<const std::uint8_t> pdu) {
-    if (serial()) {
-        std::vector<std::uint8_t> request{unit_};
-        request.insert(request.end(), pdu.begin(), pdu.end());
-        return modbus_send_raw_request(context_.get(), request.data(), static_cast<int>(request.size())) > 0;
-    }
-    const auto frame = tcp_request(++transaction_, unit_, pdu);
-    const auto sent = ::send(modbus_get_socket(context_.get()), frame.data(), frame.size(), MSG_NOSIGNAL);
-    return sent == static_cast<ssize_t>(frame.size());
+int PlcConnection::send(std::span<const std::uint8_t> pdu) {
+    if (!serial()) return line_->send(tcp_request(++transaction_, unit_, pdu));
+    std::vector<std::uint8_t> request{unit_};
+    request.insert(request.end(), pdu.begin(), pdu.end());
+    return line_->send(request);
 }
 
 std::string PlcConnection::frame_fault(std::span<const std::uint8_t> frame) const {
@@ -102,11 +59,11 @@ std::string PlcConnection::frame_fault(std::span<const std::uint8_t> frame) cons
 }
 
 std::optional<LinkFailure> PlcConnection::asked(const std::string& doing, std::span<const std::uint8_t> pdu) {
-    if (!send(pdu)) return failure(doing, times_.response_timeout);
-    std::array<std::uint8_t, MODBUS_MAX_ADU_LENGTH> bytes{};
-    const int got = modbus_receive_confirmation(context_.get(), bytes.data());
-    if (got < 0) return failure(doing, times_.response_timeout);
-    const auto frame = std::span(bytes).first(static_cast<std::size_t>(got));
+    if (const int number = send(pdu); number != 0) return failure(number, doing, times_.response_timeout);
+    std::array<std::uint8_t, PlcLine::kMaxFrame> bytes{};
+    std::size_t size = 0;
+    if (const int number = line_->receive(bytes, size); number != 0) return failure(number, doing, times_.response_timeout);
+    const auto frame = std::span(bytes).first(size);
     const std::string what = to_string(address_) + ": " + doing + ": ";
     if (const auto fault = frame_fault(frame); !fault.empty()) return LinkFailure{LinkFailure::Kind::other, what + fault};
     const std::size_t header = serial() ? 1 : 7;

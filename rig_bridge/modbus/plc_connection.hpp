@@ -3,13 +3,14 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "rig_bridge/modbus/modbus_context.hpp"
 #include "rig_bridge/modbus/plc_address.hpp"
+#include "rig_bridge/modbus/plc_line.hpp"
 #include "rig_bridge/rig/register_map.hpp"
 
 namespace rig::modbus {
@@ -22,10 +23,8 @@ struct LinkFailure {
 
 class PlcConnection {
   public:
-    /// Throws std::invalid_argument for an address, or a serial line, that libmodbus cannot use.
-    PlcConnection(const RegisterMap& map, PlcAddress address);
+    PlcConnection(const RegisterMap& map, PlcAddress address, std::unique_ptr<PlcLine> line);
 
-    /// On a serial line also waits until it has been quiet for the response time-out.
     [[nodiscard]] std::optional<LinkFailure> open();
     void close();
     [[nodiscard]] bool is_open() const { return open_; }
@@ -35,16 +34,12 @@ class PlcConnection {
     [[nodiscard]] std::optional<LinkFailure> write(std::uint16_t address, std::span<const std::uint16_t> words);
 
   private:
-    void limit(std::chrono::milliseconds timeout);
-    /// False when bytes keep coming.
-    [[nodiscard]] bool wait_until_quiet() const;
     /// Sends a PDU and waits for its answer, which is then in answer_. The link is closed where that fails.
     [[nodiscard]] std::optional<LinkFailure> ask(const std::string& doing, std::span<const std::uint8_t> pdu);
     [[nodiscard]] std::optional<LinkFailure> asked(const std::string& doing, std::span<const std::uint8_t> pdu);
-    [[nodiscard]] bool send(std::span<const std::uint8_t> pdu);
+    [[nodiscard]] int send(std::span<const std::uint8_t> pdu);
     [[nodiscard]] std::string frame_fault(std::span<const std::uint8_t> frame) const;
-    /// By errno.
-    [[nodiscard]] LinkFailure failure(const std::string& doing, std::chrono::milliseconds timeout) const;
+    [[nodiscard]] LinkFailure failure(int number, const std::string& doing, std::chrono::milliseconds timeout) const;
     [[nodiscard]] std::optional<LinkFailure> read(std::uint8_t function, const std::string& doing, std::uint16_t address,
                                                   std::span<std::uint16_t> words);
     [[nodiscard]] bool serial() const { return std::holds_alternative<SerialDevice>(address_); }
@@ -52,7 +47,7 @@ class PlcConnection {
     PlcAddress address_;
     LinkTimes times_;
     std::uint8_t unit_;
-    ModbusContext context_;
+    std::unique_ptr<PlcLine> line_;
     bool open_ = false;
     std::uint16_t transaction_ = 0;
     std::vector<std::uint8_t> answer_;  // PDU

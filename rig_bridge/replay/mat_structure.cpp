@@ -122,7 +122,8 @@ std::uint32_t number(std::span<const unsigned char> four, bool big_endian) {
 class Variable {
   public:
     /// `place`: where `bytes` begin, for messages.
-    Variable(MatBytes& bytes, bool big_endian, std::string place) : bytes_(bytes), big_endian_(big_endian), place_(std::move(place)) {}
+    Variable(MatBytes& bytes, bool inflated, bool big_endian, std::string place)
+        : bytes_(bytes), inflated_(inflated), big_endian_(big_endian), place_(std::move(place)) {}
 
     void check(std::uint64_t size) { check_matrix(size, 1); }
 
@@ -205,12 +206,15 @@ class Variable {
         if (left != 0) fail(fmt::format("{} bytes are left over after the variable", left));
     }
 
-    /// A table, string or datetime: of no known order within but for what it begins with. In one that is a part matio takes its
-    /// name for dimensions and what follows for the name.
+    /// A table, string or datetime: of no known order within but for what it begins with. In one that is a part, or not compressed, matio
+    /// takes the tag of its name for that of dimensions, and what follows for the name.
     void check_object(std::uint64_t left, int depth) {
-        if (depth > 1) {
+        if (depth > 1 || !inflated_) {
             const Tag name = next_tag(left);
-            if (name.type != Type::int8 || name.size != 0) fail("expected the empty name of an object that is part of another variable");
+            if (depth > 1 && (name.type != Type::int8 || name.size != 0))
+                fail("expected the empty name of an object that is part of another variable");
+            if (name.type != Type::int8) fail("expected a name");
+            if (!name.is_small && name.size != 0) fail("an object with a name of more than 4 letters, not compressed; expected it saved with -v7");
         }
         check_name(left);
         if (!bytes_.skip(left)) fail(fmt::format("an object of {} bytes; the file ends before", left));
@@ -287,6 +291,7 @@ class Variable {
     }
 
     MatBytes& bytes_;
+    bool inflated_;
     bool big_endian_;
     std::string place_;
     std::uint64_t at_ = 0;
@@ -304,12 +309,12 @@ void check_version_5(const std::string& name, std::span<const unsigned char> fil
         const auto data = rest.subspan(8, size);
         if (type == Type::compressed) {
             InflatedBytes bytes(data);
-            Variable variable(bytes, big_endian, byte + ", inflated byte");
+            Variable variable(bytes, true, big_endian, byte + ", inflated byte");
             if (variable.next_number() != Type::matrix) variable.fail("expected a variable");
             variable.check(variable.next_number());
         } else if (type == Type::matrix) {
             PlainBytes bytes(data);
-            Variable(bytes, big_endian, byte + ", its byte").check(size);
+            Variable(bytes, false, big_endian, byte + ", its byte").check(size);
         } else {
             throw std::runtime_error(fmt::format("{}: an element of type {}; expected a variable", byte, type));
         }

@@ -9,7 +9,7 @@ for verb in setup build demo test lab vcan bench package check; do
     check "the overview names $verb" grep -q "./rig $verb" <<<"$("$rig")"
 done
 
-for name in faults soak fuzz mutate pil debian qemu; do
+for name in faults soak fuzz mutate mcdc pil debian qemu; do
     text=$("$rig" check "$name" --help)
     expect "check $name --help succeeds" $? 0
     check "check $name --help has an example" grep -q "./rig check $name" <<<"$text"
@@ -25,7 +25,7 @@ refused() { # STATUS TEXT ARGS...
 }
 refused 2 "there is no 'frobnicate'" frobnicate
 refused 2 "there is no 'biuld'; did you mean 'build'?" biuld
-for name in faults soak fuzz mutate pil debian qemu; do
+for name in faults soak fuzz mutate mcdc pil debian qemu; do
     refused 2 "'$name' is ./rig check $name now" "$name" --help
 done
 refused 2 "there is no 'soka'; did you mean 'soak'?" check soka
@@ -55,6 +55,6 @@ completed() { # WORD...: what completion offers for the next one
         "$(dirname "$rig")/firmware/host/package/completion.bash" "$rig" "$@" | paste -sd ' '
 }
 check "completion offers the verbs" test "$(completed)" = "setup build demo test lab vcan bench package check"
-check "completion offers the checks" test "$(completed check)" = "faults soak fuzz mutate pil debian qemu"
+check "completion offers the checks" test "$(completed check)" = "faults soak fuzz mutate mcdc pil debian qemu"
 check "completion offers the presets" grep -q "release clang coverage" <<<"$(completed build)"
 check "completion offers the rooms of tests" grep -qw control <<<"$(completed test)"

@@ -6,10 +6,6 @@ import shutil
 import subprocess
 import sys
 
-import clang.cindex as clang
-
-import sites
-
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WORK = ROOT / "build/mutation"
 TREE = WORK / "tree"
@@ -29,6 +25,10 @@ def write(target, text):
 
 def rewrite():
     """Every mutant, and the files they are in; the rewritten ones are in TREE, whose other files are links."""
+    # Here, since `--help` has to work where python3-clang is not installed.
+    import clang.cindex as clang
+    import sites
+
     mutants, rewriters = [], {}
     for room in ROOMS:
         for path in sorted((ROOT / room).glob("*.[ch]pp")):

@@ -159,6 +159,9 @@ TEST_CASE("so is one within a struct, a cell, a sparse matrix or what is compres
     const std::string object = with_word(seed("struct"), 224, 17);
     CHECK_THAT(rejection(with_word(object, 236, 0xFFFD0008)),
                ContainsSubstring("r.mat: byte 128, its byte 104: expected the empty name of an object"));
+    // One with a name of 8 letters, not compressed, whose letters matio reads as the length of the name: 2.8 GB.
+    const std::string opaque = with_word(with_word(with_word(seed("double"), 144, 17), 152, 1), 160, 1);
+    CHECK_THAT(rejection(with_word(opaque, 164, 0xA6000003)), ContainsSubstring("an object with a name of more than 4 letters, not compressed"));
     CHECK_THAT(rejection(""), ContainsSubstring("cannot be read as a MATLAB file"));
 }
 
