@@ -105,7 +105,8 @@ std::vector<wear::Campaign> load_campaigns(const std::vector<std::filesystem::pa
 }
 
 void PopulationOptions::add_to(CLI::App& verb) {
-    auto* const given = settings::existing_file(verb.add_option("--model", model, "population.json of `wear population`, or model.json of `wear fit`"));
+    auto* const given =
+        settings::existing_file(verb.add_option("--model", model, "population.json of `wear population`, or model.json of `wear fit`"));
     verb.add_flag("--assume-made-up", assume_made_up, "go by config/wear/population.json, which is made up: for demonstrations")->excludes(given);
 }
 

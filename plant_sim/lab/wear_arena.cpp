@@ -70,11 +70,10 @@ std::string by_law(const std::vector<wear::arena::Law>& laws, const std::vector<
 }
 
 std::string watch_table(const std::vector<wear::arena::Law>& laws, const std::vector<wear::arena::WatchScore>& watch) {
-    auto table = settings::TextTable::screen(
-        "found within 25:>16|10 %:>8.2f|5 %:>8.2f|false:>8.3f|difference 10 %:>18.2f|5 %:>8.2f|false:>8.3f");
+    auto table = settings::TextTable::screen("found within 25:>16|10 %:>8.2f|5 %:>8.2f|false:>8.3f|difference 10 %:>18.2f|5 %:>8.2f|false:>8.3f");
     for (std::size_t i = 0; i < laws.size(); ++i)
-        table.add(wear::arena::kLawNames.at(static_cast<std::size_t>(laws[i])), watch[i].watch.glazing_10, watch[i].watch.glazing_5, watch[i].watch.healthy,
-                  watch[i].difference.glazing_10, watch[i].difference.glazing_5, watch[i].difference.healthy);
+        table.add(wear::arena::kLawNames.at(static_cast<std::size_t>(laws[i])), watch[i].watch.glazing_10, watch[i].watch.glazing_5,
+                  watch[i].watch.healthy, watch[i].difference.glazing_10, watch[i].difference.glazing_5, watch[i].difference.healthy);
     return table.text();
 }
 
@@ -89,7 +88,8 @@ Json json_of(const Scores& scores) {
         Json& one = out[wear::arena::kEntrantNames.at(e)] = {{"crps", s.crps}, {"log_score", s.log_score}, {"pit_distance", s.pit}};
         if (!s.forecasts) continue;
         for (const wear::arena::LeftScore& k : s.left)
-            one["landings_left"].push_back({{"asked", k.asked}, {"coverage", k.held}, {"width_landings", k.width}, {"crps_landings", k.crps}, {"skill", k.skill}});
+            one["landings_left"].push_back(
+                {{"asked", k.asked}, {"coverage", k.held}, {"width_landings", k.width}, {"crps_landings", k.crps}, {"skill", k.skill}});
     }
     return out;
 }
@@ -135,11 +135,13 @@ struct ArenaCommand {
         };
         json["within_laws"] = json_of(result.within);
         json["within_laws_by_law"] = laws_json(result.within_by_law);
-        print_table(json_file, "Within laws, {} lives of each, {} to learn from; {}:\n{}", lives, training_lives, kMadeUp, table_of(result.within) + by_law(plan.laws, result.within_by_law));
+        print_table(json_file, "Within laws, {} lives of each, {} to learn from; {}:\n{}", lives, training_lives, kMadeUp,
+                    table_of(result.within) + by_law(plan.laws, result.within_by_law));
         if (result.across) {
             json["across_laws"] = json_of(*result.across);
             json["across_laws_by_law"] = laws_json(result.across_by_law);
-            print_table(json_file, "Across laws, trained on each other law in turn:\n{}", table_of(*result.across) + by_law(plan.laws, result.across_by_law));
+            print_table(json_file, "Across laws, trained on each other law in turn:\n{}",
+                        table_of(*result.across) + by_law(plan.laws, result.across_by_law));
         }
         for (std::size_t i = 0; i < plan.laws.size(); ++i)
             json["watch_by_law"][wear::arena::kLawNames.at(static_cast<std::size_t>(plan.laws[i]))] = {

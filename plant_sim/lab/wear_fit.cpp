@@ -50,8 +50,8 @@ struct FitCommand {
         if (!origin.empty()) data.origin = origin;
         const wear::Fit fit = wear::fit(data, settings, {threads, {}, step_progress("EM runs")});
         const wear::Model model = wear::model_of(data, fit, settings);
-        print_table(json_file, "{}\nLearnt from a brake {}. Between {:.3f} and {:.3f} MJ the model has seen data; {}.\n", table_of(fit, model), model.data.origin, model.data.first_c_e_J * 1e-6,
-                    model.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);
+        print_table(json_file, "{}\nLearnt from a brake {}. Between {:.3f} and {:.3f} MJ the model has seen data; {}.\n", table_of(fit, model),
+                    model.data.origin, model.data.first_c_e_J * 1e-6, model.data.last_c_e_J * 1e-6, wear::kHowItExtrapolates);
         if (fit.best().components == settings.max_components && settings.max_components > 1)
             print_table(json_file, "The least BIC is at the most components allowed: the best order may lie beyond.\n");
         keep_json(out / "model.json", json_file, wear::to_json(model));

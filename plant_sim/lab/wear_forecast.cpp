@@ -47,8 +47,9 @@ std::string text_of(const wear::Forecast& f, const wear::ForecastSettings& setti
     text += fmt::format("Landings left, {:.3f} MJ each on average:\n{}", energy_J * 1e-6, table.text());
     constexpr double kDoubtful = 0.5;
     if (f.alike < kDoubtful)
-        text += fmt::format("This brake does not go as those did (of their kind with a probability of {:.0f} %): it is given their lives, and little else.\n",
-                            100.0 * f.alike);
+        text += fmt::format(
+            "This brake does not go as those did (of their kind with a probability of {:.0f} %): it is given their lives, and little else.\n",
+            100.0 * f.alike);
     if (f.crossed_ever < 1.0)
         fmt::format_to(std::back_inserter(text), "{} within the horizon of {} landings with a probability of {:.0f} %.\n",
                        f.never_crosses() ? "Not crossed" : "Crossed", settings.horizon,
@@ -113,8 +114,8 @@ struct ForecastCommand {
         wear::LandingsForecast brake(file.population);
         const std::size_t n = recorded.points.size();
         for (std::size_t i = last == 0 || last >= n ? 0 : n - last; i < n; ++i) brake.learn(recorded.points[i]);
-        const wear::Forecast f = method == "filter" ? wear::forecast(brake.filter(), recorded.points.back().c_e_J, to_come, settings)
-                                                    : brake.forecast(to_come, settings);
+        const wear::Forecast f =
+            method == "filter" ? wear::forecast(brake.filter(), recorded.points.back().c_e_J, to_come, settings) : brake.forecast(to_come, settings);
         print_table(json_file, "By brakes {}.\n{}", file.population.provenance.sentence(), text_of(f, settings, to_come));
         Json json = head(file);
         json["data_hash"] = wear::data_hash(recorded);
@@ -187,7 +188,11 @@ struct ForecastCommand {
         return pooled >= 0.7 && pooled <= 0.9 ? 0 : 1;
     }
     [[nodiscard]] Json head(const wear::PopulationFile& file) const {
-        Json json{{"version", ANTISKID_VERSION}, {"seed", settings.seed}, {"model_hash", file.hash}, {"learnt_from", wear::json_of(file.population.provenance)}, {"limit", settings.limit}};
+        Json json{{"version", ANTISKID_VERSION},
+                  {"seed", settings.seed},
+                  {"model_hash", file.hash},
+                  {"learnt_from", wear::json_of(file.population.provenance)},
+                  {"limit", settings.limit}};
         if (!files_.empty()) json["config_hash"] = settings::hash(files_);
         return json;
     }
@@ -215,9 +220,9 @@ LabVerb wear_forecast_verb(CLI::App& wear) {
         ->check(CLI::Range(0.0, 0.99))
         ->capture_default_str();
     verb->add_option("--energy", f->energy_MJ, "MJ of each landing to come, instead")->check(CLI::Range(1e-4, 1e3))->excludes(mix);
-    settings::one_of(verb->add_option("--method", f->method,
-                                      "shipped: filter, past lives and calibration; filter: what the brake's own friction says, alone"),
-                     {"shipped", "filter"})
+    settings::one_of(
+        verb->add_option("--method", f->method, "shipped: filter, past lives and calibration; filter: what the brake's own friction says, alone"),
+        {"shipped", "filter"})
         ->capture_default_str();
     verb->add_option("--last", f->last, "learn from the newest N maneuvers only; 0: all")->capture_default_str();
     verb->add_option("--horizon", f->settings.horizon, "landings")->check(CLI::Range(1, 1'000'000))->capture_default_str();

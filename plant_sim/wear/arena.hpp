@@ -25,10 +25,10 @@ constexpr std::size_t kTenths = 9;  ///< asked at 10 to 90 % of life
 
 struct LeftScore {
     std::size_t asked = 0;
-    double held = 0.0;     ///< share of truths in the 10 to 90 % interval
-    double width = 0.0;    ///< of it, landings, mean
-    double crps = 0.0;     ///< mean, landings
-    double skill = 0.0;    ///< CRPS gained on past lives, over what the oracle gains
+    double held = 0.0;   ///< share of truths in the 10 to 90 % interval
+    double width = 0.0;  ///< of it, landings, mean
+    double crps = 0.0;   ///< mean, landings
+    double skill = 0.0;  ///< CRPS gained on past lives, over what the oracle gains
 };
 
 struct Score {
@@ -51,8 +51,8 @@ struct Plan {
 
 using Scores = std::array<Score, kEntrantNames.size()>;
 struct Result {
-    Scores within;                 ///< trained on the judged law
-    std::optional<Scores> across;  ///< trained on each other law in turn; none: one law
+    Scores within;                                     ///< trained on the judged law
+    std::optional<Scores> across;                      ///< trained on each other law in turn; none: one law
     std::vector<Scores> within_by_law, across_by_law;  ///< by the judged law, in the plan's order
     std::vector<WatchScore> watch;                     ///< by law; none unless the plan asks
 };

@@ -8,8 +8,8 @@
 namespace wear::arena {
 
 struct Found {
-    double healthy = 0.0;    ///< share of healthy lives called abnormal
-    double glazing_10 = 0.0; ///< share of lives with glazing of 10 % found within kSoon landings of its begin
+    double healthy = 0.0;     ///< share of healthy lives called abnormal
+    double glazing_10 = 0.0;  ///< share of lives with glazing of 10 % found within kSoon landings of its begin
     double glazing_5 = 0.0;
 };
 struct WatchScore {

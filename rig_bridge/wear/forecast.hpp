@@ -53,11 +53,11 @@ struct Forecast {
     std::array<std::optional<int>, 3> landings_left{};
     /// The c_e at which that happens, likewise.
     std::array<std::optional<double>, 3> crossing_J{};
-    std::vector<double> landings;   ///< of every draw, rising; infinite: beyond the horizon
+    std::vector<double> landings;    ///< of every draw, rising; infinite: beyond the horizon
     std::vector<double> energies_J;  ///< the c_e at which that happens, likewise
     double alike = 1.0;              ///< probability that the brake is of the population's kind, where that was asked
-    double extrapolated = 0.0;  ///< share of the draws that had to go beyond the member's data before they crossed or ended
-    std::vector<FanPoint> fan;  ///< from now to a little beyond the 90 % crossing (or the horizon)
+    double extrapolated = 0.0;       ///< share of the draws that had to go beyond the member's data before they crossed or ended
+    std::vector<FanPoint> fan;       ///< from now to a little beyond the 90 % crossing (or the horizon)
 
     [[nodiscard]] bool already_crossed() const { return crossed_now >= 0.5; }
     [[nodiscard]] bool never_crosses() const { return crossed_ever < 0.5; }  ///< within the horizon, more likely than not

@@ -77,7 +77,7 @@ class HealthMonitor {
     double high_ = 0.0;
     double before_ = 0.0;  // z of the maneuver before
     bool steady_ = false;
-    double own_variance_;  // of what is new in each maneuver, from differences of neighbours
+    double own_variance_;    // of what is new in each maneuver, from differences of neighbours
     double friction_ = 0.0;  // of the maneuver before
     double first_J_ = 0.0;
     std::deque<Expected> ahead_;

@@ -11,7 +11,7 @@ namespace wear {
 namespace {
 
 constexpr double kLifeAhead = 0.05;  // of a life
-constexpr double kKept = 0.985;   // of the misfit, from one maneuver to the next
+constexpr double kKept = 0.985;      // of the misfit, from one maneuver to the next
 constexpr double kMaxSquare = 25.0;
 
 double median_end_J(const Population& population) {

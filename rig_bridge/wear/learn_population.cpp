@@ -111,8 +111,7 @@ struct Asked {
 };
 
 /// Each brake given the curves of the others. A life ends where the brake's own curve is below the limit.
-std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, const Population& all,
-                                unsigned threads) {
+std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, const Population& all, unsigned threads) {
     double longest_J = 0.0;
     for (const MeanCurve& c : all.members) longest_J = std::max(longest_J, c.last_J());
     // Energy counts here, not landings: fewer and larger ones than in any use cost nothing but resolution.
@@ -136,7 +135,7 @@ std::vector<Asked> ask_left_out(const std::vector<Campaign>& campaigns, const st
                 if (p.c_e_J < 0.1 * tenths * truth_J) continue;
                 Forecast f = forecast(brake.filter(), p.c_e_J, mix, ask);
                 by_brake[k].push_back({p.c_e_J, truth_J, std::log(brake.misfit()), brake.alike(), std::move(f.energies_J),
-                               past_lives_J(past, p.c_e_J, static_cast<std::size_t>(settings.draws))});
+                                       past_lives_J(past, p.c_e_J, static_cast<std::size_t>(settings.draws))});
                 if (++tenths > 9) break;
             }
         }
@@ -187,8 +186,7 @@ double weighted_quantile(std::vector<std::pair<double, double>> weighed, double 
 }
 
 /// Spread of the energy scale and fading of evidence by what forecasts lose, then what those say about brakes that were left out.
-void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, Population& population,
-                        unsigned threads) {
+void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vector<double>& limits, Population& population, unsigned threads) {
     Spread best = population.spread;
     double least = std::numeric_limits<double>::infinity();
     for (const double log_energy_scale : {0.02, 0.06, 0.15}) {
@@ -215,16 +213,15 @@ void calibrate_forecast(const std::vector<Campaign>& campaigns, const std::vecto
     for (std::size_t k = 0; k < out.widening.size(); ++k) {
         constexpr double kMaxWidening = 5.0;
         std::vector<std::pair<double, double>> near;
-        for (const Asked& a : asked)
-            near.emplace_back(a.stretch({ForecastCalibration::at(out.filter, a.share()), a.alike, 1.0}), nearness(a, k));
+        for (const Asked& a : asked) near.emplace_back(a.stretch({ForecastCalibration::at(out.filter, a.share()), a.alike, 1.0}), nearness(a, k));
         // No brake more is counted, as split conformal prediction does: those left out had one life less to learn from than the next one has.
-        out.widening.at(k) = std::min(kMaxWidening, weighted_quantile(std::move(near), 0.8));
+        // Never narrower: that brakes left out lay nearer than foretold may be chance.
+        out.widening.at(k) = std::clamp(weighted_quantile(std::move(near), 0.8), 1.0, kMaxWidening);
     }
 }
 
 /// From `healthy` campaigns of other brakes; where there are none from the campaigns themselves, each given the curves of the others.
-HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::vector<Campaign>& healthy, const Population& all,
-                           unsigned threads) {
+HealthLimits health_limits(const std::vector<Campaign>& campaigns, const std::vector<Campaign>& healthy, const Population& all, unsigned threads) {
     const std::vector<Campaign>& watched = healthy.empty() ? campaigns : healthy;
     std::vector<HealthLimits> greatest(watched.size());
     run_jobs(threads, watched.size(), [&](std::size_t k) {

@@ -75,9 +75,9 @@ struct SteadyStage {
 
 /// What forecasts of landings left showed on brakes of the population that were left out of the learning (landings_forecast.hpp).
 struct ForecastCalibration {
-    double log_misfit = 0.0;        ///< mean of the logarithm of LandingsForecast::misfit()
-    double misfit_deviation = 0.0;  ///< its standard deviation; 0: not known
-    using Tenths = std::array<double, 9>;  ///< at 10 to 90 % of life; between them a straight line
+    double log_misfit = 0.0;                                       ///< mean of the logarithm of LandingsForecast::misfit()
+    double misfit_deviation = 0.0;                                 ///< its standard deviation; 0: not known
+    using Tenths = std::array<double, 9>;                          ///< at 10 to 90 % of life; between them a straight line
     Tenths filter{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};    ///< weight of the filter's quantiles beside those of past lives
     Tenths widening{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  ///< factor of the distance from the median, for 80 % of lives in the interval
     bool operator==(const ForecastCalibration&) const = default;
@@ -85,7 +85,7 @@ struct ForecastCalibration {
 };
 
 struct Population {
-    std::string source;         ///< for people
+    std::string source;  ///< for people
     Provenance provenance;
     std::vector<Model> models;  ///< of brakes that were worn out, at least one
     Scatter scatter;
@@ -95,8 +95,8 @@ struct Population {
     ForecastCalibration calibration;
     std::vector<MeanCurve> members;  ///< the models' curves
     bool operator==(const Population& other) const {
-        return source == other.source && provenance == other.provenance && models == other.models && scatter == other.scatter && spread == other.spread && limits == other.limits && steady == other.steady &&
-               calibration == other.calibration;
+        return source == other.source && provenance == other.provenance && models == other.models && scatter == other.scatter &&
+               spread == other.spread && limits == other.limits && steady == other.steady && calibration == other.calibration;
     }
 };
 

@@ -28,10 +28,10 @@ struct Braking {
 };
 
 struct Campaign {
-    std::string source;               ///< where it was read, for people
-    std::vector<Point> points;        ///< in the order of the maneuvers
-    std::vector<Braking> brakings{};  ///< one a point where they were recorded, else none
-    std::string brake{}, disc{};      ///< serial numbers; empty: not known
+    std::string source;                   ///< where it was read, for people
+    std::vector<Point> points;            ///< in the order of the maneuvers
+    std::vector<Braking> brakings{};      ///< one a point where they were recorded, else none
+    std::string brake{}, disc{};          ///< serial numbers; empty: not known
     std::string origin = kUnknownOrigin;  ///< provenance.hpp
     bool operator==(const Campaign&) const = default;
 };
