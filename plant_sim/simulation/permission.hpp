@@ -1,0 +1,33 @@
+/// Whether the controller has been told that it may brake, by the frames that have reached it whole.
+#pragma once
+
+#include <optional>
+
+#include "firmware/can/observer.hpp"
+
+namespace plant_sim::simulation {
+
+class Permission {
+  public:
+    explicit Permission(const antiskid::can::Layout& layout) : layout_(layout), heard_(layout) {}
+
+    void accept(const antiskid::can::Frame& frame) {
+        const auto role = heard_->accept(frame);
+        if (role == antiskid::can::Role::emergency_stop) stopped_ = true;
+        if (role != antiskid::can::Role::maneuver) return;
+        const bool arm = heard_->view().maneuver.arm;
+        if (!arm) stopped_ = false;
+        if (arm && !stopped_) granted_ = frame.received;
+    }
+    /// A program at one of the two ends starts anew, and takes or begins any alive counter.
+    void forget() { heard_.emplace(layout_); }
+    [[nodiscard]] antiskid::control::Time granted() const { return granted_; }
+
+  private:
+    const antiskid::can::Layout& layout_;
+    std::optional<antiskid::can::Observer> heard_;
+    bool stopped_ = false;
+    antiskid::control::Time granted_{0};
+};
+
+}  // namespace plant_sim::simulation

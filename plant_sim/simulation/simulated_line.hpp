@@ -1,0 +1,56 @@
+/// The line from the bridge's Modbus client to the PLC's registers, in memory, on a simulated clock: the same frames as over TCP.
+///
+/// An answer that does not come costs no time here. The client would have waited for it: until `busy_until` it is not to be asked again.
+#pragma once
+
+#include <array>
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "firmware/host/settings/file_descriptor.hpp"
+#include "rig_bridge/modbus/command_tracker.hpp"
+#include "rig_bridge/modbus/modbus_context.hpp"
+#include "rig_bridge/modbus/plc_line.hpp"
+#include "rig_bridge/modbus/register_bank.hpp"
+#include "rig_bridge/wear/draw.hpp"
+
+namespace plant_sim::simulation {
+
+/// `request_lost`, `answer_lost`: the PLC does not, or does, act on it. `answer_damaged`: a bit of its header or function code.
+enum class RequestFault : std::uint8_t { request_lost, answer_lost, answer_damaged, request_doubled };
+inline constexpr std::size_t kRequestFaults = 4;
+
+/// What the cell and the client's line share, also across clients.
+struct LineState {
+    std::array<double, kRequestFaults> shares{};  ///< of the requests that suffer each
+    bool reachable = true;
+    rig::modbus::ClockTime now{};
+    rig::modbus::ClockTime busy_until{};
+    std::array<std::uint64_t, kRequestFaults> struck{};
+};
+
+class SimulatedLine final : public rig::modbus::PlcLine {
+  public:
+    /// All but `times` must outlive it. Throws std::system_error when the process has no descriptor left.
+    SimulatedLine(rig::modbus::RegisterBank& bank, const rig::LinkTimes& times, LineState& state, wear::Generator& draw);
+
+    [[nodiscard]] int open() override;
+    void close() override { arrived_.clear(); }
+    [[nodiscard]] int send(std::span<const std::uint8_t> frame) override;
+    [[nodiscard]] int receive(std::span<std::uint8_t, kMaxFrame> frame, std::size_t& size) override;
+
+  private:
+    [[nodiscard]] bool strikes(RequestFault fault);
+    void answer(std::span<const std::uint8_t> request);
+
+    rig::modbus::RegisterBank& bank_;
+    rig::LinkTimes times_;
+    LineState& state_;
+    wear::Generator& draw_;
+    rig::modbus::ModbusContext context_;
+    std::array<settings::FileDescriptor, 2> pair_;  // libmodbus answers into the first
+    std::deque<std::vector<std::uint8_t>> arrived_;
+};
+
+}  // namespace plant_sim::simulation

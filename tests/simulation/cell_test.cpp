@@ -1,0 +1,121 @@
+#include <fmt/core.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/can/roles.hpp"
+#include "plant_sim/simulation/cell_campaign.hpp"
+#include "tests/catch.hpp"
+
+using plant_sim::simulation::CellFault;
+using plant_sim::simulation::CellOutcome;
+using plant_sim::simulation::CellSetup;
+using plant_sim::simulation::faults_of;
+using plant_sim::simulation::PlannedFault;
+using plant_sim::simulation::run_cell_campaign;
+
+namespace {
+
+const CellSetup& sound() {
+    static const CellSetup setup = plant_sim::simulation::load_cell_setup("config");
+    return setup;
+}
+
+struct Bug {
+    std::string name;
+    CellSetup setup;
+};
+
+template <typename Change>
+Bug bug(std::string name, const Change& change) {
+    Bug made{.name = std::move(name), .setup = sound()};
+    change(made.setup);
+    return made;
+}
+
+constexpr double kNever_s = 1e6;
+
+std::vector<Bug> bugs() {
+    return {
+        bug("controller believes an old maneuver command", [](CellSetup& s) { s.controller.monitor.maneuver_max_age_s = 10.0F; }),
+        bug("PLC without a watchdog for the bridge", [](CellSetup& s) { s.machinery.watchdog_s = kNever_s; }),
+        bug("client's watchdog moves whether or not the main loop does", [](CellSetup& s) { s.loop_proves_life = false; }),
+        bug("bridge believes stale registers", [](CellSetup& s) { s.bridge.limits.registers_s = s.bridge.limits.watchdog_s = kNever_s; }),
+        bug("bridge believes old frames of the controller",
+            [](CellSetup& s) { s.bridge.limits.controller_s = s.bridge.limits.sensors_s = kNever_s; }),
+        bug("bridge does not lead a tripped PLC back", [](CellSetup& s) { s.resets = false; }),
+        bug("a bridge that starts again goes on with the next maneuver", [](CellSetup& s) { s.goes_on = false; }),
+        bug("frames without CRC and counter",
+            [](CellSetup& s) {
+                for (const antiskid::can::Role role : antiskid::can::kEveryRole) s.bridge.layout[role].protection = {};
+            }),
+        bug("interlocks that the PLC does not look at", [](CellSetup& s) { s.interlocks_trip = false; }),
+    };
+}
+
+/// The first seed that finds it.
+std::optional<std::uint64_t> found(const CellSetup& setup) {
+    constexpr std::uint64_t kSeeds = 500;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed)
+        if (!run_cell_campaign(setup, seed, faults_of(seed)).violations.empty()) return seed;
+    return std::nullopt;
+}
+
+}  // namespace
+
+TEST_CASE("whatever fails in a cell, no brake without permission, no machine against an interlock, and the campaign ends", "[BRG-702]") {
+    CellOutcome sum;
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+        const CellOutcome outcome = run_cell_campaign(sound(), seed, faults_of(seed));
+        INFO("rig-lab simulate --failing cell --campaigns 1 --trace --seed " << seed);
+        for (const std::string& violation : outcome.violations) UNSCOPED_INFO(violation);
+        CHECK(outcome.violations.empty());
+        sum += outcome;
+    }
+    CHECK(sum.finished > 60);
+    CHECK(sum.attempts > sum.finished);
+    CHECK(sum.frames_struck > 1000);
+    CHECK(sum.requests_struck > 100);
+    CHECK(sum.aborts.size() > 5);
+}
+
+TEST_CASE("without a fault each maneuver of a cell finishes at its first attempt", "[BRG-702]") {
+    const CellOutcome outcome = run_cell_campaign(sound(), 1, {});
+    CHECK(outcome.violations.empty());
+    CHECK(outcome.attempts == outcome.finished);
+    CHECK(outcome.frames_struck + outcome.requests_struck == 0);
+}
+
+TEST_CASE("the same seed is the same campaign of a cell", "[BRG-702]") {
+    const auto traced = [](std::uint64_t seed) {
+        std::vector<std::string> lines;
+        (void)run_cell_campaign(sound(), seed, faults_of(seed), [&](const std::string& line) { lines.push_back(line); });
+        return lines;
+    };
+    CHECK(traced(1).size() > 20);
+    CHECK(traced(1) == traced(1));
+    CHECK(traced(1) != traced(2));
+}
+
+TEST_CASE("each mistake of the programs in a cell is found", "[BRG-702]") {
+    for (const Bug& one : bugs()) {
+        INFO(one.name);
+        const auto seed = found(one.setup);
+        fmt::print("{:64} {}\n", one.name, seed ? fmt::format("seed {}", *seed) : "not found");
+        CHECK(seed.has_value());
+    }
+}
+
+TEST_CASE("of what fails in a cell just what it takes is left", "[BRG-702]") {
+    const CellSetup setup = bug("", [](CellSetup& s) { s.machinery.watchdog_s = kNever_s; }).setup;
+    constexpr std::uint64_t kSeed = 28;
+    std::vector<PlannedFault> faults = faults_of(kSeed);
+    faults.push_back({.fault = CellFault::interlock_open, .phase = rig::Phase::cool_down, .lasts_s = 0.1});
+    const std::vector<PlannedFault> fewest = plant_sim::simulation::fewest_faults(setup, kSeed, faults);
+    REQUIRE(fewest.size() == 1);
+    CHECK(fewest[0].fault == CellFault::plc_unreachable);
+    CHECK(fewest[0].lasts_s < 1.0);
+    CHECK_FALSE(run_cell_campaign(setup, kSeed, fewest).violations.empty());
+    CHECK(run_cell_campaign(sound(), kSeed, fewest).violations.empty());
+}
